@@ -1,0 +1,1 @@
+//! JSON with places: spans, quantities and units, checked maps, canonical form, hashes, diagnostics.

@@ -1,0 +1,175 @@
+//! Measurements, resolved: SI units, one row a phase or an instant, one column a sensor.
+
+use crate::random::Distribution;
+
+/// A number that is known, or has a prior and is inferred.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Uncertain {
+    /// Known, SI.
+    Known(f64),
+    /// Inferred under this prior, SI.
+    Inferred(Distribution),
+}
+
+impl Uncertain {
+    /// The known value, or the prior's median.
+    pub fn nominal(&self) -> f64 {
+        match self {
+            Self::Known(value) => *value,
+            Self::Inferred(prior) => prior.quantile(0.5),
+        }
+    }
+}
+
+/// A sensor: what it measures and how well.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sensor {
+    /// Name, the column of the data.
+    pub name: String,
+    /// Index of the measured quantity in the model's list.
+    pub quantity: usize,
+    /// Unit of the readings as written, for people.
+    pub unit: String,
+    /// Standard deviation of the noise, SI.
+    pub sigma: Option<Uncertain>,
+    /// Additive error of the sensor, SI.
+    pub bias: Option<Uncertain>,
+    /// Time constant of the sensor, s.
+    pub lag_s: Option<Uncertain>,
+    /// Correlation time of the noise, s; `None`: white.
+    pub correlation_time_s: Option<Uncertain>,
+}
+
+/// Values of one input over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InputColumn {
+    /// Index of the input in the model's list.
+    pub input: usize,
+    /// One value a row of the table, SI.
+    pub values: Vec<f64>,
+    /// Constant from each row to the next (a step) instead of linear between rows.
+    pub hold: bool,
+}
+
+/// Inputs over time: the columns given, and fixed values for the others.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct InputTable {
+    /// Instants, s, strictly increasing.
+    pub times_s: Vec<f64>,
+    /// Inputs that vary.
+    pub columns: Vec<InputColumn>,
+    /// Value of every input of the model, SI; overridden by the columns.
+    pub base: Vec<f64>,
+}
+
+/// How a transient begins.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Initial {
+    /// Temperature of every node (boundaries' entries are ignored), K.
+    Temperatures(Vec<Uncertain>),
+    /// The steady state at the first row's inputs.
+    Steady,
+    /// The periodic state of the inputs' cycle.
+    Periodic,
+}
+
+/// A phase of a steady measurement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Phase {
+    /// Name.
+    pub name: String,
+    /// Value of every input of the model, SI.
+    pub inputs: Vec<f64>,
+    /// Kept from every fit.
+    pub held_out: bool,
+    /// Why it is left out altogether.
+    pub ignored: Option<String>,
+    /// How steady it was, where a time series was given.
+    pub stabilisation: Option<Stabilisation>,
+}
+
+/// What a window of a time series says about steadiness, by sensor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stabilisation {
+    /// Window, s.
+    pub from_s: f64,
+    /// Window, s.
+    pub to_s: f64,
+    /// Slope of each sensor, SI unit a second.
+    pub slopes: Vec<Option<f64>>,
+    /// Standard error of each slope.
+    pub slope_errors: Vec<Option<f64>>,
+}
+
+/// Steady phases or a transient.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Rows {
+    /// One row a phase.
+    Steady(Vec<Phase>),
+    /// One row an instant.
+    Transient {
+        /// Inputs, whose `times_s` are the rows' instants.
+        inputs: InputTable,
+        /// How it begins.
+        initial: Initial,
+        /// Rows kept from every fit.
+        held_out: Vec<bool>,
+        /// Rows left out altogether, with the reason.
+        ignored: Vec<Option<String>>,
+    },
+}
+
+/// A measurement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// Name.
+    pub name: String,
+    /// Phases or instants.
+    pub rows: Rows,
+    /// Sensors.
+    pub sensors: Vec<Sensor>,
+    /// Readings, SI, row by row (`rows x sensors`); `None` is missing.
+    pub readings: Vec<Option<f64>>,
+    /// File within the study.
+    pub file: String,
+    /// SHA-256 of the file's bytes, lower-case hex.
+    pub sha256: String,
+    /// Columns of the file that nothing uses.
+    pub unused_columns: Vec<String>,
+}
+
+impl Measurement {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        match &self.rows {
+            Rows::Steady(phases) => phases.len(),
+            Rows::Transient { inputs, .. } => inputs.times_s.len(),
+        }
+    }
+
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Reading of a sensor in a row.
+    pub fn reading(&self, row: usize, sensor: usize) -> Option<f64> {
+        self.readings[row * self.sensors.len() + sensor]
+    }
+
+    /// Whether a row is kept from every fit.
+    pub fn held_out(&self, row: usize) -> bool {
+        match &self.rows {
+            Rows::Steady(phases) => phases[row].held_out,
+            Rows::Transient { held_out, .. } => held_out[row],
+        }
+    }
+
+    /// Whether a row is left out altogether.
+    pub fn ignored(&self, row: usize) -> bool {
+        match &self.rows {
+            Rows::Steady(phases) => phases[row].ignored.is_some(),
+            Rows::Transient { ignored, .. } => ignored[row].is_some(),
+        }
+    }
+}

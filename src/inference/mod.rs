@@ -1,0 +1,3 @@
+//! Priors, measurements, likelihood, point estimates, samplers, evidence, predictive checks.
+
+pub mod measurement;

@@ -1,0 +1,229 @@
+//! Model against measurements at given parameters.
+
+use serde::{Deserialize, Serialize};
+
+/// A number's summary of measured minus predicted over some readings, in the sensor's SI unit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Deviation {
+    /// Number of readings.
+    pub count: u64,
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation about the mean (n - 1).
+    pub sd: f64,
+    /// Root mean square.
+    pub rmse: f64,
+    /// Largest magnitude.
+    pub max: f64,
+    /// Share of readings within the profile's limit for one sensor.
+    pub within_limit: f64,
+}
+
+/// What a profile demands; `None` where it demands nothing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Criteria {
+    /// Name of the profile.
+    pub name: String,
+    /// Title, for people.
+    pub title: String,
+    /// Largest deviation of one reading, K.
+    pub each_k: Option<f64>,
+    /// Largest magnitude of the mean deviation, K.
+    pub mean_k: Option<f64>,
+    /// Largest standard deviation, K.
+    pub sd_k: Option<f64>,
+    /// Share of readings that must keep `each_k`.
+    pub share: Option<f64>,
+    /// Drift below which a steady phase counts as stabilised, K/s.
+    pub stabilisation_k_per_s: Option<f64>,
+    /// Where it comes from.
+    pub source: String,
+}
+
+/// One criterion's outcome.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Verdict {
+    /// What was asked, in words.
+    pub criterion: String,
+    /// The value.
+    pub value: f64,
+    /// The limit.
+    pub limit: f64,
+    /// Whether it is kept.
+    pub kept: bool,
+}
+
+/// Resolved settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spec {
+    /// Positions of the measurements in the pass's list.
+    pub data: Vec<usize>,
+    /// The profile.
+    pub criteria: Criteria,
+    /// Name of the parameters' state: `nominal`, or a calibration's job.
+    pub from: String,
+}
+
+/// A reading beside its prediction.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Row {
+    /// Measurement.
+    pub measurement: String,
+    /// Phase of a steady measurement.
+    pub phase: Option<String>,
+    /// Instant of a transient, s.
+    pub time_s: Option<f64>,
+    /// Sensor.
+    pub sensor: String,
+    /// SI unit.
+    pub unit: String,
+    /// Reading, SI.
+    pub measured: f64,
+    /// Prediction, SI.
+    pub predicted: f64,
+    /// Kept from every fit.
+    pub held_out: bool,
+}
+
+/// A sensor's statistics.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct SensorSummary {
+    /// Measurement.
+    pub measurement: String,
+    /// Sensor.
+    pub sensor: String,
+    /// SI unit.
+    pub unit: String,
+    /// Noise's standard deviation where known.
+    pub sigma: Option<f64>,
+    /// Readings that a fit may use.
+    pub train: Deviation,
+    /// Readings held out.
+    pub held_out: Deviation,
+    /// RMSE that the noise alone would give with 95 % probability, where sigma is known: lower and upper end.
+    pub noise_rmse: Option<[f64; 2]>,
+    /// Number of missing readings.
+    pub missing: u64,
+}
+
+/// A phase's statistics over all sensors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct PhaseSummary {
+    /// Measurement.
+    pub measurement: String,
+    /// Phase; for a transient a stretch of time, such as `0 to 120 s`.
+    pub phase: String,
+    /// Held out.
+    pub held_out: bool,
+    /// Statistics.
+    pub deviation: Deviation,
+    /// Sensor with the largest deviation.
+    pub worst_sensor: String,
+    /// That deviation, SI.
+    pub worst: f64,
+}
+
+/// Heat balance of the model in a phase.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct HeatBalance {
+    /// Measurement.
+    pub measurement: String,
+    /// Phase, or stretch of time.
+    pub phase: String,
+    /// Heat of loads, heaters and electrical power of coolers, W (mean over a stretch).
+    pub sources_w: f64,
+    /// Heat into boundaries by node name, W.
+    pub into_boundaries_w: Vec<(String, f64)>,
+    /// Heat stored, W.
+    pub stored_w: f64,
+    /// Sources minus boundaries minus stored, W.
+    pub imbalance_w: f64,
+}
+
+/// Trend of a sensor's residual against an input or time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Trend {
+    /// Measurement.
+    pub measurement: String,
+    /// Sensor.
+    pub sensor: String,
+    /// `time` or the name of an input.
+    pub against: String,
+    /// Unit of the slope's denominator, SI.
+    pub unit: String,
+    /// Slope, SI.
+    pub slope: f64,
+    /// Standard error (residuals' correlation in time allowed for).
+    pub slope_error: f64,
+    /// Linear correlation.
+    pub correlation: f64,
+    /// Change of the residual over the range of the input, in the sensor's SI unit.
+    pub change: f64,
+}
+
+/// Steadiness of a phase where a time series was given.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct StabilisationCheck {
+    /// Measurement.
+    pub measurement: String,
+    /// Phase.
+    pub phase: String,
+    /// Sensor with the fastest drift.
+    pub sensor: String,
+    /// Its drift, K/s.
+    pub drift_k_per_s: f64,
+    /// Standard error of the drift, K/s.
+    pub drift_error_k_per_s: f64,
+    /// Heat hidden in the drift: sum of C |dT/dt| over the measured diffusion nodes, W.
+    pub stored_w: f64,
+    /// Whether the profile's limit is kept; `None` without a limit.
+    pub stabilised: Option<bool>,
+}
+
+/// A phase or transient that could not be predicted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct FailedPhase {
+    /// Measurement.
+    pub measurement: String,
+    /// Phase, or `transient`.
+    pub phase: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// Result.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Output {
+    /// Name of the parameters' state.
+    pub state: String,
+    /// Parameters used, SI: name, unit as written, value.
+    pub parameters: Vec<(String, String, f64)>,
+    /// Readings beside predictions.
+    pub rows: Vec<Row>,
+    /// By sensor.
+    pub sensors: Vec<SensorSummary>,
+    /// By phase or stretch of time.
+    pub phases: Vec<PhaseSummary>,
+    /// All readings that a fit may use.
+    pub train: Deviation,
+    /// All readings held out.
+    pub held_out: Deviation,
+    /// Sum of squares over sigma squared, divided by the number of readings, where every sigma is known.
+    pub chi2_per_reading: Option<f64>,
+    /// Profile.
+    pub criteria: Criteria,
+    /// Outcome of each criterion.
+    pub verdicts: Vec<Verdict>,
+    /// Heat balances.
+    pub heat: Vec<HeatBalance>,
+    /// Trends, strongest first.
+    pub trends: Vec<Trend>,
+    /// Steadiness.
+    pub stabilisation: Vec<StabilisationCheck>,
+    /// Where it fails, in words, worst first; empty when it does not.
+    pub fails: Vec<String>,
+    /// What could not be predicted.
+    pub failed: Vec<FailedPhase>,
+    /// Columns of the data that nothing uses.
+    pub unused_columns: Vec<String>,
+}

@@ -1,0 +1,115 @@
+//! The conventional way: nominal and stacked worst-case analysis with margins by rule.
+
+use serde::{Deserialize, Serialize};
+
+use super::propagate::{Probability, Sweep};
+use super::requirement::{Environment, Requirement};
+
+/// The parameters at which a rule looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Basis {
+    /// Nominal values.
+    Nominal,
+    /// Every uncertain parameter at the end of its prior that is worst for the requirement.
+    StackedWorstCase,
+}
+
+/// What a rule adds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Margin {
+    /// The limit is moved towards the prediction by so many kelvins.
+    TemperatureK(f64),
+    /// The heat loads are multiplied by 1 + this share.
+    HeatLoad(f64),
+}
+
+/// A margin rule, from a data file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Rule {
+    /// Name.
+    pub name: String,
+    /// What it adds.
+    pub margin: Margin,
+    /// Title, for people.
+    pub title: String,
+    /// Where it comes from.
+    pub source: String,
+}
+
+/// Resolved settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spec {
+    /// The rules, in order.
+    pub rules: Vec<Rule>,
+    /// The environments, each sized for.
+    pub environments: Vec<Environment>,
+    /// The requirements, each sized for.
+    pub requirements: Vec<Requirement>,
+    /// The design variable, with the range in which the size is sought (first and last value).
+    pub design: Sweep,
+    /// Names of the parameters and inputs that are heat loads (for heat-load margins).
+    pub heat_loads: Vec<super::propagate::Variable>,
+}
+
+/// What a rule leads to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Size {
+    /// The rule.
+    pub rule: Rule,
+    /// The parameters looked at.
+    pub basis: Basis,
+    /// Environment.
+    pub environment: String,
+    /// Requirement.
+    pub requirement: String,
+    /// Smallest design value that passes, SI; `None` where none in the range does.
+    pub size: Option<f64>,
+    /// The quantity at the nominal design value, with the rule's parameters, SI.
+    pub prediction: f64,
+    /// Margin left at the nominal design value against the rule's, SI (negative: it fails).
+    pub margin: f64,
+    /// Whether the nominal design passes.
+    pub passes: bool,
+}
+
+/// End of its prior at which a parameter is worst.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct WorstEnd {
+    /// Requirement.
+    pub requirement: String,
+    /// Parameter.
+    pub parameter: String,
+    /// Unit as written.
+    pub unit: String,
+    /// Nominal value, SI.
+    pub nominal: f64,
+    /// Worst value, SI.
+    pub worst: f64,
+    /// Change of the quantity from nominal to worst, this parameter alone, SI.
+    pub effect: f64,
+}
+
+/// Result.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Output {
+    /// Design variable.
+    pub design_variable: String,
+    /// Its unit as the study writes it.
+    pub design_unit: String,
+    /// Its nominal value, SI.
+    pub design_nominal: f64,
+    /// Unit of the limits, SI.
+    pub unit: String,
+    /// Whether the quantity is an absolute temperature.
+    pub is_temperature: bool,
+    /// The limit, SI, by requirement name.
+    pub limits: Vec<(String, f64)>,
+    /// What each rule leads to.
+    pub sizes: Vec<Size>,
+    /// The stack of worst ends.
+    pub worst_case: Vec<WorstEnd>,
+    /// Probability of the requirement at each rule's size is not known here; the report takes it from `propagate`.
+    pub probability: Option<Probability>,
+}

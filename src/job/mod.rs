@@ -1,0 +1,56 @@
+//! Job kinds, a kind a file. A job is stages: each stage cuts its inputs into blocks, runs a block as a pure function
+//! to bytes, and reduces the blocks in order to the next stage or to the output. Nothing here knows threads or files.
+
+pub mod compare;
+pub mod conventional;
+pub mod propagate;
+pub mod requirement;
+
+use thiserror::Error;
+
+/// What a job does next.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Step {
+    /// Run these blocks, then call [`Job::reduce`]. A block's input is all that it needs beside the job itself.
+    Blocks {
+        /// Name of the stage, part of each block's identity.
+        stage: String,
+        /// Input of each block: small and serialisable, so that a block can run on another machine.
+        inputs: Vec<Vec<u8>>,
+    },
+    /// The result.
+    Done(serde_json::Value),
+}
+
+/// Why a job failed.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum JobError {
+    /// The job cannot give a result.
+    #[error("{0}")]
+    Failed(String),
+    /// Stored bytes of a block or an upstream result do not have the form that this version writes.
+    #[error("a stored block of stage `{stage}` is not readable: {reason}")]
+    Unreadable {
+        /// The stage.
+        stage: String,
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+/// A job that is ready to run: everything resolved, nothing looked up later.
+pub trait Job: Send + Sync {
+    /// The kind, as in the pass file.
+    fn kind(&self) -> &'static str;
+    /// Raised when the same definition gives another result.
+    fn algorithm_version(&self) -> u32;
+    /// Everything that decides the result, beside the seed and the versions: resolved settings, model, parameters,
+    /// hashes of the data. Named fields only; goes into the key in canonical form.
+    fn identity(&self) -> serde_json::Value;
+    /// The first step.
+    fn begin(&self) -> Result<Step, JobError>;
+    /// Runs one block: a pure function of the job, the stage and the input.
+    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError>;
+    /// Takes the blocks' outputs, in order, to the next step.
+    fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError>;
+}

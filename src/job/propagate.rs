@@ -1,0 +1,234 @@
+//! Propagation of the parameters' uncertainty to quantities and requirements.
+
+use serde::{Deserialize, Serialize};
+
+use super::requirement::{Environment, Requirement};
+
+/// How the priors are sampled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sampling {
+    /// Independent draws.
+    MonteCarlo,
+    /// One draw in each of N equal slices of every parameter.
+    LatinHypercube,
+    /// Scrambled Sobol points.
+    #[default]
+    Sobol,
+}
+
+/// What a design variable is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Variable {
+    /// Index of a parameter.
+    Parameter(usize),
+    /// Index of an input.
+    Input(usize),
+}
+
+/// Values that a design variable takes one after the other.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sweep {
+    /// Name of the parameter or input.
+    pub name: String,
+    /// Unit as the study writes it, for people.
+    pub unit: String,
+    /// Which one.
+    pub variable: Variable,
+    /// Values, SI, increasing.
+    pub values: Vec<f64>,
+}
+
+/// Resolved settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spec {
+    /// Indices of the quantities in the model's list.
+    pub quantities: Vec<usize>,
+    /// Number of samples.
+    pub samples: u64,
+    /// How they are drawn.
+    pub sampling: Sampling,
+    /// Environments; one named `nominal` with the inputs' nominal values where the study names none.
+    pub environments: Vec<Environment>,
+    /// Design variable, if any is swept.
+    pub sweep: Option<Sweep>,
+    /// Pairs (positions in `quantities`) whose joint distribution is wanted.
+    pub joint: Vec<[usize; 2]>,
+    /// Requirements, whose quantities are among `quantities`.
+    pub requirements: Vec<Requirement>,
+    /// Largest share of failed samples that is tolerated.
+    pub failure_limit: f64,
+}
+
+/// A probability with its 95 % interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Probability {
+    /// Estimate.
+    pub value: f64,
+    /// Lower end.
+    pub lower: f64,
+    /// Upper end.
+    pub upper: f64,
+}
+
+/// A quantile with its standard error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Quantile {
+    /// Share of the distribution below.
+    pub probability: f64,
+    /// Value, SI.
+    pub value: f64,
+    /// Standard error, SI.
+    pub standard_error: f64,
+}
+
+/// Distribution of one quantity.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Distributed {
+    /// Name.
+    pub name: String,
+    /// SI unit.
+    pub unit: String,
+    /// Whether it is an absolute temperature.
+    pub is_temperature: bool,
+    /// Value at the nominal parameters.
+    pub nominal: f64,
+    /// Mean.
+    pub mean: f64,
+    /// Standard error of the mean (of independent draws: an upper bound for the other samplings).
+    pub mean_standard_error: f64,
+    /// Standard deviation.
+    pub sd: f64,
+    /// Standard error of the standard deviation.
+    pub sd_standard_error: f64,
+    /// Smallest sample.
+    pub minimum: f64,
+    /// Largest sample.
+    pub maximum: f64,
+    /// Quantiles at 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99.
+    pub quantiles: Vec<Quantile>,
+    /// Edges of the histogram's bins (one more than counts), SI.
+    pub histogram_edges: Vec<f64>,
+    /// Samples in each bin.
+    pub histogram_counts: Vec<u64>,
+    /// Values at equally spaced probabilities 0.005, 0.015, ..., 0.995: the distribution function.
+    pub cdf: Vec<f64>,
+}
+
+/// Probability that a requirement is met.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Met {
+    /// Name of the requirement, or `all`.
+    pub requirement: String,
+    /// Probability; failed samples count as not met.
+    pub probability: Probability,
+    /// Required probability.
+    pub required: f64,
+    /// The limit, SI, for people.
+    pub below: Option<f64>,
+    /// The limit, SI, for people.
+    pub above: Option<f64>,
+    /// Unit of the limit.
+    pub unit: String,
+    /// Name of the quantity (empty for `all`).
+    pub quantity: String,
+}
+
+/// Joint distribution of two quantities.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Joint {
+    /// First quantity.
+    pub x: String,
+    /// Second quantity.
+    pub y: String,
+    /// Units of both.
+    pub units: [String; 2],
+    /// Linear correlation.
+    pub correlation: f64,
+    /// Edges of the bins of x.
+    pub x_edges: Vec<f64>,
+    /// Edges of the bins of y.
+    pub y_edges: Vec<f64>,
+    /// Counts, by bin of x then bin of y.
+    pub counts: Vec<Vec<u64>>,
+    /// For each bin of x with samples: middle, mean of y, its 5 % and 95 % quantiles, samples.
+    pub conditional: Vec<Conditional>,
+}
+
+/// Distribution of y where x lies in a bin.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Conditional {
+    /// Middle of the bin of x.
+    pub x: f64,
+    /// Mean of y.
+    pub mean: f64,
+    /// 5 % quantile of y.
+    pub q05: f64,
+    /// 95 % quantile of y.
+    pub q95: f64,
+    /// Samples in the bin.
+    pub samples: u64,
+}
+
+/// A sample whose solution failed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct FailedSample {
+    /// Index of the sample.
+    pub index: u64,
+    /// The parameters, SI, by name.
+    pub parameters: Vec<(String, f64)>,
+    /// Why.
+    pub reason: String,
+}
+
+/// One environment at one value of the design variable.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Case {
+    /// Environment.
+    pub environment: String,
+    /// Value of the design variable, SI; `None`: its nominal value.
+    pub design_value: Option<f64>,
+    /// Distributions, in the order asked for.
+    pub quantities: Vec<Distributed>,
+    /// Requirements, each and `all` together.
+    pub requirements: Vec<Met>,
+    /// Joint distributions.
+    pub joint: Vec<Joint>,
+    /// Number of failed samples.
+    pub failed: u64,
+    /// The first failed samples.
+    pub failures: Vec<FailedSample>,
+}
+
+/// Design value at which a requirement's probability reaches what is required.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Reached {
+    /// Environment.
+    pub environment: String,
+    /// Requirement, or `all`.
+    pub requirement: String,
+    /// Required probability.
+    pub probability: f64,
+    /// Design value, SI; `None` where the sweep does not reach it.
+    pub design_value: Option<f64>,
+    /// Design value's 95 % interval from the sampling error.
+    pub interval: Option<[f64; 2]>,
+}
+
+/// Result.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Output {
+    /// Number of samples a case.
+    pub samples: u64,
+    /// Sampling, as in the pass file.
+    pub sampling: String,
+    /// Name of the design variable, if one is swept.
+    pub design_variable: Option<String>,
+    /// Its unit as the study writes it.
+    pub design_unit: String,
+    /// The nominal design value first, then the sweep, for each environment.
+    pub cases: Vec<Case>,
+    /// Where the required probabilities are reached.
+    pub reached: Vec<Reached>,
+}

@@ -1,0 +1,1 @@
+//! Plan, execute, cache, keys, manifest, events, progress; the only user of threads.

@@ -1,0 +1,1 @@
+//! Model and pass as written, inheritance, resolution to SI and names, measurements, pinned data.

@@ -1,0 +1,114 @@
+//! Thermoelectric cooler of one or more stages in series, driven by voltage or current.
+//!
+//! A stage of `n` couples between its cold side `Tc` and hot side `Th` carries the current `i` (Ioffe 1957;
+//! per couple Seebeck coefficient `a` in V/K, resistance `R` in ohm, conductance `K` in W/K):
+//!
+//! `Qc = n (a i Tc - i^2 R / 2 - K (Th - Tc))` out of the cold side,
+//! `Qh = n (a i Th + i^2 R / 2 - K (Th - Tc))` into the hot side,
+//! `V = sum n a (Th - Tc) + i (sum n R + R_lead)`.
+//!
+//! So `Qh - Qc = i V` of the stage: the electrical power is heat in the network; the leads' part is dissipated
+//! outside. At zero voltage the circuit is open (`i = 0`).
+
+use crate::expression::{Binary, ExprId, Graph, Unary};
+
+use super::Contribution;
+use super::conductor::temperature;
+
+/// What the electronics holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Drive {
+    /// Voltage over the whole cooler and its leads, V; 0 is an open circuit.
+    Voltage(ExprId),
+    /// Current, A.
+    Current(ExprId),
+}
+
+/// A thermoelectric cooler.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cooler {
+    /// Nodes from the cold side to the hot side, one more than there are stages.
+    pub nodes: Vec<usize>,
+    /// Couples of each stage, from cold to hot.
+    pub couples: Vec<ExprId>,
+    /// Voltage or current.
+    pub drive: Drive,
+    /// Seebeck coefficient of a couple, V/K.
+    pub seebeck: ExprId,
+    /// Resistance of a couple, ohm.
+    pub resistance: ExprId,
+    /// Conductance of a couple, W/K.
+    pub conductance: ExprId,
+    /// Resistance of the leads in series, ohm, dissipated outside the network.
+    pub lead_resistance: ExprId,
+}
+
+impl Cooler {
+    /// The current, A.
+    fn current(&self, graph: &mut Graph) -> ExprId {
+        match self.drive {
+            Drive::Current(current) => current,
+            Drive::Voltage(voltage) => {
+                let mut back = graph.number(0.0);
+                let mut total = self.lead_resistance;
+                for (stage, &couples) in self.couples.iter().enumerate() {
+                    let cold = temperature(graph, self.nodes[stage]);
+                    let hot = temperature(graph, self.nodes[stage + 1]);
+                    let difference = graph.subtract(hot, cold);
+                    let seebeck = graph.multiply(couples, self.seebeck);
+                    let own = graph.multiply(seebeck, difference);
+                    back = graph.add(back, own);
+                    let resistance = graph.multiply(couples, self.resistance);
+                    total = graph.add(total, resistance);
+                }
+                let driving = graph.subtract(voltage, back);
+                let closed = graph.divide(driving, total);
+                // Open circuit at zero voltage: the drive electronics is off, no Seebeck current flows.
+                let size = graph.unary(Unary::Abs, voltage);
+                let zero = graph.number(0.0);
+                let off = graph.binary(Binary::AtLeast, zero, size);
+                let one = graph.number(1.0);
+                let on = graph.subtract(one, off);
+                graph.multiply(on, closed)
+            }
+        }
+    }
+
+    /// Heat out of the cold side of each stage and into its hot side.
+    pub fn contribution(&self, graph: &mut Graph) -> Contribution {
+        let current = self.current(graph);
+        let half = graph.number(0.5);
+        let square = graph.multiply(current, current);
+        let ohmic = graph.multiply(square, self.resistance);
+        let joule = graph.multiply(half, ohmic);
+        let mut out = Contribution { current: Some(current), ..Contribution::default() };
+        for (stage, &couples) in self.couples.iter().enumerate() {
+            let (cold, hot) = (self.nodes[stage], self.nodes[stage + 1]);
+            let (tc, th) = (temperature(graph, cold), temperature(graph, hot));
+            let difference = graph.subtract(th, tc);
+            let conducted = graph.multiply(self.conductance, difference);
+            let pumping = graph.multiply(self.seebeck, current);
+            let (at_cold, at_hot) = (graph.multiply(pumping, tc), graph.multiply(pumping, th));
+            let lessened = graph.subtract(at_cold, joule);
+            let per_couple_cold = graph.subtract(lessened, conducted);
+            let raised = graph.add(at_hot, joule);
+            let per_couple_hot = graph.subtract(raised, conducted);
+            let from_cold = graph.multiply(couples, per_couple_cold);
+            let into_hot = graph.multiply(couples, per_couple_hot);
+            let loss = graph.negate(from_cold);
+            out.heat.extend([(cold, loss), (hot, into_hot)]);
+            out.through = out.through.or(Some(from_cold));
+
+            let size = graph.add(tc, th);
+            let exchanged = graph.multiply(self.conductance, size);
+            let mut terms = graph.unary(Unary::Abs, at_cold);
+            for part in [at_hot, joule, exchanged] {
+                let part = graph.unary(Unary::Abs, part);
+                terms = graph.add(terms, part);
+            }
+            let terms = graph.multiply(couples, terms);
+            out.magnitude.extend([(cold, terms), (hot, terms)]);
+        }
+        out
+    }
+}

@@ -1,0 +1,1 @@
+//! Wrong input: the message, at its place.

@@ -1,0 +1,1 @@
+//! Results against stored references made by other programs.

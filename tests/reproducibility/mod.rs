@@ -1,0 +1,1 @@
+//! Same bytes for any number of threads, after kills, on any machine.

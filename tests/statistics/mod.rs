@@ -1,0 +1,1 @@
+//! Statistical behaviour over many seeds.

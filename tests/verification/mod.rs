@@ -1,0 +1,1 @@
+//! Numerics against analytic results, published values and golden numbers.
