@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::job::propagate::{Probability, Sweep};
+use crate::job::propagate::Sweep;
 use crate::job::requirement::{Environment, Requirement};
 
 /// The parameters at which a rule looks.
@@ -110,6 +110,4 @@ pub struct Output {
     pub sizes: Vec<Size>,
     /// The stack of worst ends.
     pub worst_case: Vec<WorstEnd>,
-    /// Probability of the requirement at each rule's size is not known here; the report takes it from `propagate`.
-    pub probability: Option<Probability>,
 }
