@@ -4,4 +4,4 @@ pub mod graph;
 pub mod program;
 
 pub use graph::{Binary, Dependence, ExprId, Graph, Symbol, Table, Term, Unary};
-pub use program::{Lanes, Program, Register};
+pub use program::{Lanes, Program, Register, Segment};
