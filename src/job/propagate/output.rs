@@ -1,8 +1,8 @@
-//! Propagation of the parameters' uncertainty to quantities and requirements.
+//! Settings and result of a propagation.
 
 use serde::{Deserialize, Serialize};
 
-use super::requirement::{Environment, Requirement};
+use crate::job::requirement::{Environment, Requirement};
 
 /// How the priors are sampled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
