@@ -142,7 +142,7 @@ impl Network {
             workspace.linear.load(equations, &state.file);
             for row in 0..equations.size() {
                 let diagonal = workspace.linear.diagonal(row);
-                *diagonal -= weight * diagonal.abs();
+                workspace.linear.add_to_diagonal(row, -weight * diagonal.abs());
             }
             workspace.linear.factor();
             for (step, register) in state.step.iter_mut().zip(&equations.residual) {

@@ -1,1 +1,4 @@
 //! Numerics against analytic results, published values and golden numbers.
+
+mod build;
+mod steady;
