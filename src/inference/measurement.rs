@@ -131,6 +131,17 @@ impl Measurement {
         self.len() == 0
     }
 
+    /// What of the measurement decides a result, for a job's key: the file's hash, and a hash of everything that was
+    /// read from it and declared for it.
+    pub fn identity(&self) -> serde_json::Value {
+        let resolved = format!("{:?} {:?} {:?}", self.rows, self.sensors, self.readings);
+        serde_json::json!({
+            "name": self.name,
+            "file": self.sha256,
+            "resolved": crate::document::hash::sha256_hex(resolved.as_bytes()),
+        })
+    }
+
     /// Reading of a sensor in a row.
     pub fn reading(&self, row: usize, sensor: usize) -> Option<f64> {
         self.readings[row * self.sensors.len() + sensor]

@@ -4,7 +4,7 @@ use crate::expression::Symbol;
 use crate::thermal::transient::{InitialState, TransientRequest};
 use crate::thermal::{Model, Network, NetworkError, NodeKind, Start, Workspace};
 
-use super::measurement::{Initial, Measurement, Rows, Sensor};
+use super::measurement::{Initial, InputTable, Measurement, Rows, Sensor};
 
 /// Heat of the model in one row, W.
 #[derive(Clone, Debug, PartialEq)]
@@ -152,7 +152,7 @@ impl Predictor {
         if !self.capacities_switch {
             self.network.set_parameters(workspace, parameters);
             for row in 0..rows {
-                self.network.set_inputs(workspace, &inputs.row(row));
+                self.network.set_inputs(workspace, &inputs_at(inputs, row));
                 self.network.set_time(workspace, inputs.times_s[row]);
                 self.network
                     .set_temperatures(workspace, &transient.temperatures[row * self.nodes..(row + 1) * self.nodes]);
@@ -169,6 +169,15 @@ impl Predictor {
             stored_w: balance.stored_w,
         }
     }
+}
+
+/// Every input in a row of the table.
+fn inputs_at(table: &InputTable, row: usize) -> Vec<f64> {
+    let mut values = table.base.clone();
+    for column in &table.columns {
+        values[column.input] = column.values[row];
+    }
+    values
 }
 
 /// Reading of a sensor that follows the truth with a time constant: `tau ds/dt = truth - s`, started at the truth,

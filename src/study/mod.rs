@@ -10,3 +10,4 @@ pub mod profile;
 pub mod rule;
 pub mod table;
 pub mod window;
+pub mod model;

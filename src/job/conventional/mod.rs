@@ -24,6 +24,8 @@ use super::{Job, JobError, Step};
 const GRID: usize = 65;
 /// Relative precision of a size.
 const PRECISION: f64 = 1e-10;
+/// Most steps to find a size.
+const ROOT_ITERATIONS: usize = 100;
 /// Share of a prior without bounds that lies beyond each of its ends: 3 sigma of a normal.
 const BEYOND: f64 = 1.349_898_031_630_094_6e-3;
 
@@ -203,6 +205,7 @@ impl Conventional {
                     grid[index],
                     grid[index + 1],
                     PRECISION * to.abs().max(from.abs()),
+                    ROOT_ITERATIONS,
                 );
                 if let Some(error) = broken {
                     return Err(error);

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 
-use crate::random::{Distribution, Points, PointSet, StreamKey};
+use crate::random::{Distribution, PointKind, Points, StreamKey};
 use crate::thermal::{Batch, Model, Network, Start};
 
 pub use output::{
@@ -67,12 +67,12 @@ impl Propagate {
         let network = Network::compile(&model, &[]).map_err(|e| failed(e.to_string()))?;
         let uncertain: Vec<usize> = (0..priors.len()).filter(|&i| !priors[i].is_fixed()).collect();
         let set = match spec.sampling {
-            Sampling::MonteCarlo => PointSet::MonteCarlo,
-            Sampling::LatinHypercube => PointSet::LatinHypercube,
-            Sampling::Sobol => PointSet::Sobol,
+            Sampling::MonteCarlo => PointKind::MonteCarlo,
+            Sampling::LatinHypercube => PointKind::LatinHypercube,
+            Sampling::Sobol => PointKind::Sobol,
         };
         let key = StreamKey::new(seed, name, "propagate");
-        let points = Points::new(set, &key, spec.samples, uncertain.len()).map_err(|e| failed(e.to_string()))?;
+        let points = Points::new(set, key, usize::try_from(spec.samples).unwrap_or(usize::MAX), uncertain.len()).map_err(|e| failed(e.to_string()))?;
         let mut job = Self { spec, model, priors, network, points, uncertain, starts: Vec::new(), nominal: Vec::new() };
         let mut workspace = job.network.workspace();
         for case in 0..job.cases() {
@@ -130,6 +130,7 @@ impl Propagate {
     fn run(&self, block: BlockInput) -> BlockOutput {
         let quantities = self.spec.quantities.len();
         let count = usize::try_from(block.count).unwrap_or(usize::MAX);
+        let first = usize::try_from(block.first).unwrap_or(usize::MAX);
         let mut output =
             BlockOutput { values: vec![f64::NAN; quantities * count], failures: Vec::new(), failed: 0 };
         let (nominal, inputs) = self.nominal_case(block.case);
@@ -151,7 +152,7 @@ impl Propagate {
         while done < count {
             let lanes = LANES.min(count - done);
             let width = self.uncertain.len();
-            self.points.fill(block.first + done as u64, &mut rows[..width * lanes]);
+            self.points.fill_rows(first + done, &mut rows[..width * lanes]);
             for lane in 0..lanes {
                 for (position, &parameter) in self.uncertain.iter().enumerate() {
                     if swept != Some(parameter) {
@@ -184,7 +185,7 @@ impl Propagate {
     fn sample(&self, case: usize, index: u64) -> Vec<(String, f64)> {
         let (mut parameters, _) = self.nominal_case(case);
         let mut row = vec![0.5; self.uncertain.len()];
-        self.points.fill(index, &mut row);
+        self.points.fill_row(index as usize, &mut row);
         let swept = self.design(case).map(|(variable, _)| variable);
         for (&parameter, &u) in self.uncertain.iter().zip(&row) {
             if swept != Some(Variable::Parameter(parameter)) {
