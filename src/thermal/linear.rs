@@ -56,6 +56,24 @@ impl<V: Lanes> Linear<V> {
         matches!(self, Self::Dense { .. })
     }
 
+    /// Puts remembered slopes of the balances into the matrix, in the order of the equations' entries.
+    pub fn load_values(&mut self, equations: &Equations, slopes: &[V]) {
+        match self {
+            Self::Dense { lu, size } => {
+                lu.matrix.fill(V::splat(0.0));
+                for (entry, &slope) in equations.jacobian.iter().zip(slopes) {
+                    lu.matrix[entry.row * *size + entry.column] = slope;
+                }
+            }
+            Self::Sparse(sparse) => {
+                sparse.values.fill(0.0);
+                for (&slope, &slot) in slopes.iter().zip(sparse.pattern.pattern().slots()) {
+                    sparse.values[slot] = slope.lane(0);
+                }
+            }
+        }
+    }
+
     /// Puts the slopes of the balances into the matrix.
     pub fn load(&mut self, equations: &Equations, file: &[V]) {
         match self {

@@ -23,3 +23,7 @@ pub use network::{Network, NetworkError, Workspace};
 pub use newton::SteadyStats;
 pub use steady::{Start, SteadyError};
 pub use tangent::UnsolvedError;
+pub use transient::{
+    InitialState, InputColumn, InputTable, Transient, TransientError, TransientOptions, TransientRequest,
+    TransientStats,
+};

@@ -10,7 +10,7 @@ use crate::expression::{Lanes, Symbol};
 use super::connectivity::island;
 use super::equations::{Equations, segment};
 use super::linear::Linear;
-use super::model::{Model, NodeKind, QuantityValue};
+use super::model::{Model, QuantityValue};
 
 /// A model that cannot be compiled.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -78,6 +78,8 @@ pub struct Network {
     /// The form with modes, where the model has thermostats.
     pub(super) switched: Option<Equations>,
     pub(super) linear: Linear<f64>,
+    /// Matrix of the form with modes.
+    pub(super) switched_linear: Option<Linear<f64>>,
     pub(super) nodes: Vec<String>,
     pub(super) nominal_parameters: Vec<f64>,
     pub(super) nominal_inputs: Vec<f64>,
@@ -126,9 +128,11 @@ impl Network {
         let switched = model.elements.iter().any(super::element::Element::is_switched);
         let switched = if switched { Some(Equations::compile(model, differentiate, true)?) } else { None };
         let linear = Linear::new(&steady)?;
+        let switched_linear = switched.as_ref().map(Linear::new).transpose()?;
         Ok(Self {
             island: island(model),
             linear,
+            switched_linear,
             steady,
             switched,
             nodes: model.nodes.iter().map(|node| node.name.clone()).collect(),
@@ -244,9 +248,4 @@ impl Workspace {
     pub fn temperatures(&self) -> &[f64] {
         &self.temperatures
     }
-}
-
-/// Whether a node's temperature is given.
-pub(super) fn is_boundary(kind: NodeKind) -> bool {
-    matches!(kind, NodeKind::Boundary { .. })
 }
