@@ -106,6 +106,43 @@ pub fn brent<F: FnMut(f64) -> f64>(
     Err(RootError::NotConverged { iterations, at: b })
 }
 
+/// The root of an increasing function given with its slope, by Newton's method kept inside `lower..upper` (halving where a
+/// step would leave the bracket); stops when steps no longer move the argument by more than rounding.
+///
+/// # Errors
+/// A value that is not a number, or more than `iterations` steps.
+pub fn newton_increasing<F: FnMut(f64) -> (f64, f64)>(
+    mut f: F,
+    lower: f64,
+    upper: f64,
+    start: f64,
+    iterations: usize,
+) -> Result<f64, RootError> {
+    let (mut low, mut high) = (lower, upper);
+    let mut x = if low <= start && start <= high { start } else { 0.5 * (low + high) };
+    for _ in 0..iterations {
+        let (value, slope) = f(x);
+        if value.is_nan() {
+            return Err(RootError::NotFinite { at: x, value });
+        }
+        if value == 0.0 {
+            return Ok(x);
+        }
+        if value > 0.0 {
+            high = x;
+        } else {
+            low = x;
+        }
+        let next = x - value / slope;
+        let next = if low < next && next < high { next } else { 0.5 * (low + high) };
+        if (next - x).abs() <= 2.0 * f64::EPSILON * x.abs() || next == low || next == high {
+            return Ok(next);
+        }
+        x = next;
+    }
+    Err(RootError::NotConverged { iterations, at: x })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -131,6 +168,16 @@ mod tests {
         assert!(brent(|x| x.powi(9), -1.0, 4.0, 1e-9, 200).unwrap().abs() < 1e-9);
         assert_eq!(brent(|x| x - 1.0, 1.0, 2.0, 0.0, 5), Ok(1.0));
         assert_eq!(brent(|x| x - 2.0, 1.0, 2.0, 0.0, 5), Ok(2.0));
+    }
+
+    #[test]
+    fn newton_stays_in_its_bracket() {
+        // atan's Newton iteration diverges from 2 without the bracket.
+        let root = newton_increasing(|x: f64| (x.atan(), 1.0 / (1.0 + x * x)), -5.0, 50.0, 2.0, 100).unwrap();
+        assert!(root.abs() < 1e-15);
+        let root = newton_increasing(|x| (x * x - 2.0, 2.0 * x), 0.0, 2.0, 9.0, 100).unwrap();
+        assert!((root - 2_f64.sqrt()).abs() < 4e-16);
+        assert!(newton_increasing(|_| (f64::NAN, 1.0), 0.0, 1.0, 0.5, 100).is_err());
     }
 
     #[test]

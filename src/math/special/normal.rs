@@ -70,7 +70,7 @@ pub fn ln_normal_cdf(x: f64) -> f64 {
 
 /// Logarithm of the probability that a standard normal variable is between `lower` and `upper`; minus infinity when empty.
 pub fn ln_normal_interval(lower: f64, upper: f64) -> f64 {
-    if !(lower < upper) {
+    if lower.is_nan() || upper.is_nan() || lower >= upper {
         return f64::NEG_INFINITY;
     }
     // The half line that holds the smaller tail, so that the difference keeps its digits.
