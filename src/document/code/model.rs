@@ -1,0 +1,6 @@
+//! Codes of models.
+
+use super::codes;
+
+codes! { MODEL_CODES:
+}
