@@ -29,7 +29,8 @@ pub fn stop_on_interrupt(stop: &StopFlag, status: i32) -> Result<(), RunnerError
             }
             stop.stop();
             // A closed standard error must not matter now.
-            let _ = writeln!(std::io::stderr(), "stopping: running blocks are finished and kept; once more to leave now");
+            let _ =
+                writeln!(std::io::stderr(), "stopping: running blocks are finished and kept; once more to leave now");
             let _ = std::thread::Builder::new().spawn(move || {
                 std::thread::sleep(PATIENCE);
                 std::process::exit(status);
