@@ -36,7 +36,7 @@ enum Rows {
 
 impl Compare {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
-        let executed = execute(&[self.pass.clone()], &self.options, context, |kind, _| kind == "compare")?;
+        let executed = execute(std::slice::from_ref(&self.pass), &self.options, context, |kind, _| kind == "compare")?;
         let status = executed.status();
         let mut results = Map::new();
         for (position, finished) in executed.passes.iter().flat_map(|pass| executed.results(pass)) {

@@ -28,7 +28,7 @@ pub(super) struct Diff {
 
 impl Diff {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
-        let run = |path: &PathBuf| execute(&[path.clone()], &self.options, context, |_, _| true);
+        let run = |path: &PathBuf| execute(std::slice::from_ref(path), &self.options, context, |_, _| true);
         let (before, after) = (run(&self.before)?, run(&self.after)?);
         let names: BTreeSet<String> = names(&before).chain(names(&after)).collect();
         let mut jobs = serde_json::Map::new();

@@ -27,7 +27,7 @@ pub(super) struct Show {
 impl Show {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         let wanted = |_: &str, name: &str| self.job.as_ref().is_none_or(|wanted| wanted == name);
-        let executed = execute(&[self.pass.clone()], &self.options, context, wanted)?;
+        let executed = execute(std::slice::from_ref(&self.pass), &self.options, context, wanted)?;
         if let Some(job) = self.job.as_ref().filter(|_| executed.passes.iter().all(|pass| pass.jobs.is_empty())) {
             return Err(Failure::input(format!("`{}` has no job `{}`", self.pass.display(), escaped(job))));
         }

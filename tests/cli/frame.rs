@@ -14,7 +14,7 @@ fn bmv() -> Command {
 }
 
 fn run(arguments: &[&str]) -> Output {
-    bmv().args(arguments).output().unwrap()
+    bmv().args(arguments).output().expect("the program starts")
 }
 
 fn code(output: &Output) -> i32 {
@@ -22,11 +22,11 @@ fn code(output: &Output) -> i32 {
 }
 
 fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
+    String::from_utf8(bytes.to_vec()).expect("UTF-8")
 }
 
 fn display(path: &Path) -> &str {
-    path.to_str().unwrap()
+    path.to_str().expect("a path of plain letters")
 }
 
 #[test]
