@@ -131,7 +131,9 @@ mod tests {
     fn inferred(text: &str) -> (Inferred, Vec<String>) {
         let mut graph = Graph::new();
         let mut names = Names::default();
-        for (i, (name, unit)) in [("G", "W/K"), ("A", "m2"), ("h", "W/(m2 K)"), ("e", "1"), ("a", "1/K")].into_iter().enumerate() {
+        for (i, (name, unit)) in
+            [("G", "W/K"), ("A", "m2"), ("h", "W/(m2 K)"), ("e", "1"), ("a", "1/K")].into_iter().enumerate()
+        {
             let symbol = Symbol::Parameter(i as u32);
             let id = graph.symbol(symbol);
             names.values.insert(name.to_owned(), id);

@@ -285,8 +285,12 @@ impl<'a> Parser<'a> {
         let error = fault(Fault::Syntax, self.at, end, format!("unexpected `{shown}`"));
         match c {
             ')' => error.expected("an opening `(` before it"),
-            ',' => error.expected("an operator: commas separate arguments of functions").help("a decimal is written with a point"),
-            '=' | '<' | '>' => error.expected("an operator + - * / ^").help("compare with step(x): 1 for x >= 0, else 0"),
+            ',' => error
+                .expected("an operator: commas separate arguments of functions")
+                .help("a decimal is written with a point"),
+            '=' | '<' | '>' => {
+                error.expected("an operator + - * / ^").help("compare with step(x): 1 for x >= 0, else 0")
+            }
             '(' => error.expected("an operator + - * / ^").help("a product is written with `*`"),
             c if c.is_alphanumeric() || c == '_' || c == '.' => {
                 error.expected("an operator + - * / ^").help(format!("a product is written `* {shown}`"))
@@ -479,7 +483,9 @@ impl<'a> Parser<'a> {
         let end = self.at;
         self.blank();
         if name.is_empty() {
-            return Err(fault(Fault::Arguments, open, open + 1, "the table's name is missing").expected(usage("interp")));
+            return Err(
+                fault(Fault::Arguments, open, open + 1, "the table's name is missing").expected(usage("interp"))
+            );
         }
         let Some(&table) = self.scope.names.tables.get(name) else {
             let mut error = fault(Fault::UnknownName, start, end, format!("unknown table `{name}`"));

@@ -11,6 +11,7 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use super::error::RunnerError;
+use crate::document::{canonical, hash};
 
 /// Version of the numeric engine: raised when any change of the shared numeric code (solvers, streams, distributions,
 /// reductions) moves any result. A single job kind's change raises that kind's own `algorithm_version` instead.
@@ -24,7 +25,7 @@ pub struct Key(String);
 impl Key {
     /// Hash of these bytes.
     pub fn of(bytes: &[u8]) -> Self {
-        Self::from_digest(&Sha256::digest(bytes))
+        Self(hash::sha256_hex(bytes))
     }
 
     /// The 64 digits.
@@ -39,9 +40,7 @@ impl Key {
 
     /// The 32 bytes of a digest as digits.
     pub(super) fn from_digest(digest: &[u8]) -> Self {
-        const DIGITS: &[u8; 16] = b"0123456789abcdef";
-        let digit = |four_bits: u8| char::from(DIGITS[usize::from(four_bits & 15)]);
-        Self(digest.iter().flat_map(|&byte| [digit(byte >> 4), digit(byte)]).collect())
+        Self(hash::hex(digest))
     }
 }
 
@@ -94,7 +93,7 @@ impl KeyMaterial {
     /// # Errors
     /// [`RunnerError::NotCanonical`] if the identity has no canonical form.
     pub fn key(&self) -> Result<Key, RunnerError> {
-        Ok(Key::of(&canonical(&self.value()?, &format!("the identity of job `{}`", self.name))?))
+        Ok(Key::of(&canonical_bytes(&self.value()?, &format!("the identity of job `{}`", self.name))?))
     }
 
     /// The text that `bmv cache why` prints: what was hashed, indented.
@@ -127,8 +126,9 @@ pub fn block_key(job: &Key, stage: &str, index: usize, input: &[u8]) -> Key {
 }
 
 /// Canonical bytes of a value; `what` names it in the error.
-pub(crate) fn canonical(value: &Value, what: &str) -> Result<Vec<u8>, RunnerError> {
-    serde_json::to_vec(value)
+pub(crate) fn canonical_bytes(value: &Value, what: &str) -> Result<Vec<u8>, RunnerError> {
+    canonical::canonical(value)
+        .map(String::into_bytes)
         .map_err(|error| RunnerError::NotCanonical { what: what.to_owned(), reason: error.to_string() })
 }
 

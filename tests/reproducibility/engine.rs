@@ -16,7 +16,7 @@ fn graph() -> Plan {
         following("d", &["c"]),
         node("e", Arc::new(Harmonic::new(0))),
     ])
-    .unwrap()
+    .expect("no circle")
 }
 
 #[test]

@@ -118,7 +118,7 @@ pub struct Heard(pub Mutex<Vec<Event>>);
 
 impl Listener for Heard {
     fn hear(&self, event: &Event) {
-        self.0.lock().unwrap().push(event.clone());
+        self.0.lock().expect("no panic while held").push(event.clone());
     }
 }
 
@@ -136,10 +136,10 @@ pub fn settings(threads: usize) -> Settings {
 }
 
 pub fn run(plan: &Plan, cache: &Cache, threads: usize) -> RunSummary {
-    local::run(plan, cache, &settings(threads), &StopFlag::default(), &Heard::default()).unwrap()
+    local::run(plan, cache, &settings(threads), &StopFlag::default(), &Heard::default()).expect("threads start")
 }
 
 /// A plan of one toy called `sum`.
 pub fn single(job: &Arc<Harmonic>) -> Plan {
-    Plan::new(vec![node("sum", Arc::clone(job) as Arc<dyn Job>)]).unwrap()
+    Plan::new(vec![node("sum", Arc::clone(job) as Arc<dyn Job>)]).expect("one job")
 }

@@ -17,7 +17,7 @@ use crate::job::{Job, JobError, Step};
 use crate::runner::cache::{Cache, Kind, Lookup};
 use crate::runner::error::RunnerError;
 use crate::runner::events::{Event, Listener};
-use crate::runner::key::{block_key, canonical};
+use crate::runner::key::{block_key, canonical_bytes};
 use crate::runner::plan::{Plan, State, Stored};
 
 /// Stack of a thread of the pool, bytes: what the main thread has, so that a job behaves the same on both.
@@ -310,7 +310,7 @@ impl<'a> Run<'a> {
 
     fn publish(&self, active: &Active, value: &serde_json::Value) -> Result<Finished, RunnerError> {
         let (job, key) = (self.id(active.position), self.plan.keys()[active.position].clone());
-        let bytes = canonical(value, &format!("the result of job `{job}`"))?;
+        let bytes = canonical_bytes(value, &format!("the result of job `{job}`"))?;
         self.cache.put(Kind::Result, &key, &key, &bytes)?;
         let finished = Finished {
             key,
