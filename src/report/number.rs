@@ -1,7 +1,8 @@
 //! Numbers as engineers read them: as many digits as the uncertainty allows, a true minus sign, never `-0.0`, no
 //! prefixes, absolute temperatures in degrees Celsius where the study writes them so.
 
-use crate::math::functions::{ln, pow};
+use crate::expression::Unit;
+use crate::math::functions::ln;
 
 /// Zero of the Celsius scale, K (exact).
 pub const CELSIUS_ZERO_K: f64 = 273.15;
@@ -68,11 +69,13 @@ pub fn percent(share: f64, decimals: usize) -> String {
     format!("{}\u{00A0}%", fixed(100.0 * share, decimals))
 }
 
-/// How a number in SI is shown: factor, offset and unit.
+/// How a number in SI is shown: in which unit, from which zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
-    scale: f64,
-    offset: f64,
+    /// Size of the unit, SI.
+    factor: f64,
+    /// Zero of the unit, SI.
+    zero: f64,
     /// Unit, typeset; empty for a pure number.
     pub unit: String,
 }
@@ -80,12 +83,12 @@ pub struct Shown {
 impl Shown {
     /// An absolute temperature in degrees Celsius.
     pub fn celsius() -> Self {
-        Self { scale: 1.0, offset: -CELSIUS_ZERO_K, unit: "\u{00B0}C".to_owned() }
+        Self { factor: 1.0, zero: CELSIUS_ZERO_K, unit: "\u{00B0}C".to_owned() }
     }
 
     /// A number of an SI unit, as it is.
     pub fn si(unit: &str) -> Self {
-        Self { scale: 1.0, offset: 0.0, unit: typeset(unit) }
+        Self { factor: 1.0, zero: 0.0, unit: typeset(unit) }
     }
 
     /// A quantity of an SI unit: an absolute temperature in degrees Celsius, all else as it is.
@@ -93,19 +96,30 @@ impl Shown {
         if is_temperature && unit == "K" { Self::celsius() } else { Self::si(unit) }
     }
 
+    /// A number in the unit in which a study writes it. A unit that does not parse, which a loaded study cannot
+    /// have, leaves the number in SI and says so.
+    pub fn written(unit: &str) -> Self {
+        match Unit::parse(unit) {
+            Ok(parsed) => {
+                Self { factor: parsed.difference_to_si(1.0), zero: parsed.to_si(0.0), unit: typeset(unit) }
+            }
+            Err(_) => Self { factor: 1.0, zero: 0.0, unit: "SI".to_owned() },
+        }
+    }
+
     /// The same unit for a difference or a spread.
     pub fn difference(&self) -> Self {
-        if self.offset == 0.0 { self.clone() } else { Self { scale: self.scale, offset: 0.0, unit: "K".to_owned() } }
+        if self.zero == 0.0 { self.clone() } else { Self { factor: self.factor, zero: 0.0, unit: "K".to_owned() } }
     }
 
     /// The number in this unit.
     pub fn value(&self, si: f64) -> f64 {
-        si * self.scale + self.offset
+        (si - self.zero) / self.factor
     }
 
     /// Whether it is an absolute temperature.
     pub fn is_celsius(&self) -> bool {
-        self.offset != 0.0
+        self.zero != 0.0
     }
 
     /// The number alone: hundredths of a kelvin for temperatures, otherwise four significant digits.
@@ -189,11 +203,6 @@ pub fn decimals_for(values: impl IntoIterator<Item = f64>, digits: i32) -> usize
     }
     let exponent = (ln(largest) / ln(10.0) + 1e-9).floor();
     (f64::from(digits - 1) - exponent).clamp(0.0, 9.0) as usize
-}
-
-/// `10^exponent`.
-pub fn power_of_ten(exponent: f64) -> f64 {
-    pow(10.0, exponent)
 }
 
 #[cfg(test)]

@@ -158,9 +158,4 @@ impl PassReport<'_> {
     pub fn quantity_shown(&self, name: &str, unit: &str) -> Shown {
         Shown::quantity(unit, self.model.quantities.iter().any(|q| q.name == name && q.is_temperature))
     }
-
-    /// How numbers given in SI are shown in a unit as the study writes it.
-    pub fn written_shown(&self, unit: &str) -> Shown {
-        Shown::written(unit)
-    }
 }
