@@ -45,8 +45,9 @@ pub struct Propagate {
     /// Parameters that are not fixed, in order: one coordinate of the points each.
     uncertain: Vec<usize>,
     /// Where every solve starts, by case, so that no result depends on the order of samples.
-    starts: Vec<Option<Vec<f64>>>,
-    nominal: Vec<Result<Vec<f64>, String>>,
+    starts: Vec<Vec<f64>>,
+    /// Quantities of the nominal parameters, by case.
+    nominal: Vec<Vec<f64>>,
 }
 
 impl Propagate {
@@ -79,12 +80,11 @@ impl Propagate {
             let (parameters, inputs) = job.nominal_case(case);
             job.network.set_parameters(&mut workspace, &parameters);
             job.network.set_inputs(&mut workspace, &inputs);
-            let solved = job.network.solve_steady(&mut workspace, Start::Default);
-            job.starts.push(solved.is_ok().then(|| workspace.temperatures().to_vec()));
-            job.nominal.push(match solved {
-                Ok(_) => Ok(job.spec.quantities.iter().map(|&q| job.network.quantity(&workspace, q)).collect()),
-                Err(error) => Err(error.to_string()),
-            });
+            job.network.solve_steady(&mut workspace, Start::Default).map_err(|e| {
+                failed(format!("environment `{}` at nominal parameters: {e}", job.environment(case).name))
+            })?;
+            job.starts.push(workspace.temperatures().to_vec());
+            job.nominal.push(job.spec.quantities.iter().map(|&q| job.network.quantity(&workspace, q)).collect());
         }
         Ok(job)
     }
@@ -138,10 +138,7 @@ impl Propagate {
             Some((Variable::Parameter(index), _)) => Some(index),
             _ => None,
         };
-        let start = match &self.starts[block.case] {
-            Some(temperatures) => Start::Temperatures(temperatures),
-            None => Start::Default,
-        };
+        let start = Start::Temperatures(&self.starts[block.case]);
         let mut batch: Batch<LANES> = self.network.batch();
         for lane in 0..LANES {
             batch.set_parameters(&self.network, lane, &nominal);
