@@ -9,6 +9,7 @@ use crate::job::{compare, conventional, propagate};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
+use super::model::InputError;
 use super::pinned::Pinned;
 
 /// A pass that can be run.
@@ -34,6 +35,8 @@ pub struct Pass {
     pub model: Model,
     /// The parameters' priors, SI, in the model's order.
     pub priors: Vec<Distribution>,
+    /// Own errors of the inputs, in the model's order.
+    pub input_errors: Vec<InputError>,
     /// Requirements in the order of the file.
     pub requirements: Vec<Requirement>,
     /// Environments in the order of the file.

@@ -93,7 +93,6 @@ pub fn load(folder: Option<&Folder>, diagnostics: &mut Diagnostics) -> Vec<(Rule
     rules
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;

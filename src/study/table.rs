@@ -37,13 +37,7 @@ pub struct Problems {
 
 impl Problems {
     /// Adds a problem.
-    pub fn add(
-        &mut self,
-        code: &'static Code,
-        range: Range<usize>,
-        message: impl Into<String>,
-        help: Option<&str>,
-    ) {
+    pub fn add(&mut self, code: &'static Code, range: Range<usize>, message: impl Into<String>, help: Option<&str>) {
         if self.kept.len() < PROBLEMS_KEPT {
             self.kept.push(Problem { code, range, message: message.into(), help: help.map(str::to_owned) });
         } else {
@@ -135,7 +129,12 @@ impl<'t> Table<'t> {
                 for (other, name) in [(b';', "`;`"), (b'\t', "`tab`"), (b',', "`,`")] {
                     if other != separator && only.text.as_bytes().contains(&other) {
                         let help = format!("declare the separator: \"separator\": {}", name.replace('`', "\""));
-                        problems.add(&code::TABLE_SHAPE, only.range.clone(), "the first line has one column only", Some(&help));
+                        problems.add(
+                            &code::TABLE_SHAPE,
+                            only.range.clone(),
+                            "the first line has one column only",
+                            Some(&help),
+                        );
                         return None;
                     }
                 }
@@ -185,9 +184,19 @@ impl<'t> Table<'t> {
                 match &mut columns[place] {
                     Column::Names(values) => {
                         if text.is_empty() {
-                            problems.add(&code::TABLE_CELL, range.clone(), format!("the `{name}` of this row is empty"), None);
+                            problems.add(
+                                &code::TABLE_CELL,
+                                range.clone(),
+                                format!("the `{name}` of this row is empty"),
+                                None,
+                            );
                         } else if seen.insert(text.clone().into_owned(), ()).is_some() {
-                            problems.add(&code::TABLE_CELL, range.clone(), format!("`{text}` stands twice under `{name}`"), None);
+                            problems.add(
+                                &code::TABLE_CELL,
+                                range.clone(),
+                                format!("`{text}` stands twice under `{name}`"),
+                                None,
+                            );
                         }
                         values.push(text.into_owned());
                     }
@@ -202,7 +211,12 @@ impl<'t> Table<'t> {
                         };
                         if number.is_none() && cells != Cells::Readings {
                             let message = format!("`{name}` has no value in this row");
-                            problems.add(&code::TABLE_CELL, range.clone(), message, Some("only a sensor's reading may be missing"));
+                            problems.add(
+                                &code::TABLE_CELL,
+                                range.clone(),
+                                message,
+                                Some("only a sensor's reading may be missing"),
+                            );
                         }
                         if let (Cells::Times, Some(time)) = (cells, number) {
                             if let Some(last) = last_times[place].filter(|last| time <= *last) {

@@ -4,9 +4,7 @@ use std::sync::Arc;
 
 use crate::document::hash::sha256_hex;
 use crate::document::quantity::{parse_unit, report_dimension};
-use crate::document::{
-    Diagnostic, Map, Place, Sense, Source, Span, Spanned, WrittenUnit, code, suggest,
-};
+use crate::document::{Diagnostic, Map, Place, Sense, Source, Span, Spanned, WrittenUnit, code, suggest};
 use crate::expression::{Dimension, Unit};
 use crate::study::inherit::folder_diagnostic_at;
 use crate::study::pass::measurement::{ColumnForm, PinForm};
@@ -42,8 +40,8 @@ pub struct Wanted<'a> {
     pub name: &'a str,
     /// Where the study asks for it.
     pub place: &'a Place,
-    /// Dimension of the values.
-    pub dimension: Dimension,
+    /// Dimension of the values, where known.
+    pub dimension: Option<Dimension>,
     /// Whether they stand on a scale.
     pub sense: Sense,
     /// How cells are read.
@@ -138,7 +136,9 @@ pub fn separator(scope: &mut Scope, written: Option<&Spanned<String>>) -> u8 {
     let Some(written) = written else { return b',' };
     match written.value.as_bytes() {
         b"tab" => b'\t',
-        [byte] if byte.is_ascii() && !byte.is_ascii_alphanumeric() && !matches!(byte, b'"' | b'.' | b'-' | b'+') => *byte,
+        [byte] if byte.is_ascii() && !byte.is_ascii_alphanumeric() && !matches!(byte, b'"' | b'.' | b'-' | b'+') => {
+            *byte
+        }
         _ => {
             let message = format!("`{}` cannot separate cells", written.value);
             scope.error(&code::TABLE_SHAPE, &written.place, message, "one character such as `;`, or \"tab\"");
@@ -191,7 +191,8 @@ pub fn columns(scope: &mut Scope, data: &Data, layout: &Layout, wanted: &[Wanted
     if scope.diagnostics.errors() > before {
         return Err(());
     }
-    let phases = if steady { columns.next().map_or_else(Vec::new, |column| column.names().to_vec()) } else { Vec::new() };
+    let phases =
+        if steady { columns.next().map_or_else(Vec::new, |column| column.names().to_vec()) } else { Vec::new() };
     let mut read = Vec::new();
     for (wanted, placed) in wanted.iter().zip(&placed) {
         read.push(placed.as_ref().and_then(|(_, unit)| {
@@ -287,13 +288,14 @@ fn unit(scope: &mut Scope, source: &Arc<Source>, header: &Header, layout: &Layou
         (None, Some(text)) => (parse_unit(text, &place, 0, scope.diagnostics)?, place),
         (None, None) => {
             let message = format!("the column `{}` states no unit", header.text);
-            let help = format!("write `{} [{}]`, or declare its unit under \"columns\"", header.name, wanted.dimension);
+            let unit = wanted.dimension.map_or_else(|| "unit".to_owned(), |dimension| dimension.to_string());
+            let help = format!("write `{} [{unit}]`, or declare its unit under \"columns\"", header.name);
             scope.diagnostics.push(Diagnostic::error(&code::TABLE_COLUMN, &place, message).help(help));
             return None;
         }
     };
-    if unit.dimension != wanted.dimension {
-        report_dimension(&unit, &place, wanted.dimension, scope.diagnostics);
+    if let Some(expected) = wanted.dimension.filter(|expected| *expected != unit.dimension) {
+        report_dimension(&unit, &place, expected, scope.diagnostics);
         return None;
     }
     Some(unit)

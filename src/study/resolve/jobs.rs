@@ -1,12 +1,13 @@
 //! Jobs: settings with their defaults, names looked up.
 
 use crate::document::{Amount, Diagnostic, Map, MapEntry, NameOr, Node, Place, Sense, Spanned, Value, code};
-use crate::expression::{Dimension, Unit};
+use crate::expression::Dimension;
 use crate::job::compare::{self, Criteria};
 use crate::job::conventional::{self, Rule};
 use crate::job::propagate::{self, Sampling, Sweep, Variable};
 use crate::job::requirement::{Environment, Requirement};
 use crate::random::Distribution;
+use crate::study::model::Scale;
 use crate::study::model::prior::support;
 use crate::study::pass::job::{
     CompareForm, ConventionalForm, JobForm, PropagateForm, RangeForm, SamplingForm, SweepForm,
@@ -145,7 +146,9 @@ fn propagate(scope: &mut Scope, form: &PropagateForm, offered: &Offered) -> Opti
                 }
             }
         }
-        None if requirements.is_empty() && offered.named_quantities > 0 => quantities.extend(0..offered.named_quantities),
+        None if requirements.is_empty() && offered.named_quantities > 0 => {
+            quantities.extend(0..offered.named_quantities)
+        }
         None if requirements.is_empty() => {
             for node in 0..scope.resolved.model.nodes.len() {
                 let index = scope.node_quantity(node);
@@ -181,7 +184,8 @@ fn propagate(scope: &mut Scope, form: &PropagateForm, offered: &Offered) -> Opti
         limit.value
     });
     let sweep = form.sweep.as_ref().and_then(|form| sweep(scope, form));
-    let spec = propagate::Spec { quantities, samples, sampling, environments, sweep, joint, requirements, failure_limit };
+    let spec =
+        propagate::Spec { quantities, samples, sampling, environments, sweep, joint, requirements, failure_limit };
     (scope.diagnostics.errors() == before).then_some(spec)
 }
 
@@ -201,17 +205,17 @@ fn samples(scope: &mut Scope, written: Option<&Spanned<u64>>, sampling: Sampling
     let rounded = value.next_power_of_two();
     if sampling == Sampling::Sobol && rounded != *value {
         let message = format!("{value} Sobol points are rounded up to {rounded}");
-        scope.diagnostics.push(
-            Diagnostic::warning(&code::ROUNDED_SAMPLES, place, message).help("write a power of two"),
-        );
+        scope
+            .diagnostics
+            .push(Diagnostic::warning(&code::ROUNDED_SAMPLES, place, message).help("write a power of two"));
         return rounded;
     }
     *value
 }
 
 /// A design variable's values in SI; bare numbers are in its own unit.
-fn value(scope: &mut Scope, amount: &Amount, unit: &Unit) -> Option<f64> {
-    amount.si(unit.dimension, Some(unit), Sense::Absolute, scope.diagnostics)
+fn value(scope: &mut Scope, amount: &Amount, scale: &Scale) -> Option<f64> {
+    scale.si(amount, Sense::Absolute, scope.diagnostics)
 }
 
 fn sweep(scope: &mut Scope, form: &Spanned<Map<SweepForm>>) -> Option<Sweep> {
@@ -223,14 +227,14 @@ fn sweep(scope: &mut Scope, form: &Spanned<Map<SweepForm>>) -> Option<Sweep> {
             return None;
         }
     };
-    let (variable, unit) = scope.variable(&entry.name, &entry.name_place)?;
+    let (variable, scale) = scope.variable(&entry.name, &entry.name_place)?;
     let values: Vec<f64> = match &entry.value {
         SweepForm::List(list) => {
-            let values: Vec<Option<f64>> = list.iter().map(|amount| value(scope, amount, &unit)).collect();
+            let values: Vec<Option<f64>> = list.iter().map(|amount| value(scope, amount, &scale)).collect();
             values.into_iter().collect::<Option<_>>()?
         }
         SweepForm::Steps(steps) => {
-            let (from, to) = (value(scope, &steps.from, &unit)?, value(scope, &steps.to, &unit)?);
+            let (from, to) = (value(scope, &steps.from, &scale)?, value(scope, &steps.to, &scale)?);
             let count = steps.steps.value;
             if !(2..=MOST_STEPS).contains(&count) {
                 let message = format!("a sweep of {count} steps");
@@ -249,10 +253,15 @@ fn sweep(scope: &mut Scope, form: &Spanned<Map<SweepForm>>) -> Option<Sweep> {
     };
     let increasing = values.windows(2).all(|pair| pair[0] < pair[1]);
     if values.is_empty() || values.len() > MOST_STEPS || !increasing {
-        scope.error(&code::SWEEP, &entry.place, "the values of a sweep do not increase", "at least one value, each above the one before");
+        scope.error(
+            &code::SWEEP,
+            &entry.place,
+            "the values of a sweep do not increase",
+            "at least one value, each above the one before",
+        );
         return None;
     }
-    Some(Sweep { name: entry.name.clone(), unit: unit.text, variable, values })
+    Some(Sweep { name: entry.name.clone(), unit: scale.text().to_owned(), variable, values })
 }
 
 fn conventional(
@@ -324,27 +333,29 @@ fn design_variable(
 }
 
 fn design_range(scope: &mut Scope, entry: &MapEntry<RangeForm>) -> Option<Sweep> {
-    let (variable, unit) = scope.variable(&entry.name, &entry.name_place)?;
-    let from = value(scope, &entry.value.from, &unit);
-    let to = value(scope, &entry.value.to, &unit);
+    let (variable, scale) = scope.variable(&entry.name, &entry.name_place)?;
+    let from = value(scope, &entry.value.from, &scale);
+    let to = value(scope, &entry.value.to, &scale);
     let (from, to) = (from?, to?);
     if from >= to {
         let message = format!("the range of `{}` is empty", entry.name);
         scope.error(&code::SWEEP, &entry.place, message, "`from` below `to`");
         return None;
     }
-    Some(Sweep { name: entry.name.clone(), unit: unit.text, variable, values: vec![from, to] })
+    Some(Sweep { name: entry.name.clone(), unit: scale.text().to_owned(), variable, values: vec![from, to] })
 }
 
 /// The range of an input, or of a bounded prior.
 fn known_range(scope: &mut Scope, name: &Spanned<String>, offered: &Offered) -> Option<Sweep> {
-    let (variable, unit) = scope.variable(&name.value, &name.place)?;
+    let (variable, scale) = scope.variable(&name.value, &name.place)?;
     let range = match variable {
         Variable::Input(index) => scope.resolved.model.inputs[index].range,
         Variable::Parameter(index) => Some(support(&offered.priors[index])),
     };
     match range.filter(|[from, to]| from < to && from.is_finite() && to.is_finite()) {
-        Some(range) => Some(Sweep { name: name.value.clone(), unit: unit.text, variable, values: range.to_vec() }),
+        Some(range) => {
+            Some(Sweep { name: name.value.clone(), unit: scale.text().to_owned(), variable, values: range.to_vec() })
+        }
         None => {
             let message = format!("no range is known in which `{}` could be sought", name.value);
             let expected = format!("{{\"{}\": {{\"from\": ..., \"to\": ...}}}}", name.value);
@@ -359,10 +370,9 @@ fn heat_loads(scope: &mut Scope, names: Option<&Vec<Spanned<String>>>, design: O
     if let Some(names) = names {
         return names.iter().filter_map(|name| Some(scope.variable(&name.value, &name.place)?.0)).collect();
     }
-    let is_power = |unit: &str| super::scope::unit_of(unit).dimension == Dimension::POWER;
-    let model = &scope.resolved.model;
-    let parameters = model.parameters.iter().enumerate().filter(|(_, parameter)| is_power(&parameter.unit));
-    let inputs = model.inputs.iter().enumerate().filter(|(_, input)| is_power(&input.unit));
+    let is_power = |scale: &Scale| scale.dimension() == Some(Dimension::POWER);
+    let parameters = scope.resolved.parameter_scales.iter().enumerate().filter(|(_, scale)| is_power(scale));
+    let inputs = scope.resolved.input_scales.iter().enumerate().filter(|(_, scale)| is_power(scale));
     let parameters = parameters.map(|(index, _)| Variable::Parameter(index));
     parameters.chain(inputs.map(|(index, _)| Variable::Input(index))).filter(|load| Some(*load) != design).collect()
 }

@@ -3,9 +3,7 @@
 use crate::document::{Amount, Map, MapEntry, NameOr, Place, Sense, Spanned, code};
 use crate::expression::Dimension;
 use crate::inference::measurement::{Measurement, Rows, Sensor};
-use crate::study::pass::measurement::{
-    HeldOutForm, IgnoredIntervalForm, IntervalForm, MeasurementForm, SensorForm,
-};
+use crate::study::pass::measurement::{HeldOutForm, IgnoredIntervalForm, IntervalForm, MeasurementForm, SensorForm};
 use crate::study::pinned::Pinned;
 use crate::study::resolved::IgnoredSensor;
 use crate::study::table::Cells;
@@ -92,14 +90,21 @@ pub fn wanted<'a>(
     let input = |(index, name): (usize, &'a String)| Wanted {
         name,
         place,
-        dimension: super::scope::unit_of(&scope.resolved.model.inputs[index].unit).dimension,
+        dimension: scope.resolved.input_scales[index].dimension(),
         sense: Sense::Absolute,
         cells: Cells::Numbers,
         required: false,
     };
     let sensor = |(entry, sensor): &'a (&'a MapEntry<SensorForm>, Sensor)| {
         let (dimension, sense) = scope.quantity_form(sensor.quantity);
-        Wanted { name: &entry.name, place: &entry.name_place, dimension, sense, cells: Cells::Readings, required: true }
+        Wanted {
+            name: &entry.name,
+            place: &entry.name_place,
+            dimension: Some(dimension),
+            sense,
+            cells: Cells::Readings,
+            required: true,
+        }
     };
     inputs.iter().enumerate().map(input).chain(sensors.iter().map(sensor)).collect()
 }

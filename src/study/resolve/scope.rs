@@ -1,22 +1,21 @@
 //! What names mean while a pass is resolved.
 
 use crate::document::quantity::report_dimension;
-use crate::document::{
-    Amount, Diagnostic, Diagnostics, Place, Sense, Spanned, WrittenUnit, code, suggest,
-};
+use crate::document::{Amount, Diagnostic, Diagnostics, Place, Sense, Spanned, WrittenUnit, code, suggest};
 use crate::expression::{Dimension, Symbol, Unit};
 use crate::inference::measurement::Uncertain;
 use crate::job::propagate::Variable;
 use crate::study::folder::Folder;
+use crate::study::model::{Prior, ResolvedModel, Scale};
 use crate::study::pass::uncertain::UncertainForm;
-use crate::thermal::{Model, Quantity, QuantityValue};
+use crate::thermal::{Quantity, QuantityValue};
 
 /// The model that is being completed, the folder, and where findings go.
 pub struct Scope<'a> {
     /// The study's folder.
     pub folder: &'a Folder,
     /// The model; quantities are added where a node's name is asked for.
-    pub model: Model,
+    pub resolved: ResolvedModel,
     /// Errors and warnings.
     pub diagnostics: &'a mut Diagnostics,
 }
@@ -33,17 +32,16 @@ impl Scope<'_> {
         let near = suggest::nearest(name, known.iter().copied());
         let listed = suggest::listed(known.iter().copied(), 12);
         let expected = if known.is_empty() { format!("there is no {what}") } else { format!("one of {listed}") };
-        self.diagnostics.push(
-            Diagnostic::error(code, place, format!("unknown {what} `{name}`")).expected(expected).suggest(near),
-        );
+        self.diagnostics
+            .push(Diagnostic::error(code, place, format!("unknown {what} `{name}`")).expected(expected).suggest(near));
     }
 
     /// Position of a quantity in the model's list: a named one, or a node's temperature, which is added.
     pub fn quantity(&mut self, name: &Spanned<String>) -> Option<usize> {
-        if let Some(index) = self.resolved.model.quantities.iter().position(|quantity| quantity.name == name.value) {
+        if let Some(index) = self.resolved.quantity(&name.value) {
             return Some(index);
         }
-        if let Some(node) = self.resolved.model.nodes.iter().position(|node| node.name == name.value) {
+        if let Some(node) = self.resolved.node(&name.value) {
             return Some(self.node_quantity(node));
         }
         let known: Vec<String> = (self.resolved.model.quantities.iter().map(|quantity| quantity.name.clone()))
@@ -57,26 +55,27 @@ impl Scope<'_> {
     /// The temperature of a node as a quantity, which is added where it is not there.
     pub fn node_quantity(&mut self, node: usize) -> usize {
         let name = self.resolved.model.nodes[node].name.clone();
-        if let Some(index) = self.resolved.model.quantities.iter().position(|quantity| quantity.name == name) {
+        if let Some(index) = self.resolved.quantity(&name) {
             return index;
         }
         // A model has far fewer nodes than this type counts.
         let symbol = Symbol::Node(u32::try_from(node).unwrap_or(u32::MAX));
         let value = QuantityValue::Instant(self.resolved.model.graph.symbol(symbol));
         self.resolved.model.quantities.push(Quantity { name, unit: "K".to_owned(), is_temperature: true, value });
+        self.resolved.quantity_dimensions.push(Dimension::TEMPERATURE);
         self.resolved.model.quantities.len() - 1
     }
 
     /// Dimension of a quantity, and whether its values stand on a scale with a zero of its own.
     pub fn quantity_form(&self, quantity: usize) -> (Dimension, Sense) {
-        let quantity = &self.resolved.model.quantities[quantity];
-        let sense = if quantity.is_temperature { Sense::Absolute } else { Sense::Difference };
-        (unit_of(&quantity.unit).dimension, sense)
+        let absolute = self.resolved.model.quantities[quantity].is_temperature;
+        let sense = if absolute { Sense::Absolute } else { Sense::Difference };
+        (self.resolved.quantity_dimensions[quantity], sense)
     }
 
     /// Position of an input.
     pub fn input(&self, name: &str) -> Option<usize> {
-        self.resolved.model.inputs.iter().position(|input| input.name == name)
+        self.resolved.input(name)
     }
 
     /// Position of an input, reported where there is none.
@@ -97,24 +96,26 @@ impl Scope<'_> {
 
     /// An input's value in SI; a bare number is SI, with a warning where the input is written in another unit.
     pub fn input_value(&mut self, input: usize, amount: &Amount) -> Option<f64> {
-        let unit = unit_of(&self.resolved.model.inputs[input].unit);
+        let scale = self.resolved.input_scales[input].clone();
+        let Some(unit) = &scale.unit else { return scale.si(amount, Sense::Absolute, self.diagnostics) };
         if amount.unit.is_none() && (unit.factor != 1.0 || unit.has_offset()) {
             let name = &self.resolved.model.inputs[input].name;
-            let si = unit.dimension.to_string();
-            let message = format!("the bare number {} is taken in {si}, the model states `{name}` in {}", amount.value, unit.text);
-            let help = format!("write {{\"value\": {}, \"unit\": \"{}\"}} or \"{si}\"", amount.value, unit.text);
+            let (value, si) = (amount.value, unit.dimension);
+            let message =
+                format!("the bare number {value} is taken in {si}; the model states `{name}` in {}", unit.text);
+            let help = format!("write {{\"value\": {value}, \"unit\": \"{}\"}}, or state {si}", unit.text);
             self.diagnostics.push(Diagnostic::warning(&code::BARE_NUMBER, &amount.place, message).help(help));
         }
         amount.si(unit.dimension, None, Sense::Absolute, self.diagnostics)
     }
 
     /// A parameter or input by name, with its unit.
-    pub fn variable(&mut self, name: &str, place: &Place) -> Option<(Variable, Unit)> {
-        if let Some(index) = self.resolved.model.parameters.iter().position(|parameter| parameter.name == name) {
-            return Some((Variable::Parameter(index), unit_of(&self.resolved.model.parameters[index].unit)));
+    pub fn variable(&mut self, name: &str, place: &Place) -> Option<(Variable, Scale)> {
+        if let Some(index) = self.resolved.parameter(name) {
+            return Some((Variable::Parameter(index), self.resolved.parameter_scales[index].clone()));
         }
         if let Some(index) = self.input(name) {
-            return Some((Variable::Input(index), unit_of(&self.resolved.model.inputs[index].unit)));
+            return Some((Variable::Input(index), self.resolved.input_scales[index].clone()));
         }
         let known: Vec<String> = (self.resolved.model.parameters.iter().map(|parameter| parameter.name.clone()))
             .chain(self.resolved.model.inputs.iter().map(|input| input.name.clone()))
@@ -156,7 +157,14 @@ impl Scope<'_> {
                     Some(written) => written.unit.clone(),
                     None => Unit::si(dimension),
                 };
-                super::prior::prior(&form.prior, &own, sense, self.diagnostics).map(Uncertain::Inferred)
+                match form.prior.resolve(Some(&own), dimension, sense, self.diagnostics)? {
+                    Prior::Distribution(distribution) => Some(Uncertain::Inferred(distribution)),
+                    Prior::Posterior { place, .. } | Prior::Draws { place, .. } => {
+                        let message = "this version cannot yet take a prior from draws";
+                        self.error(&code::PRIOR_NOT_READ, &place, message, "a distribution");
+                        None
+                    }
+                }
             }
         }
     }

@@ -4,7 +4,9 @@ use crate::document::hash::sha256_hex;
 use crate::document::{Map, MapEntry, NameOr, Place, Sense, Spanned, code};
 use crate::expression::Dimension;
 use crate::inference::measurement::{Measurement, Phase, Rows, Sensor, Stabilisation};
-use crate::study::pass::measurement::{HeldOutForm, IgnoredIntervalForm, MeasurementForm, SensorForm, SteadyForm, WindowForm};
+use crate::study::pass::measurement::{
+    HeldOutForm, IgnoredIntervalForm, MeasurementForm, SensorForm, SteadyForm, WindowForm,
+};
 use crate::study::pinned::Pinned;
 use crate::study::resolved::IgnoredSensor;
 use crate::study::table::Cells;
@@ -119,7 +121,7 @@ pub fn time_column(place: &Place) -> Wanted<'_> {
     Wanted {
         name: "time",
         place,
-        dimension: Dimension::TIME,
+        dimension: Some(Dimension::TIME),
         sense: Sense::Difference,
         cells: Cells::Times,
         required: true,

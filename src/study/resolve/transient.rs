@@ -10,9 +10,7 @@ use crate::study::resolved::IgnoredSensor;
 use crate::thermal::NodeKind;
 
 use super::data::{Layout, columns, data, pin, separator};
-use super::measurement::{
-    Outcome, base_inputs, check_content, held_out_rows, parted, rows_within, sensors, wanted,
-};
+use super::measurement::{Outcome, base_inputs, check_content, held_out_rows, parted, rows_within, sensors, wanted};
 use super::scope::Scope;
 use super::steady::time_column;
 
@@ -71,9 +69,8 @@ pub fn transient(
         sensor.unit.clone_from(&read.unit);
     }
     let hold = |input: usize| form.hold.iter().any(|hold| hold.value == names[input]);
-    let table_columns: Vec<InputColumn> = (parts.inputs.into_iter())
-        .map(|(input, values)| InputColumn { input, values, hold: hold(input) })
-        .collect();
+    let table_columns: Vec<InputColumn> =
+        (parts.inputs.into_iter()).map(|(input, values)| InputColumn { input, values, hold: hold(input) }).collect();
     let Some(initial) = initial else { return Outcome::Wrong };
     let measurement = Measurement {
         name: entry.name.clone(),
@@ -98,8 +95,7 @@ fn ignored_rows(scope: &mut Scope, form: &TransientForm, times_s: &[f64]) -> Vec
     for entry in &form.ignore {
         match &entry.value {
             NameOr::Other(interval) => {
-                let within =
-                    rows_within(scope, times_s, interval.from.as_ref(), interval.to.as_ref(), &entry.place);
+                let within = rows_within(scope, times_s, interval.from.as_ref(), interval.to.as_ref(), &entry.place);
                 if scope.reason(&interval.because) {
                     for (ignored, within) in ignored.iter_mut().zip(within.unwrap_or_default()) {
                         if within && ignored.is_none() {
