@@ -78,6 +78,8 @@ pub struct Stabilisation {
     pub slopes: Vec<Option<f64>>,
     /// Standard error of each slope.
     pub slope_errors: Vec<Option<f64>>,
+    /// Standard error of each sensor's mean over the window, SI.
+    pub mean_errors: Vec<Option<f64>>,
 }
 
 /// Steady phases or a transient.

@@ -12,7 +12,7 @@ use crate::document::suggest;
 use super::folder::{Folder, FolderError};
 
 /// Sections whose entries are inherited by name.
-const NAMED: &[&str] =
+pub(super) const NAMED: &[&str] =
     &["parameters", "adopt", "requirements", "environments", "measurements", "quantities", "criteria", "design"];
 /// Fields that are inherited as they are.
 const PLAIN: &[&str] = &["title", "description", "model", "seed"];

@@ -93,11 +93,6 @@ pub fn load(folder: Option<&Folder>, diagnostics: &mut Diagnostics) -> Vec<(Rule
     rules
 }
 
-/// The JSON Schema of a rule file.
-pub fn schema() -> serde_json::Value {
-    crate::document::Schemas::document::<RuleForm>("bmv margin rule")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,12 +8,16 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::Range;
 
+use crate::document::code::{self, Code};
+
 /// Problems kept of one file; the others are counted.
 const PROBLEMS_KEPT: usize = 20;
 
 /// Something wrong at a place of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
+    /// Which kind of finding.
+    pub code: &'static Code,
     /// Bytes of the text.
     pub range: Range<usize>,
     /// What is wrong.
@@ -33,9 +37,9 @@ pub struct Problems {
 
 impl Problems {
     /// Adds a problem.
-    pub fn add(&mut self, range: Range<usize>, message: impl Into<String>, help: Option<&str>) {
+    pub fn add(&mut self, code: &'static Code, range: Range<usize>, message: impl Into<String>, help: Option<&str>) {
         if self.kept.len() < PROBLEMS_KEPT {
-            self.kept.push(Problem { range, message: message.into(), help: help.map(str::to_owned) });
+            self.kept.push(Problem { code, range, message: message.into(), help: help.map(str::to_owned) });
         } else {
             self.more += 1;
         }
@@ -125,14 +129,19 @@ impl<'t> Table<'t> {
                 for (other, name) in [(b';', "`;`"), (b'\t', "`tab`"), (b',', "`,`")] {
                     if other != separator && only.text.as_bytes().contains(&other) {
                         let help = format!("declare the separator: \"separator\": {}", name.replace('`', "\""));
-                        problems.add(only.range.clone(), "the first line has one column only", Some(&help));
+                        problems.add(
+                            &code::TABLE_SHAPE,
+                            only.range.clone(),
+                            "the first line has one column only",
+                            Some(&help),
+                        );
                         return None;
                     }
                 }
             }
             return Some(Self { text, separator, headers, body });
         }
-        problems.add(0..0, "the file has no line of headers", None);
+        problems.add(&code::TABLE_EMPTY, 0..0, "the file has no line of headers", None);
         None
     }
 
@@ -165,7 +174,7 @@ impl<'t> Table<'t> {
                 let range = ranges[0].start..ranges[ranges.len() - 1].end;
                 let (found, expected) = (ranges.len(), self.headers.len());
                 let message = format!("this row has {found} cells, the line of headers has {expected}");
-                problems.add(range, message, None);
+                problems.add(&code::TABLE_SHAPE, range, message, None);
                 continue;
             }
             for (place, &(index, cells)) in wanted.iter().enumerate() {
@@ -175,9 +184,19 @@ impl<'t> Table<'t> {
                 match &mut columns[place] {
                     Column::Names(values) => {
                         if text.is_empty() {
-                            problems.add(range.clone(), format!("the `{name}` of this row is empty"), None);
+                            problems.add(
+                                &code::TABLE_CELL,
+                                range.clone(),
+                                format!("the `{name}` of this row is empty"),
+                                None,
+                            );
                         } else if seen.insert(text.clone().into_owned(), ()).is_some() {
-                            problems.add(range.clone(), format!("`{text}` stands twice under `{name}`"), None);
+                            problems.add(
+                                &code::TABLE_CELL,
+                                range.clone(),
+                                format!("`{text}` stands twice under `{name}`"),
+                                None,
+                            );
                         }
                         values.push(text.into_owned());
                     }
@@ -185,19 +204,24 @@ impl<'t> Table<'t> {
                         let number = match number(&text) {
                             Ok(number) => number,
                             Err((message, help)) => {
-                                problems.add(range.clone(), message, help);
+                                problems.add(&code::TABLE_CELL, range.clone(), message, help);
                                 values.push(None);
                                 continue;
                             }
                         };
                         if number.is_none() && cells != Cells::Readings {
                             let message = format!("`{name}` has no value in this row");
-                            problems.add(range.clone(), message, Some("only a sensor's reading may be missing"));
+                            problems.add(
+                                &code::TABLE_CELL,
+                                range.clone(),
+                                message,
+                                Some("only a sensor's reading may be missing"),
+                            );
                         }
                         if let (Cells::Times, Some(time)) = (cells, number) {
                             if let Some(last) = last_times[place].filter(|last| time <= *last) {
                                 let message = format!("time {time} is not after {last}, the time of the row before");
-                                problems.add(range.clone(), message, None);
+                                problems.add(&code::TABLE_CELL, range.clone(), message, None);
                             }
                             last_times[place] = Some(time);
                         }
@@ -232,7 +256,7 @@ fn record(
             loop {
                 match bytes.get(at) {
                     None => {
-                        problems.add(open..open + 1, "this quote is not closed", None);
+                        problems.add(&code::TABLE_SHAPE, open..open + 1, "this quote is not closed", None);
                         return None;
                     }
                     Some(b'"') if bytes.get(at + 1) == Some(&b'"') => at += 2,

@@ -69,4 +69,7 @@ codes! { PASS_CODES:
     NOTHING_TO_REMOVE = "nothing-to-remove", "a removal of what no parent has",
         "In a pass, `null` in place of a named entry removes the entry that a parent pass has under this name. Where no parent has it, the name is probably misspelt, and the entry that was meant would stay.",
         "wrong: \"requirements\": {\"detektor\": null}\nright: \"requirements\": {\"detector\": null}";
+    PRIOR_NOT_READ = "prior-not-read", "a prior from draws, which this version cannot use",
+        "The prior is a posterior of an earlier pass or a file of draws. This version knows the form but cannot yet propagate or fit with it; running with anything else in its place would give the results of another study.",
+        "wrong, with this version: {\"posterior\": {\"pass\": \"pass-1.json\", \"job\": \"tuned\"}}\nright: {\"normal\": {\"mean\": 0.4, \"sd\": 0.02}}";
 }

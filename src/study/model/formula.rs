@@ -102,7 +102,8 @@ impl Formulas<'_> {
             diagnostics.push(Diagnostic::warning(&code::UNIT_CLASH, place, format!("the units clash: {clash}")));
         }
         if let Some(found) = found.filter(|d| *d != expected.dimension && clashes.is_empty()) {
-            let message = format!("{} in {} is expected; the expression is in {found}", expected.what, expected.dimension);
+            let message =
+                format!("{} in {} is expected; the expression is in {found}", expected.what, expected.dimension);
             diagnostics.push(
                 Diagnostic::warning(&code::UNIT_CLASH, place, message)
                     .expected(format!("something in {}", expected.dimension)),

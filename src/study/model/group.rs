@@ -1,11 +1,11 @@
 //! Groups: members that share physics.
 
-use crate::document::{Diagnostics, Map, Spanned, code, written_choice};
 use crate::document::Diagnostic;
+use crate::document::{Diagnostics, Map, Spanned, code, written_choice};
 
+use super::element::Kind;
 use super::name;
 use super::resolve::ResolvedModel;
-use super::element::Kind;
 
 written_choice! {
     /// Members that share physics: one effect with one parameter applies to all.
@@ -84,8 +84,12 @@ pub(super) fn resolve(form: &Map<GroupForm>, model: &ResolvedModel, diagnostics:
         let (count, members) = members;
         if count == 0 && !diagnostics.has_errors() {
             diagnostics.push(
-                Diagnostic::error(&code::OUT_OF_RANGE, &entry.place, format!("the group `{}` has no members", entry.name))
-                    .expected("at least one member"),
+                Diagnostic::error(
+                    &code::OUT_OF_RANGE,
+                    &entry.place,
+                    format!("the group `{}` has no members", entry.name),
+                )
+                .expected("at least one member"),
             );
         }
         groups.push(Group { name: entry.name.clone(), members });

@@ -121,16 +121,16 @@ impl ResolvedModel {
             [one] => Some(*one),
             [] => {
                 let what = if let [kind] = kinds { kind.word() } else { "element" };
-                let known = self.model.elements.iter().filter(|e| kinds.contains(&Kind::of(e))).map(|e| e.name.as_str());
+                let known =
+                    self.model.elements.iter().filter(|e| kinds.contains(&Kind::of(e))).map(|e| e.name.as_str());
                 name::unknown(what, name, place, known, diagnostics);
                 None
             }
             several => {
                 let kinds: Vec<&str> = several.iter().map(|&i| Kind::of(&self.model.elements[i]).word()).collect();
                 let message = format!("`{name}` is the name of a {}", kinds.join(" and a "));
-                diagnostics.push(
-                    Diagnostic::error(&code::DUPLICATE_NAME, place, message).expected("the name of one element"),
-                );
+                diagnostics
+                    .push(Diagnostic::error(&code::DUPLICATE_NAME, place, message).expected("the name of one element"));
                 None
             }
         }
@@ -230,8 +230,9 @@ fn ordered(
         return Some([lower, upper]);
     }
     let message = format!("{what} [{}, {}] is not in order", low.value, high.value);
-    diagnostics
-        .push(Diagnostic::error(&code::OUT_OF_RANGE, &pair.place, message).expected("[lower, upper], lower below upper"));
+    diagnostics.push(
+        Diagnostic::error(&code::OUT_OF_RANGE, &pair.place, message).expected("[lower, upper], lower below upper"),
+    );
     None
 }
 
@@ -255,7 +256,11 @@ impl ResolvedModel {
                 };
                 let message = format!(
                     "the nominal value {} of `{}` lies outside its prior, {} to {} {}",
-                    form.nominal.value, entry.name, shown(lower), shown(upper), scale.text()
+                    form.nominal.value,
+                    entry.name,
+                    shown(lower),
+                    shown(upper),
+                    scale.text()
                 );
                 diagnostics.push(
                     Diagnostic::warning(&code::NOMINAL_OUTSIDE, &form.nominal.place, message)

@@ -1,6 +1,8 @@
 //! An adopted effect as written.
 
-use crate::document::{Amount, Map, NameOr, Node, OneOrMany, Spanned, WrittenUnit, written_struct};
+use crate::document::{Amount, Map, NameOr, OneOrMany, Spanned, WrittenUnit, written_struct};
+
+use crate::study::model::PriorForm;
 
 written_struct! {
     /// An effect that is added to the model.
@@ -44,7 +46,7 @@ written_struct! {
         /// Nominal value; a bare number is in the unit.
         optional nominal: Amount,
         /// Prior, in the unit.
-        optional prior: Node,
+        optional prior: PriorForm,
         /// Description, for the report.
         optional description: String,
     }

@@ -5,12 +5,13 @@ pub mod job;
 pub mod measurement;
 pub mod uncertain;
 
-use crate::document::{Amount, Map, Node, Spanned, written_struct};
+use crate::document::{Amount, Map, Spanned, written_struct};
 
 use adopt::Adopted;
 use job::{JobForm, RangeForm};
 use measurement::MeasurementForm;
 
+use super::model::{PriorForm, QuantityOrName};
 use super::profile::ProfileForm;
 
 /// The format's name in the file.
@@ -44,7 +45,7 @@ written_struct! {
         /// What is computed; not inherited.
         default(Map::default()) jobs: Map<JobForm>,
         /// Quantities beside those of the model.
-        default(Map::default()) quantities: Map<Node>,
+        default(Map::default()) quantities: Map<QuantityOrName>,
         /// Criteria profiles of the study's own, for `compare`.
         default(Map::default()) criteria: Map<ProfileForm>,
         /// Ranges of design variables (parameters or inputs), for jobs that name them.
@@ -58,7 +59,7 @@ written_struct! {
         /// New nominal value; a bare number is in the parameter's unit.
         optional nominal: Amount,
         /// New prior, in the parameter's unit.
-        optional prior: Node,
+        optional prior: PriorForm,
         /// New description.
         optional description: String,
         /// New source.

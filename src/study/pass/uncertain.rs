@@ -4,6 +4,8 @@ use serde_json::json;
 
 use crate::document::{Amount, Diagnostics, Node, Schemas, Written, WrittenUnit, written_struct};
 
+use crate::study::model::PriorForm;
+
 /// A known value, or `{"prior": ..., "unit": ...}`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum UncertainForm {
@@ -17,7 +19,7 @@ written_struct! {
     /// A value that is inferred under a prior.
     pub struct InferredForm: "an object {\"prior\": ..., \"unit\": ...}" {
         /// The prior.
-        required prior: Node,
+        required prior: PriorForm,
         /// Unit of the prior's numbers; SI where it is left out.
         optional unit: WrittenUnit,
     }
