@@ -22,7 +22,7 @@ pub struct Executed {
 }
 
 impl Executed {
-    /// A job that was asked for, with its result if it has one: pass, id, position in the plan.
+    /// Results of a pass's wanted jobs: position in the plan, and the finished job.
     pub fn results<'e>(&'e self, pass: &'e LoadedPass) -> impl Iterator<Item = (usize, &'e Finished)> {
         pass.jobs.iter().filter_map(|id| Some((self.plan.find(id)?, self.summary.finished(id)?)))
     }
@@ -56,7 +56,10 @@ pub fn execute(
     context: &Context,
     wanted: impl Fn(&str, &str) -> bool,
 ) -> Result<Executed, Failure> {
-    let studies::Loaded { mut passes, nodes } = studies::load(paths, context.coloured)?;
+    let studies::Loaded { mut passes, nodes, notes } = studies::load(paths, context.coloured)?;
+    for note in notes {
+        tell(&note);
+    }
     let plan = Plan::new(nodes)?;
     for pass in &mut passes {
         pass.jobs.retain(|id| {

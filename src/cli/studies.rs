@@ -27,6 +27,9 @@ pub struct Loaded {
     pub passes: Vec<LoadedPass>,
     /// Their jobs, and those of other passes upon which they build.
     pub nodes: Vec<Node>,
+    /// What people should know and what stops nothing: warnings, jobs that wait for data and the command that brings
+    /// them.
+    pub notes: Vec<String>,
 }
 
 /// A pinned measurement, checked or brought.

@@ -9,8 +9,10 @@ use std::path::{Component, Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::engine::Finished;
 use super::error::RunnerError;
 use super::key::{ENGINE_VERSION, Key};
+use super::plan::Node;
 
 /// Name of the manifest's file in a report's folder.
 pub const FILE_NAME: &str = "manifest.json";
@@ -104,6 +106,17 @@ impl Manifest {
         let (name, record) = (relative(root, path)?, hash_file(path).map_err(RunnerError::file("read", path))?);
         self.inputs.insert(name, record);
         Ok(())
+    }
+
+    /// Adds a job with its result.
+    pub fn add_job(&mut self, node: &Node, finished: &Finished) {
+        let record = JobRecord {
+            kind: node.task.kind().to_owned(),
+            algorithm_version: node.task.algorithm_version(),
+            key: finished.key.clone(),
+            result_sha256: finished.stored.sha256.clone(),
+        };
+        self.jobs.insert(node.id.clone(), record);
     }
 
     /// Adds every file of a report's folder as an output, except the manifest.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use bmv::runner::engine::local;
-use bmv::runner::{Cache, Event, Kind, Outcome, Plan, RunnerError, Settings, StopFlag};
+use bmv::runner::{Cache, Event, Key, Kind, Manifest, Outcome, Plan, RunnerError, Settings, StopFlag};
 
 use super::toy::{Fault, Harmonic, Heard, following, node, run, settings, single};
 
@@ -67,6 +67,12 @@ fn the_second_run_takes_all_from_the_cache() {
     let first = run(&single(&job), &cache, 2);
     let blocks = job.blocks_run.load(Ordering::Relaxed);
     let finished = first.finished("sum").unwrap();
+    let mut manifest = Manifest::new("bmv report");
+    manifest.add_job(&single(&job).nodes()[0], finished);
+    assert_eq!(manifest.jobs["sum"].key, single(&job).keys()[0]);
+    let object = std::fs::read(cache.path(&finished.key)).unwrap();
+    let trailer = object.iter().rev().skip(1).position(|&byte| byte == b'\n').unwrap() + 2;
+    assert_eq!(manifest.jobs["sum"].result_sha256, Key::of(&object[..object.len() - trailer]));
     assert_eq!((finished.cached, finished.blocks_run), (false, blocks));
     let second = run(&single(&job), &cache, 2);
     assert_eq!(job.blocks_run.load(Ordering::Relaxed), blocks, "no block ran");
