@@ -53,6 +53,11 @@ impl Failure {
     pub fn input(message: impl Into<String>) -> Self {
         Self { status: Status::WrongInput, message: message.into() }
     }
+
+    /// A job, or what follows from it, failed.
+    pub fn job(message: impl Into<String>) -> Self {
+        Self { status: Status::JobFailed, message: message.into() }
+    }
 }
 
 impl From<crate::runner::RunnerError> for Failure {

@@ -3,6 +3,7 @@
 //! [`render`] is a pure function of a [`PassReport`]: the same results give the same bytes. A section is a file in
 //! `section/` and a line in its list; order, numbers, contents, Markdown and HTML come by themselves.
 
+pub mod assemble;
 pub mod html;
 pub mod markdown;
 pub mod number;
@@ -72,6 +73,15 @@ pub fn page(report: &PassReport<'_>) -> Page {
             .plain("The same files give the same bytes; the section on provenance has every hash."),
         sections: section::SECTIONS.iter().filter_map(|build| build(report)).collect(),
     }
+}
+
+/// JSON Schema of the results of each kind of job, as they stand in `results.json` under `jobs.NAME.output`.
+pub fn results_schema() -> Value {
+    json!({
+        "propagate": schemars::schema_for!(crate::job::propagate::Output),
+        "conventional": schemars::schema_for!(crate::job::conventional::Output),
+        "compare": schemars::schema_for!(crate::job::compare::Output),
+    })
 }
 
 /// All outputs as one JSON document, SI units, in the order of the pass.

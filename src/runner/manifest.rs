@@ -108,6 +108,11 @@ impl Manifest {
         Ok(())
     }
 
+    /// Adds an input that was hashed already, under its path from where the command runs.
+    pub fn add_input_record(&mut self, path: &str, record: FileRecord) {
+        self.inputs.insert(path.to_owned(), record);
+    }
+
     /// Adds a job with its result.
     pub fn add_job(&mut self, node: &Node, finished: &Finished) {
         let record = JobRecord {

@@ -4,7 +4,7 @@
 mod comparison;
 mod data;
 mod network;
-mod problem;
+pub mod problem;
 mod propagation;
 mod provenance;
 mod sizing;

@@ -63,7 +63,7 @@ pub(super) fn limits(shown: &Shown, above: Option<f64>, below: Option<f64>) -> S
 }
 
 /// A prior in words, in a unit that stands beside.
-fn prior_words(prior: &Distribution, shown: &Shown) -> String {
+pub fn prior_words(prior: &Distribution, shown: &Shown) -> String {
     let number = |si: f64| significant(shown.value(si), 4);
     let spread = |si: f64| significant(shown.difference().value(si), 3);
     match *prior {

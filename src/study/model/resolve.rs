@@ -56,6 +56,8 @@ pub struct InputError {
 pub struct ResolvedModel {
     /// The model proper.
     pub model: Model,
+    /// What of it was reconstructed, and how.
+    pub reconstructed: Option<String>,
     /// The names that expressions know.
     pub names: Names,
     /// Prior of each parameter, SI.
@@ -200,6 +202,7 @@ pub fn resolve(form: &ModelForm, diagnostics: &mut Diagnostics) -> Option<Resolv
         // Groups and quantities speak of nodes and elements: some are missing now, through no fault of theirs.
         return None;
     }
+    model.reconstructed.clone_from(&form.reconstructed);
     model.groups = group::resolve(&form.groups, &model, diagnostics);
     quantity::resolve_all(&form.quantities, &mut model, diagnostics);
     if model.model.nodes.is_empty() && model.model.quantities.is_empty() {
