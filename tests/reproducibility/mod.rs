@@ -2,4 +2,5 @@
 
 mod cache;
 mod engine;
+mod process;
 mod toy;

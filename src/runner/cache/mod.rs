@@ -87,48 +87,37 @@ impl Cache {
         let path = self.path(name);
         let folder = path.parent().unwrap_or(&self.root);
         self.prepare(folder, name)?;
-        // Twice, because another process may move a damaged object away, or take a leftover of ours for one of a killed
-        // writer, in between.
-        let mut attempts_left = 2;
-        loop {
-            attempts_left -= 1;
+        // More than once, because another process may move a damaged object away, or take a file of ours for one of a
+        // killed writer, in between.
+        for _ in 0..3 {
             let temporary = self.write_temporary(folder, kind, owner, name, payload)?;
-            match fs::hard_link(&temporary, &path) {
+            let published = match fs::hard_link(&temporary, &path) {
                 Ok(()) => {
                     let _ = fs::remove_file(&temporary);
-                    break;
+                    true
                 }
-                Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-                    if self.is_settled(&path, kind, name, payload, &temporary)? {
-                        return Ok(());
-                    }
+                Err(error) if error.kind() == ErrorKind::NotFound => false,
+                Err(error) if error.kind() == ErrorKind::AlreadyExists || path.exists() => {
+                    self.is_settled(&path, kind, name, payload, &temporary)?
                 }
-                Err(error) if error.kind() == ErrorKind::NotFound && attempts_left > 0 => {}
+                // No links on this file system: a rename replaces what came in between, with equal content.
                 Err(_) => {
-                    // No links on this file system: a rename replaces, with equal content.
-                    if path.exists() {
-                        if self.is_settled(&path, kind, name, payload, &temporary)? {
-                            return Ok(());
-                        }
-                    } else {
-                        fs::rename(&temporary, &path).map_err(|error| {
-                            let _ = fs::remove_file(&temporary);
-                            RunnerError::file("write", &path)(error)
-                        })?;
-                        break;
-                    }
+                    fs::rename(&temporary, &path).map_err(|error| {
+                        let _ = fs::remove_file(&temporary);
+                        RunnerError::file("write", &path)(error)
+                    })?;
+                    true
                 }
-            }
-            if attempts_left <= 0 {
-                let reason = std::io::Error::other("another process keeps changing it");
-                return Err(RunnerError::file("write", &path)(reason));
+            };
+            if published {
+                if kind == Kind::Result {
+                    // The name itself must outlive a power cut; a file system that cannot do this still has the object.
+                    let _ = File::open(folder).and_then(|folder| folder.sync_all());
+                }
+                return Ok(());
             }
         }
-        if kind == Kind::Result {
-            // The name itself must outlive a power cut; a file system that cannot do this still has the object.
-            let _ = File::open(folder).and_then(|folder| folder.sync_all());
-        }
-        Ok(())
+        Err(RunnerError::file("write", &path)(std::io::Error::other("another process keeps removing it")))
     }
 
     /// Compares with what is stored at `path`: true if equal, false if that was damaged and is out of the way now.
