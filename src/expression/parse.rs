@@ -212,6 +212,11 @@ impl<'a> Parser<'a> {
                 return Ok(left);
             };
             let right = self.signed()?;
+            if function == Binary::Divide && self.graph.constant(right) == Some(0.0) {
+                let end = self.text[..self.at].trim_end().len();
+                let message = format!("`{}` divides by 0", &self.text[start..end]);
+                return Err(fault(Fault::Undefined, start, end, message));
+            }
             left = self.binary(function, left, right, start)?;
         }
     }
@@ -285,8 +290,12 @@ impl<'a> Parser<'a> {
         let error = fault(Fault::Syntax, self.at, end, format!("unexpected `{shown}`"));
         match c {
             ')' => error.expected("an opening `(` before it"),
-            ',' => error.expected("an operator: commas separate arguments of functions").help("a decimal is written with a point"),
-            '=' | '<' | '>' => error.expected("an operator + - * / ^").help("compare with step(x): 1 for x >= 0, else 0"),
+            ',' => error
+                .expected("an operator: commas separate arguments of functions")
+                .help("a decimal is written with a point"),
+            '=' | '<' | '>' => {
+                error.expected("an operator + - * / ^").help("compare with step(x): 1 for x >= 0, else 0")
+            }
             '(' => error.expected("an operator + - * / ^").help("a product is written with `*`"),
             c if c.is_alphanumeric() || c == '_' || c == '.' => {
                 error.expected("an operator + - * / ^").help(format!("a product is written `* {shown}`"))
@@ -297,7 +306,7 @@ impl<'a> Parser<'a> {
 
     fn number(&mut self) -> Parsed {
         let start = self.at;
-        let rest = self.text[start..].as_bytes();
+        let rest = &self.text.as_bytes()[start..];
         let digits = |from: usize| rest[from.min(rest.len())..].iter().take_while(|b| b.is_ascii_digit()).count();
         let mut length = digits(0);
         if rest.get(length) == Some(&b'.') {
@@ -479,7 +488,9 @@ impl<'a> Parser<'a> {
         let end = self.at;
         self.blank();
         if name.is_empty() {
-            return Err(fault(Fault::Arguments, open, open + 1, "the table's name is missing").expected(usage("interp")));
+            return Err(
+                fault(Fault::Arguments, open, open + 1, "the table's name is missing").expected(usage("interp"))
+            );
         }
         let Some(&table) = self.scope.names.tables.get(name) else {
             let mut error = fault(Fault::UnknownName, start, end, format!("unknown table `{name}`"));

@@ -7,8 +7,26 @@ use super::graph::{ExprId, Symbol};
 
 /// Names that no parameter or input may have.
 pub const RESERVED: &[&str] = &[
-    "Ta", "Tb", "Tm", "T", "t", "sigma", "pi", "exp", "log", "sqrt", "sin", "cos", "tanh", "min", "max", "abs", "step",
-    "smoothstep", "clamp", "interp",
+    "Ta",
+    "Tb",
+    "Tm",
+    "T",
+    "t",
+    "sigma",
+    "pi",
+    "exp",
+    "log",
+    "sqrt",
+    "sin",
+    "cos",
+    "tanh",
+    "min",
+    "max",
+    "abs",
+    "step",
+    "smoothstep",
+    "clamp",
+    "interp",
 ];
 
 /// Stefan-Boltzmann constant, W/(m2 K4) (CODATA 2018, exact): `sigma` in expressions.

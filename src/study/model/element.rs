@@ -153,7 +153,12 @@ impl ResolvedModel {
         if expected.dimension != Dimension::POWER
             && let Some(value) = self.model.graph.constant(id).filter(|v| *v < 0.0)
         {
-            refuse(scalar.place(), format!("{} of {value} {}", expected.what, expected.dimension), "0 or more", diagnostics);
+            refuse(
+                scalar.place(),
+                format!("{} of {value} {}", expected.what, expected.dimension),
+                "0 or more",
+                diagnostics,
+            );
             return None;
         }
         Some((ends, id))
@@ -205,12 +210,8 @@ impl ResolvedModel {
             None => Some(formulas.graph.number(0.0)),
         };
         let drive = match (&form.voltage, &form.current) {
-            (Some(voltage), None) => {
-                formulas.scalar(voltage, VOLTAGE, &locals, diagnostics).map(Drive::Voltage)
-            }
-            (None, Some(current)) => {
-                formulas.scalar(current, CURRENT, &locals, diagnostics).map(Drive::Current)
-            }
+            (Some(voltage), None) => formulas.scalar(voltage, VOLTAGE, &locals, diagnostics).map(Drive::Voltage),
+            (None, Some(current)) => formulas.scalar(current, CURRENT, &locals, diagnostics).map(Drive::Current),
             (both, _) => {
                 let message = match both {
                     Some(_) => "a cooler has either `voltage` or `current`, and this one has both",
@@ -289,14 +290,16 @@ impl ResolvedModel {
                 None
             }
         };
-        let values = order.map(|(low, high, place)| {
-            (self.model.graph.constant(low), self.model.graph.constant(high), place)
-        });
+        let values =
+            order.map(|(low, high, place)| (self.model.graph.constant(low), self.model.graph.constant(high), place));
         if let Some((Some(low), Some(high), place)) = values
             && low >= high
         {
             let (message, expected) = match form.thermostat {
-                Some(_) => (format!("the heater switches off above {high} K and on below {low} K"), "`off_above` above `on_below`"),
+                Some(_) => (
+                    format!("the heater switches off above {high} K and on below {low} K"),
+                    "`off_above` above `on_below`",
+                ),
                 None => (format!("a band of {high} K"), "a width above 0"),
             };
             refuse(place, message, expected, diagnostics);

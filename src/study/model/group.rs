@@ -1,11 +1,11 @@
 //! Groups: members that share physics.
 
-use crate::document::{Diagnostics, Map, Spanned, code, written_choice};
 use crate::document::Diagnostic;
+use crate::document::{Diagnostics, Map, Spanned, code, written_choice};
 
+use super::element::Kind;
 use super::name;
 use super::resolve::ResolvedModel;
-use super::element::Kind;
 
 written_choice! {
     /// Members that share physics: one effect with one parameter applies to all.
@@ -56,7 +56,7 @@ pub(super) fn resolve(form: &Map<GroupForm>, model: &ResolvedModel, diagnostics:
             GroupForm::Nodes(nodes) => {
                 let mut members = Vec::new();
                 for node in nodes {
-                    if !(node.value.value > 0.0) {
+                    if node.value.value <= 0.0 {
                         let message = format!("the weight {} of `{}` is not above 0", node.value.value, node.name);
                         diagnostics.push(
                             Diagnostic::error(&code::OUT_OF_RANGE, &node.place, message).expected("a weight above 0"),
@@ -84,8 +84,12 @@ pub(super) fn resolve(form: &Map<GroupForm>, model: &ResolvedModel, diagnostics:
         let (count, members) = members;
         if count == 0 && !diagnostics.has_errors() {
             diagnostics.push(
-                Diagnostic::error(&code::OUT_OF_RANGE, &entry.place, format!("the group `{}` has no members", entry.name))
-                    .expected("at least one member"),
+                Diagnostic::error(
+                    &code::OUT_OF_RANGE,
+                    &entry.place,
+                    format!("the group `{}` has no members", entry.name),
+                )
+                .expected("at least one member"),
             );
         }
         groups.push(Group { name: entry.name.clone(), members });

@@ -153,16 +153,18 @@ impl Conversion<'_> {
             return Some([lower, upper]);
         }
         let (message, help) = if lower == upper {
-            (format!("the prior's bounds are both {}", low.value), format!("a known value is {{\"fixed\": {}}}", low.value))
+            (
+                format!("the prior's bounds are both {}", low.value),
+                format!("a known value is {{\"fixed\": {}}}", low.value),
+            )
         } else {
             (
                 format!("the prior's lower bound {} is above its upper bound {}", low.value, high.value),
                 format!("write [{}, {}]", high.value, low.value),
             )
         };
-        diagnostics.push(
-            Diagnostic::error(&code::INVALID_PRIOR, &pair.place, message).expected("[lower, upper]").help(help),
-        );
+        diagnostics
+            .push(Diagnostic::error(&code::INVALID_PRIOR, &pair.place, message).expected("[lower, upper]").help(help));
         None
     }
 }
@@ -212,10 +214,8 @@ impl PriorForm {
                 let mode = conversion.place(middle, diagnostics)?;
                 let upper = conversion.place(high, diagnostics)?;
                 if !(lower <= mode && mode <= upper && lower < upper) {
-                    let message = format!(
-                        "a triangular prior [{}, {}, {}] is not in order",
-                        low.value, middle.value, high.value
-                    );
+                    let message =
+                        format!("a triangular prior [{}, {}, {}] is not in order", low.value, middle.value, high.value);
                     return invalid(&three.place, message, "[lower, most probable, upper]", diagnostics);
                 }
                 Distribution::Triangular { lower, mode, upper }

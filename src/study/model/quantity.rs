@@ -108,7 +108,12 @@ fn place_of(form: &QuantityOrName) -> Option<&Place> {
     }
 }
 
-fn either(form: &QuantityOrName, model: &mut ResolvedModel, depth: usize, diagnostics: &mut Diagnostics) -> Option<Unnamed> {
+fn either(
+    form: &QuantityOrName,
+    model: &mut ResolvedModel,
+    depth: usize,
+    diagnostics: &mut Diagnostics,
+) -> Option<Unnamed> {
     if depth > DEEPEST {
         if let Some(place) = place_of(form) {
             let message = format!("quantities nested deeper than {DEEPEST} levels");
@@ -144,21 +149,35 @@ fn named(name: &Spanned<String>, model: &mut ResolvedModel, diagnostics: &mut Di
 }
 
 /// A quantity at an instant: over a whole transient is refused inside others.
-fn instant(form: &QuantityOrName, model: &mut ResolvedModel, depth: usize, diagnostics: &mut Diagnostics) -> Option<(ExprId, Unnamed)> {
+fn instant(
+    form: &QuantityOrName,
+    model: &mut ResolvedModel,
+    depth: usize,
+    diagnostics: &mut Diagnostics,
+) -> Option<(ExprId, Unnamed)> {
     let inner = either(form, model, depth + 1, diagnostics)?;
     if let QuantityValue::Instant(id) = inner.value {
         return Some((id, inner));
     }
     if let Some(place) = place_of(form) {
         diagnostics.push(
-            Diagnostic::error(&code::NESTED_OVER_TIME, place, "a quantity over time cannot stand inside another quantity")
-                .expected("a quantity at an instant"),
+            Diagnostic::error(
+                &code::NESTED_OVER_TIME,
+                place,
+                "a quantity over time cannot stand inside another quantity",
+            )
+            .expected("a quantity at an instant"),
         );
     }
     None
 }
 
-fn unnamed(form: &QuantityForm, model: &mut ResolvedModel, depth: usize, diagnostics: &mut Diagnostics) -> Option<Unnamed> {
+fn unnamed(
+    form: &QuantityForm,
+    model: &mut ResolvedModel,
+    depth: usize,
+    diagnostics: &mut Diagnostics,
+) -> Option<Unnamed> {
     match form {
         QuantityForm::Temperature(name) => {
             let node = model.find_node(&name.value, &name.place, diagnostics)?;
@@ -208,7 +227,11 @@ fn unnamed(form: &QuantityForm, model: &mut ResolvedModel, depth: usize, diagnos
     }
 }
 
-fn mean(weights: &Spanned<Map<Spanned<f64>>>, model: &mut ResolvedModel, diagnostics: &mut Diagnostics) -> Option<Unnamed> {
+fn mean(
+    weights: &Spanned<Map<Spanned<f64>>>,
+    model: &mut ResolvedModel,
+    diagnostics: &mut Diagnostics,
+) -> Option<Unnamed> {
     let mut members = Vec::new();
     let mut total = 0.0;
     for entry in &weights.value {
@@ -232,7 +255,8 @@ fn mean(weights: &Spanned<Map<Spanned<f64>>>, model: &mut ResolvedModel, diagnos
     let formulas = model.formulas();
     let mut terms = Vec::new();
     for (node, weight) in members {
-        let temperature = formulas.graph.symbol(crate::expression::Symbol::Node(u32::try_from(node).unwrap_or(u32::MAX)));
+        let temperature =
+            formulas.graph.symbol(crate::expression::Symbol::Node(u32::try_from(node).unwrap_or(u32::MAX)));
         let share = formulas.graph.number(weight / total);
         terms.push(formulas.graph.multiply(share, temperature));
     }
@@ -243,7 +267,12 @@ fn mean(weights: &Spanned<Map<Spanned<f64>>>, model: &mut ResolvedModel, diagnos
     Some(Unnamed::instant(*terms.first()?, Dimension::TEMPERATURE, true))
 }
 
-fn expression(form: &ExpressionForm, model: &mut ResolvedModel, depth: usize, diagnostics: &mut Diagnostics) -> Option<Unnamed> {
+fn expression(
+    form: &ExpressionForm,
+    model: &mut ResolvedModel,
+    depth: usize,
+    diagnostics: &mut Diagnostics,
+) -> Option<Unnamed> {
     let mut locals = Vec::new();
     let mut valid = true;
     for entry in &form.with {
