@@ -1,1 +1,5 @@
 //! Same bytes for any number of threads, after kills, on any machine.
+
+mod cache;
+mod engine;
+mod toy;

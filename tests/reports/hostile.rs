@@ -1,0 +1,1 @@
+//! Names and numbers that try to break a report.
