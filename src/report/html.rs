@@ -145,7 +145,12 @@ impl<'a> Flat<'a> {
                 Block::Statements(statements) => FlatBlock::Statements {
                     statements: statements
                         .iter()
-                        .map(|s| FlatStatement { label: &s.label, value: &s.value, text: &s.text, class: class(s.status) })
+                        .map(|s| FlatStatement {
+                            label: &s.label,
+                            value: &s.value,
+                            text: &s.text,
+                            class: class(s.status),
+                        })
                         .collect(),
                 },
                 Block::Definitions(entries) => {

@@ -41,7 +41,8 @@ impl Writer {
     fn section(&mut self, section: &Section) {
         self.section += 1;
         self.heading = 0;
-        let _ = write!(self.out, "\n<a id=\"{}\"></a>\n\n## {}. {}\n", section.id, self.section, escape(&section.title));
+        let _ =
+            write!(self.out, "\n<a id=\"{}\"></a>\n\n## {}. {}\n", section.id, self.section, escape(&section.title));
         self.blocks(&section.blocks);
     }
 
@@ -73,15 +74,8 @@ impl Writer {
                 Block::Statements(statements) => {
                     self.out.push('\n');
                     for statement in statements {
-                        let status = statement.status.map_or("", word);
-                        let _ = writeln!(
-                            self.out,
-                            "- **{}: {}**{} {}",
-                            escape(&statement.label),
-                            escape(&statement.value),
-                            if status.is_empty() { String::new() } else { format!(" ({status}).") },
-                            inline(&statement.text, false)
-                        );
+                        let (label, value) = (escape(&statement.label), escape(&statement.value));
+                        let _ = writeln!(self.out, "- **{label}: {value}.** {}", inline(&statement.text, false));
                     }
                 }
                 Block::Definitions(entries) => {
@@ -129,18 +123,14 @@ fn heading(column: &Column) -> String {
     if column.unit.is_empty() { title } else { format!("{title} \\[{}\\]", escape(&column.unit)) }
 }
 
-fn word(status: Status) -> &'static str {
-    match status {
-        Status::Ok => "kept",
-        Status::Caution => "caution",
-        Status::Fail => "not kept",
-    }
-}
-
 /// A highlighted cell is strong where it fails, so that the highlight survives without colours.
 fn cell_text(cell: &Cell) -> String {
     let text = inline(&cell.text, true);
-    if cell.status == Some(Status::Fail) && !text.is_empty() && !text.starts_with('`') { format!("**{text}**") } else { text }
+    if cell.status == Some(Status::Fail) && !text.is_empty() && !text.starts_with('`') {
+        format!("**{text}**")
+    } else {
+        text
+    }
 }
 
 fn paragraph(out: &mut String, text: &str) {

@@ -40,6 +40,15 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{sign}{mantissa}\u{00A0}\u{00D7}\u{00A0}10{}", superscript(&exponent.to_string()))
 }
 
+/// A number that someone wrote: up to six significant digits, without zeros that say nothing.
+pub fn as_given(value: f64) -> String {
+    let text = significant(value, 6);
+    if text.contains('.') && !text.contains('\u{00D7}') {
+        return text.trim_end_matches('0').trim_end_matches('.').to_owned();
+    }
+    text
+}
+
 /// A number with the decimals that its standard error allows: two digits of the error.
 pub fn with_error(value: f64, error: f64) -> String {
     if !value.is_finite() || !error.is_finite() || error <= 0.0 {
@@ -100,9 +109,7 @@ impl Shown {
     /// have, leaves the number in SI and says so.
     pub fn written(unit: &str) -> Self {
         match Unit::parse(unit) {
-            Ok(parsed) => {
-                Self { factor: parsed.difference_to_si(1.0), zero: parsed.to_si(0.0), unit: typeset(unit) }
-            }
+            Ok(parsed) => Self { factor: parsed.difference_to_si(1.0), zero: parsed.to_si(0.0), unit: typeset(unit) },
             Err(_) => Self { factor: 1.0, zero: 0.0, unit: "SI".to_owned() },
         }
     }
@@ -184,7 +191,8 @@ pub fn typeset(unit: &str) -> String {
 
 fn superscript(digits: &str) -> String {
     const RAISED: [char; 10] = [
-        '\u{2070}', '\u{00B9}', '\u{00B2}', '\u{00B3}', '\u{2074}', '\u{2075}', '\u{2076}', '\u{2077}', '\u{2078}', '\u{2079}',
+        '\u{2070}', '\u{00B9}', '\u{00B2}', '\u{00B3}', '\u{2074}', '\u{2075}', '\u{2076}', '\u{2077}', '\u{2078}',
+        '\u{2079}',
     ];
     digits
         .chars()
@@ -232,6 +240,10 @@ mod tests {
         assert_eq!(significant(1.0e-9, 2), "1.0\u{00A0}\u{00D7}\u{00A0}10\u{207B}\u{2079}");
         assert_eq!(significant(0.0, 3), "0");
         assert_eq!(significant(9.999, 2), "10");
+        assert_eq!(
+            (as_given(0.85).as_str(), as_given(100.0).as_str(), as_given(-40.25).as_str()),
+            ("0.85", "100", "\u{2212}40.25")
+        );
     }
 
     #[test]

@@ -3,7 +3,9 @@
 
 use bmv::expression::{Graph, Symbol};
 use bmv::inference::measurement::{Initial, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};
-use bmv::job::compare::{self, Criteria, Deviation, HeatBalance, PhaseSummary, Row, SensorSummary, StabilisationCheck, Trend, Verdict};
+use bmv::job::compare::{
+    self, Criteria, Deviation, HeatBalance, PhaseSummary, Row, SensorSummary, StabilisationCheck, Trend, Verdict,
+};
 use bmv::job::conventional::{self, Basis, Margin, Rule, Size, WorstEnd};
 use bmv::job::propagate::{self, Case, Conditional, Distributed, Joint, Met, Probability, Quantile, Reached};
 use bmv::job::requirement::{Environment, Requirement};
@@ -54,7 +56,13 @@ impl Sample {
 }
 
 fn parameter(name: &str, unit: &str, nominal: f64, description: &str) -> Parameter {
-    Parameter { name: name.into(), unit: unit.into(), nominal, description: description.into(), source: "engineering judgement".into() }
+    Parameter {
+        name: name.into(),
+        unit: unit.into(),
+        nominal,
+        description: description.into(),
+        source: "engineering judgement".into(),
+    }
 }
 
 fn input(name: &str, unit: &str, nominal: f64) -> Input {
@@ -93,11 +101,20 @@ fn distributed(name: &str, mean: f64, sd: f64, nominal: f64, unit: &str, is_temp
         sd_standard_error: sd / 128.0,
         minimum: mean - 3.6 * sd,
         maximum: mean + 3.6 * sd,
-        quantiles: p.iter().zip(z).map(|(&probability, z)| Quantile { probability, value: mean + z * sd, standard_error: sd / 40.0 }).collect(),
+        quantiles: p
+            .iter()
+            .zip(z)
+            .map(|(&probability, z)| Quantile { probability, value: mean + z * sd, standard_error: sd / 40.0 })
+            .collect(),
         histogram_edges: (0..=40).map(|i| mean + sd * (f64::from(i) - 20.0) * 0.18).collect(),
         histogram_counts: (0..40).map(|i| (600.0 * bell((f64::from(i) - 19.5) * 0.18)) as u64).collect(),
         // A logistic curve stands in for the normal quantile.
-        cdf: (0..100).map(|i| { let u = (f64::from(i) + 0.5) / 100.0; mean + sd * 0.5513 * (u / (1.0 - u)).ln() }).collect(),
+        cdf: (0..100)
+            .map(|i| {
+                let u = (f64::from(i) + 0.5) / 100.0;
+                mean + sd * 0.5513 * (u / (1.0 - u)).ln()
+            })
+            .collect(),
     }
 }
 
@@ -124,7 +141,12 @@ pub fn radiator() -> Sample {
             element("to space", ElementKind::Radiation(Radiation { between: [0, 1], exchange_area: exchange })),
             element("heat load", ElementKind::Load(Load { into: 0, power: q })),
         ],
-        quantities: vec![Quantity { name: "T".into(), unit: "K".into(), is_temperature: true, value: QuantityValue::Instant(t) }],
+        quantities: vec![Quantity {
+            name: "T".into(),
+            unit: "K".into(),
+            is_temperature: true,
+            value: QuantityValue::Instant(t),
+        }],
     };
     let limit = 308.15;
     let met = |requirement: &str, quantity: &str, probability| Met {
@@ -222,14 +244,32 @@ pub fn radiator() -> Sample {
             ("Q".into(), Distribution::Uniform { lower: 95.0, upper: 105.0 }),
             ("eps".into(), Distribution::Normal { mean: 0.85, sd: 0.03, lower: None, upper: Some(1.0) }),
         ],
-        requirements: vec![Requirement { name: "temperature".into(), quantity: 0, below: Some(limit), above: None, probability: 0.99 }],
+        requirements: vec![Requirement {
+            name: "temperature".into(),
+            quantity: 0,
+            below: Some(limit),
+            above: None,
+            probability: 0.99,
+        }],
         environments: vec![Environment { name: "hot".into(), inputs: vec![] }],
         results: vec![
-            JobEntry { name: "uncertainty".into(), kind: "propagate".into(), key: "12".repeat(32), result: JobResult::Propagate(propagate) },
-            JobEntry { name: "margins".into(), kind: "conventional".into(), key: "34".repeat(32), result: JobResult::Conventional(conventional) },
+            JobEntry {
+                name: "uncertainty".into(),
+                kind: "propagate".into(),
+                key: "12".repeat(32),
+                result: JobResult::Propagate(propagate),
+            },
+            JobEntry {
+                name: "margins".into(),
+                kind: "conventional".into(),
+                key: "34".repeat(32),
+                result: JobResult::Conventional(conventional),
+            },
         ],
         title: "Passive radiator, pass 1".into(),
-        reconstructed: Some("All numbers of this case are reconstructed; none is taken from the thesis that it follows.".into()),
+        reconstructed: Some(
+            "All numbers of this case are reconstructed; none is taken from the thesis that it follows.".into(),
+        ),
     }
 }
 
@@ -243,10 +283,18 @@ fn joint() -> Joint {
         x_edges: (0..=20).map(|i| 302.0 + edge(i)).collect(),
         y_edges: (0..=20).map(|i| 330.0 + 4.0 * edge(i)).collect(),
         counts: (0..20)
-            .map(|i| (0..20).map(|j| (90.0 * bell(edge(i) / 4.0) * bell((edge(j) - 0.7 * edge(i)) / 2.5)) as u64).collect())
+            .map(|i| {
+                (0..20).map(|j| (90.0 * bell(edge(i) / 4.0) * bell((edge(j) - 0.7 * edge(i)) / 2.5)) as u64).collect()
+            })
             .collect(),
         conditional: (0..20)
-            .map(|i| Conditional { x: 302.5 + edge(i), mean: 332.0 + 2.8 * edge(i), q05: 316.0 + 2.8 * edge(i), q95: 348.0 + 2.8 * edge(i), samples: 40 })
+            .map(|i| Conditional {
+                x: 302.5 + edge(i),
+                mean: 332.0 + 2.8 * edge(i),
+                q05: 316.0 + 2.8 * edge(i),
+                q95: 348.0 + 2.8 * edge(i),
+                samples: 40,
+            })
             .collect(),
     }
 }
@@ -289,7 +337,10 @@ fn compared(rows: Vec<Row>, sigma: f64, fails: Vec<String>) -> compare::Output {
             continue;
         }
         let of = |held: bool| -> Vec<f64> {
-            rows.iter().filter(|r| r.sensor == row.sensor && r.held_out == held).map(|r| r.measured - r.predicted).collect()
+            rows.iter()
+                .filter(|r| r.sensor == row.sensor && r.held_out == held)
+                .map(|r| r.measured - r.predicted)
+                .collect()
         };
         sensors.push(SensorSummary {
             measurement: row.measurement.clone(),
@@ -302,7 +353,9 @@ fn compared(rows: Vec<Row>, sigma: f64, fails: Vec<String>) -> compare::Output {
             missing: 0,
         });
     }
-    let all = |held: bool| deviation(&rows.iter().filter(|r| r.held_out == held).map(|r| r.measured - r.predicted).collect::<Vec<_>>());
+    let all = |held: bool| {
+        deviation(&rows.iter().filter(|r| r.held_out == held).map(|r| r.measured - r.predicted).collect::<Vec<_>>())
+    };
     let (train, held_out) = (all(false), all(true));
     let criteria = criteria();
     compare::Output {
@@ -312,8 +365,18 @@ fn compared(rows: Vec<Row>, sigma: f64, fails: Vec<String>) -> compare::Output {
         phases: vec![],
         chi2_per_reading: Some(train.rmse * train.rmse / sigma / sigma),
         verdicts: vec![
-            Verdict { criterion: "largest deviation of one reading, K".into(), value: train.max, limit: 3.0, kept: train.max <= 3.0 },
-            Verdict { criterion: "mean deviation, K".into(), value: train.mean, limit: 2.0, kept: train.mean.abs() <= 2.0 },
+            Verdict {
+                criterion: "largest deviation of one reading, K".into(),
+                value: train.max,
+                limit: 3.0,
+                kept: train.max <= 3.0,
+            },
+            Verdict {
+                criterion: "mean deviation, K".into(),
+                value: train.mean,
+                limit: 2.0,
+                kept: train.mean.abs() <= 2.0,
+            },
         ],
         criteria,
         heat: vec![],
@@ -345,9 +408,17 @@ fn temperature_model(names: &[&str]) -> Model {
         })
         .collect();
     let mut elements: Vec<Element> = (0..names.len())
-        .map(|i| element(&format!("{} to next", names[i]), ElementKind::Conductor(Conductor { between: [i, i + 1], conductance })))
+        .map(|i| {
+            element(
+                &format!("{} to next", names[i]),
+                ElementKind::Conductor(Conductor { between: [i, i + 1], conductance }),
+            )
+        })
         .collect();
-    elements.push(element("glow", ElementKind::Radiation(Radiation { between: [0, names.len()], exchange_area: capacity })));
+    elements.push(element(
+        "glow",
+        ElementKind::Radiation(Radiation { between: [0, names.len()], exchange_area: capacity }),
+    ));
     elements.push(element("heater power", ElementKind::Load(Load { into: 0, power })));
     if names.len() > 2 {
         elements.push(element(
@@ -393,7 +464,12 @@ fn compare_sample(title: &str, model: Model, measurement: Measurement, output: c
         priors: vec![("G_bi".into(), Distribution::Uniform { lower: 0.4, upper: 1.2 })],
         requirements: vec![],
         environments: vec![],
-        results: vec![JobEntry { name: "as delivered".into(), kind: "compare".into(), key: "56".repeat(32), result: JobResult::Compare(output) }],
+        results: vec![JobEntry {
+            name: "as delivered".into(),
+            kind: "compare".into(),
+            key: "56".repeat(32),
+            result: JobResult::Compare(output),
+        }],
         title: title.into(),
         reconstructed: None,
     }
@@ -425,7 +501,10 @@ pub fn transient() -> Sample {
     let mut output = compared(
         rows,
         0.2,
-        vec!["T1 reads 1.9 K above the prediction on average; the deviation grows with the temperature above ambient.".into()],
+        vec![
+            "T1 reads 1.9 K above the prediction on average; the deviation grows with the temperature above ambient."
+                .into(),
+        ],
     );
     for (i, stretch) in ["0 to 120 s", "120 to 300 s", "300 to 400 s", "400 to 600 s"].into_iter().enumerate() {
         output.phases.push(PhaseSummary {
@@ -483,7 +562,13 @@ pub fn steady() -> Sample {
         for (s, sensor) in sensors.iter().enumerate() {
             let predicted = 280.0 + 4.0 * load + 3.0 * s as f64;
             let noise = 0.25 * ((f64::from(p) * 7.1 + s as f64 * 3.3).sin());
-            let missing = if s == 0 { 0.55 * load } else if s == 4 { -0.2 * load } else { 0.0 };
+            let missing = if s == 0 {
+                0.55 * load
+            } else if s == 4 {
+                -0.2 * load
+            } else {
+                0.0
+            };
             rows.push(Row {
                 measurement: "balance test".into(),
                 phase: Some(format!("P{:02}", p + 1)),

@@ -141,10 +141,15 @@ mod tests {
 
     #[test]
     fn degenerate_ranges_give_a_scale() {
-        for (low, high) in [(3.0, 3.0), (f64::NAN, 1.0), (f64::NEG_INFINITY, 0.0), (1.0, 0.0), (0.0, 0.0), (1e300, 1e300)] {
+        for (low, high) in
+            [(3.0, 3.0), (f64::NAN, 1.0), (f64::NEG_INFINITY, 0.0), (1.0, 0.0), (0.0, 0.0), (1e300, 1e300)]
+        {
             let scale = Scale::new((low, high), (0.0, 100.0), 5);
             assert!(scale.ticks().len() < 42);
-            assert!(scale.at(low.max(-1e6)).is_nan() || (0.0..=100.0).contains(&scale.at(low.max(-1e6))), "{low} {high}");
+            assert!(
+                scale.at(low.max(-1e6)).is_nan() || (0.0..=100.0).contains(&scale.at(low.max(-1e6))),
+                "{low} {high}"
+            );
         }
     }
 }

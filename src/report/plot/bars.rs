@@ -42,6 +42,13 @@ pub fn bar_chart(axis: &Axis, bars: &[Bar], marker: Option<(f64, &str)>) -> Draw
             canvas.path(&[(at, top), (at, bottom)], GRID, 2);
             canvas.text(&label, (at, bottom + 34.0), Lettering::new(TEXT, INK).at(Anchor::Middle));
         }
+        if let Some((value, label)) = marker.filter(|m| scale.holds(m.0)) {
+            let at = scale.at(value);
+            canvas.dashed(&[(at, bottom), (at, top - 10.0)], MUTED, 4, 16.0, 10.0);
+            let half = text_width(label, TEXT) / 2.0;
+            let x = at.clamp(half + 4.0, (f64::from(WIDTH) - half - 4.0).max(half + 4.0));
+            canvas.text(label, (x, top - 36.0), Lettering::new(TEXT, MUTED).at(Anchor::Middle));
+        }
         for (position, bar) in bars.iter().enumerate() {
             let middle = top + row * (position as f64 + 0.5);
             let label = fitted(&bar.label, TEXT, widest + 1.0);
@@ -59,16 +66,9 @@ pub fn bar_chart(axis: &Axis, bars: &[Bar], marker: Option<(f64, &str)>) -> Draw
                 }
                 end = end.max(b);
             }
-            canvas.text(&bar.text, (end + 14.0, middle), Lettering::new(TEXT, INK).bold());
+            canvas.text_on_paper(&bar.text, (end + 16.0, middle), Lettering::new(TEXT, INK).bold());
         }
         canvas.path(&[(scale.at(0.0_f64.max(low)), top), (scale.at(0.0_f64.max(low)), bottom)], INK, 3);
-        if let Some((value, label)) = marker.filter(|m| scale.holds(m.0)) {
-            let at = scale.at(value);
-            canvas.dashed(&[(at, bottom), (at, top - 10.0)], MUTED, 4, 16.0, 10.0);
-            let half = text_width(label, TEXT) / 2.0;
-            let x = at.clamp(half + 4.0, (f64::from(WIDTH) - half - 4.0).max(half + 4.0));
-            canvas.text(label, (x, top - 36.0), Lettering::new(TEXT, MUTED).at(Anchor::Middle));
-        }
         canvas.text(&axis.title, ((left + right) / 2.0, bottom + 90.0), Lettering::new(TEXT, INK).at(Anchor::Middle));
     })
 }

@@ -156,7 +156,12 @@ impl Chart {
     pub fn draw(&self) -> Drawing {
         let height = if self.height == 0 { 900 } else { self.height };
         draw(height, |canvas| {
-            self.paint(canvas, Area { left: 0.0, top: 0.0, right: f64::from(WIDTH), bottom: f64::from(height) }, None, true);
+            self.paint(
+                canvas,
+                Area { left: 0.0, top: 0.0, right: f64::from(WIDTH), bottom: f64::from(height) },
+                None,
+                true,
+            );
         })
     }
 
@@ -165,10 +170,25 @@ impl Chart {
     pub(super) fn paint(&self, canvas: &mut Canvas<'_>, area: Area, left: Option<f64>, lowest: bool) {
         let key_rows = self.key_rows(area.right - area.left - 60.0);
         let key_height = 46.0 * key_rows.len() as f64;
-        let inner_top = area.top + 24.0 + key_height + if self.limits.iter().any(|l| l.along == Along::X) { 84.0 } else { 12.0 };
+        let inner_top = area.top
+            + 24.0
+            + key_height
+            + match self.limits.iter().filter(|l| l.along == Along::X && !l.label.is_empty()).count() {
+                0 => 12.0,
+                1 => 46.0,
+                _ => 84.0,
+            };
         let inner_bottom = area.bottom - if lowest { 122.0 } else { 58.0 };
-        let y_range = self.y.range.unwrap_or_else(|| widened(self.extent(Along::Y).unwrap_or((0.0, 1.0)), 0.06));
-        let y = Scale::new(y_range, (inner_bottom, inner_top.min(inner_bottom - 10.0)), if inner_bottom - inner_top < 300.0 { 3 } else { 6 });
+        let y_range = self.y.range.unwrap_or_else(|| {
+            let (low, high) = widened(self.extent(Along::Y).unwrap_or((0.0, 1.0)), 0.06);
+            // Bars stand on the axis.
+            if self.layers.iter().any(|l| matches!(l, Layer::Bars { .. })) { (0.0, high) } else { (low, high) }
+        });
+        let y = Scale::new(
+            y_range,
+            (inner_bottom, inner_top.min(inner_bottom - 10.0)),
+            if inner_bottom - inner_top < 300.0 { 3 } else { 6 },
+        );
         let y_ticks = y.ticks();
         let widest = y_ticks.iter().map(|t| text_width(&t.1, TEXT)).fold(0.0, f64::max);
         let inner_left = area.left + left.unwrap_or(widest + 104.0);
@@ -179,7 +199,8 @@ impl Chart {
             if is_filled { extent } else { widened(extent, 0.02) }
         });
         let x = Scale::new(x_range, (inner_left, inner_right), 8);
-        let frame = Frame { x, y, area: Area { left: inner_left, top: inner_top, right: inner_right, bottom: inner_bottom } };
+        let frame =
+            Frame { x, y, area: Area { left: inner_left, top: inner_top, right: inner_right, bottom: inner_bottom } };
 
         for shade in &self.shades {
             let (from, to) = (frame.x.at(shade.from), frame.x.at(shade.to));
@@ -206,7 +227,11 @@ impl Chart {
         self.paint_limits(canvas, &frame);
         if lowest {
             let title = fitted(&self.x.title, TEXT, inner_right - inner_left);
-            canvas.text(&title, ((inner_left + inner_right) / 2.0, inner_bottom + 88.0), Lettering::new(TEXT, INK).at(Anchor::Middle));
+            canvas.text(
+                &title,
+                ((inner_left + inner_right) / 2.0, inner_bottom + 88.0),
+                Lettering::new(TEXT, INK).at(Anchor::Middle),
+            );
         }
         let title = fitted(&self.y.title, TEXT, inner_bottom - inner_top + 110.0);
         let middle = ((inner_top + inner_bottom) / 2.0).max(area.top + text_width(&title, TEXT) / 2.0);
@@ -229,7 +254,11 @@ impl Chart {
                     values.extend(points.iter().map(|p| if x { p.0 } else { p.1 }));
                 }
                 Layer::Bars { edges, heights, .. } => {
-                    if x { values.extend(edges) } else { values.extend(heights.iter().chain(&[0.0])) }
+                    if x {
+                        values.extend(edges)
+                    } else {
+                        values.extend(heights.iter().chain(&[0.0]))
+                    }
                 }
                 Layer::Cells { x_edges, y_edges, .. } => values.extend(if x { x_edges } else { y_edges }),
             }
@@ -241,7 +270,8 @@ impl Chart {
     fn paint_limits(&self, canvas: &mut Canvas<'_>, frame: &Frame) {
         let area = frame.area;
         let mut ends = [f64::NEG_INFINITY; 2];
-        let mut upright: Vec<&Limit> = self.limits.iter().filter(|l| l.along == Along::X && frame.x.holds(l.value)).collect();
+        let mut upright: Vec<&Limit> =
+            self.limits.iter().filter(|l| l.along == Along::X && frame.x.holds(l.value)).collect();
         upright.sort_by(|a, b| a.value.total_cmp(&b.value));
         for limit in upright {
             let at = frame.x.at(limit.value);
@@ -350,7 +380,8 @@ impl Frame {
     fn layer(&self, canvas: &mut Canvas<'_>, layer: &Layer) {
         match layer {
             Layer::Band { points, colour, .. } => {
-                let finite: Vec<_> = points.iter().filter(|p| p.0.is_finite() && p.1.is_finite() && p.2.is_finite()).collect();
+                let finite: Vec<_> =
+                    points.iter().filter(|p| p.0.is_finite() && p.1.is_finite() && p.2.is_finite()).collect();
                 let lower = finite.iter().map(|p| self.at((p.0, p.1)));
                 let upper = finite.iter().rev().map(|p| self.at((p.0, p.2)));
                 let outline: Vec<_> = lower.chain(upper).collect();
@@ -372,7 +403,13 @@ impl Frame {
                 }
             }
             Layer::Dots { points, colour, mark, .. } => {
-                let radius = if points.len() > 200 { 5 } else if points.len() > 60 { 7 } else { 9 };
+                let radius = if points.len() > 200 {
+                    5
+                } else if points.len() > 60 {
+                    7
+                } else {
+                    9
+                };
                 // More dots than columns of pixels tell nothing more.
                 let stride = points.len().div_ceil(1500).max(1);
                 for &point in points.iter().step_by(stride).filter(|p| p.0.is_finite() && p.1.is_finite()) {

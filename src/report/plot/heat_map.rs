@@ -23,9 +23,11 @@ pub struct HeatMap {
 
 /// Draws the map. A missing number is a grey cell.
 pub fn heat_map(map: &HeatMap) -> Drawing {
-    let largest = map.rows.iter().flat_map(|r| &r.2).flatten().map(|v| v.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
+    let largest =
+        map.rows.iter().flat_map(|r| &r.2).flatten().map(|v| v.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
     let full = if map.full_scale > 0.0 { map.full_scale } else { largest.max(1e-300) };
-    let names = map.rows.iter().map(|r| text_width(&r.0, TEXT) + if r.1 { 34.0 } else { 0.0 }).fold(0.0, f64::max).min(520.0);
+    let names =
+        map.rows.iter().map(|r| text_width(&r.0, TEXT) + if r.1 { 34.0 } else { 0.0 }).fold(0.0, f64::max).min(520.0);
     let left = names + 30.0;
     let right = f64::from(WIDTH) - 12.0;
     let columns = map.columns.len().max(1) as f64;
@@ -65,7 +67,11 @@ pub fn heat_map(map: &HeatMap) -> Drawing {
                 canvas.outline((x, y), (x + width, y + row_height), PAPER, 3);
                 let ink = if is_light(colour) { INK } else { PAPER };
                 let text = value.map_or_else(|| "\u{2014}".to_owned(), |v| signed(v, map.decimals));
-                canvas.text(&text, (x + width / 2.0, y + row_height / 2.0), Lettering::new(size, ink).at(Anchor::Middle));
+                canvas.text(
+                    &text,
+                    (x + width / 2.0, y + row_height / 2.0),
+                    Lettering::new(size, ink).at(Anchor::Middle),
+                );
             }
         }
         canvas.path(&[(left, bottom), (right, bottom)], INK, 2);

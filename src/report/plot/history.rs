@@ -48,7 +48,12 @@ pub fn history(data: &History) -> Drawing {
     };
     let mut limits = vec![Limit { along: Along::Y, value: 0.0, label: String::new(), colour: INK }];
     if let Some(limit) = data.limit {
-        limits.extend([limit, -limit].map(|value| Limit { along: Along::Y, value, label: String::new(), colour: VERMILION }));
+        limits.extend([limit, -limit].map(|value| Limit {
+            along: Along::Y,
+            value,
+            label: String::new(),
+            colour: VERMILION,
+        }));
     }
     let residuals = data.points.iter().map(|p| (p.0, p.1 - p.2)).collect();
     let lower = Chart {

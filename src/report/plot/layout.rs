@@ -98,8 +98,7 @@ fn into_unit_square(places: &[(f64, f64)], sinks: &[bool]) -> Vec<(f64, f64)> {
         places.iter().map(|p| (share(p.0, x0, x1), if flat { 0.5 } else { share(p.1, y0, y1) })).collect();
     // Boundaries belong below: heat falls.
     let mean = |wanted: bool| {
-        let chosen: Vec<f64> =
-            out.iter().zip(sinks).filter(|(_, s)| **s == wanted).map(|(p, _)| p.1).collect();
+        let chosen: Vec<f64> = out.iter().zip(sinks).filter(|(_, s)| **s == wanted).map(|(p, _)| p.1).collect();
         if chosen.is_empty() { 0.5 } else { chosen.iter().sum::<f64>() / chosen.len() as f64 }
     };
     if mean(true) < mean(false) {

@@ -55,6 +55,18 @@ fn overlap(a: &Boxed, b: &Boxed) -> bool {
     (a.0.0 - b.0.0).abs() < 0.5 * (a.1.0 + b.1.0) && (a.0.1 - b.0.1).abs() < 0.5 * (a.1.1 + b.1.1)
 }
 
+/// A straight line between two points.
+type Segment = ((f64, f64), (f64, f64));
+
+/// Whether a line passes through a rectangle, looked at every few pixels.
+fn crosses((from, to): &Segment, rectangle: &Boxed) -> bool {
+    (0..=100).any(|i| {
+        let share = f64::from(i) / 100.0;
+        let at = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+        overlap(rectangle, &(at, (8.0, 8.0)))
+    })
+}
+
 /// Draws the network.
 pub fn network(diagram: &Diagram) -> Drawing {
     let count = diagram.nodes.len();
@@ -89,9 +101,15 @@ pub fn network(diagram: &Diagram) -> Drawing {
         for (position, (_, kind)) in diagram.nodes.iter().enumerate() {
             paint_node(canvas, &names[position], *kind, (centres[position], boxes[position]), size);
         }
+        let lines: Vec<_> = diagram
+            .paths
+            .iter()
+            .zip(&lanes)
+            .filter_map(|(p, &lane)| Some(shifted(*centres.get(p.2)?, *centres.get(p.3)?, lane)))
+            .collect();
         for (name, source, node) in &diagram.sources {
             if let (Some(&centre), Some(&shape)) = (centres.get(*node), boxes.get(*node)) {
-                paint_source(canvas, name, *source, (centre, shape), &mut taken, (width, field));
+                paint_source(canvas, name, *source, (centre, shape), &mut taken, &lines, (width, field));
             }
         }
         if diagram.paths.len() <= 30 {
@@ -114,7 +132,7 @@ fn lanes(diagram: &Diagram) -> Vec<f64> {
         let own = pair(path);
         let all = diagram.paths.iter().filter(|p| pair(p) == own).count();
         let before = diagram.paths[..position].iter().filter(|p| pair(p) == own).count();
-        let lane = 34.0 * (before as f64 - 0.5 * (all as f64 - 1.0));
+        let lane = 44.0 * (before as f64 - 0.5 * (all as f64 - 1.0));
         // The normal turns with the direction of the path.
         out.push(if path.2 <= path.3 { lane } else { -lane });
     }
@@ -145,15 +163,16 @@ fn paint_path(canvas: &mut Canvas<'_>, path: Path, from: (f64, f64), to: (f64, f
         Path::Flow | Path::Cooler => {
             canvas.path(&[from, to], colour, if path == Path::Cooler { 12 } else { 4 });
             let along = |share: f64| (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
-            for share in [0.36, 0.66] {
-                canvas.arrow_head(from, along(share), colour, 36.0);
-            }
+            let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+            let head = (0.4 * (dx * dx + dy * dy).sqrt()).min(38.0);
+            canvas.arrow_head(from, along(0.74), colour, head);
         }
     }
 }
 
 fn paint_node(canvas: &mut Canvas<'_>, name: &str, kind: NodeShape, (centre, shape): Boxed, size: f64) {
-    let (a, b) = ((centre.0 - shape.0 / 2.0, centre.1 - shape.1 / 2.0), (centre.0 + shape.0 / 2.0, centre.1 + shape.1 / 2.0));
+    let (a, b) =
+        ((centre.0 - shape.0 / 2.0, centre.1 - shape.1 / 2.0), (centre.0 + shape.0 / 2.0, centre.1 + shape.1 / 2.0));
     let ink = match kind {
         NodeShape::Boundary => {
             canvas.fill(a, b, INK, 1.0);
@@ -174,20 +193,35 @@ fn paint_node(canvas: &mut Canvas<'_>, name: &str, kind: NodeShape, (centre, sha
 }
 
 /// An arrow from the side where its name finds room.
-fn paint_source(canvas: &mut Canvas<'_>, name: &str, source: Source, (centre, shape): Boxed, taken: &mut Vec<Boxed>, field: (f64, f64)) {
+fn paint_source(
+    canvas: &mut Canvas<'_>,
+    name: &str,
+    source: Source,
+    (centre, shape): Boxed,
+    taken: &mut Vec<Boxed>,
+    lines: &[Segment],
+    field: (f64, f64),
+) {
     let colour = if source == Source::Load { GREEN } else { AMBER };
     let name = fitted(name, SMALL, 280.0);
     let label = (text_width(&name, SMALL) + 14.0, 1.3 * SMALL);
     let (half_x, half_y) = (shape.0 / 2.0, shape.1 / 2.0);
     let mut best = None;
-    'search: for reach in [66.0, 100.0, 140.0] {
+    // First a place that no line crosses, then any that is free.
+    'search: for (reach, may_cross) in [(66.0, false), (100.0, false), (66.0, true), (100.0, true), (140.0, true)] {
         let (far_x, far_y) = (half_x + reach + label.0 / 2.0, half_y + reach + label.1 / 2.0);
-        for (sx, sy) in [(0.0, -1.0), (0.0, 1.0), (-0.55, -1.0), (0.55, -1.0), (1.0, 0.0), (-1.0, 0.0), (-0.55, 1.0), (0.55, 1.0)] {
+        for (sx, sy) in
+            [(0.0, -1.0), (0.0, 1.0), (-0.55, -1.0), (0.55, -1.0), (1.0, 0.0), (-1.0, 0.0), (-0.55, 1.0), (0.55, 1.0)]
+        {
             let at = (centre.0 + sx * far_x, centre.1 + sy * far_y);
-            let fits = at.0 - label.0 / 2.0 > 0.0 && at.0 + label.0 / 2.0 < field.0 && at.1 - label.1 / 2.0 > 0.0 && at.1 + label.1 / 2.0 < field.1;
+            let fits = at.0 - label.0 / 2.0 > 0.0
+                && at.0 + label.0 / 2.0 < field.0
+                && at.1 - label.1 / 2.0 > 0.0
+                && at.1 + label.1 / 2.0 < field.1;
             let candidate = (at, (sx, sy));
             best.get_or_insert(candidate);
-            if fits && !taken.iter().any(|t| overlap(t, &(at, label))) {
+            let is_free = !taken.iter().any(|t| overlap(t, &(at, label)));
+            if fits && is_free && (may_cross || !lines.iter().any(|l| crosses(l, &(at, label)))) {
                 best = Some(candidate);
                 break 'search;
             }
@@ -195,8 +229,14 @@ fn paint_source(canvas: &mut Canvas<'_>, name: &str, source: Source, (centre, sh
     }
     if let Some((at, (sx, sy))) = best {
         taken.push((at, label));
-        let tip = if sy == 0.0 { (centre.0 + sx * half_x, centre.1) } else { (centre.0 + 0.5 * sx * half_x, centre.1 + sy * half_y) };
+        let tip = if sy == 0.0 {
+            (centre.0 + sx * half_x, centre.1)
+        } else {
+            (centre.0 + 0.5 * sx * half_x, centre.1 + sy * half_y)
+        };
         let tail = if sy == 0.0 { (at.0 - sx * label.0 / 2.0, at.1) } else { (at.0, at.1 - sy * label.1 / 2.0) };
+        let shaft = ((tail.0 - tip.0).abs() + 24.0, (tail.1 - tip.1).abs());
+        taken.push((((tail.0 + tip.0) / 2.0, (tail.1 + tip.1) / 2.0), shaft));
         canvas.path(&[tail, tip], colour, 6);
         canvas.arrow_head(tail, tip, colour, 28.0);
         canvas.text_on_paper(&name, at, Lettering::new(SMALL, colour).at(Anchor::Middle));
@@ -204,7 +244,13 @@ fn paint_source(canvas: &mut Canvas<'_>, name: &str, source: Source, (centre, sh
 }
 
 /// The name of a path where it covers nothing, or nowhere.
-fn label_path(canvas: &mut Canvas<'_>, name: &str, path: Path, (from, to): ((f64, f64), (f64, f64)), taken: &mut Vec<Boxed>) {
+fn label_path(
+    canvas: &mut Canvas<'_>,
+    name: &str,
+    path: Path,
+    (from, to): ((f64, f64), (f64, f64)),
+    taken: &mut Vec<Boxed>,
+) {
     let name = fitted(name, SMALL, 260.0);
     let label = (text_width(&name, SMALL) + 12.0, 1.2 * SMALL);
     for share in [0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74] {
@@ -232,7 +278,11 @@ fn paint_key(canvas: &mut Canvas<'_>, diagram: &Diagram, y: f64) {
         canvas.text(label, (x + 76.0, y), Lettering::new(SMALL, INK));
         x += needed;
     };
-    let node = |kind| move |canvas: &mut Canvas<'_>, x: f64, y: f64| paint_node(canvas, "", kind, ((x + 30.0, y), (56.0, 32.0)), SMALL);
+    let node = |kind| {
+        move |canvas: &mut Canvas<'_>, x: f64, y: f64| {
+            paint_node(canvas, "", kind, ((x + 30.0, y), (56.0, 32.0)), SMALL)
+        }
+    };
     for (kind, label) in [
         (NodeShape::Diffusion, "stores heat"),
         (NodeShape::Arithmetic, "no storage"),
@@ -261,6 +311,8 @@ fn paint_key(canvas: &mut Canvas<'_>, diagram: &Diagram, y: f64) {
         }
     }
     if diagram.paths.len() > 30 {
-        entry(canvas, "names of the paths: see the table", &|canvas, x, y| canvas.path(&[(x, y), (x + 60.0, y)], MUTED, 2));
+        entry(canvas, "names of the paths: see the table", &|canvas, x, y| {
+            canvas.path(&[(x, y), (x + 60.0, y)], MUTED, 2)
+        });
     }
 }

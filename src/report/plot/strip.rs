@@ -1,7 +1,7 @@
 //! Residuals over time, a strip for each sensor on one scale.
 
 use super::axis::Axis;
-use super::canvas::{Anchor, Drawing, Lettering, TEXT, WIDTH, draw, fitted};
+use super::canvas::{Drawing, Lettering, TEXT, WIDTH, draw, fitted};
 use super::chart::{Along, Area, Chart, Layer, Limit, Shade, Stroke};
 use super::palette::{INK, series};
 
@@ -16,10 +16,11 @@ pub struct Strip {
 
 /// Draws the strips below one another with a common scale; `held_out` is shaded.
 pub fn residual_strips(x_title: &str, y_title: &str, strips: &[Strip], held_out: &[Shade]) -> Drawing {
-    let largest = strips.iter().flat_map(|s| &s.points).map(|p| p.1.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
+    let largest =
+        strips.iter().flat_map(|s| &s.points).map(|p| p.1.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
     let largest = if largest > 0.0 { 1.1 * largest } else { 1.0 };
     let extent = super::axis::range_of(strips.iter().flat_map(|s| &s.points).map(|p| p.0)).unwrap_or((0.0, 1.0));
-    let each = 250.0;
+    let each = 270.0;
     let height = each * strips.len().max(1) as f64 + 110.0;
     draw(height as u32, |canvas| {
         for (position, strip) in strips.iter().enumerate() {
@@ -39,9 +40,14 @@ pub fn residual_strips(x_title: &str, y_title: &str, strips: &[Strip], held_out:
                 ..Chart::default()
             };
             let bottom = top + each + if lowest { 110.0 } else { 46.0 };
-            chart.paint(canvas, Area { left: 0.0, top: top + 10.0, right: f64::from(WIDTH), bottom }, Some(190.0), lowest);
-            let name = fitted(&strip.label, TEXT, 700.0);
-            canvas.text_on_paper(&name, (f64::from(WIDTH) - 52.0, top + 70.0), Lettering::new(TEXT, series(position)).bold().at(Anchor::End));
+            chart.paint(
+                canvas,
+                Area { left: 0.0, top: top + 34.0, right: f64::from(WIDTH), bottom },
+                Some(190.0),
+                lowest,
+            );
+            let name = fitted(&strip.label, TEXT, 1200.0);
+            canvas.text(&name, (190.0, top + 44.0), Lettering::new(TEXT, series(position)).bold());
         }
     })
 }

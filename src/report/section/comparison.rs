@@ -3,7 +3,9 @@
 use crate::job::compare::{Deviation, Output, Row, SensorSummary};
 use crate::report::number::{NONE, Shown, fixed, percent, signed, significant};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
-use crate::report::plot::{Axis, Chart, HeatMap, History, Layer, Limit, Shade, Strip, heat_map, history, palette, residual_strips};
+use crate::report::plot::{
+    Axis, Chart, HeatMap, History, Layer, Limit, Shade, Strip, heat_map, history, palette, residual_strips,
+};
 use crate::report::view::PassReport;
 
 /// Readings up to which the table of all of them is part of the report.
@@ -19,7 +21,11 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         }
         blocks.push(Block::Paragraph(
             Text::new("Parameters: ")
-                .strong(if output.state == "nominal" { "nominal, the model as delivered".to_owned() } else { output.state.clone() })
+                .strong(if output.state == "nominal" {
+                    "nominal, the model as delivered".to_owned()
+                } else {
+                    output.state.clone()
+                })
                 .plain(". Deviations are measured minus predicted: positive where the model is too low."),
         ));
         blocks.extend(where_it_fails(output));
@@ -79,7 +85,12 @@ fn criteria(output: &Output) -> Option<Block> {
         caption: Text::new("Criteria of profile ")
             .strong(output.criteria.title.clone())
             .plain(format!(". Source: {}", output.criteria.source)),
-        columns: vec![Column::text("Criterion"), Column::number("Value", ""), Column::number("Limit", ""), Column::text("Outcome")],
+        columns: vec![
+            Column::text("Criterion"),
+            Column::number("Value", ""),
+            Column::number("Limit", ""),
+            Column::text("Outcome"),
+        ],
         rows,
     }))
 }
@@ -119,7 +130,10 @@ fn sensors(output: &Output) -> Block {
                 signed(deviation.mean, digits).into(),
                 fixed(deviation.sd, digits).into(),
                 Cell { text: rmse.into(), status: against_noise(sensor, deviation) },
-                sensor.noise_rmse.map_or_else(|| NONE.to_owned(), |[a, b]| format!("{} to {}", fixed(a, digits), fixed(b, digits))).into(),
+                sensor
+                    .noise_rmse
+                    .map_or_else(|| NONE.to_owned(), |[a, b]| format!("{} to {}", fixed(a, digits), fixed(b, digits)))
+                    .into(),
                 fixed(deviation.max, digits).into(),
                 percent(deviation.within_limit, 0).into(),
                 crate::report::number::typeset(&sensor.unit).into(),
@@ -131,7 +145,10 @@ fn sensors(output: &Output) -> Block {
     if has_held_out {
         columns.push(Column::text("Readings"));
     }
-    columns.extend(["Number", "Mean", "Standard deviation", "RMSE", "RMSE of noise alone", "Largest", "Within limit"].map(|t| Column::number(t, "")));
+    columns.extend(
+        ["Number", "Mean", "Standard deviation", "RMSE", "RMSE of noise alone", "Largest", "Within limit"]
+            .map(|t| Column::number(t, "")),
+    );
     columns.push(Column::text("Unit"));
     Block::Table(Table {
         caption: "Deviations by sensor. The RMSE is red above the 95 % range that the sensor's noise alone would give, green within it.".into(),
@@ -171,7 +188,11 @@ fn figures(report: &PassReport<'_>, job: &str, output: &Output) -> Vec<Block> {
             open.push(phase_map(job, output, measurement));
         } else {
             open.push(strips(job, output, measurement));
-            folded.extend(sensor_names(output, measurement).into_iter().map(|(sensor, _)| time_history(report, job, output, measurement, sensor)));
+            folded.extend(
+                sensor_names(output, measurement)
+                    .into_iter()
+                    .map(|(sensor, _)| time_history(report, job, output, measurement, sensor)),
+            );
         }
         folded.extend(residual_histogram(job, output, measurement));
     }
@@ -198,7 +219,9 @@ pub(super) fn phase_map(job: &str, output: &Output, measurement: &str) -> Figure
         }
     }
     let value = |phase: &str, sensor: &str| {
-        rows.iter().find(|r| r.phase.as_deref().unwrap_or(NONE) == phase && r.sensor == sensor).map(|r| r.measured - r.predicted)
+        rows.iter()
+            .find(|r| r.phase.as_deref().unwrap_or(NONE) == phase && r.sensor == sensor)
+            .map(|r| r.measured - r.predicted)
     };
     let units: Vec<&str> = sensors.iter().map(|s| s.1).collect();
     let unit = if units.iter().all(|u| *u == "K") { "K" } else { "SI" };
@@ -288,12 +311,21 @@ fn strips(job: &str, output: &Output, measurement: &str) -> Figure {
         id: format!("{job}-{measurement}-residuals"),
         drawing: residual_strips(title, &format!("dev. [{unit}]"), &strips, &shades),
         caption: Text::new("Measured minus predicted over time, ").code(measurement).plain(format!("{shaded}.")),
-        alternative: format!("Residuals over time, one strip for each of {} sensors of {measurement}{shaded}.", sensors.len()),
+        alternative: format!(
+            "Residuals over time, one strip for each of {} sensors of {measurement}{shaded}.",
+            sensors.len()
+        ),
     }
 }
 
 /// Measured and predicted over time for one sensor.
-pub(super) fn time_history(report: &PassReport<'_>, job: &str, output: &Output, measurement: &str, sensor: &str) -> Figure {
+pub(super) fn time_history(
+    report: &PassReport<'_>,
+    job: &str,
+    output: &Output,
+    measurement: &str,
+    sensor: &str,
+) -> Figure {
     let rows = of_sensor(output, measurement, sensor);
     let unit = rows.first().map_or("", |r| r.unit.as_str());
     let shown = report.sensor_shown(measurement, sensor, unit);
@@ -349,7 +381,8 @@ fn residual_histogram(job: &str, output: &Output, measurement: &str) -> Option<F
     for d in &residuals {
         counts[(((d + largest) / width) as usize).min(bins - 1)] += 1.0;
     }
-    let mut limits = vec![Limit { along: crate::report::plot::Along::X, value: 0.0, label: String::new(), colour: palette::INK }];
+    let mut limits =
+        vec![Limit { along: crate::report::plot::Along::X, value: 0.0, label: String::new(), colour: palette::INK }];
     if let Some(limit) = output.criteria.each_k.filter(|l| *l <= largest) {
         limits.extend([-limit, limit].map(|value| Limit {
             along: crate::report::plot::Along::X,
@@ -409,7 +442,11 @@ fn phases(output: &Output) -> Option<Block> {
         ],
         rows,
     });
-    Some(if output.phases.len() > 12 { Block::Details(format!("Table of the phases ({})", output.phases.len()), vec![table]) } else { table })
+    Some(if output.phases.len() > 12 {
+        Block::Details(format!("Table of the phases ({})", output.phases.len()), vec![table])
+    } else {
+        table
+    })
 }
 
 fn trends(output: &Output) -> Option<Block> {
@@ -470,14 +507,21 @@ fn heat(output: &Output) -> Option<Block> {
         .map(|h| {
             let mut row = vec![Cell::code(&h.measurement), Cell::code(&h.phase), watts(h.sources_w)];
             row.extend(boundaries.iter().map(|b| {
-                h.into_boundaries_w.iter().find(|(name, _)| name == b).map_or_else(|| Cell::from(NONE), |(_, w)| watts(*w))
+                h.into_boundaries_w
+                    .iter()
+                    .find(|(name, _)| name == b)
+                    .map_or_else(|| Cell::from(NONE), |(_, w)| watts(*w))
             }));
             row.extend([watts(h.stored_w), watts(h.imbalance_w)]);
             row
         })
         .collect();
     let table = Block::Table(Table { caption: "Heat balance of the model.".into(), columns, rows });
-    Some(if output.heat.len() > 12 { Block::Details(format!("Heat balance ({} phases)", output.heat.len()), vec![table]) } else { table })
+    Some(if output.heat.len() > 12 {
+        Block::Details(format!("Heat balance ({} phases)", output.heat.len()), vec![table])
+    } else {
+        table
+    })
 }
 
 fn stabilisation(output: &Output) -> Option<Block> {
@@ -495,7 +539,10 @@ fn stabilisation(output: &Output) -> Option<Block> {
                 Cell::code(&s.sensor),
                 format!("{} \u{00B1} {}", per_hour(s.drift_k_per_s), per_hour(s.drift_error_k_per_s)).into(),
                 significant(s.stored_w, 3).into(),
-                s.stabilised.map_or_else(|| Cell::from(NONE), |kept| Cell::marked(if kept { "steady" } else { "drifts" }, Status::kept(kept))),
+                s.stabilised.map_or_else(
+                    || Cell::from(NONE),
+                    |kept| Cell::marked(if kept { "steady" } else { "drifts" }, Status::kept(kept)),
+                ),
             ]
         })
         .collect();
@@ -519,7 +566,9 @@ fn readings(report: &PassReport<'_>, output: &Output) -> Option<Block> {
     }
     if output.rows.len() > MOST_ROWS {
         return Some(Block::Paragraph(
-            Text::new(format!("All {} readings beside their predictions are in ", output.rows.len())).code("results.json").plain("."),
+            Text::new(format!("All {} readings beside their predictions are in ", output.rows.len()))
+                .code("results.json")
+                .plain("."),
         ));
     }
     let rows = output

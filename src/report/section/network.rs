@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::expression::{Dependence, ExprId, Symbol};
-use crate::report::number::{NONE, Shown, significant};
+use crate::report::number::{NONE, Shown, as_given, with_unit};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Table, Text};
 use crate::report::plot::{Diagram, NodeShape, Path, Source, network};
 use crate::report::view::PassReport;
@@ -105,7 +105,13 @@ fn depends(model: &Model, ids: &[ExprId]) -> String {
 }
 
 fn value_cell(model: &Model, id: ExprId, shown: &Shown) -> Cell {
-    nominal(model, id).map_or_else(|| Cell::from("varies"), |value| Cell::from(shown.text(value)))
+    nominal(model, id).map_or_else(
+        || Cell::from("varies"),
+        |value| {
+            let number = if shown.is_celsius() { shown.number(value) } else { as_given(value) };
+            Cell::from(with_unit(&number, &shown.unit))
+        },
+    )
 }
 
 fn name_of(model: &Model, node: usize) -> &str {
@@ -135,7 +141,7 @@ fn nodes(model: &Model) -> Block {
                 kind.into(),
                 value,
                 depends(model, &ids).into(),
-                node.area.map_or_else(|| NONE.to_owned(), |a| significant(a, 4)).into(),
+                node.area.map_or_else(|| NONE.to_owned(), as_given).into(),
                 limits(node.limits.yellow).into(),
                 limits(node.limits.red).into(),
                 node.alias.clone().unwrap_or_else(|| NONE.to_owned()).into(),

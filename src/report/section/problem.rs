@@ -1,7 +1,7 @@
 //! What was asked: requirements, parameters with priors and sources, inputs, environments, changes.
 
 use crate::random::Distribution;
-use crate::report::number::{NONE, Shown, probability, significant};
+use crate::report::number::{NONE, Shown, as_given, probability};
 use crate::report::page::{Block, Cell, Column, Section, Table, Text};
 use crate::report::view::PassReport;
 
@@ -64,8 +64,8 @@ pub(super) fn limits(shown: &Shown, above: Option<f64>, below: Option<f64>) -> S
 
 /// A prior in words, in a unit that stands beside.
 pub fn prior_words(prior: &Distribution, shown: &Shown) -> String {
-    let number = |si: f64| significant(shown.value(si), 4);
-    let spread = |si: f64| significant(shown.difference().value(si), 3);
+    let number = |si: f64| as_given(shown.value(si));
+    let spread = |si: f64| as_given(shown.difference().value(si));
     match *prior {
         Distribution::Fixed(value) => format!("fixed at {}", number(value)),
         Distribution::Uniform { lower, upper } => format!("uniform, {} to {}", number(lower), number(upper)),
@@ -79,7 +79,7 @@ pub fn prior_words(prior: &Distribution, shown: &Shown) -> String {
             format!("normal, {} \u{00B1} {}{cut}", number(mean), spread(sd))
         }
         Distribution::LogNormal { median, factor } => {
-            format!("lognormal, median {}, factor {}", number(median), significant(factor, 3))
+            format!("lognormal, median {}, factor {}", number(median), as_given(factor))
         }
         Distribution::LogUniform { lower, upper } => format!("loguniform, {} to {}", number(lower), number(upper)),
         Distribution::HalfNormal { scale } => format!("half-normal, scale {}", spread(scale)),
@@ -102,7 +102,7 @@ fn parameters(report: &PassReport<'_>) -> Vec<Block> {
             let prior = report.priors.iter().find(|p| p.0 == parameter.name);
             vec![
                 Cell::code(&parameter.name),
-                significant(shown.value(parameter.nominal), 4).into(),
+                as_given(shown.value(parameter.nominal)).into(),
                 shown.unit.clone().into(),
                 prior.map_or_else(|| "fixed".to_owned(), |p| prior_words(&p.1, &shown)).into(),
                 parameter.description.clone().into(),
@@ -137,7 +137,7 @@ fn inputs(report: &PassReport<'_>) -> Vec<Block> {
         .iter()
         .map(|input| {
             let shown = Shown::written(&input.unit);
-            let number = |si: f64| significant(shown.value(si), 4);
+            let number = |si: f64| as_given(shown.value(si));
             vec![
                 Cell::code(&input.name),
                 number(input.nominal).into(),
@@ -182,7 +182,7 @@ fn environments(report: &PassReport<'_>) -> Vec<Block> {
             let mut row = vec![Cell::code(&environment.name)];
             row.extend(report.model.inputs.iter().enumerate().map(|(position, input)| {
                 let value = environment.inputs.get(position).copied().unwrap_or(f64::NAN);
-                Cell::from(significant(Shown::written(&input.unit).value(value), 4))
+                Cell::from(as_given(Shown::written(&input.unit).value(value)))
             }));
             row
         })

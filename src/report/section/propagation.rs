@@ -15,11 +15,11 @@ const OPEN_FIGURES: usize = 2;
 pub fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
     for (name, output) in report.propagations() {
-        blocks.push(Block::Paragraph(
-            Text::new("Job ")
-                .code(name)
-                .plain(format!(": {} samples a case, drawn by {}.", output.samples, sampling(&output.sampling))),
-        ));
+        blocks.push(Block::Paragraph(Text::new("Job ").code(name).plain(format!(
+            ": {} samples a case, drawn by {}.",
+            output.samples,
+            sampling(&output.sampling)
+        ))));
         blocks.extend(failures(output));
         blocks.push(requirements(report, output));
         let shown_before = super::summary::main_picture(report).map(|f| f.id);
@@ -81,7 +81,10 @@ fn failures(output: &Output) -> Vec<Block> {
         })
         .collect();
     vec![
-        Block::callout(Tone::Warning, format!("{failed} samples have no solution. They count as not meeting any requirement.")),
+        Block::callout(
+            Tone::Warning,
+            format!("{failed} samples have no solution. They count as not meeting any requirement."),
+        ),
         Block::Table(Table {
             caption: "The first samples without a solution, parameters in SI.".into(),
             columns: vec![
@@ -133,7 +136,9 @@ fn requirements(report: &PassReport<'_>, output: &Output) -> Block {
         }
     }
     Block::Table(Table {
-        caption: "Probability that the requirements are met by the nominal design, with its 95 % interval from sampling.".into(),
+        caption:
+            "Probability that the requirements are met by the nominal design, with its 95 % interval from sampling."
+                .into(),
         columns: vec![
             Column::text("Environment"),
             Column::text("Requirement"),
@@ -163,7 +168,9 @@ pub(super) fn curve(output: &Output, environment: &str, requirement: &str) -> Ve
         .cases
         .iter()
         .filter(|c| c.environment == environment)
-        .filter_map(|c| Some((c.design_value?, c.requirements.iter().find(|m| m.requirement == requirement)?.probability)))
+        .filter_map(|c| {
+            Some((c.design_value?, c.requirements.iter().find(|m| m.requirement == requirement)?.probability))
+        })
         .collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     points
@@ -203,7 +210,8 @@ pub(super) fn probability_figures(output: &Output, job: &str) -> Vec<Figure> {
                 let label = format!("required {}", number::probability(met.required));
                 chart.limits.push(Limit { along: Along::Y, value: met.required, label, colour: palette::VERMILION });
             }
-            let reached = output.reached.iter().find(|r| r.environment == environment && r.requirement == met.requirement);
+            let reached =
+                output.reached.iter().find(|r| r.environment == environment && r.requirement == met.requirement);
             if let Some(value) = reached.and_then(|r| r.design_value) {
                 let label = shown.text(value);
                 words.push(format!("{} reaches it at {label}", met.requirement));
@@ -211,7 +219,9 @@ pub(super) fn probability_figures(output: &Output, job: &str) -> Vec<Figure> {
             }
         }
         let reached = if words.is_empty() { String::new() } else { format!(" {}.", words.join("; ")) };
-        let caption = format!("Probability of meeting the requirement against {design}, environment {environment}; the band is the 95 % interval from sampling.{reached}");
+        let caption = format!(
+            "Probability of meeting the requirement against {design}, environment {environment}; the band is the 95 % interval from sampling.{reached}"
+        );
         figures.push(Figure {
             id: format!("{job}-probability-{environment}"),
             drawing: chart.draw(),
@@ -264,7 +274,10 @@ fn distributions(output: &Output) -> Block {
         }
     }
     let mut columns = vec![Column::text("Environment"), Column::text("Quantity"), Column::text("Unit")];
-    columns.extend(["Nominal", "Mean", "Standard deviation", "1 %", "5 %", "Median", "95 %", "99 %"].map(|t| Column::number(t, "")));
+    columns.extend(
+        ["Nominal", "Mean", "Standard deviation", "1 %", "5 %", "Median", "95 %", "99 %"]
+            .map(|t| Column::number(t, "")),
+    );
     Block::Table(Table {
         caption: "Distributions of the quantities for the nominal design; \u{00B1} is the standard error from sampling, standard \
                   deviations of temperatures are in K."
@@ -276,7 +289,12 @@ fn distributions(output: &Output) -> Block {
 
 /// Markers of the limits that apply to a quantity and of its nominal value.
 fn markers(case: &Case, q: &Distributed, shown: &Shown) -> Vec<Limit> {
-    let mut out = vec![Limit { along: Along::X, value: shown.value(q.nominal), label: format!("nominal {}", shown.text(q.nominal)), colour: palette::INK }];
+    let mut out = vec![Limit {
+        along: Along::X,
+        value: shown.value(q.nominal),
+        label: format!("nominal {}", shown.text(q.nominal)),
+        colour: palette::INK,
+    }];
     for met in case.requirements.iter().filter(|m| m.quantity == q.name) {
         for limit in [met.above, met.below].into_iter().flatten() {
             let label = format!("limit {}", shown.text(limit));
@@ -356,9 +374,19 @@ fn joint(report: &PassReport<'_>, case: &Case, j: &Joint, job: &str) -> Figure {
                 colour: palette::SKY,
                 label: "density of samples".into(),
             },
-            Layer::Line { points: line(|c| c.q05), colour: palette::INK, stroke: Stroke::Dashed, label: "5 % and 95 %".into() },
+            Layer::Line {
+                points: line(|c| c.q05),
+                colour: palette::INK,
+                stroke: Stroke::Dashed,
+                label: "5 % and 95 %".into(),
+            },
             Layer::Line { points: line(|c| c.q95), colour: palette::INK, stroke: Stroke::Dashed, label: String::new() },
-            Layer::Line { points: line(|c| c.mean), colour: palette::VERMILION, stroke: Stroke::Solid, label: format!("mean of {}", j.y) },
+            Layer::Line {
+                points: line(|c| c.mean),
+                colour: palette::VERMILION,
+                stroke: Stroke::Solid,
+                label: format!("mean of {}", j.y),
+            },
         ],
         ..Chart::default()
     };

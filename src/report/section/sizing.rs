@@ -26,7 +26,11 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         }
         blocks.extend(worst_case(output));
     }
-    (!blocks.is_empty()).then(|| Section { id: "sizing", title: "Sizes: probabilistic and conventional".into(), blocks })
+    (!blocks.is_empty()).then(|| Section {
+        id: "sizing",
+        title: "Sizes: probabilistic and conventional".into(),
+        blocks,
+    })
 }
 
 /// Environment and requirement, in the order of the sizes.
@@ -62,25 +66,29 @@ pub(super) fn label(size: &Size) -> String {
     };
     let margin = match size.rule.margin {
         Margin::TemperatureK(0.0) => "no margin".to_owned(),
-        Margin::TemperatureK(k) => format!("+ {} K", significant(k, 2)),
+        Margin::TemperatureK(k) => format!("+ {} K", number::as_given(k)),
         Margin::HeatLoad(share) => format!("+ {} heat load", percent(share, 0)),
     };
     format!("{basis}, {margin}")
 }
 
 /// Probability that a requirement is met at a size, between the points of the sweep.
-fn probability_at(report: &PassReport<'_>, design: &str, (environment, requirement): (&str, &str), size: f64) -> Option<f64> {
-    report
-        .propagations()
-        .filter(|(_, output)| output.design_variable.as_deref() == Some(design))
-        .find_map(|(_, output)| {
+fn probability_at(
+    report: &PassReport<'_>,
+    design: &str,
+    (environment, requirement): (&str, &str),
+    size: f64,
+) -> Option<f64> {
+    report.propagations().filter(|(_, output)| output.design_variable.as_deref() == Some(design)).find_map(
+        |(_, output)| {
             let points = curve(output, environment, requirement);
             points.windows(2).find(|w| size >= w[0].0 && size <= w[1].0).map(|w| {
                 let width = w[1].0 - w[0].0;
                 let share = if width > 0.0 { (size - w[0].0) / width } else { 0.0 };
                 w[0].1.value + share * (w[1].1.value - w[0].1.value)
             })
-        })
+        },
+    )
 }
 
 /// Bars of all sizes for a pair.
@@ -107,7 +115,8 @@ pub(super) fn figure(report: &PassReport<'_>, job: &str, output: &Output, pair: 
             colour: if size.basis == Basis::Nominal { (150, 162, 174) } else { palette::AMBER },
         });
     }
-    let marker = format!("nominal design {}", shown.text(output.design_nominal));
+    let nominal = number::with_unit(&number::as_given(shown.value(output.design_nominal)), &shown.unit);
+    let marker = format!("nominal design {nominal}");
     let axis = Axis::new(shown.title(&output.design_variable));
     let listed: Vec<String> = bars.iter().map(|b| format!("{}: {}", b.label, b.text)).collect();
     Figure {
@@ -131,8 +140,13 @@ fn sizes(report: &PassReport<'_>, output: &Output, pair: (&str, &str)) -> Block 
     let mut rows = Vec::new();
     if let Some(reached) = reached {
         rows.push(vec![
-            Cell::from(Text::default().strong(format!("probabilistic, P = {}", number::probability(reached.probability)))),
-            reached.design_value.map_or_else(|| "not reached in the sweep".to_owned(), |v| significant(design.value(v), 4)).into(),
+            Cell::from(
+                Text::default().strong(format!("probabilistic, P = {}", number::probability(reached.probability))),
+            ),
+            reached
+                .design_value
+                .map_or_else(|| "not reached in the sweep".to_owned(), |v| significant(design.value(v), 4))
+                .into(),
             NONE.into(),
             reached.design_value.map_or_else(|| NONE.to_owned(), |_| number::probability(reached.probability)).into(),
             NONE.into(),
@@ -142,7 +156,9 @@ fn sizes(report: &PassReport<'_>, output: &Output, pair: (&str, &str)) -> Block 
     }
     for size in output.sizes.iter().filter(|s| (s.environment.as_str(), s.requirement.as_str()) == pair) {
         let against = match (size.size, reached.and_then(|r| r.design_value)) {
-            (Some(own), Some(probabilistic)) if probabilistic != 0.0 => number::signed(100.0 * (own / probabilistic - 1.0), 1),
+            (Some(own), Some(probabilistic)) if probabilistic != 0.0 => {
+                number::signed(100.0 * (own / probabilistic - 1.0), 1)
+            }
             _ => NONE.to_owned(),
         };
         let met = size.size.and_then(|v| probability_at(report, &output.design_variable, pair, v));
@@ -188,8 +204,8 @@ fn worst_case(output: &Output) -> Option<Block> {
             vec![
                 Cell::code(&end.requirement),
                 Cell::code(&end.parameter),
-                significant(parameter.value(end.nominal), 4).into(),
-                significant(parameter.value(end.worst), 4).into(),
+                number::as_given(parameter.value(end.nominal)).into(),
+                number::as_given(parameter.value(end.worst)).into(),
                 parameter.unit.clone().into(),
                 format!("{sign}{}", effect.number(end.effect)).into(),
             ]

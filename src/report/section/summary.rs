@@ -37,7 +37,10 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
     }
     blocks.extend(report.warnings.iter().map(|w| Block::callout(Tone::Warning, w.clone())));
     if report.results.is_empty() {
-        blocks.push(Block::callout(Tone::Note, "No job of this pass has a result yet; the sections below are its definition."));
+        blocks.push(Block::callout(
+            Tone::Note,
+            "No job of this pass has a result yet; the sections below are its definition.",
+        ));
     }
     blocks.extend(main_picture(report).map(Block::Figure));
     Some(Section { id: "summary", title: "Summary".into(), blocks })
@@ -54,7 +57,9 @@ pub(super) fn main_picture(report: &PassReport<'_>) -> Option<Figure> {
         let sensor = worst.map_or(output.rows[0].sensor.as_str(), |s| s.sensor.as_str());
         return Some(comparison::time_history(report, job, output, measurement, sensor));
     }
-    if let Some((job, output, pair)) = report.conventionals().find_map(|(job, o)| Some((job, o, *sizing::pairs(o).first()?))) {
+    if let Some((job, output, pair)) =
+        report.conventionals().find_map(|(job, o)| Some((job, o, *sizing::pairs(o).first()?)))
+    {
         return Some(sizing::figure(report, job, output, pair));
     }
     let (job, output) = report.propagations().next()?;
@@ -99,9 +104,13 @@ fn of_comparison(report: &PassReport<'_>, output: &Output) -> Vec<Statement> {
     let units: Vec<&str> = output.sensors.iter().map(|s| s.unit.as_str()).collect();
     if let Some(unit) = units.first().filter(|u| units.iter().all(|v| v == *u)) {
         let shown = Shown::si(unit);
-        let statuses: Vec<Status> =
-            output.sensors.iter().filter_map(|s| comparison::against_noise(s, if s.held_out.count > 0 { &s.held_out } else { &s.train })).collect();
-        let status = if statuses.contains(&Status::Fail) { Some(Status::Fail) } else { statuses.first().map(|_| Status::Ok) };
+        let statuses: Vec<Status> = output
+            .sensors
+            .iter()
+            .filter_map(|s| comparison::against_noise(s, if s.held_out.count > 0 { &s.held_out } else { &s.train }))
+            .collect();
+        let status =
+            if statuses.contains(&Status::Fail) { Some(Status::Fail) } else { statuses.first().map(|_| Status::Ok) };
         let (value, text) = if output.held_out.count > 0 {
             let text = format!(
                 "RMSE over {} held-out readings; {} over the {} that a fit may use.",
@@ -116,30 +125,49 @@ fn of_comparison(report: &PassReport<'_>, output: &Output) -> Vec<Statement> {
         out.push(Statement { label: "How wrong".into(), value, text: text.into(), status });
     }
     if let Some(worst) = worst_sensor(output) {
-        let deviation = if worst.held_out.count > 0 && worst.held_out.rmse > worst.train.rmse { &worst.held_out } else { &worst.train };
+        let deviation = if worst.held_out.count > 0 && worst.held_out.rmse > worst.train.rmse {
+            &worst.held_out
+        } else {
+            &worst.train
+        };
         let is_temperature = report.sensor_shown(&worst.measurement, &worst.sensor, &worst.unit).is_celsius();
         let shown = Shown::si(&worst.unit);
-        let mut text = Text::new(format!("reads {} on average", number::with_unit(&signed(deviation.mean, 2), &shown.unit)));
+        let side = if deviation.mean > 0.0 { "above" } else { "below" };
         // A mean that is small against the scatter has no direction.
-        text = if deviation.mean.abs() > 0.3 * deviation.rmse {
-            text.plain(" from the prediction: ").strong(direction(deviation.mean, is_temperature)).plain(" there")
+        let text = if deviation.mean.abs() > 0.3 * deviation.rmse {
+            Text::new(format!(
+                "The worst sensor reads {} {side} the prediction on average: ",
+                shown.text(deviation.mean.abs())
+            ))
+            .strong(direction(deviation.mean, is_temperature))
+            .plain(" there")
         } else {
-            text.plain(" from the prediction, in both directions")
+            Text::new("The worst sensor deviates in both directions")
         };
-        text = text.plain(format!(" (RMSE {}, largest {}).", shown.text(deviation.rmse), shown.text(deviation.max)));
+        let text =
+            text.plain(format!(" (RMSE {}, largest {}).", shown.text(deviation.rmse), shown.text(deviation.max)));
         let status = comparison::against_noise(worst, deviation);
-        out.push(Statement { label: "Where: worst sensor".into(), value: worst.sensor.clone(), text, status });
+        out.push(Statement { label: "Where".into(), value: worst.sensor.clone(), text, status });
     }
-    if let Some(phase) = output.phases.iter().filter(|p| p.worst.is_finite()).max_by(|a, b| a.worst.abs().total_cmp(&b.worst.abs())) {
-        let text = Text::new("sensor ")
-            .code(&phase.worst_sensor)
-            .plain(format!(" deviates by {}{}.", number::with_unit(&signed(phase.worst, 2), "K"), if phase.held_out { ", held out" } else { "" }));
-        out.push(Statement { label: "When: worst phase".into(), value: phase.phase.clone(), text, status: None });
+    if let Some(phase) =
+        output.phases.iter().filter(|p| p.worst.is_finite()).max_by(|a, b| a.worst.abs().total_cmp(&b.worst.abs()))
+    {
+        let text = Text::new("The largest deviation: ").code(&phase.worst_sensor).plain(format!(
+            ", {}{}.",
+            number::with_unit(&signed(phase.worst, 2), "K"),
+            if phase.held_out { ", held out" } else { "" }
+        ));
+        out.push(Statement { label: "When".into(), value: phase.phase.clone(), text, status: None });
     }
     if let Some(chi2) = output.chi2_per_reading.filter(|c| c.is_finite()) {
         let status = if chi2 > 1.5 { Status::Fail } else { Status::Ok };
         let text = "Mean square of deviation over noise; the noise alone gives about 1.".into();
-        out.push(Statement { label: "Against the noise".into(), value: fixed(chi2, if chi2 < 100.0 { 1 } else { 0 }), text, status: Some(status) });
+        out.push(Statement {
+            label: "Against the noise".into(),
+            value: fixed(chi2, if chi2 < 100.0 { 1 } else { 0 }),
+            text,
+            status: Some(status),
+        });
     }
     if !output.verdicts.is_empty() {
         let kept = output.verdicts.iter().filter(|v| v.kept).count();
@@ -158,7 +186,9 @@ fn of_propagation(report: &PassReport<'_>, output: &propagate::Output) -> Vec<St
     let mut out = Vec::new();
     for case in propagation::nominal_cases(output) {
         let Some(met) = case.requirements.iter().min_by(|a, b| {
-            (a.probability.value - a.required).total_cmp(&(b.probability.value - b.required)).then((a.requirement == "all").cmp(&(b.requirement == "all")))
+            (a.probability.value - a.required)
+                .total_cmp(&(b.probability.value - b.required))
+                .then((a.requirement == "all").cmp(&(b.requirement == "all")))
         }) else {
             continue;
         };
@@ -177,7 +207,9 @@ fn of_propagation(report: &PassReport<'_>, output: &propagate::Output) -> Vec<St
         out.push(Statement {
             label: format!("Probability, nominal design, {}", case.environment),
             value: number::probability(met.probability.value),
-            text: Text::new(format!("{what}; required {}: ", number::probability(met.required))).strong(words).plain("."),
+            text: Text::new(format!("{what}; required {}: ", number::probability(met.required)))
+                .strong(words)
+                .plain("."),
             status: Some(status),
         });
         if let Some(q) = case.quantities.iter().find(|q| q.name == met.quantity).or(case.quantities.first()) {
@@ -200,9 +232,9 @@ fn of_sizes(report: &PassReport<'_>, output: &conventional::Output) -> Vec<State
         let reached = sizing::probabilistic(report, &output.design_variable, pair);
         let probabilistic = reached.and_then(|r| r.design_value.map(|v| (v, r)));
         if let Some((value, reached)) = probabilistic {
-            let interval = reached.interval.map_or(String::new(), |[a, b]| {
-                format!(" ({} to {})", design.number(a), design.text(b))
-            });
+            let interval = reached
+                .interval
+                .map_or(String::new(), |[a, b]| format!(" ({} to {})", design.number(a), design.text(b)));
             out.push(Statement {
                 label: format!("Probabilistic size, {}", pair.0),
                 value: design.text(value),
@@ -211,8 +243,11 @@ fn of_sizes(report: &PassReport<'_>, output: &conventional::Output) -> Vec<State
                 status: None,
             });
         }
-        let sizes: Vec<&conventional::Size> =
-            output.sizes.iter().filter(|s| (s.environment.as_str(), s.requirement.as_str()) == pair && s.size.is_some()).collect();
+        let sizes: Vec<&conventional::Size> = output
+            .sizes
+            .iter()
+            .filter(|s| (s.environment.as_str(), s.requirement.as_str()) == pair && s.size.is_some())
+            .collect();
         let stacked = sizes.iter().filter(|s| s.basis == conventional::Basis::StackedWorstCase);
         let middle = sorted_middle(stacked.copied().collect());
         if let Some((size, value)) = middle.and_then(|s| Some((s, s.size?))) {
