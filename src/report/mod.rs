@@ -84,7 +84,7 @@ pub fn results_schema() -> Value {
     })
 }
 
-/// All outputs as one JSON document, SI units, in the order of the pass.
+/// All outputs as one JSON document in SI units, jobs by name; a number that is not finite is `null`.
 fn results_json(report: &PassReport<'_>) -> Result<String, serde_json::Error> {
     fn value(output: &impl Serialize) -> Result<Value, serde_json::Error> {
         serde_json::to_value(output)

@@ -36,6 +36,7 @@ pub struct FileHash {
 }
 
 /// A job's output.
+#[expect(clippy::large_enum_variant, reason = "a report holds a handful of them")]
 #[derive(Clone, Debug, PartialEq)]
 pub enum JobResult {
     /// Uncertainty propagation.

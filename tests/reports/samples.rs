@@ -9,6 +9,7 @@ use bmv::job::compare::{
 use bmv::job::conventional::{self, Basis, Margin, Rule, Size, WorstEnd};
 use bmv::job::propagate::{self, Case, Conditional, Distributed, Joint, Met, Probability, Quantile, Reached};
 use bmv::job::requirement::{Environment, Requirement};
+use bmv::math::functions::{exp, ln, sin};
 use bmv::random::Distribution;
 use bmv::report::{FileHash, JobEntry, JobResult, ParameterChange, PassReport};
 use bmv::thermal::element::cooler::Drive;
@@ -79,12 +80,12 @@ fn element(name: &str, kind: ElementKind) -> Element {
 
 /// The probability that grows with the area as in the passive radiator's published kind of result.
 fn radiator_probability(area: f64) -> Probability {
-    let value = (1.0 / (1.0 + (-(area - 0.275) / 0.0085_f64).exp())).min(1.0);
+    let value = (1.0 / (1.0 + exp(-(area - 0.275) / 0.0085))).min(1.0);
     Probability { value, lower: (value - 0.006).max(0.0), upper: (value + 0.006).min(1.0) }
 }
 
 fn bell(x: f64) -> f64 {
-    (-0.5 * x * x).exp()
+    exp(-0.5 * x * x)
 }
 
 fn distributed(name: &str, mean: f64, sd: f64, nominal: f64, unit: &str, is_temperature: bool) -> Distributed {
@@ -112,7 +113,7 @@ fn distributed(name: &str, mean: f64, sd: f64, nominal: f64, unit: &str, is_temp
         cdf: (0..100)
             .map(|i| {
                 let u = (f64::from(i) + 0.5) / 100.0;
-                mean + sd * 0.5513 * (u / (1.0 - u)).ln()
+                mean + sd * 0.5513 * ln(u / (1.0 - u))
             })
             .collect(),
     }
@@ -481,10 +482,10 @@ pub fn transient() -> Sample {
     let mut rows = Vec::new();
     for &t in &times {
         for (sensor, gain, lag) in [("T1", 38.0, 150.0), ("T2", 14.0, 230.0)] {
-            let rise = |from: f64| if t > from { 1.0 - (-(t - from) / lag).exp() } else { 0.0 };
+            let rise = |from: f64| if t > from { 1.0 - exp(-(t - from) / lag) } else { 0.0 };
             let predicted = 295.0 + gain * rise(20.0) - 0.5 * gain * rise(300.0);
             let missing = 0.06 * gain * rise(20.0);
-            let noise = 0.25 * ((t * 12.9898).sin() * 43758.5453).fract();
+            let noise = 0.25 * (sin(t * 12.9898) * 43758.5453).fract();
             rows.push(Row {
                 measurement: "step test".into(),
                 phase: None,
@@ -561,7 +562,7 @@ pub fn steady() -> Sample {
         });
         for (s, sensor) in sensors.iter().enumerate() {
             let predicted = 280.0 + 4.0 * load + 3.0 * s as f64;
-            let noise = 0.25 * ((f64::from(p) * 7.1 + s as f64 * 3.3).sin());
+            let noise = 0.25 * sin(f64::from(p) * 7.1 + s as f64 * 3.3);
             let missing = if s == 0 {
                 0.55 * load
             } else if s == 4 {
