@@ -43,9 +43,9 @@ fn radiator_report_sets_probabilistic_and_conventional_sizes_side_by_side() {
     let report = rendered(&radiator());
     insta::assert_snapshot!(summary(&report), @r#"
 - **Probability, nominal design, hot: 0.950.** T at most 35.00 °C; required 0.990: **not met**.
-- **T, hot: 28.91 ± 4.19 K.** mean and standard deviation; nominal 28.83 °C.
 - **Probabilistic size, hot: 0.3144 m².** `A` for P = 0.990 (0.3131 to 0.3158 m²).
-- **Conventional size, hot: 0.4152 m².** stacked worst case, + 11 K (11 K after correlation). The probabilistic size is 24 % smaller.
+- **Conventional size, hot: 0.4152 m².** stacked worst case, + 11 K (11 K after correlation). The probabilistic size is 24 % smaller. All rules: 0.2724 to 0.4649 m².
+- **T, hot: 28.91 ± 4.19 K.** mean and standard deviation; nominal 28.83 °C.
 
 > **Reconstructed.** All numbers of this case are reconstructed; none is taken from the thesis that it follows.
 
