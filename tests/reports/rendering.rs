@@ -102,6 +102,8 @@ fn steady_report_has_the_map_of_phases_and_the_criteria() {
     // Phase 7: load 6, housing 0.55 * 6 + 0.25 sin(42.6) = 3.05.
     assert!(map.contains("\n+3.05\n") && map.contains("\nP22\n") && map.contains("\nstrap\n"));
     assert!(report.markdown.contains("| `P07` | not stabilised |"));
+    // 1.2e-4 K/s and its error of 1e-5 K/s by the hour.
+    assert!(report.markdown.contains("| `P07` | `housing` | 0.432 \u{B1} 0.036 |"), "{}", report.markdown);
     assert!(
         report.markdown.contains("| largest deviation of one reading, K | 3.15 | 3.00 | **not kept** |"),
         "{}",
