@@ -1,5 +1,7 @@
 //! Numerics against analytic results, published values and golden numbers.
 
 mod build;
+mod derivatives;
 mod orbit;
 mod steady;
+mod transient;
