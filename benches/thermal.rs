@@ -1,8 +1,10 @@
 //! Speed of the network's solvers against their targets (in the names).
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::unwrap_used)]
 
+#[allow(dead_code)]
 #[path = "../tests/verification/build.rs"]
 mod build;
+#[allow(dead_code)]
 #[path = "../tests/verification/orbit.rs"]
 mod orbit;
 

@@ -2,6 +2,7 @@
 
 mod build;
 mod derivatives;
+mod elements;
 mod orbit;
 mod steady;
 mod transient;
