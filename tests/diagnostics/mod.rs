@@ -6,6 +6,7 @@ use bmv::study::model;
 mod expression;
 mod model_form;
 mod properties;
+mod schema;
 mod shared;
 mod syntax;
 
