@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::document::hash::sha256_hex;
 use crate::document::quantity::{parse_unit, report_dimension};
-use crate::document::{Diagnostic, Map, Place, Sense, Source, Span, Spanned, WrittenUnit, code, suggest};
+use crate::document::{Diagnostic, Diagnostics, Map, Place, Sense, Source, Span, Spanned, WrittenUnit, code, suggest};
 use crate::expression::{Dimension, Unit};
 use crate::study::inherit::folder_diagnostic_at;
 use crate::study::pass::measurement::{ColumnForm, PinForm};
@@ -69,17 +69,19 @@ pub struct Columns {
 }
 
 /// Checks a pin and gives it its plain form.
-pub fn pin(scope: &mut Scope, measurement: &str, file: &str, form: &PinForm) -> Option<Pinned> {
+pub fn pin(measurement: &str, file: &str, form: &PinForm, diagnostics: &mut Diagnostics) -> Option<Pinned> {
+    let mut refuse = |place: &Place, message: String, expected: &str| {
+        diagnostics.push(Diagnostic::error(&code::PINNED, place, message).expected(expected));
+        None
+    };
     let sha256 = form.sha256.value.to_ascii_lowercase();
     if sha256.len() != DIGITS || !sha256.bytes().all(|byte| byte.is_ascii_hexdigit()) {
         let message = format!("`{}` is no SHA-256", form.sha256.value);
-        scope.error(&code::PINNED, &form.sha256.place, message, "64 hexadecimal digits");
-        return None;
+        return refuse(&form.sha256.place, message, "64 hexadecimal digits");
     }
     if let Some(origin) = form.origin.as_ref().filter(|origin| !origin.value.starts_with("https://")) {
         let message = format!("`{}` cannot be fetched", origin.value);
-        scope.error(&code::PINNED, &origin.place, message, "an address that begins with https://");
-        return None;
+        return refuse(&origin.place, message, "an address that begins with https://");
     }
     Some(Pinned {
         measurement: measurement.to_owned(),

@@ -13,7 +13,7 @@ use crate::study::table::Cells;
 use crate::study::window::window;
 
 use super::data::{Layout, Wanted, columns, data, pin, separator};
-use super::measurement::{Outcome, base_inputs, check_content, parted, rows_within, sensors, wanted};
+use super::measurement::{Outcome, base_inputs, has_content, parted, rows_within, sensors, wanted};
 use super::scope::Scope;
 
 /// Resolves a steady measurement.
@@ -35,11 +35,13 @@ pub fn steady(
         }
     };
     let Outcome::Ready(mut measurement) = outcome else { return outcome };
+    if !has_content(scope, &measurement, form.file.as_ref().map_or(&entry.name_place, |file| &file.place)) {
+        return Outcome::Wrong;
+    }
     if let Rows::Steady(phases) = &mut measurement.rows {
         hold_out(scope, form.held_out.as_ref(), phases);
         leave_out(scope, &form.ignore, &form.sensors, phases);
     }
-    check_content(scope, &measurement, form.file.as_ref().map_or(&entry.name_place, |file| &file.place));
     Outcome::Ready(measurement)
 }
 
@@ -51,7 +53,7 @@ fn table(
     list: &mut [(&MapEntry<SensorForm>, Sensor)],
     pins: &mut Vec<Pinned>,
 ) -> Outcome {
-    let pinned = form.pinned.as_ref().and_then(|pinned| pin(scope, &entry.name, &file.value, pinned));
+    let pinned = form.pinned.as_ref().and_then(|pinned| pin(&entry.name, &file.value, pinned, scope.diagnostics));
     pins.extend(pinned.clone());
     let separator = separator(scope, form.separator.as_ref());
     let data = match data(scope, file, pinned.as_ref()) {
