@@ -59,7 +59,7 @@ impl Study {
     /// The study with its one measurement a transient.
     pub fn transient() -> Self {
         let study = Self::new();
-        study.put("pass-1.json", &transient_pass());
+        study.put("pass-1.json", transient_pass());
         study
     }
 

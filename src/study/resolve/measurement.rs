@@ -14,7 +14,7 @@ use super::scope::Scope;
 /// What became of a measurement.
 pub enum Outcome {
     /// It is there.
-    Ready(Measurement),
+    Ready(Box<Measurement>),
     /// Its pinned data are not there.
     Missing,
     /// It has errors.

@@ -172,7 +172,7 @@ fn resolve(
     for entry in &form.measurements {
         let position = match measurement::measurement(&mut scope, entry, &mut pinned, &mut ignored_sensors) {
             Outcome::Ready(measurement) => {
-                measurements.push(measurement);
+                measurements.push(*measurement);
                 Some(measurements.len() - 1)
             }
             Outcome::Missing => {

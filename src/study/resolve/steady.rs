@@ -59,7 +59,7 @@ fn table(
     let data = match data(scope, file, pinned.as_ref()) {
         Ok(Some(data)) => data,
         Ok(None) => return Outcome::Missing,
-        Err(()) => return Outcome::Wrong,
+        Err(_) => return Outcome::Wrong,
     };
     let names: Vec<String> = scope.resolved.model.inputs.iter().map(|input| input.name.clone()).collect();
     let wanted = wanted(scope, &names, list, &file.place);
@@ -80,7 +80,7 @@ fn table(
     for ((_, sensor), read) in list.iter_mut().zip(&parts.sensors) {
         sensor.unit.clone_from(&read.unit);
     }
-    Outcome::Ready(Measurement {
+    Outcome::Ready(Box::new(Measurement {
         name: entry.name.clone(),
         rows: Rows::Steady(phases),
         sensors: list.iter().map(|(_, sensor)| sensor.clone()).collect(),
@@ -88,7 +88,7 @@ fn table(
         file: file.value.clone(),
         sha256: data.sha256,
         unused_columns: columns.unused,
-    })
+    }))
 }
 
 /// A time series that windows are cut from.
@@ -204,7 +204,7 @@ fn from_windows(
             sha256_hex(hashes.join("\n").as_bytes())
         }
     };
-    Outcome::Ready(Measurement {
+    Outcome::Ready(Box::new(Measurement {
         name: entry.name.clone(),
         rows: Rows::Steady(phases),
         sensors: list.iter().map(|(_, sensor)| sensor.clone()).collect(),
@@ -212,7 +212,7 @@ fn from_windows(
         file: files.join(", "),
         sha256,
         unused_columns,
-    })
+    }))
 }
 
 fn hold_out(scope: &mut Scope, form: Option<&HeldOutForm>, phases: &mut [Phase]) {

@@ -34,7 +34,7 @@ pub fn transient(
     let data = match data(scope, &form.file, pinned.as_ref()) {
         Ok(Some(data)) => data,
         Ok(None) => return Outcome::Missing,
-        Err(()) => return Outcome::Wrong,
+        Err(_) => return Outcome::Wrong,
     };
     let names: Vec<String> = scope.resolved.model.inputs.iter().map(|input| input.name.clone()).collect();
     let mut wanted = wanted(scope, &names, &list, &form.file.place);
@@ -86,7 +86,11 @@ pub fn transient(
         sha256: data.sha256,
         unused_columns: columns.unused,
     };
-    if has_content(scope, &measurement, &form.file.place) { Outcome::Ready(measurement) } else { Outcome::Wrong }
+    if has_content(scope, &measurement, &form.file.place) {
+        Outcome::Ready(Box::new(measurement))
+    } else {
+        Outcome::Wrong
+    }
 }
 
 fn ignored_rows(scope: &mut Scope, form: &TransientForm, times_s: &[f64]) -> Vec<Option<String>> {
