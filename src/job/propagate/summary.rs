@@ -1,8 +1,6 @@
 //! Samples to distributions, probabilities and joint distributions.
 
-use super::output::{
-    Case, Conditional, Distributed, FailedSample, Joint, Met, Probability, Quantile, Spec,
-};
+use super::output::{Case, Conditional, Distributed, FailedSample, Joint, Met, Probability, Quantile, Spec};
 use crate::statistics::histogram::{Histogram, PairHistogram, edges_sorted};
 use crate::statistics::interval::Interval;
 use crate::statistics::moments::{Moments, correlation};
@@ -34,8 +32,9 @@ pub fn case(
         .enumerate()
         .map(|(position, &index)| {
             let quantity = &model.quantities[index];
-            let finite: Vec<f64> = values[position].iter().copied().filter(|v| v.is_finite()).collect();
-            let mut distributed = distribution(&sorted(&finite), nominal[position]);
+            let mut finite: Vec<f64> = values[position].iter().copied().filter(|v| v.is_finite()).collect();
+            finite.sort_unstable_by(f64::total_cmp);
+            let mut distributed = distribution(&finite, nominal[position]);
             distributed.name.clone_from(&quantity.name);
             distributed.unit.clone_from(&quantity.unit);
             distributed.is_temperature = quantity.is_temperature;
@@ -43,13 +42,21 @@ pub fn case(
         })
         .collect();
     let joint = spec.joint.iter().map(|&pair| joint_of(spec, model, pair, values)).collect();
-    Case { environment, design_value, quantities, requirements: requirements(spec, model, values), joint, failed, failures }
+    Case {
+        environment,
+        design_value,
+        quantities,
+        requirements: requirements(spec, model, values),
+        joint,
+        failed,
+        failures,
+    }
 }
 
 /// Distribution of sorted finite samples.
 fn distribution(sorted: &[f64], nominal: f64) -> Distributed {
     let moments = Moments::of(sorted);
-    let histogram = Histogram::new(edges_sorted(sorted), sorted);
+    let histogram = Histogram::of_sorted(edges_sorted(sorted), sorted);
     Distributed {
         name: String::new(),
         unit: String::new(),
@@ -71,9 +78,7 @@ fn distribution(sorted: &[f64], nominal: f64) -> Distributed {
             .collect(),
         histogram_edges: histogram.edges,
         histogram_counts: histogram.counts,
-        cdf: (0..CDF_POINTS)
-            .map(|i| quantile_sorted(sorted, (i as f64 + 0.5) / CDF_POINTS as f64))
-            .collect(),
+        cdf: (0..CDF_POINTS).map(|i| quantile_sorted(sorted, (i as f64 + 0.5) / CDF_POINTS as f64)).collect(),
     }
 }
 
@@ -176,5 +181,7 @@ fn equal_edges(values: &[f64]) -> Vec<f64> {
     if low >= high || !(high - low).is_finite() {
         return edges_sorted(values);
     }
-    (0..=JOINT_BINS).map(|i| if i == JOINT_BINS { high } else { low + (high - low) * i as f64 / JOINT_BINS as f64 }).collect()
+    (0..=JOINT_BINS)
+        .map(|i| if i == JOINT_BINS { high } else { low + (high - low) * i as f64 / JOINT_BINS as f64 })
+        .collect()
 }
