@@ -1,6 +1,6 @@
 //! Errors and warnings at their places, collected and shown in the source.
 
-use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use serde::Serialize;
 
 use super::code::Code;
@@ -102,7 +102,7 @@ impl Diagnostic {
             group = group.element(Level::HELP.message(help.as_str()));
         }
         let renderer = if coloured { Renderer::styled() } else { Renderer::plain() };
-        renderer.render(&[Group::from(group)])
+        renderer.render(&[group])
     }
 
     /// The finding as data.

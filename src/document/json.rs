@@ -9,6 +9,8 @@ use std::sync::Arc;
 
 use super::code;
 use super::diagnostic::{Diagnostic, Diagnostics};
+pub use super::number::Number;
+use super::number::number_fault;
 use super::source::{Place, Source, Span, push_key};
 use super::suggest;
 
@@ -17,6 +19,9 @@ pub const DEPTH: usize = 128;
 
 /// Files larger than this are refused, in bytes.
 pub const SIZE: usize = 64 << 20;
+
+/// Reading stops after so many errors.
+const ERRORS: usize = 200;
 
 /// A JSON value with its place.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,38 +62,6 @@ impl Value {
             Self::Array(_) => "an array",
             Self::Object(_) => "an object",
             Self::Invalid => "not JSON",
-        }
-    }
-}
-
-/// A number: integers exact, others as the nearest float.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Number {
-    /// An integer from 0.
-    Unsigned(u64),
-    /// A negative integer.
-    Signed(i64),
-    /// Any other number, finite.
-    Float(f64),
-}
-
-impl Number {
-    /// The value as the nearest float.
-    pub fn as_f64(self) -> f64 {
-        match self {
-            Self::Unsigned(u) => u as f64,
-            Self::Signed(i) => i as f64,
-            Self::Float(f) => f,
-        }
-    }
-
-    /// The value as an integer from 0, if it is one (`2.0` is; above 2^53 only what was written as an integer is).
-    pub fn as_u64(self) -> Option<u64> {
-        const EXACT: f64 = 9_007_199_254_740_992.0;
-        match self {
-            Self::Unsigned(u) => Some(u),
-            Self::Float(f) if f.fract() == 0.0 && (0.0..=EXACT).contains(&f) => Some(f as u64),
-            _ => None,
         }
     }
 }
@@ -170,7 +143,8 @@ pub fn parse_bytes(name: &str, bytes: &[u8], diagnostics: &mut Diagnostics) -> O
 /// Parses a text. Errors go to `diagnostics`; what could be read behind them is returned, with
 /// [`Value::Invalid`] in the gaps. `None` where the structure itself is broken off.
 pub fn parse(source: &Arc<Source>, diagnostics: &mut Diagnostics) -> Option<Node> {
-    let mut parser = Parser { source, text: source.text(), at: 0, depth: 0, path: "$".to_owned(), diagnostics };
+    let before = diagnostics.errors();
+    let mut parser = Parser { source, text: source.text(), at: 0, depth: 0, path: "$".to_owned(), before, diagnostics };
     parser.document().ok()
 }
 
@@ -216,6 +190,7 @@ struct Parser<'a> {
     at: usize,
     depth: usize,
     path: String,
+    before: usize,
     diagnostics: &'a mut Diagnostics,
 }
 
@@ -315,6 +290,10 @@ impl<'a> Parser<'a> {
 
     fn value(&mut self) -> Result<Node, Broken> {
         let start = self.at;
+        if self.diagnostics.errors() - self.before > ERRORS {
+            // A file that is no JSON at all would only repeat itself.
+            return Err(Broken);
+        }
         let value = match self.peek() {
             Some('{') => self.nested(Self::object)?,
             Some('[') => self.nested(Self::array)?,
@@ -597,7 +576,12 @@ impl<'a> Parser<'a> {
                         None => {
                             let used = used.min(self.text.len() - at);
                             let shown = &self.text[at..at + used];
-                            self.error(&code::INVALID_ESCAPE, at, at + used, format!("`{shown}` is no escape of JSON"), "valid are \\\" \\\\ \\/ \\b \\f \\n \\r \\t and \\u with four hexadecimal digits; a backslash itself is \\\\");
+                            let message = if used == 6 {
+                                format!("`{shown}` is half of a character")
+                            } else {
+                                format!("`{shown}` is no escape of JSON")
+                            };
+                            self.error(&code::INVALID_ESCAPE, at, at + used, message, "valid are \\\" \\\\ \\/ \\b \\f \\n \\r \\t and \\u with four hexadecimal digits; a backslash itself is \\\\");
                             valid = false;
                         }
                     }
@@ -718,37 +702,4 @@ impl<'a> Parser<'a> {
         }
         Value::Number(Number::Float(value))
     }
-}
-
-/// What is wrong with a word that begins like a number; `None` for a number of JSON.
-fn number_fault(word: &str) -> Option<&'static str> {
-    if word.starts_with('+') {
-        return Some("it begins with `+`");
-    }
-    let rest = word.strip_prefix('-').unwrap_or(word);
-    let digits = |text: &str| text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit()).len();
-    let whole = digits(rest);
-    if whole == 0 {
-        return Some("a digit is missing before the point");
-    }
-    if whole > 1 && rest.starts_with('0') {
-        return Some("it begins with a zero");
-    }
-    let mut rest = &rest[whole..];
-    if let Some(fraction) = rest.strip_prefix('.') {
-        let count = digits(fraction);
-        if count == 0 {
-            return Some("a digit is missing behind the point");
-        }
-        rest = &fraction[count..];
-    }
-    if let Some(exponent) = rest.strip_prefix(['e', 'E']) {
-        let exponent = exponent.strip_prefix(['+', '-']).unwrap_or(exponent);
-        let count = digits(exponent);
-        if count == 0 {
-            return Some("the exponent has no digits");
-        }
-        rest = &exponent[count..];
-    }
-    if rest.is_empty() { None } else { Some("other characters follow it") }
 }

@@ -7,6 +7,7 @@ pub mod diagnostic;
 pub mod hash;
 pub mod json;
 pub mod map;
+mod number;
 pub mod quantity;
 pub mod schema;
 pub mod source;

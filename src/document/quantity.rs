@@ -137,7 +137,10 @@ impl Amount {
 
 /// Reports a unit of the wrong dimension.
 pub fn report_dimension(unit: &Unit, place: &Place, expected: Dimension, diagnostics: &mut Diagnostics) {
-    let message = format!("the unit `{}` does not fit: it measures {}", unit.text, unit.dimension);
+    let message = match unit.dimension.to_string() {
+        same if same == unit.text => format!("the unit `{same}` does not fit here"),
+        si => format!("the unit `{}` does not fit here: in SI it is {si}", unit.text),
+    };
     diagnostics
         .push(Diagnostic::error(&code::WRONG_DIMENSION, place, message).expected(format!("a unit of {expected}")));
 }
@@ -152,8 +155,12 @@ impl Written for Amount {
             }
             Value::String(_) => {
                 diagnostics.push(
-                    Diagnostic::error(&code::NEEDS_NUMBER, &node.place, "expected a known value, found a string")
-                        .expected(Self::expected()),
+                    Diagnostic::error(
+                        &code::NEEDS_NUMBER,
+                        &node.place,
+                        "a string cannot stand here: the value must be known",
+                    )
+                    .expected(Self::expected()),
                 );
                 None
             }

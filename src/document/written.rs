@@ -27,8 +27,7 @@ pub fn wrong_type<T>(node: &Node, expected: &str, diagnostics: &mut Diagnostics)
     if node.value != Value::Invalid {
         let found = node.value.kind();
         diagnostics.push(
-            Diagnostic::error(&code::WRONG_TYPE, &node.place, format!("expected {expected}, found {found}"))
-                .expected(expected),
+            Diagnostic::error(&code::WRONG_TYPE, &node.place, format!("{found} cannot stand here")).expected(expected),
         );
     }
     None

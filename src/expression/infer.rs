@@ -11,14 +11,17 @@ use super::graph::{Binary, ExprId, Graph, Symbol, Term, Unary};
 /// What is known of a dimension; `None`: nothing.
 pub type Inferred = Option<Dimension>;
 
-/// Works out the dimension of an expression; clashes inside it are described in `clashes`.
+/// Works out the dimension of an expression, where `symbol` tells that of symbols and `known` that of some terms;
+/// clashes inside it are described in `clashes`.
 pub fn infer(
     graph: &Graph,
     root: ExprId,
     symbol: &dyn Fn(Symbol) -> Option<Dimension>,
+    known: &[(ExprId, Dimension)],
     clashes: &mut Vec<String>,
 ) -> Inferred {
-    Walk { graph, symbol, known: HashMap::new(), clashes }.of(root)
+    let known = known.iter().map(|&(id, dimension)| (id, Some(dimension))).collect();
+    Walk { graph, symbol, known, clashes }.of(root)
 }
 
 struct Walk<'a> {
@@ -143,7 +146,7 @@ mod tests {
         let scope = Scope::with(&names, vec![("T", node)]);
         let id = parse(text, &mut graph, &scope).expect("parses");
         let mut clashes = Vec::new();
-        let result = infer(&graph, id, &|s| names.dimension(s), &mut clashes);
+        let result = infer(&graph, id, &|s| names.dimension(s), &[], &mut clashes);
         (result, clashes)
     }
 

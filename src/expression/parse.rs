@@ -212,6 +212,11 @@ impl<'a> Parser<'a> {
                 return Ok(left);
             };
             let right = self.signed()?;
+            if function == Binary::Divide && self.graph.constant(right) == Some(0.0) {
+                let end = self.text[..self.at].trim_end().len();
+                let message = format!("`{}` divides by 0", &self.text[start..end]);
+                return Err(fault(Fault::Undefined, start, end, message));
+            }
             left = self.binary(function, left, right, start)?;
         }
     }
@@ -301,7 +306,7 @@ impl<'a> Parser<'a> {
 
     fn number(&mut self) -> Parsed {
         let start = self.at;
-        let rest = self.text[start..].as_bytes();
+        let rest = &self.text.as_bytes()[start..];
         let digits = |from: usize| rest[from.min(rest.len())..].iter().take_while(|b| b.is_ascii_digit()).count();
         let mut length = digits(0);
         if rest.get(length) == Some(&b'.') {

@@ -11,6 +11,7 @@ pub mod model;
 pub mod pass;
 pub mod pinned;
 pub mod profile;
+pub mod ready;
 pub mod resolve;
 pub mod resolved;
 pub mod rule;
@@ -20,6 +21,7 @@ pub mod window;
 
 pub use discover::{Found, discover};
 pub use folder::Folder;
+pub use ready::ready;
 pub use resolve::load;
 pub use resolved::{JobSpec, NamedJob, ParameterChange, Pass};
 pub use schema::schema;

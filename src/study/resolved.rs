@@ -27,6 +27,8 @@ pub struct Pass {
     pub title: String,
     /// Description, for the report.
     pub description: String,
+    /// What of the model was reconstructed, and how.
+    pub reconstructed: Option<String>,
     /// SHA-256 of the canonical JSON of the files as written: pass, parents, model, own rules and criteria.
     pub definition_sha256: String,
     /// Seed of all random numbers.

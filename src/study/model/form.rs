@@ -20,6 +20,9 @@ written_struct! {
         optional description: String,
         /// Where the model comes from.
         optional source: String,
+        /// Set where numbers were reconstructed instead of taken from the source that the study follows: what and how.
+        /// The report shows it wherever it shows results.
+        optional reconstructed: String,
         /// Environments and dissipations: what a test sets or a mission brings.
         default(Map::default()) inputs: Map<InputForm>,
         /// What is uncertain.

@@ -97,7 +97,13 @@ impl Formulas<'_> {
         }
         let mut clashes = Vec::new();
         let names = self.names;
-        let found = infer(self.graph, id, &|symbol| names.dimension(symbol), &mut clashes);
+        // The mean of two temperatures has a factor 1/2, which inference takes for a number with a unit.
+        let temperatures: Vec<_> = locals
+            .iter()
+            .filter(|(name, _)| ["Ta", "Tb", "Tm", "T"].contains(name))
+            .map(|&(_, id)| (id, Dimension::TEMPERATURE))
+            .collect();
+        let found = infer(self.graph, id, &|symbol| names.dimension(symbol), &temperatures, &mut clashes);
         for clash in &clashes {
             diagnostics.push(Diagnostic::warning(&code::UNIT_CLASH, place, format!("the units clash: {clash}")));
         }

@@ -56,7 +56,7 @@ pub(super) fn resolve(form: &Map<GroupForm>, model: &ResolvedModel, diagnostics:
             GroupForm::Nodes(nodes) => {
                 let mut members = Vec::new();
                 for node in nodes {
-                    if !(node.value.value > 0.0) {
+                    if node.value.value <= 0.0 {
                         let message = format!("the weight {} of `{}` is not above 0", node.value.value, node.name);
                         diagnostics.push(
                             Diagnostic::error(&code::OUT_OF_RANGE, &node.place, message).expected("a weight above 0"),

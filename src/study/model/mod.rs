@@ -16,11 +16,16 @@ pub use prior::{Prior, PriorForm};
 pub use quantity::{QuantityForm, QuantityOrName};
 pub use resolve::{InputError, ResolvedModel, Scale, resolve};
 
-use crate::document::{Diagnostics, Node, read_file};
+use crate::document::{Diagnostics, Node, Schemas, read_file};
 
 /// Reads a model file's bytes to its written form; `name` is what messages show.
 pub fn read(name: &str, bytes: &[u8], diagnostics: &mut Diagnostics) -> Option<(ModelForm, Node)> {
     read_file(name, bytes, FORMAT, diagnostics)
+}
+
+/// The JSON Schema of model files.
+pub fn schema() -> serde_json::Value {
+    Schemas::document::<ModelForm>("bmv model, bmv-network/1")
 }
 
 /// Reads and resolves a model file. `None` where there is an error; warnings may stand beside a model.

@@ -71,6 +71,19 @@ pub fn jobs(scope: &mut Scope, forms: &Map<JobForm>, offered: &Offered) -> Vec<N
     jobs
 }
 
+/// The comparison at nominal parameters that a pass with measurements gets though no job asks for one.
+pub fn implied_comparison(jobs: &[NamedJob], offered: &Offered) -> Option<NamedJob> {
+    const NAME: &str = "comparison";
+    let data: Vec<usize> = offered.measurements.iter().filter_map(|(_, position)| *position).collect();
+    let asked = jobs.iter().any(|job| job.spec.kind() == "compare" || job.name == NAME);
+    if asked || data.is_empty() {
+        return None;
+    }
+    let criteria = offered.profiles.iter().find(|profile| profile.name == profile::DEFAULT)?.clone();
+    let spec = JobSpec::Compare(compare::Spec { data, criteria, from: NOMINAL.to_owned() });
+    Some(NamedJob { name: NAME.to_owned(), spec })
+}
+
 /// A job that this version does not run: its settings are an object, the measurements that it names exist.
 fn not_yet(scope: &mut Scope, kind: &'static str, settings: &Node, offered: &Offered) -> Option<JobSpec> {
     if !matches!(settings.value, Value::Object(_)) {

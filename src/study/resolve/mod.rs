@@ -203,9 +203,10 @@ fn resolve(
         named_quantities,
         command: command(folder),
     };
-    let jobs = jobs::jobs(&mut scope, &form.jobs, &offered);
+    let mut jobs = jobs::jobs(&mut scope, &form.jobs, &offered);
+    jobs.extend(jobs::implied_comparison(&jobs, &offered));
     let definition_sha256 = definition(lineage, model_file, model_tree, own);
-    let ResolvedModel { model, input_errors, .. } = scope.resolved;
+    let ResolvedModel { model, reconstructed, input_errors, .. } = scope.resolved;
     Some(Pass {
         folder: folder.shown().to_owned(),
         file: lineage.files[0].name.clone(),
@@ -213,6 +214,7 @@ fn resolve(
         model_file: model_file.to_owned(),
         title: form.title.clone().unwrap_or_else(|| model.title.clone()),
         description: form.description.clone().unwrap_or_default(),
+        reconstructed,
         definition_sha256,
         seed,
         model,
