@@ -107,6 +107,7 @@ fn hermite(degree: usize, x: f64) -> (f64, f64) {
 }
 
 #[cfg(test)]
+#[expect(clippy::disallowed_methods, reason = "the standard library as an independent reference")]
 mod tests {
     use super::*;
 

@@ -144,6 +144,7 @@ pub fn newton_increasing<F: FnMut(f64) -> (f64, f64)>(
 }
 
 #[cfg(test)]
+#[expect(clippy::disallowed_methods, reason = "the standard library as an independent reference")]
 mod tests {
     use super::*;
 

@@ -352,6 +352,7 @@ fn range(lower: f64, upper: f64) -> Result<(), DistributionError> {
 }
 
 #[cfg(test)]
+#[expect(clippy::disallowed_methods, reason = "the standard library as an independent reference")]
 mod tests {
     use super::*;
     use statrs::distribution::{Continuous, ContinuousCDF, LogNormal, Normal, Triangular, Uniform};

@@ -2,11 +2,11 @@
 
 use thiserror::Error;
 
-use super::sobol::{MAX_DIMENSIONS, Sobol, mix};
-use super::stream::StreamKey;
+use super::sobol::{MAX_DIMENSIONS, Sobol};
+use super::stream::{Stream, StreamKey};
 
-/// Stream from which a Latin hypercube's permutations are keyed, apart from the points' own stream 0.
-const PERMUTATION_STREAM: u64 = 1;
+/// First of the streams that order a Latin hypercube's slices, one a dimension; the points' own stream is 0.
+const FIRST_PERMUTATION_STREAM: u64 = 1;
 
 /// Kind of a point set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +27,12 @@ pub enum PointsError {
     TooManyDimensions {
         /// Dimensions asked for.
         dimensions: usize,
+    },
+    /// More points than a Latin hypercube can number.
+    #[error("{samples} points are too many for a Latin hypercube, which has at most 4294967295")]
+    TooManySamples {
+        /// Points asked for.
+        samples: usize,
     },
     /// No points or no dimensions.
     #[error(
@@ -52,12 +58,14 @@ pub struct Points {
 #[derive(Clone, Debug)]
 enum Set {
     MonteCarlo,
-    LatinHypercube(Vec<Permutation>),
+    /// Slice of each point, for each dimension.
+    LatinHypercube(Vec<Vec<u32>>),
     Sobol(Sobol),
 }
 
 impl Points {
-    /// A set of `samples` points in `dimensions` dimensions.
+    /// A set of `samples` points in `dimensions` dimensions. A Latin hypercube keeps a table of 4 bytes a coordinate and takes
+    /// points beyond `samples` from the start again.
     ///
     /// # Errors
     /// [`PointsError`] for an empty set or too many Sobol dimensions.
@@ -68,8 +76,9 @@ impl Points {
         let set = match kind {
             PointKind::MonteCarlo => Set::MonteCarlo,
             PointKind::LatinHypercube => {
-                let mut stream = key.stream(PERMUTATION_STREAM);
-                Set::LatinHypercube((0..dimensions).map(|_| Permutation::new(samples as u64, stream.word())).collect())
+                let size = u32::try_from(samples).map_err(|_| PointsError::TooManySamples { samples })?;
+                let stream = |dimension| key.stream(FIRST_PERMUTATION_STREAM + dimension as u64);
+                Set::LatinHypercube((0..dimensions).map(|dimension| permutation(size, stream(dimension))).collect())
             }
             PointKind::Sobol => {
                 Set::Sobol(Sobol::scrambled(dimensions, &key).ok_or(PointsError::TooManyDimensions { dimensions })?)
@@ -102,8 +111,8 @@ impl Points {
                 stream.seek(first as u64 * d as u64);
                 for (offset, row) in rows.chunks_exact_mut(d).enumerate() {
                     for (x, permutation) in row.iter_mut().zip(permutations) {
-                        let slice = permutation.place((first + offset) as u64);
-                        let value = (slice as f64 + stream.uniform()) / permutation.size as f64;
+                        let slice = permutation[(first + offset) % permutation.len()];
+                        let value = (f64::from(slice) + stream.uniform()) / permutation.len() as f64;
                         // In the last slice rounding could reach 1.
                         *x = value.min(1.0 - f64::EPSILON / 2.0);
                     }
@@ -125,34 +134,13 @@ impl Points {
     }
 }
 
-/// A random permutation of 0..size, computed place by place: the swap-or-not shuffle (Hoang, Morris & Rogaway 2012).
-#[derive(Clone, Debug)]
-struct Permutation {
-    size: u64,
-    /// Each round pairs x with `partner - x` and swaps the pair or not by a hashed bit.
-    partners: Vec<u64>,
-    seed: u64,
-}
-
-impl Permutation {
-    fn new(size: u64, seed: u64) -> Self {
-        // The distance to uniform falls geometrically with the rounds, faster than by half for each two.
-        let rounds = 24 + 2 * u64::from(size.ilog2());
-        let partner = |round| ((u128::from(mix(seed ^ mix(round))) * u128::from(size)) >> 64) as u64;
-        Self { size, partners: (0..rounds).map(partner).collect(), seed }
+/// A random order of 0..size (Fisher & Yates, as in Knuth 1969, algorithm P).
+fn permutation(size: u32, mut stream: Stream) -> Vec<u32> {
+    let mut places: Vec<u32> = (0..size).collect();
+    for last in (1..places.len()).rev() {
+        places.swap(last, stream.below(last + 1));
     }
-
-    fn place(&self, index: u64) -> u64 {
-        let mut x = index % self.size;
-        for (round, &partner) in self.partners.iter().enumerate() {
-            let other = if partner >= x { partner - x } else { partner + self.size - x };
-            let bit = mix(self.seed.rotate_left(32) ^ mix(x.max(other) ^ ((round as u64) << 56))) >> 63;
-            if bit == 1 {
-                x = other;
-            }
-        }
-        x
-    }
+    places
 }
 
 #[cfg(test)]
@@ -209,13 +197,11 @@ mod tests {
     }
 
     #[test]
-    fn permutations_are_all_equally_likely_and_dimensions_uncorrelated() {
+    fn orders_are_all_equally_likely_and_dimensions_uncorrelated() {
         // 24 orders of 4 slices over 4800 seeds: chi square with 23 degrees of freedom, 99.99 % point 57.
         let mut counts = std::collections::BTreeMap::new();
         for seed in 0..4800 {
-            let permutation = Permutation::new(4, mix(seed));
-            let order: Vec<u64> = (0..4).map(|i| permutation.place(i)).collect();
-            *counts.entry(order).or_insert(0) += 1;
+            *counts.entry(permutation(4, StreamKey::new(seed, "t", "permutation").stream(0))).or_insert(0) += 1;
         }
         let chi_square: f64 = counts.values().map(|&c| (f64::from(c) - 200.0) * (f64::from(c) - 200.0) / 200.0).sum();
         assert!(counts.len() == 24 && chi_square < 57.0, "{chi_square}");

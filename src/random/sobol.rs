@@ -134,7 +134,7 @@ fn scramble(word: u64, seed: u64) -> u64 {
 
 /// A bijection of 64-bit words in which each bit changes every other (Steele, Lea & Flood 2014, variant 13 of Stafford).
 #[inline]
-pub(super) fn mix(word: u64) -> u64 {
+fn mix(word: u64) -> u64 {
     let mut x = word.wrapping_add(0x9E37_79B9_7F4A_7C15);
     x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
@@ -142,6 +142,7 @@ pub(super) fn mix(word: u64) -> u64 {
 }
 
 #[cfg(test)]
+#[expect(clippy::disallowed_methods, reason = "the standard library as an independent reference")]
 mod tests {
     use super::*;
 

@@ -126,6 +126,7 @@ pub fn correlation(x: &[f64], y: &[f64]) -> f64 {
 }
 
 #[cfg(test)]
+#[expect(clippy::disallowed_methods, reason = "the standard library as an independent reference")]
 mod tests {
     use super::*;
 

@@ -137,6 +137,7 @@ pub fn chi_square_quantile(probability: f64, dof: f64) -> f64 {
 }
 
 #[cfg(test)]
+#[expect(clippy::disallowed_methods, reason = "the standard library as an independent reference")]
 mod tests {
     use super::*;
     use statrs::function::gamma::{gamma_lr, gamma_ur};
