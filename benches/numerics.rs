@@ -7,6 +7,8 @@ use std::sync::Arc;
 use bmv::math::dense;
 use bmv::math::sparse::Pattern;
 use bmv::math::sparse_lu::{SparseLu, SymbolicLu};
+use bmv::math::special::normal_quantile;
+use bmv::random::{PointKind, Points, StreamKey};
 use criterion::{Criterion, criterion_group, criterion_main};
 
 /// A diagonally dominant unsymmetric matrix of size n.
@@ -80,5 +82,20 @@ fn sparse_lu(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, dense_lu, sparse_lu);
+fn sampling(criterion: &mut Criterion) {
+    let (rows, dimensions) = (1_000_000, 7);
+    let mut values = vec![0.0; rows * dimensions];
+    let mut group = criterion.benchmark_group("1e6 x 7 variates");
+    group.sample_size(10);
+    for kind in [PointKind::MonteCarlo, PointKind::LatinHypercube, PointKind::Sobol] {
+        let points = Points::new(kind, StreamKey::new(1, "bench", "points"), rows, dimensions).expect("valid");
+        group.bench_function(format!("{kind:?}"), |bench| bench.iter(|| points.fill_rows(0, black_box(&mut values))));
+    }
+    group.bench_function("normal quantiles", |bench| {
+        bench.iter(|| values.iter().map(|&u| normal_quantile(u)).sum::<f64>());
+    });
+    group.finish();
+}
+
+criterion_group!(benches, dense_lu, sparse_lu, sampling);
 criterion_main!(benches);

@@ -78,6 +78,8 @@ pub struct Stabilisation {
     pub slopes: Vec<Option<f64>>,
     /// Standard error of each slope.
     pub slope_errors: Vec<Option<f64>>,
+    /// Standard error of each sensor's mean over the window, SI.
+    pub mean_errors: Vec<Option<f64>>,
 }
 
 /// Steady phases or a transient.
@@ -129,6 +131,17 @@ impl Measurement {
     /// Whether there are no rows.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// What of the measurement decides a result, for a job's key: the file's hash, and a hash of everything that was
+    /// read from it and declared for it.
+    pub fn identity(&self) -> serde_json::Value {
+        let resolved = format!("{:?} {:?} {:?}", self.rows, self.sensors, self.readings);
+        serde_json::json!({
+            "name": self.name,
+            "file": self.sha256,
+            "resolved": crate::document::hash::sha256_hex(resolved.as_bytes()),
+        })
     }
 
     /// Reading of a sensor in a row.

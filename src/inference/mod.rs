@@ -1,3 +1,4 @@
 //! Priors, measurements, likelihood, point estimates, samplers, evidence, predictive checks.
 
 pub mod measurement;
+pub mod prediction;

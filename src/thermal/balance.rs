@@ -27,6 +27,18 @@ impl HeatBalance {
 }
 
 impl Network {
+    /// Puts temperatures of all nodes in place, K, for asking what follows from them (boundaries' entries are ignored:
+    /// they follow from the inputs).
+    pub fn set_temperatures(&self, workspace: &mut Workspace, temperatures: &[f64]) {
+        self.refresh(workspace);
+        let first = self.steady.temperatures().start;
+        for (position, &node) in self.steady.unknowns.iter().enumerate() {
+            workspace.temperatures[node] = temperatures[node];
+            workspace.state.file[first + position] = temperatures[node];
+        }
+        workspace.solved = false;
+    }
+
     /// The heat balance of the present temperatures.
     pub fn heat_balance(&self, workspace: &mut Workspace) -> HeatBalance {
         let file = &mut workspace.state.file;

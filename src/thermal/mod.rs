@@ -8,6 +8,7 @@ mod equations;
 mod fault;
 mod lanes_lu;
 mod linear;
+pub mod identity;
 pub mod model;
 pub mod network;
 pub mod newton;

@@ -1,1 +1,3 @@
 //! Statistical behaviour over many seeds.
+
+mod estimators;

@@ -1,0 +1,25 @@
+# Every recipe is one plain line; nothing depends on `just`.
+
+# render the case-study reports
+report:
+    cargo run --release -- report
+
+# the quick tier of tests
+test:
+    cargo test
+
+# the gate
+ci:
+    .ci/run
+
+# slow statistical checks, large cases, regression of archived results
+nightly:
+    cargo test --release -- --include-ignored
+
+# benchmarks of everything that has a speed target
+bench:
+    cargo bench
+
+# the documentation of the library
+doc:
+    cargo doc --no-deps --open

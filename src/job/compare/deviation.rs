@@ -1,0 +1,45 @@
+//! Statistics of measured minus predicted, as test reports give them.
+
+use super::output::Deviation;
+
+/// Statistics of some deviations (in order), with the share whose magnitude is at most `limit` (all, without one).
+///
+/// Mean, standard deviation about it with `n - 1`, root mean square, largest magnitude; zeros without a reading.
+pub fn deviation(values: &[f64], limit: Option<f64>) -> Deviation {
+    if values.is_empty() {
+        return Deviation::default();
+    }
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let about_mean: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
+    let square: f64 = values.iter().map(|v| v * v).sum();
+    let within = limit.map_or(values.len(), |limit| values.iter().filter(|v| v.abs() <= limit).count());
+    Deviation {
+        count: values.len() as u64,
+        mean,
+        sd: if values.len() > 1 { (about_mean / (count - 1.0)).sqrt() } else { 0.0 },
+        rmse: (square / count).sqrt(),
+        max: values.iter().fold(0.0, |largest: f64, v| largest.max(v.abs())),
+        within_limit: within as f64 / count,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn statistics_of_four_numbers() {
+        let d = deviation(&[1.0, -1.0, 3.0, 1.0], Some(1.0));
+        assert_eq!((d.count, d.mean, d.max, d.within_limit), (4, 1.0, 3.0, 0.75));
+        // By hand: squares about the mean 0, 4, 4, 0 over 3; squares 1, 1, 9, 1 over 4.
+        assert!((d.sd - (8.0f64 / 3.0).sqrt()).abs() < 1e-15);
+        assert!((d.rmse - 3.0f64.sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn nothing_gives_zeros_and_one_reading_no_spread() {
+        assert_eq!(deviation(&[], None), Deviation::default());
+        assert_eq!(deviation(&[2.0], None).sd, 0.0);
+    }
+}

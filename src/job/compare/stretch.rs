@@ -1,0 +1,105 @@
+//! A transient cut into stretches of time that an engineer would call phases.
+
+use crate::inference::measurement::{Measurement, Rows};
+
+/// Most stretches that steps of the inputs may give before equal ones are taken instead.
+const MOST_BY_STEPS: usize = 16;
+/// Number of equal stretches.
+const EQUAL: usize = 10;
+
+/// Rows from `from` to before `to`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stretch {
+    /// First row.
+    pub from: usize,
+    /// Row after the last.
+    pub to: usize,
+    /// Whether its rows are held out.
+    pub held_out: bool,
+}
+
+/// Cuts a transient where an input that is held between rows steps, where held-out rows begin or end, and, where the
+/// inputs give no useful phases, into ten equal parts. A steady measurement has none.
+pub fn stretches(measurement: &Measurement) -> Vec<Stretch> {
+    let Rows::Transient { inputs, held_out, .. } = &measurement.rows else {
+        return Vec::new();
+    };
+    let rows = inputs.times_s.len();
+    if rows == 0 {
+        return Vec::new();
+    }
+    let mut cuts: Vec<usize> = (1..rows)
+        .filter(|&row| inputs.columns.iter().any(|c| c.hold && c.values[row] != c.values[row - 1]))
+        .collect();
+    if cuts.is_empty() || cuts.len() >= MOST_BY_STEPS {
+        let (start, end) = (inputs.times_s[0], inputs.times_s[rows - 1]);
+        cuts = (1..EQUAL)
+            .map(|k| {
+                let time = start + (end - start) * k as f64 / EQUAL as f64;
+                inputs.times_s.partition_point(|&t| t < time)
+            })
+            .collect();
+    }
+    cuts.extend((1..rows).filter(|&row| held_out[row] != held_out[row - 1]));
+    cuts.extend([0, rows]);
+    cuts.sort_unstable();
+    cuts.dedup();
+    cuts.windows(2)
+        .filter(|pair| pair[0] < pair[1])
+        .map(|pair| Stretch { from: pair[0], to: pair[1], held_out: held_out[pair[0]] })
+        .collect()
+}
+
+/// A stretch's name, by its first and last instant: `10 to 120 s`, in hours where it is long.
+pub fn name(times_s: &[f64], stretch: Stretch) -> String {
+    let (from, to) = (times_s[stretch.from], times_s[stretch.to - 1]);
+    if to >= 36_000.0 {
+        format!("{:.2} to {:.2} h", from / 3600.0, to / 3600.0)
+    } else {
+        format!("{from:.0} to {to:.0} s")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inference::measurement::{Initial, InputColumn, InputTable};
+
+    fn transient(hold: bool, values: Vec<f64>, held_out: Vec<bool>) -> Measurement {
+        let rows = values.len();
+        Measurement {
+            name: "test".into(),
+            rows: Rows::Transient {
+                inputs: InputTable {
+                    times_s: (0..rows).map(|i| i as f64 * 10.0).collect(),
+                    columns: vec![InputColumn { input: 0, values, hold }],
+                    base: vec![0.0],
+                },
+                initial: Initial::Steady,
+                ignored: vec![None; rows],
+                held_out,
+            },
+            sensors: vec![],
+            readings: vec![],
+            file: String::new(),
+            sha256: String::new(),
+            unused_columns: vec![],
+        }
+    }
+
+    #[test]
+    fn steps_and_held_out_rows_cut() {
+        let m = transient(true, vec![0.0, 0.0, 1.0, 1.0, 1.0], vec![false, false, false, false, true]);
+        let cut: Vec<_> = stretches(&m).iter().map(|s| (s.from, s.to, s.held_out)).collect();
+        assert_eq!(cut, [(0, 2, false), (2, 4, false), (4, 5, true)]);
+    }
+
+    #[test]
+    fn linear_inputs_give_equal_parts_that_cover_every_row_once() {
+        let m = transient(false, (0..37).map(f64::from).collect(), vec![false; 37]);
+        let cut = stretches(&m);
+        assert_eq!(cut.len(), 10);
+        assert_eq!((cut[0].from, cut[9].to), (0, 37));
+        assert!(cut.windows(2).all(|pair| pair[0].to == pair[1].from));
+    }
+}

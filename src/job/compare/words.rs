@@ -1,0 +1,98 @@
+//! Where a comparison fails, in words: sensor, direction, when, and what the error goes with.
+
+use super::output::{PhaseSummary, Row, SensorSummary, Trend};
+
+/// Most trends named for a sensor.
+const TRENDS_NAMED: usize = 2;
+
+/// A temperature difference (or another unit's) with its sign and two or three useful digits.
+pub fn signed(value: f64, unit: &str) -> String {
+    let digits = if value.abs() >= 9.95 { 1 } else { 2 };
+    let text = format!("{value:+.digits$} {unit}");
+    text.replace('-', "\u{2212}")
+}
+
+/// One sentence a sensor that fails, the worst sensor first.
+///
+/// A sensor fails where its RMSE is above what its noise would give (95 %), or, where the noise is not known, where
+/// any reading is beyond `limit`.
+pub fn fails(
+    sensors: &[SensorSummary],
+    phases: &[PhaseSummary],
+    trends: &[Trend],
+    rows: &[Row],
+    limit: Option<f64>,
+) -> Vec<String> {
+    let mut failing: Vec<(&SensorSummary, f64)> = sensors
+        .iter()
+        .filter_map(|sensor| {
+            let worse = sensor.train.rmse.max(sensor.held_out.rmse);
+            let fails = match (sensor.noise_rmse, limit) {
+                (Some([_, high]), _) => worse > high,
+                (None, Some(limit)) => sensor.train.max.max(sensor.held_out.max) > limit,
+                (None, None) => false,
+            };
+            fails.then_some((sensor, worse))
+        })
+        .collect();
+    failing.sort_by(|a, b| b.1.total_cmp(&a.1));
+    failing.iter().map(|(sensor, _)| sentence(sensor, phases, trends, rows)).collect()
+}
+
+fn sentence(sensor: &SensorSummary, phases: &[PhaseSummary], trends: &[Trend], rows: &[Row]) -> String {
+    let own: Vec<&Row> =
+        rows.iter().filter(|row| row.measurement == sensor.measurement && row.sensor == sensor.sensor).collect();
+    let all: Vec<f64> = own.iter().map(|row| row.measured - row.predicted).collect();
+    let overall = super::deviation::deviation(&all, None);
+    let one_sided = all.iter().filter(|d| (**d > 0.0) == (overall.mean > 0.0)).count() as f64 / all.len().max(1) as f64;
+    let temperature = sensor.unit == "K";
+    let direction = match (overall.mean > 0.0, temperature) {
+        _ if one_sided < 0.75 => "the model is wrong in both directions",
+        (true, true) => "the model is too cold",
+        (false, true) => "the model is too hot",
+        (true, false) => "the model is too low",
+        (false, false) => "the model is too high",
+    };
+    let mut text = format!(
+        "{}: {direction}; measured minus predicted is {} on average, RMSE {}",
+        sensor.sensor,
+        signed(overall.mean, &sensor.unit),
+        signed(overall.rmse, &sensor.unit).trim_start_matches('+'),
+    );
+    if sensor.train.count > 0 && sensor.held_out.count > 0 {
+        text.push_str(&format!(
+            " ({} on the rows for fitting, {} on the rows held out)",
+            signed(sensor.train.rmse, &sensor.unit).trim_start_matches('+'),
+            signed(sensor.held_out.rmse, &sensor.unit).trim_start_matches('+'),
+        ));
+    }
+    let worst = own.iter().max_by(|a, b| {
+        (a.measured - a.predicted).abs().total_cmp(&(b.measured - b.predicted).abs())
+    });
+    if let Some(row) = worst {
+        let place = match (&row.phase, row.time_s) {
+            (Some(phase), _) => format!("in phase {phase}"),
+            (None, Some(time_s)) => {
+                let stretch = phases.iter().filter(|p| p.measurement == sensor.measurement && p.worst_sensor == sensor.sensor);
+                let worst_stretch = stretch.max_by(|a, b| a.deviation.rmse.total_cmp(&b.deviation.rmse));
+                match worst_stretch {
+                    Some(stretch) => format!("at {time_s:.0} s; worst stretch {}", stretch.phase),
+                    None => format!("at {time_s:.0} s"),
+                }
+            }
+            (None, None) => String::new(),
+        };
+        text.push_str(&format!(", at worst {} {place}", signed(row.measured - row.predicted, &sensor.unit)));
+    }
+    let named: Vec<String> = trends
+        .iter()
+        .filter(|t| t.measurement == sensor.measurement && t.sensor == sensor.sensor && t.slope.abs() > 3.0 * t.slope_error)
+        .take(TRENDS_NAMED)
+        .map(|t| format!("{} ({} over its range)", t.against, signed(t.change, &sensor.unit)))
+        .collect();
+    if !named.is_empty() {
+        text.push_str(&format!("; the error goes with {}", named.join(" and ")));
+    }
+    text.push('.');
+    text
+}

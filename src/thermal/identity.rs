@@ -1,0 +1,152 @@
+//! What of a model decides a result, as JSON for a job's key: names, values and expressions, but no titles,
+//! descriptions or sources.
+//!
+//! Expressions are written as the list of the terms that the model uses, numbered in the order in which they are
+//! first needed, so that shared subexpressions stay shared and the text does not grow.
+
+use std::collections::HashMap;
+
+use serde_json::{Value, json};
+
+use crate::expression::{ExprId, Graph, Symbol, Term};
+
+use super::element::cooler::Drive;
+use super::element::{ElementKind, HeaterControl};
+use super::model::{Model, NodeKind, QuantityValue};
+
+/// The terms used so far, numbered.
+struct Terms<'m> {
+    graph: &'m Graph,
+    numbers: HashMap<ExprId, usize>,
+    written: Vec<String>,
+}
+
+impl Terms<'_> {
+    /// Number of an expression, written down with what it needs if it is new.
+    fn number(&mut self, root: ExprId) -> Value {
+        let mut stack = vec![(root, false)];
+        while let Some((id, ready)) = stack.pop() {
+            if self.numbers.contains_key(&id) {
+                continue;
+            }
+            let arguments = match self.graph.term(id) {
+                Term::Number(_) | Term::Symbol(_) => vec![],
+                Term::Unary(_, a) | Term::Interpolate(_, a) | Term::Slope(_, a) => vec![a],
+                Term::Binary(_, a, b) => vec![a, b],
+            };
+            if !ready && !arguments.is_empty() {
+                stack.push((id, true));
+                stack.extend(arguments.into_iter().rev().map(|a| (a, false)));
+                continue;
+            }
+            let at = |a: ExprId| self.numbers.get(&a).copied().unwrap_or_default();
+            let text = match self.graph.term(id) {
+                Term::Number(bits) => format!("{:?}", f64::from_bits(bits)),
+                Term::Symbol(symbol) => match symbol {
+                    Symbol::Parameter(i) => format!("parameter {i}"),
+                    Symbol::Input(i) => format!("input {i}"),
+                    Symbol::Time => "time".to_owned(),
+                    Symbol::Node(i) => format!("node {i}"),
+                    Symbol::Mode(i) => format!("mode {i}"),
+                    Symbol::Local(i) => format!("local {i}"),
+                },
+                Term::Unary(function, a) => format!("{function:?} {}", at(a)),
+                Term::Binary(function, a, b) => format!("{function:?} {} {}", at(a), at(b)),
+                Term::Interpolate(table, a) => format!("Interpolate {table} {}", at(a)),
+                Term::Slope(table, a) => format!("Slope {table} {}", at(a)),
+            };
+            self.numbers.insert(id, self.written.len());
+            self.written.push(text);
+        }
+        json!(self.numbers.get(&root).copied().unwrap_or_default())
+    }
+}
+
+impl Model {
+    /// What of the model decides a result. The parameters' nominal values are included: they are what a job uses
+    /// that is not told otherwise.
+    pub fn identity(&self) -> Value {
+        let mut terms = Terms { graph: &self.graph, numbers: HashMap::new(), written: Vec::new() };
+        let nodes: Vec<Value> = self
+            .nodes
+            .iter()
+            .map(|node| match node.kind {
+                NodeKind::Diffusion { capacity } => json!({"name": node.name, "capacity": terms.number(capacity)}),
+                NodeKind::Arithmetic => json!({"name": node.name}),
+                NodeKind::Boundary { temperature } => {
+                    json!({"name": node.name, "boundary": terms.number(temperature)})
+                }
+            })
+            .collect();
+        let elements: Vec<Value> = self
+            .elements
+            .iter()
+            .map(|element| {
+                let body = match &element.kind {
+                    ElementKind::Conductor(e) => {
+                        json!({"conductor": {"between": e.between, "conductance": terms.number(e.conductance)}})
+                    }
+                    ElementKind::Radiation(e) => {
+                        json!({"radiation": {"between": e.between, "exchange_area": terms.number(e.exchange_area)}})
+                    }
+                    ElementKind::Load(e) => json!({"load": {"into": e.into, "power": terms.number(e.power)}}),
+                    ElementKind::Flow(e) => json!({"flow": {"between": e.between, "heat": terms.number(e.heat)}}),
+                    ElementKind::Cooler(e) => json!({"cooler": {
+                        "nodes": e.nodes,
+                        "couples": e.couples.iter().map(|&c| terms.number(c)).collect::<Vec<_>>(),
+                        "drive": match e.drive {
+                            Drive::Voltage(v) => json!({"voltage": terms.number(v)}),
+                            Drive::Current(i) => json!({"current": terms.number(i)}),
+                        },
+                        "seebeck": terms.number(e.seebeck),
+                        "resistance": terms.number(e.resistance),
+                        "conductance": terms.number(e.conductance),
+                        "lead_resistance": terms.number(e.lead_resistance),
+                    }}),
+                    ElementKind::Heater(e) => json!({"heater": {
+                        "into": e.into,
+                        "senses": e.senses,
+                        "power": terms.number(e.power),
+                        "control": match e.control {
+                            HeaterControl::Thermostat { on, off } => {
+                                json!({"thermostat": [terms.number(on), terms.number(off)]})
+                            }
+                            HeaterControl::Proportional { set_point, band } => {
+                                json!({"proportional": [terms.number(set_point), terms.number(band)]})
+                            }
+                        },
+                    }}),
+                };
+                json!({"name": element.name, "element": body})
+            })
+            .collect();
+        let quantities: Vec<Value> = self
+            .quantities
+            .iter()
+            .map(|quantity| {
+                let how = match quantity.value {
+                    QuantityValue::Instant(_) => "instant",
+                    QuantityValue::Maximum(_) => "maximum",
+                    QuantityValue::Minimum(_) => "minimum",
+                    QuantityValue::TimeMean(_) => "mean",
+                };
+                json!({
+                    "name": quantity.name,
+                    "unit": quantity.unit,
+                    "over": how,
+                    "value": terms.number(quantity.value.expression()),
+                })
+            })
+            .collect();
+        let tables: Vec<Value> = self.graph.tables().iter().map(|t| json!({"x": t.x, "y": t.y})).collect();
+        json!({
+            "parameters": self.parameters.iter().map(|p| json!({"name": p.name, "nominal": p.nominal})).collect::<Vec<_>>(),
+            "inputs": self.inputs.iter().map(|i| json!({"name": i.name, "nominal": i.nominal})).collect::<Vec<_>>(),
+            "nodes": nodes,
+            "elements": elements,
+            "quantities": quantities,
+            "tables": tables,
+            "terms": terms.written,
+        })
+    }
+}
