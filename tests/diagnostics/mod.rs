@@ -1,6 +1,5 @@
 //! Wrong input: the message, at its place.
 
-<<<<<<< HEAD
 use bmv::document::Diagnostics;
 use bmv::study::model;
 
@@ -18,9 +17,7 @@ fn rendered(text: &str) -> String {
     assert_eq!(model.is_none(), diagnostics.has_errors(), "a model, or an error");
     diagnostics.render(false, 5)
 }
-=======
 mod pass_data;
 mod pass_entries;
 mod pass_load;
 mod pass_study;
->>>>>>> study
