@@ -294,7 +294,7 @@ fn a_wrong_unit_in_a_header() {
     let study = Study::new();
     study.edit("data/balance.csv", r#"Q [W]"#, r#"Q [W/K]"#);
     insta::assert_snapshot!(study.said("pass-1.json"), @r##"
-    error[wrong-dimension]: the unit `W/K` does not fit: it measures W/K
+    error[wrong-dimension]: the unit `W/K` does not fit here
      --> study/data/balance.csv:1:19
       |
     1 | phase,T_if [degC],Q [W/K],box [degC],panel [degC],note

@@ -150,7 +150,7 @@ fn a_requirement_in_a_wrong_unit() {
     let study = Study::new();
     study.edit("pass-1.json", r#"{"value": -30, "unit": "degC"}"#, r#"{"value": -30, "unit": "W"}"#);
     insta::assert_snapshot!(study.said("pass-1.json"), @r##"
-    error[wrong-dimension]: the unit `W` does not fit: it measures W
+    error[wrong-dimension]: the unit `W` does not fit here
      --> study/pass-1.json:3:81
       |
     3 |  "requirements": {"cold": {"quantity": "panel", "below": {"value": -30, "unit": "W"}, "probability": 0.99}},

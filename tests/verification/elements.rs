@@ -9,6 +9,9 @@ use bmv::thermal::{Network, Start};
 
 use super::build::Build;
 
+/// Couples of the stages, from cold to hot.
+const COUPLES: [f64; 2] = [8.0, 24.0];
+
 /// A cooler between a loaded cold plate and a wall at 300 K; quantities: pumped heat, current, cold temperature.
 fn cooled(stages: usize, by_current: bool, drive: f64, load_w: f64) -> Build {
     let mut b = Build::default();
@@ -19,7 +22,7 @@ fn cooled(stages: usize, by_current: bool, drive: f64, load_w: f64) -> Build {
     let nodes: Vec<usize> = nodes.into_iter().chain([wall]).collect();
     let load = b.n(load_w);
     b.load("load", 0, load);
-    let couples: Vec<ExprId> = (0..stages).map(|i| b.n(8.0 * 3f64.powi(i as i32))).collect();
+    let couples: Vec<ExprId> = (0..stages).map(|i| b.n(COUPLES[i])).collect();
     let cooler = Cooler {
         nodes,
         couples,
@@ -50,7 +53,7 @@ fn cooler_obeys_the_first_law_with_one_and_two_stages_and_both_drives() {
             // Voltage over the stages from its definition, outside the engine.
             let mut voltage = 0.0;
             for stage in 0..stages {
-                let n = 8.0 * 3f64.powi(stage as i32);
+                let n = COUPLES[stage];
                 let difference = ws.temperatures()[stage + 1] - ws.temperatures()[stage];
                 voltage += n * (3.95e-4 * difference + current * 0.185);
             }
@@ -87,7 +90,7 @@ fn cooler_power_is_heat_out_less_heat_in_to_twelve_digits_at_any_state() {
             let mut voltage = 0.0;
             for stage in 0..stages {
                 let hot = if stage + 1 == stages { 300.0 } else { temperatures[stage + 1] };
-                voltage += 8.0 * 3f64.powi(stage as i32) * (3.95e-4 * (hot - temperatures[stage]) + current * 0.185);
+                voltage += COUPLES[stage] * (3.95e-4 * (hot - temperatures[stage]) + current * 0.185);
             }
             let size = contribution.magnitude.iter().map(|&(_, id)| graph.evaluate(id, &lookup)).sum::<f64>();
             assert!((net - voltage * current).abs() < 1e-12 * size, "{net} {}", voltage * current);
