@@ -54,7 +54,7 @@ fn sampling(name: &str) -> &str {
 }
 
 /// Cases at the nominal design value, one an environment; all of them where none is nominal.
-pub(super) fn nominal_cases(output: &Output) -> impl Iterator<Item = &Case> {
+pub fn nominal_cases(output: &Output) -> impl Iterator<Item = &Case> {
     let has_nominal = output.cases.iter().any(|c| c.design_value.is_none());
     output.cases.iter().filter(move |c| !has_nominal || c.design_value.is_none())
 }
@@ -99,7 +99,7 @@ fn failures(output: &Output) -> Vec<Block> {
 }
 
 /// How a requirement stands: kept if the whole interval is above what is required, failed if it is below.
-pub(super) fn standing(met: &Met) -> Status {
+pub fn standing(met: &Met) -> Status {
     if met.probability.lower >= met.required {
         Status::Ok
     } else if met.probability.upper < met.required {
@@ -390,7 +390,8 @@ fn joint(report: &PassReport<'_>, case: &Case, j: &Joint, job: &str) -> Figure {
         ],
         ..Chart::default()
     };
-    let strength = j.correlation.map_or("undefined".to_owned(), |r| if r.abs() > 0.005 { fixed(r, 2) } else { "0.00".to_owned() });
+    let strength =
+        j.correlation.map_or("undefined".to_owned(), |r| if r.abs() > 0.005 { fixed(r, 2) } else { "0.00".to_owned() });
     let caption = format!(
         "Joint distribution of {} and {} in environment {} (linear correlation {strength}), with {} where {} is known.",
         j.x, j.y, case.environment, j.y, j.x
