@@ -3,23 +3,28 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use serde_json::{Map, Value};
 
-use super::Context;
 use super::execute::execute;
 use super::options::RunOptions;
-use super::output::{escaped, outline, print, print_json};
+use super::output::{print, print_json};
 use super::status::{Failure, Status};
+use super::{Context, studies};
+use crate::report::section::{READINGS, RESULTS};
+use crate::report::{JobResult, terminal};
 
 /// Arguments of `bmv compare`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "With --json one document is printed: of several jobs of kind `compare` that of the first at \
+                        nominal parameters, in the order of the file; `bmv show PASS JOB --json` prints another. \
+                        A sensor that occurs in several measurements has its statistics over all of them under its \
+                        name in `sensors`, and those of each measurement in `measurements`.")]
 pub(super) struct Compare {
     /// Pass file
     pass: PathBuf,
-    /// Whether each reading is printed beside its prediction
-    #[arg(long, default_value = "all")]
-    rows: Rows,
-    /// Print one JSON document
+    /// Whether each reading stands beside its prediction [default: all with --json, none without]
+    #[arg(long, value_name = "WHICH")]
+    rows: Option<Rows>,
+    /// Print one JSON document in SI units
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -36,26 +41,26 @@ enum Rows {
 
 impl Compare {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
+        studies::one_pass(&self.pass)?;
         let executed = execute(std::slice::from_ref(&self.pass), &self.options, context, |kind, _| kind == "compare")?;
-        let status = executed.status();
-        let mut results = Map::new();
-        for (position, finished) in executed.passes.iter().flat_map(|pass| executed.results(pass)) {
-            let mut value = (*finished.stored.value).clone();
-            if let Some(fields) = value.as_object_mut().filter(|_| self.rows == Rows::None) {
-                fields.remove("rows");
+        for pass in &executed.passes {
+            if !pass.pass.jobs.iter().any(|job| job.spec.kind() == "compare") {
+                return Err(Failure::input(format!("`{}` has no job of kind `compare`", pass.shown)));
             }
-            results.insert(executed.plan.nodes()[position].name.clone(), value);
-        }
-        if results.is_empty() && status == Status::Done {
-            return Err(Failure::input(format!("`{}` has no job of kind `compare`", self.pass.display())));
-        }
-        if self.json {
-            print_json(&Value::Object(results))?;
-        } else {
-            for (name, value) in &results {
-                print(&format!("{}\n{}\n", escaped(name), outline(value)))?;
+            let mut report = studies::view(pass, &executed)?;
+            if self.json {
+                let is_nominal = |result: &JobResult| matches!(result, JobResult::Compare(o) if o.state == "nominal");
+                let first = report.results.iter().find(|job| is_nominal(&job.result)).or(report.results.first());
+                if let Some(job) = first {
+                    print_json(&studies::document(job, self.rows != Some(Rows::None))?)?;
+                }
+                continue;
             }
+            let readings = (self.rows == Some(Rows::All)).then(|| READINGS(&report)).flatten();
+            studies::without_rows(&mut report);
+            let sections: Vec<_> = RESULTS.iter().filter_map(|build| build(&report)).chain(readings).collect();
+            print(&terminal::render(&sections, context.layout))?;
         }
-        Ok(status)
+        Ok(executed.status_of_wanted())
     }
 }

@@ -27,6 +27,17 @@ impl Executed {
         pass.jobs.iter().filter_map(|id| Some((self.plan.find(id)?, self.summary.finished(id)?)))
     }
 
+    /// As [`Executed::status`], where the wanted jobs are all that the command is for: that none could run, because
+    /// data are not here, is then no success.
+    pub fn status_of_wanted(&self) -> Status {
+        match self.status() {
+            Status::Done if self.passes.iter().all(|pass| pass.jobs.is_empty() && !pass.not_run.is_empty()) => {
+                Status::WrongInput
+            }
+            status => status,
+        }
+    }
+
     /// How the program ends after this run.
     pub fn status(&self) -> Status {
         if self.summary.is_interrupted() {

@@ -27,8 +27,12 @@ use clap::{Parser, Subcommand, ValueEnum};
 
 use status::{Failure, Status};
 
+use crate::report::terminal::Layout;
 use crate::runner::StopFlag;
 use crate::runner::interrupt::stop_on_interrupt;
+
+/// Lines are never made shorter than this, however narrow the terminal says that it is.
+const NARROWEST: usize = 40;
 
 /// Reproducible Bayesian-based model validation of thermal models.
 #[derive(Debug, Parser)]
@@ -56,11 +60,24 @@ enum Color {
     Never,
 }
 
+impl Color {
+    /// Whether there are colours on something that is a terminal or not.
+    fn applies(self, is_terminal: bool) -> bool {
+        match self {
+            Self::Always => true,
+            Self::Never => false,
+            Self::Auto => is_terminal && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()),
+        }
+    }
+}
+
 /// What all verbs know.
 #[derive(Debug)]
 struct Context {
     /// Whether messages on standard error are coloured.
     coloured: bool,
+    /// How text on standard output is laid out.
+    layout: Layout,
     stop: OnceCell<StopFlag>,
 }
 
@@ -131,14 +148,14 @@ impl Verb {
 /// Runs the program: parses the arguments, executes the verb, prints an error once.
 pub fn main() -> ExitCode {
     let program = Program::parse();
-    let coloured = match program.color {
-        Color::Always => true,
-        Color::Never => false,
-        Color::Auto => {
-            std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
-        }
-    };
-    let status = program.verb.execute(&Context { coloured, stop: OnceCell::new() }).unwrap_or_else(|failure| {
+    let coloured = program.color.applies(std::io::stderr().is_terminal());
+    let mut layout =
+        Layout { is_coloured: program.color.applies(std::io::stdout().is_terminal()), ..Layout::default() };
+    if let Some((_, columns)) = console::Term::stdout().size_checked().filter(|_| std::io::stdout().is_terminal()) {
+        layout.width = usize::from(columns).max(NARROWEST);
+    }
+    let context = Context { coloured, layout, stop: OnceCell::new() };
+    let status = program.verb.execute(&context).unwrap_or_else(|failure| {
         let label = if coloured { "\u{1b}[1;31merror:\u{1b}[0m" } else { "error:" };
         output::tell(&format!("{label} {}", failure.message));
         failure.status

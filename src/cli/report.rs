@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::execute::execute;
 use super::options::{PathsArgument, RunOptions};
-use super::output::tell;
+use super::output::{escaped, print, tell};
 use super::status::{Failure, Status};
 use super::{Context, studies};
 
@@ -27,9 +27,9 @@ impl Report {
             return Ok(Status::Interrupted);
         }
         for pass in &executed.passes {
-            let written = studies::render(pass, &executed.plan, &executed.summary, &self.out)?;
-            for file in written {
-                tell(&format!("wrote {}", file.display()));
+            match studies::render(pass, &executed, &self.out)? {
+                Some(folder) => print(&format!("{}\n", folder.join("report.html").display()))?,
+                None => tell(&format!("{}: no job has a result, no report", escaped(&pass.shown))),
             }
         }
         Ok(executed.status())

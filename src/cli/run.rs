@@ -1,9 +1,11 @@
 //! `bmv run`.
 
-use super::Context;
-use super::execute::execute;
+use super::execute::{Executed, execute};
 use super::options::{PathsArgument, RunOptions};
+use super::output::{escaped, print};
 use super::status::{Failure, Status};
+use super::{Context, studies};
+use crate::report::{headline, terminal};
 
 /// Arguments of `bmv run`.
 #[derive(Debug, clap::Args)]
@@ -17,6 +19,27 @@ pub(super) struct Run {
     options: RunOptions,
 }
 
+/// What came out, by pass and job, and where to look next.
+fn outcome(executed: &Executed) -> Result<String, Failure> {
+    let mut text = String::new();
+    for pass in &executed.passes {
+        let report = studies::view(pass, executed)?;
+        if report.results.is_empty() {
+            continue;
+        }
+        let shown = escaped(&pass.shown);
+        text.push_str(&format!("\n{shown}\n"));
+        for job in &report.results {
+            for (position, line) in headline::headlines(job).iter().enumerate() {
+                let name = if position == 0 { format!("{}: ", escaped(&job.name)) } else { "  ".to_owned() };
+                text.push_str(&format!("  {name}{}\n", terminal::plain(line)));
+            }
+        }
+        text.push_str(&format!("  look at it: bmv show {shown}, or bmv report {shown}\n"));
+    }
+    Ok(text.trim_start().to_owned())
+}
+
 impl Run {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         let wanted = |kind: &str, _: &str| self.kinds.is_empty() || self.kinds.iter().any(|wanted| wanted == kind);
@@ -24,6 +47,7 @@ impl Run {
         if executed.passes.iter().all(|pass| pass.jobs.is_empty()) && !self.kinds.is_empty() {
             return Err(Failure::input(format!("no job of kind `{}`", self.kinds.join("`, `"))));
         }
+        print(&outcome(&executed)?)?;
         Ok(executed.status())
     }
 }

@@ -4,20 +4,22 @@ use std::path::PathBuf;
 
 use serde_json::{Map, Value};
 
-use super::Context;
 use super::execute::execute;
 use super::options::RunOptions;
-use super::output::{escaped, outline, print, print_json};
+use super::output::{escaped, print, print_json, tell};
 use super::status::{Failure, Status};
+use super::{Context, studies};
+use crate::report::section::{RESULTS, SUMMARY};
+use crate::report::terminal;
 
 /// Arguments of `bmv show`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Show {
     /// Pass file
     pass: PathBuf,
-    /// Name of a job [default: all]
+    /// Name of a job [default: all, with the summary]
     job: Option<String>,
-    /// Print the result as it is stored; of all jobs, by name
+    /// Print one JSON document in SI units; of all jobs, by name
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -26,27 +28,36 @@ pub(super) struct Show {
 
 impl Show {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
+        studies::one_pass(&self.pass)?;
         let wanted = |_: &str, name: &str| self.job.as_ref().is_none_or(|wanted| wanted == name);
         let executed = execute(std::slice::from_ref(&self.pass), &self.options, context, wanted)?;
-        if let Some(job) = self.job.as_ref().filter(|_| executed.passes.iter().all(|pass| pass.jobs.is_empty())) {
-            return Err(Failure::input(format!("`{}` has no job `{}`", self.pass.display(), escaped(job))));
-        }
-        let mut results = Map::new();
-        for (position, finished) in executed.passes.iter().flat_map(|pass| executed.results(pass)) {
-            let node = &executed.plan.nodes()[position];
-            let value = &finished.stored.value;
-            if !self.json {
-                let heading = format!("{} ({}, key {})", escaped(&node.name), node.task.kind(), finished.key.short());
-                print(&format!("{heading}\n{}\n", outline(value)))?;
-            } else if self.job.is_some() {
-                print_json(value.as_ref())?;
-            } else {
-                results.insert(node.name.clone(), (**value).clone());
+        let mut documents = Map::new();
+        for pass in &executed.passes {
+            if let Some(job) = &self.job {
+                studies::has_job(pass, job)?;
+            }
+            let mut report = studies::view(pass, &executed)?;
+            if self.json {
+                for entry in &report.results {
+                    documents.insert(entry.name.clone(), studies::document(entry, true)?);
+                }
+                continue;
+            }
+            studies::without_rows(&mut report);
+            let summary = self.job.is_none().then_some(&SUMMARY);
+            let sections: Vec<_> = summary.into_iter().chain(RESULTS).filter_map(|build| build(&report)).collect();
+            print(&terminal::render(&sections, context.layout))?;
+            if !report.results.is_empty() {
+                tell(&format!("figures and all numbers: bmv report {}", escaped(&pass.shown)));
             }
         }
-        if self.json && self.job.is_none() {
-            print_json(&Value::Object(results))?;
+        if self.json {
+            match self.job.as_ref().map(|job| documents.remove(job)) {
+                None => print_json(&Value::Object(documents))?,
+                Some(Some(document)) => print_json(&document)?,
+                Some(None) => {}
+            }
         }
-        Ok(executed.status())
+        Ok(executed.status_of_wanted())
     }
 }

@@ -5,11 +5,14 @@ use std::sync::Arc;
 
 use serde_json::Value;
 
+use super::execute::Executed;
+use super::output::escaped;
 use super::status::Failure;
+use crate::job::{compare, propagate};
 use crate::report::assemble::{FinishedJob, Surroundings, assemble};
-use crate::report::{self, FileHash};
+use crate::report::{self, FileHash, JobEntry, JobResult, PassReport};
 use crate::runner::manifest::Manifest;
-use crate::runner::{ENGINE_VERSION, Node, Plan, Ready, RunSummary};
+use crate::runner::{ENGINE_VERSION, Node, Ready};
 use crate::study::pinned::{self, Obtained, State};
 use crate::study::ready::Readiness;
 use crate::study::{Folder, Pass, discover};
@@ -113,19 +116,95 @@ pub fn load(paths: &[PathBuf], coloured: bool) -> Result<Loaded, Failure> {
     Ok(all)
 }
 
-/// Renders the report of a pass into its own folder below `out` and gives the files written. A pass of whose jobs none
-/// has a result, because its data are not here, gets no report.
+/// That a path names one pass, for verbs that print one.
+///
+/// # Errors
+/// A folder of several passes, each named; a path that is none.
+pub fn one_pass(path: &Path) -> Result<(), Failure> {
+    let found = discover(&[path.to_owned()]).map_err(|error| Failure::input(error.to_string()))?;
+    let passes: Vec<_> = found.iter().flat_map(|study| &study.passes).collect();
+    if passes.len() == 1 {
+        return Ok(());
+    }
+    let names: Vec<_> = passes.iter().map(|pass| escaped(&pass.display().to_string())).collect();
+    Err(Failure::input(format!("`{}` holds several passes; name one: {}", path.display(), names.join(", "))))
+}
+
+/// That a pass defines a job.
+///
+/// # Errors
+/// The jobs that it does define.
+pub fn has_job(pass: &LoadedPass, job: &str) -> Result<(), Failure> {
+    let names = || pass.pass.jobs.iter().map(|named| named.name.as_str());
+    if names().any(|name| name == job) {
+        return Ok(());
+    }
+    let known: Vec<_> = names().map(|name| format!("`{}`", escaped(name))).collect();
+    let (shown, job) = (&pass.shown, escaped(job));
+    Err(Failure::input(if known.is_empty() {
+        format!("`{shown}` has no job `{job}`, and no other")
+    } else {
+        format!("`{shown}` has no job `{job}`; its jobs are {}", known.join(", "))
+    }))
+}
+
+/// The report's view of a pass with its finished jobs, without what only an archived report needs.
+///
+/// # Errors
+/// A result that cannot be read.
+pub fn view<'p>(pass: &'p LoadedPass, executed: &Executed) -> Result<PassReport<'p>, Failure> {
+    view_in(pass, executed, Surroundings::default())
+}
+
+fn view_in<'p>(
+    pass: &'p LoadedPass,
+    executed: &Executed,
+    surroundings: Surroundings,
+) -> Result<PassReport<'p>, Failure> {
+    let jobs: Vec<FinishedJob<'_>> = executed
+        .results(pass)
+        .map(|(position, job)| {
+            let node = &executed.plan.nodes()[position];
+            FinishedJob { name: &node.name, kind: node.task.kind(), key: job.key.as_str(), result: &job.stored.value }
+        })
+        .collect();
+    let surroundings = Surroundings { study: study_name(&pass.study), warnings: pass.not_run.clone(), ..surroundings };
+    assemble(&pass.pass, &jobs, surroundings).map_err(|error| Failure::job(format!("{}: {error}", pass.shown)))
+}
+
+/// Takes the single readings out of comparisons; a terminal shows their statistics.
+pub fn without_rows(report: &mut PassReport<'_>) {
+    for job in &mut report.results {
+        if let JobResult::Compare(output) = &mut job.result {
+            output.rows.clear();
+        }
+    }
+}
+
+/// A job's result for other programs; `with_rows` keeps the single readings of a comparison.
+///
+/// # Errors
+/// A result that cannot be written as JSON.
+pub fn document(job: &JobEntry, with_rows: bool) -> Result<Value, Failure> {
+    match &job.result {
+        JobResult::Propagate(output) => Ok(propagate::view(output)),
+        JobResult::Compare(output) => Ok(compare::view(output, with_rows)),
+        JobResult::Conventional(output) => {
+            serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
+        }
+    }
+}
+
+/// Renders the report of a pass into its own folder below `out` and gives that folder. A pass of whose jobs none has a
+/// result, because its data are not here, gets no report.
 ///
 /// # Errors
 /// A result that cannot be rendered, a file that cannot be written.
-pub fn render(pass: &LoadedPass, plan: &Plan, summary: &RunSummary, out: &Path) -> Result<Vec<PathBuf>, Failure> {
+pub fn render(pass: &LoadedPass, executed: &Executed, out: &Path) -> Result<Option<PathBuf>, Failure> {
     let failed = |error: String| Failure::job(format!("{}: {error}", pass.shown));
-    let finished: Vec<_> =
-        pass.jobs.iter().filter_map(|id| Some((&plan.nodes()[plan.find(id)?], summary.finished(id)?))).collect();
-    if finished.is_empty() && !pass.not_run.is_empty() {
-        return Ok(Vec::new());
+    if executed.results(pass).next().is_none() && !pass.not_run.is_empty() {
+        return Ok(None);
     }
-    let study = study_name(&pass.study);
     let command = format!("bmv report {}", pass.shown);
     let mut manifest = Manifest::new(&command);
     let mut files = Vec::new();
@@ -135,32 +214,17 @@ pub fn render(pass: &LoadedPass, plan: &Plan, summary: &RunSummary, out: &Path) 
         files.push(FileHash { path: file, sha256: record.sha256.as_str().to_owned(), role: role.to_owned() });
         manifest.add_input_record(&path.display().to_string(), record);
     }
-    for (node, job) in &finished {
-        manifest.add_job(node, job);
+    for (position, job) in executed.results(pass) {
+        manifest.add_job(&executed.plan.nodes()[position], job);
     }
-    let jobs: Vec<FinishedJob<'_>> = finished
-        .iter()
-        .map(|(node, job)| FinishedJob {
-            name: &node.name,
-            kind: node.task.kind(),
-            key: job.key.as_str(),
-            result: &job.stored.value,
-        })
-        .collect();
-    let surroundings = Surroundings {
-        study: study.clone(),
-        files,
-        engine_version: ENGINE_VERSION.to_string(),
-        command,
-        warnings: pass.not_run.clone(),
-    };
-    let view = assemble(&pass.pass, &jobs, surroundings).map_err(|error| failed(error.to_string()))?;
+    let engine_version = ENGINE_VERSION.to_string();
+    let view = view_in(pass, executed, Surroundings { files, engine_version, command, ..Surroundings::default() })?;
     let rendered = report::render(&view).map_err(|error| failed(error.to_string()))?;
-    let folder = out.join(study).join(pass.file.trim_end_matches(".json"));
-    let written = report::write(&rendered, &folder).map_err(|error| failed(error.to_string()))?;
+    let folder = out.join(&view.study).join(pass.file.trim_end_matches(".json"));
+    report::write(&rendered, &folder).map_err(|error| failed(error.to_string()))?;
     manifest.add_outputs(&folder)?;
     manifest.write(&folder)?;
-    Ok(written)
+    Ok(Some(folder))
 }
 
 /// A study's name: that of its folder.

@@ -4,12 +4,14 @@
 //! `section/` and a line in its list; order, numbers, contents, Markdown and HTML come by themselves.
 
 pub mod assemble;
+pub mod headline;
 pub mod html;
 pub mod markdown;
 pub mod number;
 pub mod page;
 pub mod plot;
 pub mod section;
+pub mod terminal;
 pub mod view;
 mod write;
 

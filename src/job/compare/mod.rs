@@ -4,6 +4,7 @@ mod deviation;
 mod output;
 mod stretch;
 mod trend;
+mod view;
 mod words;
 
 use std::sync::Arc;
@@ -19,6 +20,7 @@ pub use output::{
     Criteria, Deviation, FailedPhase, HeatBalance, Output, PhaseSummary, Row, SensorSummary, Spec, StabilisationCheck,
     Trend, Verdict,
 };
+pub use view::view;
 
 use super::{Job, JobError, Step};
 use deviation::deviation;

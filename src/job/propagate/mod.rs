@@ -8,6 +8,7 @@ mod block;
 mod output;
 mod reached;
 mod summary;
+mod view;
 
 use std::sync::Arc;
 
@@ -20,6 +21,7 @@ pub use output::{
     Case, Conditional, Distributed, FailedSample, Joint, Met, Output, Probability, Quantile, Reached, Sampling, Spec,
     Sweep, Variable,
 };
+pub use view::view;
 
 use super::requirement::Environment;
 use super::{Job, JobError, Step};

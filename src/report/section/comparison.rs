@@ -31,19 +31,33 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
                 .plain(". Deviations are measured minus predicted: positive where the model is too low."),
         ));
         blocks.extend(where_it_fails(output));
-        blocks.extend(criteria(output));
         blocks.push(sensors(output));
         blocks.extend(figures::figures(report, name, output));
         blocks.extend(phases(output));
+        blocks.extend(criteria(output));
         blocks.extend(trends(output));
         blocks.extend(heat(output));
         blocks.extend(stabilisation(output));
-        blocks.extend(readings(report, output));
+        if output.rows.len() > MOST_ROWS {
+            blocks.push(Block::Paragraph(
+                Text::new(format!("All {} readings beside their predictions are in ", output.rows.len()))
+                    .code("results.json")
+                    .plain("."),
+            ));
+        } else {
+            blocks.extend(readings(report, output));
+        }
         if output.sensors.windows(2).all(|pair| pair[0].measurement == pair[1].measurement) {
             blocks[first..].iter_mut().for_each(without_measurement);
         }
     }
     (!blocks.is_empty()).then(|| Section { id: "comparison", title: "Model against measurements".into(), blocks })
+}
+
+/// The readings alone, all of them; not without such a job.
+pub fn readings_alone(report: &PassReport<'_>) -> Option<Section> {
+    let blocks: Vec<Block> = report.comparisons().filter_map(|(_, output)| readings(report, output)).collect();
+    (!blocks.is_empty()).then(|| Section { id: "readings", title: "Readings".into(), blocks })
 }
 
 /// Takes the measurement's name out of tables; where there is only one it says nothing.
@@ -170,7 +184,12 @@ fn sensors(output: &Output) -> Block {
     );
     columns.push(Column::text("Unit"));
     Block::Table(Table {
-        caption: "Deviations by sensor. The RMSE is red above the 95 % range that the sensor's noise alone would give, green within, amber below it.".into(),
+        caption: if output.sensors.iter().all(|s| s.noise_rmse.is_none()) {
+            "Deviations by sensor."
+        } else {
+            "Deviations by sensor. An RMSE above the 95 % range that the sensor's noise alone would give is marked as a failure, one below it as worth a look."
+        }
+        .into(),
         columns,
         rows,
     })
@@ -330,13 +349,6 @@ fn stabilisation(output: &Output) -> Option<Block> {
 fn readings(report: &PassReport<'_>, output: &Output) -> Option<Block> {
     if output.rows.is_empty() {
         return None;
-    }
-    if output.rows.len() > MOST_ROWS {
-        return Some(Block::Paragraph(
-            Text::new(format!("All {} readings beside their predictions are in ", output.rows.len()))
-                .code("results.json")
-                .plain("."),
-        ));
     }
     let rows = output
         .rows

@@ -5,7 +5,7 @@ mod comparison;
 mod data;
 mod network;
 pub mod problem;
-mod propagation;
+pub mod propagation;
 mod provenance;
 mod sizing;
 mod summary;
@@ -15,6 +15,15 @@ use super::view::PassReport;
 
 /// Builds a section, where it applies.
 pub type Build = fn(&PassReport<'_>) -> Option<Section>;
+
+/// The sections that show results of jobs, in the order of the report.
+pub const RESULTS: &[Build] = &[propagation::build, sizing::build, comparison::build];
+
+/// The summary alone.
+pub const SUMMARY: Build = summary::build;
+
+/// The readings of all comparisons beside their predictions, however many.
+pub const READINGS: Build = comparison::readings_alone;
 
 /// The sections in the order of the report.
 pub const SECTIONS: &[Build] = &[

@@ -54,7 +54,7 @@ fn sampling(name: &str) -> &str {
 }
 
 /// Cases at the nominal design value, one an environment; all of them where none is nominal.
-pub(super) fn nominal_cases(output: &Output) -> impl Iterator<Item = &Case> {
+pub fn nominal_cases(output: &Output) -> impl Iterator<Item = &Case> {
     let has_nominal = output.cases.iter().any(|c| c.design_value.is_none());
     output.cases.iter().filter(move |c| !has_nominal || c.design_value.is_none())
 }
@@ -99,7 +99,7 @@ fn failures(output: &Output) -> Vec<Block> {
 }
 
 /// How a requirement stands: kept if the whole interval is above what is required, failed if it is below.
-pub(super) fn standing(met: &Met) -> Status {
+pub fn standing(met: &Met) -> Status {
     if met.probability.lower >= met.required {
         Status::Ok
     } else if met.probability.upper < met.required {

@@ -137,6 +137,8 @@ fn sizes(report: &PassReport<'_>, output: &Output, pair: (&str, &str)) -> Block 
     let design = Shown::written(&output.design_unit);
     let shown = Shown::quantity(&output.unit, output.is_temperature);
     let reached = probabilistic(report, &output.design_variable, pair);
+    let is_swept =
+        report.propagations().any(|(_, swept)| swept.design_variable.as_ref() == Some(&output.design_variable));
     let mut rows = Vec::new();
     if let Some(reached) = reached {
         rows.push(vec![
@@ -167,7 +169,8 @@ fn sizes(report: &PassReport<'_>, output: &Output, pair: (&str, &str)) -> Block 
             label(size).into(),
             size.size.map_or_else(|| "none in the range".to_owned(), |v| significant(design.value(v), 4)).into(),
             against.into(),
-            met.map_or_else(|| "outside the sweep".to_owned(), number::probability).into(),
+            met.map_or_else(|| if is_swept { "outside the sweep" } else { NONE }.to_owned(), number::probability)
+                .into(),
             shown.number(size.prediction).into(),
             Cell::marked(margin, Status::kept(size.passes)),
             format!("{}; {}", size.rule.title, size.rule.source).into(),

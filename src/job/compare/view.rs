@@ -1,0 +1,234 @@
+//! A comparison for other programs: rows, and statistics by the name of the sensor.
+
+use serde_json::{Map, Value, json};
+
+use super::deviation::deviation;
+use super::noise_rmse;
+use super::output::{Deviation, Output, SensorSummary};
+
+/// The document of `compare --json`: everything in SI, deviations are measured minus predicted.
+///
+/// `sensors` goes by name. A name that occurs in several measurements is one sensor: its statistics are over the rows of
+/// all of them, as whoever groups `rows` by sensor finds them; where its readings have different units it cannot be one,
+/// and each stands apart as `MEASUREMENT/NAME`. `measurements` has the same for each measurement alone. What has no
+/// readings is null. `rows` is left out without `with_rows`.
+pub fn view(output: &Output, with_rows: bool) -> Value {
+    let mut document = json!({
+        "state": output.state,
+        "parameters": output.parameters.iter().map(|(name, unit, value)| {
+            // The value is SI, the unit the one in which the study writes it.
+            (name.clone(), json!({ "value": value, "written_unit": unit }))
+        }).collect::<Map<_, _>>(),
+        "sensors": by_name(output),
+        "measurements": by_measurement(output),
+        "phases": output.phases,
+        "train": filled(&output.train),
+        "held_out": filled(&output.held_out),
+        "chi2_per_reading": output.chi2_per_reading,
+        "criteria": output.criteria,
+        "verdicts": output.verdicts,
+        "heat": output.heat.iter().map(|heat| json!({
+            "measurement": heat.measurement,
+            "phase": heat.phase,
+            "sources_w": heat.sources_w,
+            "into_boundaries_w": heat.into_boundaries_w.iter().map(|(node, w)| (node.clone(), json!(w))).collect::<Map<_, _>>(),
+            "stored_w": heat.stored_w,
+            "imbalance_w": heat.imbalance_w,
+        })).collect::<Vec<_>>(),
+        "trends": output.trends,
+        "stabilisation": output.stabilisation,
+        "fails": output.fails,
+        "failed": output.failed,
+        "unused_columns": output.unused_columns,
+    });
+    if with_rows {
+        document["rows"] = output
+            .rows
+            .iter()
+            .map(|row| {
+                json!({
+                    "measurement": row.measurement,
+                    "phase": row.phase,
+                    "time_s": row.time_s,
+                    "sensor": row.sensor,
+                    "unit": row.unit,
+                    "measured": row.measured,
+                    "predicted": row.predicted,
+                    "predicted_tuned": null,
+                    "held_out": row.held_out,
+                })
+            })
+            .collect();
+    }
+    document
+}
+
+/// Statistics of some readings, null where there are none.
+fn filled(deviation: &Deviation) -> Value {
+    if deviation.count == 0 { Value::Null } else { json!(deviation) }
+}
+
+fn by_name(output: &Output) -> Map<String, Value> {
+    let mut found = Map::new();
+    for sensor in &output.sensors {
+        let same: Vec<&SensorSummary> = output.sensors.iter().filter(|other| other.sensor == sensor.sensor).collect();
+        if same.iter().all(|other| other.unit == sensor.unit) {
+            if !found.contains_key(&sensor.sensor) {
+                found.insert(sensor.sensor.clone(), statistics(output, &same));
+            }
+        } else {
+            found.insert(format!("{}/{}", sensor.measurement, sensor.sensor), statistics(output, &[sensor]));
+        }
+    }
+    found
+}
+
+fn by_measurement(output: &Output) -> Map<String, Value> {
+    let mut found = Map::new();
+    for sensor in &output.sensors {
+        let own = found.entry(sensor.measurement.clone()).or_insert_with(|| json!({}));
+        own[sensor.sensor.as_str()] = statistics(output, &[sensor]);
+    }
+    found
+}
+
+/// Statistics of one sensor over its measurements.
+fn statistics(output: &Output, same: &[&SensorSummary]) -> Value {
+    let of = |pick: fn(&SensorSummary) -> &Deviation, held_out: bool| -> Deviation {
+        if let [only] = same {
+            return *pick(only);
+        }
+        let is_own = |row: &super::Row| {
+            same.iter().any(|sensor| sensor.measurement == row.measurement && sensor.sensor == row.sensor)
+        };
+        let rows = output.rows.iter().filter(|row| row.held_out == held_out && is_own(row));
+        deviation(&rows.map(|row| row.measured - row.predicted).collect::<Vec<_>>(), output.criteria.each_k)
+    };
+    let (train, held_out) = (of(|sensor| &sensor.train, false), of(|sensor| &sensor.held_out, true));
+    let number = |deviation: &Deviation, value: f64| (deviation.count > 0).then_some(value);
+    // The range belongs to the readings of `rmse`; it needs one noise, known and white, for all of them.
+    let sigma = same.first().and_then(|first| first.sigma);
+    let has_one_noise = same.iter().all(|sensor| sensor.sigma == sigma && sensor.noise_rmse.is_some());
+    let noise = sigma.filter(|_| has_one_noise && train.count > 0).map(|sigma| {
+        let [low, high] = noise_rmse(sigma, train.count);
+        json!({ "rmse_low": low, "rmse_high": high, "sigma": sigma })
+    });
+    json!({
+        "unit": same.first().map(|sensor| &sensor.unit),
+        "delivered": {
+            "count": train.count,
+            "mean": number(&train, train.mean),
+            "sd": number(&train, train.sd),
+            "rmse": number(&train, train.rmse),
+            "max": number(&train, train.max),
+            "within_limit": number(&train, train.within_limit),
+            "count_held_out": held_out.count,
+            "mean_held_out": number(&held_out, held_out.mean),
+            "sd_held_out": number(&held_out, held_out.sd),
+            "rmse_held_out": number(&held_out, held_out.rmse),
+            "max_held_out": number(&held_out, held_out.max),
+            "within_limit_held_out": number(&held_out, held_out.within_limit),
+        },
+        "tuned": {},
+        "noise": noise,
+        "missing": same.iter().map(|sensor| sensor.missing).sum::<u64>(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::job::compare::{Criteria, Row};
+
+    fn row(measurement: &str, deviation: f64, held_out: bool) -> Row {
+        Row {
+            measurement: measurement.into(),
+            phase: Some("P".into()),
+            time_s: None,
+            sensor: "s".into(),
+            unit: "K".into(),
+            measured: 300.0 + deviation,
+            predicted: 300.0,
+            held_out,
+        }
+    }
+
+    fn output(units: [&str; 2]) -> Output {
+        let rows = vec![row("a", 1.0, false), row("a", 3.0, false), row("b", 5.0, false), row("b", -2.0, true)];
+        let summary = |measurement: &str, unit: &str| {
+            let of = |held_out: bool| -> Vec<f64> {
+                let own = rows.iter().filter(|r| r.measurement == measurement && r.held_out == held_out);
+                own.map(|r| r.measured - r.predicted).collect()
+            };
+            SensorSummary {
+                measurement: measurement.into(),
+                sensor: "s".into(),
+                unit: unit.into(),
+                sigma: Some(0.5),
+                train: deviation(&of(false), None),
+                held_out: deviation(&of(true), None),
+                noise_rmse: Some([0.1, 0.9]),
+                missing: 1,
+            }
+        };
+        Output {
+            state: "nominal".into(),
+            parameters: vec![("G".into(), "W/K".into(), 0.5)],
+            sensors: vec![summary("a", units[0]), summary("b", units[1])],
+            rows,
+            phases: vec![],
+            train: Deviation::default(),
+            held_out: Deviation::default(),
+            chi2_per_reading: None,
+            criteria: Criteria {
+                name: String::new(),
+                title: String::new(),
+                each_k: None,
+                mean_k: None,
+                sd_k: None,
+                share: None,
+                stabilisation_k_per_s: None,
+                source: String::new(),
+            },
+            verdicts: vec![],
+            heat: vec![],
+            trends: vec![],
+            stabilisation: vec![],
+            fails: vec!["s: too cold".into()],
+            failed: vec![],
+            unused_columns: vec![],
+        }
+    }
+
+    #[test]
+    fn a_sensor_of_two_measurements_is_one_and_each_stands_apart_too() {
+        let document = view(&output(["K", "K"]), true);
+        let delivered = &document["sensors"]["s"]["delivered"];
+        // By hand: 1, 3, 5 for fits, -2 held out.
+        assert_eq!((&delivered["count"], &delivered["mean"], &delivered["sd"]), (&json!(3), &json!(3.0), &json!(2.0)));
+        assert_eq!((&delivered["max"], &delivered["rmse_held_out"]), (&json!(5.0), &json!(2.0)));
+        assert_eq!(document["measurements"]["a"]["s"]["delivered"]["mean"], 2.0);
+        assert_eq!(document["measurements"]["a"]["s"]["delivered"]["rmse_held_out"], Value::Null);
+        assert_eq!(document["sensors"]["s"]["missing"], 2);
+        assert_eq!(document["sensors"]["s"]["tuned"], json!({}));
+        assert_eq!(document["rows"][3]["predicted_tuned"], Value::Null);
+        assert_eq!(document["train"], Value::Null, "no readings, no zeros");
+    }
+
+    #[test]
+    fn names_with_other_units_stand_apart_and_rows_can_be_left_out() {
+        let document = view(&output(["K", "W"]), false);
+        let names: Vec<&String> = document["sensors"].as_object().unwrap().keys().collect();
+        assert_eq!(names, ["a/s", "b/s"]);
+        assert!(document.get("rows").is_none());
+    }
+
+    #[test]
+    fn the_noise_range_belongs_to_the_readings_of_the_rmse() {
+        let document = view(&output(["K", "K"]), false);
+        let noise = &document["sensors"]["s"]["noise"];
+        // sqrt(chi2 quantile / n) of three readings: 0.21580 and 9.34840 (tables), times 0.5.
+        assert!((noise["rmse_low"].as_f64().unwrap() - 0.5 * (0.215_795f64 / 3.0).sqrt()).abs() < 1e-5);
+        assert!((noise["rmse_high"].as_f64().unwrap() - 0.5 * (9.348_404f64 / 3.0).sqrt()).abs() < 1e-5);
+    }
+}

@@ -1,0 +1,161 @@
+//! A propagation for other programs: quantities and requirements by name.
+
+use serde_json::{Map, Value, json};
+
+use super::output::{Case, Distributed, Met, Output};
+
+/// Name under which all requirements stand together.
+const ALL: &str = "all";
+
+/// The document of `show --json`: everything in SI.
+///
+/// `quantities`, `probability` and `failed` are of the nominal design in the first environment, which `environment`
+/// names; `cases` has the same for every environment and design value, the nominal design (`design_value` null) first.
+/// `probability` always has `all`, also where there is but one requirement.
+pub fn view(output: &Output) -> Value {
+    let cases: Vec<Value> = output.cases.iter().map(case).collect();
+    let first = cases.first();
+    let of_first = |name: &str| first.map_or(Value::Null, |case| case[name].clone());
+    json!({
+        "environment": of_first("environment"),
+        "quantities": of_first("quantities"),
+        "probability": of_first("probability"),
+        "samples": output.samples,
+        "failed": of_first("failed"),
+        "sampling": output.sampling,
+        "design_variable": output.design_variable,
+        "design_written_unit": output.design_unit,
+        "cases": cases,
+        "reached": output.reached,
+    })
+}
+
+fn case(case: &Case) -> Value {
+    let quantities: Map<String, Value> = case.quantities.iter().map(|q| (q.name.clone(), distribution(q))).collect();
+    let mut probability: Map<String, Value> =
+        case.requirements.iter().map(|met| (met.requirement.clone(), requirement(met))).collect();
+    if let [only] = case.requirements.as_slice() {
+        probability.insert(ALL.to_owned(), requirement(only));
+    }
+    json!({
+        "environment": case.environment,
+        "design_value": case.design_value,
+        "quantities": quantities,
+        "probability": probability,
+        "failed": case.failed,
+        "failures": case.failures,
+        "joint": case.joint,
+    })
+}
+
+fn requirement(met: &Met) -> Value {
+    json!({
+        "value": met.probability.value,
+        "lower": met.probability.lower,
+        "upper": met.probability.upper,
+        "required": met.required,
+        "limit_below": met.below,
+        "limit_above": met.above,
+        "quantity": Some(&met.quantity).filter(|name| !name.is_empty()),
+        "unit": Some(&met.unit).filter(|unit| !unit.is_empty()),
+    })
+}
+
+fn distribution(q: &Distributed) -> Value {
+    let by_probability = |value: fn(&super::Quantile) -> f64| -> Map<String, Value> {
+        q.quantiles.iter().map(|quantile| (quantile.probability.to_string(), json!(value(quantile)))).collect()
+    };
+    json!({
+        "unit": q.unit,
+        "is_temperature": q.is_temperature,
+        "nominal": q.nominal,
+        "mean": q.mean,
+        "mean_standard_error": q.mean_standard_error,
+        "sd": q.sd,
+        "sd_standard_error": q.sd_standard_error,
+        "minimum": q.minimum,
+        "maximum": q.maximum,
+        "quantiles": by_probability(|quantile| quantile.value),
+        "quantile_standard_errors": by_probability(|quantile| quantile.standard_error),
+        "histogram_edges": q.histogram_edges,
+        "histogram_counts": q.histogram_counts,
+        "cdf": q.cdf,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::job::propagate::{Probability, Quantile};
+
+    fn met(name: &str, value: f64) -> Met {
+        Met {
+            requirement: name.into(),
+            probability: Probability { value, lower: value - 0.01, upper: value + 0.01 },
+            required: 0.9,
+            below: Some(308.15),
+            above: None,
+            unit: "K".into(),
+            quantity: "T".into(),
+        }
+    }
+
+    fn output(requirements: Vec<Met>) -> Output {
+        let quantity = Distributed {
+            name: "T".into(),
+            unit: "K".into(),
+            is_temperature: true,
+            nominal: 299.0,
+            mean: 300.0,
+            mean_standard_error: 0.1,
+            sd: 3.0,
+            sd_standard_error: 0.2,
+            minimum: 290.0,
+            maximum: 310.0,
+            quantiles: vec![
+                Quantile { probability: 0.01, value: 293.0, standard_error: 0.5 },
+                Quantile { probability: 0.5, value: 300.0, standard_error: 0.1 },
+            ],
+            histogram_edges: vec![],
+            histogram_counts: vec![],
+            cdf: vec![],
+        };
+        let case = |environment: &str, design_value, failed| Case {
+            environment: environment.into(),
+            design_value,
+            quantities: vec![quantity.clone()],
+            requirements: requirements.clone(),
+            joint: vec![],
+            failed,
+            failures: vec![],
+        };
+        Output {
+            samples: 100,
+            sampling: "sobol".into(),
+            design_variable: Some("A".into()),
+            design_unit: "m2".into(),
+            cases: vec![case("hot", None, 2), case("hot", Some(0.3), 5)],
+            reached: vec![],
+        }
+    }
+
+    #[test]
+    fn quantities_and_probabilities_go_by_name() {
+        let document = view(&output(vec![met("r", 0.95), met("q", 0.8), met("all", 0.79)]));
+        assert_eq!(document["quantities"]["T"]["quantiles"]["0.01"], 293.0);
+        assert_eq!(document["quantities"]["T"]["quantiles"]["0.5"], 300.0);
+        assert_eq!(
+            (&document["probability"]["q"]["value"], &document["probability"]["all"]["value"]),
+            (&json!(0.8), &json!(0.79))
+        );
+        assert_eq!((&document["environment"], &document["failed"]), (&json!("hot"), &json!(2)));
+        assert_eq!(document["cases"][1]["design_value"], 0.3);
+    }
+
+    #[test]
+    fn one_requirement_is_all_of_them_and_none_is_nothing() {
+        let document = view(&output(vec![met("r", 0.95)]));
+        assert_eq!(document["probability"]["all"], document["probability"]["r"]);
+        assert_eq!(view(&output(vec![]))["probability"], json!({}));
+    }
+}

@@ -1,0 +1,108 @@
+//! What came out of a job, in a line or two.
+
+use crate::job::{compare, conventional, propagate};
+
+use super::number::{self, Shown};
+use super::page::Status;
+use super::section::propagation;
+use super::view::{JobEntry, JobResult};
+
+/// Findings of a comparison that are told.
+const MOST_FINDINGS: usize = 2;
+
+/// The outcome of a job, a line each.
+pub fn headlines(job: &JobEntry) -> Vec<String> {
+    match &job.result {
+        JobResult::Propagate(output) => of_propagation(output),
+        JobResult::Conventional(output) => of_sizes(output),
+        JobResult::Compare(output) => of_comparison(output),
+    }
+}
+
+/// Probability of each requirement at the nominal design, and where the design reaches what is required.
+fn of_propagation(output: &propagate::Output) -> Vec<String> {
+    let mut lines = Vec::new();
+    let design = Shown::written(&output.design_unit);
+    let has_one_environment = propagation::nominal_cases(output).all(|c| c.environment == output.cases[0].environment);
+    for case in propagation::nominal_cases(output) {
+        let place = if has_one_environment { String::new() } else { format!(" in {}", case.environment) };
+        for met in &case.requirements {
+            let outcome = match propagation::standing(met) {
+                Status::Ok => "met",
+                Status::Caution => "undecided with these samples",
+                Status::Fail => "not met",
+            };
+            let reached = output
+                .reached
+                .iter()
+                .find(|r| r.environment == case.environment && r.requirement == met.requirement)
+                .zip(output.design_variable.as_ref())
+                .map_or(String::new(), |(reached, name)| match reached.design_value {
+                    Some(value) => format!("; {name} = {} reaches it", design.text(value)),
+                    None => format!("; no {name} of the sweep reaches it"),
+                });
+            lines.push(format!(
+                "P({}) = {}{place}, required {}: {outcome}{reached}",
+                met.requirement,
+                number::probability(met.probability.value),
+                number::probability(met.required),
+            ));
+        }
+        if case.requirements.is_empty() {
+            lines.extend(case.quantities.iter().map(|q| {
+                let shown = Shown::quantity(&q.unit, q.is_temperature);
+                let spread = shown.difference().text(q.sd);
+                format!("{} = {}, standard deviation {spread}{place}", q.name, shown.text(q.mean))
+            }));
+        }
+        if case.failed > 0 {
+            lines.push(format!("{} of {} samples have no solution{place}", case.failed, output.samples));
+        }
+    }
+    lines
+}
+
+/// The range of the sizes by rule.
+fn of_sizes(output: &conventional::Output) -> Vec<String> {
+    let design = Shown::written(&output.design_unit);
+    let sizes: Vec<f64> = output.sizes.iter().filter_map(|size| size.size).collect();
+    let (least, most) = (sizes.iter().copied().reduce(f64::min), sizes.iter().copied().reduce(f64::max));
+    let nominal = design.text(output.design_nominal);
+    let passing = output.sizes.iter().filter(|size| size.passes).count();
+    let range = match least.zip(most) {
+        Some((least, most)) => {
+            format!("{} from {} to {} by rule", output.design_variable, design.number(least), design.text(most))
+        }
+        None => format!("no {} of the range satisfies any rule", output.design_variable),
+    };
+    vec![format!("{range}; the nominal {nominal} passes {passing} of {} rules", output.sizes.len())]
+}
+
+/// RMSE and criteria, then where it fails.
+fn of_comparison(output: &compare::Output) -> Vec<String> {
+    let units: Vec<&str> = output.sensors.iter().map(|sensor| sensor.unit.as_str()).collect();
+    let mut parts = Vec::new();
+    if let Some(unit) = units.first().filter(|unit| units.iter().all(|other| other == *unit)) {
+        let shown = Shown::si(unit);
+        for (rows, deviation) in [("", &output.train), (" on held-out rows", &output.held_out)] {
+            if deviation.count > 0 {
+                parts.push(format!("RMSE{rows} {}", shown.text(deviation.rmse)));
+            }
+        }
+    }
+    if !output.verdicts.is_empty() {
+        let kept = output.verdicts.iter().filter(|verdict| verdict.kept).count();
+        parts.push(format!("{kept} of {} criteria kept ({})", output.verdicts.len(), output.criteria.title));
+    }
+    if !output.failed.is_empty() {
+        parts.push(format!("{} phases without a prediction", output.failed.len()));
+    }
+    let mut lines = vec![parts.join("; ")];
+    lines.extend(output.fails.iter().take(MOST_FINDINGS).cloned());
+    if output.fails.len() > MOST_FINDINGS {
+        lines.push(format!("and {} more findings", output.fails.len() - MOST_FINDINGS));
+    } else if output.fails.is_empty() {
+        lines.push("no place where the model fails".to_owned());
+    }
+    lines
+}
