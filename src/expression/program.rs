@@ -50,6 +50,10 @@ pub trait Lanes: Copy + Send + Sync {
     fn map(self, function: impl Fn(f64) -> f64) -> Self;
     /// A function applied lane by lane to two.
     fn zip(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self;
+    /// Becomes [`Lanes::map`] of another, without a copy of either.
+    fn become_map(&mut self, a: &Self, function: impl Fn(f64) -> f64);
+    /// Becomes [`Lanes::zip`] of two others, without a copy of any.
+    fn become_zip(&mut self, a: &Self, b: &Self, function: impl Fn(f64, f64) -> f64);
 }
 
 impl Lanes for f64 {
@@ -73,6 +77,14 @@ impl Lanes for f64 {
     #[inline]
     fn zip(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
         function(self, other)
+    }
+    #[inline]
+    fn become_map(&mut self, a: &Self, function: impl Fn(f64) -> f64) {
+        *self = function(*a);
+    }
+    #[inline]
+    fn become_zip(&mut self, a: &Self, b: &Self, function: impl Fn(f64, f64) -> f64) {
+        *self = function(*a, *b);
     }
 }
 
@@ -105,6 +117,18 @@ impl<const N: usize> Lanes for [f64; N] {
             *value = function(*value, second);
         }
         out
+    }
+    #[inline]
+    fn become_map(&mut self, a: &Self, function: impl Fn(f64) -> f64) {
+        for (value, &a) in self.iter_mut().zip(a) {
+            *value = function(a);
+        }
+    }
+    #[inline]
+    fn become_zip(&mut self, a: &Self, b: &Self, function: impl Fn(f64, f64) -> f64) {
+        for ((value, &a), &b) in self.iter_mut().zip(a).zip(b) {
+            *value = function(a, b);
+        }
     }
 }
 
@@ -330,24 +354,27 @@ impl Program {
         let (from, to) = (self.start(segment), self.ends[segment]);
         let offset = self.first_instruction;
         for (position, instruction) in self.instructions[from..to].iter().enumerate() {
-            let a = file[instruction.a as usize];
-            let value = match instruction.code {
+            // An instruction's arguments stand before it: symbols, constants, earlier instructions.
+            let (before, rest) = file.split_at_mut(offset + from + position);
+            let (value, a) = (&mut rest[0], &before[instruction.a as usize]);
+            // The common ones apart, so that the compiler sees a loop over the lanes without a branch.
+            match instruction.code {
                 Code::Binary(function) => {
-                    let b = file[instruction.b as usize];
-                    // The common ones apart, so that the compiler sees a loop over the lanes without a branch.
+                    let b = &before[instruction.b as usize];
                     match function {
-                        Binary::Add => a.zip(b, |x, y| x + y),
-                        Binary::Subtract => a.zip(b, |x, y| x - y),
-                        Binary::Multiply => a.zip(b, |x, y| x * y),
-                        Binary::Divide => a.zip(b, |x, y| x / y),
-                        other => a.zip(b, |x, y| apply_binary(other, x, y)),
+                        Binary::Add => value.become_zip(a, b, |x, y| x + y),
+                        Binary::Subtract => value.become_zip(a, b, |x, y| x - y),
+                        Binary::Multiply => value.become_zip(a, b, |x, y| x * y),
+                        Binary::Divide => value.become_zip(a, b, |x, y| x / y),
+                        other => value.become_zip(a, b, |x, y| apply_binary(other, x, y)),
                     }
                 }
-                Code::Unary(function) => a.map(|x| apply_unary(function, x)),
-                Code::Interpolate => a.map(|x| self.tables[instruction.b as usize].value(x)),
-                Code::Slope => a.map(|x| self.tables[instruction.b as usize].slope(x)),
-            };
-            file[offset + from + position] = value;
+                Code::Unary(Unary::Negate) => value.become_map(a, |x| -x),
+                Code::Unary(Unary::Abs) => value.become_map(a, f64::abs),
+                Code::Unary(function) => value.become_map(a, |x| apply_unary(function, x)),
+                Code::Interpolate => value.become_map(a, |x| self.tables[instruction.b as usize].value(x)),
+                Code::Slope => value.become_map(a, |x| self.tables[instruction.b as usize].slope(x)),
+            }
         }
     }
 }

@@ -187,6 +187,19 @@ impl Distribution {
         value.max(lower).min(upper)
     }
 
+    /// Replaces probabilities by their quantiles: the bits of [`Self::quantile`] one by one.
+    pub fn quantiles(&self, values: &mut [f64]) {
+        match *self {
+            // The common one, in a loop without a branch.
+            Self::Uniform { lower, upper } => {
+                for value in values {
+                    *value = (lower * (1.0 - *value) + upper * *value).max(lower).min(upper);
+                }
+            }
+            _ => values.iter_mut().for_each(|value| *value = self.quantile(*value)),
+        }
+    }
+
     /// Probability of a value at or below x.
     pub fn cdf(&self, x: f64) -> f64 {
         let (lower, upper) = self.support();
@@ -381,6 +394,9 @@ mod tests {
                 let u = f64::from(k) / 400.0;
                 let x = d.quantile(u);
                 assert!(lower <= x && x <= upper && x > last, "{d:?} at {u}: {x}");
+                let mut several = [0.5, u];
+                d.quantiles(&mut several);
+                assert_eq!(several[1].to_bits(), x.to_bits());
                 last = x;
                 // At 100 standard deviations a unit in the last place of x moves the probability by 1e-12.
                 assert!((d.cdf(x) - u).abs() < 3e-12, "{d:?} at {u}: {}", d.cdf(x));

@@ -56,6 +56,19 @@ impl Histogram {
         }
         Self { edges, counts, outside }
     }
+
+    /// Counts sorted values between given edges, with a search an edge instead of one a value.
+    pub fn of_sorted(edges: Vec<f64>, sorted: &[f64]) -> Self {
+        let below = |edge: f64| sorted.partition_point(|&value| value < edge);
+        let mut places: Vec<usize> = edges.iter().map(|&edge| below(edge)).collect();
+        // The last bin holds its upper edge.
+        if let (Some(place), Some(&edge)) = (places.last_mut(), edges.last()) {
+            *place = sorted.partition_point(|&value| value <= edge);
+        }
+        let counts: Vec<u64> = places.windows(2).map(|pair| (pair[1] - pair[0]) as u64).collect();
+        let outside = sorted.len() as u64 - counts.iter().sum::<u64>();
+        Self { edges, counts, outside }
+    }
 }
 
 /// Counts of pairs in a grid.
@@ -109,6 +122,10 @@ mod tests {
     fn each_value_is_counted_once() {
         let histogram = Histogram::new(vec![0.0, 1.0, 2.0], &[0.0, 0.5, 1.0, 2.0, 2.1, -0.1, f64::NAN]);
         assert_eq!((histogram.counts.as_slice(), histogram.outside), (&[2, 2][..], 3));
+        let sorted = [-0.1, 0.0, 0.5, 1.0, 2.0, 2.1];
+        let edges = vec![0.0, 1.0, 2.0];
+        assert_eq!(Histogram::of_sorted(edges.clone(), &sorted), Histogram::new(edges, &sorted));
+        assert_eq!(Histogram::of_sorted(vec![], &[1.0]).outside, 1);
         let pairs = PairHistogram::new(vec![0.0, 1.0, 2.0], vec![0.0, 1.0], &[0.5, 1.5, 1.5], &[0.5, 1.0, 3.0]);
         assert_eq!((pairs.counts.as_slice(), pairs.outside), (&[1, 1][..], 1));
         assert_eq!(Histogram::new(vec![], &[1.0]).outside, 1);

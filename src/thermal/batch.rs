@@ -36,6 +36,11 @@ impl<const N: usize> Batch<N> {
         self.state.file[parameter][lane] = value;
     }
 
+    /// Sets one parameter of every lane, SI.
+    pub fn set_parameter_lanes(&mut self, parameter: usize, values: [f64; N]) {
+        self.state.file[parameter] = values;
+    }
+
     /// Sets all inputs of a lane, SI.
     pub fn set_inputs(&mut self, network: &Network, lane: usize, values: &[f64]) {
         let range = network.steady.parameters..network.steady.time();

@@ -2,7 +2,7 @@
 //!
 //! `J dT = -r` with exact slopes, the step shortened so that no temperature moves by more than a limit, temperatures
 //! kept positive. A lane is done when every node closes to [`CLOSURE_W`] plus [`CLOSURE_RELATIVE`] of the sum of its
-//! terms' sizes and the last step was below [`LAST_STEP_K`] (Newton's error after such a step is its square, so the
+//! terms' sizes and the last step was below `LAST_STEP_K` (Newton's error after such a step is its square, so the
 //! start leaves no trace in the result). A lane that is done or lost is frozen: it keeps the bits it would have alone.
 
 use crate::expression::Lanes;

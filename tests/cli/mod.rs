@@ -1,3 +1,4 @@
 //! The command line, as a user sees it.
 
+mod campaigns;
 mod frame;

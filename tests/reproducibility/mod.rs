@@ -3,4 +3,6 @@
 mod cache;
 mod engine;
 mod process;
+mod program;
+mod samples;
 mod toy;

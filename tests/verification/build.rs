@@ -1,10 +1,7 @@
 //! Models built in code, for the verification cases.
 
 use bmv::expression::{Binary, ExprId, Graph, Symbol, Unary};
-use bmv::thermal::element::{
-    Conductor, Element, ElementKind, Flow, Heater, HeaterControl, Load, Radiation,
-    cooler::{Cooler, Drive},
-};
+use bmv::thermal::element::{Conductor, Element, ElementKind, Flow, Heater, HeaterControl, Load, Radiation};
 use bmv::thermal::{Input, Limits, Model, Node, NodeKind, Parameter, Quantity, QuantityValue};
 
 /// A model under construction, with short hands for expressions.
@@ -154,76 +151,13 @@ pub fn radiator() -> Model {
     b.model
 }
 
-/// The solar X-ray monitor of the second case study. Parameters: Gh, Gsub, Gb, Gth, Glead, Gpre, Gap, Gharn, e*,
-/// seebeck, resistance, conductance. Inputs: T_orex, V, q_sun, T_sky. Quantities: the nine temperatures, the current,
-/// heat out of the cold side.
+/// The solar X-ray monitor of the second case study, from its study in `tests/verification/sxm`. Parameters: Gh, Gsub,
+/// Gb, Gth, Glead, Gpre, Gap, Gharn, e*, seebeck, resistance, conductance, then five more. Inputs: T_orex, V, q_sun, T_sky.
+/// Quantities: the nine temperatures, the current, heat out of the cold side.
 pub fn sxm() -> Model {
-    let mut b = Build::default();
-    let gh = b.parameter("Gh", 0.15);
-    let gsub = b.parameter("Gsub", 0.6);
-    let gb = b.parameter("Gb", 0.4);
-    let gth = b.parameter("Gth", 2.0);
-    let glead = b.parameter("Glead", 2.5e-4);
-    let gpre = b.parameter("Gpre", 0.08);
-    let gap = b.parameter("Gap", 0.5);
-    let gharn = b.parameter("Gharn", 0.004);
-    let estar = b.parameter("estar", 0.03);
-    let seebeck = b.parameter("a_c", 3.95e-4);
-    let resistance = b.parameter("R_c", 0.185);
-    let conductance = b.parameter("K_c", 3.8e-4);
-    let orex = b.input("T_orex", 303.15);
-    let voltage = b.input("V", 2.75);
-    let q_sun = b.input("q_sun", 1698.96);
-    let sky = b.input("T_sky", 3.0);
-    let names = ["sdd", "tec_mid", "tec_hot", "sdd_hsg", "preamp", "sxm_hsg", "aperture", "bracket", "mli"];
-    let capacities = [0.3, 0.5, 2.0, 12.0, 20.0, 150.0, 15.0, 120.0, 6.0];
-    let [sdd, mid, hot, hsg, pre, sxm, ap, bracket, mli]: [usize; 9] =
-        std::array::from_fn(|i| b.diffusion(names[i], capacities[i]));
-    let deck = b.boundary("deck", orex);
-    let sky = b.boundary("sky", sky);
-    b.conductor("Gh", [hsg, sxm], gh);
-    b.conductor("Gsub", [sxm, bracket], gsub);
-    b.conductor("Gb", [bracket, deck], gb);
-    b.conductor("Gth", [hot, hsg], gth);
-    b.conductor("Glead", [sdd, hsg], glead);
-    b.conductor("Gpre", [pre, sxm], gpre);
-    let gpw = b.n(0.002);
-    b.conductor("Gpw", [pre, hsg], gpw);
-    b.conductor("Gap", [ap, sxm], gap);
-    b.conductor("Gharn", [sxm, deck], gharn);
-    let inner = b.n(0.6e-4);
-    b.radiation("cavity", [sdd, hsg], inner);
-    let blanket = b.scale(0.02, estar);
-    b.radiation("blanket", [mli, sxm], blanket);
-    let cover = b.n(0.6 * 0.02);
-    b.radiation("cover", [mli, sky], cover);
-    let plate = b.n(0.8 * 0.0012);
-    b.radiation("plate", [ap, sky], plate);
-    let q = b.n(0.0015);
-    b.load("bias", sdd, q);
-    let q = b.n(0.6);
-    b.load("electronics", pre, q);
-    let sun = b.scale(0.3 * 0.0012, q_sun);
-    b.load("sun on plate", ap, sun);
-    let sun = b.scale(0.45 * 0.0036, q_sun);
-    b.load("sun on cover", mli, sun);
-    let couples = vec![b.n(8.0), b.n(24.0)];
-    let lead_resistance = b.n(0.35);
-    let cooler = Cooler {
-        nodes: vec![sdd, mid, hot],
-        couples,
-        drive: Drive::Voltage(voltage),
-        seebeck,
-        resistance,
-        conductance,
-        lead_resistance,
-    };
-    b.element("tec", ElementKind::Cooler(cooler.clone()));
-    for (name, node) in names.iter().zip(0..9) {
-        b.temperature(name, node);
+    let pass = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/verification/sxm/pass-1.json");
+    match bmv::study::load(&pass) {
+        Ok(pass) => pass.model,
+        Err(_) => panic!("{} does not load", pass.display()),
     }
-    let contribution = cooler.contribution(b.graph());
-    b.quantity("current", contribution.current.unwrap());
-    b.quantity("pumped", contribution.through.unwrap());
-    b.model
 }

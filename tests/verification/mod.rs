@@ -3,6 +3,9 @@
 mod build;
 mod derivatives;
 mod elements;
+mod flux;
 mod orbit;
+mod radiator;
+mod solar_monitor;
 mod steady;
 mod transient;

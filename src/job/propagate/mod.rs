@@ -29,6 +29,8 @@ use block::{BlockInput, BlockOutput};
 const BLOCK: u64 = 8192;
 /// Samples solved side by side; no part of the identity, since each lane gives the bits of a solve alone.
 const LANES: usize = 16;
+/// Batches whose points are drawn at once.
+const BATCHES_DRAWN: usize = 32;
 /// Failed samples kept with their inputs, a block and a case.
 const FAILURES_KEPT: usize = 20;
 /// Name of the only stage.
@@ -144,18 +146,22 @@ impl Propagate {
             batch.set_parameters(&self.network, lane, &nominal);
             batch.set_inputs(&self.network, lane, &inputs);
         }
-        let mut rows = vec![0.5; self.uncertain.len() * LANES];
-        let mut done = 0;
+        let width = self.uncertain.len();
+        // Lanes beyond the last sample keep a middle value and are not read.
+        let mut rows = vec![0.5; width * LANES * BATCHES_DRAWN];
+        let (mut done, mut drawn) = (0, 0);
         while done < count {
             let lanes = LANES.min(count - done);
-            let width = self.uncertain.len();
-            self.points.fill_rows(first + done, &mut rows[..width * lanes]);
-            for lane in 0..lanes {
-                for (position, &parameter) in self.uncertain.iter().enumerate() {
-                    if swept != Some(parameter) {
-                        let value = self.priors[parameter].quantile(rows[lane * width + position]);
-                        batch.set_parameter(lane, parameter, value);
-                    }
+            if done == drawn {
+                drawn = count.min(done + LANES * BATCHES_DRAWN);
+                self.points.fill_rows(first + done, &mut rows[..width * (drawn - done)]);
+            }
+            let row = done % (LANES * BATCHES_DRAWN);
+            for (position, &parameter) in self.uncertain.iter().enumerate() {
+                if swept != Some(parameter) {
+                    let mut values: [f64; LANES] = std::array::from_fn(|lane| rows[(row + lane) * width + position]);
+                    self.priors[parameter].quantiles(&mut values);
+                    batch.set_parameter_lanes(parameter, values);
                 }
             }
             self.network.solve_steady_batch(&mut batch, start);
@@ -199,7 +205,7 @@ impl Job for Propagate {
     }
 
     fn algorithm_version(&self) -> u32 {
-        1
+        2
     }
 
     fn identity(&self) -> Value {
@@ -235,7 +241,9 @@ impl Job for Propagate {
         let per_case = usize::try_from(self.spec.samples.div_ceil(BLOCK)).unwrap_or(usize::MAX);
         let mut cases = Vec::new();
         for (case, blocks) in outputs.chunks(per_case.max(1)).enumerate() {
+            let samples = usize::try_from(self.spec.samples).unwrap_or(usize::MAX);
             let mut values: Vec<Vec<f64>> = vec![Vec::new(); self.spec.quantities.len()];
+            values.iter_mut().for_each(|column| column.reserve_exact(samples));
             let mut failures = Vec::new();
             let mut failed = 0;
             for bytes in blocks {

@@ -32,8 +32,9 @@ pub fn case(
         .enumerate()
         .map(|(position, &index)| {
             let quantity = &model.quantities[index];
-            let finite: Vec<f64> = values[position].iter().copied().filter(|v| v.is_finite()).collect();
-            let mut distributed = distribution(&sorted(&finite), nominal[position]);
+            let mut finite: Vec<f64> = values[position].iter().copied().filter(|v| v.is_finite()).collect();
+            finite.sort_unstable_by(f64::total_cmp);
+            let mut distributed = distribution(&finite, nominal[position]);
             distributed.name.clone_from(&quantity.name);
             distributed.unit.clone_from(&quantity.unit);
             distributed.is_temperature = quantity.is_temperature;
@@ -55,7 +56,7 @@ pub fn case(
 /// Distribution of sorted finite samples.
 fn distribution(sorted: &[f64], nominal: f64) -> Distributed {
     let moments = Moments::of(sorted);
-    let histogram = Histogram::new(edges_sorted(sorted), sorted);
+    let histogram = Histogram::of_sorted(edges_sorted(sorted), sorted);
     Distributed {
         name: String::new(),
         unit: String::new(),

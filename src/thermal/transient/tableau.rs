@@ -1,5 +1,5 @@
 //! The coefficients of the implicit scheme: ESDIRK of six stages, order 4 with an embedded order 3, L-stable and
-//! stiffly accurate (Kennedy & Carpenter 2003, Appl. Numer. Math. 44, 139: implicit part of ARK4(3)6L[2]SA).
+//! stiffly accurate (Kennedy & Carpenter 2003, Appl. Numer. Math. 44, 139: implicit part of `ARK4(3)6L[2]SA`).
 
 /// Number of stages, the first of which is explicit.
 pub const STAGES: usize = 6;

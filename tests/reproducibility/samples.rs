@@ -1,0 +1,44 @@
+//! More samples keep the ones before: blocks of jobs that differ in nothing but their number of samples.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use bmv::job::propagate::{Propagate, Sampling, Spec};
+use bmv::job::{Job, Step};
+use bmv::study::JobSpec;
+
+/// Temperatures of the radiator's nominal case, sample by sample, out of the blocks' bytes.
+fn samples(count: u64, sampling: Sampling) -> Vec<u64> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/radiator/pass-1.json");
+    let Ok(pass) = bmv::study::load(&file) else { panic!("the radiator loads") };
+    let spec = pass.jobs.iter().find_map(|job| match &job.spec {
+        JobSpec::Propagate(spec) => Some(spec.clone()),
+        _ => None,
+    });
+    let mut spec = Spec { samples: count, sampling, sweep: None, ..spec.unwrap() };
+    spec.quantities.truncate(1);
+    let job = Propagate::new(spec, Arc::new(pass.model), pass.priors, pass.seed, "prior").unwrap();
+    let Step::Blocks { stage, inputs } = job.begin().unwrap() else { panic!("blocks first") };
+    let mut values = Vec::new();
+    for input in &inputs {
+        let bytes = job.block(&stage, input).unwrap();
+        // The length of a text, the text, the values.
+        let (length, rest) = bytes.split_first_chunk::<8>().unwrap();
+        let text = u64::from_le_bytes(*length) as usize;
+        values.extend(rest[text..].as_chunks::<8>().0.iter().map(|word| u64::from_le_bytes(*word)));
+    }
+    assert_eq!(values.len() as u64, count);
+    values
+}
+
+#[test]
+fn the_first_thousand_of_two_thousand_are_the_thousand_of_before() {
+    for sampling in [Sampling::MonteCarlo, Sampling::Sobol] {
+        let (thousand, two) = (samples(1000, sampling), samples(2000, sampling));
+        assert_eq!(thousand, two[..1000], "{sampling:?}");
+        assert_ne!(thousand, two[1000..]);
+    }
+    // Over the edge of a block, and for a number that is no multiple of the lanes.
+    let (few, many) = (samples(8195, Sampling::MonteCarlo), samples(9001, Sampling::MonteCarlo));
+    assert_eq!(few, many[..8195]);
+}
