@@ -285,15 +285,15 @@ fn no_samples() {
 }
 
 #[test]
-fn a_sweep_that_does_not_increase() {
+fn a_sweep_that_is_not_in_order() {
     let study = Study::new();
-    study.edit("pass-1.json", r#""samples": 1024"#, r#""sweep": {"A": [0.05, 0.04]}"#);
+    study.edit("pass-1.json", r#""samples": 1024"#, r#""sweep": {"A": [0.05, 0.04, 0.06]}"#);
     insta::assert_snapshot!(study.said("pass-1.json"), @r##"
-    error[sweep]: the values of a sweep do not increase
+    error[sweep]: the values of a sweep are not in order
      --> study/pass-1.json:9:51
       |
-    9 |  "jobs": {"spread": {"propagate": {"sweep": {"A": [0.05, 0.04]}}}, "match": {"compare": {}}, "size": {"conventional": {}},
-      |                                                   ^^^^^^^^^^^^ at least one value, each above the one before
+    9 |  "jobs": {"spread": {"propagate": {"sweep": {"A": [0.05, 0.04, 0.06]}}}, "match": {"compare": {}}, "size": {"conventional": {}},
+      |                                                   ^^^^^^^^^^^^^^^^^^ at least one value, each above the one before, or each below it
       |
       = note: at $.jobs.spread.propagate.sweep.A
     "##);

@@ -224,6 +224,7 @@ pub fn radiator() -> Sample {
         design_variable: "A".into(),
         design_unit: "m2".into(),
         design_nominal: 0.30,
+        design_range: [0.2, 0.6],
         unit: "K".into(),
         is_temperature: true,
         limits: vec![("temperature".into(), limit)],

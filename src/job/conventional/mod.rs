@@ -1,8 +1,8 @@
 //! The conventional way: nominal and stacked worst-case analysis with margins by rule, and the size each leads to.
 //!
 //! The stack takes for each uncertain parameter the end of its prior that is worse for the requirement when tried
-//! alone, the others nominal; priors without bounds are cut at 3 sigma. A size is the smallest design value from which
-//! on the rule passes. A heat-load margin multiplies the heat loads of the case, nominal or stacked.
+//! alone, the others nominal; priors without bounds are cut at 3 sigma. A size is the design value from which on, towards
+//! the range's end, the rule passes: the smallest in a range that rises, the largest in one that falls. A heat-load margin multiplies the heat loads of the case, nominal or stacked.
 
 mod output;
 
@@ -103,6 +103,13 @@ impl Conventional {
         Point { parameters, inputs: environment.inputs.clone() }
     }
 
+    /// Where the search for a size starts, and the end towards which rules pass.
+    fn design_range(&self) -> Result<(f64, f64), JobError> {
+        let values = &self.spec.design.values;
+        let ends = values.first().copied().zip(values.last().copied());
+        ends.ok_or_else(|| JobError::Failed("the design variable has no range".to_owned()))
+    }
+
     /// The quantity of a requirement at a point.
     fn ask(&self, workspace: &mut Workspace, point: &Point, requirement: &Requirement) -> Result<f64, JobError> {
         self.network.set_parameters(workspace, &point.parameters);
@@ -182,9 +189,7 @@ impl Conventional {
             at.set(design, value);
             Ok(inside(requirement, self.ask(workspace, &at, requirement)?) - demanded)
         };
-        let (Some(&from), Some(&to)) = (self.spec.design.values.first(), self.spec.design.values.last()) else {
-            return Err(JobError::Failed("the design variable has no range".to_owned()));
-        };
+        let (from, to) = self.design_range()?;
         let grid: Vec<f64> = (0..GRID).map(|i| from + (to - from) * i as f64 / (GRID - 1) as f64).collect();
         let mut margins = Vec::with_capacity(GRID);
         for &value in &grid {
@@ -242,6 +247,7 @@ impl Conventional {
             }
         }
         let quantity = self.spec.requirements.first().map(|r| &self.model.quantities[r.quantity]);
+        let (from, to) = self.design_range()?;
         let design_nominal = match self.spec.design.variable {
             Variable::Parameter(index) => self.model.parameters[index].nominal,
             Variable::Input(index) => self.model.inputs[index].nominal,
@@ -250,6 +256,7 @@ impl Conventional {
             design_variable: self.spec.design.name.clone(),
             design_unit: self.spec.design.unit.clone(),
             design_nominal,
+            design_range: [from, to],
             unit: quantity.map(|q| q.unit.clone()).unwrap_or_default(),
             is_temperature: quantity.is_some_and(|q| q.is_temperature),
             limits: self
@@ -270,7 +277,7 @@ impl Job for Conventional {
     }
 
     fn algorithm_version(&self) -> u32 {
-        1
+        2
     }
 
     fn identity(&self) -> Value {

@@ -47,7 +47,7 @@ pub struct Spec {
     pub environments: Vec<Environment>,
     /// The requirements, each sized for.
     pub requirements: Vec<Requirement>,
-    /// The design variable, with the range in which the size is sought (first and last value).
+    /// The design variable, with the range in which the size is sought (first and last value); rules pass towards its end.
     pub design: Sweep,
     /// Names of the parameters and inputs that are heat loads (for heat-load margins).
     pub heat_loads: Vec<crate::job::propagate::Variable>,
@@ -64,7 +64,7 @@ pub struct Size {
     pub environment: String,
     /// Requirement.
     pub requirement: String,
-    /// Smallest design value that passes, SI; `None` where none in the range does.
+    /// Design value from which on, towards the range's end, the rule passes, SI; `None` where none does.
     pub size: Option<f64>,
     /// The quantity at the nominal design value, with the rule's parameters, SI.
     pub prediction: f64,
@@ -100,6 +100,8 @@ pub struct Output {
     pub design_unit: String,
     /// Its nominal value, SI.
     pub design_nominal: f64,
+    /// The range in which sizes were sought, SI: rules pass towards its second end.
+    pub design_range: [f64; 2],
     /// Unit of the limits, SI.
     pub unit: String,
     /// Whether the quantity is an absolute temperature.
@@ -110,4 +112,20 @@ pub struct Output {
     pub sizes: Vec<Size>,
     /// The stack of worst ends.
     pub worst_case: Vec<WorstEnd>,
+}
+
+impl Output {
+    /// Whether a size is the largest design value that passes, not the smallest: the range falls.
+    pub fn seeks_largest(&self) -> bool {
+        self.design_range[0] > self.design_range[1]
+    }
+
+    /// The size that meets every requirement of an environment under one rule and basis: the one nearest the range's end,
+    /// `None` where a requirement has none.
+    pub fn governing(&self, environment: &str, rule: &str, basis: Basis) -> Option<&Size> {
+        let own =
+            || self.sizes.iter().filter(|s| s.environment == environment && s.rule.name == rule && s.basis == basis);
+        let from_end = |size: &Size| size.size.map_or(f64::NEG_INFINITY, |value| (value - self.design_range[1]).abs());
+        own().min_by(|a, b| from_end(a).total_cmp(&from_end(b)))
+    }
 }

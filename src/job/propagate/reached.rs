@@ -10,10 +10,10 @@ fn probit(probability: f64, samples: u64) -> f64 {
     normal_quantile(probability.clamp(half, 1.0 - half))
 }
 
-/// The smallest design value from which on the probability stays at or above `required`, by straight lines on the probit
-/// scale between the swept values (sorted, with their probabilities). `None` where the sweep's end does not reach it.
+/// The design value from which on, towards the sweep's end, the probability stays at or above `required`, by straight
+/// lines on the probit scale between the swept values (rising or falling, with their probabilities): the smallest one in a
+/// rising sweep, the largest in a falling. `None` where the sweep's end does not reach it.
 fn crossing(points: &[(f64, f64)], required: f64, samples: u64) -> Option<f64> {
-    let (last, _) = points.last()?;
     let below = points.iter().rposition(|&(_, p)| p < required);
     match below {
         None => points.first().map(|&(x, _)| x),
@@ -21,13 +21,14 @@ fn crossing(points: &[(f64, f64)], required: f64, samples: u64) -> Option<f64> {
         Some(index) => {
             let ((x0, p0), (x1, p1)) = (points[index], points[index + 1]);
             let (z0, z1, z) = (probit(p0, samples), probit(p1, samples), probit(required, samples));
-            if z1 > z0 { Some((x0 + (x1 - x0) * (z - z0) / (z1 - z0)).min(*last)) } else { Some(x1) }
+            let at = x0 + (x1 - x0) * (z - z0) / (z1 - z0);
+            if z1 > z0 { Some(at.clamp(x0.min(x1), x0.max(x1))) } else { Some(x1) }
         }
     }
 }
 
 /// The design value at which one requirement reaches its probability, with the interval that the probabilities'
-/// intervals give. `sweep` holds the design values in increasing order with that requirement's outcome.
+/// intervals give. `sweep` holds the design values in their order with that requirement's outcome.
 pub fn reached(environment: &str, sweep: &[(f64, &Met)], samples: u64) -> Option<Reached> {
     let (_, first) = sweep.first()?;
     let at = |pick: fn(&Probability) -> f64| -> Option<f64> {
@@ -40,7 +41,7 @@ pub fn reached(environment: &str, sweep: &[(f64, &Met)], samples: u64) -> Option
         requirement: first.requirement.clone(),
         probability: first.required,
         design_value: at(|p| p.value),
-        interval: early.zip(late).map(|(a, b)| [a, b]),
+        interval: early.zip(late).map(|(a, b)| [a.min(b), a.max(b)]),
     })
 }
 
@@ -62,6 +63,15 @@ mod tests {
     fn a_curve_that_stays_below_is_not_crossed_and_one_above_starts_at_once() {
         assert_eq!(crossing(&[(1.0, 0.2), (2.0, 0.5)], 0.9, 100), None);
         assert_eq!(crossing(&[(1.0, 0.95), (2.0, 0.99)], 0.9, 100), Some(1.0));
+    }
+
+    #[test]
+    fn a_falling_sweep_finds_the_largest_value() {
+        // P(x) = Phi((x0 - x) / s): the mirror of the rising curve.
+        let points: Vec<(f64, f64)> =
+            (0..16).map(|i| 50.0 - 2.0 * f64::from(i)).map(|x| (x, normal_cdf((36.0 - x) / 2.5))).collect();
+        let x = crossing(&points, 0.99, 1_000_000).expect("crossed");
+        assert!((x - (36.0 - 2.5 * 2.326_347_874_040_841)).abs() < 1e-9, "{x}");
     }
 
     #[test]

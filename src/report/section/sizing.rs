@@ -9,13 +9,17 @@ use crate::report::view::PassReport;
 
 use super::propagation::curve;
 
+/// Name under which the outcome of all requirements together stands.
+const ALL: &str = "all";
+
 /// The section on sizes; not without a conventional analysis.
 pub fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
     for (name, output) in report.conventionals() {
         for pair in pairs(output) {
             if pairs(output).len() > 1 {
-                blocks.push(Block::Heading(format!("{} in environment {}", pair.1, pair.0)));
+                let what = if pair.1 == ALL { "all requirements together" } else { pair.1 };
+                blocks.push(Block::Heading(format!("{what} in environment {}", pair.0)));
             }
             // The first picture stands in the summary where that has no better one.
             let figure = figure(report, name, output, pair);
@@ -33,16 +37,51 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
     })
 }
 
-/// Environment and requirement, in the order of the sizes.
+/// Environment and requirement, in the order of the sizes; before the several requirements of an environment stands
+/// [`ALL`] of them.
 pub(super) fn pairs(output: &Output) -> Vec<(&str, &str)> {
     let mut out: Vec<(&str, &str)> = Vec::new();
     for size in &output.sizes {
         let pair = (size.environment.as_str(), size.requirement.as_str());
-        if !out.contains(&pair) {
-            out.push(pair);
+        if out.contains(&pair) {
+            continue;
         }
+        if let Some(first) = out.iter().position(|p| p.0 == pair.0)
+            && out[first].1 != ALL
+        {
+            out.insert(first, (pair.0, ALL));
+        }
+        out.push(pair);
     }
     out
+}
+
+/// The sizes of a pair, for [`ALL`] requirements the governing one of each rule.
+pub(super) fn sizes_of<'a>(output: &'a Output, (environment, requirement): (&str, &str)) -> Vec<&'a Size> {
+    let mut out: Vec<&Size> = Vec::new();
+    for size in output.sizes.iter().filter(|s| s.environment == environment) {
+        let wanted = if requirement == ALL {
+            output.governing(environment, &size.rule.name, size.basis)
+        } else {
+            (size.requirement == requirement).then_some(size)
+        };
+        out.extend(wanted.filter(|w| !out.contains(w)));
+    }
+    out
+}
+
+/// What is asked of the design variable: `smallest` or `largest`.
+fn wanted(output: &Output) -> &'static str {
+    if output.seeks_largest() { "largest" } else { "smallest" }
+}
+
+/// A size; whether none passes, or all of the range does.
+fn size_text(output: &Output, size: &Size, text: &dyn Fn(f64) -> String) -> String {
+    match size.size {
+        None => "none in the range".to_owned(),
+        Some(value) if value == output.design_range[0] => format!("{}, all of the range", text(value)),
+        Some(value) => text(value),
+    }
 }
 
 /// The probabilistic size for a pair, with the design variable in common.
@@ -105,13 +144,13 @@ pub(super) fn figure(report: &PassReport<'_>, job: &str, output: &Output, pair: 
             colour: palette::BLUE,
         });
     }
-    for size in output.sizes.iter().filter(|s| (s.environment.as_str(), s.requirement.as_str()) == pair) {
+    for size in sizes_of(output, pair) {
         bars.push(Bar {
             label: label(size),
             from: 0.0,
             value: size.size.map_or(f64::NAN, |v| shown.value(v)),
             interval: None,
-            text: size.size.map_or_else(|| "none in the range".to_owned(), |v| shown.text(v)),
+            text: size_text(output, size, &|v| shown.text(v)),
             colour: if size.basis == Basis::Nominal { (150, 162, 174) } else { palette::AMBER },
         });
     }
@@ -122,15 +161,23 @@ pub(super) fn figure(report: &PassReport<'_>, job: &str, output: &Output, pair: 
     Figure {
         id: format!("{job}-sizes-{}-{}", pair.0, pair.1),
         drawing: bar_chart(&axis, &bars, Some((shown.value(output.design_nominal), &marker))),
-        caption: Text::new("Size (")
-            .code(&output.design_variable)
-            .plain(") that requirement ")
-            .code(pair.1)
-            .plain(" asks for in environment ")
-            .code(pair.0)
+        caption: figure_caption(output, pair)
             .plain(": probabilistic in blue with its 95 % sampling interval, by rule from nominal values in grey, from stacked worst cases in amber."),
         alternative: format!("Bar chart of sizes. {}.", listed.join("; ")),
     }
+}
+
+fn figure_caption(output: &Output, (environment, requirement): (&str, &str)) -> Text {
+    let what = |text: Text| {
+        if requirement == ALL { text.plain("all requirements") } else { text.plain("requirement ").code(requirement) }
+    };
+    let text = if output.seeks_largest() {
+        what(Text::new("Largest ").code(&output.design_variable).plain(" at which "))
+            .plain(" can be met in environment ")
+    } else {
+        what(Text::new("Size (").code(&output.design_variable).plain(") that ")).plain(" asks for in environment ")
+    };
+    text.code(environment)
 }
 
 fn sizes(report: &PassReport<'_>, output: &Output, pair: (&str, &str)) -> Block {
@@ -156,8 +203,10 @@ fn sizes(report: &PassReport<'_>, output: &Output, pair: (&str, &str)) -> Block 
             "propagated priors".into(),
         ]);
     }
-    for size in output.sizes.iter().filter(|s| (s.environment.as_str(), s.requirement.as_str()) == pair) {
+    for size in sizes_of(output, pair) {
         let against = match (size.size, reached.and_then(|r| r.design_value)) {
+            // A share of an absolute temperature says nothing; its difference does.
+            (Some(own), Some(probabilistic)) if design.is_celsius() => number::signed(own - probabilistic, 1),
             (Some(own), Some(probabilistic)) if probabilistic != 0.0 => {
                 number::signed(100.0 * (own / probabilistic - 1.0), 1)
             }
@@ -165,9 +214,10 @@ fn sizes(report: &PassReport<'_>, output: &Output, pair: (&str, &str)) -> Block 
         };
         let met = size.size.and_then(|v| probability_at(report, &output.design_variable, pair, v));
         let margin = format!("{}{}", if size.margin > 0.0 { "+" } else { "" }, shown.difference().number(size.margin));
+        let name = if pair.1 == ALL { format!("{} ({})", label(size), size.requirement) } else { label(size) };
         rows.push(vec![
-            label(size).into(),
-            size.size.map_or_else(|| "none in the range".to_owned(), |v| significant(design.value(v), 4)).into(),
+            name.into(),
+            size_text(output, size, &|v| significant(design.value(v), 4)).into(),
             against.into(),
             met.map_or_else(|| if is_swept { "outside the sweep" } else { NONE }.to_owned(), number::probability)
                 .into(),
@@ -177,13 +227,15 @@ fn sizes(report: &PassReport<'_>, output: &Output, pair: (&str, &str)) -> Block 
         ]);
     }
     Block::Table(Table {
-        caption: Text::new("Sizes by rule. The last numbers judge the nominal design of ")
+        caption: Text::new("Sizes by rule: the ")
+            .plain(wanted(output))
+            .plain(" value from which on the rule passes. The last numbers judge the nominal design of ")
             .plain(design.text(output.design_nominal))
             .plain(": its prediction under the rule's parameters, and the margin that is left after the rule's own."),
         columns: vec![
             Column::text("Rule"),
             Column::number("Size", design.unit.clone()),
-            Column::number("Against probabilistic", "%"),
+            Column::number("Against probabilistic", if design.is_celsius() { "K" } else { "%" }),
             Column::number("P at that size", ""),
             Column::number("Prediction", shown.unit.clone()),
             Column::number("Margin left", shown.difference().unit),

@@ -233,7 +233,14 @@ fn of_propagation(report: &PassReport<'_>, output: &propagate::Output) -> (Vec<S
 fn of_sizes(report: &PassReport<'_>, output: &conventional::Output) -> Vec<Statement> {
     let mut out = Vec::new();
     let design = Shown::written(&output.design_unit);
+    let mut environments: Vec<&str> = Vec::new();
+    let what = if output.seeks_largest() { format!("largest {}", output.design_variable) } else { "size".to_owned() };
+    // The first pair of an environment is that of all its requirements.
     for pair in sizing::pairs(output) {
+        if environments.contains(&pair.0) {
+            continue;
+        }
+        environments.push(pair.0);
         let reached = sizing::probabilistic(report, &output.design_variable, pair);
         let probabilistic = reached.and_then(|r| r.design_value.map(|v| (v, r)));
         if let Some((value, reached)) = probabilistic {
@@ -241,29 +248,32 @@ fn of_sizes(report: &PassReport<'_>, output: &conventional::Output) -> Vec<State
                 .interval
                 .map_or(String::new(), |[a, b]| format!(" ({} to {})", design.number(a), design.text(b)));
             out.push(Statement {
-                label: format!("Probabilistic size, {}", pair.0),
+                label: format!("Probabilistic {what}, {}", pair.0),
                 value: design.text(value),
                 text: Text::code(Text::default(), &output.design_variable)
                     .plain(format!(" for P = {}{interval}.", number::probability(reached.probability))),
                 status: None,
             });
         }
-        let sizes: Vec<&conventional::Size> = output
-            .sizes
-            .iter()
-            .filter(|s| (s.environment.as_str(), s.requirement.as_str()) == pair && s.size.is_some())
-            .collect();
+        let sizes: Vec<&conventional::Size> =
+            sizing::sizes_of(output, pair).into_iter().filter(|s| s.size.is_some()).collect();
         let stacked = sizes.iter().filter(|s| s.basis == conventional::Basis::StackedWorstCase);
         let middle = sorted_middle(stacked.copied().collect());
         if let Some((size, value)) = middle.and_then(|s| Some((s, s.size?))) {
             let against = probabilistic.map_or(String::new(), |(own, _)| {
-                format!(" The probabilistic size is {}.", propagation::relative(own, value))
+                let difference = design.difference();
+                let relative = match (design.is_celsius(), own < value) {
+                    (false, _) => propagation::relative(own, value),
+                    (true, true) => format!("{} colder", difference.text(value - own)),
+                    (true, false) => format!("{} warmer", difference.text(own - value)),
+                };
+                format!(" The probabilistic {what} is {relative}.")
             });
             let all = || sizes.iter().filter_map(|s| s.size);
             let (least, most) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
             let range = format!(" All rules: {} to {}.", design.number(least), design.text(most));
             out.push(Statement {
-                label: format!("Conventional size, {}", pair.0),
+                label: format!("Conventional {what}, {}", pair.0),
                 value: design.text(value),
                 text: Text::new(format!("{} ({}).{against}{range}", sizing::label(size), size.rule.title)),
                 status: None,

@@ -80,7 +80,7 @@ pub enum SweepForm {
 written_struct! {
     /// Equally spaced values.
     pub struct StepsForm: "an object {\"from\": ..., \"to\": ..., \"steps\": ...}" {
-        /// First value.
+        /// First value; above `to` where the largest value that passes is wanted.
         required from: Amount,
         /// Last value.
         required to: Amount,
@@ -108,9 +108,9 @@ impl Written for SweepForm {
 written_struct! {
     /// A range of a design variable.
     pub struct RangeForm: "an object {\"from\": ..., \"to\": ...}" {
-        /// Lower end.
+        /// Where the search starts; above `to` where the largest value that passes is wanted.
         required from: Amount,
-        /// Upper end.
+        /// The end towards which requirements are easier to meet.
         required to: Amount,
     }
 }

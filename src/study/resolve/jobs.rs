@@ -264,13 +264,14 @@ fn sweep(scope: &mut Scope, form: &Spanned<Map<SweepForm>>) -> Option<Sweep> {
                 .collect()
         }
     };
-    let increasing = values.windows(2).all(|pair| pair[0] < pair[1]);
-    if values.is_empty() || values.len() > MOST_STEPS || !increasing {
+    let rises = values.windows(2).all(|pair| pair[0] < pair[1]);
+    let falls = values.windows(2).all(|pair| pair[0] > pair[1]);
+    if values.is_empty() || values.len() > MOST_STEPS || !(rises || falls) {
         scope.error(
             &code::SWEEP,
             &entry.place,
-            "the values of a sweep do not increase",
-            "at least one value, each above the one before",
+            "the values of a sweep are not in order",
+            "at least one value, each above the one before, or each below it",
         );
         return None;
     }
@@ -350,9 +351,9 @@ fn design_range(scope: &mut Scope, entry: &MapEntry<RangeForm>) -> Option<Sweep>
     let from = value(scope, &entry.value.from, &scale);
     let to = value(scope, &entry.value.to, &scale);
     let (from, to) = (from?, to?);
-    if from >= to {
+    if from == to || !from.is_finite() || !to.is_finite() {
         let message = format!("the range of `{}` is empty", entry.name);
-        scope.error(&code::SWEEP, &entry.place, message, "`from` below `to`");
+        scope.error(&code::SWEEP, &entry.place, message, "two values; rules pass towards `to`");
         return None;
     }
     Some(Sweep { name: entry.name.clone(), unit: scale.text().to_owned(), variable, values: vec![from, to] })
