@@ -1,3 +1,5 @@
 //! The command line, as a user sees it.
 
+mod documents;
 mod frame;
+mod studies;
