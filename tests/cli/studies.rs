@@ -9,13 +9,13 @@ use tempfile::TempDir;
 /// A plate on a wall, measured in two phases; the second is held out. The model's conductance is 0.5 W/K, so 10 W
 /// give 20 K above the wall; the readings are 3 K above that.
 const MODEL: &str = r#"{
-  "format": "bmv-model/1", "title": "Plate", "description": "A plate on a wall.",
-  "parameters": {"G": {"value": 0.5, "unit": "W/K", "prior": {"uniform": [0.4, 0.6]}}},
-  "inputs": {"Q": {"value": 10, "unit": "W"}, "T_wall": {"value": 20, "unit": "degC"}},
-  "nodes": {"plate": {"capacity": {"value": 100, "unit": "J/K"}}, "wall": {"boundary": "T_wall"}},
+  "format": "bmv-network/1", "title": "Plate", "description": "A plate on a wall.",
+  "parameters": {"G": {"unit": "W/K", "nominal": 0.5, "prior": {"uniform": [0.4, 0.6]}, "description": "mount", "source": "made up"}},
+  "inputs": {"Q": {"unit": "W", "nominal": 10}, "T_wall": {"unit": "degC", "nominal": 20}},
+  "nodes": {"plate": {"capacity": 100}, "wall": {"boundary": "T_wall"}},
   "conductors": {"mount": {"between": ["plate", "wall"], "conductance": "G"}},
   "loads": {"heater": {"into": "plate", "power": "Q"}},
-  "quantities": {"plate temperature": "T(plate)"}
+  "quantities": {"plate temperature": {"temperature": "plate"}}
 }"#;
 
 const PASS: &str = r#"{
@@ -23,7 +23,7 @@ const PASS: &str = r#"{
   "requirements": {"plate": {"quantity": "plate temperature", "below": {"value": 41, "unit": "degC"}, "probability": 0.9}},
   "measurements": {"balance": {"steady": {
     "file": "data/balance.csv",
-    "columns": {"phase": {"header": "phase"}, "Q": {"header": "Q", "unit": "W"}, "T_wall": {"header": "wall", "unit": "degC"}, "plate": {"header": "plate", "unit": "degC"}},
+    "columns": {"Q": {"header": "Q", "unit": "W"}, "T_wall": {"header": "wall", "unit": "degC"}, "plate": {"header": "plate", "unit": "degC"}},
     "sensors": {"plate": {"measures": "plate", "sigma": {"value": 0.5, "unit": "K"}}},
     "held_out": {"phases": ["P2"]}
   }}},
@@ -67,13 +67,61 @@ pub fn plate() -> TempDir {
 #[test]
 fn run_says_what_came_out_and_where_to_look() {
     let root = plate();
-    insta::assert_snapshot!(printed(root.path(), &["run", "plate"]), @"");
+    insta::assert_snapshot!(printed(root.path(), &["run", "plate"]), @r#"
+    plate/pass-1.json
+      prior: P(plate) = 0.609, required 0.900: not met
+      delivered: RMSE 3.00 K; RMSE on held-out rows 3.00 K; 2 of 2 criteria kept (Each reading within 3 K of the model)
+        plate: the model is too cold; measured minus predicted is +3.00 K on average, RMSE 3.00 K (3.00 K on the rows for fitting, 3.00 K on the rows held out), at worst +3.00 K in phase P2.
+      look at it: bmv show plate/pass-1.json, or bmv report plate/pass-1.json
+    "#);
 }
 
 #[test]
 fn compare_reads_from_the_verdict_to_the_heat_balance() {
     let root = plate();
-    insta::assert_snapshot!(printed(root.path(), &["compare", "plate/pass-1.json"]), @"");
+    insta::assert_snapshot!(printed(root.path(), &["compare", "plate/pass-1.json"]), @r#"
+    Model against measurements
+    ==========================
+
+    Parameters: nominal, the model as delivered. Deviations are measured minus predicted: positive where
+    the model is too low.
+
+    Where the model fails, worst first:
+
+    - plate: the model is too cold; measured minus predicted is +3.00 K on average, RMSE 3.00 K (3.00 K
+      on the rows for fitting, 3.00 K on the rows held out), at worst +3.00 K in phase P2.
+
+    Deviations by sensor. An RMSE above the 95 % range that the sensor's noise alone would give is
+    marked as a failure, one below it as worth a look.
+    Sensor  Readings  Number   Mean   Standard  RMSE        RMSE of  Largest  Within  Unit
+                                     deviation          noise alone            limit
+    ------  --------  ------  -----  ---------  -----  ------------  -------  ------  ----
+    plate   for fits       1  +3.00       0.00  3.00!  0.08 to 0.96     3.00   100 %  K
+    plate   held out       1  +3.00       0.00  3.00!  0.08 to 0.96     3.00   100 %  K
+    (! not kept)
+
+    Deviations by phase or stretch of time, over all sensors, K.
+    Phase  Readings   Mean   Standard  RMSE  Worst sensor        Its
+                            deviation                      deviation
+    -----  --------  -----  ---------  ----  ------------  ---------
+    P1     for fits  +3.00       0.00  3.00  plate             +3.00
+    P2     held out  +3.00       0.00  3.00  plate             +3.00
+
+    Criteria of profile Each reading within 3 K of the model. Source: MIL-HDBK-340, 8.7.3: larger
+    deviations need an explanation or a change of the model; stabilisation by SMC-S-016 (2014): less
+    than 1 K in 5 h (only an excerpt could be opened)
+    Criterion                                      Value  Limit  Outcome
+    ---------------------------------------------  -----  -----  -------
+    share of readings within 3 K                    1.00   1.00  kept
+    share of readings within 3 K on held-out rows   1.00   1.00  kept
+
+    Heat balance of the model.
+    Phase  Sources      into  Stored  Imbalance
+               [W]  wall [W]     [W]        [W]
+    -----  -------  --------  ------  ---------
+    P1        10.0      10.0       0          0
+    P2        5.00      5.00       0          0
+    "#);
     let with_rows = printed(root.path(), &["compare", "plate", "--rows", "all"]);
     assert!(with_rows.contains("Readings\n========\n"), "{with_rows}");
 }
@@ -179,7 +227,12 @@ fn the_studies_that_init_makes_run_or_say_how_to_bring_their_data() {
     let root = tempfile::tempdir().unwrap();
     let made = printed(root.path(), &["init", "new"]);
     assert_eq!(made, "made new; now try\nbmv run new\nbmv report new\n");
-    insta::assert_snapshot!(printed(root.path(), &["run", "new"]), @"");
+    insta::assert_snapshot!(printed(root.path(), &["run", "new"]), @r#"
+    new/pass-1.json
+      prior: P(radiator) = 0.920, required 0.990: not met; A = 0.3144 m² reaches it
+      margins: A from 0.2724 to 0.4649 m² by rule; the nominal 0.3000 m² passes 2 of 10 rules
+      look at it: bmv show new/pass-1.json, or bmv report new/pass-1.json
+    "#);
     let made = printed(root.path(), &["init", "bench", "--from", "tclab"]);
     assert_eq!(made, "made bench; now try\nbmv data get bench\nbmv run bench\nbmv report bench\n");
     assert_eq!(code(&bmv(root.path(), &["data", "verify", "bench"])), 1);
