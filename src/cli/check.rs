@@ -5,7 +5,7 @@ use serde_json::json;
 use super::Context;
 use super::execute::execute;
 use super::options::{PathsArgument, RunOptions};
-use super::output::{escaped, print, print_json};
+use super::output::{escaped, print, print_json, tell};
 use super::status::{Failure, Status};
 use crate::runner::baseline;
 
@@ -64,6 +64,11 @@ impl Check {
             print_json(&json!({ "compared": compared, "drifted": drifted, "jobs": report }))?;
         } else {
             print(&text)?;
+        }
+        if compared == 0 && !self.archive && executed.status() == Status::Done {
+            // A check that compares nothing must not look as if all were well.
+            tell("nothing was compared: no result is archived; `bmv check --archive` does that");
+            return Ok(Status::CheckFailed);
         }
         Ok(if drifted > 0 && executed.status() == Status::Done { Status::CheckFailed } else { executed.status() })
     }

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
-use super::Context;
 use super::execute::{Executed, execute};
 use super::options::RunOptions;
 use super::output::{escaped, print, print_json};
 use super::status::{Failure, Status};
+use super::{Context, studies};
 use crate::runner::{Difference, differences};
 
 /// Arguments of `bmv diff`.
@@ -28,6 +28,9 @@ pub(super) struct Diff {
 
 impl Diff {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
+        for path in [&self.before, &self.after] {
+            studies::one_pass(path)?;
+        }
         let run = |path: &PathBuf| execute(std::slice::from_ref(path), &self.options, context, |_, _| true);
         let (before, after) = (run(&self.before)?, run(&self.after)?);
         let names: BTreeSet<String> = names(&before).chain(names(&after)).collect();

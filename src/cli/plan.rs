@@ -39,17 +39,19 @@ impl PlanVerb {
             let state = if line.cached { "cached" } else { "to run" };
             rows.push(vec![escaped(&line.job), line.kind.clone(), line.key.short().to_owned(), state.to_owned(), work]);
         }
-        let known_s: f64 = lines.iter().filter_map(|line| line.work_s).sum();
-        let unknown = lines.iter().filter(|line| line.work_s.is_none()).count();
+        let known: Vec<f64> = lines.iter().filter(|line| !line.cached).filter_map(|line| line.work_s).collect();
         let to_run = lines.iter().filter(|line| !line.cached).count();
         let threads = settings.threads();
-        print(&format!(
-            "{}\n{to_run} of {} jobs to run; at least {} on {threads} threads{}\n",
-            table(&rows),
-            lines.len(),
-            duration_text(known_s / threads as f64),
-            if unknown > 0 { format!(", and {unknown} jobs of unknown length") } else { String::new() }
-        ))?;
+        let length = match (known.len(), to_run - known.len()) {
+            (0, 0) => String::new(),
+            (0, _) => "; how long they take is not known yet".to_owned(),
+            (_, unknown) => {
+                let least = duration_text(known.iter().sum::<f64>() / threads as f64);
+                let more = if unknown > 0 { format!(", and {unknown} of unknown length") } else { String::new() };
+                format!("; at least {least} on {threads} threads{more}")
+            }
+        };
+        print(&format!("{}\n{to_run} of {} jobs to run{length}\n", table(&rows), lines.len()))?;
         Ok(Status::Done)
     }
 }

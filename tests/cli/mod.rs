@@ -1,4 +1,6 @@
 //! The command line, as a user sees it.
 
 mod campaigns;
+mod documents;
 mod frame;
+mod studies;

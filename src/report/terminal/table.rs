@@ -182,7 +182,8 @@ fn widths(columns: &[Measured], width: usize, floor: fn(&Measured) -> usize) -> 
     let mut widths: Vec<usize> = columns.iter().map(|column| column.wished).collect();
     while widths.iter().sum::<usize>() + gaps > width {
         let can_give = (0..widths.len()).filter(|&column| widths[column] > floor(&columns[column]));
-        widths[can_give.max_by_key(|&column| widths[column])?] -= 1;
+        let widest = can_give.max_by_key(|&column| widths[column])?;
+        widths[widest] -= 1;
     }
     Some(widths)
 }

@@ -1,0 +1,243 @@
+//! Verbs on studies: what an engineer reads, and the exit statuses.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// A plate on a wall, measured in two phases; the second is held out. The model's conductance is 0.5 W/K, so 10 W
+/// give 20 K above the wall; the readings are 3 K above that.
+const MODEL: &str = r#"{
+  "format": "bmv-network/1", "title": "Plate", "description": "A plate on a wall.",
+  "parameters": {"G": {"unit": "W/K", "nominal": 0.5, "prior": {"uniform": [0.4, 0.6]}, "description": "mount", "source": "made up"}},
+  "inputs": {"Q": {"unit": "W", "nominal": 10}, "T_wall": {"unit": "degC", "nominal": 20}},
+  "nodes": {"plate": {"capacity": 100}, "wall": {"boundary": "T_wall"}},
+  "conductors": {"mount": {"between": ["plate", "wall"], "conductance": "G"}},
+  "loads": {"heater": {"into": "plate", "power": "Q"}},
+  "quantities": {"plate temperature": {"temperature": "plate"}}
+}"#;
+
+const PASS: &str = r#"{
+  "format": "bmv-pass/1", "title": "Plate, pass 1", "description": "", "parent": null, "model": "model.json", "seed": 1,
+  "requirements": {"plate": {"quantity": "plate temperature", "below": {"value": 41, "unit": "degC"}, "probability": 0.9}},
+  "measurements": {"balance": {"steady": {
+    "file": "data/balance.csv",
+    "columns": {"Q": {"header": "Q", "unit": "W"}, "T_wall": {"header": "wall", "unit": "degC"}, "plate": {"header": "plate", "unit": "degC"}},
+    "sensors": {"plate": {"measures": "plate", "sigma": {"value": 0.5, "unit": "K"}}},
+    "held_out": {"phases": ["P2"]}
+  }}},
+  "jobs": {
+    "prior": {"propagate": {"samples": 64}},
+    "delivered": {"compare": {"data": ["balance"]}}
+  }
+}"#;
+
+pub fn bmv(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("bmv"));
+    command.current_dir(folder).env_remove("BMV_DATA").args(arguments).output().expect("the program starts")
+}
+
+pub fn code(output: &Output) -> i32 {
+    output.status.code().expect("ended by itself")
+}
+
+pub fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("UTF-8")
+}
+
+/// Standard output of a command that succeeds.
+pub fn printed(folder: &Path, arguments: &[&str]) -> String {
+    let output = bmv(folder, arguments);
+    assert_eq!(code(&output), 0, "{arguments:?}: {}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+/// A folder with the study `plate`.
+pub fn plate() -> TempDir {
+    let root = tempfile::tempdir().unwrap();
+    let study = root.path().join("plate");
+    fs::create_dir_all(study.join("data")).unwrap();
+    fs::write(study.join("model.json"), MODEL).unwrap();
+    fs::write(study.join("pass-1.json"), PASS).unwrap();
+    fs::write(study.join("data/balance.csv"), "phase,Q,wall,plate\nP1,10,20,43\nP2,5,20,33\n").unwrap();
+    root
+}
+
+#[test]
+fn run_says_what_came_out_and_where_to_look() {
+    let root = plate();
+    insta::assert_snapshot!(printed(root.path(), &["run", "plate"]), @r#"
+    plate/pass-1.json
+      prior: P(plate) = 0.609, required 0.900: not met
+      delivered: RMSE 3.00 K; RMSE on held-out rows 3.00 K; 2 of 2 criteria kept (Each reading within 3 K of the model)
+        plate: the model is too cold; measured minus predicted is +3.00 K on average, RMSE 3.00 K (3.00 K on the rows for fitting, 3.00 K on the rows held out), at worst +3.00 K in phase P2.
+      look at it: bmv show plate/pass-1.json, or bmv report plate/pass-1.json
+    "#);
+}
+
+#[test]
+fn compare_reads_from_the_verdict_to_the_heat_balance() {
+    let root = plate();
+    insta::assert_snapshot!(printed(root.path(), &["compare", "plate/pass-1.json"]), @r#"
+    Model against measurements
+    ==========================
+
+    Parameters: nominal, the model as delivered. Deviations are measured minus predicted: positive where
+    the model is too low.
+
+    Where the model fails, worst first:
+
+    - plate: the model is too cold; measured minus predicted is +3.00 K on average, RMSE 3.00 K (3.00 K
+      on the rows for fitting, 3.00 K on the rows held out), at worst +3.00 K in phase P2.
+
+    Deviations by sensor. An RMSE above the 95 % range that the sensor's noise alone would give is
+    marked as a failure, one below it as worth a look.
+    Sensor  Readings  Number   Mean   Standard  RMSE        RMSE of  Largest  Within  Unit
+                                     deviation          noise alone            limit
+    ------  --------  ------  -----  ---------  -----  ------------  -------  ------  ----
+    plate   for fits       1  +3.00       0.00  3.00!  0.08 to 0.96     3.00   100 %  K
+    plate   held out       1  +3.00       0.00  3.00!  0.08 to 0.96     3.00   100 %  K
+    (! not kept)
+
+    Deviations by phase or stretch of time, over all sensors, K.
+    Phase  Readings   Mean   Standard  RMSE  Worst sensor        Its
+                            deviation                      deviation
+    -----  --------  -----  ---------  ----  ------------  ---------
+    P1     for fits  +3.00       0.00  3.00  plate             +3.00
+    P2     held out  +3.00       0.00  3.00  plate             +3.00
+
+    Criteria of profile Each reading within 3 K of the model. Source: MIL-HDBK-340, 8.7.3: larger
+    deviations need an explanation or a change of the model; stabilisation by SMC-S-016 (2014): less
+    than 1 K in 5 h (only an excerpt could be opened)
+    Criterion                                      Value  Limit  Outcome
+    ---------------------------------------------  -----  -----  -------
+    share of readings within 3 K                    1.00   1.00  kept
+    share of readings within 3 K on held-out rows   1.00   1.00  kept
+
+    Heat balance of the model.
+    Phase  Sources      into  Stored  Imbalance
+               [W]  wall [W]     [W]        [W]
+    -----  -------  --------  ------  ---------
+    P1        10.0      10.0       0          0
+    P2        5.00      5.00       0          0
+    "#);
+    let with_rows = printed(root.path(), &["compare", "plate", "--rows", "all"]);
+    assert!(with_rows.contains("Readings\n========\n"), "{with_rows}");
+}
+
+#[test]
+fn show_prints_one_job_or_all_with_the_summary() {
+    let root = plate();
+    let one = printed(root.path(), &["show", "plate/pass-1.json", "prior"]);
+    assert!(one.starts_with("Propagation of uncertainty\n") && !one.contains("Model against measurements"), "{one}");
+    let all = printed(root.path(), &["show", "plate"]);
+    assert!(all.starts_with("Summary\n=======\n") && all.contains("Model against measurements"), "{all}");
+    assert!(all.lines().all(|line| line.chars().count() <= 100 && !line.contains('\u{1b}')), "{all}");
+    let coloured = printed(root.path(), &["show", "plate", "--color", "always"]);
+    assert!(coloured.contains("\u{1b}[1mSummary\u{1b}[0m"), "{coloured}");
+    let wrong = bmv(root.path(), &["show", "plate", "later"]);
+    assert_eq!(code(&wrong), 2);
+    let said = text(&wrong.stderr);
+    assert!(said.contains("`plate/pass-1.json` has no job `later`; its jobs are `prior`, `delivered`"), "{said}");
+}
+
+#[test]
+fn report_prints_where_it_is_and_verify_sees_a_change() {
+    let root = plate();
+    assert_eq!(printed(root.path(), &["report", "plate"]), "reports/plate/pass-1/report.html\n");
+    assert!(root.path().join("reports/plate/pass-1/report.html").is_file());
+    let intact = printed(root.path(), &["verify", "reports/plate/pass-1"]);
+    assert!(intact.ends_with("the report is as it was written\n"), "{intact}");
+    fs::write(root.path().join("plate/data/balance.csv"), "phase,Q,wall,plate\n").unwrap();
+    assert_eq!(code(&bmv(root.path(), &["verify", "reports/plate/pass-1"])), 1);
+}
+
+#[test]
+fn plan_names_what_is_cached() {
+    let root = plate();
+    let before = printed(root.path(), &["plan", "plate"]);
+    assert!(before.ends_with("2 of 2 jobs to run; how long they take is not known yet\n"), "{before}");
+    printed(root.path(), &["run", "plate", "--job", "compare"]);
+    let after = printed(root.path(), &["plan", "plate"]);
+    assert!(after.contains("1 of 2 jobs to run"), "{after}");
+    printed(root.path(), &["run", "plate"]);
+    assert!(printed(root.path(), &["plan", "plate"]).ends_with("\n0 of 2 jobs to run\n"));
+    let why = printed(root.path(), &["cache", "why", "plate/pass-1.json:prior", "plate"]);
+    assert!(serde_json::from_str::<serde_json::Value>(&why).is_ok(), "{why}");
+}
+
+#[test]
+fn diff_names_the_changed_setting() {
+    let root = plate();
+    fs::write(root.path().join("plate/pass-2.json"), PASS.replace("\"samples\": 64", "\"samples\": 128")).unwrap();
+    let said = printed(root.path(), &["diff", "plate/pass-1.json", "plate/pass-2.json"]);
+    assert!(said.contains("delivered\n  definition: the same\n  result: the same\n"), "{said}");
+    assert!(said.contains("128"), "{said}");
+    let several = bmv(root.path(), &["compare", "plate"]);
+    assert_eq!(code(&several), 2);
+    assert!(text(&several.stderr).contains("name one: plate/pass-1.json, plate/pass-2.json"));
+}
+
+#[test]
+fn check_fails_where_nothing_is_archived_and_where_something_drifted() {
+    let root = plate();
+    assert_eq!(code(&bmv(root.path(), &["check", "plate"])), 1);
+    printed(root.path(), &["check", "plate", "--archive"]);
+    printed(root.path(), &["check", "plate"]);
+    let archived = root.path().join("plate/baseline/pass-1/delivered.json");
+    let drifted = fs::read_to_string(&archived).unwrap().replacen("\"rmse\": ", "\"rmse\": 1", 1);
+    fs::write(&archived, drifted).unwrap();
+    let found = bmv(root.path(), &["check", "plate"]);
+    assert_eq!(code(&found), 1);
+    assert!(text(&found.stdout).contains("plate/pass-1.json:delivered: DRIFTED"), "{}", text(&found.stdout));
+}
+
+#[test]
+fn wrong_files_end_with_two_before_anything_runs() {
+    let root = plate();
+    let pass = root.path().join("plate/pass-1.json");
+    for (text_of_pass, expected) in [
+        ("{{{".to_owned(), "json-syntax"),
+        ("[".repeat(100_000), "json-depth"),
+        (PASS.replace("\"parent\": null", "\"parent\": \"pass-1.json\""), "parent-cycle"),
+        (PASS.replace("model.json", "../model.json"), "path-refused"),
+        (PASS.replace("\"prior\"", "\"pri\\u001bor\""), "invalid-name"),
+    ] {
+        fs::write(&pass, text_of_pass).unwrap();
+        for verb in ["run", "show", "plan", "report"] {
+            let output = bmv(root.path(), &[verb, "plate"]);
+            let said = text(&output.stderr);
+            assert_eq!(code(&output), 2, "{verb}: {said}");
+            assert!(said.contains(expected) && !said.contains('\u{1b}') && output.stdout.is_empty(), "{verb}: {said}");
+        }
+    }
+    assert!(!root.path().join("reports").exists());
+}
+
+#[test]
+fn a_cache_that_cannot_be_written_is_a_failed_job() {
+    let root = plate();
+    fs::write(root.path().join("file"), "").unwrap();
+    assert_eq!(code(&bmv(root.path(), &["run", "plate", "--cache", "file"])), 3);
+}
+
+#[test]
+fn the_studies_that_init_makes_run_or_say_how_to_bring_their_data() {
+    let root = tempfile::tempdir().unwrap();
+    let made = printed(root.path(), &["init", "new"]);
+    assert_eq!(made, "made new; now try\nbmv run new\nbmv report new\n");
+    insta::assert_snapshot!(printed(root.path(), &["run", "new"]), @r#"
+    new/pass-1.json
+      prior: P(radiator) = 0.920, required 0.990: not met; A = 0.3144 m² reaches it
+      margins: A from 0.2724 to 0.4649 m² by rule; the nominal 0.3000 m² passes 2 of 10 rules
+      look at it: bmv show new/pass-1.json, or bmv report new/pass-1.json
+    "#);
+    let made = printed(root.path(), &["init", "bench", "--from", "tclab"]);
+    assert_eq!(made, "made bench; now try\nbmv data get bench\nbmv run bench\nbmv report bench\n");
+    assert_eq!(code(&bmv(root.path(), &["data", "verify", "bench"])), 1);
+    let waiting = bmv(root.path(), &["compare", "bench"]);
+    assert_eq!(code(&waiting), 2, "there is nothing to compare with");
+    assert!(text(&waiting.stderr).contains("bring them with `bmv data get bench`"));
+    assert_eq!(code(&bmv(root.path(), &["run", "bench"])), 0, "a run goes on without the job that waits");
+}
