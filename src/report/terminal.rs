@@ -248,13 +248,12 @@ mod tests {
         =====
 
         Sizes.
-        Rule        Standard  Source
-                   deviation
-                         [K]
-        ---------  ---------  ------------------
-        a              12.5!  a handbook of many
-                              pages
-        long name      -1.0
+        Rule            Standard   Source
+                   deviation [K]
+        ---------  --------------  -------------
+        a                   12.5!  a handbook of
+                                   many pages
+        long name           -1.0
         (! not kept)
         ");
     }

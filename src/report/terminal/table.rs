@@ -115,8 +115,11 @@ pub(super) fn lay_out(headings: &[String], rows: &[Vec<Entry>], numeric: &[bool]
             .map(|column| {
                 let status = row.get(column).and_then(|cell| cell.status);
                 let text = text(row, column);
-                let lines =
-                    if numeric[column] { vec![text.replace('\u{A0}', " ")] } else { wrapped(&text, widths[column]) };
+                let lines = if text.chars().count() <= widths[column] {
+                    vec![text.replace('\u{A0}', " ")]
+                } else {
+                    wrapped(&text, widths[column])
+                };
                 (lines, status)
             })
             .collect();
