@@ -4,6 +4,7 @@ mod build;
 mod derivatives;
 mod elements;
 mod flux;
+mod monitor_campaign;
 mod orbit;
 mod radiator;
 mod solar_monitor;

@@ -215,7 +215,13 @@ pub(super) fn probability_figures(output: &Output, job: &str) -> Vec<Figure> {
             if let Some(value) = reached.and_then(|r| r.design_value) {
                 let label = shown.text(value);
                 words.push(format!("{} reaches it at {label}", met.requirement));
-                chart.limits.push(Limit { along: Along::X, value: shown.value(value), label, colour });
+                // A requirement that governs alone stands where all together do: one label for both.
+                let value = shown.value(value);
+                let span = points.last().map_or(0.0, &x) - points.first().map_or(0.0, x);
+                let is_shown = |l: &Limit| l.along == Along::X && (l.value - value).abs() < 0.02 * span;
+                if !chart.limits.iter().any(is_shown) {
+                    chart.limits.push(Limit { along: Along::X, value, label, colour });
+                }
             }
         }
         let reached = if words.is_empty() { String::new() } else { format!(" {}.", words.join("; ")) };

@@ -1,0 +1,205 @@
+//! The second case study from `studies/sxm`: golden solutions, its synthetic campaign made again, and the sizes that
+//! follow from the priors.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use bmv::job::conventional::{self, Basis, Conventional};
+use bmv::job::propagate::{self, Propagate};
+use bmv::random::StreamKey;
+use bmv::study::{JobSpec, Pass};
+use bmv::thermal::{Network, Start};
+
+use super::radiator::{propagation, run};
+
+const ZERO_C: f64 = 273.15;
+/// Seed of the noise.
+const SEED: u64 = 43;
+/// The joints as they truly are in the synthetic campaign; all else nominal.
+const TRUTH: [(&str, f64); 3] = [("Gh", 0.40), ("Gsub", 0.25), ("Gb", 0.35)];
+/// Columns of the campaign: node and standard deviation of its sensor.
+const SENSORS: [(&str, f64); 5] =
+    [("sdd_hsg", 0.25), ("sxm_hsg", 0.25), ("bracket", 0.25), ("preamp", 0.25), ("sdd", 0.5)];
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/sxm")
+}
+
+fn study(pass: &str) -> Pass {
+    let Ok(pass) = bmv::study::load(&folder().join(pass)) else { panic!("{pass} loads") };
+    assert!(pass.reconstructed.as_ref().is_some_and(|text| text.contains("reconstructed")));
+    pass
+}
+
+/// Temperatures of all nodes, in degC, and the cooler's current.
+fn solved(pass: &Pass, truth: &[(&str, f64)], inputs: [(&str, f64); 4]) -> (Vec<f64>, f64) {
+    let model = &pass.model;
+    let network = Network::compile(model, &[]).unwrap();
+    let mut workspace = network.workspace();
+    let mut parameters = network.nominal_parameters().to_vec();
+    for (name, value) in truth {
+        parameters[model.parameters.iter().position(|p| p.name == *name).unwrap()] = *value;
+    }
+    let values: Vec<f64> =
+        model.inputs.iter().map(|input| inputs.iter().find(|(name, _)| *name == input.name).unwrap().1).collect();
+    network.set_parameters(&mut workspace, &parameters);
+    network.set_inputs(&mut workspace, &values);
+    network.solve_steady(&mut workspace, Start::Default).unwrap();
+    let current = model.quantities.iter().position(|q| q.name == "cooler current").unwrap();
+    (workspace.temperatures().iter().map(|t| t - ZERO_C).collect(), network.quantity(&workspace, current))
+}
+
+/// Voltage and deck temperature in degC of each phase.
+fn phases() -> Vec<(f64, f64)> {
+    let mut out = Vec::new();
+    for voltage in [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0] {
+        out.extend([0.0, 10.0, 20.0, 30.0, 40.0, 50.0].map(|deck| (voltage, deck)));
+    }
+    out.push((2.75, 30.0));
+    out
+}
+
+fn chamber(pass: &Pass, (voltage, deck_c): (f64, f64)) -> (Vec<f64>, f64) {
+    let inputs = [("T_orex", deck_c + ZERO_C), ("V", voltage), ("q_sun", 0.0), ("T_sky", 150.0)];
+    solved(pass, &TRUTH, inputs)
+}
+
+#[test]
+fn the_study_has_its_three_golden_solutions() {
+    let pass = study("pass-1.json");
+    // Case study 4.6, printed to 1e-4 K and 1e-6 A.
+    let golden = [
+        (
+            (30.0, 2.75),
+            [234.4233, 275.4979, 315.9947, 315.5040, 316.7059, 309.2359, 309.4607, 306.8015, 255.8919],
+            0.356666,
+        ),
+        ((-20.0, 0.0), [257.7426, 257.3354, 257.1997, 257.1990, 264.4125, 257.0929, 257.8350, 255.5157, 252.4292], 0.0),
+        (
+            (50.0, 2.5),
+            [248.6944, 288.8033, 333.0220, 332.6239, 335.0532, 327.6139, 327.5834, 325.8284, 257.5632],
+            0.311653,
+        ),
+    ];
+    for ((deck_c, voltage), temperatures_k, current) in golden {
+        let inputs = [("T_orex", deck_c + ZERO_C), ("V", voltage), ("q_sun", 1698.96), ("T_sky", 3.0)];
+        let (found, found_current) = solved(&pass, &[], inputs);
+        for (node, golden) in temperatures_k.iter().enumerate() {
+            assert!((found[node] + ZERO_C - golden).abs() < 1e-3, "{node}: {} {golden}", found[node] + ZERO_C);
+        }
+        assert!((found_current - current).abs() < 1e-6, "{found_current} {current}");
+    }
+}
+
+#[test]
+fn the_noise_free_campaign_has_its_golden_phases() {
+    let pass = study("pass-1.json");
+    // Case study 4.9, printed to five significant digits, so to 1e-3 K or, below -90 degC, to 1e-2 K at worst.
+    let golden = [
+        (1, [1.622, 1.222, 1.089, 1.088, 8.366, 1.048, 0.493, 0.437, -107.59], 0.0),
+        (18, [4.364, 23.841, 49.219, 49.151, 56.169, 48.845, 47.745, 49.519, -95.588], 0.1113),
+        (36, [-27.937, 11.844, 55.122, 54.723, 60.183, 52.820, 51.663, 51.175, -94.449], 0.3132),
+        (43, [-41.800, -1.156, 38.249, 37.757, 42.751, 35.376, 34.456, 32.240, -99.294], 0.3585),
+    ];
+    for (phase, temperatures, current) in golden {
+        let (found, found_current) = chamber(&pass, phases()[phase - 1]);
+        for (node, golden) in temperatures.iter().enumerate() {
+            let tolerance = if *golden < -100.0 { 6e-3 } else { 1e-3 };
+            assert!((found[node] - golden).abs() < tolerance, "T{phase} node {node}: {} {golden}", found[node]);
+        }
+        assert!((found_current - current).abs() < 6e-5, "T{phase}: {found_current} {current}");
+    }
+}
+
+#[test]
+fn the_campaign_is_made_again_byte_for_byte() {
+    let pass = study("pass-1.json");
+    let mut text = String::from("phase,V [V],T_orex [degC],T_sky [K],q_sun [W/m^2]");
+    for (name, _) in SENSORS {
+        write!(text, ",{name} [degC]").unwrap();
+    }
+    text.push('\n');
+    let noise = StreamKey::new(SEED, "thermal vacuum", "noise");
+    for (index, phase) in phases().into_iter().enumerate() {
+        let (temperatures, _) = chamber(&pass, phase);
+        let mut stream = noise.stream(index as u64);
+        write!(text, "T{:02},{},{},150,0", index + 1, phase.0, phase.1).unwrap();
+        for (name, sd) in SENSORS {
+            let node = pass.model.nodes.iter().position(|n| n.name == name).unwrap();
+            write!(text, ",{:.3}", temperatures[node] + sd * stream.normal()).unwrap();
+        }
+        text.push('\n');
+    }
+    let stored = std::fs::read_to_string(folder().join("data/thermal-vacuum.csv")).unwrap_or_default();
+    if stored != text {
+        let made = Path::new(env!("CARGO_TARGET_TMPDIR")).join("thermal-vacuum.csv");
+        std::fs::write(&made, &text).unwrap();
+        panic!("studies/sxm/data/thermal-vacuum.csv is not what the truth and the seed give: see {}", made.display());
+    }
+}
+
+#[test]
+fn the_deck_may_be_as_warm_as_the_priors_allow() {
+    let pass = study("pass-1.json");
+    let job = Propagate::new(propagation(&pass), Arc::new(pass.model.clone()), pass.priors.clone(), pass.seed, "prior");
+    let result: propagate::Output = run(&job.unwrap());
+    let detector = &result.cases[0].quantities[0];
+    // Case study 4.7, 4096 samples: the mean and the standard deviation are printed to 0.1 and 0.01 K with a sampling
+    // error of 0.05 and 0.03 K; the tails' error is 0.1 to 0.2 K.
+    assert!((detector.mean - ZERO_C + 38.8).abs() < 0.15, "{}", detector.mean - ZERO_C);
+    assert!((detector.sd - 2.98).abs() < 0.1, "{}", detector.sd);
+    for (probability, golden) in [(0.01, -44.2), (0.05, -43.0), (0.5, -39.2), (0.95, -33.0), (0.99, -30.6)] {
+        let found = detector.quantiles.iter().find(|q| q.probability == probability).unwrap().value - ZERO_C;
+        assert!((found - golden).abs() < 0.35, "{probability}: {found}");
+    }
+    // The same, by deck temperature: 8192 samples there and here, standard errors up to 0.006 each.
+    let decks = [20.0, 28.0, 30.0, 32.0, 34.0, 36.0, 38.0, 40.0, 42.0, 44.0, 46.0, 48.0, 50.0];
+    let tables = [
+        [1.0, 0.998, 0.992, 0.983, 0.957, 0.922, 0.872, 0.796, 0.677, 0.515, 0.327, 0.157, 0.057],
+        [1.0, 1.0, 1.0, 1.0, 1.0, 0.997, 0.985, 0.955, 0.915, 0.866, 0.789, 0.677, 0.489],
+        [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.999, 0.994, 0.974, 0.930, 0.855],
+    ];
+    for (column, deck_c) in decks.into_iter().enumerate() {
+        let at = |value: Option<f64>| value.is_some_and(|v| (v - ZERO_C - deck_c).abs() < 1e-6);
+        let case = result.cases.iter().find(|case| at(case.design_value)).unwrap();
+        for (met, golden) in case.requirements.iter().zip(tables) {
+            let (found, golden) = (met.probability.value, golden[column]);
+            assert!((found - golden).abs() < 0.015, "{} at {deck_c}: {found} {golden}", met.requirement);
+        }
+    }
+    // Case study 9.10: 30 degC within 1 K; the interval is in order and holds the value.
+    let reached = result.reached.iter().find(|r| r.requirement == "detector").unwrap();
+    let (value, [low, high]) = (reached.design_value.unwrap(), reached.interval.unwrap());
+    assert!((value - ZERO_C - 30.0).abs() < 1.0, "{}", value - ZERO_C);
+    assert!(low < value && value < high);
+}
+
+#[test]
+fn margins_by_rule_seek_the_warmest_deck() {
+    let pass = study("pass-1.json");
+    let spec = pass.jobs.iter().find_map(|job| match &job.spec {
+        JobSpec::Conventional(spec) => Some(spec.clone()),
+        _ => None,
+    });
+    let job = |priors| {
+        let job = Conventional::new(spec.clone().unwrap(), Arc::new(pass.model.clone()), priors).unwrap();
+        run::<conventional::Output>(&job)
+    };
+    let size = |output: &conventional::Output, rule: &str, basis| {
+        let found =
+            output.sizes.iter().find(|s| s.requirement == "detector" && s.rule.name == rule && s.basis == basis);
+        found.and_then(|s| s.size).unwrap() - ZERO_C
+    };
+    let full = job(pass.priors.clone());
+    assert!(full.seeks_largest());
+    // The stack over all 17 parameters is harder than any margin of 5 K on nominal values.
+    assert!(size(&full, "none", Basis::StackedWorstCase) < size(&full, "nasa-gsfc-5k", Basis::Nominal));
+    for pair in ["none", "nasa-gsfc-5k", "military-11k"].windows(2) {
+        assert!(size(&full, pair[0], Basis::StackedWorstCase) > size(&full, pair[1], Basis::StackedWorstCase));
+    }
+    // The governing size is the coldest of the requirements'.
+    let governing = full.governing("hot", "none", Basis::Nominal).unwrap();
+    let all = full.sizes.iter().filter(|s| s.rule.name == "none" && s.basis == Basis::Nominal);
+    assert_eq!(governing.size.unwrap(), all.filter_map(|s| s.size).fold(f64::INFINITY, f64::min));
+}
