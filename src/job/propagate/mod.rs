@@ -259,7 +259,8 @@ impl Job for Propagate {
             }
             failures.truncate(FAILURES_KEPT);
             let share = failed as f64 / self.spec.samples.max(1) as f64;
-            if share > self.spec.failure_limit {
+            // With no solution at all there is nothing to describe, whatever the study tolerates.
+            if share > self.spec.failure_limit || failed == self.spec.samples {
                 let example = failures.first().map_or(String::new(), |f| format!("; sample {}: {}", f.index, f.reason));
                 return Err(JobError::Failed(format!(
                     "{failed} of {} samples failed, more than the limit of {} %{example}",

@@ -41,7 +41,7 @@ pub fn check_label(name: &str, place: &Place, diagnostics: &mut Diagnostics) -> 
     } else if name.chars().count() > LONGEST {
         Some(format!("it has more than {LONGEST} characters"))
     } else {
-        name.chars().find(|c| c.is_control() || matches!(c, ':' | '/')).map(|c| format!("it holds {c:?}"))
+        name.chars().find(|&c| is_hidden(c) || matches!(c, ':' | '/')).map(|c| format!("it holds {c:?}"))
     };
     let Some(fault) = fault else { return true };
     diagnostics.push(
@@ -74,4 +74,26 @@ pub fn unknown<'a>(
         None => diagnostic.help(format!("the {what}s are {}", suggest::listed(known, 12))),
     };
     diagnostics.push(diagnostic.expected(format!("the name of a {what}")));
+}
+/// Whether a character would not be seen or would change how its neighbours are shown: controls, zero widths, and the
+/// marks that turn the direction of writing.
+fn is_hidden(character: char) -> bool {
+    character.is_control()
+        || matches!(character, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
+}
+
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_that_turn_the_direction_of_writing_are_hidden_and_letters_are_not() {
+        for hidden in ['\u{202e}', '\u{2067}', '\u{200b}', '\u{feff}', '\u{9b}', '\n'] {
+            assert!(is_hidden(hidden), "{hidden:?}");
+        }
+        for shown in ['a', 'ä', '温', 'µ', '°', ' ', '-'] {
+            assert!(!is_hidden(shown), "{shown:?}");
+        }
+    }
 }
