@@ -71,6 +71,9 @@ impl Propagate {
         let failed = |reason: String| JobError::Failed(reason);
         let network = Network::compile(&model, &[]).map_err(|e| failed(e.to_string()))?;
         let uncertain: Vec<usize> = (0..priors.len()).filter(|&i| !priors[i].is_fixed()).collect();
+        if uncertain.is_empty() {
+            return Err(failed("every parameter is fixed: give at least one a prior to propagate".to_owned()));
+        }
         let set = match spec.sampling {
             Sampling::MonteCarlo => PointKind::MonteCarlo,
             Sampling::LatinHypercube => PointKind::LatinHypercube,
