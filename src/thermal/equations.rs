@@ -49,7 +49,8 @@ pub(super) mod segment {
     pub const BALANCE: usize = 15;
     /// Slopes of the boundary temperatures in the differentiated symbols.
     pub const BOUNDARY_TANGENT: usize = 16;
-    /// Kinks: functions of inputs and time at whose sign changes an expression has a corner or a jump.
+    /// Kinks: functions of inputs and time at whose sign changes an expression has a corner or a jump, then those at
+    /// which tables are read.
     pub const KINK: usize = 17;
 }
 
@@ -111,6 +112,8 @@ pub(super) struct Equations {
     /// Rows are positions in `boundaries`.
     pub boundary_tangent: Vec<Entry>,
     pub kinks: Vec<Register>,
+    /// Tables read at functions of inputs and time: the points at which each has corners, and where it is read.
+    pub table_kinks: Vec<(Vec<f64>, Register)>,
     pub heats: Vec<NamedHeats>,
 }
 
@@ -306,7 +309,10 @@ impl Equations {
             })
             .unzip();
         let (_, boundary_tangent) = slopes(&mut graph, &boundary);
-        let kinks = graph.kinks(&residual, Dependence::PARAMETER.union(Dependence::INPUT).union(Dependence::TIME));
+        let balances: Vec<ExprId> = residual.iter().copied().chain(capacity.iter().copied().flatten()).collect();
+        let given = Dependence::PARAMETER.union(Dependence::INPUT).union(Dependence::TIME);
+        let kinks = graph.kinks(&balances, given);
+        let table_kinks = graph.table_kinks(&balances, given);
 
         // One list of outputs a segment; `take` reads the registers back in the same order.
         let ids = |entries: &[(usize, usize, ExprId)]| entries.iter().map(|e| e.2).collect::<Vec<_>>();
@@ -327,7 +333,7 @@ impl Equations {
             join(ids(&switch_temperature), ids(&switch_symbol)),
             sources.iter().map(|s| s.1).chain(into_boundary.iter().map(|b| b.1)).collect(),
             ids(&boundary_tangent),
-            kinks,
+            kinks.iter().copied().chain(table_kinks.iter().map(|&(_, at)| at)).collect(),
         ];
         let roots: Vec<ExprId> = outputs.iter().flatten().copied().collect();
         if let Some(&bad) = roots.iter().find(|&&id| graph.dependence(id).intersects(Dependence::LOCAL)) {
@@ -409,7 +415,12 @@ impl Equations {
             sources: sources.iter().map(|s| s.0).zip(balance.iter().copied()).collect(),
             into_boundary: into_boundary.iter().map(|b| b.0).zip(balance[sources.len()..].iter().copied()).collect(),
             boundary_tangent: entries(segment::BOUNDARY_TANGENT, 0, &boundary_tangent),
-            kinks: program.outputs(segment::KINK).to_vec(),
+            kinks: program.outputs(segment::KINK)[..kinks.len()].to_vec(),
+            table_kinks: table_kinks
+                .iter()
+                .zip(&program.outputs(segment::KINK)[kinks.len()..])
+                .map(|(&(table, _), &at)| (graph.tables()[table as usize].x.clone(), at))
+                .collect(),
             heats,
             unknowns,
             program,
