@@ -21,7 +21,7 @@ pub(super) mod segment {
     pub const INPUTS: usize = 1;
     /// What depends on time and on switches' modes besides.
     pub const INSTANT: usize = 2;
-    /// Boundary temperatures, K.
+    /// Boundary temperatures and widths of controllers' bands, K.
     pub const BOUNDARY: usize = 3;
     /// Balance of each unknown node, W.
     pub const RESIDUAL: usize = 4;
@@ -83,6 +83,8 @@ pub(super) struct Equations {
     /// Names of the switched elements.
     pub mode_names: Vec<String>,
     pub boundaries: Vec<(usize, Register)>,
+    /// Width of each controller's band, with its element's name.
+    pub bands: Vec<(String, Register)>,
     pub residual: Vec<Register>,
     pub magnitude: Vec<Register>,
     /// Slopes of the balances, by row then column, each position once.
@@ -314,12 +316,17 @@ impl Equations {
         let kinks = graph.kinks(&balances, given);
         let table_kinks = graph.table_kinks(&balances, given);
 
+        let bands: Vec<(String, ExprId)> = (model.elements.iter().zip(&forms.contributions))
+            .filter_map(|(element, contribution)| Some((element.name.clone(), contribution.band?)))
+            .filter(|(_, band)| graph.dependence(*band).within(given))
+            .collect();
+
         // One list of outputs a segment; `take` reads the registers back in the same order.
         let ids = |entries: &[(usize, usize, ExprId)]| entries.iter().map(|e| e.2).collect::<Vec<_>>();
         let some = |list: &[Option<ExprId>]| list.iter().copied().flatten().collect::<Vec<_>>();
         let join = |a: Vec<ExprId>, b: Vec<ExprId>| a.into_iter().chain(b).collect::<Vec<_>>();
         let outputs: Vec<Vec<ExprId>> = vec![
-            boundary,
+            boundary.iter().copied().chain(bands.iter().map(|&(_, band)| band)).collect(),
             residual,
             magnitude,
             ids(&jacobian),
@@ -397,6 +404,9 @@ impl Equations {
                 .iter()
                 .copied()
                 .zip(program.outputs(segment::BOUNDARY).iter().copied())
+                .collect(),
+            bands: (bands.into_iter().zip(&program.outputs(segment::BOUNDARY)[boundary_nodes.len()..]))
+                .map(|((name, _), &register)| (name, register))
                 .collect(),
             residual: program.outputs(segment::RESIDUAL).to_vec(),
             magnitude: program.outputs(segment::MAGNITUDE).to_vec(),

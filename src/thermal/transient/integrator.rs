@@ -218,6 +218,8 @@ impl<'a> Integrator<'a> {
     pub fn restart(&mut self) -> Result<(), TransientError> {
         self.forget_instant();
         self.set_instant(self.time_s);
+        self.equations.program.run(segment::BOUNDARY, &mut self.file);
+        self.equations.check_given(&self.file, 0, &self.network.nodes)?;
         self.make_consistent(0)?;
         self.evaluate(0);
         for row in 0..self.equations.size() {
