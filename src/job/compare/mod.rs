@@ -378,7 +378,7 @@ impl Job for Compare {
     }
 
     fn algorithm_version(&self) -> u32 {
-        1
+        2
     }
 
     fn identity(&self) -> Value {
