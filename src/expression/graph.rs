@@ -583,6 +583,23 @@ impl Graph {
         found
     }
 
+    /// Tables read at a function of inputs and time, with that function: at each of its points a table has a corner.
+    /// `allowed` as for [`Graph::kinks`].
+    pub fn table_kinks(&self, roots: &[ExprId], allowed: Dependence) -> Vec<(u32, ExprId)> {
+        let mut found = Vec::new();
+        for id in self.below(roots) {
+            if let Term::Interpolate(table, at) = self.term(id)
+                && self.dependence(at).within(allowed)
+                && self.dependence(at).intersects(Dependence::TIME.union(Dependence::INPUT))
+            {
+                found.push((table, at));
+            }
+        }
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
     /// Value of an expression; `lookup` supplies the symbols. For single evaluations: repeated ones go
     /// through [`super::Program`], which gives the same bits.
     pub fn evaluate(&self, root: ExprId, lookup: &dyn Fn(Symbol) -> f64) -> f64 {

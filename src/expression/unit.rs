@@ -395,6 +395,12 @@ impl Parser<'_> {
             }
             Some('1') => {
                 self.at += 1;
+                // Else `10 W` would be read as a power of 1: `1^0 W`.
+                if let Some(c) = self.peek().filter(char::is_ascii_digit) {
+                    let mut error = fault(start, self.at + c.len_utf8(), "a unit has no number but 1".to_owned());
+                    error.help = Some("put the number into the value, or use a prefix such as `k` or `m`".to_owned());
+                    return Err(error);
+                }
                 Ok((1.0, Dimension::NONE))
             }
             Some('%') => {
@@ -500,6 +506,8 @@ mod tests {
             ("(W", 0, 1, None),
             ("", 0, 0, Some("write `1` for a number without unit")),
             ("m^99", 1, 4, None),
+            ("10 W", 0, 2, Some("put the number into the value, or use a prefix such as `k` or `m`")),
+            ("W/(1000 K)", 3, 5, Some("put the number into the value, or use a prefix such as `k` or `m`")),
         ] {
             let error = Unit::parse(text).expect_err(text);
             assert_eq!((error.start, error.end, error.help.as_deref()), (start, end, help), "{text}: {error}");

@@ -24,8 +24,10 @@ pub struct Prediction {
     pub readings: Vec<f64>,
     /// Temperatures, `rows x nodes`, K; NaN where the solution failed.
     pub temperatures: Vec<f64>,
-    /// Heat by row; `None` where the solution failed or the network has switched heaters in a transient.
+    /// Heat from the row on; `None` where the solution failed or the network has switched heaters in a transient.
     pub heat: Vec<Option<RowHeat>>,
+    /// The same just before the row: what differs is that a held input has not yet stepped.
+    pub heat_before: Vec<Option<RowHeat>>,
     /// What failed and why: the row of a steady measurement, `None` for a transient.
     pub failures: Vec<(Option<usize>, String)>,
 }
@@ -36,6 +38,8 @@ pub struct Predictor {
     network: Network,
     nodes: usize,
     capacities_switch: bool,
+    /// Whether no node is without storage.
+    stores_everywhere: bool,
 }
 
 impl Predictor {
@@ -48,6 +52,7 @@ impl Predictor {
         Ok(Self {
             network: Network::compile(model, differentiate)?,
             nodes: model.nodes.len(),
+            stores_everywhere: !model.nodes.iter().any(|n| matches!(n.kind, NodeKind::Arithmetic)),
             capacities_switch: switched && model.nodes.iter().any(|n| matches!(n.kind, NodeKind::Diffusion { .. })),
         })
     }
@@ -70,6 +75,7 @@ impl Predictor {
             readings: vec![f64::NAN; rows * measurement.sensors.len()],
             temperatures: vec![f64::NAN; rows * self.nodes],
             heat: vec![None; rows],
+            heat_before: vec![None; rows],
             failures: Vec::new(),
         };
         match &measurement.rows {
@@ -108,6 +114,7 @@ impl Predictor {
             }
             prediction.temperatures[row * self.nodes..(row + 1) * self.nodes].copy_from_slice(workspace.temperatures());
             prediction.heat[row] = Some(self.row_heat(workspace));
+            prediction.heat_before[row].clone_from(&prediction.heat[row]);
         }
     }
 
@@ -151,11 +158,25 @@ impl Predictor {
         if !self.capacities_switch {
             self.network.set_parameters(workspace, parameters);
             for row in 0..rows {
-                self.network.set_inputs(workspace, &inputs_at(inputs, row));
-                self.network.set_time(workspace, inputs.times_s[row]);
-                self.network
-                    .set_temperatures(workspace, &transient.temperatures[row * self.nodes..(row + 1) * self.nodes]);
-                prediction.heat[row] = Some(self.row_heat(workspace));
+                let temperatures = &transient.temperatures[row * self.nodes..(row + 1) * self.nodes];
+                let mut heat_with = |values: &[f64]| {
+                    self.network.set_inputs(workspace, values);
+                    self.network.set_time(workspace, inputs.times_s[row]);
+                    self.network.set_temperatures(workspace, temperatures);
+                    self.row_heat(workspace)
+                };
+                let (before, from) = (inputs_before(inputs, row), inputs_from(inputs, row));
+                let heat_before = heat_with(&before);
+                let heat = if before == from || self.stores_everywhere { Some(heat_with(&from)) } else { None };
+                prediction.heat_before[row] = Some(heat_before);
+                prediction.heat[row] = heat;
+            }
+            // Nodes without storage jump at a step, and the temperatures are those before it: the heat at the end of
+            // the interval stands for that at its start.
+            for row in 0..rows {
+                if prediction.heat[row].is_none() {
+                    prediction.heat[row] = prediction.heat_before[(row + 1).min(rows - 1)].clone();
+                }
             }
         }
     }
@@ -166,11 +187,16 @@ impl Predictor {
     }
 }
 
-/// Every input in a row of the table.
-fn inputs_at(table: &InputTable, row: usize) -> Vec<f64> {
-    let mut values = table.base.clone();
-    for column in &table.columns {
-        values[column.input] = column.values[row];
+/// Every input from a row of the table on.
+fn inputs_from(table: &InputTable, row: usize) -> Vec<f64> {
+    (0..table.base.len()).map(|input| table.in_row(row, input)).collect()
+}
+
+/// Every input at a row, held ones as they are until there.
+fn inputs_before(table: &InputTable, row: usize) -> Vec<f64> {
+    let mut values = inputs_from(table, row);
+    for column in table.columns.iter().filter(|column| column.hold) {
+        values[column.input] = column.values[row.saturating_sub(1)];
     }
     values
 }

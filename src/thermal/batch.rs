@@ -116,9 +116,12 @@ impl Network {
                 batch.state.file[first + position].set_lane(lane, if usable { guess } else { cold });
             }
         }
-        batch.status = [LaneStatus::Running; N];
-        let work =
-            newton::solve(equations, &mut batch.state, &mut batch.linear, &mut batch.status, &mut batch.last_step);
+        for lane in 0..N {
+            // What a lane by itself would refuse is left to it, with its reason.
+            let possible = equations.check_given(&batch.state.file, lane, &self.nodes).is_ok();
+            batch.status[lane] = if possible { LaneStatus::Running } else { LaneStatus::Lost };
+        }
+        newton::solve(equations, &mut batch.state, &mut batch.linear, &mut batch.status, &mut batch.last_step);
         for (position, &node) in equations.unknowns.iter().enumerate() {
             batch.temperatures[node] = batch.state.file[first + position];
         }
@@ -131,10 +134,7 @@ impl Network {
                         residual_evaluations: iterations + 1,
                     });
                 }
-                LaneStatus::Running | LaneStatus::Lost => {
-                    debug_assert!(work.iterations > 0);
-                    self.solve_alone(batch, lane, start);
-                }
+                LaneStatus::Running | LaneStatus::Lost => self.solve_alone(batch, lane, start),
             }
         }
         equations.program.run(segment::QUANTITY, &mut batch.state.file);

@@ -21,7 +21,7 @@ pub(super) mod segment {
     pub const INPUTS: usize = 1;
     /// What depends on time and on switches' modes besides.
     pub const INSTANT: usize = 2;
-    /// Boundary temperatures, K.
+    /// Boundary temperatures and widths of controllers' bands, K.
     pub const BOUNDARY: usize = 3;
     /// Balance of each unknown node, W.
     pub const RESIDUAL: usize = 4;
@@ -49,7 +49,8 @@ pub(super) mod segment {
     pub const BALANCE: usize = 15;
     /// Slopes of the boundary temperatures in the differentiated symbols.
     pub const BOUNDARY_TANGENT: usize = 16;
-    /// Kinks: functions of inputs and time at whose sign changes an expression has a corner or a jump.
+    /// Kinks: functions of inputs and time at whose sign changes an expression has a corner or a jump, then those at
+    /// which tables are read.
     pub const KINK: usize = 17;
 }
 
@@ -82,6 +83,8 @@ pub(super) struct Equations {
     /// Names of the switched elements.
     pub mode_names: Vec<String>,
     pub boundaries: Vec<(usize, Register)>,
+    /// Width of each controller's band, with its element's name.
+    pub bands: Vec<(String, Register)>,
     pub residual: Vec<Register>,
     pub magnitude: Vec<Register>,
     /// Slopes of the balances, by row then column, each position once.
@@ -111,6 +114,8 @@ pub(super) struct Equations {
     /// Rows are positions in `boundaries`.
     pub boundary_tangent: Vec<Entry>,
     pub kinks: Vec<Register>,
+    /// Tables read at functions of inputs and time: the points at which each has corners, and where it is read.
+    pub table_kinks: Vec<(Vec<f64>, Register)>,
     pub heats: Vec<NamedHeats>,
 }
 
@@ -306,14 +311,22 @@ impl Equations {
             })
             .unzip();
         let (_, boundary_tangent) = slopes(&mut graph, &boundary);
-        let kinks = graph.kinks(&residual, Dependence::PARAMETER.union(Dependence::INPUT).union(Dependence::TIME));
+        let balances: Vec<ExprId> = residual.iter().copied().chain(capacity.iter().copied().flatten()).collect();
+        let given = Dependence::PARAMETER.union(Dependence::INPUT).union(Dependence::TIME);
+        let kinks = graph.kinks(&balances, given);
+        let table_kinks = graph.table_kinks(&balances, given);
+
+        let bands: Vec<(String, ExprId)> = (model.elements.iter().zip(&forms.contributions))
+            .filter_map(|(element, contribution)| Some((element.name.clone(), contribution.band?)))
+            .filter(|(_, band)| graph.dependence(*band).within(given))
+            .collect();
 
         // One list of outputs a segment; `take` reads the registers back in the same order.
         let ids = |entries: &[(usize, usize, ExprId)]| entries.iter().map(|e| e.2).collect::<Vec<_>>();
         let some = |list: &[Option<ExprId>]| list.iter().copied().flatten().collect::<Vec<_>>();
         let join = |a: Vec<ExprId>, b: Vec<ExprId>| a.into_iter().chain(b).collect::<Vec<_>>();
         let outputs: Vec<Vec<ExprId>> = vec![
-            boundary,
+            boundary.iter().copied().chain(bands.iter().map(|&(_, band)| band)).collect(),
             residual,
             magnitude,
             ids(&jacobian),
@@ -327,7 +340,7 @@ impl Equations {
             join(ids(&switch_temperature), ids(&switch_symbol)),
             sources.iter().map(|s| s.1).chain(into_boundary.iter().map(|b| b.1)).collect(),
             ids(&boundary_tangent),
-            kinks,
+            kinks.iter().copied().chain(table_kinks.iter().map(|&(_, at)| at)).collect(),
         ];
         let roots: Vec<ExprId> = outputs.iter().flatten().copied().collect();
         if let Some(&bad) = roots.iter().find(|&&id| graph.dependence(id).intersects(Dependence::LOCAL)) {
@@ -392,6 +405,9 @@ impl Equations {
                 .copied()
                 .zip(program.outputs(segment::BOUNDARY).iter().copied())
                 .collect(),
+            bands: (bands.into_iter().zip(&program.outputs(segment::BOUNDARY)[boundary_nodes.len()..]))
+                .map(|((name, _), &register)| (name, register))
+                .collect(),
             residual: program.outputs(segment::RESIDUAL).to_vec(),
             magnitude: program.outputs(segment::MAGNITUDE).to_vec(),
             jacobian: entries(segment::JACOBIAN, 0, &jacobian),
@@ -409,7 +425,12 @@ impl Equations {
             sources: sources.iter().map(|s| s.0).zip(balance.iter().copied()).collect(),
             into_boundary: into_boundary.iter().map(|b| b.0).zip(balance[sources.len()..].iter().copied()).collect(),
             boundary_tangent: entries(segment::BOUNDARY_TANGENT, 0, &boundary_tangent),
-            kinks: program.outputs(segment::KINK).to_vec(),
+            kinks: program.outputs(segment::KINK)[..kinks.len()].to_vec(),
+            table_kinks: table_kinks
+                .iter()
+                .zip(&program.outputs(segment::KINK)[kinks.len()..])
+                .map(|(&(table, _), &at)| (graph.tables()[table as usize].x.clone(), at))
+                .collect(),
             heats,
             unknowns,
             program,

@@ -1,11 +1,29 @@
-//! Finding the element behind a number that is not finite.
+//! Given values that cannot be, and finding the element behind a number that is not finite.
 
-use crate::expression::{ExprId, Symbol};
+use crate::expression::{ExprId, Lanes, Symbol};
 
 use super::equations::Equations;
 use super::steady::SteadyError;
 
 impl Equations {
+    /// Whether boundary temperatures and controllers' bands, as they stand in the file, are possible ones.
+    pub(super) fn check_given<V: Lanes>(&self, file: &[V], lane: usize, nodes: &[String]) -> Result<(), SteadyError> {
+        for &(node, register) in &self.boundaries {
+            let temperature_k = file[register.index()].lane(lane);
+            // Written so that a NaN is refused.
+            if !(temperature_k >= 0.0) {
+                return Err(SteadyError::Boundary { node: nodes[node].clone(), temperature_k });
+            }
+        }
+        for (element, register) in &self.bands {
+            let band_k = file[register.index()].lane(lane);
+            if !(band_k > 0.0) {
+                return Err(SteadyError::Band { element: element.clone(), band_k });
+            }
+        }
+        Ok(())
+    }
+
     /// The first element with a heat or a slope that is not finite at the state in a file of registers, with the
     /// temperatures it depends on; `None` if all are finite.
     pub(super) fn name_not_finite(&self, file: &[f64], nodes: &[String]) -> Option<SteadyError> {

@@ -52,6 +52,22 @@ pub enum SteadyError {
         /// Node names and temperatures, K.
         temperatures: Vec<(String, f64)>,
     },
+    /// A boundary below absolute zero, or without a temperature.
+    #[error("boundary node `{node}` is given {temperature_k} K: a temperature is 0 K or above")]
+    Boundary {
+        /// The node.
+        node: String,
+        /// What it is given, K.
+        temperature_k: f64,
+    },
+    /// A thermostat whose `off` is not above its `on`, or a proportional heater without a band.
+    #[error("the band of heater `{element}` is {band_k} K wide: it must be above 0 K")]
+    Band {
+        /// The element.
+        element: String,
+        /// Its width, K.
+        band_k: f64,
+    },
     /// The matrix of slopes is singular.
     #[error("the balances do not determine the temperatures (node `{node}`): a conductance may be zero")]
     Singular {
@@ -81,6 +97,8 @@ impl Network {
         }
         self.refresh(workspace);
         let equations = &self.steady;
+        workspace.solved = false;
+        equations.check_given(&workspace.state.file, 0, &self.nodes)?;
         let first = equations.temperatures().start;
         let cold = newton::default_start(equations, &workspace.state.file, 0);
         for (position, &node) in equations.unknowns.iter().enumerate() {

@@ -49,6 +49,18 @@ fn a_file_and_windows() {
 }
 
 #[test]
+fn a_window_with_a_column_and_a_constant_value_of_an_input() {
+    // The column would override the 9 W in silence.
+    let study = Study::new();
+    let window = r#""windows": {"P1": {"file": "data/run.csv", "inputs": {"Q": 9}}, "P2": {"file": "data/run.csv"}},"#;
+    study.edit("pass-1.json", r#""file": "data/balance.csv","#, window);
+    study.edit("pass-1.json", r#", "panel": {"measures": "panel"}"#, "");
+    study.edit("pass-1.json", r#", "ignore": {"P3": "not stabilised"}"#, "");
+    let said = study.said("pass-1.json");
+    assert!(said.contains("`Q` has a column and a constant value"), "{said}");
+}
+
+#[test]
 fn an_unknown_phase_held_out() {
     let study = Study::new();
     study.edit("pass-1.json", r#"["P2"]"#, r#"["P4"]"#);

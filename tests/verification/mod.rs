@@ -1,6 +1,7 @@
 //! Numerics against analytic results, published values and golden numbers.
 
 mod build;
+mod comparison;
 mod derivatives;
 mod elements;
 mod flux;

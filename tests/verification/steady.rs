@@ -1,7 +1,9 @@
 //! Steady solutions against golden and analytic ones.
 
 use bmv::expression::Symbol;
-use bmv::thermal::{Network, Start, SteadyError};
+use bmv::thermal::{
+    InitialState, InputColumn, InputTable, Network, Start, SteadyError, TransientError, TransientRequest,
+};
 
 use super::build::{Build, radiator, sxm};
 
@@ -264,4 +266,53 @@ fn a_large_network_agrees_with_its_heat_balance_and_its_differences() {
     for (node, value) in reference.iter().enumerate() {
         assert_eq!(batch.temperature(1, node).to_bits(), value.to_bits());
     }
+}
+
+#[test]
+fn a_boundary_below_absolute_zero_is_refused_wherever_it_comes_from() {
+    // -30, meant in degC but read in K: radiation to it would go with (-30 K)^4.
+    let mut b = Build::default();
+    let sink = b.input("T_sink", -30.0);
+    let plate = b.diffusion("plate", 900.0);
+    let sink = b.boundary("sink", sink);
+    let (area, power) = (b.n(0.05), b.n(5.0));
+    b.radiation("to sink", [plate, sink], area);
+    b.load("board", plate, power);
+    let network = Network::compile(&b.model, &[]).unwrap();
+    let refused = SteadyError::Boundary { node: "sink".into(), temperature_k: -30.0 };
+    let mut workspace = network.workspace();
+    assert_eq!(network.solve_steady(&mut workspace, Start::Default).unwrap_err(), refused);
+    let mut batch = network.batch::<4>();
+    batch.set_inputs(&network, 2, &[250.0]);
+    network.solve_steady_batch(&mut batch, Start::Default);
+    assert_eq!(batch.outcome(1).as_ref().unwrap_err(), &refused);
+    // 5 W = sigma 0.05 m2 (T^4 - 250^4); the solution closes to 1e-9 W.
+    let exact = libm::pow(libm::pow(250.0, 4.0) + 5.0 / (5.670374419e-8 * 0.05), 0.25);
+    assert!((batch.temperature(2, plate) - exact).abs() < 1e-8, "{}", batch.temperature(2, plate));
+    let inputs = InputTable {
+        times_s: vec![0.0, 10.0, 20.0],
+        columns: vec![InputColumn { input: 0, values: vec![250.0, -30.0, 250.0], hold: false }],
+        base: vec![250.0],
+    };
+    let request = TransientRequest::new(&[], &inputs, InitialState::Temperatures(&[300.0, 0.0]), &[20.0]);
+    assert_eq!(network.solve_transient(&request).unwrap_err(), TransientError::Steady(refused));
+}
+
+#[test]
+fn a_thermostat_upside_down_is_refused_in_a_steady_solution() {
+    // Off above 285 K, on below 290 K: the average of its cycling has no meaning.
+    let mut b = Build::default();
+    let sink = b.n(280.0);
+    let battery = b.diffusion("battery", 100.0);
+    let sink = b.boundary("sink", sink);
+    let (conductance, power, on) = (b.n(0.1), b.n(10.0), b.n(290.0));
+    b.conductor("link", [battery, sink], conductance);
+    let off = b.parameter("off", 285.0);
+    b.thermostat("heater", battery, power, on, off);
+    let network = Network::compile(&b.model, &[]).unwrap();
+    let mut workspace = network.workspace();
+    let refused = SteadyError::Band { element: "heater".into(), band_k: -5.0 };
+    assert_eq!(network.solve_steady(&mut workspace, Start::Default).unwrap_err(), refused);
+    network.set_parameters(&mut workspace, &[295.0]);
+    assert!(network.solve_steady(&mut workspace, Start::Default).is_ok());
 }

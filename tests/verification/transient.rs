@@ -1,5 +1,6 @@
 //! Transients against closed forms, conservation and the scheme's order.
 
+use bmv::expression::{Table, Unary};
 use bmv::thermal::{
     InitialState, InputColumn, InputTable, Model, Network, QuantityValue, Start, Transient, TransientError,
     TransientOptions, TransientRequest,
@@ -244,6 +245,67 @@ fn held_inputs_step_exactly_at_their_rows() {
     for (value, energy) in result.temperatures.iter().zip(energies) {
         assert!((value - (300.0 + energy / 10.0)).abs() < 1e-8, "{value} {energy}");
     }
+}
+
+#[test]
+fn a_held_input_that_steps_at_the_kink_of_an_expression_is_not_missed() {
+    // A load of 1 W from 100 s on, and a held input that steps from 0 to 5 W at the same instant: at 200 s the node
+    // has taken up 100 s x 6 W.
+    let mut b = Build::default();
+    let node = b.diffusion("node", 10.0);
+    let power = b.input("power", 0.0);
+    let (time, start) = (b.time(), b.n(100.0));
+    let since = b.sub(time, start);
+    let on = b.graph().unary(Unary::Step, since);
+    let both = b.add(on, power);
+    b.load("load", node, both);
+    let network = Network::compile(&b.model, &[]).unwrap();
+    let inputs = InputTable {
+        times_s: vec![0.0, 100.0, 200.0],
+        columns: vec![InputColumn { input: 0, values: vec![0.0, 5.0, 5.0], hold: true }],
+        base: vec![0.0],
+    };
+    let outputs = [100.0, 200.0];
+    let request = TransientRequest::new(&[], &inputs, InitialState::Temperatures(&[300.0]), &outputs);
+    let result = network.solve_transient(&request).unwrap();
+    assert!((result.temperatures[0] - 300.0).abs() < 1e-8, "{:?}", result.temperatures);
+    assert!((result.temperatures[1] - 360.0).abs() < 1e-8, "{:?}", result.temperatures);
+}
+
+#[test]
+fn a_pulse_in_a_table_over_time_is_not_stepped_over() {
+    // 100 W for 10 s with ramps of 0.1 s in the middle of a day at rest: 1010 J into 10 J/K.
+    let mut b = Build::default();
+    let node = b.diffusion("node", 10.0);
+    let time = b.time();
+    let table = b.graph().table(Table {
+        x: vec![0.0, 50_000.0, 50_000.1, 50_010.1, 50_010.2, 90_000.0],
+        y: vec![0.0, 0.0, 100.0, 100.0, 0.0, 0.0],
+    });
+    let pulse = b.graph().interpolate(table, time);
+    b.load("pulse", node, pulse);
+    let network = Network::compile(&b.model, &[]).unwrap();
+    let result = run(&network, &[300.0], &[40_000.0, 86_400.0], TransientOptions::default());
+    assert!((result.temperatures[0] - 300.0).abs() < 1e-8, "{:?}", result.temperatures);
+    assert!((result.temperatures[1] - 401.0).abs() < 1e-6, "{:?}", result.temperatures);
+}
+
+#[test]
+fn a_model_without_nodes_has_its_periodic_state() {
+    let mut b = Build::default();
+    let q = b.input("Q", 3.0);
+    let twice = b.scale(2.0, q);
+    b.quantity("twice", twice);
+    let network = Network::compile(&b.model, &[]).unwrap();
+    let inputs = InputTable {
+        times_s: vec![0.0, 10.0],
+        columns: vec![InputColumn { input: 0, values: vec![1.0, 2.0], hold: false }],
+        base: vec![3.0],
+    };
+    let outputs = [0.0, 5.0, 10.0];
+    let request = TransientRequest::new(&[], &inputs, InitialState::Periodic, &outputs);
+    let result = network.solve_transient(&request).unwrap();
+    assert_eq!(result.quantities, [2.0, 3.0, 4.0]);
 }
 
 /// The sun of the orbit as a table of one period with linear columns.

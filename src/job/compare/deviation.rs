@@ -1,6 +1,7 @@
 //! Statistics of measured minus predicted, as test reports give them.
 
-use super::output::Deviation;
+use super::output::{Deviation, Row};
+use crate::math::special::chi_square_quantile;
 
 /// Statistics of some deviations (in order), with the share whose magnitude is at most `limit` (all, without one).
 ///
@@ -22,6 +23,29 @@ pub fn deviation(values: &[f64], limit: Option<f64>) -> Deviation {
         max: values.iter().fold(0.0, |largest: f64, v| largest.max(v.abs())),
         within_limit: within as f64 / count,
     }
+}
+
+/// The range in which the RMSE of `count` readings lies with 95 % probability when only white noise is at work.
+pub fn noise_rmse(sigma: f64, count: u64) -> [f64; 2] {
+    if count == 0 {
+        return [0.0, 0.0];
+    }
+    let count = count as f64;
+    [0.025, 0.975].map(|p| sigma * (chi_square_quantile(p, count) / count).sqrt())
+}
+
+/// The unit that limits in kelvin and statistics over several sensors are about.
+pub const KELVIN: &str = "K";
+
+/// The rows over which statistics of several sensors have a meaning: those in kelvin, or, where there are none, those
+/// in the unit of the first. Kelvins and amperes have no mean.
+pub fn of_one_unit(rows: &[Row]) -> (&str, Vec<&Row>) {
+    let unit = if rows.iter().any(|row| row.unit == KELVIN) {
+        KELVIN
+    } else {
+        rows.first().map_or(KELVIN, |row| row.unit.as_str())
+    };
+    (unit, rows.iter().filter(|row| row.unit == unit).collect())
 }
 
 #[cfg(test)]

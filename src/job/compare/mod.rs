@@ -11,9 +11,9 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 
+use crate::expression::{Symbol, Term};
 use crate::inference::measurement::{Measurement, Rows, Uncertain};
 use crate::inference::prediction::{Prediction, Predictor};
-use crate::math::special::chi_square_quantile;
 use crate::thermal::{Model, NodeKind};
 
 pub use output::{
@@ -23,7 +23,7 @@ pub use output::{
 pub use view::view;
 
 use super::{Job, JobError, Step};
-use deviation::deviation;
+use deviation::{KELVIN, deviation, noise_rmse, of_one_unit};
 use stretch::{Stretch, stretches};
 
 /// A comparison, ready to run.
@@ -92,7 +92,8 @@ impl Compare {
                         .map(|row| row.measured - row.predicted)
                         .collect()
                 };
-                let limit = self.spec.criteria.each_k;
+                let unit = &self.model.quantities[sensor.quantity].unit;
+                let limit = self.spec.criteria.each_k.filter(|_| unit == KELVIN);
                 let (train, held_out) = (deviation(&of(false), limit), deviation(&of(true), limit));
                 let sigma = match sensor.sigma {
                     Some(Uncertain::Known(sigma)) => Some(sigma),
@@ -105,7 +106,7 @@ impl Compare {
                 SensorSummary {
                     measurement: measurement.name.clone(),
                     sensor: sensor.name.clone(),
-                    unit: self.model.quantities[sensor.quantity].unit.clone(),
+                    unit: unit.clone(),
                     sigma,
                     noise_rmse: sigma.filter(|_| white).map(|sigma| noise_rmse(sigma, train.count + held_out.count)),
                     train,
@@ -118,6 +119,8 @@ impl Compare {
 
     /// Statistics by phase, or by stretch of a transient.
     fn phases(&self, measurement: &Measurement, rows: &[Row]) -> Vec<PhaseSummary> {
+        let (unit, rows) = of_one_unit(rows);
+        let limit = self.spec.criteria.each_k.filter(|_| unit == KELVIN);
         let summary = |phase: String, held_out: bool, own: &[&Row]| {
             let deviations: Vec<f64> = own.iter().map(|row| row.measured - row.predicted).collect();
             let worst = own
@@ -127,7 +130,7 @@ impl Compare {
                 measurement: measurement.name.clone(),
                 phase,
                 held_out,
-                deviation: deviation(&deviations, self.spec.criteria.each_k),
+                deviation: deviation(&deviations, limit),
                 worst_sensor: worst.sensor.clone(),
                 worst: worst.measured - worst.predicted,
             })
@@ -137,7 +140,7 @@ impl Compare {
                 .iter()
                 .filter_map(|phase| {
                     let own: Vec<&Row> =
-                        rows.iter().filter(|row| row.phase.as_deref() == Some(phase.name.as_str())).collect();
+                        rows.iter().copied().filter(|row| row.phase.as_deref() == Some(phase.name.as_str())).collect();
                     summary(phase.name.clone(), phase.held_out, &own)
                 })
                 .collect(),
@@ -146,7 +149,7 @@ impl Compare {
                 .filter_map(|stretch| {
                     let (from, to) = (inputs.times_s[stretch.from], inputs.times_s[stretch.to - 1]);
                     let own: Vec<&Row> =
-                        rows.iter().filter(|row| row.time_s.is_some_and(|t| t >= from && t <= to)).collect();
+                        rows.iter().copied().filter(|row| row.time_s.is_some_and(|t| t >= from && t <= to)).collect();
                     summary(stretch::name(&inputs.times_s, stretch), stretch.held_out, &own)
                 })
                 .collect(),
@@ -198,19 +201,18 @@ impl Compare {
         let mut boundaries: Vec<(usize, f64)> = Vec::new();
         let mut stored = 0.0;
         for row in stretch.from..last {
-            let (a, b) = (prediction.heat[row].as_ref()?, prediction.heat[row + 1].as_ref()?);
+            let (from, to) = (prediction.heat[row].as_ref()?, prediction.heat_before[row + 1].as_ref()?);
             let step_s = inputs.times_s[row + 1] - inputs.times_s[row];
-            // A held input steps at the row's end: its heat over the interval is that of the interval's start.
-            let held = inputs.columns.iter().any(|c| c.hold && c.values[row] != c.values[row + 1]);
-            sources += step_s * if held { a.sources_w } else { 0.5 * (a.sources_w + b.sources_w) };
-            for (position, &(node, watts)) in a.into_boundaries_w.iter().enumerate() {
-                let mean = 0.5 * (watts + b.into_boundaries_w.get(position).map_or(watts, |other| other.1));
+            sources += step_s * 0.5 * (from.sources_w + to.sources_w);
+            for (position, (&(node, a), &(_, b))) in
+                from.into_boundaries_w.iter().zip(&to.into_boundaries_w).enumerate()
+            {
                 match boundaries.get_mut(position) {
-                    Some(entry) => entry.1 += step_s * mean,
-                    None => boundaries.push((node, step_s * mean)),
+                    Some(entry) => entry.1 += step_s * 0.5 * (a + b),
+                    None => boundaries.push((node, step_s * 0.5 * (a + b))),
                 }
             }
-            stored += step_s * if held { a.stored_w } else { 0.5 * (a.stored_w + b.stored_w) };
+            stored += self.stored_j(inputs, prediction, row);
         }
         let into: f64 = boundaries.iter().map(|b| b.1).sum();
         Some(HeatBalance {
@@ -226,6 +228,27 @@ impl Compare {
         })
     }
 
+    /// Heat stored from a row to the next, J: each node's capacity half way times its rise.
+    fn stored_j(&self, inputs: &crate::inference::measurement::InputTable, prediction: &Prediction, row: usize) -> f64 {
+        let nodes = self.model.nodes.len();
+        let temperature = |row: usize, node: usize| prediction.temperatures[row * nodes + node];
+        let mut total = 0.0;
+        for (index, node) in self.model.nodes.iter().enumerate() {
+            let NodeKind::Diffusion { capacity } = node.kind else { continue };
+            let (from, to) = (temperature(row, index), temperature(row + 1, index));
+            let capacity = self.model.graph.evaluate(capacity, &|symbol| match symbol {
+                Symbol::Parameter(i) => self.parameters[i as usize],
+                Symbol::Input(i) => inputs.in_row(row, i as usize),
+                Symbol::Time => 0.5 * (inputs.times_s[row] + inputs.times_s[row + 1]),
+                // A capacity depends on no other node's temperature.
+                Symbol::Node(_) => 0.5 * (from + to),
+                _ => f64::NAN,
+            });
+            total += capacity * (to - from);
+        }
+        total
+    }
+
     /// Steadiness of the phases that are windows of time series.
     fn stabilisation(&self, measurement: &Measurement) -> Vec<StabilisationCheck> {
         let Rows::Steady(phases) = &measurement.rows else { return Vec::new() };
@@ -233,7 +256,9 @@ impl Compare {
             .iter()
             .filter_map(|phase| {
                 let steadiness = phase.stabilisation.as_ref()?;
+                let in_kelvin = |s: &usize| self.model.quantities[measurement.sensors[*s].quantity].unit == KELVIN;
                 let fastest = (0..measurement.sensors.len())
+                    .filter(in_kelvin)
                     .filter_map(|s| Some((s, steadiness.slopes[s]?, steadiness.slope_errors[s].unwrap_or(0.0))))
                     .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
                 let stored_w = (0..measurement.sensors.len())
@@ -256,7 +281,6 @@ impl Compare {
 
     /// Heat capacity of the diffusion node whose temperature a quantity is, J/K, where it does not depend on temperature.
     fn capacity(&self, quantity: usize, phase: &crate::inference::measurement::Phase) -> Option<f64> {
-        use crate::expression::{Symbol, Term};
         let value = self.model.quantities[quantity].value.expression();
         let Term::Symbol(Symbol::Node(node)) = self.model.graph.term(value) else { return None };
         let NodeKind::Diffusion { capacity } = self.model.nodes[node as usize].kind else { return None };
@@ -312,15 +336,6 @@ fn failed(measurement: &Measurement, prediction: &Prediction) -> Vec<FailedPhase
         .collect()
 }
 
-/// The range in which the RMSE of `count` readings lies with 95 % probability when only white noise is at work.
-fn noise_rmse(sigma: f64, count: u64) -> [f64; 2] {
-    if count == 0 {
-        return [0.0, 0.0];
-    }
-    let count = count as f64;
-    [0.025, 0.975].map(|p| sigma * (chi_square_quantile(p, count) / count).sqrt())
-}
-
 /// Sum of squares over sigma squared and number of readings, of the rows that a fit may use, where every sigma is known.
 fn chi2(measurement: &Measurement, rows: &[Row]) -> Option<(f64, u64)> {
     let mut total = (0.0, 0);
@@ -365,7 +380,7 @@ impl Job for Compare {
     }
 
     fn algorithm_version(&self) -> u32 {
-        1
+        2
     }
 
     fn identity(&self) -> Value {
@@ -419,9 +434,10 @@ impl Job for Compare {
             return Err(JobError::Failed(format!("nothing could be compared: {reason}")));
         }
         trend::strongest_first(&mut whole.trends);
-        let limit = self.spec.criteria.each_k;
+        let (unit, judged) = of_one_unit(&whole.rows);
+        let limit = self.spec.criteria.each_k.filter(|_| unit == KELVIN);
         let of = |held_out: bool| -> Vec<f64> {
-            whole.rows.iter().filter(|r| r.held_out == held_out).map(|r| r.measured - r.predicted).collect()
+            judged.iter().filter(|r| r.held_out == held_out).map(|r| r.measured - r.predicted).collect()
         };
         let (train, held_out) = (deviation(&of(false), limit), deviation(&of(true), limit));
         let output = Output {
@@ -433,8 +449,8 @@ impl Job for Compare {
                 .zip(&self.parameters)
                 .map(|(p, &value)| (p.name.clone(), p.unit.clone(), value))
                 .collect(),
-            fails: words::fails(&whole.sensors, &whole.phases, &whole.trends, &whole.rows, limit),
-            verdicts: verdicts(&self.spec.criteria, &train, &held_out),
+            fails: words::fails(&whole.sensors, &whole.phases, &whole.trends, &whole.rows, self.spec.criteria.each_k),
+            verdicts: if unit == KELVIN { verdicts(&self.spec.criteria, &train, &held_out) } else { Vec::new() },
             criteria: self.spec.criteria.clone(),
             chi2_per_reading: chi2.filter(|c| c.1 > 0).map(|(sum, count)| sum / count as f64),
             train,

@@ -100,13 +100,22 @@ pub struct SensorSummary {
     pub train: Deviation,
     /// Readings held out.
     pub held_out: Deviation,
-    /// RMSE that the noise alone would give with 95 % probability, where sigma is known: lower and upper end.
+    /// RMSE over all readings that the noise alone would give with 95 % probability, where sigma is known: lower and
+    /// upper end.
     pub noise_rmse: Option<[f64; 2]>,
     /// Number of missing readings.
     pub missing: u64,
 }
 
-/// A phase's statistics over all sensors.
+impl SensorSummary {
+    /// RMSE that the noise alone would give with 95 % probability to as many readings as some deviations have.
+    pub fn noise_rmse_of(&self, deviation: &Deviation) -> Option<[f64; 2]> {
+        self.noise_rmse?;
+        Some(super::deviation::noise_rmse(self.sigma?, deviation.count))
+    }
+}
+
+/// A phase's statistics over all sensors in kelvin (where there are none, those in the unit of the first).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct PhaseSummary {
     /// Measurement.
@@ -204,9 +213,9 @@ pub struct Output {
     pub sensors: Vec<SensorSummary>,
     /// By phase or stretch of time.
     pub phases: Vec<PhaseSummary>,
-    /// All readings that a fit may use.
+    /// All readings in kelvin (where there are none, in the unit of the first sensor) that a fit may use.
     pub train: Deviation,
-    /// All readings held out.
+    /// The same of those held out.
     pub held_out: Deviation,
     /// Sum of squares over sigma squared, divided by the number of readings, where every sigma is known.
     pub chi2_per_reading: Option<f64>,

@@ -1,5 +1,6 @@
 //! Where a comparison fails, in words: sensor, direction, when, and what the error goes with.
 
+use super::deviation::KELVIN;
 use super::output::{PhaseSummary, Row, SensorSummary, Trend};
 
 /// Most trends named for a sensor.
@@ -14,27 +15,27 @@ pub fn signed(value: f64, unit: &str) -> String {
 
 /// One sentence a sensor that fails, the worst sensor first.
 ///
-/// A sensor fails where its RMSE is above what its noise would give (95 %), or, where the noise is not known, where
-/// any reading is beyond `limit`.
+/// A sensor fails where its RMSE on the rows for fitting or on those held out is above what the noise would give to so
+/// many readings (95 %), or, where the noise is not known, where any reading in kelvin is beyond `limit_k`.
 pub fn fails(
     sensors: &[SensorSummary],
     phases: &[PhaseSummary],
     trends: &[Trend],
     rows: &[Row],
-    limit: Option<f64>,
+    limit_k: Option<f64>,
 ) -> Vec<String> {
-    let mut failing: Vec<(&SensorSummary, f64)> = sensors
-        .iter()
-        .filter_map(|sensor| {
-            let worse = sensor.train.rmse.max(sensor.held_out.rmse);
-            let fails = match (sensor.noise_rmse, limit) {
-                (Some([_, high]), _) => worse > high,
-                (None, Some(limit)) => sensor.train.max.max(sensor.held_out.max) > limit,
-                (None, None) => false,
-            };
-            fails.then_some((sensor, worse))
-        })
-        .collect();
+    // By how many times a sensor is beyond what is allowed, which compares sensors of different units.
+    let excess = |sensor: &SensorSummary| {
+        let sets = [&sensor.train, &sensor.held_out].into_iter().filter(|set| set.count > 0);
+        let shares = sets.filter_map(|set| match (sensor.noise_rmse_of(set), limit_k) {
+            (Some([_, high]), _) => Some(set.rmse / high),
+            (None, Some(limit)) if sensor.unit == KELVIN => Some(set.max / limit),
+            (None, _) => None,
+        });
+        shares.fold(0.0, f64::max)
+    };
+    let mut failing: Vec<(&SensorSummary, f64)> =
+        sensors.iter().map(|sensor| (sensor, excess(sensor))).filter(|(_, excess)| *excess > 1.0).collect();
     failing.sort_by(|a, b| b.1.total_cmp(&a.1));
     failing.iter().map(|(sensor, _)| sentence(sensor, phases, trends, rows)).collect()
 }
@@ -45,7 +46,7 @@ fn sentence(sensor: &SensorSummary, phases: &[PhaseSummary], trends: &[Trend], r
     let all: Vec<f64> = own.iter().map(|row| row.measured - row.predicted).collect();
     let overall = super::deviation::deviation(&all, None);
     let one_sided = all.iter().filter(|d| (**d > 0.0) == (overall.mean > 0.0)).count() as f64 / all.len().max(1) as f64;
-    let temperature = sensor.unit == "K";
+    let temperature = sensor.unit == KELVIN;
     let direction = match (overall.mean > 0.0, temperature) {
         _ if one_sided < 0.75 => "the model is wrong in both directions",
         (true, true) => "the model is too cold",

@@ -134,7 +134,7 @@ fn decimals(unit: &str) -> usize {
 
 /// How a sensor's RMSE stands against what its noise alone would give.
 pub(super) fn against_noise(sensor: &SensorSummary, deviation: &Deviation) -> Option<Status> {
-    let [low, high] = sensor.noise_rmse?;
+    let [low, high] = sensor.noise_rmse_of(deviation)?;
     (deviation.count > 0).then_some(if deviation.rmse > high {
         Status::Fail
     } else if deviation.rmse < low {
@@ -164,7 +164,7 @@ fn sensors(output: &Output) -> Block {
                 fixed(deviation.sd, digits).into(),
                 Cell { text: rmse.into(), status: against_noise(sensor, deviation) },
                 sensor
-                    .noise_rmse
+                    .noise_rmse_of(deviation)
                     .map_or_else(|| NONE.to_owned(), |[a, b]| format!("{} to {}", fixed(a, digits), fixed(b, digits)))
                     .into(),
                 fixed(deviation.max, digits).into(),

@@ -157,6 +157,13 @@ fn from_windows(
             values.iter().zip(&rows).filter(|(_, within)| **within).map(|(value, _)| *value).collect()
         };
         let times_s = inside(&series.times_s);
+        for given in &value.inputs {
+            let index = scope.input(&given.name);
+            if index.is_some_and(|index| series.parts.inputs.iter().any(|(input, _)| *input == index)) {
+                let message = format!("`{}` has a column and a constant value", given.name);
+                scope.error(&code::MEASUREMENT_FORM, &given.name_place, message, "one of the two");
+            }
+        }
         for (input, values) in &series.parts.inputs {
             if let Some(statistics) = window(&times_s, &inside(values)) {
                 inputs[*input] = statistics.mean;

@@ -54,6 +54,10 @@ impl Heater {
     /// Heat into the node. A thermostat adds its switch to `switches` when `switched`.
     pub fn contribution(&self, graph: &mut Graph, switches: &mut Vec<Switch>, switched: bool) -> Contribution {
         let sensed = temperature(graph, self.senses);
+        let band = match self.control {
+            HeaterControl::Thermostat { on, off } => graph.subtract(off, on),
+            HeaterControl::Proportional { band, .. } => band,
+        };
         let duty = match self.control {
             HeaterControl::Thermostat { on, off } if switched => {
                 let mode = Symbol::Mode(u32::try_from(switches.len()).unwrap_or(u32::MAX));
@@ -62,11 +66,8 @@ impl Heater {
                 switches.push(Switch { on: below, off: above });
                 graph.symbol(mode)
             }
-            HeaterControl::Thermostat { on, off } => {
-                let band = graph.subtract(off, on);
-                falling_ramp(graph, sensed, off, band)
-            }
-            HeaterControl::Proportional { set_point, band } => {
+            HeaterControl::Thermostat { off, .. } => falling_ramp(graph, sensed, off, band),
+            HeaterControl::Proportional { set_point, .. } => {
                 let half = graph.number(0.5);
                 let half_band = graph.multiply(half, band);
                 let end = graph.add(set_point, half_band);
@@ -80,6 +81,7 @@ impl Heater {
             magnitude: vec![(self.into, magnitude)],
             through: Some(heat),
             duty: Some(duty),
+            band: Some(band),
             ..Contribution::default()
         }
     }

@@ -59,6 +59,8 @@ pub struct Contribution {
     pub current: Option<ExprId>,
     /// The quantity `{"duty": NAME}`, 1.
     pub duty: Option<ExprId>,
+    /// Width of a controller's band, K: must be above 0.
+    pub band: Option<ExprId>,
 }
 
 impl Element {

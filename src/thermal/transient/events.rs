@@ -115,7 +115,7 @@ impl Integrator<'_> {
 
     /// The first kink of an expression of time within the next step: the last instant before it and the first after.
     pub(super) fn kink_within(&mut self, step_s: f64) -> Option<(f64, f64)> {
-        if self.equations.kinks.is_empty() {
+        if self.equations.kinks.is_empty() && self.equations.table_kinks.is_empty() {
             return None;
         }
         let start = self.time_s;
@@ -143,13 +143,19 @@ impl Integrator<'_> {
         None
     }
 
-    /// Whether each kink function is at least zero at an instant, mixed into one number (a change changes it).
+    /// Whether each kink function is at least zero at an instant, and between which of its points each table is read,
+    /// mixed into one number (a change changes it; Fowler, Noll & Vo's hash).
     fn kink_signs(&mut self, time_s: f64) -> u64 {
         self.set_instant(time_s);
         self.equations.program.run(segment::KINK, &mut self.file);
-        let mut signs: u64 = 0;
+        let mut signs: u64 = 0xcbf2_9ce4_8422_2325;
+        let mut mix = |value: u64| signs = (signs ^ value).wrapping_mul(0x0100_0000_01b3);
         for register in &self.equations.kinks {
-            signs = signs.rotate_left(1) ^ u64::from(self.file[register.index()] >= 0.0);
+            mix(u64::from(self.file[register.index()] >= 0.0));
+        }
+        for (points, register) in &self.equations.table_kinks {
+            let at = self.file[register.index()];
+            mix(points.partition_point(|&point| point <= at) as u64);
         }
         signs
     }

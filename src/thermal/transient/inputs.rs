@@ -22,6 +22,16 @@ pub struct InputTable {
     pub base: Vec<f64>,
 }
 
+impl InputTable {
+    /// Value of an input from a row on, SI.
+    pub fn in_row(&self, row: usize, input: usize) -> f64 {
+        match self.columns.iter().find(|column| column.input == input) {
+            Some(column) => column.values[row],
+            None => self.base[input],
+        }
+    }
+}
+
 /// Inputs over time as the integrator reads them: corners known, rows found quickly.
 #[derive(Clone, Debug)]
 pub(super) struct InputReader<'a> {

@@ -218,6 +218,8 @@ impl<'a> Integrator<'a> {
     pub fn restart(&mut self) -> Result<(), TransientError> {
         self.forget_instant();
         self.set_instant(self.time_s);
+        self.equations.program.run(segment::BOUNDARY, &mut self.file);
+        self.equations.check_given(&self.file, 0, &self.network.nodes)?;
         self.make_consistent(0)?;
         self.evaluate(0);
         for row in 0..self.equations.size() {
@@ -333,8 +335,7 @@ impl<'a> Integrator<'a> {
             let shortest = 1e-13 * self.time_s.abs().max(end_s.abs()).max(1e-3);
             if present <= shortest {
                 if let Some((_, after)) = kink {
-                    self.time_s = after;
-                    self.restart()?;
+                    self.pass_kink(after)?;
                     continue;
                 }
                 return Err(TransientError::StepTooShort { time_s: self.time_s, node: self.fastest() });
@@ -396,8 +397,7 @@ impl<'a> Integrator<'a> {
             let arrival = if reaches_stop { stop } else { self.time_s + present };
             self.commit(present, arrival, recorder, result)?;
             if let Some((_, after)) = kink {
-                self.time_s = after;
-                self.restart()?;
+                self.pass_kink(after)?;
                 last_error = 1.0;
             } else if reaches_stop && corner.is_some() {
                 self.reader.enter(self.time_s);
@@ -407,6 +407,13 @@ impl<'a> Integrator<'a> {
         }
         recorder.finish(self, result);
         Ok(())
+    }
+
+    /// Goes on right after a kink. A held input may step at the same instant, which then is no corner any more.
+    fn pass_kink(&mut self, after_s: f64) -> Result<(), TransientError> {
+        self.time_s = after_s;
+        self.reader.enter(after_s);
+        self.restart()
     }
 
     /// Evaluates the slopes anew at the start of the step.

@@ -129,7 +129,8 @@ impl Network {
                 break;
             }
             let options = request.options;
-            if worst.1 <= options.absolute_tolerance_k + options.relative_tolerance * state[worst.0] {
+            let size_k = state.get(worst.0).copied().unwrap_or(0.0);
+            if worst.1 <= options.absolute_tolerance_k + options.relative_tolerance * size_k {
                 let mut derivatives = None;
                 if request.sensitivities {
                     // (1 - dP/dT) dT/dp = dP/dp at fixed start; start temperatures themselves have no influence.
