@@ -2,7 +2,8 @@
 //!
 //! The stack takes for each uncertain parameter the end of its prior that is worse for the requirement when tried
 //! alone, the others nominal; priors without bounds are cut at 3 sigma. A size is the design value from which on, towards
-//! the range's end, the rule passes: the smallest in a range that rises, the largest in one that falls. A heat-load margin multiplies the heat loads of the case, nominal or stacked.
+//! the range's end, the rule passes: the smallest in a range that rises, the largest in one that falls. A heat-load
+//! margin changes the heat loads of the case, nominal or stacked, up or down, whichever is worse.
 
 mod output;
 
@@ -134,31 +135,52 @@ impl Conventional {
             if prior.is_fixed() || self.spec.design.variable == Variable::Parameter(index) {
                 continue;
             }
-            let mut worst: Option<(f64, f64)> = None;
+            // Nominal stays where it is worse than both ends.
+            let mut worst = (nominal.parameters[index], reference);
             for end in ends(prior) {
                 let mut point = nominal.clone();
                 point.parameters[index] = end;
                 let value = self.ask(workspace, &point, requirement)?;
-                let is_worse = worst.is_none_or(|(_, other)| inside(requirement, value) < inside(requirement, other));
-                if is_worse {
-                    worst = Some((end, value));
+                if inside(requirement, value) < inside(requirement, worst.1) {
+                    worst = (end, value);
                 }
             }
-            if let Some((end, value)) = worst {
-                stacked.parameters[index] = end;
-                let parameter = &self.model.parameters[index];
-                worst_ends.push(WorstEnd {
-                    requirement: requirement.name.clone(),
-                    parameter: parameter.name.clone(),
-                    unit: parameter.unit.clone(),
-                    nominal: nominal.parameters[index],
-                    worst: end,
-                    effect: value - reference,
-                });
-            }
+            let (end, value) = worst;
+            stacked.parameters[index] = end;
+            let parameter = &self.model.parameters[index];
+            worst_ends.push(WorstEnd {
+                requirement: requirement.name.clone(),
+                parameter: parameter.name.clone(),
+                unit: parameter.unit.clone(),
+                nominal: nominal.parameters[index],
+                worst: end,
+                effect: value - reference,
+            });
         }
         worst_ends.sort_by(|a, b| b.effect.abs().total_cmp(&a.effect.abs()));
         Ok((stacked, worst_ends))
+    }
+
+    /// A point with its heat loads changed by a share, up or down, whichever is worse for the requirement: more heat
+    /// is no margin for a limit against cold.
+    fn loaded(
+        &self,
+        workspace: &mut Workspace,
+        point: &Point,
+        requirement: &Requirement,
+        share: f64,
+    ) -> Result<Point, JobError> {
+        let scaled = |factor: f64| {
+            let mut scaled = point.clone();
+            for &load in &self.spec.heat_loads {
+                scaled.set(load, point.get(load) * factor);
+            }
+            scaled
+        };
+        let (more, less) = (scaled(1.0 + share), scaled(1.0 - share));
+        let margin_more = inside(requirement, self.ask(workspace, &more, requirement)?);
+        let margin_less = inside(requirement, self.ask(workspace, &less, requirement)?);
+        Ok(if margin_less < margin_more { less } else { more })
     }
 
     /// What a rule leads to at a basis' point.
@@ -170,17 +192,10 @@ impl Conventional {
         point: &Point,
         (environment, requirement): (&Environment, &Requirement),
     ) -> Result<Size, JobError> {
-        let mut point = point.clone();
-        let mut demanded = 0.0;
-        match rule.margin {
-            Margin::TemperatureK(margin) => demanded = margin,
-            Margin::HeatLoad(share) => {
-                for &load in &self.spec.heat_loads {
-                    let value = point.get(load);
-                    point.set(load, value * (1.0 + share));
-                }
-            }
-        }
+        let (point, demanded) = match rule.margin {
+            Margin::TemperatureK(margin) => (point.clone(), margin),
+            Margin::HeatLoad(share) => (self.loaded(workspace, point, requirement, share)?, 0.0),
+        };
         let prediction = self.ask(workspace, &point, requirement)?;
         let left = inside(requirement, prediction) - demanded;
         let design = self.spec.design.variable;
@@ -277,7 +292,7 @@ impl Job for Conventional {
     }
 
     fn algorithm_version(&self) -> u32 {
-        2
+        3
     }
 
     fn identity(&self) -> Value {
@@ -296,5 +311,87 @@ impl Job for Conventional {
         let unreadable = |reason: String| JobError::Unreadable { stage: stage.to_owned(), reason };
         let bytes = outputs.first().ok_or_else(|| unreadable("there is no block".to_owned()))?;
         serde_json::from_slice(bytes).map(Step::Done).map_err(|e| unreadable(e.to_string()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expression::{Binary, Graph, Symbol};
+    use crate::job::propagate::Sweep;
+    use crate::thermal::{Parameter, Quantity, QuantityValue};
+
+    /// An algebraic model of one quantity over parameters `load` (nominal 10) and `bend` (nominal 0), and a size.
+    fn job(quantity: impl Fn(&mut Graph, [crate::expression::ExprId; 3]) -> crate::expression::ExprId) -> Conventional {
+        let mut model = Model::default();
+        let symbols = [0, 1, 2].map(|i| model.graph.symbol(Symbol::Parameter(i)));
+        let value = quantity(&mut model.graph, symbols);
+        for (name, nominal) in [("load", 10.0), ("bend", 0.0), ("size", 1.0)] {
+            model.parameters.push(Parameter {
+                name: name.into(),
+                unit: "1".into(),
+                nominal,
+                description: String::new(),
+                source: String::new(),
+            });
+        }
+        model.quantities.push(Quantity {
+            name: "q".into(),
+            unit: "K".into(),
+            is_temperature: false,
+            value: QuantityValue::Instant(value),
+        });
+        let spec = Spec {
+            rules: Vec::new(),
+            environments: Vec::new(),
+            requirements: Vec::new(),
+            design: Sweep {
+                name: "size".into(),
+                unit: "1".into(),
+                variable: Variable::Parameter(2),
+                values: vec![0.1, 10.0],
+            },
+            heat_loads: vec![Variable::Parameter(0)],
+        };
+        let priors = vec![
+            Distribution::Uniform { lower: 9.0, upper: 11.0 },
+            Distribution::Uniform { lower: -1.0, upper: 1.0 },
+            Distribution::Fixed(1.0),
+        ];
+        Conventional::new(spec, Arc::new(model), priors).expect("a job")
+    }
+
+    fn requirement(below: Option<f64>, above: Option<f64>) -> Requirement {
+        Requirement { name: "r".into(), quantity: 0, below, above, probability: 0.99 }
+    }
+
+    fn nominal() -> Point {
+        Point { parameters: vec![10.0, 0.0, 1.0], inputs: Vec::new() }
+    }
+
+    #[test]
+    fn a_heat_load_margin_is_less_heat_for_a_limit_against_cold() {
+        let job = job(|graph, [load, _, size]| graph.divide(load, size));
+        let mut workspace = job.network.workspace();
+        let mut at = |r: Requirement| job.loaded(&mut workspace, &nominal(), &r, 0.25).expect("a point").parameters[0];
+        assert_eq!(at(requirement(Some(20.0), None)), 12.5);
+        assert_eq!(at(requirement(None, Some(5.0))), 7.5);
+    }
+
+    #[test]
+    fn nominal_is_the_worst_where_both_ends_are_milder() {
+        // q = load - 4 bend^2: either end of `bend` lowers it.
+        let job = job(|graph, [load, bend, _]| {
+            let (two, four) = (graph.number(2.0), graph.number(4.0));
+            let square = graph.binary(Binary::Power, bend, two);
+            let drop = graph.multiply(four, square);
+            graph.subtract(load, drop)
+        });
+        let mut workspace = job.network.workspace();
+        let (hot, _) = job.stack(&mut workspace, &nominal(), &requirement(Some(20.0), None)).expect("a stack");
+        assert_eq!(hot.parameters, [11.0, 0.0, 1.0]);
+        let (cold, ends) = job.stack(&mut workspace, &nominal(), &requirement(None, Some(5.0))).expect("a stack");
+        assert_eq!(cold.parameters[0], 9.0);
+        assert_eq!(ends[0].effect, -4.0);
     }
 }

@@ -171,12 +171,20 @@ impl Propagate {
             }
             self.network.solve_steady_batch(&mut batch, start);
             for lane in 0..lanes {
-                if let Err(error) = batch.outcome(lane) {
+                let fault = match batch.outcome(lane) {
+                    Err(error) => Some(error.to_string()),
+                    Ok(_) => self.spec.quantities.iter().find_map(|&quantity| {
+                        let value = batch.quantity(&self.network, lane, quantity);
+                        let name = &self.model.quantities[quantity].name;
+                        (!value.is_finite()).then(|| format!("quantity `{name}` is {value}"))
+                    }),
+                };
+                if let Some(reason) = fault {
                     output.failed += 1;
                     if output.failures.len() < FAILURES_KEPT {
                         let index = block.first + (done + lane) as u64;
                         let parameters = self.sample(block.case, index);
-                        output.failures.push(FailedSample { index, parameters, reason: error.to_string() });
+                        output.failures.push(FailedSample { index, parameters, reason });
                     }
                     continue;
                 }
