@@ -1,3 +1,13 @@
 //! Priors, measurements, likelihood, point estimates, samplers, evidence, predictive checks.
 
+pub mod adaptation;
+pub mod chains;
+pub mod cholesky;
 pub mod measurement;
+pub mod metric;
+pub mod metropolis;
+pub mod nuts;
+pub mod posterior;
+pub mod smc;
+pub mod target;
+pub mod transform;

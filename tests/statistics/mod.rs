@@ -1,1 +1,4 @@
 //! Statistical behaviour over many seeds.
+
+mod models;
+mod samplers;
