@@ -8,6 +8,8 @@ pub mod metric;
 pub mod metropolis;
 pub mod nuts;
 pub mod posterior;
+mod proposal;
+pub mod psis;
 pub mod smc;
 pub mod target;
 pub mod transform;

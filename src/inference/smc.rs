@@ -3,9 +3,8 @@
 //!
 //! Each island is a population of its own: particles drawn from the prior are weighted to the next temperature, chosen
 //! by bisection so that their effective number falls to a given share, resampled systematically, and moved until they
-//! have forgotten where they were. Moves alternate between a random walk with the population's covariance and steps along
-//! the difference of two particles of the other half of the population (ter Braak 2006), whose long form jumps between
-//! modes. The halves are moved in turn, so that each move leaves the tempered density as it is.
+//! have forgotten where they were. Moves of several kinds alternate (`proposal`), each fed by the other half of the
+//! population; the halves are moved in turn, so that each move leaves the tempered density as it is.
 //!
 //! The evidence of an island is the product of its mean weights; islands are independent, so that their scatter gives the
 //! error of their mean. A point that the target refuses has the likelihood zero, and its share of the prior is paid for
@@ -14,8 +13,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::chains::{Chain, Chains, SampleError, most_frequent};
-use super::cholesky;
 use super::posterior::{Density, Evaluator, Posterior};
+use super::proposal::{Kind, Proposal};
 use super::target::Target;
 use crate::math::functions::{exp, ln};
 use crate::random::{Stream, StreamKey};
@@ -170,8 +169,8 @@ pub fn mean_evidence(log_evidences: &[f64]) -> (f64, f64) {
 
 /// A particle; without density where the target refused it, which only draws from the prior can be.
 #[derive(Clone, Debug)]
-struct Particle {
-    coordinates: Vec<f64>,
+pub(super) struct Particle {
+    pub(super) coordinates: Vec<f64>,
     density: Option<Density>,
 }
 
@@ -181,8 +180,8 @@ struct Population<'a, T: Target> {
     particles: Vec<Particle>,
     weights: Vec<f64>,
     temperature: f64,
-    /// Scale of the random walk and of the difference steps, adapted.
-    scales: [f64; 2],
+    /// Scales of the shrinking moves, the random walk and the difference steps, adapted.
+    scales: [f64; 3],
 }
 
 impl<'a, T: Target> Population<'a, T> {
@@ -206,7 +205,7 @@ impl<'a, T: Target> Population<'a, T> {
             weights: vec![0.0; particles.len()],
             particles,
             temperature: 0.0,
-            scales: [2.38 / dimension.sqrt(), 2.38 / (2.0 * dimension).sqrt()],
+            scales: [0.8, 2.38 / dimension.sqrt(), 2.38 / (2.0 * dimension).sqrt()],
         })
     }
 
@@ -273,53 +272,30 @@ impl<'a, T: Target> Population<'a, T> {
     fn spread(&mut self, settings: &SmcSettings) -> Stage {
         let count = self.particles.len();
         let before: Vec<Vec<f64>> = self.particles.iter().map(|particle| particle.coordinates.clone()).collect();
-        let dimension = before[0].len();
-        let mut proposal = vec![0.0; dimension];
-        let mut normals = vec![0.0; dimension];
+        let mut proposal = Proposal::new(before[0].len());
         let mut stage =
             Stage { temperature: self.temperature, effective_share: 0.0, moves: 0, acceptance: 0.0, correlation: 1.0 };
         let (mut tried, mut accepted) = (0_u64, 0_u64);
         while stage.moves < settings.most_moves {
-            let kind = (stage.moves % 2) as usize;
-            // Every fifth difference step is as long as the difference: from mode to mode.
-            let long = stage.moves % 10 == 9;
+            let kind = Kind::of(stage.moves);
             let mut kind_accepted = 0_u64;
             for half in 0..2 {
-                let own = if half == 0 { 0..count / 2 } else { count / 2..count };
-                let others = if half == 0 { count / 2..count } else { 0..count / 2 };
-                let factor = (kind == 0).then(|| self.factor(others.clone()));
+                let (own, others) =
+                    if half == 0 { (0..count / 2, count / 2..count) } else { (count / 2..count, 0..count / 2) };
+                if kind.needs_covariance() {
+                    proposal.learn(&self.particles[others.clone()]);
+                }
                 for i in own {
-                    if let Some(factor) = &factor {
-                        for value in &mut normals {
-                            *value = self.stream.normal();
-                        }
-                        cholesky::multiply(factor, &normals, &mut proposal);
-                        for (p, z) in proposal.iter_mut().zip(&self.particles[i].coordinates) {
-                            *p = z + self.scales[0] * *p;
-                        }
-                    } else {
-                        let one = others.start + self.stream.below(others.len());
-                        let two = others.start + self.stream.below(others.len());
-                        let scale = if long { 1.0 } else { self.scales[1] };
-                        for j in 0..dimension {
-                            let difference = self.particles[one].coordinates[j] - self.particles[two].coordinates[j];
-                            proposal[j] =
-                                self.particles[i].coordinates[j] + scale * difference + 1e-4 * self.stream.normal();
-                        }
-                    }
-                    kind_accepted += u64::from(self.try_move(i, &proposal));
+                    let correction = self.propose(kind, i, others.clone(), &mut proposal);
+                    kind_accepted += u64::from(self.try_move(i, &proposal.coordinates, correction));
                 }
             }
             tried += count as u64;
             accepted += kind_accepted;
-            if !long {
-                let acceptance = kind_accepted as f64 / count as f64;
-                self.scales[kind] *= exp(0.7 * (acceptance - 0.27));
-                self.scales[kind] = self.scales[kind].clamp(1e-4, 5.0);
-            }
+            self.adapt(kind, kind_accepted as f64 / count as f64);
             stage.moves += 1;
-            // A pair of both kinds at least.
-            if stage.moves >= 2 {
+            // One move of each kind at least.
+            if stage.moves >= 3 {
                 stage.correlation = self.correlation(&before);
                 if stage.correlation < settings.correlation {
                     break;
@@ -330,39 +306,52 @@ impl<'a, T: Target> Population<'a, T> {
         stage
     }
 
+    /// Writes a proposal for a particle; the log ratio of the proposal densities, back over there.
+    fn propose(&mut self, kind: Kind, i: usize, others: std::ops::Range<usize>, proposal: &mut Proposal) -> f64 {
+        let here = &self.particles[i].coordinates;
+        match kind {
+            Kind::Shrink => proposal.shrink(here, self.scales[0], &mut self.stream),
+            Kind::Walk => {
+                proposal.draw(&mut self.stream);
+                for (p, (z, step)) in proposal.coordinates.iter_mut().zip(here.iter().zip(&proposal.normals)) {
+                    *p = z + self.scales[1] * step;
+                }
+                0.0
+            }
+            Kind::Difference | Kind::LongDifference => {
+                let one = &self.particles[others.start + self.stream.below(others.len())].coordinates;
+                let two = &self.particles[others.start + self.stream.below(others.len())].coordinates;
+                let scale = if kind == Kind::LongDifference { 1.0 } else { self.scales[2] };
+                for j in 0..here.len() {
+                    // The small normal part lets a walk leave the span of the particles.
+                    proposal.coordinates[j] = here[j] + scale * (one[j] - two[j]) + 1e-4 * self.stream.normal();
+                }
+                0.0
+            }
+        }
+    }
+
+    /// Steers the scale of a kind of move towards a useful acceptance.
+    fn adapt(&mut self, kind: Kind, acceptance: f64) {
+        match kind {
+            Kind::Shrink => self.scales[0] = (self.scales[0] * exp(acceptance - 0.35)).clamp(0.02, 1.0),
+            Kind::Walk => self.scales[1] = (self.scales[1] * exp(0.7 * (acceptance - 0.27))).clamp(1e-4, 5.0),
+            Kind::Difference => self.scales[2] = (self.scales[2] * exp(0.7 * (acceptance - 0.27))).clamp(1e-4, 5.0),
+            Kind::LongDifference => {}
+        }
+    }
+
     /// Moves a particle to a proposal with the Metropolis probability.
-    fn try_move(&mut self, i: usize, proposal: &[f64]) -> bool {
+    fn try_move(&mut self, i: usize, proposal: &[f64], correction: f64) -> bool {
         let Some(there) = self.evaluator.density(proposal) else { return false };
         let particle = &mut self.particles[i];
         let here = particle.density.map_or(f64::NEG_INFINITY, |density| density.tempered(self.temperature));
-        let accept = ln(self.stream.uniform()) < there.tempered(self.temperature) - here;
+        let accept = ln(self.stream.uniform()) < there.tempered(self.temperature) - here + correction;
         if accept {
             particle.coordinates.copy_from_slice(proposal);
             particle.density = Some(there);
         }
         accept
-    }
-
-    /// Factor of the covariance of some particles; of its diagonal where copies leave it singular.
-    fn factor(&self, range: std::ops::Range<usize>) -> Vec<f64> {
-        let dimension = self.particles[0].coordinates.len();
-        let mut running = super::adaptation::RunningCovariance::new(dimension);
-        for particle in &self.particles[range] {
-            running.add(&particle.coordinates);
-        }
-        let mut covariance = vec![0.0; dimension * dimension];
-        running.covariance(&mut covariance);
-        for i in 0..dimension {
-            covariance[i * dimension + i] = covariance[i * dimension + i] * (1.0 + 1e-9) + 1e-16;
-        }
-        let mut factor = covariance.clone();
-        if cholesky::factor(&mut factor, dimension).is_err() {
-            factor.fill(0.0);
-            for i in 0..dimension {
-                factor[i * dimension + i] = covariance[i * dimension + i].max(1e-16).sqrt();
-            }
-        }
-        factor
     }
 
     /// Largest correlation, over the coordinates, between the particles and their positions before.

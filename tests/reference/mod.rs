@@ -1,1 +1,3 @@
 //! Results against stored references made by other programs.
+
+mod arviz;

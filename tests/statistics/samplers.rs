@@ -27,7 +27,14 @@ fn speed() {
     println!("{:?}", c.stages[0]);
     let t = std::time::Instant::now();
     let c = smc_result(&models::two_modes(), &SmcSettings::default());
-    println!("smc {:?} {:?} {} {} {}", t.elapsed(), c.chains.work(), c.log_evidence, c.log_evidence_error, -(400.0_f64).ln());
+    println!(
+        "smc {:?} {:?} {} {} {}",
+        t.elapsed(),
+        c.chains.work(),
+        c.log_evidence,
+        c.log_evidence_error,
+        -(400.0_f64).ln()
+    );
     println!("{:?}", c.stages[0]);
 }
 
