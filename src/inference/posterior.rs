@@ -47,6 +47,11 @@ impl<'a, T: Target> Posterior<'a, T> {
         self.transforms.iter().zip(coordinates).map(|(transform, &z)| transform.at(z).value).collect()
     }
 
+    /// Parameters (SI) moved away from their bounds by a hundredth of the interval (of the scale on a half-line).
+    pub fn inner_parameters(&self, parameters: &[f64]) -> Vec<f64> {
+        self.transforms.iter().zip(parameters).map(|(transform, &value)| transform.inner(value, 0.01)).collect()
+    }
+
     /// The coordinates of one draw from the prior.
     pub fn draw_prior(&self, stream: &mut Stream) -> Vec<f64> {
         let draw: Vec<f64> = self.target.priors().iter().map(|prior| prior.quantile(stream.uniform())).collect();

@@ -181,6 +181,18 @@ impl Transform {
         }
     }
 
+    /// A parameter moved away from its bounds by this share of the interval (of the scale on a half-line).
+    pub fn inner(&self, value: f64, share: f64) -> f64 {
+        let least = ln(share);
+        let z = self.coordinate(value);
+        let inner = match self {
+            Self::Line { .. } | Self::LogLine { .. } => z,
+            Self::HalfLine { .. } => z.max(least),
+            Self::Interval { .. } | Self::LogInterval { .. } => z.max(least).min(-least),
+        };
+        self.at(inner).value
+    }
+
     /// The coordinate of a parameter. A value at or beyond a bound is taken to the coordinate of a point within the bound
     /// by a share 1e-9 of the interval (of the scale), so that every start has a finite coordinate.
     pub fn coordinate(&self, value: f64) -> f64 {
