@@ -97,18 +97,19 @@ pub(super) fn findings<T: LeastSquares>(
     let scaled = DMatrix::from_fn(data, free.len(), |row, a| best.jacobian[row * n + free[a]] * spreads[free[a]]);
     // With an inferred noise the Jacobian leaves out what the offset says, so that nothing is concluded from it.
     if !best.penalised && scaled.iter().all(|v| v.is_finite()) && !free.is_empty() {
-        let eigen = (scaled.transpose() * &scaled).symmetric_eigen();
-        let mut order: Vec<usize> = (0..free.len()).collect();
-        order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
-        for e in order.into_iter().filter(|&e| eigen.eigenvalues[e] < FLAT) {
+        // Singular values of the triangular factor keep the digits that the product of the Jacobian with itself loses.
+        let (values, directions) = directions(scaled);
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+        for e in order.into_iter().filter(|&e| values[e] * values[e] < FLAT) {
             let mut shares: Vec<Share> = free
                 .iter()
                 .enumerate()
-                .map(|(a, &i)| Share { parameter: i, weight: eigen.eigenvectors[(a, e)] })
+                .map(|(a, &i)| Share { parameter: i, weight: directions[(e, a)] })
                 .filter(|share| share.weight.abs() > 0.1)
                 .collect();
             shares.sort_by(|a, b| b.weight.abs().total_cmp(&a.weight.abs()));
-            findings.push(Finding::FlatDirection { information: eigen.eigenvalues[e].max(0.0), shares });
+            findings.push(Finding::FlatDirection { information: values[e] * values[e], shares });
         }
     }
     let mut pairs = combinations(target, &parameters);
@@ -122,6 +123,17 @@ pub(super) fn findings<T: LeastSquares>(
         combination,
     }));
     findings
+}
+
+/// Singular values of a matrix of at least as many columns' worth of rows (padded with zeros), and the right singular
+/// vectors as rows.
+fn directions(matrix: DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
+    let columns = matrix.ncols();
+    let rows = matrix.nrows().max(columns);
+    let factor = matrix.resize_vertically(rows, 0.0).qr().r();
+    let svd = factor.svd(false, true);
+    let vectors = svd.v_t.unwrap_or_else(|| DMatrix::identity(columns, columns));
+    (svd.singular_values.iter().copied().collect(), vectors)
 }
 
 /// Pairs whose derivatives agree as those of a combination do, at parameters (SI).

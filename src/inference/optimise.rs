@@ -107,7 +107,7 @@ pub fn minimise<O: Objective>(
         penalised |= at.penalty_gradient.iter().any(|g| *g != 0.0);
         for (i, s) in scale.iter_mut().enumerate() {
             let norm = at.jacobian.iter().skip(i).step_by(n).map(|j| j * j).sum::<f64>().sqrt();
-            *s = s.max(norm).max(f64::MIN_POSITIVE.sqrt());
+            *s = norm.max(f64::MIN_POSITIVE.sqrt());
         }
         let free = free_variables(&x, &at.gradient, bounds);
         if free.is_empty() {

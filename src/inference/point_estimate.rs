@@ -6,7 +6,7 @@
 //! integral of `e^(-g t - s t^2 / 2)` from its bound, `g` the gradient and `s` the curvature left when the free part
 //! follows.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::box_probability::log_box_probability;
@@ -261,17 +261,17 @@ impl Laplace {
 }
 
 /// Raises the curvature of directions that data and prior leave open to one that cannot be told from none across the
-/// box, so that the box alone limits them. Only variables with two bounds can be left open by a proper prior.
+/// box, so that the box alone limits them. Directions that no bound limits stay as they are.
 fn floor_eigenvalues(curvature: &mut [f64], best: &Minimum, bounds: &Bounds, free: &[usize]) {
     const LEAST: f64 = 1e-4;
     let k = free.len();
-    let scales: Vec<f64> = free
-        .iter()
-        .enumerate()
-        .map(|(a, &i)| {
-            let width = bounds.upper[i] - bounds.lower[i];
-            let spread = if curvature[a * k + a] > 0.0 { 1.0 / curvature[a * k + a].sqrt() } else { best.x[i].abs() };
-            if width.is_finite() { width } else { spread }
+    let widths: Vec<f64> = free.iter().map(|&i| bounds.upper[i] - bounds.lower[i]).collect();
+    let scales: Vec<f64> = (0..k)
+        .map(|a| {
+            let own = curvature[a * k + a];
+            let spread = if own > 0.0 { 1.0 / own.sqrt() } else { f64::INFINITY };
+            let scale = spread.min(widths[a]);
+            if scale.is_finite() { scale } else { best.x[free[a]].abs().max(f64::MIN_POSITIVE) }
         })
         .collect();
     let scaled = DMatrix::from_fn(k, k, |a, b| curvature[a * k + b] * scales[a] * scales[b]);
@@ -279,10 +279,14 @@ fn floor_eigenvalues(curvature: &mut [f64], best: &Minimum, bounds: &Bounds, fre
         return;
     }
     let eigen = scaled.symmetric_eigen();
-    if eigen.eigenvalues.iter().all(|value| *value >= LEAST) {
+    let floored = DVector::from_fn(k, |e, _| {
+        let reach =
+            (0..k).map(|a| widths[a] / (scales[a] * eigen.eigenvectors[(a, e)].abs())).fold(f64::INFINITY, f64::min);
+        eigen.eigenvalues[e].max(LEAST / (reach * reach))
+    });
+    if floored == eigen.eigenvalues {
         return;
     }
-    let floored = eigen.eigenvalues.map(|value| value.max(LEAST));
     for a in 0..k {
         for b in 0..k {
             let sum: f64 = (0..k).map(|e| eigen.eigenvectors[(a, e)] * floored[e] * eigen.eigenvectors[(b, e)]).sum();

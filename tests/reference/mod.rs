@@ -1,3 +1,4 @@
 //! Results against stored references made by other programs.
 
 mod arviz;
+mod nist;
