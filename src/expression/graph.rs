@@ -173,9 +173,7 @@ impl Table {
             return f64::NAN;
         }
         match self.segment(x) {
-            Some(i) => {
-                self.y[i] + (self.y[i + 1] - self.y[i]) * ((x - self.x[i]) / (self.x[i + 1] - self.x[i]))
-            }
+            Some(i) => self.y[i] + (self.y[i + 1] - self.y[i]) * ((x - self.x[i]) / (self.x[i + 1] - self.x[i])),
             None if x < self.x[0] => self.y[0],
             None => self.y[self.y.len() - 1],
         }
@@ -186,8 +184,7 @@ impl Table {
         if x.is_nan() {
             return f64::NAN;
         }
-        self.segment(x)
-            .map_or(0.0, |i| (self.y[i + 1] - self.y[i]) / (self.x[i + 1] - self.x[i]))
+        self.segment(x).map_or(0.0, |i| (self.y[i + 1] - self.y[i]) / (self.x[i + 1] - self.x[i]))
     }
 }
 
@@ -466,11 +463,15 @@ impl Graph {
     /// The symbols that an expression depends on, sorted.
     pub fn symbols(&self, root: ExprId) -> Vec<Symbol> {
         let mut found = Vec::new();
-        self.visit(&[root], |_| true, |_, term| {
-            if let Term::Symbol(symbol) = term {
-                found.push(symbol);
-            }
-        });
+        self.visit(
+            &[root],
+            |_| true,
+            |_, term| {
+                if let Term::Symbol(symbol) = term {
+                    found.push(symbol);
+                }
+            },
+        );
         found.sort_unstable();
         found
     }
@@ -607,13 +608,7 @@ impl Graph {
         }
     }
 
-    fn binary_derivative(
-        &mut self,
-        function: Binary,
-        (a, b): (ExprId, ExprId),
-        id: ExprId,
-        symbol: Symbol,
-    ) -> ExprId {
+    fn binary_derivative(&mut self, function: Binary, (a, b): (ExprId, ExprId), id: ExprId, symbol: Symbol) -> ExprId {
         let da = self.derivative(a, symbol);
         let db = self.derivative(b, symbol);
         match function {

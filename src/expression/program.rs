@@ -113,8 +113,7 @@ impl Program {
         let mut listed: Vec<Symbol> = symbols.to_vec();
         let mut constants = Vec::new();
         let mut places: HashMap<ExprId, Register> = HashMap::new();
-        let mut known: HashMap<Symbol, Register> =
-            symbols.iter().enumerate().map(|(i, &s)| (s, register(i))).collect();
+        let mut known: HashMap<Symbol, Register> = symbols.iter().enumerate().map(|(i, &s)| (s, register(i))).collect();
         for &id in &order {
             if let Term::Symbol(symbol) = graph.term(id) {
                 let place = *known.entry(symbol).or_insert_with(|| {

@@ -20,7 +20,9 @@ pub struct Requirement {
 impl Requirement {
     /// Whether a value meets the requirement; a failed solution (NaN) does not.
     pub fn met(&self, value: f64) -> bool {
-        self.below.is_none_or(|limit| value <= limit) && self.above.is_none_or(|limit| value >= limit) && !value.is_nan()
+        self.below.is_none_or(|limit| value <= limit)
+            && self.above.is_none_or(|limit| value >= limit)
+            && !value.is_nan()
     }
 }
 

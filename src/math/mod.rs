@@ -1,3 +1,13 @@
-//! Functions, special functions, ordered sums, dense and sparse linear algebra, root finding.
+//! Functions, special functions, ordered sums, dense and sparse linear algebra, root finding, quadrature.
 
+pub mod dense;
+pub mod elimination;
 pub mod functions;
+pub mod ordering;
+pub mod pivoting_lu;
+pub mod quadrature;
+pub mod root;
+pub mod sparse;
+pub mod sparse_lu;
+pub mod special;
+pub mod sum;

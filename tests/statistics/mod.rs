@@ -1,4 +1,5 @@
 //! Statistical behaviour over many seeds.
 
+mod estimators;
 mod models;
 mod samplers;

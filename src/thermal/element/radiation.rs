@@ -21,8 +21,10 @@ impl Radiation {
         let [a, b] = self.between;
         let four = graph.number(4.0);
         let (ta, tb) = (temperature(graph, a), temperature(graph, b));
-        let (fa, fb) =
-            (graph.binary(crate::expression::Binary::Power, ta, four), graph.binary(crate::expression::Binary::Power, tb, four));
+        let (fa, fb) = (
+            graph.binary(crate::expression::Binary::Power, ta, four),
+            graph.binary(crate::expression::Binary::Power, tb, four),
+        );
         let sigma = graph.number(STEFAN_BOLTZMANN);
         let factor = graph.multiply(sigma, self.exchange_area);
         let difference = graph.subtract(fa, fb);

@@ -1,0 +1,171 @@
+//! The pattern of a sparse square matrix in compressed columns, and products with it.
+
+use thiserror::Error;
+
+/// A pattern that cannot be built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("entry {entry} is at row {row}, column {column}, outside a matrix of size {size}")]
+pub struct PatternError {
+    /// Index of the entry.
+    pub entry: usize,
+    /// Its row.
+    pub row: usize,
+    /// Its column.
+    pub column: usize,
+    /// Rows (and columns) of the matrix.
+    pub size: usize,
+}
+
+/// Positions of the stored values of a square sparse matrix: compressed columns, rows ascending in each.
+///
+/// Built from entries (row, column), several of which may fall on one position and then share its value slot.
+/// Every diagonal position is stored, so that elimination along the diagonal always finds its pivot's slot.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pattern {
+    column_starts: Vec<usize>,
+    rows: Vec<usize>,
+    slots: Vec<usize>,
+    diagonal: Vec<usize>,
+}
+
+impl Pattern {
+    /// The pattern of a `size` x `size` matrix with the given (row, column) entries, repeats allowed.
+    ///
+    /// # Errors
+    /// [`PatternError`] for an entry outside the matrix.
+    pub fn new(size: usize, entries: &[(usize, usize)]) -> Result<Self, PatternError> {
+        for (entry, &(row, column)) in entries.iter().enumerate() {
+            if row >= size || column >= size {
+                return Err(PatternError { entry, row, column, size });
+            }
+        }
+        let mut order: Vec<(usize, usize, usize)> =
+            entries.iter().enumerate().map(|(entry, &(row, column))| (column, row, entry)).collect();
+        order.extend((0..size).map(|i| (i, i, usize::MAX)));
+        order.sort_unstable();
+        let mut pattern = Self {
+            column_starts: vec![0; size + 1],
+            rows: Vec::with_capacity(order.len()),
+            slots: vec![0; entries.len()],
+            diagonal: vec![0; size],
+        };
+        let mut last = None;
+        for (column, row, entry) in order {
+            if last != Some((column, row)) {
+                last = Some((column, row));
+                pattern.rows.push(row);
+                pattern.column_starts[column + 1] = pattern.rows.len();
+            }
+            let slot = pattern.rows.len() - 1;
+            match pattern.slots.get_mut(entry) {
+                Some(place) => *place = slot,
+                None => pattern.diagonal[row] = slot,
+            }
+        }
+        Ok(pattern)
+    }
+
+    /// Rows (and columns) of the matrix.
+    pub fn size(&self) -> usize {
+        self.diagonal.len()
+    }
+
+    /// Number of stored values.
+    pub fn stored(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Value slot of each entry given to [`Pattern::new`], in their order.
+    pub fn slots(&self) -> &[usize] {
+        &self.slots
+    }
+
+    /// Value slot of each diagonal position.
+    pub fn diagonal(&self) -> &[usize] {
+        &self.diagonal
+    }
+
+    /// The value slots of a column.
+    pub fn column(&self, column: usize) -> std::ops::Range<usize> {
+        self.column_starts[column]..self.column_starts[column + 1]
+    }
+
+    /// The row of each value slot.
+    pub fn rows(&self) -> &[usize] {
+        &self.rows
+    }
+
+    /// `product = A x`, values by slot.
+    pub fn multiply(&self, values: &[f64], x: &[f64], product: &mut [f64]) {
+        product.fill(0.0);
+        for (column, x) in x.iter().enumerate() {
+            let range = self.column(column);
+            for (row, value) in self.rows[range.clone()].iter().zip(&values[range]) {
+                product[*row] += value * x;
+            }
+        }
+    }
+
+    /// `product = A' x`, values by slot.
+    pub fn multiply_transposed(&self, values: &[f64], x: &[f64], product: &mut [f64]) {
+        for (column, product) in product.iter_mut().enumerate() {
+            let range = self.column(column);
+            *product = self.rows[range.clone()].iter().zip(&values[range]).map(|(row, value)| value * x[*row]).sum();
+        }
+    }
+
+    /// Neighbours of each index in the graph of A + A', ascending, without loops.
+    pub fn symmetric_neighbours(&self) -> Vec<Vec<usize>> {
+        let mut neighbours = vec![Vec::new(); self.size()];
+        for column in 0..self.size() {
+            for &row in &self.rows[self.column(column)] {
+                if row != column {
+                    neighbours[row].push(column);
+                    neighbours[column].push(row);
+                }
+            }
+        }
+        for list in &mut neighbours {
+            list.sort_unstable();
+            list.dedup();
+        }
+        neighbours
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn repeated_entries_share_a_slot_and_the_diagonal_is_complete() {
+        let pattern = Pattern::new(3, &[(2, 0), (0, 0), (2, 0), (1, 2)]).unwrap();
+        assert_eq!(pattern.stored(), 5);
+        assert_eq!(pattern.slots()[0], pattern.slots()[2]);
+        assert_eq!(pattern.rows(), [0, 2, 1, 1, 2]);
+        assert_eq!(pattern.diagonal(), [0, 2, 4]);
+        assert_eq!(pattern.slots(), [1, 0, 1, 3]);
+        assert_eq!(pattern.symmetric_neighbours(), [vec![2], vec![2], vec![0, 1]]);
+    }
+
+    #[test]
+    fn products_agree_with_hand_calculation() {
+        // A = [[1, 0, 0], [0, 0, 5], [3, 0, 0]]
+        let pattern = Pattern::new(3, &[(2, 0), (0, 0), (1, 2)]).unwrap();
+        let mut values = vec![0.0; pattern.stored()];
+        for (slot, value) in pattern.slots().iter().zip([3.0, 1.0, 5.0]) {
+            values[*slot] += value;
+        }
+        let mut product = [0.0; 3];
+        pattern.multiply(&values, &[2.0, 7.0, 4.0], &mut product);
+        assert_eq!(product, [2.0, 20.0, 6.0]);
+        pattern.multiply_transposed(&values, &[2.0, 7.0, 4.0], &mut product);
+        assert_eq!(product, [14.0, 0.0, 35.0]);
+    }
+
+    #[test]
+    fn entries_outside_are_refused() {
+        let error = Pattern::new(2, &[(0, 0), (1, 2)]).unwrap_err();
+        assert_eq!(error, PatternError { entry: 1, row: 1, column: 2, size: 2 });
+    }
+}

@@ -1,0 +1,160 @@
+//! Random streams by name and index: raw ChaCha8 words (Bernstein 2008) from a key that is a hash of names.
+//!
+//! A key belongs to a study's seed, a job and a purpose; each key has 2^64 streams, each stream 2^67 words.
+//! Sample i of a set takes its own fixed range of words, so any part of a set can be drawn alone.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use sha2::{Digest, Sha256};
+
+use crate::math::special::normal_quantile;
+
+/// The key of a family of random streams.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StreamKey([u8; 32]);
+
+impl StreamKey {
+    /// SHA-256 of a label, the seed, and both names with their lengths (so that no two triples meet).
+    pub fn new(study_seed: u64, job: &str, purpose: &str) -> Self {
+        let mut hash = Sha256::new();
+        hash.update(b"bmv random stream 1\n");
+        hash.update(study_seed.to_le_bytes());
+        for name in [job, purpose] {
+            hash.update((name.len() as u64).to_le_bytes());
+            hash.update(name.as_bytes());
+        }
+        Self(hash.finalize().into())
+    }
+
+    /// One of the key's streams, at its first word. Chains and replicates take one each.
+    pub fn stream(&self, index: u64) -> Stream {
+        let mut generator = ChaCha8Rng::from_seed(self.0);
+        generator.set_stream(index);
+        Stream { generator }
+    }
+}
+
+/// A sequence of random 64-bit words that can be entered at any word.
+#[derive(Clone, Debug)]
+pub struct Stream {
+    generator: ChaCha8Rng,
+}
+
+impl Stream {
+    /// Makes the given 64-bit word (counted from 0) the next one.
+    pub fn seek(&mut self, word: u64) {
+        let position = 2 * u128::from(word);
+        if self.generator.get_word_pos() != position {
+            self.generator.set_word_pos(position);
+        }
+    }
+
+    /// The next word.
+    #[inline]
+    pub fn word(&mut self) -> u64 {
+        self.generator.next_u64()
+    }
+
+    /// The next uniform number, one word.
+    #[inline]
+    pub fn uniform(&mut self) -> f64 {
+        uniform_of(self.word())
+    }
+
+    /// The next standard normal number, one word.
+    #[inline]
+    pub fn normal(&mut self) -> f64 {
+        normal_quantile(self.uniform())
+    }
+
+    /// A whole number from 0 to `bound - 1` (0 for a bound of 0), one word; the bias is below `bound / 2^64`.
+    #[inline]
+    pub fn below(&mut self, bound: usize) -> usize {
+        ((u128::from(self.word()) * bound as u128) >> 64) as usize
+    }
+
+    /// Fills a slice with uniform numbers, one word each.
+    pub fn fill_uniform(&mut self, values: &mut [f64]) {
+        let mut bytes = [0; 256];
+        for block in values.chunks_mut(32) {
+            let bytes = &mut bytes[..8 * block.len()];
+            self.generator.fill_bytes(bytes);
+            for (value, word) in block.iter_mut().zip(bytes.as_chunks().0) {
+                *value = uniform_of(u64::from_le_bytes(*word));
+            }
+        }
+    }
+}
+
+/// A uniform number strictly inside (0, 1): `(2 k + 1) / 2^53` with k the word's upper 52 bits, so that `u` and `1 - u`
+/// are equally fine and both exact.
+#[inline]
+pub fn uniform_of(word: u64) -> f64 {
+    const STEP: f64 = 1.0 / (1_u64 << 53) as f64;
+    ((word >> 11) | 1) as f64 * STEP
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_streams_give_different_words() {
+        let first = |seed, job, purpose, index| StreamKey::new(seed, job, purpose).stream(index).word();
+        let words = [
+            first(1, "propagate", "points", 0),
+            first(1, "propagate", "points", 1),
+            first(2, "propagate", "points", 0),
+            first(1, "propagatep", "oints", 0),
+            first(1, "", "propagatepoints", 0),
+        ];
+        for (k, word) in words.iter().enumerate() {
+            assert!(!words[..k].contains(word));
+        }
+    }
+
+    #[test]
+    fn words_are_those_of_chacha8_with_the_hashed_key() {
+        // First block of ChaCha8 for the all-zero key and nonce (ECRYPT test vector 3e00ef2f 895f40d6 ...).
+        let mut stream = StreamKey([0; 32]).stream(0);
+        assert_eq!(stream.word().to_le_bytes(), [0x3e, 0x00, 0xef, 0x2f, 0x89, 0x5f, 0x40, 0xd6]);
+        // Kept, so that no change of a dependency changes the numbers of a study unseen.
+        let mut stream = StreamKey::new(1, "propagate", "points").stream(0);
+        assert_eq!((stream.word(), stream.word()), (0xda1e_a0d7_0eef_5731, 0x8a84_ee86_d389_ee3c));
+    }
+
+    #[test]
+    fn seeking_gives_the_same_words_as_reading_on() {
+        let key = StreamKey::new(7, "job", "purpose");
+        let mut stream = key.stream(3);
+        let words: Vec<u64> = (0..300).map(|_| stream.word()).collect();
+        for start in [0, 1, 31, 32, 33, 64, 299, 150] {
+            stream.seek(start as u64);
+            assert_eq!(stream.word(), words[start]);
+        }
+        let mut filled = [0.0; 299];
+        stream.seek(1);
+        stream.fill_uniform(&mut filled);
+        assert!(filled.iter().zip(&words[1..]).all(|(&value, &word)| value == uniform_of(word)));
+    }
+
+    #[test]
+    fn uniform_numbers_stay_inside_and_are_symmetric() {
+        assert_eq!(uniform_of(0), 1.0 / 9_007_199_254_740_992.0);
+        assert!(uniform_of(u64::MAX) < 1.0);
+        assert_eq!(1.0 - uniform_of(u64::MAX), uniform_of(0));
+        let mut stream = StreamKey::new(1, "a", "b").stream(0);
+        let n = 20_000;
+        let (mut sum, mut squares, mut below) = (0.0, 0.0, [0_u32; 7]);
+        for _ in 0..n {
+            let z = stream.normal();
+            sum += z;
+            squares += z * z;
+            below[stream.below(7)] += 1;
+        }
+        // Five standard errors: 1 / sqrt(n), sqrt(2 / n), sqrt(n p (1 - p)).
+        assert!((sum / f64::from(n)).abs() < 5.0 * 0.0071);
+        assert!((squares / f64::from(n) - 1.0).abs() < 5.0 * 0.01);
+        assert!(below.iter().all(|&count| (f64::from(count) - 2857.1).abs() < 5.0 * 49.5), "{below:?}");
+    }
+}

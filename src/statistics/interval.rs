@@ -1,0 +1,80 @@
+//! Confidence intervals of proportions and of normal estimates.
+
+use crate::math::functions::sqrt;
+use crate::math::special::{beta_quantile, normal_quantile};
+
+/// A range of values, ends included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// Lower end.
+    pub lower: f64,
+    /// Upper end.
+    pub upper: f64,
+}
+
+impl Interval {
+    /// Estimate plus and minus the normal quantile for the confidence (in 0..1, two-sided) times the standard error.
+    pub fn normal(estimate: f64, standard_error: f64, confidence: f64) -> Self {
+        let reach = two_sided(confidence) * standard_error;
+        Self { lower: estimate - reach, upper: estimate + reach }
+    }
+
+    /// Wilson's (1927) score interval for the probability behind `successes` in `trials`; 0..1 without trials.
+    pub fn wilson(successes: u64, trials: u64, confidence: f64) -> Self {
+        if trials == 0 {
+            return Self { lower: 0.0, upper: 1.0 };
+        }
+        let (n, share) = (trials as f64, successes as f64 / trials as f64);
+        let z = two_sided(confidence);
+        let square = z * z / n;
+        let middle = share + 0.5 * square;
+        let reach = z * sqrt(share * (1.0 - share) / n + 0.25 * square / n);
+        Self {
+            lower: if successes == 0 { 0.0 } else { (middle - reach) / (1.0 + square) },
+            upper: if successes == trials { 1.0 } else { (middle + reach) / (1.0 + square) },
+        }
+    }
+
+    /// Clopper and Pearson's (1934) interval, whose coverage is never below the confidence; 0..1 without trials.
+    pub fn clopper_pearson(successes: u64, trials: u64, confidence: f64) -> Self {
+        let tail = 0.5 * (1.0 - confidence);
+        let (k, n) = (successes as f64, trials as f64);
+        Self {
+            lower: if successes == 0 { 0.0 } else { beta_quantile(tail, k, n - k + 1.0) },
+            upper: if successes >= trials { 1.0 } else { beta_quantile(1.0 - tail, k + 1.0, n - k) },
+        }
+    }
+}
+
+/// Standard normal quantile of a two-sided confidence.
+fn two_sided(confidence: f64) -> f64 {
+    -normal_quantile(0.5 * (1.0 - confidence))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn assert_interval(interval: Interval, lower: f64, upper: f64, tolerance: f64) {
+        assert!(
+            (interval.lower - lower).abs() < tolerance && (interval.upper - upper).abs() < tolerance,
+            "{interval:?}"
+        );
+    }
+
+    #[test]
+    fn intervals_are_the_published_ones() {
+        // Newcombe (1998), table I: 81 of 263, 15 of 148, 0 of 20, 1 of 29; methods 3 (Wilson) and 5 (Clopper-Pearson).
+        assert_interval(Interval::wilson(81, 263, 0.95), 0.2553, 0.3662, 5e-5);
+        assert_interval(Interval::wilson(15, 148, 0.95), 0.0624, 0.1605, 5e-5);
+        assert_interval(Interval::wilson(0, 20, 0.95), 0.0, 0.1611, 5e-5);
+        assert_interval(Interval::wilson(1, 29, 0.95), 0.0061, 0.1718, 5e-5);
+        assert_interval(Interval::clopper_pearson(81, 263, 0.95), 0.2527, 0.3676, 5e-5);
+        assert_interval(Interval::clopper_pearson(15, 148, 0.95), 0.0578, 0.1617, 5e-5);
+        assert_interval(Interval::clopper_pearson(0, 20, 0.95), 0.0, 0.1684, 5e-5);
+        assert_interval(Interval::clopper_pearson(1, 29, 0.95), 0.0009, 0.1776, 5e-5);
+        assert_interval(Interval::normal(10.0, 2.0, 0.95), 6.080_072_03, 13.919_927_97, 1e-8);
+        assert_eq!(Interval::wilson(0, 0, 0.9), Interval { lower: 0.0, upper: 1.0 });
+        assert_eq!(Interval::clopper_pearson(20, 20, 0.9).upper, 1.0);
+    }
+}

@@ -1,0 +1,73 @@
+//! Straight lines through points by least squares, with standard errors that know about autocorrelated residuals.
+
+use super::autocorrelation::effective_size_lag_one;
+use super::moments::Moments;
+use crate::math::functions::sqrt;
+use crate::math::sum::compensated;
+
+/// A least-squares line `y = intercept + slope x`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Value at x = 0.
+    pub intercept: f64,
+    /// Change of y for one x.
+    pub slope: f64,
+    /// Residual standard deviation (divisor n - 2).
+    pub residual_sd: f64,
+    /// Standard error of the slope for independent residuals.
+    pub slope_standard_error: f64,
+    /// Number of points.
+    pub size: usize,
+}
+
+impl Line {
+    /// Fits points of rising or any order; `None` below three points or without spread in x.
+    pub fn fit(x: &[f64], y: &[f64]) -> Option<Self> {
+        let size = x.len();
+        if size < 3 || y.len() != size {
+            return None;
+        }
+        let (mean_x, mean_y) = (Moments::of(x).mean(), Moments::of(y).mean());
+        let spread = compensated(x.iter().map(|x| (x - mean_x) * (x - mean_x)));
+        if spread.is_nan() || spread <= 0.0 {
+            return None;
+        }
+        let slope = compensated(x.iter().zip(y).map(|(x, y)| (x - mean_x) * (y - mean_y))) / spread;
+        let square = |(x, y): (&f64, &f64)| {
+            let residual = (y - mean_y) - slope * (x - mean_x);
+            residual * residual
+        };
+        let residual_sd = sqrt(compensated(x.iter().zip(y).map(square)) / (size as f64 - 2.0));
+        let slope_standard_error = residual_sd / sqrt(spread);
+        Some(Self { intercept: mean_y - slope * mean_x, slope, residual_sd, slope_standard_error, size })
+    }
+
+    /// Measured less fitted values.
+    pub fn residuals(&self, x: &[f64], y: &[f64]) -> Vec<f64> {
+        x.iter().zip(y).map(|(x, y)| y - (self.intercept + self.slope * x)).collect()
+    }
+
+    /// Standard error of the slope when the residuals, in the order of the points, are worth fewer independent values: scaled by
+    /// `sqrt((n - 2) / (m - 2))` with m their effective size (at least 3) from the lag-1 autocorrelation (Santer et al. 2000).
+    pub fn slope_standard_error_autocorrelated(&self, residuals: &[f64]) -> f64 {
+        let effective = effective_size_lag_one(residuals).max(3.0);
+        self.slope_standard_error * sqrt((self.size as f64 - 2.0) / (effective - 2.0)).max(1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn anscombes_first_set() {
+        // Anscombe (1973): y = 3.00 + 0.500 x, standard error of the slope 0.118.
+        let x = [10.0, 8.0, 13.0, 9.0, 11.0, 14.0, 6.0, 4.0, 12.0, 7.0, 5.0];
+        let y = [8.04, 6.95, 7.58, 8.81, 8.33, 9.96, 7.24, 4.26, 10.84, 4.82, 5.68];
+        let line = Line::fit(&x, &y).unwrap();
+        assert!((line.intercept - 3.0001).abs() < 1e-4 && (line.slope - 0.5001).abs() < 1e-4);
+        assert!((line.slope_standard_error - 0.1179).abs() < 1e-4);
+        assert!(line.residuals(&x, &y).iter().sum::<f64>().abs() < 1e-12);
+        assert!(Line::fit(&[1.0; 4], &[1.0, 2.0, 3.0, 4.0]).is_none() && Line::fit(&x[..2], &y[..2]).is_none());
+    }
+}
