@@ -1,6 +1,157 @@
 //! The command line: a file a verb; parses, calls, prints; holds no logic of its own.
 
-/// Runs the program.
-pub fn main() -> std::process::ExitCode {
-    std::process::ExitCode::SUCCESS
+mod cache;
+mod check;
+mod compare;
+mod data;
+mod diff;
+mod execute;
+mod explain;
+mod init;
+mod options;
+mod output;
+mod plan;
+mod report;
+mod run;
+mod schema;
+mod show;
+pub mod status;
+mod studies;
+mod verify;
+
+use std::cell::OnceCell;
+use std::io::IsTerminal;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand, ValueEnum};
+
+use status::{Failure, Status};
+
+use crate::runner::StopFlag;
+use crate::runner::interrupt::stop_on_interrupt;
+
+/// Reproducible Bayesian-based model validation of thermal models.
+#[derive(Debug, Parser)]
+#[command(
+    name = "bmv",
+    version,
+    propagate_version = false,
+    arg_required_else_help = true,
+    after_help = "Exit status: 0 done; 1 a check or a requirement failed; 2 the input is wrong; 3 a job failed; \
+                  4 a sampler did not converge; 130 interrupted, what was finished is kept."
+)]
+struct Program {
+    /// Colours in messages
+    #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
+    color: Color,
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Color {
+    /// On a terminal, unless NO_COLOR is set
+    Auto,
+    Always,
+    Never,
+}
+
+/// What all verbs know.
+#[derive(Debug)]
+struct Context {
+    /// Whether messages on standard error are coloured.
+    coloured: bool,
+    stop: OnceCell<StopFlag>,
+}
+
+impl Context {
+    /// The flag that Ctrl-C raises from the first call on; before it, Ctrl-C ends the program as ever.
+    fn stop(&self) -> Result<StopFlag, Failure> {
+        if let Some(stop) = self.stop.get() {
+            return Ok(stop.clone());
+        }
+        let stop = StopFlag::default();
+        stop_on_interrupt(&stop, Status::Interrupted.code().into())?;
+        Ok(self.stop.get_or_init(|| stop).clone())
+    }
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// Run the jobs of passes; what is in the cache is not run again
+    Run(run::Run),
+    /// Render report.md, report.html, plots, results.json and manifest.json
+    Report(report::Report),
+    /// Hold a model against its measurements
+    Compare(compare::Compare),
+    /// Show results as tables, or as they are stored
+    Show(show::Show),
+    /// Show what would run, what is cached, and how long it takes
+    Plan(plan::PlanVerb),
+    /// Look after the cache
+    #[command(subcommand)]
+    Cache(cache::CacheVerb),
+    /// Recompute every hash of a report's manifest
+    Verify(verify::Verify),
+    /// Bring or check measurements that are pinned by their hash
+    #[command(subcommand)]
+    Data(data::Data),
+    /// Print the JSON Schema of a file format
+    Schema(schema::Schema),
+    /// Explain a diagnostic at length
+    Explain(explain::Explain),
+    /// Make a new study that runs at once
+    Init(init::Init),
+    /// Show what changed between two passes, in definitions and in results
+    Diff(diff::Diff),
+    /// Hold fresh results against archived ones
+    Check(check::Check),
+}
+
+impl Verb {
+    fn execute(self, context: &Context) -> Result<Status, Failure> {
+        match self {
+            Self::Run(verb) => verb.execute(context),
+            Self::Report(verb) => verb.execute(context),
+            Self::Compare(verb) => verb.execute(context),
+            Self::Show(verb) => verb.execute(context),
+            Self::Plan(verb) => verb.execute(context),
+            Self::Cache(verb) => verb.execute(context),
+            Self::Verify(verb) => verb.execute(),
+            Self::Data(verb) => verb.execute(),
+            Self::Schema(verb) => verb.execute(),
+            Self::Explain(verb) => verb.execute(),
+            Self::Init(verb) => verb.execute(),
+            Self::Diff(verb) => verb.execute(context),
+            Self::Check(verb) => verb.execute(context),
+        }
+    }
+}
+
+/// Runs the program: parses the arguments, executes the verb, prints an error once.
+pub fn main() -> ExitCode {
+    let program = Program::parse();
+    let coloured = match program.color {
+        Color::Always => true,
+        Color::Never => false,
+        Color::Auto => {
+            std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+        }
+    };
+    let status = program.verb.execute(&Context { coloured, stop: OnceCell::new() }).unwrap_or_else(|failure| {
+        let label = if coloured { "\u{1b}[1;31merror:\u{1b}[0m" } else { "error:" };
+        output::tell(&format!("{label} {}", failure.message));
+        failure.status
+    });
+    status.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        super::Program::command().debug_assert();
+    }
 }

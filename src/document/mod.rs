@@ -1,1 +1,25 @@
 //! JSON with places: spans, quantities and units, checked maps, canonical form, hashes, diagnostics.
+
+pub mod canonical;
+pub mod code;
+pub mod declare;
+pub mod diagnostic;
+pub mod hash;
+pub mod json;
+pub mod map;
+mod number;
+pub mod quantity;
+pub mod schema;
+pub mod source;
+pub mod suggest;
+pub mod written;
+
+pub use declare::Empty;
+pub(crate) use declare::{written_choice, written_struct, written_words};
+pub use diagnostic::{Diagnostic, Diagnostics, PlainDiagnostic, Severity};
+pub use json::{Node, Value};
+pub use map::{Map, MapEntry};
+pub use quantity::{Amount, Scalar, Sense, WrittenUnit};
+pub use schema::Schemas;
+pub use source::{Place, Position, Source, Span};
+pub use written::{NameOr, OneOrMany, Spanned, Written, read_file};

@@ -463,15 +463,19 @@ impl Graph {
     /// The symbols that an expression depends on, sorted.
     pub fn symbols(&self, root: ExprId) -> Vec<Symbol> {
         let mut found = Vec::new();
-        self.visit(
-            &[root],
-            |_| true,
-            |_, term| {
-                if let Term::Symbol(symbol) = term {
-                    found.push(symbol);
-                }
-            },
-        );
+        let mut seen = std::collections::HashSet::new();
+        let mut stack = vec![root];
+        while let Some(id) = stack.pop() {
+            if !seen.insert(id) {
+                continue;
+            }
+            match self.term(id) {
+                Term::Number(_) => {}
+                Term::Symbol(symbol) => found.push(symbol),
+                Term::Unary(_, a) | Term::Interpolate(_, a) | Term::Slope(_, a) => stack.push(a),
+                Term::Binary(_, a, b) => stack.extend([a, b]),
+            }
+        }
         found.sort_unstable();
         found
     }
@@ -479,38 +483,104 @@ impl Graph {
     /// The largest subexpressions below `roots` whose dependence is within `allowed`, constants left out, in order
     /// of their ids. What can be computed once outside a loop over the rest.
     pub fn frontier(&self, roots: &[ExprId], allowed: Dependence) -> Vec<ExprId> {
+        let mut seen = vec![false; self.terms.len()];
         let mut found = Vec::new();
-        self.visit(
-            roots,
-            |id| !self.dependence(id).within(allowed),
-            |id, term| {
-                if self.dependence(id).within(allowed) && !matches!(term, Term::Number(_)) {
+        let mut stack: Vec<ExprId> = roots.to_vec();
+        while let Some(id) = stack.pop() {
+            if std::mem::replace(&mut seen[id.0 as usize], true) {
+                continue;
+            }
+            let term = self.term(id);
+            if self.dependence(id).within(allowed) {
+                if !matches!(term, Term::Number(_)) {
                     found.push(id);
                 }
-            },
-        );
+                continue;
+            }
+            match term {
+                Term::Number(_) | Term::Symbol(_) => {}
+                Term::Unary(_, a) | Term::Interpolate(_, a) | Term::Slope(_, a) => stack.push(a),
+                Term::Binary(_, a, b) => stack.extend([a, b]),
+            }
+        }
         found.sort_unstable();
         found
     }
 
-    /// Visits each term below the roots once; `descend` tells whether to look at a term's arguments.
-    fn visit(&self, roots: &[ExprId], descend: impl Fn(ExprId) -> bool, mut see: impl FnMut(ExprId, Term)) {
-        let mut seen = std::collections::HashSet::new();
+    /// Every subexpression of the roots, arguments before functions, in order of their ids.
+    pub fn below(&self, roots: &[ExprId]) -> Vec<ExprId> {
+        let mut needed = vec![false; self.terms.len()];
         let mut stack: Vec<ExprId> = roots.to_vec();
         while let Some(id) = stack.pop() {
-            if !seen.insert(id) {
+            if std::mem::replace(&mut needed[id.0 as usize], true) {
                 continue;
             }
-            let term = self.term(id);
-            see(id, term);
-            if descend(id) {
-                match term {
-                    Term::Number(_) | Term::Symbol(_) => {}
-                    Term::Unary(_, a) | Term::Interpolate(_, a) | Term::Slope(_, a) => stack.push(a),
-                    Term::Binary(_, a, b) => stack.extend([a, b]),
-                }
+            match self.term(id) {
+                Term::Number(_) | Term::Symbol(_) => {}
+                Term::Unary(_, a) | Term::Interpolate(_, a) | Term::Slope(_, a) => stack.push(a),
+                Term::Binary(_, a, b) => stack.extend([a, b]),
             }
         }
+        // An argument is interned before its function, so ids are in order of need.
+        (0u32..).zip(&needed).filter(|(_, used)| **used).map(|(index, _)| ExprId(index)).collect()
+    }
+
+    /// The roots with each key of `replacements` replaced by its value, wherever it occurs. What is put in is not
+    /// looked at again.
+    pub fn substitute(&mut self, roots: &[ExprId], replacements: &HashMap<ExprId, ExprId>) -> Vec<ExprId> {
+        if replacements.is_empty() {
+            return roots.to_vec();
+        }
+        let order = self.below(roots);
+        let mut renewed: Vec<ExprId> = (0..u32::try_from(self.terms.len()).unwrap_or(u32::MAX)).map(ExprId).collect();
+        for id in order {
+            let at = |argument: ExprId| renewed[argument.0 as usize];
+            let new = match (replacements.get(&id), self.term(id)) {
+                (Some(&replacement), _) => replacement,
+                (None, Term::Number(_) | Term::Symbol(_)) => id,
+                (None, Term::Unary(function, a)) if at(a) != a => {
+                    let a = at(a);
+                    self.unary(function, a)
+                }
+                (None, Term::Binary(function, a, b)) if at(a) != a || at(b) != b => {
+                    let (a, b) = (at(a), at(b));
+                    self.binary(function, a, b)
+                }
+                (None, Term::Interpolate(table, a)) if at(a) != a => {
+                    let a = at(a);
+                    self.interpolate(table, a)
+                }
+                (None, Term::Slope(table, a)) if at(a) != a => {
+                    let a = at(a);
+                    self.intern(Term::Slope(table, a))
+                }
+                _ => id,
+            };
+            renewed[id.0 as usize] = new;
+        }
+        roots.iter().map(|root| renewed[root.0 as usize]).collect()
+    }
+
+    /// Functions within `allowed` at whose sign changes a root has a corner or a jump: the arguments of magnitudes and
+    /// steps, the differences of what minima, maxima and comparisons compare. In order of their ids, each once;
+    /// ramps and tables are left out.
+    pub fn kinks(&mut self, roots: &[ExprId], allowed: Dependence) -> Vec<ExprId> {
+        let mut found = Vec::new();
+        for id in self.below(roots) {
+            let switching = match self.term(id) {
+                Term::Unary(Unary::Abs | Unary::Step | Unary::Sign, a) => a,
+                Term::Binary(Binary::Minimum | Binary::Maximum | Binary::AtLeast, a, b) => self.subtract(a, b),
+                _ => continue,
+            };
+            if self.dependence(switching).within(allowed)
+                && self.dependence(switching).intersects(Dependence::TIME.union(Dependence::INPUT))
+            {
+                found.push(switching);
+            }
+        }
+        found.sort_unstable();
+        found.dedup();
+        found
     }
 
     /// Value of an expression; `lookup` supplies the symbols. For single evaluations: repeated ones go

@@ -1,7 +1,16 @@
 //! Expressions: parse, check units, differentiate, compile.
 
+pub mod dimension;
 pub mod graph;
+pub mod infer;
+pub mod parse;
 pub mod program;
+pub mod scope;
+pub mod unit;
 
+pub use dimension::Dimension;
 pub use graph::{Binary, Dependence, ExprId, Graph, Symbol, Table, Term, Unary};
-pub use program::{Lanes, Program, Register};
+pub use program::{Lanes, Program, Register, Segment};
+pub use parse::{Fault, ParseError, parse};
+pub use scope::{Names, Scope};
+pub use unit::{Unit, UnitError};

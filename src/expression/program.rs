@@ -3,7 +3,8 @@
 //! A program owns a file of registers: the symbols first, then the constants, then one register for each
 //! subexpression. Instructions stand in segments, in the order in which their outputs were asked for; what an
 //! earlier segment computed is not computed again. So a solver runs the segment of the parameters once, that of
-//! the temperatures in every iteration, and nothing allocates.
+//! the temperatures in every iteration, and nothing allocates. A segment may be told on which earlier ones it
+//! builds ([`Program::compile_branches`]), so that the others need not have run before it.
 
 use std::collections::HashMap;
 
@@ -37,6 +38,12 @@ struct Instruction {
 
 /// One value, or several evaluated side by side with the same bits as one at a time.
 pub trait Lanes: Copy + Send + Sync {
+    /// Number of lanes.
+    const COUNT: usize;
+    /// The value of a lane; the number is below [`Lanes::COUNT`].
+    fn lane(&self, lane: usize) -> f64;
+    /// Replaces the value of a lane.
+    fn set_lane(&mut self, lane: usize, value: f64);
     /// The same value in every lane.
     fn splat(value: f64) -> Self;
     /// A function applied to every lane.
@@ -46,6 +53,15 @@ pub trait Lanes: Copy + Send + Sync {
 }
 
 impl Lanes for f64 {
+    const COUNT: usize = 1;
+    #[inline]
+    fn lane(&self, _: usize) -> f64 {
+        *self
+    }
+    #[inline]
+    fn set_lane(&mut self, _: usize, value: f64) {
+        *self = value;
+    }
     #[inline]
     fn splat(value: f64) -> Self {
         value
@@ -61,6 +77,15 @@ impl Lanes for f64 {
 }
 
 impl<const N: usize> Lanes for [f64; N] {
+    const COUNT: usize = N;
+    #[inline]
+    fn lane(&self, lane: usize) -> f64 {
+        self[lane]
+    }
+    #[inline]
+    fn set_lane(&mut self, lane: usize, value: f64) {
+        self[lane] = value;
+    }
     #[inline]
     fn splat(value: f64) -> Self {
         [value; N]
@@ -93,63 +118,166 @@ pub struct Program {
     instructions: Vec<Instruction>,
     /// End of each segment in `instructions`.
     ends: Vec<usize>,
+    /// Registers of the outputs of each segment.
+    outputs: Vec<Vec<Register>>,
     tables: Vec<Table>,
-    places: HashMap<ExprId, Register>,
+    /// Register of each subexpression by its id, `u32::MAX` where it was not compiled.
+    places: Vec<u32>,
+}
+
+/// Outputs of a segment and the earlier segments that have run before it.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment<'a> {
+    /// Earlier segments whose results may be used.
+    pub after: &'a [usize],
+    /// What it computes.
+    pub outputs: &'a [ExprId],
+}
+
+/// A subexpression placed by a segment.
+struct Placed {
+    segment: usize,
+    register: u32,
+    /// Next placement of the same subexpression, `u32::MAX` at the end.
+    next: u32,
+}
+
+/// Placements of every subexpression while compiling.
+struct Placements {
+    first: Vec<u32>,
+    all: Vec<Placed>,
+}
+
+impl Placements {
+    /// Where a subexpression stands for a segment that may use `visible` ones.
+    fn find(&self, id: ExprId, visible: &[bool]) -> Option<u32> {
+        let mut at = self.first[id.0 as usize];
+        while let Some(placed) = self.all.get(at as usize) {
+            if visible[placed.segment] {
+                return Some(placed.register);
+            }
+            at = placed.next;
+        }
+        None
+    }
+
+    fn add(&mut self, id: ExprId, segment: usize, register: u32) {
+        let head = &mut self.first[id.0 as usize];
+        self.all.push(Placed { segment, register, next: *head });
+        *head = u32::try_from(self.all.len() - 1).unwrap_or(u32::MAX);
+    }
 }
 
 impl Program {
-    /// Compiles the outputs of each segment, in order. `symbols` fixes the first registers, in its order; a symbol
-    /// that is used but not listed follows them.
+    /// Compiles the outputs of each segment, in order; each may use what all earlier ones computed. `symbols` fixes
+    /// the first registers, in its order; a symbol that is used but not listed follows them.
     pub fn compile(graph: &Graph, symbols: &[Symbol], segments: &[&[ExprId]]) -> Self {
-        let mut order: Vec<ExprId> = Vec::new();
-        let mut ends_in_order = Vec::new();
-        let mut seen = vec![false; graph.len()];
-        for outputs in segments {
-            for &output in *outputs {
-                schedule(graph, output, &mut seen, &mut order);
-            }
-            ends_in_order.push(order.len());
-        }
+        let before: Vec<usize> = (0..segments.len()).collect();
+        let branches: Vec<Segment<'_>> = segments
+            .iter()
+            .enumerate()
+            .map(|(number, &outputs)| Segment { after: &before[..number], outputs })
+            .collect();
+        Self::compile_branches(graph, symbols, &branches)
+    }
+
+    /// Compiles segments each of which uses only the results of the segments that it names. A subexpression that two
+    /// unrelated segments need is computed by both.
+    pub fn compile_branches(graph: &Graph, symbols: &[Symbol], segments: &[Segment<'_>]) -> Self {
         let mut listed: Vec<Symbol> = symbols.to_vec();
-        let mut constants = Vec::new();
-        let mut places: HashMap<ExprId, Register> = HashMap::new();
         let mut known: HashMap<Symbol, Register> = symbols.iter().enumerate().map(|(i, &s)| (s, register(i))).collect();
-        for &id in &order {
-            if let Term::Symbol(symbol) = graph.term(id) {
-                let place = *known.entry(symbol).or_insert_with(|| {
-                    listed.push(symbol);
-                    register(listed.len() - 1)
-                });
-                places.insert(id, place);
+        let mut constants = Vec::new();
+        let roots: Vec<ExprId> = segments.iter().flat_map(|s| s.outputs.iter().copied()).collect();
+        let (mut symbol_ids, mut number_ids) = (Vec::new(), Vec::new());
+        for id in graph.below(&roots) {
+            match graph.term(id) {
+                Term::Symbol(symbol) => {
+                    let place = *known.entry(symbol).or_insert_with(|| {
+                        listed.push(symbol);
+                        register(listed.len() - 1)
+                    });
+                    symbol_ids.push((id, place.0));
+                }
+                Term::Number(bits) => {
+                    number_ids.push((id, constants.len()));
+                    constants.push(f64::from_bits(bits));
+                }
+                _ => {}
             }
         }
         let first_constant = listed.len();
-        for &id in &order {
-            if let Term::Number(bits) = graph.term(id) {
-                places.insert(id, register(first_constant + constants.len()));
-                constants.push(f64::from_bits(bits));
-            }
-        }
         let first_instruction = first_constant + constants.len();
+        // Symbols and constants belong to segment 0 of the placements, segment `s` to `s + 1`.
+        let mut placements = Placements { first: vec![u32::MAX; graph.len()], all: Vec::new() };
+        for (id, place) in symbol_ids {
+            placements.add(id, 0, place);
+        }
+        for (id, position) in number_ids {
+            placements.add(id, 0, register(first_constant + position).0);
+        }
         let mut instructions = Vec::new();
         let mut ends = Vec::new();
-        let mut next_end = ends_in_order.iter().peekable();
-        for (position, &id) in order.iter().enumerate() {
-            while next_end.next_if(|&&end| end == position).is_some() {
-                ends.push(instructions.len());
+        let mut outputs = Vec::new();
+        let mut stack = Vec::new();
+        for (number, segment) in segments.iter().enumerate() {
+            let mut visible = vec![false; segments.len() + 1];
+            visible[0] = true;
+            visible[number + 1] = true;
+            for &before in segment.after {
+                visible[before + 1] = true;
             }
-            let at = |id: ExprId| places[&id].0;
-            let instruction = match graph.term(id) {
-                Term::Number(_) | Term::Symbol(_) => continue,
-                Term::Unary(function, a) => Instruction { code: Code::Unary(function), a: at(a), b: 0 },
-                Term::Binary(function, a, b) => Instruction { code: Code::Binary(function), a: at(a), b: at(b) },
-                Term::Interpolate(table, a) => Instruction { code: Code::Interpolate, a: at(a), b: table },
-                Term::Slope(table, a) => Instruction { code: Code::Slope, a: at(a), b: table },
-            };
-            places.insert(id, register(first_instruction + instructions.len()));
-            instructions.push(instruction);
+            for &root in segment.outputs {
+                stack.push(root);
+                // Arguments before functions, without recursion (a long sum is a deep graph).
+                while let Some(&id) = stack.last() {
+                    if placements.find(id, &visible).is_some() {
+                        stack.pop();
+                        continue;
+                    }
+                    let (code, first, second) = match graph.term(id) {
+                        // Placed above, all of them.
+                        Term::Number(_) | Term::Symbol(_) => {
+                            stack.pop();
+                            continue;
+                        }
+                        Term::Unary(function, a) => (Code::Unary(function), a, None),
+                        Term::Binary(function, a, b) => (Code::Binary(function), a, Some(b)),
+                        Term::Interpolate(_, a) => (Code::Interpolate, a, None),
+                        Term::Slope(_, a) => (Code::Slope, a, None),
+                    };
+                    let a = placements.find(first, &visible);
+                    let b = second.map(|b| placements.find(b, &visible));
+                    match (a, b) {
+                        (Some(a), None) => {
+                            let b = match graph.term(id) {
+                                Term::Interpolate(table, _) | Term::Slope(table, _) => table,
+                                _ => 0,
+                            };
+                            instructions.push(Instruction { code, a, b });
+                        }
+                        (Some(a), Some(Some(b))) => instructions.push(Instruction { code, a, b }),
+                        _ => {
+                            if let (Some(None), Some(second)) = (b, second) {
+                                stack.push(second);
+                            }
+                            if a.is_none() {
+                                stack.push(first);
+                            }
+                            continue;
+                        }
+                    }
+                    placements.add(id, number + 1, register(first_instruction + instructions.len() - 1).0);
+                    stack.pop();
+                }
+            }
+            ends.push(instructions.len());
+            let found = segment.outputs.iter().filter_map(|&id| placements.find(id, &visible).map(Register)).collect();
+            outputs.push(found);
         }
-        ends.resize(segments.len(), instructions.len());
+        let everything = vec![true; segments.len() + 1];
+        let places = (0..graph.len())
+            .map(|index| placements.find(ExprId(register(index).0), &everything).unwrap_or(u32::MAX))
+            .collect();
         Self {
             symbols: known,
             constants,
@@ -157,9 +285,15 @@ impl Program {
             first_instruction,
             instructions,
             ends,
+            outputs,
             tables: graph.tables().to_vec(),
             places,
         }
+    }
+
+    /// Registers of a segment's outputs, in their order.
+    pub fn outputs(&self, segment: usize) -> &[Register] {
+        &self.outputs[segment]
     }
 
     /// A fresh file of registers with the constants in place and the symbols at zero.
@@ -173,7 +307,7 @@ impl Program {
 
     /// Where an output (or any subexpression of one) is found; `None` if it was not compiled.
     pub fn place(&self, id: ExprId) -> Option<Register> {
-        self.places.get(&id).copied()
+        self.places.get(id.0 as usize).filter(|&&place| place != u32::MAX).map(|&place| Register(place))
     }
 
     /// Where a symbol's value is to be written; `None` if nothing depends on it and it was not listed.
@@ -220,24 +354,4 @@ impl Program {
 
 fn register(index: usize) -> Register {
     Register(u32::try_from(index).unwrap_or(u32::MAX))
-}
-
-/// Appends what `root` needs, arguments before functions, without recursion (a long sum is a deep graph).
-fn schedule(graph: &Graph, root: ExprId, seen: &mut [bool], order: &mut Vec<ExprId>) {
-    let mut stack = vec![(root, false)];
-    while let Some((id, ready)) = stack.pop() {
-        if ready {
-            order.push(id);
-            continue;
-        }
-        if std::mem::replace(&mut seen[id.0 as usize], true) {
-            continue;
-        }
-        stack.push((id, true));
-        match graph.term(id) {
-            Term::Number(_) | Term::Symbol(_) => {}
-            Term::Unary(_, a) | Term::Interpolate(_, a) | Term::Slope(_, a) => stack.push((a, false)),
-            Term::Binary(_, a, b) => stack.extend([(b, false), (a, false)]),
-        }
-    }
 }

@@ -1,6 +1,7 @@
 //! Measurements, resolved: SI units, one row a phase or an instant, one column a sensor.
 
 use crate::random::Distribution;
+pub use crate::thermal::transient::{InputColumn, InputTable};
 
 /// A number that is known, or has a prior and is inferred.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,28 +41,6 @@ pub struct Sensor {
     pub correlation_time_s: Option<Uncertain>,
 }
 
-/// Values of one input over time.
-#[derive(Clone, Debug, PartialEq)]
-pub struct InputColumn {
-    /// Index of the input in the model's list.
-    pub input: usize,
-    /// One value a row of the table, SI.
-    pub values: Vec<f64>,
-    /// Constant from each row to the next (a step) instead of linear between rows.
-    pub hold: bool,
-}
-
-/// Inputs over time: the columns given, and fixed values for the others.
-#[derive(Clone, Debug, PartialEq, Default)]
-pub struct InputTable {
-    /// Instants, s, strictly increasing.
-    pub times_s: Vec<f64>,
-    /// Inputs that vary.
-    pub columns: Vec<InputColumn>,
-    /// Value of every input of the model, SI; overridden by the columns.
-    pub base: Vec<f64>,
-}
-
 /// How a transient begins.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Initial {
@@ -99,6 +78,8 @@ pub struct Stabilisation {
     pub slopes: Vec<Option<f64>>,
     /// Standard error of each slope.
     pub slope_errors: Vec<Option<f64>>,
+    /// Standard error of each sensor's mean over the window, SI.
+    pub mean_errors: Vec<Option<f64>>,
 }
 
 /// Steady phases or a transient.
@@ -150,6 +131,17 @@ impl Measurement {
     /// Whether there are no rows.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// What of the measurement decides a result, for a job's key: the file's hash, and a hash of everything that was
+    /// read from it and declared for it.
+    pub fn identity(&self) -> serde_json::Value {
+        let resolved = format!("{:?} {:?} {:?}", self.rows, self.sensors, self.readings);
+        serde_json::json!({
+            "name": self.name,
+            "file": self.sha256,
+            "resolved": crate::document::hash::sha256_hex(resolved.as_bytes()),
+        })
     }
 
     /// Reading of a sensor in a row.

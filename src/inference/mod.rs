@@ -15,6 +15,7 @@ pub mod nuts;
 pub mod optimise;
 pub mod point_estimate;
 pub mod posterior;
+pub mod prediction;
 mod proposal;
 pub mod psis;
 pub mod smc;

@@ -1,1 +1,110 @@
-//! Sections, plots, Markdown and HTML of the validation report; sees outputs and the manifest, never a solver.
+//! Sections, plots, Markdown and HTML of the validation report; sees outputs and definitions, never a solver.
+//!
+//! [`render`] is a pure function of a [`PassReport`]: the same results give the same bytes. A section is a file in
+//! `section/` and a line in its list; order, numbers, contents, Markdown and HTML come by themselves.
+
+pub mod assemble;
+pub mod html;
+pub mod markdown;
+pub mod number;
+pub mod page;
+pub mod plot;
+pub mod section;
+pub mod view;
+mod write;
+
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+use thiserror::Error;
+
+use page::{Page, Text};
+pub use view::{FileHash, JobEntry, JobResult, ParameterChange, PassReport, Prior};
+pub use write::{WriteError, write};
+
+/// A rendered report.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RenderedReport {
+    /// `report.md`.
+    pub markdown: String,
+    /// `report.html`.
+    pub html: String,
+    /// Name and contents of each `plots/NAME.svg`.
+    pub figures: Vec<(String, String)>,
+    /// `results.json`.
+    pub results_json: String,
+}
+
+/// Why a report could not be rendered.
+#[derive(Debug, Error)]
+pub enum RenderError {
+    /// The HTML template failed.
+    #[error(transparent)]
+    Html(#[from] html::HtmlError),
+    /// A result cannot be written as JSON.
+    #[error("a result cannot be written as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+}
+
+/// Renders a report. Pure: no file is read, no clock, no host.
+pub fn render(report: &PassReport<'_>) -> Result<RenderedReport, RenderError> {
+    let page = page(report);
+    let figures = page::figures(&page)
+        .into_iter()
+        .map(|(name, figure)| {
+            let svg = figure.drawing.svg(&name, &name, &figure.alternative, true);
+            (name, svg)
+        })
+        .collect();
+    Ok(RenderedReport {
+        markdown: markdown::render(&page),
+        html: html::render(&page)?,
+        figures,
+        results_json: results_json(report)?,
+    })
+}
+
+/// The report as a document.
+pub fn page(report: &PassReport<'_>) -> Page {
+    let subtitle = Text::new("Study ").code(&report.study).plain(", pass ").code(&report.pass_file);
+    Page {
+        title: report.title.clone(),
+        subtitle,
+        footer: Text::new(format!("Made by bmv, numeric engine {}. ", report.engine_version))
+            .plain("The same files give the same bytes; the section on provenance has every hash."),
+        sections: section::SECTIONS.iter().filter_map(|build| build(report)).collect(),
+    }
+}
+
+/// JSON Schema of the results of each kind of job, as they stand in `results.json` under `jobs.NAME.output`.
+pub fn results_schema() -> Value {
+    json!({
+        "propagate": schemars::schema_for!(crate::job::propagate::Output),
+        "conventional": schemars::schema_for!(crate::job::conventional::Output),
+        "compare": schemars::schema_for!(crate::job::compare::Output),
+    })
+}
+
+/// All outputs as one JSON document in SI units, jobs by name; a number that is not finite is `null`.
+fn results_json(report: &PassReport<'_>) -> Result<String, serde_json::Error> {
+    fn value(output: &impl Serialize) -> Result<Value, serde_json::Error> {
+        serde_json::to_value(output)
+    }
+    let mut jobs = Map::new();
+    for job in &report.results {
+        let output = match &job.result {
+            JobResult::Propagate(output) => value(output)?,
+            JobResult::Conventional(output) => value(output)?,
+            JobResult::Compare(output) => value(output)?,
+        };
+        jobs.insert(job.name.clone(), json!({ "kind": job.kind, "key": job.key, "output": output }));
+    }
+    let whole = json!({
+        "format": "bmv-results/1",
+        "study": report.study,
+        "pass": report.pass_file,
+        "engine_version": report.engine_version,
+        "reconstructed": report.reconstructed,
+        "jobs": jobs,
+    });
+    Ok(serde_json::to_string_pretty(&whole)? + "\n")
+}

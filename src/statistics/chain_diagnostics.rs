@@ -4,16 +4,16 @@
 //! All functions take equally long chains of one quantity. They answer `None` where there is nothing to judge: chains of
 //! fewer than four draws, of different lengths, or with a number that is not finite.
 
-use super::beta::beta_quantile;
+use super::quantile::{quantile_sorted, sorted};
 use crate::math::functions::ln;
-use crate::math::special::normal_quantile;
+use crate::math::special::{beta_quantile, normal_quantile};
 
 /// The larger of the rank-normalised split R-hats of the draws and of their distances from the median; `None` also for
 /// draws that never change.
 pub fn r_hat<C: AsRef<[f64]>>(chains: &[C]) -> Option<f64> {
     let split = split(chains)?;
     let bulk = plain_r_hat(&rank_normalise(&split));
-    let median = quantile(&sorted(&split), 0.5);
+    let median = quantile_sorted(&sorted_draws(&split), 0.5);
     let folded = map(&split, |x| (x - median).abs());
     let tail = plain_r_hat(&rank_normalise(&folded));
     let worse = if tail > bulk { tail } else { bulk };
@@ -39,7 +39,7 @@ pub fn ess_mean<C: AsRef<[f64]>>(chains: &[C]) -> Option<f64> {
 /// Effective sample size for a quantile (`probability` within 0 to 1).
 pub fn ess_quantile<C: AsRef<[f64]>>(chains: &[C], probability: f64) -> Option<f64> {
     let halves = split(chains)?;
-    let limit = quantile(&sorted(chains), probability);
+    let limit = quantile_sorted(&sorted_draws(chains), probability);
     Some(effective(&map(&halves, |x| if x <= limit { 1.0 } else { 0.0 })))
 }
 
@@ -66,11 +66,11 @@ pub fn mcse_sd<C: AsRef<[f64]>>(chains: &[C]) -> Option<f64> {
 /// at the one-sigma limits of the beta distribution with the quantile's effective sample size.
 pub fn mcse_quantile<C: AsRef<[f64]>>(chains: &[C], probability: f64) -> Option<f64> {
     let ess = ess_quantile(chains, probability)?;
-    let draws = sorted(chains);
+    let draws = sorted_draws(chains);
     let size = draws.len() as f64;
     let (a, b) = (ess * probability + 1.0, ess * (1.0 - probability) + 1.0);
-    let low = (beta_quantile(a, b, 0.158_655_3) * size - 1.0).max(0.0).floor();
-    let high = (beta_quantile(a, b, 0.841_344_7) * size - 1.0).min(size - 1.0).ceil();
+    let low = (beta_quantile(0.158_655_3, a, b) * size - 1.0).max(0.0).floor();
+    let high = (beta_quantile(0.841_344_7, a, b) * size - 1.0).min(size - 1.0).ceil();
     Some(0.5 * (draws[high as usize] - draws[low as usize]))
 }
 
@@ -91,18 +91,9 @@ fn map<C: AsRef<[f64]>>(chains: &[C], f: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
     chains.iter().map(|chain| chain.as_ref().iter().map(|&x| f(x)).collect()).collect()
 }
 
-fn sorted<C: AsRef<[f64]>>(chains: &[C]) -> Vec<f64> {
-    let mut all: Vec<f64> = chains.iter().flat_map(|chain| chain.as_ref().iter().copied()).collect();
-    all.sort_by(f64::total_cmp);
-    all
-}
-
-/// Quantile of sorted numbers, linear between order statistics (definition 7 of Hyndman & Fan 1996).
-fn quantile(sorted: &[f64], probability: f64) -> f64 {
-    let place = probability * (sorted.len() - 1) as f64;
-    let below = place.floor() as usize;
-    let above = (below + 1).min(sorted.len() - 1);
-    sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
+fn sorted_draws<C: AsRef<[f64]>>(chains: &[C]) -> Vec<f64> {
+    let all: Vec<f64> = chains.iter().flat_map(|chain| chain.as_ref().iter().copied()).collect();
+    sorted(&all)
 }
 
 /// Mean and variance (divisor count - 1), in two passes.

@@ -2,7 +2,6 @@
 //! convergence of chains.
 
 pub mod autocorrelation;
-pub mod beta;
 pub mod chain_diagnostics;
 pub mod histogram;
 pub mod interval;

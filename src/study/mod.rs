@@ -1,1 +1,27 @@
 //! Model and pass as written, inheritance, resolution to SI and names, measurements, pinned data.
+//!
+//! [`load`] is the way in: it reads a pass with its parents, its model and its data, and gives a [`Pass`] in which
+//! nothing is left to look up, or all that is wrong with the files.
+
+pub mod discover;
+pub mod evidence;
+pub mod folder;
+pub mod inherit;
+pub mod model;
+pub mod pass;
+pub mod pinned;
+pub mod profile;
+pub mod ready;
+pub mod resolve;
+pub mod resolved;
+pub mod rule;
+pub mod schema;
+pub mod table;
+pub mod window;
+
+pub use discover::{Found, discover};
+pub use folder::Folder;
+pub use ready::ready;
+pub use resolve::load;
+pub use resolved::{JobSpec, NamedJob, ParameterChange, Pass};
+pub use schema::schema;

@@ -1,7 +1,29 @@
 //! The thermal network: model, compiled network, steady and transient solutions, exact derivatives.
 
+mod balance;
+pub mod batch;
+mod connectivity;
 pub mod element;
+mod equations;
+mod fault;
+mod lanes_lu;
+mod linear;
 pub mod identity;
 pub mod model;
+pub mod network;
+pub mod newton;
+pub mod steady;
+pub mod tangent;
+pub mod transient;
 
+pub use balance::HeatBalance;
+pub use batch::Batch;
 pub use model::{Input, Limits, Model, Node, NodeKind, Parameter, Quantity, QuantityValue};
+pub use network::{Network, NetworkError, Workspace};
+pub use newton::SteadyStats;
+pub use steady::{Start, SteadyError};
+pub use tangent::UnsolvedError;
+pub use transient::{
+    InitialState, InputColumn, InputTable, Transient, TransientError, TransientOptions, TransientRequest,
+    TransientStats,
+};

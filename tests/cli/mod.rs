@@ -1,1 +1,3 @@
 //! The command line, as a user sees it.
+
+mod frame;

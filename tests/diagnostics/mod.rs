@@ -1,1 +1,18 @@
 //! Wrong input: the message, at its place.
+
+use bmv::document::Diagnostics;
+use bmv::study::model;
+
+mod expression;
+mod model_form;
+mod properties;
+mod shared;
+mod syntax;
+
+/// What a model file's text is told, plain, at most five findings.
+fn rendered(text: &str) -> String {
+    let mut diagnostics = Diagnostics::new();
+    let model = model::load("model.json", text.as_bytes(), &mut diagnostics);
+    assert_eq!(model.is_none(), diagnostics.has_errors(), "a model, or an error");
+    diagnostics.render(false, 5)
+}

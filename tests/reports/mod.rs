@@ -1,1 +1,5 @@
 //! Rendered reports.
+
+mod hostile;
+mod rendering;
+mod samples;

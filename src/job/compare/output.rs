@@ -1,4 +1,4 @@
-//! Model against measurements at given parameters.
+//! Settings and result of a comparison.
 
 use serde::{Deserialize, Serialize};
 

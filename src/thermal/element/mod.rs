@@ -62,6 +62,11 @@ pub struct Contribution {
 }
 
 impl Element {
+    /// Whether the element has two states in a transient (a thermostat).
+    pub fn is_switched(&self) -> bool {
+        matches!(&self.kind, ElementKind::Heater(heater) if matches!(heater.control, HeaterControl::Thermostat { .. }))
+    }
+
     /// The element's expressions. `switched` asks for the form with `Symbol::Mode` of a transient (thermostats);
     /// otherwise the steady form.
     pub fn contribution(&self, graph: &mut Graph, modes: &mut Vec<heater::Switch>, switched: bool) -> Contribution {

@@ -1,9 +1,9 @@
-//! The conventional way: nominal and stacked worst-case analysis with margins by rule.
+//! Settings and result of the conventional way.
 
 use serde::{Deserialize, Serialize};
 
-use super::propagate::{Probability, Sweep};
-use super::requirement::{Environment, Requirement};
+use crate::job::propagate::Sweep;
+use crate::job::requirement::{Environment, Requirement};
 
 /// The parameters at which a rule looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -50,7 +50,7 @@ pub struct Spec {
     /// The design variable, with the range in which the size is sought (first and last value).
     pub design: Sweep,
     /// Names of the parameters and inputs that are heat loads (for heat-load margins).
-    pub heat_loads: Vec<super::propagate::Variable>,
+    pub heat_loads: Vec<crate::job::propagate::Variable>,
 }
 
 /// What a rule leads to.
@@ -110,6 +110,4 @@ pub struct Output {
     pub sizes: Vec<Size>,
     /// The stack of worst ends.
     pub worst_case: Vec<WorstEnd>,
-    /// Probability of the requirement at each rule's size is not known here; the report takes it from `propagate`.
-    pub probability: Option<Probability>,
 }

@@ -1,8 +1,8 @@
-//! Propagation of the parameters' uncertainty to quantities and requirements.
+//! Settings and result of a propagation.
 
 use serde::{Deserialize, Serialize};
 
-use super::requirement::{Environment, Requirement};
+use crate::job::requirement::{Environment, Requirement};
 
 /// How the priors are sampled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -144,8 +144,8 @@ pub struct Joint {
     pub y: String,
     /// Units of both.
     pub units: [String; 2],
-    /// Linear correlation.
-    pub correlation: f64,
+    /// Linear correlation; `None` where one of them does not vary.
+    pub correlation: Option<f64>,
     /// Edges of the bins of x.
     pub x_edges: Vec<f64>,
     /// Edges of the bins of y.

@@ -1,0 +1,120 @@
+//! `bmv cache stat`, `verify`, `prune`, `why`.
+
+use clap::Subcommand;
+
+use super::options::{CacheOption, PathsArgument};
+use super::output::{escaped, print, print_json, table};
+use super::status::{Failure, Status};
+use super::{Context, studies};
+use crate::runner::Plan;
+
+/// Verbs below `bmv cache`.
+#[derive(Debug, Subcommand)]
+pub(super) enum CacheVerb {
+    /// Count what is stored
+    Stat {
+        #[command(flatten)]
+        cache: CacheOption,
+        /// Print one JSON document
+        #[arg(long)]
+        json: bool,
+    },
+    /// Read every object and set the damaged ones aside; exit status 1 if there were any
+    Verify {
+        #[command(flatten)]
+        cache: CacheOption,
+        /// Print one JSON document
+        #[arg(long)]
+        json: bool,
+    },
+    /// Move what the passes as they are now do not use to the trash, and delete what lies there for more than a day
+    Prune {
+        #[command(flatten)]
+        paths: PathsArgument,
+        #[command(flatten)]
+        cache: CacheOption,
+        /// Print one JSON document
+        #[arg(long)]
+        json: bool,
+    },
+    /// Print what a job's key is made of
+    Why {
+        /// Name of a job, or its pass and name as `bmv plan` shows them
+        job: String,
+        #[command(flatten)]
+        paths: PathsArgument,
+    },
+}
+
+impl CacheVerb {
+    pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
+        match self {
+            Self::Stat { cache, json } => {
+                let cache = cache.cache();
+                let found = cache.statistics()?;
+                if json {
+                    print_json(&found)?;
+                    return Ok(Status::Done);
+                }
+                let row = |name: &str, count: u64, bytes: Option<u64>| {
+                    vec![
+                        name.to_owned(),
+                        count.to_string(),
+                        bytes.map_or(String::new(), |bytes| format!("{bytes} bytes")),
+                    ]
+                };
+                let rows = [
+                    row("results", found.results, Some(found.result_bytes)),
+                    row("blocks", found.blocks, Some(found.block_bytes)),
+                    row("unfinished or foreign files", found.leftovers, None),
+                    row("damaged, in quarantine", found.quarantined, None),
+                    row("not reproducible, in conflict", found.conflicts, None),
+                    row("in the trash", found.trashed, None),
+                ];
+                print(&format!("{}\n{}", cache.root().display(), table(&rows)))?;
+                Ok(Status::Done)
+            }
+            Self::Verify { cache, json } => {
+                let found = cache.cache().verify()?;
+                if json {
+                    print_json(&found)?;
+                } else {
+                    for name in &found.damaged {
+                        print(&format!("damaged: {name}\n"))?;
+                    }
+                    print(&format!("{} objects are sound, {} damaged\n", found.sound, found.damaged.len()))?;
+                }
+                Ok(if found.damaged.is_empty() { Status::Done } else { Status::CheckFailed })
+            }
+            Self::Prune { paths, cache, json } => {
+                let plan = Plan::new(studies::load(&paths.paths, context.coloured)?.nodes)?;
+                let done = cache.cache().prune(&plan.keys().iter().cloned().collect())?;
+                if json {
+                    print_json(&done)?;
+                } else {
+                    print(&format!(
+                        "{} objects kept, {} moved to the trash ({} bytes), {} files deleted\n",
+                        done.kept, done.moved, done.moved_bytes, done.deleted
+                    ))?;
+                }
+                Ok(Status::Done)
+            }
+            Self::Why { job, paths } => {
+                let plan = Plan::new(studies::load(&paths.paths, context.coloured)?.nodes)?;
+                let Some(position) = plan.find(&job) else {
+                    let same_name = plan.nodes().iter().filter(|node| node.name == job).map(|node| escaped(&node.id));
+                    let ids: Vec<_> = same_name.collect();
+                    let job = escaped(&job);
+                    return Err(Failure::input(if ids.is_empty() {
+                        format!("no job is called `{job}`")
+                    } else {
+                        format!("several jobs are called `{job}`: {}", ids.join(", "))
+                    }));
+                };
+                print(&format!("{}\n", plan.material(position).explain()?))?;
+                super::output::tell(&format!("key {}", plan.keys()[position]));
+                Ok(Status::Done)
+            }
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! `bmv check`.
+
+use serde_json::json;
+
+use super::Context;
+use super::execute::execute;
+use super::options::{PathsArgument, RunOptions};
+use super::output::{escaped, print, print_json};
+use super::status::{Failure, Status};
+use crate::runner::baseline;
+
+/// Differences that are printed for a job; all are in the JSON document.
+const SHOWN: usize = 10;
+
+/// Arguments of `bmv check`. Without `--cache` everything runs anew in a cache of its own.
+#[derive(Debug, clap::Args)]
+pub(super) struct Check {
+    #[command(flatten)]
+    paths: PathsArgument,
+    /// Archive the results in the studies' `baseline` folders instead of comparing them
+    #[arg(long)]
+    archive: bool,
+    /// Print one JSON document
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    options: RunOptions,
+}
+
+impl Check {
+    pub(super) fn execute(mut self, context: &Context) -> Result<Status, Failure> {
+        // Fresh: what an earlier build left in the usual cache proves nothing about this one.
+        let fresh = tempfile::tempdir()?;
+        self.options.cache.folder.get_or_insert_with(|| fresh.path().to_path_buf());
+        let executed = execute(&self.paths.paths, &self.options, context, |_, _| true)?;
+        let (mut report, mut text, mut drifted, mut compared) = (Vec::new(), String::new(), 0, 0);
+        for pass in &executed.passes {
+            for (position, finished) in executed.results(pass) {
+                let node = &executed.plan.nodes()[position];
+                let path = baseline::path(&pass.study, &pass.file, &node.name);
+                if self.archive {
+                    baseline::archive(&path, &finished.stored.value)?;
+                    text.push_str(&format!("archived {}\n", path.display()));
+                    continue;
+                }
+                let Some(found) = baseline::compare(&path, &finished.stored.value)? else {
+                    text.push_str(&format!("{}: nothing archived\n", escaped(&node.id)));
+                    continue;
+                };
+                compared += 1;
+                drifted += usize::from(!found.is_empty());
+                let verdict = if found.is_empty() { "the same" } else { "DRIFTED" };
+                text.push_str(&format!("{}: {verdict}\n", escaped(&node.id)));
+                for difference in found.iter().take(SHOWN) {
+                    text.push_str(&format!("  {}\n", escaped(&difference.to_string())));
+                }
+                if found.len() > SHOWN {
+                    text.push_str(&format!("  and {} more\n", found.len() - SHOWN));
+                }
+                report.push(json!({ "job": node.id, "differences": found }));
+            }
+        }
+        if self.json {
+            print_json(&json!({ "compared": compared, "drifted": drifted, "jobs": report }))?;
+        } else {
+            print(&text)?;
+        }
+        Ok(if drifted > 0 && executed.status() == Status::Done { Status::CheckFailed } else { executed.status() })
+    }
+}

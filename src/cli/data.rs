@@ -1,0 +1,51 @@
+//! `bmv data get`, `verify`.
+
+use std::path::PathBuf;
+
+use clap::Subcommand;
+
+use super::options::PathsArgument;
+use super::output::{escaped, print, print_json};
+use super::status::{Failure, Status};
+use super::studies::{self, PinnedFile};
+
+/// Verbs below `bmv data`.
+#[derive(Debug, Subcommand)]
+pub(super) enum Data {
+    /// Bring pinned measurements to their place and check their hash
+    Get {
+        #[command(flatten)]
+        paths: PathsArgument,
+        /// Folder that is searched for the hash, whatever the name [default: the one in BMV_DATA]
+        #[arg(long, value_name = "DIR")]
+        from: Option<PathBuf>,
+        /// Print one JSON document
+        #[arg(long)]
+        json: bool,
+    },
+    /// Check the hashes of pinned measurements; exit status 1 if one is absent or other
+    Verify {
+        #[command(flatten)]
+        paths: PathsArgument,
+        /// Print one JSON document
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+impl Data {
+    pub(super) fn execute(self) -> Result<Status, Failure> {
+        let (files, json) = match self {
+            Self::Get { paths, from, json } => (studies::pinned(&paths.paths, true, from.as_deref())?, json),
+            Self::Verify { paths, json } => (studies::pinned(&paths.paths, false, None)?, json),
+        };
+        if json {
+            print_json(&files)?;
+        } else {
+            for PinnedFile { file, state, .. } in &files {
+                print(&format!("{}: {}\n", escaped(file), escaped(state)))?;
+            }
+        }
+        Ok(if files.iter().all(|file| file.good) { Status::Done } else { Status::CheckFailed })
+    }
+}

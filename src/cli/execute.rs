@@ -1,0 +1,89 @@
+//! Running the jobs of passes with progress, event log and interruption: what every computing verb does.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use super::Context;
+use super::options::RunOptions;
+use super::output::tell;
+use super::status::{Failure, Status};
+use super::studies::{self, LoadedPass};
+use crate::runner::engine::local;
+use crate::runner::{EventLog, Finished, Listener, Plan, Progress, RunSummary, Settings};
+
+/// Passes whose jobs were run.
+pub struct Executed {
+    /// The passes that were asked for.
+    pub passes: Vec<LoadedPass>,
+    /// All jobs.
+    pub plan: Plan,
+    /// What became of them.
+    pub summary: RunSummary,
+}
+
+impl Executed {
+    /// Results of a pass's wanted jobs: position in the plan, and the finished job.
+    pub fn results<'e>(&'e self, pass: &'e LoadedPass) -> impl Iterator<Item = (usize, &'e Finished)> {
+        pass.jobs.iter().filter_map(|id| Some((self.plan.find(id)?, self.summary.finished(id)?)))
+    }
+
+    /// How the program ends after this run.
+    pub fn status(&self) -> Status {
+        if self.summary.is_interrupted() {
+            Status::Interrupted
+        } else if self.summary.failures() > 0 {
+            Status::JobFailed
+        } else if self.passes.iter().flat_map(|pass| self.results(pass)).any(|(_, job)| !is_converged(job)) {
+            Status::NotConverged
+        } else {
+            Status::Done
+        }
+    }
+}
+
+/// A sampler's result says whether it converged; other results do not speak of it.
+fn is_converged(job: &Finished) -> bool {
+    job.stored.value.get("converged").and_then(serde_json::Value::as_bool).unwrap_or(true)
+}
+
+/// Loads, plans and runs the wanted jobs of the passes under these paths; `wanted` sees kind and name.
+///
+/// # Errors
+/// Wrong input, or a refusal of the system. What goes wrong with a job is in the summary.
+pub fn execute(
+    paths: &[PathBuf],
+    options: &RunOptions,
+    context: &Context,
+    wanted: impl Fn(&str, &str) -> bool,
+) -> Result<Executed, Failure> {
+    let studies::Loaded { mut passes, nodes, notes } = studies::load(paths, context.coloured)?;
+    for note in notes {
+        tell(&note);
+    }
+    let plan = Plan::new(nodes)?;
+    for pass in &mut passes {
+        pass.jobs.retain(|id| {
+            plan.find(id).is_some_and(|position| {
+                let node = &plan.nodes()[position];
+                wanted(node.task.kind(), &node.name)
+            })
+        });
+    }
+    let only: BTreeSet<String> = passes.iter().flat_map(|pass| pass.jobs.iter().cloned()).collect();
+    let settings = Settings { only: Some(only), ..options.settings() };
+
+    let stop = context.stop()?;
+    let progress = Progress::on_standard_error();
+    let log = EventLog::create(&options.cache.events());
+    let summary = match &log {
+        Ok(log) => {
+            let listeners: [&dyn Listener; 2] = [&progress, log];
+            local::run(&plan, &options.cache.cache(), &settings, &stop, &listeners)?
+        }
+        Err(error) => {
+            tell(&format!("warning: no event log: {error}"));
+            local::run(&plan, &options.cache.cache(), &settings, &stop, &progress)?
+        }
+    };
+    Ok(Executed { passes, plan, summary })
+}

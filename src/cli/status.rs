@@ -1,0 +1,80 @@
+//! Exit statuses, in one place.
+
+use std::process::ExitCode;
+
+/// How the program ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// All is done.
+    Done,
+    /// Done, and a check or a requirement failed.
+    CheckFailed,
+    /// The input is wrong.
+    WrongInput,
+    /// A job failed, or the system refused something that a job needs.
+    JobFailed,
+    /// Done, but a sampler did not converge.
+    NotConverged,
+    /// Interrupted; what was finished is kept.
+    Interrupted,
+}
+
+impl Status {
+    /// The number that the shell sees.
+    pub const fn code(self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::CheckFailed => 1,
+            Self::WrongInput => 2,
+            Self::JobFailed => 3,
+            Self::NotConverged => 4,
+            Self::Interrupted => 130,
+        }
+    }
+}
+
+impl From<Status> for ExitCode {
+    fn from(status: Status) -> Self {
+        Self::from(status.code())
+    }
+}
+
+/// Why a command ends early: what to tell, and with which status.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// How the program ends.
+    pub status: Status,
+    /// What is told on standard error.
+    pub message: String,
+}
+
+impl Failure {
+    /// The input is wrong.
+    pub fn input(message: impl Into<String>) -> Self {
+        Self { status: Status::WrongInput, message: message.into() }
+    }
+
+    /// A job, or what follows from it, failed.
+    pub fn job(message: impl Into<String>) -> Self {
+        Self { status: Status::JobFailed, message: message.into() }
+    }
+}
+
+impl From<crate::runner::RunnerError> for Failure {
+    fn from(error: crate::runner::RunnerError) -> Self {
+        use crate::runner::RunnerError as E;
+        let status = match error {
+            E::DuplicateJob { .. } | E::UnknownUpstream { .. } | E::Cycle { .. } | E::Manifest { .. } => {
+                Status::WrongInput
+            }
+            _ => Status::JobFailed,
+        };
+        Self { status, message: error.to_string() }
+    }
+}
+
+impl From<std::io::Error> for Failure {
+    fn from(error: std::io::Error) -> Self {
+        Self { status: Status::JobFailed, message: format!("cannot write: {error}") }
+    }
+}

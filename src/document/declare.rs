@@ -1,0 +1,413 @@
+//! Objects declared once: the declaration gives the type, the reader with all errors, and the JSON Schema.
+//!
+//! `written_struct!` declares an object with required, optional and defaulted fields; `written_choice!` an object
+//! with exactly one key, the kind; `written_words!` one of some words. Doc comments become the schema's
+//! descriptions.
+
+use super::code;
+use super::diagnostic::{Diagnostic, Diagnostics};
+use super::json::{Entry, Node, Value};
+use super::source::{Place, Span};
+use super::suggest;
+use super::written::{Written, wrong_type};
+
+/// The fields of an object that is being read. Used by `written_struct!`.
+pub struct Fields<'a> {
+    place: &'a Place,
+    entries: &'a [Entry],
+}
+
+impl<'a> Fields<'a> {
+    /// The object's fields; unknown ones are reported.
+    pub fn open(node: &'a Node, known: &[&str], what: &str, diagnostics: &mut Diagnostics) -> Option<Self> {
+        let Value::Object(entries) = &node.value else { return wrong_type(node, what, diagnostics) };
+        for entry in entries {
+            if !known.contains(&entry.key.as_str()) {
+                let near = suggest::nearest(&entry.key, known.iter().copied());
+                let help = match near {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None if known.is_empty() => "the object has no fields: write {}".to_owned(),
+                    None => format!("the fields are {}", suggest::listed(known.iter().copied(), 20)),
+                };
+                diagnostics.push(
+                    Diagnostic::error(&code::UNKNOWN_FIELD, &entry.key_place, format!("unknown field `{}`", entry.key))
+                        .help(help),
+                );
+            }
+        }
+        Some(Self { place: &node.place, entries })
+    }
+
+    fn find(&self, key: &str) -> Option<&'a Node> {
+        self.entries.iter().find(|e| e.key == key).map(|e| &e.node)
+    }
+
+    /// A field that must be there.
+    pub fn required<T: Written>(&self, key: &str, diagnostics: &mut Diagnostics) -> Option<T> {
+        match self.find(key) {
+            Some(node) => T::read(node, diagnostics),
+            None => {
+                // The opening brace stands for the object.
+                let place =
+                    Place { span: Span::new(self.place.span.start, self.place.span.start + 1), ..self.place.clone() };
+                diagnostics.push(
+                    Diagnostic::error(&code::MISSING_FIELD, &place, format!("missing field `{key}`"))
+                        .expected(format!("`{key}`: {}", T::expected())),
+                );
+                None
+            }
+        }
+    }
+
+    /// A field that may be missing or null.
+    pub fn optional<T: Written>(&self, key: &str, diagnostics: &mut Diagnostics) -> Option<Option<T>> {
+        match self.find(key) {
+            None | Some(Node { value: Value::Null, .. }) => Some(None),
+            Some(node) => T::read(node, diagnostics).map(Some),
+        }
+    }
+}
+
+/// The one entry of a choice. Used by `written_choice!`.
+pub fn one_kind<'a>(node: &'a Node, kinds: &[&str], what: &str, diagnostics: &mut Diagnostics) -> Option<&'a Entry> {
+    let expected = || format!("an object with one key of {}", suggest::listed(kinds.iter().copied(), 20));
+    let Value::Object(entries) = &node.value else { return wrong_type(node, &expected(), diagnostics) };
+    match entries.as_slice() {
+        [one] if kinds.contains(&one.key.as_str()) => Some(one),
+        [one] => {
+            let near = suggest::nearest(&one.key, kinds.iter().copied());
+            let diagnostic =
+                Diagnostic::error(&code::UNKNOWN_KIND, &one.key_place, format!("unknown kind `{}` of {what}", one.key))
+                    .expected(format!("one of {}", suggest::listed(kinds.iter().copied(), 20)))
+                    .suggest(near);
+            diagnostics.push(diagnostic);
+            None
+        }
+        several => {
+            let message = match several.len() {
+                0 => format!("{what} needs exactly one kind, and this object is empty"),
+                n => format!("{what} needs exactly one kind, and this object has {n} keys"),
+            };
+            let mut diagnostic = Diagnostic::error(&code::ONE_KIND, &node.place, message).expected(expected());
+            let named = several.iter().find(|e| matches!(e.key.as_str(), "kind" | "type"));
+            if let Some(Value::String(kind)) = named.map(|e| &e.node.value) {
+                diagnostic = diagnostic.help(format!("the kind is the key: {{\"{kind}\": ...}}"));
+            }
+            diagnostics.push(diagnostic);
+            None
+        }
+    }
+}
+
+/// One of some words. Used by `written_words!`.
+pub fn word<'a>(node: &'a Node, words: &[&str], what: &str, diagnostics: &mut Diagnostics) -> Option<&'a str> {
+    let expected = format!("one of {}", suggest::listed(words.iter().copied(), 20));
+    let Value::String(text) = &node.value else { return wrong_type(node, &expected, diagnostics) };
+    if words.contains(&text.as_str()) {
+        return Some(text);
+    }
+    let near = suggest::nearest(text, words.iter().copied());
+    diagnostics.push(
+        Diagnostic::error(&code::UNKNOWN_KIND, &node.place, format!("unknown {what} `{text}`"))
+            .expected(expected)
+            .suggest(near),
+    );
+    None
+}
+
+/// Declares an object with fields, its reader and its schema.
+///
+/// ```text
+/// written_struct! {
+///     /// Describes the object in the schema.
+///     pub struct NodeEntry: "a node" {
+///         /// Describes the field.
+///         required capacity: Scalar,
+///         /// Missing or null is `None`.
+///         optional area: Amount,
+///         /// Missing takes the default.
+///         default(true) settable: bool,
+///         /// A key that is no field name of Rust.
+///         optional place as "where": String,
+///     }
+/// }
+/// ```
+macro_rules! written_struct {
+    (
+        $(#[doc = $doc:literal])*
+        $visibility:vis struct $name:ident : $what:literal {
+            $(
+                $(#[doc = $field_doc:literal])*
+                $kind:ident $(($default:expr))? $field:ident $(as $key:literal)? : $type:ty
+            ),* $(,)?
+        }
+    ) => {
+        $(#[doc = $doc])*
+        #[derive(Clone, Debug, PartialEq)]
+        $visibility struct $name {
+            $( $(#[doc = $field_doc])* pub $field: $crate::document::declare::written_struct!(@type $kind $type) ),*
+        }
+
+        impl $crate::document::written::Written for $name {
+            #[allow(unused_variables, reason = "an object may have no fields")]
+            fn read(
+                node: &$crate::document::Node,
+                diagnostics: &mut $crate::document::Diagnostics,
+            ) -> Option<Self> {
+                let known: &[&str] = &[$( $crate::document::declare::written_struct!(@key $field $($key)?) ),*];
+                let fields = $crate::document::declare::Fields::open(node, known, $what, diagnostics)?;
+                $(
+                    let key = $crate::document::declare::written_struct!(@key $field $($key)?);
+                    let $field = $crate::document::declare::written_struct!(
+                        @read $kind $(($default))? fields key $type, diagnostics
+                    );
+                )*
+                Some(Self { $( $field: $field? ),* })
+            }
+
+            #[allow(unused_variables, reason = "an object may have no fields")]
+            fn schema(schemas: &mut $crate::document::schema::Schemas) -> serde_json::Value {
+                schemas.define(stringify!($name), |schemas| {
+                    $crate::document::schema::object(
+                        concat!($($doc, "\n"),*),
+                        vec![$(
+                            $crate::document::schema::Field {
+                                key: $crate::document::declare::written_struct!(@key $field $($key)?),
+                                description: concat!($($field_doc, "\n"),*),
+                                schema: <$type as $crate::document::written::Written>::schema(schemas),
+                                required: $crate::document::declare::written_struct!(@required $kind),
+                            }
+                        ),*],
+                    )
+                })
+            }
+
+            fn expected() -> String {
+                $what.to_owned()
+            }
+        }
+    };
+    (@type required $type:ty) => { $type };
+    (@type optional $type:ty) => { Option<$type> };
+    (@type default $type:ty) => { $type };
+    (@key $field:ident) => { stringify!($field) };
+    (@key $field:ident $key:literal) => { $key };
+    (@required required) => { true };
+    (@required optional) => { false };
+    (@required default) => { false };
+    (@read required $fields:ident $key:ident $type:ty, $diagnostics:ident) => {
+        $fields.required::<$type>($key, $diagnostics)
+    };
+    (@read optional $fields:ident $key:ident $type:ty, $diagnostics:ident) => {
+        $fields.optional::<$type>($key, $diagnostics)
+    };
+    (@read default ($default:expr) $fields:ident $key:ident $type:ty, $diagnostics:ident) => {
+        $fields.optional::<$type>($key, $diagnostics).map(|value| value.unwrap_or_else(|| $default))
+    };
+}
+pub(crate) use written_struct;
+
+/// Declares a choice: an object with exactly one key, the kind, its reader and its schema.
+///
+/// ```text
+/// written_choice! {
+///     /// Describes the choice in the schema.
+///     pub enum Prior: "a prior" {
+///         /// Describes the kind.
+///         "uniform" => Uniform([f64; 2]),
+///     }
+/// }
+/// ```
+macro_rules! written_choice {
+    (
+        $(#[doc = $doc:literal])*
+        $visibility:vis enum $name:ident : $what:literal {
+            $( $(#[doc = $kind_doc:literal])* $key:literal => $variant:ident($type:ty) ),* $(,)?
+        }
+    ) => {
+        $(#[doc = $doc])*
+        #[derive(Clone, Debug, PartialEq)]
+        $visibility enum $name { $( $(#[doc = $kind_doc])* $variant($type) ),* }
+
+        impl $name {
+            /// The key of the kind.
+            pub fn kind(&self) -> &'static str {
+                match self { $( Self::$variant(_) => $key ),* }
+            }
+        }
+
+        impl $crate::document::written::Written for $name {
+            fn read(
+                node: &$crate::document::Node,
+                diagnostics: &mut $crate::document::Diagnostics,
+            ) -> Option<Self> {
+                let entry = $crate::document::declare::one_kind(node, &[$($key),*], $what, diagnostics)?;
+                match entry.key.as_str() {
+                    $( $key => <$type as $crate::document::written::Written>::read(&entry.node, diagnostics)
+                        .map(Self::$variant), )*
+                    _ => None,
+                }
+            }
+
+            fn schema(schemas: &mut $crate::document::schema::Schemas) -> serde_json::Value {
+                schemas.define(stringify!($name), |schemas| {
+                    $crate::document::schema::choice(
+                        concat!($($doc, "\n"),*),
+                        vec![$( ($key, concat!($($kind_doc, "\n"),*), <$type as $crate::document::written::Written>::schema(schemas)) ),*],
+                    )
+                })
+            }
+
+            fn expected() -> String {
+                let kinds: &[&str] = &[$($key),*];
+                format!("{}: an object with one key of {}", $what, $crate::document::suggest::listed(kinds.iter().copied(), 20))
+            }
+        }
+    };
+}
+pub(crate) use written_choice;
+
+/// Declares one of some words, its reader and its schema.
+macro_rules! written_words {
+    (
+        $(#[doc = $doc:literal])*
+        $visibility:vis enum $name:ident : $what:literal {
+            $( $(#[doc = $word_doc:literal])* $word:literal => $variant:ident ),* $(,)?
+        }
+    ) => {
+        $(#[doc = $doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        $visibility enum $name { $( $(#[doc = $word_doc])* $variant ),* }
+
+        impl $name {
+            /// The word.
+            pub fn word(self) -> &'static str {
+                match self { $( Self::$variant => $word ),* }
+            }
+        }
+
+        impl $crate::document::written::Written for $name {
+            fn read(
+                node: &$crate::document::Node,
+                diagnostics: &mut $crate::document::Diagnostics,
+            ) -> Option<Self> {
+                match $crate::document::declare::word(node, &[$($word),*], $what, diagnostics)? {
+                    $( $word => Some(Self::$variant), )*
+                    _ => None,
+                }
+            }
+
+            fn schema(schemas: &mut $crate::document::schema::Schemas) -> serde_json::Value {
+                schemas.define(stringify!($name), |_| {
+                    $crate::document::schema::words(
+                        concat!($($doc, "\n"),*),
+                        &[$( ($word, concat!($($word_doc, "\n"),*)) ),*],
+                    )
+                })
+            }
+
+            fn expected() -> String {
+                let words: &[&str] = &[$($word),*];
+                format!("{}: one of {}", $what, $crate::document::suggest::listed(words.iter().copied(), 20))
+            }
+        }
+    };
+}
+pub(crate) use written_words;
+
+written_struct! {
+    /// An object without fields: `{}`.
+    pub struct Empty: "an empty object, {}" {}
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::document::{Diagnostics, Map, Schemas, Source, Written, json};
+
+    written_struct! {
+        /// A thing
+        /// of two lines.
+        pub struct Thing: "a thing" {
+            /// How many.
+            required count: usize,
+            /// Where.
+            optional place as "where": String,
+            /// Which.
+            default(Colour::Red) colour: Colour,
+            /// Of what.
+            default(Map::default()) parts: Map<Shape>,
+        }
+    }
+
+    written_choice! {
+        /// A shape.
+        pub enum Shape: "a shape" {
+            /// By its radius.
+            "round" => Round(f64),
+            /// By its sides.
+            "box" => Box([f64; 2]),
+        }
+    }
+
+    written_words! {
+        /// A colour.
+        pub enum Colour: "a colour" {
+            /// Red.
+            "red" => Red,
+            /// Light blue.
+            "light-blue" => LightBlue,
+        }
+    }
+
+    fn read(text: &str) -> (Option<Thing>, Vec<(String, String)>) {
+        let mut diagnostics = Diagnostics::new();
+        let node = json::parse(&Source::new("thing.json", text), &mut diagnostics).expect("JSON");
+        let thing = Thing::read(&node, &mut diagnostics);
+        (thing, diagnostics.plain().into_iter().map(|d| (d.code, d.path)).collect())
+    }
+
+    #[test]
+    fn a_declared_type_reads() {
+        let (thing, found) = read(
+            r#"{"count": 2, "where": "here", "colour": "light-blue", "parts": {"b": {"box": [1, 2]}, "a": {"round": 3}}}"#,
+        );
+        let thing = thing.expect("valid");
+        assert!(found.is_empty());
+        assert_eq!((thing.count, thing.place.as_deref(), thing.colour.word()), (2, Some("here"), "light-blue"));
+        assert_eq!(thing.parts.names().collect::<Vec<_>>(), ["b", "a"], "the order of the file");
+        assert_eq!(thing.parts.get("a").map(|e| (e.value.kind(), &e.value)), Some(("round", &Shape::Round(3.0))));
+        let (least, _) = read(r#"{"count": 0, "where": null}"#);
+        assert_eq!(least.map(|t| (t.place, t.colour)), Some((None, Colour::Red)));
+    }
+
+    #[test]
+    fn all_errors_are_found() {
+        let (thing, found) = read(
+            r#"{"cuont": 2, "where": 3, "colour": "rde", "parts": {"a": {"round": "x"}, "b": {}, "c": {"bxo": 1}}}"#,
+        );
+        assert!(thing.is_none());
+        let expected = [
+            ("missing-field", "$"),
+            ("unknown-field", "$.cuont"),
+            ("wrong-type", "$.where"),
+            ("unknown-kind", "$.colour"),
+            ("wrong-type", "$.parts.a.round"),
+            ("one-kind", "$.parts.b"),
+            ("unknown-kind", "$.parts.c.bxo"),
+        ];
+        let found: Vec<(&str, &str)> = found.iter().map(|(c, p)| (c.as_str(), p.as_str())).collect();
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn the_schema_says_the_same() {
+        let schema = Schemas::document::<Thing>("things");
+        let thing = &schema["$defs"]["Thing"];
+        assert_eq!(schema["$ref"], "#/$defs/Thing");
+        assert_eq!(thing["required"], serde_json::json!(["count"]));
+        assert_eq!(thing["description"], "A thing of two lines.");
+        assert_eq!(thing["properties"]["where"]["description"], "Where.");
+        assert_eq!(schema["$defs"]["Colour"]["oneOf"][1]["const"], "light-blue");
+        assert_eq!(schema["$defs"]["Shape"]["oneOf"][0]["required"][0], "round");
+    }
+}

@@ -1,0 +1,265 @@
+//! Errors and warnings at their places, collected and shown in the source.
+
+use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+use serde::Serialize;
+
+use super::code::Code;
+use super::source::{Place, floor_boundary};
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, PartialOrd, Ord)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// Nothing can be run.
+    Error,
+    /// Worth a look; runs.
+    Warning,
+}
+
+/// One finding in a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagnostic {
+    /// Which kind of finding (`bmv explain CODE`).
+    pub code: &'static Code,
+    /// Error or warning.
+    pub severity: Severity,
+    /// Where.
+    pub place: Place,
+    /// What is wrong, lower-case, with the offending value.
+    pub message: String,
+    /// What was expected there; shown under the place.
+    pub expected: Option<String>,
+    /// What to write instead.
+    pub help: Option<String>,
+    /// Other places that belong to it, with what they are.
+    pub related: Vec<(Place, String)>,
+}
+
+impl Diagnostic {
+    /// An error.
+    pub fn error(code: &'static Code, place: &Place, message: impl Into<String>) -> Self {
+        Self {
+            code,
+            severity: Severity::Error,
+            place: place.clone(),
+            message: message.into(),
+            expected: None,
+            help: None,
+            related: Vec::new(),
+        }
+    }
+
+    /// A warning.
+    pub fn warning(code: &'static Code, place: &Place, message: impl Into<String>) -> Self {
+        Self { severity: Severity::Warning, ..Self::error(code, place, message) }
+    }
+
+    /// Adds what was expected.
+    pub fn expected(mut self, text: impl Into<String>) -> Self {
+        self.expected = Some(text.into());
+        self
+    }
+
+    /// Adds what to write instead.
+    pub fn help(mut self, text: impl Into<String>) -> Self {
+        self.help = Some(text.into());
+        self
+    }
+
+    /// Adds a suggestion, where there is one: "did you mean `x`?".
+    pub fn suggest(self, name: Option<&str>) -> Self {
+        match name {
+            Some(name) => self.help(format!("did you mean `{name}`?")),
+            None => self,
+        }
+    }
+
+    /// Adds another place.
+    pub fn related(mut self, place: &Place, what: impl Into<String>) -> Self {
+        self.related.push((place.clone(), what.into()));
+        self
+    }
+
+    /// The finding as text in its source, coloured for a terminal or plain.
+    pub fn render(&self, coloured: bool) -> String {
+        let level = match self.severity {
+            Severity::Error => Level::ERROR,
+            Severity::Warning => Level::WARNING,
+        };
+        let label = self.expected.clone().unwrap_or_default();
+        let mut group = level.primary_title(self.message.as_str()).id(self.code.name).element(snippet(
+            &self.place,
+            AnnotationKind::Primary,
+            label,
+        ));
+        for (place, what) in &self.related {
+            group = group.element(snippet(place, AnnotationKind::Context, what.clone()));
+        }
+        if !self.place.path.is_empty() {
+            group = group.element(Level::NOTE.message(format!("at {}", self.place.path)));
+        }
+        if let Some(help) = &self.help {
+            group = group.element(Level::HELP.message(help.as_str()));
+        }
+        let renderer = if coloured { Renderer::styled() } else { Renderer::plain() };
+        renderer.render(&[group])
+    }
+
+    /// The finding as data.
+    pub fn plain(&self) -> PlainDiagnostic {
+        let position = self.place.position();
+        PlainDiagnostic {
+            code: self.code.name.to_owned(),
+            severity: self.severity,
+            file: self.place.source.name().to_owned(),
+            line: position.line,
+            column: position.column,
+            path: self.place.path.to_string(),
+            message: self.message.clone(),
+            expected: self.expected.clone(),
+            help: self.help.clone(),
+        }
+    }
+}
+
+/// Lines of a source longer than this are shown around the place only, in bytes.
+const WIDE: usize = 2000;
+
+/// Bytes of a cut line shown before and behind the place.
+const AROUND: usize = 60;
+
+/// The lines of a place with its mark.
+fn snippet(place: &Place, kind: AnnotationKind, label: String) -> Snippet<'_, annotate_snippets::Annotation<'_>> {
+    let text = place.source.text();
+    let start = floor_boundary(text, place.span.start);
+    let end = floor_boundary(text, place.span.end).max(start);
+    let mut first = text[..start].rfind('\n').map_or(0, |i| i + 1);
+    // A mark over many lines hides what it means: the first line is enough.
+    let line_end = text[start..].find('\n').map_or(text.len(), |i| start + i);
+    let mut last = line_end;
+    let end = end.min(line_end);
+    if last - first > WIDE {
+        first = floor_boundary(text, start.saturating_sub(AROUND).max(first));
+        last = floor_boundary(text, (start + AROUND).max(end.min(start + WIDE)).min(last));
+    }
+    let position = place.position();
+    let end = end.min(last);
+    let label = if label.is_empty() { None } else { Some(label) };
+    Snippet::source(&text[first..last])
+        .line_start(position.line)
+        .path(place.source.name())
+        .annotation(kind.span(start - first..end - first).label(label))
+}
+
+/// A finding as data, for `--json` and tests. Lines and columns count from 1, columns in characters.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PlainDiagnostic {
+    /// Which kind of finding.
+    pub code: String,
+    /// Error or warning.
+    pub severity: Severity,
+    /// File as shown.
+    pub file: String,
+    /// Line.
+    pub line: usize,
+    /// Column.
+    pub column: usize,
+    /// JSON path; empty outside JSON.
+    pub path: String,
+    /// What is wrong.
+    pub message: String,
+    /// What was expected.
+    pub expected: Option<String>,
+    /// What to write instead.
+    pub help: Option<String>,
+}
+
+/// No more findings than this are kept; the rest is counted.
+const KEPT: usize = 1000;
+
+/// The findings of a run over some files.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Diagnostics {
+    list: Vec<Diagnostic>,
+    errors: usize,
+    warnings: usize,
+}
+
+impl Diagnostics {
+    /// None yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a finding.
+    pub fn push(&mut self, diagnostic: Diagnostic) {
+        match diagnostic.severity {
+            Severity::Error => self.errors += 1,
+            Severity::Warning => self.warnings += 1,
+        }
+        if self.list.len() < KEPT {
+            self.list.push(diagnostic);
+        }
+    }
+
+    /// Adds all findings of another collection.
+    pub fn extend(&mut self, other: Self) {
+        self.errors += other.errors;
+        self.warnings += other.warnings;
+        self.list.extend(other.list);
+        self.list.truncate(KEPT);
+    }
+
+    /// Number of errors.
+    pub fn errors(&self) -> usize {
+        self.errors
+    }
+
+    /// Number of warnings.
+    pub fn warnings(&self) -> usize {
+        self.warnings
+    }
+
+    /// Whether there is an error.
+    pub fn has_errors(&self) -> bool {
+        self.errors > 0
+    }
+
+    /// Whether there is nothing.
+    pub fn is_empty(&self) -> bool {
+        self.errors + self.warnings == 0
+    }
+
+    /// The findings, errors first, then file by file (in the order in which they first appear) from top to bottom.
+    pub fn sorted(&self) -> Vec<&Diagnostic> {
+        let mut files: Vec<&str> = Vec::new();
+        for diagnostic in &self.list {
+            if !files.contains(&diagnostic.place.source.name()) {
+                files.push(diagnostic.place.source.name());
+            }
+        }
+        let rank = |d: &Diagnostic| files.iter().position(|f| *f == d.place.source.name());
+        let mut sorted: Vec<&Diagnostic> = self.list.iter().collect();
+        sorted.sort_by_key(|d| (d.severity, rank(d), d.place.span.start));
+        sorted
+    }
+
+    /// All findings as text, at most `most` of them, then how many more there are.
+    pub fn render(&self, coloured: bool, most: usize) -> String {
+        let mut out = String::new();
+        for diagnostic in self.sorted().into_iter().take(most) {
+            out.push_str(&diagnostic.render(coloured));
+            out.push_str("\n\n");
+        }
+        let hidden = (self.errors + self.warnings).saturating_sub(most.min(self.list.len()));
+        if hidden > 0 {
+            out.push_str(&format!("and {hidden} more\n"));
+        }
+        out
+    }
+
+    /// All findings as data, in the order of [`Self::sorted`].
+    pub fn plain(&self) -> Vec<PlainDiagnostic> {
+        self.sorted().into_iter().map(Diagnostic::plain).collect()
+    }
+}

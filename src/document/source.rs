@@ -1,0 +1,174 @@
+//! A source text, and places in it.
+
+use std::sync::Arc;
+
+/// A file's text with the name under which it is shown.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    name: String,
+    text: String,
+}
+
+/// A range of bytes of a source, `start..end`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, PartialOrd, Ord)]
+pub struct Span {
+    /// First byte.
+    pub start: usize,
+    /// One after the last byte.
+    pub end: usize,
+}
+
+impl Span {
+    /// The range `start..end`.
+    pub const fn new(start: usize, end: usize) -> Self {
+        Self { start, end }
+    }
+}
+
+/// Line and column of a character, both from 1; columns count characters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Position {
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+}
+
+impl Source {
+    /// A source text. `name` is what messages show, such as a path relative to where the user stands.
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Arc<Self> {
+        Arc::new(Self { name: name.into(), text: text.into() })
+    }
+
+    /// The name shown in messages.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The whole text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Line and column of a byte; a byte past the end counts as the end, one inside a character as that character.
+    pub fn position(&self, byte: usize) -> Position {
+        let byte = floor_boundary(&self.text, byte);
+        let before = &self.text[..byte];
+        let start = before.rfind('\n').map_or(0, |i| i + 1);
+        Position { line: before.matches('\n').count() + 1, column: before[start..].chars().count() + 1 }
+    }
+}
+
+/// The largest boundary of a character at or before `byte`.
+pub(super) fn floor_boundary(text: &str, byte: usize) -> usize {
+    let mut byte = byte.min(text.len());
+    while !text.is_char_boundary(byte) {
+        byte -= 1;
+    }
+    byte
+}
+
+/// Where something stands: file, bytes, and JSON path (`$.nodes.board.capacity`).
+#[derive(Clone, PartialEq, Eq)]
+pub struct Place {
+    /// The file.
+    pub source: Arc<Source>,
+    /// The bytes.
+    pub span: Span,
+    /// The JSON path; empty outside JSON.
+    pub path: Arc<str>,
+}
+
+impl std::fmt::Debug for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}:{}..{} {}", self.source.name, self.span.start, self.span.end, self.path)
+    }
+}
+
+impl Place {
+    /// A place in a file that is not JSON, such as a cell of a table.
+    pub fn in_text(source: &Arc<Source>, span: Span) -> Self {
+        Self { source: Arc::clone(source), span, path: Arc::from("") }
+    }
+
+    /// Line and column of the first character.
+    pub fn position(&self) -> Position {
+        self.source.position(self.span.start)
+    }
+
+    /// The text at the place, as written.
+    pub fn text(&self) -> &str {
+        self.source.text.get(self.span.start..self.span.end).unwrap_or("")
+    }
+
+    /// The part of a JSON string whose *decoded* text has the bytes `start..end`: an error inside an expression
+    /// points into the string, escapes or not. Any other place is returned as it is.
+    pub fn inside_string(&self, start: usize, end: usize) -> Self {
+        let Some(inner) = self.text().strip_prefix('"') else { return self.clone() };
+        let (mut raw, mut decoded) = (0, 0);
+        let mut first = None;
+        let mut last = None;
+        let bytes = inner.as_bytes();
+        while raw < bytes.len() && bytes[raw] != b'"' {
+            if first.is_none() && decoded >= start {
+                first = Some(raw);
+            }
+            if last.is_none() && decoded >= end {
+                last = Some(raw);
+            }
+            let (used, made) = super::json::string_step(&inner[raw..]);
+            raw += used;
+            decoded += made;
+        }
+        let base = self.span.start + 1;
+        let (first, last) = (first.unwrap_or(raw), last.unwrap_or(raw));
+        let mut place = self.clone();
+        place.span = Span::new(base + first, base + last.max(first));
+        place
+    }
+
+    /// The path of a field of the object at this place, for a field that is missing.
+    pub fn field_path(&self, name: &str) -> Arc<str> {
+        let mut path = self.path.to_string();
+        push_key(&mut path, name);
+        Arc::from(path)
+    }
+}
+
+/// Appends a key to a JSON path: `.name`, or `["a name"]` where it is no plain word.
+pub(super) fn push_key(path: &mut String, key: &str) {
+    let plain = key.chars().next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_')
+        && key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if plain {
+        path.push('.');
+        path.push_str(key);
+    } else {
+        path.push('[');
+        path.push_str(&super::canonical::quoted(key));
+        path.push(']');
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_count_characters_from_one() {
+        let source = Source::new("a.json", "{\n \"Ω\": 1}");
+        assert_eq!(source.position(0), Position { line: 1, column: 1 });
+        let one = source.text().find('1').expect("there");
+        assert_eq!(source.position(one), Position { line: 2, column: 7 });
+        assert_eq!(source.position(999), Position { line: 2, column: 9 });
+    }
+
+    #[test]
+    fn places_inside_strings_allow_for_escapes() {
+        let source = Source::new("a.json", r#""G\u00e9 + \"x""#);
+        let place = Place { source: source.clone(), span: Span::new(0, source.text().len()), path: Arc::from("$") };
+        // Decoded: `Gé + "x`, where x is byte 7.
+        assert_eq!(place.inside_string(7, 8).text(), "x");
+        assert_eq!(place.inside_string(1, 3).text(), r"\u00e9");
+        assert_eq!(place.inside_string(0, 1).text(), "G");
+    }
+}

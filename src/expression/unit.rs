@@ -1,0 +1,508 @@
+//! Units: products of SI units with prefixes and powers, and conversion to SI.
+//!
+//! Factors: BIPM, The International System of Units (9th edition, 2019), tables 2, 4, 7 and 8.
+
+use crate::math::functions;
+
+use super::dimension::Dimension;
+
+/// A unit: `si = value * factor + offset`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unit {
+    /// As written.
+    pub text: String,
+    /// What it measures.
+    pub dimension: Dimension,
+    /// SI units in one of this unit.
+    pub factor: f64,
+    /// The SI value of this unit's zero: 273.15 for degC, else 0.
+    pub offset: f64,
+}
+
+/// Why a unit could not be read.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{message}")]
+pub struct UnitError {
+    /// First byte of the fault in the text.
+    pub start: usize,
+    /// One after its last byte.
+    pub end: usize,
+    /// What is wrong.
+    pub message: String,
+    /// Whether a symbol is unknown (else the text does not parse).
+    pub unknown: bool,
+    /// What to write instead.
+    pub help: Option<String>,
+}
+
+impl Unit {
+    /// The SI unit of a dimension.
+    pub fn si(dimension: Dimension) -> Self {
+        Self { text: dimension.to_string(), dimension, factor: 1.0, offset: 0.0 }
+    }
+
+    /// Reads a unit such as `W/(m2 K)`, `mW/K^1.25`, `%` or `degC`.
+    ///
+    /// # Errors
+    /// Unknown symbols, with the nearest known; text that does not parse; `degC` inside a product.
+    pub fn parse(text: &str) -> Result<Self, UnitError> {
+        if text.len() > LONGEST {
+            return Err(fault(0, 0, format!("the unit has {} bytes; at most {LONGEST} are read", text.len())));
+        }
+        let trimmed = text.trim();
+        if ["degC", "°C", "℃"].contains(&trimmed) {
+            return Ok(Self {
+                text: trimmed.to_owned(),
+                dimension: Dimension::TEMPERATURE,
+                factor: 1.0,
+                offset: CELSIUS_ZERO_K,
+            });
+        }
+        let mut parser = Parser { text, at: 0, depth: 0 };
+        let (factor, dimension) = parser.product()?;
+        if let Some(c) = parser.peek() {
+            return Err(fault(parser.at, parser.at + c.len_utf8(), format!("unexpected `{c}` in a unit")));
+        }
+        if !factor.is_normal() {
+            return Err(fault(0, text.len(), format!("the unit's factor {factor:e} is out of range")));
+        }
+        Ok(Self { text: trimmed.to_owned(), dimension, factor, offset: 0.0 })
+    }
+
+    /// An absolute value in SI: 20 degC is 293.15 K.
+    pub fn to_si(&self, value: f64) -> f64 {
+        value * self.factor + self.offset
+    }
+
+    /// A difference or standard deviation in SI: 20 degC are 20 K.
+    pub fn difference_to_si(&self, value: f64) -> f64 {
+        value * self.factor
+    }
+
+    /// An SI value in this unit.
+    pub fn from_si(&self, value: f64) -> f64 {
+        (value - self.offset) / self.factor
+    }
+
+    /// An SI difference in this unit.
+    pub fn difference_from_si(&self, value: f64) -> f64 {
+        value / self.factor
+    }
+
+    /// Whether it is an absolute scale with a zero of its own (degC).
+    pub fn has_offset(&self) -> bool {
+        self.offset != 0.0
+    }
+
+    /// The unit of differences: `K` for `degC`, else itself.
+    pub fn difference_text(&self) -> &str {
+        if self.has_offset() { "K" } else { &self.text }
+    }
+}
+
+/// 0 degC in K.
+pub const CELSIUS_ZERO_K: f64 = 273.15;
+
+/// Longer texts are no units.
+const LONGEST: usize = 200;
+
+/// Brackets nested deeper are refused.
+const DEEPEST: usize = 16;
+
+/// Prefixes, longest first where one begins another (`da` before `d`).
+const PREFIXES: &[(&str, f64)] = &[
+    ("da", 1e1),
+    ("Q", 1e30),
+    ("R", 1e27),
+    ("Y", 1e24),
+    ("Z", 1e21),
+    ("E", 1e18),
+    ("P", 1e15),
+    ("T", 1e12),
+    ("G", 1e9),
+    ("M", 1e6),
+    ("k", 1e3),
+    ("h", 1e2),
+    ("d", 1e-1),
+    ("c", 1e-2),
+    ("m", 1e-3),
+    ("u", 1e-6),
+    ("µ", 1e-6),
+    ("μ", 1e-6),
+    ("n", 1e-9),
+    ("p", 1e-12),
+    ("f", 1e-15),
+    ("a", 1e-18),
+    ("z", 1e-21),
+    ("y", 1e-24),
+];
+
+/// A symbol: SI units in one, powers of kg m s A K mol cd, whether prefixes go with it.
+type Symbol = (&'static str, f64, [i8; 7], bool);
+
+const SYMBOLS: &[Symbol] = &[
+    ("m", 1.0, [0, 1, 0, 0, 0, 0, 0], true),
+    ("g", 1e-3, [1, 0, 0, 0, 0, 0, 0], true),
+    ("s", 1.0, [0, 0, 1, 0, 0, 0, 0], true),
+    ("A", 1.0, [0, 0, 0, 1, 0, 0, 0], true),
+    ("K", 1.0, [0, 0, 0, 0, 1, 0, 0], true),
+    ("mol", 1.0, [0, 0, 0, 0, 0, 1, 0], true),
+    ("cd", 1.0, [0, 0, 0, 0, 0, 0, 1], true),
+    ("Hz", 1.0, [0, 0, -1, 0, 0, 0, 0], true),
+    ("N", 1.0, [1, 1, -2, 0, 0, 0, 0], true),
+    ("Pa", 1.0, [1, -1, -2, 0, 0, 0, 0], true),
+    ("J", 1.0, [1, 2, -2, 0, 0, 0, 0], true),
+    ("W", 1.0, [1, 2, -3, 0, 0, 0, 0], true),
+    ("C", 1.0, [0, 0, 1, 1, 0, 0, 0], true),
+    ("V", 1.0, [1, 2, -3, -1, 0, 0, 0], true),
+    ("F", 1.0, [-1, -2, 4, 2, 0, 0, 0], true),
+    ("ohm", 1.0, [1, 2, -3, -2, 0, 0, 0], true),
+    ("Ω", 1.0, [1, 2, -3, -2, 0, 0, 0], true),
+    ("Ω", 1.0, [1, 2, -3, -2, 0, 0, 0], true),
+    ("S", 1.0, [-1, -2, 3, 2, 0, 0, 0], true),
+    ("Wb", 1.0, [1, 2, -2, -1, 0, 0, 0], true),
+    ("T", 1.0, [1, 0, -2, -1, 0, 0, 0], true),
+    ("H", 1.0, [1, 2, -2, -2, 0, 0, 0], true),
+    ("lm", 1.0, [0, 0, 0, 0, 0, 0, 1], true),
+    ("lx", 1.0, [0, -2, 0, 0, 0, 0, 1], true),
+    ("Bq", 1.0, [0, 0, -1, 0, 0, 0, 0], true),
+    ("Gy", 1.0, [0, 2, -2, 0, 0, 0, 0], true),
+    ("kat", 1.0, [0, 0, -1, 0, 0, 1, 0], true),
+    ("rad", 1.0, [0; 7], true),
+    ("sr", 1.0, [0; 7], true),
+    ("bar", 1e5, [1, -1, -2, 0, 0, 0, 0], true),
+    ("Torr", 101_325.0 / 760.0, [1, -1, -2, 0, 0, 0, 0], true),
+    ("atm", 101_325.0, [1, -1, -2, 0, 0, 0, 0], false),
+    ("L", 1e-3, [0, 3, 0, 0, 0, 0, 0], true),
+    ("l", 1e-3, [0, 3, 0, 0, 0, 0, 0], true),
+    ("eV", 1.602_176_634e-19, [1, 2, -2, 0, 0, 0, 0], true),
+    ("Wh", 3600.0, [1, 2, -2, 0, 0, 0, 0], true),
+    ("Ah", 3600.0, [0, 0, 1, 1, 0, 0, 0], true),
+    ("min", 60.0, [0, 0, 1, 0, 0, 0, 0], false),
+    ("h", 3600.0, [0, 0, 1, 0, 0, 0, 0], false),
+    ("d", 86_400.0, [0, 0, 1, 0, 0, 0, 0], false),
+    ("deg", std::f64::consts::PI / 180.0, [0; 7], false),
+    ("%", 0.01, [0; 7], false),
+    ("ppm", 1e-6, [0; 7], false),
+    ("1", 1.0, [0; 7], false),
+];
+
+/// Words that people write, with what to write instead.
+const HABITS: &[(&str, &str)] = &[
+    ("celsius", "degC"),
+    ("c", "degC"),
+    ("deg_c", "degC"),
+    ("degrees", "deg"),
+    ("degree", "deg"),
+    ("kelvin", "K"),
+    ("degk", "K"),
+    ("watt", "W"),
+    ("watts", "W"),
+    ("joule", "J"),
+    ("joules", "J"),
+    ("pascal", "Pa"),
+    ("volt", "V"),
+    ("volts", "V"),
+    ("ampere", "A"),
+    ("amp", "A"),
+    ("amps", "A"),
+    ("ohms", "ohm"),
+    ("second", "s"),
+    ("seconds", "s"),
+    ("sec", "s"),
+    ("minute", "min"),
+    ("minutes", "min"),
+    ("hour", "h"),
+    ("hours", "h"),
+    ("hr", "h"),
+    ("day", "d"),
+    ("days", "d"),
+    ("meter", "m"),
+    ("metre", "m"),
+    ("kilogram", "kg"),
+    ("gram", "g"),
+    ("percent", "%"),
+    ("none", "1"),
+    ("-", "1"),
+    ("pa", "Pa"),
+    ("k", "K"),
+    ("w", "W"),
+    ("j", "J"),
+    ("v", "V"),
+    ("hz", "Hz"),
+];
+
+fn fault(start: usize, end: usize, message: String) -> UnitError {
+    UnitError { start, end, message, unknown: false, help: None }
+}
+
+/// Factor and dimension of a symbol with its prefix.
+fn symbol(text: &str) -> Option<(f64, Dimension)> {
+    if let Some((_, factor, powers, _)) = SYMBOLS.iter().find(|s| s.0 == text) {
+        return Some((*factor, Dimension::base(*powers)));
+    }
+    PREFIXES.iter().find_map(|(prefix, scale)| {
+        let rest = text.strip_prefix(prefix)?;
+        let (_, factor, powers, _) = SYMBOLS.iter().find(|s| s.3 && s.0 == rest)?;
+        // A kilogram is exactly 1: the product 1e3 * 1e-3 is.
+        Some((scale * factor, Dimension::base(*powers)))
+    })
+}
+
+/// What to write instead of an unknown symbol.
+fn instead(text: &str) -> Option<String> {
+    let lower = text.to_lowercase();
+    if let Some((_, right)) = HABITS.iter().find(|(word, _)| *word == lower) {
+        return Some(format!("write `{right}`"));
+    }
+    let by_case = SYMBOLS.iter().map(|s| s.0).find(|s| s.to_lowercase() == lower);
+    let common = ["mW", "kW", "mK", "mm", "cm", "km", "kg", "kJ", "mA", "mV", "mbar", "hPa", "kPa", "degC", "um", "ms"];
+    let near = by_case.or_else(|| common.into_iter().find(|s| s.to_lowercase() == lower)).or_else(|| {
+        let known = SYMBOLS.iter().map(|s| s.0).filter(|s| s.len() > 1).chain(common);
+        known.filter(|s| one_edit(s, text)).min_by_key(|s| s.len().abs_diff(text.len()))
+    })?;
+    Some(format!("did you mean `{near}`?"))
+}
+
+/// Whether one insertion, deletion or replacement turns one text into the other.
+fn one_edit(a: &str, b: &str) -> bool {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    let head = a.iter().zip(&b).take_while(|(x, y)| x == y).count();
+    let tail = a[head..].iter().rev().zip(b[head..].iter().rev()).take_while(|(x, y)| x == y).count();
+    a.len().max(b.len()) - head - tail <= 1 && a.len().max(b.len()) > 2
+}
+
+struct Parser<'a> {
+    text: &'a str,
+    at: usize,
+    depth: usize,
+}
+
+impl Parser<'_> {
+    fn peek(&self) -> Option<char> {
+        self.text[self.at..].chars().next()
+    }
+
+    /// Skips blanks; tells whether there were any.
+    fn blank(&mut self) -> bool {
+        let before = self.at;
+        while let Some(c) = self.peek().filter(|c| c.is_whitespace()) {
+            self.at += c.len_utf8();
+        }
+        self.at > before
+    }
+
+    fn product(&mut self) -> Result<(f64, Dimension), UnitError> {
+        self.blank();
+        let (mut factor, mut dimension) = self.power()?;
+        loop {
+            let blank = self.blank();
+            let divided = match self.peek() {
+                Some('/') => {
+                    self.at += 1;
+                    true
+                }
+                Some(c @ ('*' | '.' | '·' | '⋅')) => {
+                    self.at += c.len_utf8();
+                    false
+                }
+                Some(c) if c != ')' && blank => false,
+                _ => return Ok((factor, dimension)),
+            };
+            self.blank();
+            let (f, d) = self.power()?;
+            if divided {
+                factor /= f;
+                dimension = dimension.over(d);
+            } else {
+                factor *= f;
+                dimension = dimension.times(d);
+            }
+        }
+    }
+
+    fn power(&mut self) -> Result<(f64, Dimension), UnitError> {
+        let (factor, dimension) = self.atom()?;
+        let start = self.at;
+        let Some(exponent) = self.exponent()? else { return Ok((factor, dimension)) };
+        if exponent.abs() > 12.0 {
+            return Err(fault(start, self.at, format!("the power {exponent} of a unit is outside -12 to 12")));
+        }
+        let factor = if exponent == 1.0 { factor } else { functions::pow(factor, exponent) };
+        Ok((factor, dimension.power(exponent)))
+    }
+
+    /// A power: `2`, `^2`, `^-1.25`, `-1`, `²`.
+    fn exponent(&mut self) -> Result<Option<f64>, UnitError> {
+        if let Some(power) = self.peek().and_then(|c| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().position(|s| s == c)) {
+            self.at += self.peek().map_or(0, char::len_utf8);
+            return Ok(Some(power as f64));
+        }
+        let marked = self.peek() == Some('^');
+        if marked {
+            self.at += 1;
+        }
+        let bracket = marked && self.peek() == Some('(');
+        if bracket {
+            self.at += 1;
+        }
+        let start = self.at;
+        let rest = &self.text.as_bytes()[start..];
+        let mut length = usize::from(matches!(rest.first(), Some(b'-' | b'+')));
+        let digits = |from: usize| rest[from..].iter().take_while(|b| b.is_ascii_digit()).count();
+        let whole = digits(length);
+        if whole == 0 {
+            return if marked {
+                Err(fault(start, start, "a power is missing behind `^`".to_owned()))
+            } else {
+                Ok(None)
+            };
+        }
+        length += whole;
+        if rest.get(length) == Some(&b'.') {
+            let fraction = digits(length + 1);
+            if fraction > 0 {
+                length += 1 + fraction;
+            }
+        }
+        self.at += length;
+        let value = self.text[start..self.at].parse().unwrap_or(f64::NAN);
+        if bracket {
+            if self.peek() != Some(')') {
+                return Err(fault(self.at, self.at, "the bracket round the power is not closed".to_owned()));
+            }
+            self.at += 1;
+        }
+        Ok(Some(value))
+    }
+
+    fn atom(&mut self) -> Result<(f64, Dimension), UnitError> {
+        let start = self.at;
+        match self.peek() {
+            Some('(') => {
+                if self.depth == DEEPEST {
+                    return Err(fault(start, start + 1, format!("brackets nested deeper than {DEEPEST}")));
+                }
+                self.at += 1;
+                self.depth += 1;
+                let inner = self.product()?;
+                self.depth -= 1;
+                if self.peek() != Some(')') {
+                    return Err(fault(start, start + 1, "the bracket is not closed".to_owned()));
+                }
+                self.at += 1;
+                Ok(inner)
+            }
+            Some('1') => {
+                self.at += 1;
+                Ok((1.0, Dimension::NONE))
+            }
+            Some('%') => {
+                self.at += 1;
+                Ok((0.01, Dimension::NONE))
+            }
+            Some(c) if c.is_alphabetic() || matches!(c, '°' | '_') => {
+                let rest = &self.text[start..];
+                let length = rest.find(|c: char| !(c.is_alphabetic() || matches!(c, '°' | '_'))).unwrap_or(rest.len());
+                self.at += length;
+                let word = &rest[..length];
+                if ["degC", "°C", "℃"].contains(&word) {
+                    let mut error =
+                        fault(start, self.at, "degC has an offset and cannot stand in a product".to_owned());
+                    error.help = Some("write `K`: a difference of 1 degC is 1 K".to_owned());
+                    return Err(error);
+                }
+                symbol(word).ok_or_else(|| UnitError {
+                    start,
+                    end: start + length,
+                    message: format!("unknown unit `{word}`"),
+                    unknown: true,
+                    help: instead(word),
+                })
+            }
+            Some(c) => Err(fault(start, start + c.len_utf8(), format!("expected a unit, found `{c}`"))),
+            None => {
+                let mut error = fault(start, start, "a unit is missing".to_owned());
+                error.help = Some("write `1` for a number without unit".to_owned());
+                Err(error)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conversions_by_hand() {
+        for (text, value, si) in [
+            ("degC", 20.0, 293.15),
+            ("mW/K", 800.0, 0.8),
+            ("W/(m2 K)", 3.0, 3.0),
+            ("W m-2 K-1", 3.0, 3.0),
+            ("kJ/(kg.K)", 0.9, 900.0),
+            ("%", 86.0, 0.86),
+            ("min", 2.0, 120.0),
+            ("h", 1.5, 5400.0),
+            ("d", 1.0, 86_400.0),
+            ("mbar", 1.0, 100.0),
+            ("cm^2", 50.0, 0.005),
+            ("cm²", 50.0, 0.005),
+            ("L/min", 60.0, 1e-3),
+            ("deg", 180.0, std::f64::consts::PI),
+            ("1/K", 0.1, 0.1),
+            ("g/kg", 1.0, 1e-3),
+            ("µm", 1.0, 1e-6),
+            ("um", 1.0, 1e-6),
+            ("Wh", 1.0, 3600.0),
+            ("mΩ", 185.0, 0.185),
+            ("W / m2 / K", 1.0, 1.0),
+            ("ppm/K", 1.0, 1e-6),
+        ] {
+            let unit = Unit::parse(text).expect(text);
+            assert!(
+                (unit.to_si(value) - si).abs() <= 1e-15 * si.abs().max(1e-6) * 4.0,
+                "{text}: {}",
+                unit.to_si(value)
+            );
+            assert!((unit.from_si(unit.to_si(value)) - value).abs() <= 1e-12 * value.abs(), "{text}");
+        }
+        assert_eq!(Unit::parse("degC").expect("known").difference_to_si(0.25), 0.25);
+        assert_eq!(Unit::parse("mK").expect("known").difference_to_si(250.0), 0.25);
+    }
+
+    #[test]
+    fn dimensions_are_worked_out() {
+        let dimension = |text: &str| Unit::parse(text).expect(text).dimension;
+        assert_eq!(dimension("W/K"), Dimension::CONDUCTANCE);
+        assert_eq!(dimension("J/(s K)"), Dimension::CONDUCTANCE);
+        assert_eq!(dimension("V A"), Dimension::POWER);
+        assert_eq!(dimension("V/A"), Dimension::RESISTANCE);
+        assert_eq!(dimension("T m2"), dimension("Wb"));
+        assert_eq!(dimension("C/V"), dimension("F"));
+        assert_eq!(dimension("W/K^1.25").times(Dimension::TEMPERATURE.power(1.25)), Dimension::POWER);
+        assert!(dimension("rad").is_none() && dimension("sr").is_none() && dimension("lm/cd").is_none());
+        assert_eq!(dimension("W/K^1.25").to_string(), "kg m2/(s3 K^1.25)");
+        assert_eq!(dimension("kg/m3").to_string(), "kg/m3");
+        assert_eq!(dimension("m2").to_string(), "m2");
+    }
+
+    #[test]
+    fn faults_have_places_and_help() {
+        for (text, start, end, help) in [
+            ("Watt", 0, 4, Some("write `W`")),
+            ("W/Kelvin", 2, 8, Some("write `K`")),
+            ("celsius", 0, 7, Some("write `degC`")),
+            ("MBAR", 0, 4, Some("did you mean `mbar`?")),
+            ("W/degC", 2, 6, Some("write `K`: a difference of 1 degC is 1 K")),
+            ("W//K", 2, 3, None),
+            ("(W", 0, 1, None),
+            ("", 0, 0, Some("write `1` for a number without unit")),
+            ("m^99", 1, 4, None),
+        ] {
+            let error = Unit::parse(text).expect_err(text);
+            assert_eq!((error.start, error.end, error.help.as_deref()), (start, end, help), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,446 @@
+//! Model against measurements at given parameters: by sensor, by phase, against criteria, and in words.
+
+mod deviation;
+mod output;
+mod stretch;
+mod trend;
+mod words;
+
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+
+use crate::inference::measurement::{Measurement, Rows, Uncertain};
+use crate::inference::prediction::{Prediction, Predictor};
+use crate::math::special::chi_square_quantile;
+use crate::thermal::{Model, NodeKind};
+
+pub use output::{
+    Criteria, Deviation, FailedPhase, HeatBalance, Output, PhaseSummary, Row, SensorSummary, Spec, StabilisationCheck, Trend,
+    Verdict,
+};
+
+use super::{Job, JobError, Step};
+use deviation::deviation;
+use stretch::{Stretch, stretches};
+
+/// A comparison, ready to run.
+#[derive(Debug)]
+pub struct Compare {
+    spec: Spec,
+    model: Arc<Model>,
+    measurements: Arc<Vec<Measurement>>,
+    parameters: Vec<f64>,
+    predictor: Predictor,
+}
+
+/// Part of the result that belongs to one measurement.
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
+struct Part {
+    rows: Vec<Row>,
+    sensors: Vec<SensorSummary>,
+    phases: Vec<PhaseSummary>,
+    heat: Vec<HeatBalance>,
+    trends: Vec<Trend>,
+    stabilisation: Vec<StabilisationCheck>,
+    failed: Vec<FailedPhase>,
+    unused_columns: Vec<String>,
+    chi2: Option<(f64, u64)>,
+}
+
+impl Compare {
+    /// Prepares the job. `measurements` are the pass's, `parameters` the values at which to predict, SI.
+    ///
+    /// # Errors
+    /// A network that cannot be compiled.
+    pub fn new(
+        spec: Spec,
+        model: Arc<Model>,
+        measurements: Arc<Vec<Measurement>>,
+        parameters: Vec<f64>,
+    ) -> Result<Self, JobError> {
+        let predictor = Predictor::new(&model, &[]).map_err(|e| JobError::Failed(e.to_string()))?;
+        Ok(Self { spec, model, measurements, parameters, predictor })
+    }
+
+    fn part(&self, measurement: &Measurement) -> Part {
+        let mut workspace = self.predictor.workspace();
+        let prediction = self.predictor.predict(&mut workspace, measurement, &self.parameters);
+        let mut part = Part { unused_columns: measurement.unused_columns.clone(), ..Part::default() };
+        part.failed = failed(measurement, &prediction);
+        part.rows = rows(measurement, &self.model, &prediction);
+        part.sensors = self.sensors(measurement, &part.rows);
+        part.phases = self.phases(measurement, &part.rows);
+        part.heat = self.heat(measurement, &prediction);
+        part.trends = trend::trends(measurement, &self.model, &part.rows);
+        part.stabilisation = self.stabilisation(measurement);
+        part.chi2 = chi2(measurement, &part.rows);
+        part
+    }
+
+    fn sensors(&self, measurement: &Measurement, rows: &[Row]) -> Vec<SensorSummary> {
+        measurement
+            .sensors
+            .iter()
+            .enumerate()
+            .map(|(position, sensor)| {
+                let of = |held_out: bool| -> Vec<f64> {
+                    rows.iter()
+                        .filter(|row| row.sensor == sensor.name && row.held_out == held_out)
+                        .map(|row| row.measured - row.predicted)
+                        .collect()
+                };
+                let limit = self.spec.criteria.each_k;
+                let (train, held_out) = (deviation(&of(false), limit), deviation(&of(true), limit));
+                let sigma = match sensor.sigma {
+                    Some(Uncertain::Known(sigma)) => Some(sigma),
+                    _ => None,
+                };
+                let white = sensor.correlation_time_s.is_none();
+                let missing = (0..measurement.len())
+                    .filter(|&row| !measurement.ignored(row) && measurement.reading(row, position).is_none())
+                    .count();
+                SensorSummary {
+                    measurement: measurement.name.clone(),
+                    sensor: sensor.name.clone(),
+                    unit: self.model.quantities[sensor.quantity].unit.clone(),
+                    sigma,
+                    noise_rmse: sigma.filter(|_| white).map(|sigma| noise_rmse(sigma, train.count + held_out.count)),
+                    train,
+                    held_out,
+                    missing: missing as u64,
+                }
+            })
+            .collect()
+    }
+
+    /// Statistics by phase, or by stretch of a transient.
+    fn phases(&self, measurement: &Measurement, rows: &[Row]) -> Vec<PhaseSummary> {
+        let summary = |phase: String, held_out: bool, own: &[&Row]| {
+            let deviations: Vec<f64> = own.iter().map(|row| row.measured - row.predicted).collect();
+            let worst = own.iter().max_by(|a, b| {
+                (a.measured - a.predicted).abs().total_cmp(&(b.measured - b.predicted).abs())
+            })?;
+            Some(PhaseSummary {
+                measurement: measurement.name.clone(),
+                phase,
+                held_out,
+                deviation: deviation(&deviations, self.spec.criteria.each_k),
+                worst_sensor: worst.sensor.clone(),
+                worst: worst.measured - worst.predicted,
+            })
+        };
+        match &measurement.rows {
+            Rows::Steady(phases) => phases
+                .iter()
+                .filter_map(|phase| {
+                    let own: Vec<&Row> =
+                        rows.iter().filter(|row| row.phase.as_deref() == Some(phase.name.as_str())).collect();
+                    summary(phase.name.clone(), phase.held_out, &own)
+                })
+                .collect(),
+            Rows::Transient { inputs, .. } => stretches(measurement)
+                .into_iter()
+                .filter_map(|stretch| {
+                    let (from, to) = (inputs.times_s[stretch.from], inputs.times_s[stretch.to - 1]);
+                    let own: Vec<&Row> =
+                        rows.iter().filter(|row| row.time_s.is_some_and(|t| t >= from && t <= to)).collect();
+                    summary(stretch::name(&inputs.times_s, stretch), stretch.held_out, &own)
+                })
+                .collect(),
+        }
+    }
+
+    /// Heat of the model by phase; over a stretch of a transient the time average, with what is stored taken from the
+    /// temperatures at its ends, so that the imbalance is a check of the integration.
+    fn heat(&self, measurement: &Measurement, prediction: &Prediction) -> Vec<HeatBalance> {
+        let name = |node: usize| self.model.nodes[node].name.clone();
+        match &measurement.rows {
+            Rows::Steady(phases) => phases
+                .iter()
+                .zip(&prediction.heat)
+                .filter_map(|(phase, heat)| {
+                    let heat = heat.as_ref()?;
+                    let boundaries: f64 = heat.into_boundaries_w.iter().map(|b| b.1).sum();
+                    Some(HeatBalance {
+                        measurement: measurement.name.clone(),
+                        phase: phase.name.clone(),
+                        sources_w: heat.sources_w,
+                        into_boundaries_w: heat.into_boundaries_w.iter().map(|&(n, w)| (name(n), w)).collect(),
+                        stored_w: heat.stored_w,
+                        imbalance_w: heat.sources_w - boundaries - heat.stored_w,
+                    })
+                })
+                .collect(),
+            Rows::Transient { inputs, .. } => stretches(measurement)
+                .into_iter()
+                .filter_map(|stretch| self.stretch_heat(measurement, inputs, prediction, stretch))
+                .collect(),
+        }
+    }
+
+    fn stretch_heat(
+        &self,
+        measurement: &Measurement,
+        inputs: &crate::inference::measurement::InputTable,
+        prediction: &Prediction,
+        stretch: Stretch,
+    ) -> Option<HeatBalance> {
+        // From the stretch's first row to the next one's, so that the stretches join up.
+        let last = stretch.to.min(measurement.len() - 1);
+        let duration_s = inputs.times_s[last] - inputs.times_s[stretch.from];
+        if duration_s <= 0.0 {
+            return None;
+        }
+        let mut sources = 0.0;
+        let mut boundaries: Vec<(usize, f64)> = Vec::new();
+        let mut stored = 0.0;
+        for row in stretch.from..last {
+            let (a, b) = (prediction.heat[row].as_ref()?, prediction.heat[row + 1].as_ref()?);
+            let step_s = inputs.times_s[row + 1] - inputs.times_s[row];
+            // A held input steps at the row's end: its heat over the interval is that of the interval's start.
+            let held = inputs.columns.iter().any(|c| c.hold && c.values[row] != c.values[row + 1]);
+            sources += step_s * if held { a.sources_w } else { 0.5 * (a.sources_w + b.sources_w) };
+            for (position, &(node, watts)) in a.into_boundaries_w.iter().enumerate() {
+                let mean = 0.5 * (watts + b.into_boundaries_w.get(position).map_or(watts, |other| other.1));
+                match boundaries.get_mut(position) {
+                    Some(entry) => entry.1 += step_s * mean,
+                    None => boundaries.push((node, step_s * mean)),
+                }
+            }
+            stored += step_s * if held { a.stored_w } else { 0.5 * (a.stored_w + b.stored_w) };
+        }
+        let into: f64 = boundaries.iter().map(|b| b.1).sum();
+        Some(HeatBalance {
+            measurement: measurement.name.clone(),
+            phase: stretch::name(&inputs.times_s, stretch),
+            sources_w: sources / duration_s,
+            into_boundaries_w: boundaries
+                .iter()
+                .map(|&(node, joules)| (self.model.nodes[node].name.clone(), joules / duration_s))
+                .collect(),
+            stored_w: stored / duration_s,
+            imbalance_w: (sources - into - stored) / duration_s,
+        })
+    }
+
+    /// Steadiness of the phases that are windows of time series.
+    fn stabilisation(&self, measurement: &Measurement) -> Vec<StabilisationCheck> {
+        let Rows::Steady(phases) = &measurement.rows else { return Vec::new() };
+        phases
+            .iter()
+            .filter_map(|phase| {
+                let steadiness = phase.stabilisation.as_ref()?;
+                let fastest = (0..measurement.sensors.len())
+                    .filter_map(|s| Some((s, steadiness.slopes[s]?, steadiness.slope_errors[s].unwrap_or(0.0))))
+                    .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+                let stored_w = (0..measurement.sensors.len())
+                    .filter_map(|s| Some(self.capacity(measurement.sensors[s].quantity, phase)? * steadiness.slopes[s]?.abs()))
+                    .sum();
+                Some(StabilisationCheck {
+                    measurement: measurement.name.clone(),
+                    phase: phase.name.clone(),
+                    sensor: measurement.sensors[fastest.0].name.clone(),
+                    drift_k_per_s: fastest.1,
+                    drift_error_k_per_s: fastest.2,
+                    stored_w,
+                    stabilised: self.spec.criteria.stabilisation_k_per_s.map(|limit| fastest.1.abs() <= limit),
+                })
+            })
+            .collect()
+    }
+
+    /// Heat capacity of the diffusion node whose temperature a quantity is, J/K, where it does not depend on temperature.
+    fn capacity(&self, quantity: usize, phase: &crate::inference::measurement::Phase) -> Option<f64> {
+        use crate::expression::{Symbol, Term};
+        let value = self.model.quantities[quantity].value.expression();
+        let Term::Symbol(Symbol::Node(node)) = self.model.graph.term(value) else { return None };
+        let NodeKind::Diffusion { capacity } = self.model.nodes[node as usize].kind else { return None };
+        let capacity = self.model.graph.evaluate(capacity, &|symbol| match symbol {
+            Symbol::Parameter(i) => self.parameters[i as usize],
+            Symbol::Input(i) => phase.inputs[i as usize],
+            Symbol::Time => 0.0,
+            _ => f64::NAN,
+        });
+        capacity.is_finite().then_some(capacity)
+    }
+}
+
+/// Readings beside predictions, row by row.
+fn rows(measurement: &Measurement, model: &Model, prediction: &Prediction) -> Vec<Row> {
+    let count = measurement.sensors.len();
+    let mut rows = Vec::new();
+    for row in (0..measurement.len()).filter(|&row| !measurement.ignored(row)) {
+        let (phase, time_s) = match &measurement.rows {
+            Rows::Steady(phases) => (Some(phases[row].name.clone()), None),
+            Rows::Transient { inputs, .. } => (None, Some(inputs.times_s[row])),
+        };
+        for (position, sensor) in measurement.sensors.iter().enumerate() {
+            let predicted = prediction.readings[row * count + position];
+            let Some(measured) = measurement.reading(row, position).filter(|_| predicted.is_finite()) else { continue };
+            rows.push(Row {
+                measurement: measurement.name.clone(),
+                phase: phase.clone(),
+                time_s,
+                sensor: sensor.name.clone(),
+                unit: model.quantities[sensor.quantity].unit.clone(),
+                measured,
+                predicted,
+                held_out: measurement.held_out(row),
+            });
+        }
+    }
+    rows
+}
+
+fn failed(measurement: &Measurement, prediction: &Prediction) -> Vec<FailedPhase> {
+    prediction
+        .failures
+        .iter()
+        .map(|(row, reason)| FailedPhase {
+            measurement: measurement.name.clone(),
+            phase: match (&measurement.rows, row) {
+                (Rows::Steady(phases), Some(row)) => phases[*row].name.clone(),
+                _ => "transient".to_owned(),
+            },
+            reason: reason.clone(),
+        })
+        .collect()
+}
+
+/// The range in which the RMSE of `count` readings lies with 95 % probability when only white noise is at work.
+fn noise_rmse(sigma: f64, count: u64) -> [f64; 2] {
+    if count == 0 {
+        return [0.0, 0.0];
+    }
+    let count = count as f64;
+    [0.025, 0.975].map(|p| sigma * (chi_square_quantile(p, count) / count).sqrt())
+}
+
+/// Sum of squares over sigma squared and number of readings, of the rows that a fit may use, where every sigma is known.
+fn chi2(measurement: &Measurement, rows: &[Row]) -> Option<(f64, u64)> {
+    let mut total = (0.0, 0);
+    for row in rows.iter().filter(|row| !row.held_out) {
+        let sensor = measurement.sensors.iter().find(|s| s.name == row.sensor)?;
+        let Some(Uncertain::Known(sigma)) = sensor.sigma else { return None };
+        let scaled = (row.measured - row.predicted) / sigma;
+        total = (total.0 + scaled * scaled, total.1 + 1);
+    }
+    Some(total)
+}
+
+/// The profile's criteria, over the rows that a fit may use and those held out apart.
+fn verdicts(criteria: &Criteria, train: &Deviation, held_out: &Deviation) -> Vec<Verdict> {
+    let mut found = Vec::new();
+    for (rows, statistics) in [("", train), (" on held-out rows", held_out)] {
+        if statistics.count == 0 {
+            continue;
+        }
+        let mut judge = |criterion: String, value: f64, limit: f64, kept: bool| {
+            found.push(Verdict { criterion, value, limit, kept });
+        };
+        if let Some(limit) = criteria.mean_k {
+            let kept = statistics.mean.abs() <= limit;
+            judge(format!("magnitude of the mean deviation{rows}, K"), statistics.mean.abs(), limit, kept);
+        }
+        if let Some(limit) = criteria.sd_k {
+            judge(format!("standard deviation{rows}, K"), statistics.sd, limit, statistics.sd <= limit);
+        }
+        if let Some(limit) = criteria.each_k {
+            let share = criteria.share.unwrap_or(1.0);
+            let kept = statistics.within_limit >= share;
+            judge(format!("share of readings within {limit} K{rows}"), statistics.within_limit, share, kept);
+        }
+    }
+    found
+}
+
+impl Job for Compare {
+    fn kind(&self) -> &'static str {
+        "compare"
+    }
+
+    fn algorithm_version(&self) -> u32 {
+        1
+    }
+
+    fn identity(&self) -> Value {
+        let data: Vec<Value> = self.spec.data.iter().map(|&index| self.measurements[index].identity()).collect();
+        json!({
+            "criteria": self.spec.criteria,
+            "state": self.spec.from,
+            "parameters": self.parameters,
+            "model": self.model.identity(),
+            "data": data,
+        })
+    }
+
+    fn begin(&self) -> Result<Step, JobError> {
+        let inputs = self.spec.data.iter().map(|index| index.to_le_bytes().to_vec()).collect();
+        Ok(Step::Blocks { stage: "measurements".to_owned(), inputs })
+    }
+
+    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
+        let measurement = <[u8; 8]>::try_from(input)
+            .ok()
+            .and_then(|bytes| self.measurements.get(usize::from_le_bytes(bytes)))
+            .ok_or_else(|| JobError::Unreadable {
+                stage: stage.to_owned(),
+                reason: "it names no measurement".to_owned(),
+            })?;
+        serde_json::to_vec(&self.part(measurement)).map_err(|e| JobError::Failed(e.to_string()))
+    }
+
+    fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
+        let mut whole = Part::default();
+        let mut chi2 = Some((0.0, 0));
+        for bytes in outputs {
+            let part: Part = serde_json::from_slice(bytes)
+                .map_err(|e| JobError::Unreadable { stage: stage.to_owned(), reason: e.to_string() })?;
+            whole.rows.extend(part.rows);
+            whole.sensors.extend(part.sensors);
+            whole.phases.extend(part.phases);
+            whole.heat.extend(part.heat);
+            whole.trends.extend(part.trends);
+            whole.stabilisation.extend(part.stabilisation);
+            whole.failed.extend(part.failed);
+            whole.unused_columns.extend(part.unused_columns);
+            chi2 = chi2.zip(part.chi2).map(|(a, b)| (a.0 + b.0, a.1 + b.1));
+        }
+        if whole.rows.is_empty() {
+            let reason = whole.failed.first().map_or("there are no readings".to_owned(), |f| format!("{}: {}", f.phase, f.reason));
+            return Err(JobError::Failed(format!("nothing could be compared: {reason}")));
+        }
+        trend::strongest_first(&mut whole.trends);
+        let limit = self.spec.criteria.each_k;
+        let of = |held_out: bool| -> Vec<f64> {
+            whole.rows.iter().filter(|r| r.held_out == held_out).map(|r| r.measured - r.predicted).collect()
+        };
+        let (train, held_out) = (deviation(&of(false), limit), deviation(&of(true), limit));
+        let output = Output {
+            state: self.spec.from.clone(),
+            parameters: self
+                .model
+                .parameters
+                .iter()
+                .zip(&self.parameters)
+                .map(|(p, &value)| (p.name.clone(), p.unit.clone(), value))
+                .collect(),
+            fails: words::fails(&whole.sensors, &whole.phases, &whole.trends, &whole.rows, limit),
+            verdicts: verdicts(&self.spec.criteria, &train, &held_out),
+            criteria: self.spec.criteria.clone(),
+            chi2_per_reading: chi2.filter(|c| c.1 > 0).map(|(sum, count)| sum / count as f64),
+            train,
+            held_out,
+            rows: whole.rows,
+            sensors: whole.sensors,
+            phases: whole.phases,
+            heat: whole.heat,
+            trends: whole.trends,
+            stabilisation: whole.stabilisation,
+            failed: whole.failed,
+            unused_columns: whole.unused_columns,
+        };
+        serde_json::to_value(output).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
+    }
+}

@@ -1,0 +1,74 @@
+//! How a sensor's residual goes with time and with each input.
+
+use super::output::{Row, Trend};
+use crate::inference::measurement::{Measurement, Rows};
+use crate::statistics::moments::correlation;
+use crate::statistics::regression::Line;
+use crate::thermal::Model;
+
+/// Trends of every sensor against time (of a transient) and every input that varies.
+pub fn trends(measurement: &Measurement, model: &Model, rows: &[Row]) -> Vec<Trend> {
+    let mut found = Vec::new();
+    for sensor in &measurement.sensors {
+        let own: Vec<&Row> = rows.iter().filter(|row| row.sensor == sensor.name).collect();
+        let residuals: Vec<f64> = own.iter().map(|row| row.measured - row.predicted).collect();
+        for (against, unit, values) in abscissae(measurement, model, &own) {
+            let Some(line) = Line::fit(&values, &residuals) else { continue };
+            let left = line.residuals(&values, &residuals);
+            let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
+            found.push(Trend {
+                measurement: measurement.name.clone(),
+                sensor: sensor.name.clone(),
+                against,
+                unit,
+                slope: line.slope,
+                slope_error: line.slope_standard_error_autocorrelated(&left),
+                correlation: Some(correlation(&values, &residuals)).filter(|r| r.is_finite()).unwrap_or(0.0),
+                change: line.slope * (high - low),
+            });
+        }
+    }
+    strongest_first(&mut found);
+    found
+}
+
+/// Sorts trends by the magnitude of their correlation, names deciding between equals.
+pub fn strongest_first(trends: &mut [Trend]) {
+    trends.sort_by(|a, b| {
+        b.correlation
+            .abs()
+            .total_cmp(&a.correlation.abs())
+            .then_with(|| (&a.sensor, &a.against).cmp(&(&b.sensor, &b.against)))
+    });
+}
+
+/// What residuals may go with: name, SI unit, one value a row.
+fn abscissae(measurement: &Measurement, model: &Model, rows: &[&Row]) -> Vec<(String, String, Vec<f64>)> {
+    let si = |unit: &str| crate::expression::Unit::parse(unit).map_or_else(|_| unit.to_owned(), |u| u.dimension.to_string());
+    match &measurement.rows {
+        Rows::Steady(phases) => {
+            let phase_of = |row: &Row| phases.iter().find(|p| Some(&p.name) == row.phase.as_ref());
+            (0..model.inputs.len())
+                .map(|input| {
+                    let values = rows.iter().filter_map(|row| Some(phase_of(row)?.inputs[input])).collect();
+                    (model.inputs[input].name.clone(), si(&model.inputs[input].unit), values)
+                })
+                .collect()
+        }
+        Rows::Transient { inputs, .. } => {
+            let times: Vec<f64> = rows.iter().filter_map(|row| row.time_s).collect();
+            let row_of = |time_s: f64| inputs.times_s.partition_point(|&t| t < time_s);
+            let mut found: Vec<(String, String, Vec<f64>)> = inputs
+                .columns
+                .iter()
+                .map(|column| {
+                    let values = times.iter().map(|&t| column.values[row_of(t)]).collect();
+                    let input = &model.inputs[column.input];
+                    (input.name.clone(), si(&input.unit), values)
+                })
+                .collect();
+            found.insert(0, ("time".to_owned(), "s".to_owned(), times));
+            found
+        }
+    }
+}

@@ -1,0 +1,304 @@
+//! Propagation: samples of the priors through the model, to distributions of quantities and to the probability that
+//! requirements are met, along a design variable where one is swept.
+//!
+//! Every case (environment and design value) uses the same samples, so that differences between cases are not blurred by
+//! sampling. A sample is one row of a point set, each uncertain parameter one quantile of it.
+
+mod block;
+mod output;
+mod reached;
+mod summary;
+
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+
+use crate::random::{Distribution, PointKind, Points, StreamKey};
+use crate::thermal::{Batch, Model, Network, Start};
+
+pub use output::{
+    Case, Conditional, Distributed, FailedSample, Joint, Met, Output, Probability, Quantile, Reached, Sampling, Spec, Sweep,
+    Variable,
+};
+
+use super::requirement::Environment;
+use super::{Job, JobError, Step};
+use block::{BlockInput, BlockOutput};
+
+/// Samples in a block; part of the job's identity.
+const BLOCK: u64 = 8192;
+/// Samples solved side by side; no part of the identity, since each lane gives the bits of a solve alone.
+const LANES: usize = 16;
+/// Failed samples kept with their inputs, a block and a case.
+const FAILURES_KEPT: usize = 20;
+/// Name of the only stage.
+const STAGE: &str = "samples";
+
+/// A propagation, ready to run.
+#[derive(Debug)]
+pub struct Propagate {
+    spec: Spec,
+    model: Arc<Model>,
+    priors: Vec<Distribution>,
+    network: Network,
+    points: Points,
+    /// Parameters that are not fixed, in order: one coordinate of the points each.
+    uncertain: Vec<usize>,
+    /// Where every solve starts, by case, so that no result depends on the order of samples.
+    starts: Vec<Vec<f64>>,
+    /// Quantities of the nominal parameters, by case.
+    nominal: Vec<Vec<f64>>,
+}
+
+impl Propagate {
+    /// Prepares the job: compiles the network, lays out the points and solves the nominal cases.
+    ///
+    /// `priors` has one entry a parameter of the model; `name` is the job's name, which its random stream is keyed by.
+    ///
+    /// # Errors
+    /// A network that cannot be compiled or has no steady state, settings that fit no point set.
+    pub fn new(
+        spec: Spec,
+        model: Arc<Model>,
+        priors: Vec<Distribution>,
+        seed: u64,
+        name: &str,
+    ) -> Result<Self, JobError> {
+        let failed = |reason: String| JobError::Failed(reason);
+        let network = Network::compile(&model, &[]).map_err(|e| failed(e.to_string()))?;
+        let uncertain: Vec<usize> = (0..priors.len()).filter(|&i| !priors[i].is_fixed()).collect();
+        let set = match spec.sampling {
+            Sampling::MonteCarlo => PointKind::MonteCarlo,
+            Sampling::LatinHypercube => PointKind::LatinHypercube,
+            Sampling::Sobol => PointKind::Sobol,
+        };
+        let key = StreamKey::new(seed, name, "propagate");
+        let points = Points::new(set, key, usize::try_from(spec.samples).unwrap_or(usize::MAX), uncertain.len()).map_err(|e| failed(e.to_string()))?;
+        let mut job = Self { spec, model, priors, network, points, uncertain, starts: Vec::new(), nominal: Vec::new() };
+        let mut workspace = job.network.workspace();
+        for case in 0..job.cases() {
+            let (parameters, inputs) = job.nominal_case(case);
+            job.network.set_parameters(&mut workspace, &parameters);
+            job.network.set_inputs(&mut workspace, &inputs);
+            job.network.solve_steady(&mut workspace, Start::Default).map_err(|e| {
+                failed(format!("environment `{}` at nominal parameters: {e}", job.environment(case).name))
+            })?;
+            job.starts.push(workspace.temperatures().to_vec());
+            job.nominal.push(job.spec.quantities.iter().map(|&q| job.network.quantity(&workspace, q)).collect());
+        }
+        Ok(job)
+    }
+
+    /// Number of cases: for each environment the nominal design value, then the sweep.
+    fn cases(&self) -> usize {
+        self.spec.environments.len() * self.designs()
+    }
+
+    fn designs(&self) -> usize {
+        1 + self.spec.sweep.as_ref().map_or(0, |sweep| sweep.values.len())
+    }
+
+    fn environment(&self, case: usize) -> &Environment {
+        &self.spec.environments[case / self.designs()]
+    }
+
+    /// The design variable and its value in a case; `None` for the nominal design.
+    fn design(&self, case: usize) -> Option<(Variable, f64)> {
+        let position = (case % self.designs()).checked_sub(1)?;
+        let sweep = self.spec.sweep.as_ref()?;
+        Some((sweep.variable, sweep.values[position]))
+    }
+
+    /// Nominal parameters and the inputs of a case, with its design value in place.
+    fn nominal_case(&self, case: usize) -> (Vec<f64>, Vec<f64>) {
+        let mut parameters: Vec<f64> = self.model.parameters.iter().map(|p| p.nominal).collect();
+        for (value, prior) in parameters.iter_mut().zip(&self.priors) {
+            if let Distribution::Fixed(fixed) = prior {
+                *value = *fixed;
+            }
+        }
+        let mut inputs = self.environment(case).inputs.clone();
+        match self.design(case) {
+            Some((Variable::Parameter(index), value)) => parameters[index] = value,
+            Some((Variable::Input(index), value)) => inputs[index] = value,
+            None => {}
+        }
+        (parameters, inputs)
+    }
+
+    /// Runs the samples of a block.
+    fn run(&self, block: BlockInput) -> BlockOutput {
+        let quantities = self.spec.quantities.len();
+        let count = usize::try_from(block.count).unwrap_or(usize::MAX);
+        let first = usize::try_from(block.first).unwrap_or(usize::MAX);
+        let mut output =
+            BlockOutput { values: vec![f64::NAN; quantities * count], failures: Vec::new(), failed: 0 };
+        let (nominal, inputs) = self.nominal_case(block.case);
+        let swept = match self.design(block.case) {
+            Some((Variable::Parameter(index), _)) => Some(index),
+            _ => None,
+        };
+        let start = Start::Temperatures(&self.starts[block.case]);
+        let mut batch: Batch<LANES> = self.network.batch();
+        for lane in 0..LANES {
+            batch.set_parameters(&self.network, lane, &nominal);
+            batch.set_inputs(&self.network, lane, &inputs);
+        }
+        let mut rows = vec![0.5; self.uncertain.len() * LANES];
+        let mut done = 0;
+        while done < count {
+            let lanes = LANES.min(count - done);
+            let width = self.uncertain.len();
+            self.points.fill_rows(first + done, &mut rows[..width * lanes]);
+            for lane in 0..lanes {
+                for (position, &parameter) in self.uncertain.iter().enumerate() {
+                    if swept != Some(parameter) {
+                        let value = self.priors[parameter].quantile(rows[lane * width + position]);
+                        batch.set_parameter(lane, parameter, value);
+                    }
+                }
+            }
+            self.network.solve_steady_batch(&mut batch, start);
+            for lane in 0..lanes {
+                if let Err(error) = batch.outcome(lane) {
+                    output.failed += 1;
+                    if output.failures.len() < FAILURES_KEPT {
+                        let index = block.first + (done + lane) as u64;
+                        let parameters = self.sample(block.case, index);
+                        output.failures.push(FailedSample { index, parameters, reason: error.to_string() });
+                    }
+                    continue;
+                }
+                for (position, &quantity) in self.spec.quantities.iter().enumerate() {
+                    output.values[position * count + done + lane] = batch.quantity(&self.network, lane, quantity);
+                }
+            }
+            done += lanes;
+        }
+        output
+    }
+
+    /// The parameters of one sample, by name.
+    fn sample(&self, case: usize, index: u64) -> Vec<(String, f64)> {
+        let (mut parameters, _) = self.nominal_case(case);
+        let mut row = vec![0.5; self.uncertain.len()];
+        self.points.fill_row(index as usize, &mut row);
+        let swept = self.design(case).map(|(variable, _)| variable);
+        for (&parameter, &u) in self.uncertain.iter().zip(&row) {
+            if swept != Some(Variable::Parameter(parameter)) {
+                parameters[parameter] = self.priors[parameter].quantile(u);
+            }
+        }
+        self.model.parameters.iter().map(|p| p.name.clone()).zip(parameters).collect()
+    }
+}
+
+impl Job for Propagate {
+    fn kind(&self) -> &'static str {
+        "propagate"
+    }
+
+    fn algorithm_version(&self) -> u32 {
+        1
+    }
+
+    fn identity(&self) -> Value {
+        json!({
+            "settings": self.spec,
+            "block": BLOCK,
+            "model": self.model.identity(),
+            "priors": self.priors,
+        })
+    }
+
+    fn begin(&self) -> Result<Step, JobError> {
+        let mut inputs = Vec::new();
+        for case in 0..self.cases() {
+            let mut first = 0;
+            while first < self.spec.samples {
+                let count = BLOCK.min(self.spec.samples - first);
+                let input = BlockInput { case, first, count };
+                inputs.push(serde_json::to_vec(&input).map_err(|e| JobError::Failed(e.to_string()))?);
+                first += count;
+            }
+        }
+        Ok(Step::Blocks { stage: STAGE.to_owned(), inputs })
+    }
+
+    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
+        let input: BlockInput = serde_json::from_slice(input)
+            .map_err(|e| JobError::Unreadable { stage: stage.to_owned(), reason: e.to_string() })?;
+        self.run(input).to_bytes()
+    }
+
+    fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
+        let per_case = usize::try_from(self.spec.samples.div_ceil(BLOCK)).unwrap_or(usize::MAX);
+        let mut cases = Vec::new();
+        for (case, blocks) in outputs.chunks(per_case.max(1)).enumerate() {
+            let mut values: Vec<Vec<f64>> = vec![Vec::new(); self.spec.quantities.len()];
+            let mut failures = Vec::new();
+            let mut failed = 0;
+            for bytes in blocks {
+                let block = BlockOutput::from_bytes(bytes, stage)?;
+                let count = block.values.len() / values.len().max(1);
+                for (position, column) in values.iter_mut().enumerate() {
+                    column.extend(&block.values[position * count..(position + 1) * count]);
+                }
+                failed += block.failed;
+                failures.extend(block.failures);
+            }
+            failures.truncate(FAILURES_KEPT);
+            let share = failed as f64 / self.spec.samples.max(1) as f64;
+            if share > self.spec.failure_limit {
+                let example = failures.first().map_or(String::new(), |f| format!("; sample {}: {}", f.index, f.reason));
+                return Err(JobError::Failed(format!(
+                    "{failed} of {} samples failed, more than the limit of {} %{example}",
+                    self.spec.samples,
+                    100.0 * self.spec.failure_limit
+                )));
+            }
+            cases.push(summary::case(&self.spec, &self.model, self.case_name(case), &values, &self.nominal[case], failed, failures));
+        }
+        let reached = self.reached(&cases);
+        let output = Output {
+            samples: self.spec.samples,
+            sampling: match self.spec.sampling {
+                Sampling::MonteCarlo => "monte-carlo",
+                Sampling::LatinHypercube => "latin-hypercube",
+                Sampling::Sobol => "sobol",
+            }
+            .to_owned(),
+            design_variable: self.spec.sweep.as_ref().map(|sweep| sweep.name.clone()),
+            design_unit: self.spec.sweep.as_ref().map(|sweep| sweep.unit.clone()).unwrap_or_default(),
+            cases,
+            reached,
+        };
+        serde_json::to_value(output).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
+    }
+}
+
+impl Propagate {
+    fn case_name(&self, case: usize) -> (String, Option<f64>) {
+        (self.environment(case).name.clone(), self.design(case).map(|(_, value)| value))
+    }
+
+    /// Where each requirement reaches its probability, by environment.
+    fn reached(&self, cases: &[Case]) -> Vec<Reached> {
+        let mut found = Vec::new();
+        if self.spec.sweep.is_none() {
+            return found;
+        }
+        for environment in cases.chunks(self.designs()) {
+            let swept = &environment[1..];
+            let outcomes = swept.first().map_or(0, |case| case.requirements.len());
+            for position in 0..outcomes {
+                let points: Vec<(f64, &Met)> = swept
+                    .iter()
+                    .filter_map(|case| case.design_value.zip(case.requirements.get(position)))
+                    .collect();
+                found.extend(reached::reached(&environment[0].environment, &points, self.spec.samples));
+            }
+        }
+        found
+    }
+}

@@ -1,0 +1,72 @@
+//! Where, along a swept design variable, a probability reaches what is required.
+
+use super::output::{Met, Probability, Reached};
+use crate::math::special::normal_quantile;
+
+/// A probability's place on the probit scale, on which it is nearly straight along a design variable. Kept off 0 and
+/// 1 by half a sample.
+fn probit(probability: f64, samples: u64) -> f64 {
+    let half = 0.5 / samples.max(1) as f64;
+    normal_quantile(probability.clamp(half, 1.0 - half))
+}
+
+/// The smallest design value from which on the probability stays at or above `required`, by straight lines on the probit
+/// scale between the swept values (sorted, with their probabilities). `None` where the sweep's end does not reach it.
+fn crossing(points: &[(f64, f64)], required: f64, samples: u64) -> Option<f64> {
+    let (last, _) = points.last()?;
+    let below = points.iter().rposition(|&(_, p)| p < required);
+    match below {
+        None => points.first().map(|&(x, _)| x),
+        Some(index) if index + 1 == points.len() => None,
+        Some(index) => {
+            let ((x0, p0), (x1, p1)) = (points[index], points[index + 1]);
+            let (z0, z1, z) = (probit(p0, samples), probit(p1, samples), probit(required, samples));
+            if z1 > z0 { Some((x0 + (x1 - x0) * (z - z0) / (z1 - z0)).min(*last)) } else { Some(x1) }
+        }
+    }
+}
+
+/// The design value at which one requirement reaches its probability, with the interval that the probabilities'
+/// intervals give. `sweep` holds the design values in increasing order with that requirement's outcome.
+pub fn reached(environment: &str, sweep: &[(f64, &Met)], samples: u64) -> Option<Reached> {
+    let (_, first) = sweep.first()?;
+    let at = |pick: fn(&Probability) -> f64| -> Option<f64> {
+        let points: Vec<(f64, f64)> = sweep.iter().map(|(x, met)| (*x, pick(&met.probability))).collect();
+        crossing(&points, first.required, samples)
+    };
+    let (early, late) = (at(|p| p.upper), at(|p| p.lower));
+    Some(Reached {
+        environment: environment.to_owned(),
+        requirement: first.requirement.clone(),
+        probability: first.required,
+        design_value: at(|p| p.value),
+        interval: early.zip(late).map(|(a, b)| [a, b]),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::special::normal_cdf;
+
+    #[test]
+    fn a_normal_curve_is_crossed_exactly() {
+        // P(x) = Phi((x - 0.3) / 0.01) is straight on the probit scale.
+        let points: Vec<(f64, f64)> =
+            (0..9).map(|i| 0.28 + 0.005 * f64::from(i)).map(|x| (x, normal_cdf((x - 0.3) / 0.01))).collect();
+        let x = crossing(&points, 0.99, 1_000_000).expect("crossed");
+        assert!((x - (0.3 + 0.01 * 2.326_347_874_040_841)).abs() < 1e-9, "{x}");
+    }
+
+    #[test]
+    fn a_curve_that_stays_below_is_not_crossed_and_one_above_starts_at_once() {
+        assert_eq!(crossing(&[(1.0, 0.2), (2.0, 0.5)], 0.9, 100), None);
+        assert_eq!(crossing(&[(1.0, 0.95), (2.0, 0.99)], 0.9, 100), Some(1.0));
+    }
+
+    #[test]
+    fn a_dip_counts() {
+        let x = crossing(&[(1.0, 0.95), (2.0, 0.5), (3.0, 0.95)], 0.9, 100).expect("crossed");
+        assert!(x > 2.0 && x < 3.0);
+    }
+}

@@ -1,0 +1,114 @@
+//! A pass and its jobs' results, put together for rendering.
+
+use serde_json::Value;
+use thiserror::Error;
+
+use crate::study::Pass;
+
+use super::number::Shown;
+use super::section::problem::prior_words;
+use super::view::{FileHash, JobEntry, JobResult, ParameterChange, PassReport};
+
+/// A result that does not have the form that this version writes.
+#[derive(Debug, Error)]
+#[error("the result of job `{job}` cannot be read: {source}")]
+pub struct ResultError {
+    /// The job.
+    pub job: String,
+    /// Why.
+    pub source: serde_json::Error,
+}
+
+/// A finished job of the pass.
+#[derive(Clone, Copy, Debug)]
+pub struct FinishedJob<'r> {
+    /// Name in the pass.
+    pub name: &'r str,
+    /// Kind.
+    pub kind: &'r str,
+    /// Key.
+    pub key: &'r str,
+    /// Result.
+    pub result: &'r Value,
+}
+
+/// What belongs to the report beside the pass and its results.
+#[derive(Clone, Debug, Default)]
+pub struct Surroundings {
+    /// Name of the study.
+    pub study: String,
+    /// Files that the results depend on, with their hashes.
+    pub files: Vec<FileHash>,
+    /// Version of the numeric engine.
+    pub engine_version: String,
+    /// The command that makes the report again.
+    pub command: String,
+    /// What the reader must know before believing.
+    pub warnings: Vec<String>,
+}
+
+fn result(job: &FinishedJob<'_>) -> Result<Option<JobResult>, ResultError> {
+    let parsed = match job.kind {
+        "propagate" => serde_json::from_value(job.result.clone()).map(JobResult::Propagate),
+        "conventional" => serde_json::from_value(job.result.clone()).map(JobResult::Conventional),
+        "compare" => serde_json::from_value(job.result.clone()).map(JobResult::Compare),
+        _ => return Ok(None),
+    };
+    parsed.map(Some).map_err(|source| ResultError { job: job.name.to_owned(), source })
+}
+
+/// A parameter before (0) or after (1) a change, in words and in its own unit.
+fn state(change: &crate::study::ParameterChange, which: usize) -> String {
+    let shown = Shown::written(&change.unit);
+    format!("nominal {}, prior {}", shown.text(change.nominal[which]), prior_words(&change.prior[which], &shown))
+}
+
+/// The report's view of a pass.
+///
+/// # Errors
+/// A result that this version cannot read.
+pub fn assemble<'p>(
+    pass: &'p Pass,
+    finished: &[FinishedJob<'_>],
+    surroundings: Surroundings,
+) -> Result<PassReport<'p>, ResultError> {
+    let mut results = Vec::new();
+    for job in finished {
+        if let Some(result) = result(job)? {
+            results.push(JobEntry {
+                name: job.name.to_owned(),
+                kind: job.kind.to_owned(),
+                key: job.key.to_owned(),
+                result,
+            });
+        }
+    }
+    let names = pass.model.parameters.iter().map(|parameter| parameter.name.clone());
+    Ok(PassReport {
+        title: pass.title.clone(),
+        pass_file: pass.file.clone(),
+        study: surroundings.study,
+        description: pass.description.clone(),
+        reconstructed: pass.reconstructed.clone(),
+        model: &pass.model,
+        priors: names.zip(pass.priors.iter().copied()).collect(),
+        requirements: pass.requirements.clone(),
+        environments: pass.environments.clone(),
+        measurements: &pass.measurements,
+        changes: pass
+            .changes
+            .iter()
+            .map(|change| ParameterChange {
+                what: change.name.clone(),
+                before: state(change, 0),
+                after: state(change, 1),
+                because: change.because.clone(),
+            })
+            .collect(),
+        results,
+        files: surroundings.files,
+        engine_version: surroundings.engine_version,
+        command: surroundings.command,
+        warnings: surroundings.warnings,
+    })
+}

@@ -1,0 +1,168 @@
+//! The page as one HTML file that needs nothing else: style and drawings inside, no script, no network.
+
+use serde::Serialize;
+use thiserror::Error;
+
+use super::page::{Block, Cell, Column, Inline, Numbering, Page, Status, Text, Tone};
+
+const TEMPLATE: &str = include_str!("../../templates/report.html");
+const STYLE: &str = include_str!("../../templates/report.css");
+
+/// Why a page could not be rendered.
+#[derive(Debug, Error)]
+pub enum HtmlError {
+    /// The template does not fit what it is given.
+    #[error("the report's template failed: {0}")]
+    Template(#[from] tera::Error),
+}
+
+/// The page as HTML.
+pub fn render(page: &Page) -> Result<String, HtmlError> {
+    let mut tera = tera::Tera::default();
+    // Names that end in `.html` are escaped.
+    tera.add_raw_template("report.html", TEMPLATE)?;
+    let mut flat = Flat { blocks: Vec::new(), numbering: Numbering::default(), section: 0, heading: 0 };
+    let sections: Vec<FlatSection<'_>> = page
+        .sections
+        .iter()
+        .map(|section| {
+            flat.section += 1;
+            flat.heading = 0;
+            flat.add(&section.blocks);
+            FlatSection {
+                id: section.id,
+                number: flat.section,
+                title: &section.title,
+                blocks: std::mem::take(&mut flat.blocks),
+            }
+        })
+        .collect();
+    let context = tera::Context::from_serialize(&Whole {
+        title: &page.title,
+        subtitle: &page.subtitle,
+        footer: &page.footer,
+        style: STYLE,
+        sections,
+    })?;
+    Ok(tera.render("report.html", &context)?)
+}
+
+#[derive(Serialize)]
+struct Whole<'a> {
+    title: &'a str,
+    subtitle: &'a Text,
+    footer: &'a Text,
+    style: &'static str,
+    sections: Vec<FlatSection<'a>>,
+}
+
+#[derive(Serialize)]
+struct FlatSection<'a> {
+    id: &'a str,
+    number: usize,
+    title: &'a str,
+    blocks: Vec<FlatBlock<'a>>,
+}
+
+/// A block as the template sees it; folded blocks stand between an opening and a closing one.
+#[derive(Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+enum FlatBlock<'a> {
+    Heading { id: String, number: String, title: &'a str },
+    Paragraph { text: &'a Text },
+    List { items: &'a [Text] },
+    Table { number: usize, caption: &'a Text, columns: &'a [Column], rows: Vec<Vec<FlatCell<'a>>> },
+    Figure { number: usize, id: String, caption: &'a Text, svg: String },
+    Callout { tone: Tone, word: &'static str, text: &'a Text },
+    Statements { statements: Vec<FlatStatement<'a>> },
+    Definitions { entries: Vec<[&'a Text; 2]> },
+    Open { title: &'a str },
+    Close,
+}
+
+#[derive(Serialize)]
+struct FlatCell<'a> {
+    text: &'a [Inline],
+    class: String,
+}
+
+#[derive(Serialize)]
+struct FlatStatement<'a> {
+    label: &'a str,
+    value: &'a str,
+    text: &'a Text,
+    class: &'static str,
+}
+
+fn class(status: Option<Status>) -> &'static str {
+    match status {
+        None => "",
+        Some(Status::Ok) => "ok",
+        Some(Status::Caution) => "caution",
+        Some(Status::Fail) => "fail",
+    }
+}
+
+fn cell<'a>(cell: &'a Cell, column: Option<&Column>) -> FlatCell<'a> {
+    let side = if column.is_some_and(|c| c.is_numeric) { "number" } else { "text" };
+    FlatCell { text: &cell.text.0, class: format!("{side} {}", class(cell.status)).trim_end().to_owned() }
+}
+
+struct Flat<'a> {
+    blocks: Vec<FlatBlock<'a>>,
+    numbering: Numbering,
+    section: usize,
+    heading: usize,
+}
+
+impl<'a> Flat<'a> {
+    fn add(&mut self, blocks: &'a [Block]) {
+        for block in blocks {
+            let flat = match block {
+                Block::Heading(title) => {
+                    self.heading += 1;
+                    let number = format!("{}.{}", self.section, self.heading);
+                    FlatBlock::Heading { id: format!("section-{}-{}", self.section, self.heading), number, title }
+                }
+                Block::Paragraph(text) => FlatBlock::Paragraph { text },
+                Block::List(items) => FlatBlock::List { items },
+                Block::Table(table) => FlatBlock::Table {
+                    number: self.numbering.table(),
+                    caption: &table.caption,
+                    columns: &table.columns,
+                    rows: table
+                        .rows
+                        .iter()
+                        .map(|row| row.iter().enumerate().map(|(i, c)| cell(c, table.columns.get(i))).collect())
+                        .collect(),
+                },
+                Block::Figure(figure) => {
+                    let (number, id) = self.numbering.figure(figure);
+                    let svg = figure.drawing.svg(&id, &format!("Figure {number}"), &figure.alternative, false);
+                    FlatBlock::Figure { number, id, caption: &figure.caption, svg }
+                }
+                Block::Callout(tone, text) => FlatBlock::Callout { tone: *tone, word: tone.word(), text },
+                Block::Statements(statements) => FlatBlock::Statements {
+                    statements: statements
+                        .iter()
+                        .map(|s| FlatStatement {
+                            label: &s.label,
+                            value: &s.value,
+                            text: &s.text,
+                            class: class(s.status),
+                        })
+                        .collect(),
+                },
+                Block::Definitions(entries) => {
+                    FlatBlock::Definitions { entries: entries.iter().map(|(term, meaning)| [term, meaning]).collect() }
+                }
+                Block::Details(title, blocks) => {
+                    self.blocks.push(FlatBlock::Open { title });
+                    self.add(blocks);
+                    FlatBlock::Close
+                }
+            };
+            self.blocks.push(flat);
+        }
+    }
+}

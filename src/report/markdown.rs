@@ -1,0 +1,225 @@
+//! The page as Markdown (GitHub's dialect: tables). Everything from a study is escaped.
+
+use std::fmt::Write as _;
+
+use super::page::{Block, Cell, Column, Figure, Inline, Numbering, Page, Section, Status, Table, Text};
+
+/// The page as Markdown; figures are links to `plots/NAME.svg`.
+pub fn render(page: &Page) -> String {
+    let mut out = format!("# {}\n", escape(&page.title));
+    if !page.subtitle.0.is_empty() {
+        paragraph(&mut out, &inline(&page.subtitle, false));
+    }
+    let mut writer = Writer { out, numbering: Numbering::default(), section: 0, heading: 0 };
+    writer.contents(&page.sections);
+    for section in &page.sections {
+        writer.section(section);
+    }
+    let mut out = writer.out;
+    if !page.footer.0.is_empty() {
+        out.push_str("\n---\n");
+        paragraph(&mut out, &inline(&page.footer, false));
+    }
+    out
+}
+
+struct Writer {
+    out: String,
+    numbering: Numbering,
+    section: usize,
+    heading: usize,
+}
+
+impl Writer {
+    fn contents(&mut self, sections: &[Section]) {
+        self.out.push('\n');
+        for (position, section) in sections.iter().enumerate() {
+            let _ = writeln!(self.out, "{}. [{}](#{})", position + 1, escape(&section.title), section.id);
+        }
+    }
+
+    fn section(&mut self, section: &Section) {
+        self.section += 1;
+        self.heading = 0;
+        let _ =
+            write!(self.out, "\n<a id=\"{}\"></a>\n\n## {}. {}\n", section.id, self.section, escape(&section.title));
+        self.blocks(&section.blocks);
+    }
+
+    fn blocks(&mut self, blocks: &[Block]) {
+        for block in blocks {
+            match block {
+                Block::Heading(title) => {
+                    self.heading += 1;
+                    let _ = write!(self.out, "\n### {}.{} {}\n", self.section, self.heading, escape(title));
+                }
+                Block::Paragraph(text) => paragraph(&mut self.out, &inline(text, false)),
+                Block::List(items) => {
+                    self.out.push('\n');
+                    for item in items {
+                        let _ = writeln!(self.out, "- {}", inline(item, false));
+                    }
+                }
+                Block::Table(table) => {
+                    let number = self.numbering.table();
+                    self.table(number, table);
+                }
+                Block::Figure(figure) => {
+                    let (number, name) = self.numbering.figure(figure);
+                    self.figure(number, &name, figure);
+                }
+                Block::Callout(tone, text) => {
+                    let _ = write!(self.out, "\n> **{}.** {}\n", tone.word(), inline(text, false));
+                }
+                Block::Statements(statements) => {
+                    self.out.push('\n');
+                    for statement in statements {
+                        let (label, value) = (escape(&statement.label), escape(&statement.value));
+                        let _ = writeln!(self.out, "- **{label}: {value}.** {}", inline(&statement.text, false));
+                    }
+                }
+                Block::Definitions(entries) => {
+                    self.out.push('\n');
+                    for (term, meaning) in entries {
+                        let _ = writeln!(self.out, "- **{}:** {}", inline(term, false), inline(meaning, false));
+                    }
+                }
+                Block::Details(title, blocks) => {
+                    paragraph(&mut self.out, &format!("**{}**", escape(title)));
+                    self.blocks(blocks);
+                }
+            }
+        }
+    }
+
+    fn table(&mut self, number: usize, table: &Table) {
+        paragraph(&mut self.out, &format!("**Table {number}.** {}", inline(&table.caption, false)));
+        self.out.push_str("\n|");
+        for column in &table.columns {
+            let _ = write!(self.out, " {} |", heading(column));
+        }
+        self.out.push_str("\n|");
+        for column in &table.columns {
+            self.out.push_str(if column.is_numeric { "---:|" } else { "---|" });
+        }
+        self.out.push('\n');
+        for row in &table.rows {
+            self.out.push('|');
+            for cell in row {
+                let _ = write!(self.out, " {} |", cell_text(cell));
+            }
+            self.out.push('\n');
+        }
+    }
+
+    fn figure(&mut self, number: usize, name: &str, figure: &Figure) {
+        let _ = write!(self.out, "\n![{}](plots/{name}.svg)\n", escape(&figure.alternative));
+        paragraph(&mut self.out, &format!("**Figure {number}.** {}", inline(&figure.caption, false)));
+    }
+}
+
+fn heading(column: &Column) -> String {
+    let title = escape(&column.title);
+    if column.unit.is_empty() { title } else { format!("{title} \\[{}\\]", escape(&column.unit)) }
+}
+
+/// A highlighted cell is strong where it fails, so that the highlight survives without colours.
+fn cell_text(cell: &Cell) -> String {
+    let text = inline(&cell.text, true);
+    if cell.status == Some(Status::Fail) && !text.is_empty() && !text.starts_with('`') {
+        format!("**{text}**")
+    } else {
+        text
+    }
+}
+
+fn paragraph(out: &mut String, text: &str) {
+    let _ = write!(out, "\n{}\n", at_line_start(text));
+}
+
+fn inline(text: &Text, in_table: bool) -> String {
+    let mut out = String::new();
+    for piece in &text.0 {
+        match piece {
+            Inline::Plain(text) => out.push_str(&escape(text)),
+            Inline::Strong(text) => wrap(&mut out, "**", text),
+            Inline::Emphasis(text) => wrap(&mut out, "*", text),
+            Inline::Code(text) => out.push_str(&code(text, in_table)),
+        }
+    }
+    out
+}
+
+fn wrap(out: &mut String, mark: &str, text: &str) {
+    let text = text.trim();
+    if !text.is_empty() {
+        let _ = write!(out, "{mark}{}{mark}", escape(text));
+    }
+}
+
+/// A code span; its fence is longer than any run of backticks inside. A pipe needs its backslash in a table even here.
+fn code(text: &str, in_table: bool) -> String {
+    let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if text.trim().is_empty() {
+        return String::new();
+    }
+    // Outside a table a pipe could still begin one in the reader's eyes; inside, a backslash before it would stay.
+    if in_table && text.contains('|') {
+        return escape(&text);
+    }
+    let longest = text.split(|c| c != '`').map(str::len).max().unwrap_or(0);
+    let fence = "`".repeat(longest + 1);
+    let pad = if text.starts_with('`') || text.ends_with('`') { " " } else { "" };
+    format!("{fence}{pad}{text}{pad}{fence}")
+}
+
+/// Escapes every character that Markdown or HTML could take for markup; line ends become blanks.
+fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '\\' | '`' | '*' | '_' | '[' | ']' | '|' | '~' | '#' | '$' | '^' => {
+                out.push('\\');
+                out.push(c);
+            }
+            // A colon after a scheme would make a bare address a link.
+            ':' => out.push_str(if out.ends_with("http") || out.ends_with("https") { "&#58;" } else { ":" }),
+            c if c.is_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// Escapes what is markup only at the beginning of a line: lists and rules.
+fn at_line_start(text: &str) -> String {
+    let digits = text.bytes().take_while(u8::is_ascii_digit).count();
+    if digits > 0 && matches!(text.as_bytes().get(digits), Some(b'.' | b')')) {
+        return format!("{}\\{}", &text[..digits], &text[digits..]);
+    }
+    if text.starts_with(['-', '+', '=']) { format!("\\{text}") } else { text.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hostile_text_is_no_markup() {
+        assert_eq!(escape("<img src=x>|`a`"), "&lt;img src=x&gt;\\|\\`a\\`");
+        assert_eq!(escape("[a](https://example.org)\n# b"), "\\[a\\](https&#58;//example.org) \\# b");
+        assert_eq!(at_line_start("1. no list"), "1\\. no list");
+        assert_eq!(at_line_start("- no list"), "\\- no list");
+    }
+
+    #[test]
+    fn code_spans_hold_backticks_and_tables_hold_pipes() {
+        assert_eq!(code("a`b", false), "``a`b``");
+        assert_eq!(code("`", false), "`` ` ``");
+        assert_eq!(code("a|b", true), "a\\|b");
+        assert_eq!(code("", false), "");
+    }
+}

@@ -1,0 +1,337 @@
+//! The document that sections build and that Markdown and HTML are made of. Text is always made here from pieces,
+//! never parsed, so nothing that a study writes can become markup.
+
+use serde::Serialize;
+
+use super::plot::Drawing;
+
+/// A piece of running text.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(tag = "kind", content = "text", rename_all = "snake_case")]
+pub enum Inline {
+    /// As it is.
+    Plain(String),
+    /// Strong.
+    Strong(String),
+    /// Emphasised.
+    Emphasis(String),
+    /// A name or a value as it stands in a file.
+    Code(String),
+}
+
+/// Running text.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(transparent)]
+pub struct Text(pub Vec<Inline>);
+
+impl Text {
+    /// Text of one plain piece.
+    pub fn new(text: impl Into<String>) -> Self {
+        Self(vec![Inline::Plain(text.into())])
+    }
+
+    /// Appends plain text.
+    pub fn plain(mut self, text: impl Into<String>) -> Self {
+        self.0.push(Inline::Plain(text.into()));
+        self
+    }
+
+    /// Appends strong text.
+    pub fn strong(mut self, text: impl Into<String>) -> Self {
+        self.0.push(Inline::Strong(text.into()));
+        self
+    }
+
+    /// Appends emphasised text.
+    pub fn emphasis(mut self, text: impl Into<String>) -> Self {
+        self.0.push(Inline::Emphasis(text.into()));
+        self
+    }
+
+    /// Appends a name or value as in a file.
+    pub fn code(mut self, text: impl Into<String>) -> Self {
+        self.0.push(Inline::Code(text.into()));
+        self
+    }
+}
+
+impl From<&str> for Text {
+    fn from(text: &str) -> Self {
+        Self::new(text)
+    }
+}
+
+impl From<String> for Text {
+    fn from(text: String) -> Self {
+        Self::new(text)
+    }
+}
+
+/// How a value stands against what is asked of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// Kept.
+    Ok,
+    /// Worth a look.
+    Caution,
+    /// Not kept.
+    Fail,
+}
+
+impl Status {
+    /// `Ok` or `Fail`.
+    pub fn kept(kept: bool) -> Self {
+        if kept { Self::Ok } else { Self::Fail }
+    }
+}
+
+/// A cell of a table.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Cell {
+    /// Contents.
+    pub text: Text,
+    /// Highlight, if any.
+    pub status: Option<Status>,
+}
+
+impl Cell {
+    /// A highlighted cell.
+    pub fn marked(text: impl Into<Text>, status: Status) -> Self {
+        Self { text: text.into(), status: Some(status) }
+    }
+
+    /// A cell with a name as in a file.
+    pub fn code(text: impl Into<String>) -> Self {
+        Self { text: Text::default().code(text), status: None }
+    }
+}
+
+impl<T: Into<Text>> From<T> for Cell {
+    fn from(text: T) -> Self {
+        Self { text: text.into(), status: None }
+    }
+}
+
+/// A column of a table.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Column {
+    /// Heading.
+    pub title: String,
+    /// Unit of all its numbers, typeset; empty without one.
+    pub unit: String,
+    /// Whether it holds numbers, which stand to the right.
+    pub is_numeric: bool,
+}
+
+impl Column {
+    /// A column of text.
+    pub fn text(title: impl Into<String>) -> Self {
+        Self { title: title.into(), unit: String::new(), is_numeric: false }
+    }
+
+    /// A column of numbers of a unit.
+    pub fn number(title: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { title: title.into(), unit: unit.into(), is_numeric: true }
+    }
+}
+
+/// A table.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Table {
+    /// Caption.
+    pub caption: Text,
+    /// Columns.
+    pub columns: Vec<Column>,
+    /// Rows, a cell a column.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// A figure.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Figure {
+    /// Name, of letters, digits and `-`; made unique when the page is numbered.
+    pub id: String,
+    /// The drawing.
+    pub drawing: Drawing,
+    /// Caption.
+    pub caption: Text,
+    /// What it shows, for those who do not see it.
+    pub alternative: String,
+}
+
+/// What a callout is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Tone {
+    /// The outcome.
+    Verdict,
+    /// Something that limits what the results mean.
+    Warning,
+    /// An explanation.
+    Note,
+    /// Numbers that were reconstructed, not taken from their source.
+    Reconstructed,
+}
+
+impl Tone {
+    /// The word before the text.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Verdict => "Verdict",
+            Self::Warning => "Warning",
+            Self::Note => "Note",
+            Self::Reconstructed => "Reconstructed",
+        }
+    }
+}
+
+/// A key statement: something large to read, and what it means.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Statement {
+    /// What it is about, in a few words.
+    pub label: String,
+    /// The number or word.
+    pub value: String,
+    /// What it means.
+    pub text: Text,
+    /// How it stands.
+    pub status: Option<Status>,
+}
+
+/// A part of a section.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Block {
+    /// A heading below the section's.
+    Heading(String),
+    /// A paragraph.
+    Paragraph(Text),
+    /// Unordered items.
+    List(Vec<Text>),
+    /// A table.
+    Table(Table),
+    /// A figure.
+    Figure(Figure),
+    /// A callout.
+    Callout(Tone, Text),
+    /// Key statements beside one another.
+    Statements(Vec<Statement>),
+    /// Terms and what they mean.
+    Definitions(Vec<(Text, Text)>),
+    /// Blocks that are folded away in HTML.
+    Details(String, Vec<Block>),
+}
+
+impl Block {
+    /// A paragraph.
+    pub fn paragraph(text: impl Into<Text>) -> Self {
+        Self::Paragraph(text.into())
+    }
+
+    /// A callout.
+    pub fn callout(tone: Tone, text: impl Into<Text>) -> Self {
+        Self::Callout(tone, text.into())
+    }
+}
+
+/// A section.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    /// Anchor, of letters, digits and `-`.
+    pub id: &'static str,
+    /// Title.
+    pub title: String,
+    /// Parts.
+    pub blocks: Vec<Block>,
+}
+
+/// The whole report.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Page {
+    /// Title.
+    pub title: String,
+    /// Line below it.
+    pub subtitle: Text,
+    /// Line at the foot.
+    pub footer: Text,
+    /// Sections in order.
+    pub sections: Vec<Section>,
+}
+
+/// Runs through a page's blocks and hands out numbers of figures and tables in order.
+#[derive(Debug, Default)]
+pub struct Numbering {
+    figures: usize,
+    tables: usize,
+    names: Vec<String>,
+}
+
+impl Numbering {
+    /// Number and unique name of the next figure.
+    pub fn figure(&mut self, figure: &Figure) -> (usize, String) {
+        self.figures += 1;
+        let base = slug(&figure.id);
+        let mut name = base.clone();
+        let mut copy = 1;
+        while self.names.contains(&name) {
+            copy += 1;
+            name = format!("{base}-{copy}");
+        }
+        self.names.push(name.clone());
+        (self.figures, name)
+    }
+
+    /// Number of the next table.
+    pub fn table(&mut self) -> usize {
+        self.tables += 1;
+        self.tables
+    }
+}
+
+/// A name of lower-case letters, digits and `-`, at most 60 bytes: safe as an anchor and as a file's name.
+pub fn slug(text: &str) -> String {
+    let mut out = String::new();
+    for c in text.chars() {
+        if out.len() >= 60 {
+            break;
+        }
+        if c.is_ascii_alphanumeric() {
+            out.push(c.to_ascii_lowercase());
+        } else if !out.is_empty() && !out.ends_with('-') {
+            out.push('-');
+        }
+    }
+    let trimmed = out.trim_end_matches('-');
+    if trimmed.is_empty() { "figure".to_owned() } else { trimmed.to_owned() }
+}
+
+/// The figures of a page with their unique names, in order.
+pub fn figures(page: &Page) -> Vec<(String, &Figure)> {
+    fn walk<'a>(blocks: &'a [Block], numbering: &mut Numbering, out: &mut Vec<(String, &'a Figure)>) {
+        for block in blocks {
+            match block {
+                Block::Figure(figure) => out.push((numbering.figure(figure).1, figure)),
+                Block::Details(_, blocks) => walk(blocks, numbering, out),
+                _ => {}
+            }
+        }
+    }
+    let (mut numbering, mut out) = (Numbering::default(), Vec::new());
+    for section in &page.sections {
+        walk(&section.blocks, &mut numbering, &mut out);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slugs_are_safe_names() {
+        assert_eq!(slug("../../etc/passwd"), "etc-passwd");
+        assert_eq!(slug("<img src=x>"), "img-src-x");
+        assert_eq!(slug("\u{4F60}"), "figure");
+        assert!(slug(&"x".repeat(500)).len() <= 60);
+    }
+}

@@ -1,0 +1,155 @@
+//! Axes: ranges, ticks at round numbers, and their labels.
+
+use crate::math::functions::{ln, pow};
+use crate::report::number::fixed;
+
+/// An axis: what stands beside it and, if wanted, its range.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Axis {
+    /// Title with unit, such as `time [s]`.
+    pub title: String,
+    /// Range; otherwise it follows from the data.
+    pub range: Option<(f64, f64)>,
+}
+
+impl Axis {
+    /// An axis whose range follows from the data.
+    pub fn new(title: impl Into<String>) -> Self {
+        Self { title: title.into(), range: None }
+    }
+
+    /// An axis of a given range.
+    pub fn over(title: impl Into<String>, from: f64, to: f64) -> Self {
+        Self { title: title.into(), range: Some((from, to)) }
+    }
+}
+
+/// A linear map of a range of values to pixels, with ticks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scale {
+    low: f64,
+    high: f64,
+    from: f64,
+    to: f64,
+    step: f64,
+}
+
+impl Scale {
+    /// A scale of `low..high` on the pixels `from..to` with about `ticks` ticks. A range that is empty or no number
+    /// becomes one of width 1 about its middle, or about zero.
+    pub fn new((low, high): (f64, f64), (from, to): (f64, f64), ticks: usize) -> Self {
+        let (mut low, mut high) = if low.is_finite() && high.is_finite() { (low, high) } else { (0.0, 1.0) };
+        let least = 1e-12 * low.abs().max(high.abs());
+        if high - low <= least || !(high - low).is_finite() {
+            let half = if low == 0.0 { 0.5 } else { (0.01 * low.abs()).clamp(1e-9, 0.5) };
+            let middle = low;
+            (low, high) = (middle - half, middle + half);
+        }
+        let step = round_step((high - low) / ticks.max(1) as f64);
+        Self { low, high, from, to, step }
+    }
+
+    /// Where a value lies, pixels; kept within the scale.
+    pub fn at(&self, value: f64) -> f64 {
+        if value.is_nan() {
+            return f64::NAN;
+        }
+        let share = ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0);
+        self.from + share * (self.to - self.from)
+    }
+
+    /// Whether a value lies on the scale.
+    pub fn holds(&self, value: f64) -> bool {
+        let slack = 1e-9 * (self.high - self.low);
+        value >= self.low - slack && value <= self.high + slack
+    }
+
+    /// Ticks and their labels.
+    pub fn ticks(&self) -> Vec<(f64, String)> {
+        let first = (self.low / self.step - 1e-6).ceil();
+        let count = (((self.high / self.step + 1e-6).floor() - first).max(0.0) as usize).min(40);
+        let decimals = decimals_of(self.step);
+        let scale = self.low.abs().max(self.high.abs());
+        (0..=count)
+            .map(|i| {
+                let value = (first + i as f64) * self.step;
+                let label = if scale >= 1e6 || (scale < 1e-4 && scale > 0.0) {
+                    crate::report::number::significant(value, 3)
+                } else {
+                    fixed(value, decimals)
+                };
+                (value, label)
+            })
+            .collect()
+    }
+}
+
+/// The next of 1, 2, 5 times a power of ten that is not below `raw`.
+fn round_step(raw: f64) -> f64 {
+    if raw <= 0.0 || !raw.is_finite() {
+        return 1.0;
+    }
+    let power = pow(10.0, (ln(raw) / ln(10.0)).floor());
+    for factor in [1.0, 2.0, 2.5, 5.0, 10.0] {
+        if factor * power >= raw * 0.999 {
+            return factor * power;
+        }
+    }
+    10.0 * power
+}
+
+/// Decimals that show a step in full.
+fn decimals_of(step: f64) -> usize {
+    let mut shown = step;
+    for decimals in 0..9 {
+        if (shown - shown.round()).abs() < 1e-6 * shown.abs() {
+            return decimals;
+        }
+        shown *= 10.0;
+    }
+    9
+}
+
+/// Smallest range that holds all finite values; `None` without any.
+pub fn range_of(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
+    values.into_iter().filter(|v| v.is_finite()).fold(None, |range, v| match range {
+        None => Some((v, v)),
+        Some((low, high)) => Some((v.min(low), v.max(high))),
+    })
+}
+
+/// A range widened by a share of its width on both sides.
+pub fn widened((low, high): (f64, f64), share: f64) -> (f64, f64) {
+    let margin = share * (high - low);
+    (low - margin, high + margin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(low: f64, high: f64) -> Vec<String> {
+        Scale::new((low, high), (0.0, 100.0), 5).ticks().into_iter().map(|t| t.1).collect()
+    }
+
+    #[test]
+    fn ticks_are_round() {
+        assert_eq!(labels(0.0, 10.0), ["0", "2", "4", "6", "8", "10"]);
+        assert_eq!(labels(0.28, 0.36), ["0.28", "0.30", "0.32", "0.34", "0.36"]);
+        assert_eq!(labels(-1.0, 1.0), ["\u{2212}1.0", "\u{2212}0.5", "0.0", "0.5", "1.0"]);
+    }
+
+    #[test]
+    fn degenerate_ranges_give_a_scale() {
+        for (low, high) in
+            [(3.0, 3.0), (f64::NAN, 1.0), (f64::NEG_INFINITY, 0.0), (1.0, 0.0), (0.0, 0.0), (1e300, 1e300)]
+        {
+            let scale = Scale::new((low, high), (0.0, 100.0), 5);
+            assert!(scale.ticks().len() < 42);
+            assert!(
+                scale.at(low.max(-1e6)).is_nan() || (0.0..=100.0).contains(&scale.at(low.max(-1e6))),
+                "{low} {high}"
+            );
+        }
+    }
+}

@@ -1,0 +1,450 @@
+//! Charts of two axes: lines, steps, dots, bands, bars, density cells, limits and shaded stretches.
+
+use super::axis::{Axis, Scale, range_of, widened};
+use super::canvas::{Anchor, Canvas, Drawing, Lettering, SMALL, TEXT, WIDTH, draw, fitted, text_width};
+use super::palette::{Colour, GRID, INK, MUTED, PAPER, SHADE, between};
+
+/// How a line runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stroke {
+    /// Straight from point to point.
+    Solid,
+    /// Dashed from point to point.
+    Dashed,
+    /// Constant from each point to the next.
+    Step,
+}
+
+/// How a point is marked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// A disc.
+    Disc,
+    /// A ring.
+    Ring,
+}
+
+/// What is drawn; the first layers lie below the later ones. Labels go to the key above the chart; an empty one
+/// stays out of it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Layer {
+    /// Shaded between two curves: x, lower, upper.
+    Band {
+        /// Points.
+        points: Vec<(f64, f64, f64)>,
+        /// Colour.
+        colour: Colour,
+        /// Label.
+        label: String,
+    },
+    /// A line.
+    Line {
+        /// Points.
+        points: Vec<(f64, f64)>,
+        /// Colour.
+        colour: Colour,
+        /// How it runs.
+        stroke: Stroke,
+        /// Label.
+        label: String,
+    },
+    /// Points alone.
+    Dots {
+        /// Points.
+        points: Vec<(f64, f64)>,
+        /// Colour.
+        colour: Colour,
+        /// How they are marked.
+        mark: Mark,
+        /// Label.
+        label: String,
+    },
+    /// Vertical intervals: x, lower, upper.
+    Intervals {
+        /// Intervals.
+        points: Vec<(f64, f64, f64)>,
+        /// Colour.
+        colour: Colour,
+    },
+    /// Bars from zero between edges (one more than heights).
+    Bars {
+        /// Edges.
+        edges: Vec<f64>,
+        /// Heights.
+        heights: Vec<f64>,
+        /// Colour.
+        colour: Colour,
+        /// Label.
+        label: String,
+    },
+    /// Cells shaded by their value, by bin of x then bin of y.
+    Cells {
+        /// Edges of the bins of x.
+        x_edges: Vec<f64>,
+        /// Edges of the bins of y.
+        y_edges: Vec<f64>,
+        /// Values.
+        values: Vec<Vec<f64>>,
+        /// Colour of the largest value.
+        colour: Colour,
+        /// Label.
+        label: String,
+    },
+}
+
+/// The axis that a limit belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Along {
+    /// A value of x: a vertical line.
+    X,
+    /// A value of y: a horizontal line.
+    Y,
+}
+
+/// A labelled line across the chart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limit {
+    /// Its axis.
+    pub along: Along,
+    /// Value.
+    pub value: f64,
+    /// Label, written beside it.
+    pub label: String,
+    /// Colour.
+    pub colour: Colour,
+}
+
+/// A shaded stretch of x.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shade {
+    /// From.
+    pub from: f64,
+    /// To.
+    pub to: f64,
+}
+
+/// A chart.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Chart {
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// What is drawn.
+    pub layers: Vec<Layer>,
+    /// Lines across.
+    pub limits: Vec<Limit>,
+    /// Shaded stretches.
+    pub shades: Vec<Shade>,
+    /// What the shade means; empty without one.
+    pub shade_label: String,
+    /// Height of the canvas in pixels (its width is 1600); 0 for the usual 900.
+    pub height: u32,
+}
+
+/// A part of the canvas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Area {
+    pub(super) left: f64,
+    pub(super) top: f64,
+    pub(super) right: f64,
+    pub(super) bottom: f64,
+}
+
+impl Chart {
+    /// Draws the chart on a canvas of its own.
+    pub fn draw(&self) -> Drawing {
+        let height = if self.height == 0 { 900 } else { self.height };
+        draw(height, |canvas| {
+            self.paint(
+                canvas,
+                Area { left: 0.0, top: 0.0, right: f64::from(WIDTH), bottom: f64::from(height) },
+                None,
+                true,
+            );
+        })
+    }
+
+    /// Draws the chart into a part of a canvas. `left` fixes the width of the left margin, so that charts above one
+    /// another line up; the lowest shows the title of x.
+    pub(super) fn paint(&self, canvas: &mut Canvas<'_>, area: Area, left: Option<f64>, lowest: bool) {
+        let key_rows = self.key_rows(area.right - area.left - 60.0);
+        let key_height = 46.0 * key_rows.len() as f64;
+        let inner_top = area.top
+            + 24.0
+            + key_height
+            + match self.limits.iter().filter(|l| l.along == Along::X && !l.label.is_empty()).count() {
+                0 => 12.0,
+                1 => 46.0,
+                _ => 84.0,
+            };
+        let inner_bottom = area.bottom - if lowest { 122.0 } else { 58.0 };
+        let y_range = self.y.range.unwrap_or_else(|| {
+            let (low, high) = widened(self.extent(Along::Y).unwrap_or((0.0, 1.0)), 0.06);
+            // Bars stand on the axis.
+            if self.layers.iter().any(|l| matches!(l, Layer::Bars { .. })) { (0.0, high) } else { (low, high) }
+        });
+        let y = Scale::new(
+            y_range,
+            (inner_bottom, inner_top.min(inner_bottom - 10.0)),
+            if inner_bottom - inner_top < 300.0 { 3 } else { 6 },
+        );
+        let y_ticks = y.ticks();
+        let widest = y_ticks.iter().map(|t| text_width(&t.1, TEXT)).fold(0.0, f64::max);
+        let inner_left = area.left + left.unwrap_or(widest + 104.0);
+        let inner_right = area.right - 36.0;
+        let x_range = self.x.range.unwrap_or_else(|| {
+            let extent = self.extent(Along::X).unwrap_or((0.0, 1.0));
+            let is_filled = self.layers.iter().any(|l| matches!(l, Layer::Bars { .. } | Layer::Cells { .. }));
+            if is_filled { extent } else { widened(extent, 0.02) }
+        });
+        let x = Scale::new(x_range, (inner_left, inner_right), 8);
+        let frame =
+            Frame { x, y, area: Area { left: inner_left, top: inner_top, right: inner_right, bottom: inner_bottom } };
+
+        for shade in &self.shades {
+            let (from, to) = (frame.x.at(shade.from), frame.x.at(shade.to));
+            let to = if to - from < 3.0 { from + 3.0 } else { to };
+            canvas.fill((from, inner_top), (to, inner_bottom), SHADE, 1.0);
+        }
+        for (value, label) in &y_ticks {
+            let at = frame.y.at(*value);
+            canvas.path(&[(inner_left, at), (inner_right, at)], GRID, 2);
+            canvas.text(label, (inner_left - 14.0, at), Lettering::new(TEXT, INK).at(Anchor::End));
+        }
+        for (value, label) in frame.x.ticks() {
+            let at = frame.x.at(value);
+            canvas.path(&[(at, inner_top), (at, inner_bottom)], GRID, 2);
+            canvas.path(&[(at, inner_bottom), (at, inner_bottom + 8.0)], INK, 3);
+            if lowest {
+                canvas.text(&label, (at, inner_bottom + 34.0), Lettering::new(TEXT, INK).at(Anchor::Middle));
+            }
+        }
+        for layer in &self.layers {
+            frame.layer(canvas, layer);
+        }
+        canvas.path(&[(inner_left, inner_top), (inner_left, inner_bottom), (inner_right, inner_bottom)], INK, 3);
+        self.paint_limits(canvas, &frame);
+        if lowest {
+            let title = fitted(&self.x.title, TEXT, inner_right - inner_left);
+            canvas.text(
+                &title,
+                ((inner_left + inner_right) / 2.0, inner_bottom + 88.0),
+                Lettering::new(TEXT, INK).at(Anchor::Middle),
+            );
+        }
+        let title = fitted(&self.y.title, TEXT, inner_bottom - inner_top + 110.0);
+        let middle = ((inner_top + inner_bottom) / 2.0).max(area.top + text_width(&title, TEXT) / 2.0);
+        canvas.text(&title, (area.left + 30.0, middle), Lettering::new(TEXT, INK).at(Anchor::Middle).upwards());
+        self.paint_key(canvas, &key_rows, (inner_left, area.top + 34.0));
+    }
+
+    /// Range of the data along an axis, limits included.
+    fn extent(&self, along: Along) -> Option<(f64, f64)> {
+        let mut values = Vec::new();
+        let x = along == Along::X;
+        for layer in &self.layers {
+            match layer {
+                Layer::Band { points, .. } | Layer::Intervals { points, .. } => {
+                    for &(a, low, high) in points {
+                        if x { values.push(a) } else { values.extend([low, high]) }
+                    }
+                }
+                Layer::Line { points, .. } | Layer::Dots { points, .. } => {
+                    values.extend(points.iter().map(|p| if x { p.0 } else { p.1 }));
+                }
+                Layer::Bars { edges, heights, .. } => {
+                    if x {
+                        values.extend(edges)
+                    } else {
+                        values.extend(heights.iter().chain(&[0.0]))
+                    }
+                }
+                Layer::Cells { x_edges, y_edges, .. } => values.extend(if x { x_edges } else { y_edges }),
+            }
+        }
+        values.extend(self.limits.iter().filter(|l| l.along == along).map(|l| l.value));
+        range_of(values)
+    }
+
+    fn paint_limits(&self, canvas: &mut Canvas<'_>, frame: &Frame) {
+        let area = frame.area;
+        let mut ends = [f64::NEG_INFINITY; 2];
+        let mut upright: Vec<&Limit> =
+            self.limits.iter().filter(|l| l.along == Along::X && frame.x.holds(l.value)).collect();
+        upright.sort_by(|a, b| a.value.total_cmp(&b.value));
+        for limit in upright {
+            let at = frame.x.at(limit.value);
+            let width = text_width(&limit.label, SMALL) + 16.0;
+            let left = (at - width / 2.0).clamp(area.left, (area.right - width).max(area.left));
+            // Two rows of labels: the lower one if there is room, otherwise the upper one.
+            let row = if left >= ends[0] || ends[0] <= ends[1] { 0 } else { 1 };
+            ends[row] = left + width;
+            let y = area.top - 20.0 - 38.0 * row as f64;
+            canvas.dashed(&[(at, area.bottom), (at, y + 18.0)], limit.colour, 4, 18.0, 10.0);
+            canvas.text_on_paper(&limit.label, (left + 8.0, y), Lettering::new(SMALL, limit.colour));
+        }
+        for limit in self.limits.iter().filter(|l| l.along == Along::Y && frame.y.holds(l.value)) {
+            let at = frame.y.at(limit.value);
+            canvas.dashed(&[(area.left, at), (area.right, at)], limit.colour, 4, 18.0, 10.0);
+            let above = if at - 24.0 < area.top { 24.0 } else { -24.0 };
+            canvas.text_on_paper(&limit.label, (area.left + 14.0, at + above), Lettering::new(SMALL, limit.colour));
+        }
+    }
+
+    /// Entries of the key, broken into rows of a width.
+    fn key_rows(&self, width: f64) -> Vec<Vec<(KeyMark, String)>> {
+        let mut entries: Vec<(KeyMark, String)> = Vec::new();
+        for layer in &self.layers {
+            let (mark, label) = match layer {
+                Layer::Band { colour, label, .. } => (KeyMark::Patch(*colour, 0.22), label),
+                Layer::Bars { colour, label, .. } => (KeyMark::Patch(*colour, 0.75), label),
+                Layer::Cells { colour, label, .. } => (KeyMark::Patch(*colour, 0.6), label),
+                Layer::Line { colour, label, stroke, .. } => (KeyMark::Line(*colour, *stroke == Stroke::Dashed), label),
+                Layer::Dots { colour, label, mark, .. } => (KeyMark::Dot(*colour, *mark), label),
+                Layer::Intervals { .. } => continue,
+            };
+            if !label.is_empty() {
+                entries.push((mark, label.clone()));
+            }
+        }
+        if !self.shades.is_empty() && !self.shade_label.is_empty() {
+            entries.push((KeyMark::Patch(SHADE, 1.0), self.shade_label.clone()));
+        }
+        let mut rows: Vec<Vec<(KeyMark, String)>> = Vec::new();
+        let mut used = f64::INFINITY;
+        for (mark, label) in entries {
+            let label = fitted(&label, SMALL, width - 120.0);
+            let needed = 110.0 + text_width(&label, SMALL);
+            if used + needed > width - 120.0 {
+                rows.push(Vec::new());
+                used = 0.0;
+            }
+            used += needed;
+            if let Some(row) = rows.last_mut() {
+                row.push((mark, label));
+            }
+        }
+        rows
+    }
+
+    fn paint_key(&self, canvas: &mut Canvas<'_>, rows: &[Vec<(KeyMark, String)>], (left, top): (f64, f64)) {
+        for (number, row) in rows.iter().enumerate() {
+            let y = top + 46.0 * number as f64;
+            let mut x = left;
+            for (mark, label) in row {
+                match *mark {
+                    KeyMark::Patch(colour, opacity) => {
+                        canvas.fill((x, y - 13.0), (x + 52.0, y + 13.0), colour, opacity);
+                        canvas.outline((x, y - 13.0), (x + 52.0, y + 13.0), between(colour, MUTED, 0.3), 2);
+                    }
+                    KeyMark::Line(colour, true) => canvas.dashed(&[(x, y), (x + 52.0, y)], colour, 6, 14.0, 8.0),
+                    KeyMark::Line(colour, false) => canvas.path(&[(x, y), (x + 52.0, y)], colour, 6),
+                    KeyMark::Dot(colour, mark) => paint_mark(canvas, (x + 26.0, y), colour, mark, 9),
+                }
+                canvas.text(label, (x + 64.0, y), Lettering::new(SMALL, INK));
+                x += 110.0 + text_width(label, SMALL);
+            }
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum KeyMark {
+    Patch(Colour, f64),
+    Line(Colour, bool),
+    Dot(Colour, Mark),
+}
+
+fn paint_mark(canvas: &mut Canvas<'_>, at: (f64, f64), colour: Colour, mark: Mark, radius: u32) {
+    match mark {
+        Mark::Disc => canvas.disc(at, radius, colour, 1.0),
+        Mark::Ring => {
+            canvas.disc(at, radius, PAPER, 1.0);
+            canvas.circle(at, radius, colour, 3);
+        }
+    }
+}
+
+struct Frame {
+    x: Scale,
+    y: Scale,
+    area: Area,
+}
+
+impl Frame {
+    fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        (self.x.at(x), self.y.at(y))
+    }
+
+    fn layer(&self, canvas: &mut Canvas<'_>, layer: &Layer) {
+        match layer {
+            Layer::Band { points, colour, .. } => {
+                let finite: Vec<_> =
+                    points.iter().filter(|p| p.0.is_finite() && p.1.is_finite() && p.2.is_finite()).collect();
+                let lower = finite.iter().map(|p| self.at((p.0, p.1)));
+                let upper = finite.iter().rev().map(|p| self.at((p.0, p.2)));
+                let outline: Vec<_> = lower.chain(upper).collect();
+                canvas.polygon(&outline, *colour, 0.22);
+            }
+            Layer::Line { points, colour, stroke, .. } => {
+                let mut line: Vec<(f64, f64)> = points.iter().map(|&p| self.at(p)).collect();
+                match stroke {
+                    Stroke::Dashed => canvas.dashed(&line, *colour, 5, 16.0, 10.0),
+                    Stroke::Solid => canvas.path(&line, *colour, 5),
+                    Stroke::Step => {
+                        let mut steps = Vec::with_capacity(2 * line.len());
+                        for pair in line.windows(2) {
+                            steps.extend([pair[0], (pair[1].0, pair[0].1)]);
+                        }
+                        steps.extend(line.pop());
+                        canvas.path(&steps, *colour, 5);
+                    }
+                }
+            }
+            Layer::Dots { points, colour, mark, .. } => {
+                let radius = if points.len() > 200 {
+                    5
+                } else if points.len() > 60 {
+                    7
+                } else {
+                    9
+                };
+                // More dots than columns of pixels tell nothing more.
+                let stride = points.len().div_ceil(1500).max(1);
+                for &point in points.iter().step_by(stride).filter(|p| p.0.is_finite() && p.1.is_finite()) {
+                    paint_mark(canvas, self.at(point), *colour, *mark, radius);
+                }
+            }
+            Layer::Intervals { points, colour } => {
+                for &(x, low, high) in points.iter().filter(|p| p.0.is_finite() && p.1.is_finite() && p.2.is_finite()) {
+                    let ((x, low), high) = (self.at((x, low)), self.y.at(high));
+                    canvas.path(&[(x, low), (x, high)], *colour, 4);
+                    for end in [low, high] {
+                        canvas.path(&[(x - 9.0, end), (x + 9.0, end)], *colour, 4);
+                    }
+                }
+            }
+            Layer::Bars { edges, heights, colour, .. } => {
+                for (pair, &height) in edges.windows(2).zip(heights) {
+                    if height.is_finite() && height != 0.0 {
+                        let (left, right) = (self.x.at(pair[0]), self.x.at(pair[1]));
+                        let right = if right - left > 4.0 { right - 2.0 } else { right.max(left + 2.0) };
+                        canvas.fill((left, self.y.at(0.0)), (right, self.y.at(height)), *colour, 0.75);
+                    }
+                }
+            }
+            Layer::Cells { x_edges, y_edges, values, colour, .. } => {
+                let largest = values.iter().flatten().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
+                for (columns, row) in x_edges.windows(2).zip(values) {
+                    for (rows, &value) in y_edges.windows(2).zip(row) {
+                        if value > 0.0 && largest > 0.0 {
+                            let shade = between(between(PAPER, *colour, 0.08), *colour, (value / largest).sqrt());
+                            canvas.fill(self.at((columns[0], rows[0])), self.at((columns[1], rows[1])), shade, 1.0);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! Plots: data in, a drawing out. Nothing here knows a job or a model beyond the network's shape.
+//!
+//! Every plot is drawn on a canvas of fixed width in whole pixels and scaled by the page, so that the same data give
+//! the same bytes everywhere. No system font is read: widths of texts are estimated.
+
+mod axis;
+mod bars;
+mod canvas;
+mod chart;
+mod heat_map;
+mod history;
+mod layout;
+mod network;
+pub mod palette;
+mod strip;
+
+pub use axis::Axis;
+pub use bars::{Bar, bar_chart};
+pub use canvas::Drawing;
+pub use chart::{Along, Chart, Layer, Limit, Mark, Shade, Stroke};
+pub use heat_map::{HeatMap, heat_map};
+pub use history::{History, history};
+pub use network::{Diagram, NodeShape, Path, Source, network};
+pub use strip::{Strip, residual_strips};

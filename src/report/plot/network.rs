@@ -1,0 +1,318 @@
+//! The thermal network as a diagram: nodes as boxes, boundaries filled, paths as lines, heat as arrows.
+
+use super::canvas::{Anchor, Canvas, Drawing, Lettering, SMALL, TEXT, WIDTH, draw, fitted, text_width};
+use super::layout::{positions, push_apart};
+use super::palette::{AMBER, BLUE, Colour, GREEN, INK, MUTED, PAPER, PURPLE, VERMILION};
+
+/// What a node is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NodeShape {
+    /// Stores heat.
+    Diffusion,
+    /// Stores none.
+    Arithmetic,
+    /// Has a given temperature.
+    Boundary,
+}
+
+/// What a path between two nodes is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// Linear conductor.
+    Conductor,
+    /// Radiative exchange.
+    Radiation,
+    /// Any heat flow.
+    Flow,
+    /// Cooler, from the cold to the hot side.
+    Cooler,
+}
+
+/// What brings heat to a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A load.
+    Load,
+    /// A controlled heater.
+    Heater,
+}
+
+/// The shape of a network.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Diagram {
+    /// Nodes: name and kind.
+    pub nodes: Vec<(String, NodeShape)>,
+    /// Paths: name, kind, the two nodes.
+    pub paths: Vec<(String, Path, usize, usize)>,
+    /// Sources: name, kind, node.
+    pub sources: Vec<(String, Source, usize)>,
+}
+
+/// A rectangle by its centre and size.
+type Boxed = ((f64, f64), (f64, f64));
+
+fn overlap(a: &Boxed, b: &Boxed) -> bool {
+    (a.0.0 - b.0.0).abs() < 0.5 * (a.1.0 + b.1.0) && (a.0.1 - b.0.1).abs() < 0.5 * (a.1.1 + b.1.1)
+}
+
+/// A straight line between two points.
+type Segment = ((f64, f64), (f64, f64));
+
+/// Whether a line passes through a rectangle, looked at every few pixels.
+fn crosses((from, to): &Segment, rectangle: &Boxed) -> bool {
+    (0..=100).any(|i| {
+        let share = f64::from(i) / 100.0;
+        let at = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+        overlap(rectangle, &(at, (8.0, 8.0)))
+    })
+}
+
+/// Draws the network.
+pub fn network(diagram: &Diagram) -> Drawing {
+    let count = diagram.nodes.len();
+    let size = if count > 20 { (TEXT * (20.0 / count as f64).sqrt()).max(18.0) } else { TEXT };
+    let field = match count {
+        0..=3 => 430.0,
+        4..=6 => 640.0,
+        7..=12 => 860.0,
+        13..=24 => 1080.0,
+        _ => 1500.0,
+    };
+    let width = f64::from(WIDTH);
+    let links: Vec<_> = diagram.paths.iter().map(|p| (p.2, p.3)).collect();
+    let sinks: Vec<_> = diagram.nodes.iter().map(|n| n.1 == NodeShape::Boundary).collect();
+    let names: Vec<_> = diagram.nodes.iter().map(|n| fitted(&n.0, size, 330.0)).collect();
+    let boxes: Vec<_> = names.iter().map(|n| (text_width(n, size) + 1.3 * size, 1.9 * size)).collect();
+    let mut centres: Vec<_> = positions(count, &links, &sinks)
+        .into_iter()
+        .map(|(x, y)| (200.0 + x * (width - 400.0), 110.0 + y * (field - 220.0)))
+        .collect();
+    push_apart(&mut centres, &boxes, 1.6 * size, (width, field));
+
+    draw((field + 130.0) as u32, |canvas| {
+        let mut taken: Vec<Boxed> = centres.iter().copied().zip(boxes.iter().copied()).collect();
+        let lanes = lanes(diagram);
+        for (path, &lane) in diagram.paths.iter().zip(&lanes) {
+            if let (Some(&from), Some(&to)) = (centres.get(path.2), centres.get(path.3)) {
+                let (from, to) = shifted(from, to, lane);
+                paint_path(canvas, path.1, from, to);
+            }
+        }
+        for (position, (_, kind)) in diagram.nodes.iter().enumerate() {
+            paint_node(canvas, &names[position], *kind, (centres[position], boxes[position]), size);
+        }
+        let lines: Vec<_> = diagram
+            .paths
+            .iter()
+            .zip(&lanes)
+            .filter_map(|(p, &lane)| Some(shifted(*centres.get(p.2)?, *centres.get(p.3)?, lane)))
+            .collect();
+        for (name, source, node) in &diagram.sources {
+            if let (Some(&centre), Some(&shape)) = (centres.get(*node), boxes.get(*node)) {
+                paint_source(canvas, name, *source, (centre, shape), &mut taken, &lines, (width, field));
+            }
+        }
+        if diagram.paths.len() <= 30 {
+            for (path, &lane) in diagram.paths.iter().zip(&lanes) {
+                if let (Some(&from), Some(&to)) = (centres.get(path.2), centres.get(path.3)) {
+                    let (from, to) = shifted(from, to, lane);
+                    label_path(canvas, &path.0, path.1, (from, to), &mut taken);
+                }
+            }
+        }
+        paint_key(canvas, diagram, field + 40.0);
+    })
+}
+
+/// Sideways place of each path, so that several between the same nodes lie beside one another.
+fn lanes(diagram: &Diagram) -> Vec<f64> {
+    let pair = |p: &(String, Path, usize, usize)| (p.2.min(p.3), p.2.max(p.3));
+    let mut out = Vec::with_capacity(diagram.paths.len());
+    for (position, path) in diagram.paths.iter().enumerate() {
+        let own = pair(path);
+        let all = diagram.paths.iter().filter(|p| pair(p) == own).count();
+        let before = diagram.paths[..position].iter().filter(|p| pair(p) == own).count();
+        let lane = 44.0 * (before as f64 - 0.5 * (all as f64 - 1.0));
+        // The normal turns with the direction of the path.
+        out.push(if path.2 <= path.3 { lane } else { -lane });
+    }
+    out
+}
+
+fn shifted(from: (f64, f64), to: (f64, f64), lane: f64) -> ((f64, f64), (f64, f64)) {
+    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+    let length = (dx * dx + dy * dy).sqrt().max(1e-9);
+    let (nx, ny) = (-dy / length * lane, dx / length * lane);
+    ((from.0 + nx, from.1 + ny), (to.0 + nx, to.1 + ny))
+}
+
+fn colour_of(path: Path) -> Colour {
+    match path {
+        Path::Conductor => INK,
+        Path::Radiation => VERMILION,
+        Path::Flow => PURPLE,
+        Path::Cooler => BLUE,
+    }
+}
+
+fn paint_path(canvas: &mut Canvas<'_>, path: Path, from: (f64, f64), to: (f64, f64)) {
+    let colour = colour_of(path);
+    match path {
+        Path::Conductor => canvas.path(&[from, to], colour, 5),
+        Path::Radiation => canvas.dashed(&[from, to], colour, 5, 16.0, 12.0),
+        Path::Flow | Path::Cooler => {
+            canvas.path(&[from, to], colour, if path == Path::Cooler { 12 } else { 4 });
+            let along = |share: f64| (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+            let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+            let head = (0.4 * (dx * dx + dy * dy).sqrt()).min(38.0);
+            canvas.arrow_head(from, along(0.74), colour, head);
+        }
+    }
+}
+
+fn paint_node(canvas: &mut Canvas<'_>, name: &str, kind: NodeShape, (centre, shape): Boxed, size: f64) {
+    let (a, b) =
+        ((centre.0 - shape.0 / 2.0, centre.1 - shape.1 / 2.0), (centre.0 + shape.0 / 2.0, centre.1 + shape.1 / 2.0));
+    let ink = match kind {
+        NodeShape::Boundary => {
+            canvas.fill(a, b, INK, 1.0);
+            PAPER
+        }
+        NodeShape::Diffusion => {
+            canvas.fill(a, b, (231, 242, 250), 1.0);
+            canvas.outline(a, b, BLUE, 5);
+            INK
+        }
+        NodeShape::Arithmetic => {
+            canvas.fill(a, b, PAPER, 1.0);
+            canvas.dashed(&[a, (b.0, a.1), b, (a.0, b.1), a], BLUE, 4, 12.0, 8.0);
+            INK
+        }
+    };
+    canvas.text(name, centre, Lettering::new(size, ink).bold().at(Anchor::Middle));
+}
+
+/// An arrow from the side where its name finds room.
+fn paint_source(
+    canvas: &mut Canvas<'_>,
+    name: &str,
+    source: Source,
+    (centre, shape): Boxed,
+    taken: &mut Vec<Boxed>,
+    lines: &[Segment],
+    field: (f64, f64),
+) {
+    let colour = if source == Source::Load { GREEN } else { AMBER };
+    let name = fitted(name, SMALL, 280.0);
+    let label = (text_width(&name, SMALL) + 14.0, 1.3 * SMALL);
+    let (half_x, half_y) = (shape.0 / 2.0, shape.1 / 2.0);
+    let mut best = None;
+    // First a place that no line crosses, then any that is free.
+    'search: for (reach, may_cross) in [(66.0, false), (100.0, false), (66.0, true), (100.0, true), (140.0, true)] {
+        let (far_x, far_y) = (half_x + reach + label.0 / 2.0, half_y + reach + label.1 / 2.0);
+        for (sx, sy) in
+            [(0.0, -1.0), (0.0, 1.0), (-0.55, -1.0), (0.55, -1.0), (1.0, 0.0), (-1.0, 0.0), (-0.55, 1.0), (0.55, 1.0)]
+        {
+            let at = (centre.0 + sx * far_x, centre.1 + sy * far_y);
+            let fits = at.0 - label.0 / 2.0 > 0.0
+                && at.0 + label.0 / 2.0 < field.0
+                && at.1 - label.1 / 2.0 > 0.0
+                && at.1 + label.1 / 2.0 < field.1;
+            let candidate = (at, (sx, sy));
+            best.get_or_insert(candidate);
+            let is_free = !taken.iter().any(|t| overlap(t, &(at, label)));
+            if fits && is_free && (may_cross || !lines.iter().any(|l| crosses(l, &(at, label)))) {
+                best = Some(candidate);
+                break 'search;
+            }
+        }
+    }
+    if let Some((at, (sx, sy))) = best {
+        taken.push((at, label));
+        let tip = if sy == 0.0 {
+            (centre.0 + sx * half_x, centre.1)
+        } else {
+            (centre.0 + 0.5 * sx * half_x, centre.1 + sy * half_y)
+        };
+        let tail = if sy == 0.0 { (at.0 - sx * label.0 / 2.0, at.1) } else { (at.0, at.1 - sy * label.1 / 2.0) };
+        let shaft = ((tail.0 - tip.0).abs() + 24.0, (tail.1 - tip.1).abs());
+        taken.push((((tail.0 + tip.0) / 2.0, (tail.1 + tip.1) / 2.0), shaft));
+        canvas.path(&[tail, tip], colour, 6);
+        canvas.arrow_head(tail, tip, colour, 28.0);
+        canvas.text_on_paper(&name, at, Lettering::new(SMALL, colour).at(Anchor::Middle));
+    }
+}
+
+/// The name of a path where it covers nothing, or nowhere.
+fn label_path(
+    canvas: &mut Canvas<'_>,
+    name: &str,
+    path: Path,
+    (from, to): ((f64, f64), (f64, f64)),
+    taken: &mut Vec<Boxed>,
+) {
+    let name = fitted(name, SMALL, 260.0);
+    let label = (text_width(&name, SMALL) + 12.0, 1.2 * SMALL);
+    for share in [0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74] {
+        let at = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+        if !taken.iter().any(|t| overlap(t, &(at, label))) {
+            taken.push((at, label));
+            canvas.text_on_paper(&name, at, Lettering::new(SMALL, colour_of(path)).at(Anchor::Middle));
+            return;
+        }
+    }
+}
+
+fn paint_key(canvas: &mut Canvas<'_>, diagram: &Diagram, y: f64) {
+    canvas.path(&[(0.0, y - 30.0), (f64::from(WIDTH), y - 30.0)], super::palette::GRID, 2);
+    let mut x = 20.0;
+    let mut row = 0.0;
+    let mut entry = |canvas: &mut Canvas<'_>, label: &str, paint: &dyn Fn(&mut Canvas<'_>, f64, f64)| {
+        let needed = 76.0 + text_width(label, SMALL) + 34.0;
+        if x + needed > f64::from(WIDTH) {
+            x = 20.0;
+            row += 1.0;
+        }
+        let y = y + 8.0 + 46.0 * row;
+        paint(canvas, x, y);
+        canvas.text(label, (x + 76.0, y), Lettering::new(SMALL, INK));
+        x += needed;
+    };
+    let node = |kind| {
+        move |canvas: &mut Canvas<'_>, x: f64, y: f64| {
+            paint_node(canvas, "", kind, ((x + 30.0, y), (56.0, 32.0)), SMALL)
+        }
+    };
+    for (kind, label) in [
+        (NodeShape::Diffusion, "stores heat"),
+        (NodeShape::Arithmetic, "no storage"),
+        (NodeShape::Boundary, "given temperature"),
+    ] {
+        if diagram.nodes.iter().any(|n| n.1 == kind) {
+            entry(canvas, label, &node(kind));
+        }
+    }
+    for (kind, label) in [
+        (Path::Conductor, "conduction"),
+        (Path::Radiation, "radiation"),
+        (Path::Flow, "other heat flow"),
+        (Path::Cooler, "cooler, cold to hot"),
+    ] {
+        if diagram.paths.iter().any(|p| p.1 == kind) {
+            entry(canvas, label, &|canvas, x, y| paint_path(canvas, kind, (x, y), (x + 62.0, y)));
+        }
+    }
+    for (kind, label, colour) in [(Source::Load, "heat load", GREEN), (Source::Heater, "heater", AMBER)] {
+        if diagram.sources.iter().any(|s| s.1 == kind) {
+            entry(canvas, label, &|canvas, x, y| {
+                canvas.path(&[(x, y), (x + 50.0, y)], colour, 6);
+                canvas.arrow_head((x, y), (x + 62.0, y), colour, 28.0);
+            });
+        }
+    }
+    if diagram.paths.len() > 30 {
+        entry(canvas, "names of the paths: see the table", &|canvas, x, y| {
+            canvas.path(&[(x, y), (x + 60.0, y)], MUTED, 2)
+        });
+    }
+}

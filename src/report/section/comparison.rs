@@ -1,0 +1,361 @@
+//! Model against measurements: criteria, sensors, phases, residuals in time, trends, heat balance, steadiness.
+
+mod figures;
+
+use crate::job::compare::{Deviation, Output, SensorSummary};
+use crate::report::number::{NONE, Shown, fixed, percent, signed, significant};
+use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
+use crate::report::view::PassReport;
+
+pub(super) use figures::{phase_map, time_history};
+
+/// Readings up to which the table of all of them is part of the report.
+const MOST_ROWS: usize = 300;
+
+/// The section on the comparison; not without such a job.
+pub fn build(report: &PassReport<'_>) -> Option<Section> {
+    let mut blocks = Vec::new();
+    let jobs = report.comparisons().count();
+    for (name, output) in report.comparisons() {
+        if jobs > 1 {
+            blocks.push(Block::Heading(format!("Job {name}")));
+        }
+        blocks.push(Block::Paragraph(
+            Text::new("Parameters: ")
+                .strong(if output.state == "nominal" {
+                    "nominal, the model as delivered".to_owned()
+                } else {
+                    output.state.clone()
+                })
+                .plain(". Deviations are measured minus predicted: positive where the model is too low."),
+        ));
+        blocks.extend(where_it_fails(output));
+        blocks.extend(criteria(output));
+        blocks.push(sensors(output));
+        blocks.extend(figures::figures(report, name, output));
+        blocks.extend(phases(output));
+        blocks.extend(trends(output));
+        blocks.extend(heat(output));
+        blocks.extend(stabilisation(output));
+        blocks.extend(readings(report, output));
+    }
+    (!blocks.is_empty()).then(|| Section { id: "comparison", title: "Model against measurements".into(), blocks })
+}
+
+fn where_it_fails(output: &Output) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    if !output.failed.is_empty() {
+        let rows = output
+            .failed
+            .iter()
+            .map(|f| vec![Cell::code(&f.measurement), Cell::code(&f.phase), f.reason.clone().into()])
+            .collect();
+        blocks.push(Block::callout(Tone::Warning, "Some phases have no prediction; they are in no statistic below."));
+        blocks.push(Block::Table(Table {
+            caption: "Phases without a prediction.".into(),
+            columns: vec![Column::text("Measurement"), Column::text("Phase"), Column::text("Reason")],
+            rows,
+        }));
+    }
+    if output.fails.is_empty() {
+        blocks.push(Block::callout(Tone::Verdict, "The comparison finds no place where the model fails."));
+    } else {
+        blocks.push(Block::paragraph("Where the model fails, worst first:"));
+        blocks.push(Block::List(output.fails.iter().map(|f| Text::new(f.clone())).collect()));
+    }
+    blocks
+}
+
+fn criteria(output: &Output) -> Option<Block> {
+    if output.verdicts.is_empty() {
+        return None;
+    }
+    let rows = output
+        .verdicts
+        .iter()
+        .map(|v| {
+            vec![
+                v.criterion.clone().into(),
+                significant(v.value, 3).into(),
+                significant(v.limit, 3).into(),
+                Cell::marked(if v.kept { "kept" } else { "not kept" }, Status::kept(v.kept)),
+            ]
+        })
+        .collect();
+    Some(Block::Table(Table {
+        caption: Text::new("Criteria of profile ")
+            .strong(output.criteria.title.clone())
+            .plain(format!(". Source: {}", output.criteria.source)),
+        columns: vec![
+            Column::text("Criterion"),
+            Column::number("Value", ""),
+            Column::number("Limit", ""),
+            Column::text("Outcome"),
+        ],
+        rows,
+    }))
+}
+
+fn decimals(unit: &str) -> usize {
+    if unit == "K" { 2 } else { 4 }
+}
+
+/// How a sensor's RMSE stands against what its noise alone would give.
+pub(super) fn against_noise(sensor: &SensorSummary, deviation: &Deviation) -> Option<Status> {
+    let [low, high] = sensor.noise_rmse?;
+    (deviation.count > 0).then_some(if deviation.rmse > high {
+        Status::Fail
+    } else if deviation.rmse < low {
+        Status::Caution
+    } else {
+        Status::Ok
+    })
+}
+
+fn sensors(output: &Output) -> Block {
+    let has_held_out = output.sensors.iter().any(|s| s.held_out.count > 0);
+    let mut rows = Vec::new();
+    for sensor in &output.sensors {
+        let digits = decimals(&sensor.unit);
+        for (name, deviation) in [("for fits", &sensor.train), ("held out", &sensor.held_out)] {
+            if deviation.count == 0 {
+                continue;
+            }
+            let mut row = vec![Cell::code(&sensor.measurement), Cell::code(&sensor.sensor)];
+            if has_held_out {
+                row.push(name.into());
+            }
+            let rmse = fixed(deviation.rmse, digits);
+            row.extend([
+                Cell::from(deviation.count.to_string()),
+                signed(deviation.mean, digits).into(),
+                fixed(deviation.sd, digits).into(),
+                Cell { text: rmse.into(), status: against_noise(sensor, deviation) },
+                sensor
+                    .noise_rmse
+                    .map_or_else(|| NONE.to_owned(), |[a, b]| format!("{} to {}", fixed(a, digits), fixed(b, digits)))
+                    .into(),
+                fixed(deviation.max, digits).into(),
+                percent(deviation.within_limit, 0).into(),
+                crate::report::number::typeset(&sensor.unit).into(),
+            ]);
+            rows.push(row);
+        }
+    }
+    let mut columns = vec![Column::text("Measurement"), Column::text("Sensor")];
+    if has_held_out {
+        columns.push(Column::text("Readings"));
+    }
+    columns.extend(
+        ["Number", "Mean", "Standard deviation", "RMSE", "RMSE of noise alone", "Largest", "Within limit"]
+            .map(|t| Column::number(t, "")),
+    );
+    columns.push(Column::text("Unit"));
+    Block::Table(Table {
+        caption: "Deviations by sensor. The RMSE is red above the 95 % range that the sensor's noise alone would give, green within it.".into(),
+        columns,
+        rows,
+    })
+}
+
+fn phases(output: &Output) -> Option<Block> {
+    if output.phases.is_empty() {
+        return None;
+    }
+    let rows = output
+        .phases
+        .iter()
+        .map(|p| {
+            vec![
+                Cell::code(&p.measurement),
+                Cell::code(&p.phase),
+                (if p.held_out { "held out" } else { "for fits" }).into(),
+                signed(p.deviation.mean, 2).into(),
+                fixed(p.deviation.sd, 2).into(),
+                fixed(p.deviation.rmse, 2).into(),
+                Cell::code(&p.worst_sensor),
+                signed(p.worst, 2).into(),
+            ]
+        })
+        .collect();
+    let table = Block::Table(Table {
+        caption: "Deviations by phase or stretch of time, over all sensors, K.".into(),
+        columns: vec![
+            Column::text("Measurement"),
+            Column::text("Phase"),
+            Column::text("Readings"),
+            Column::number("Mean", ""),
+            Column::number("Standard deviation", ""),
+            Column::number("RMSE", ""),
+            Column::text("Worst sensor"),
+            Column::number("Its deviation", ""),
+        ],
+        rows,
+    });
+    Some(if output.phases.len() > 12 {
+        Block::Details(format!("Table of the phases ({})", output.phases.len()), vec![table])
+    } else {
+        table
+    })
+}
+
+fn trends(output: &Output) -> Option<Block> {
+    if output.trends.is_empty() {
+        return None;
+    }
+    let rows = output
+        .trends
+        .iter()
+        .take(12)
+        .map(|t| {
+            let is_clear = t.slope_error > 0.0 && t.slope.abs() > 3.0 * t.slope_error;
+            vec![
+                Cell::code(&t.measurement),
+                Cell::code(&t.sensor),
+                Cell::code(&t.against),
+                signed(t.change, 2).into(),
+                format!("{} \u{00B1} {}", significant(t.slope, 3), significant(t.slope_error, 2)).into(),
+                crate::report::number::typeset(&t.unit).into(),
+                Cell { text: fixed(t.correlation, 2).into(), status: is_clear.then_some(Status::Caution) },
+            ]
+        })
+        .collect();
+    Some(Block::Table(Table {
+        caption: "What the deviations go with, strongest first; marked where the slope is more than three standard errors from zero. \
+                  A deviation that follows an input points at the physics of that input."
+            .into(),
+        columns: vec![
+            Column::text("Measurement"),
+            Column::text("Sensor"),
+            Column::text("Against"),
+            Column::number("Change over its range", "K"),
+            Column::number("Slope, SI per unit", ""),
+            Column::text("Unit"),
+            Column::number("Correlation", ""),
+        ],
+        rows,
+    }))
+}
+
+fn heat(output: &Output) -> Option<Block> {
+    if output.heat.is_empty() {
+        return None;
+    }
+    let mut boundaries: Vec<&str> = Vec::new();
+    for (name, _) in output.heat.iter().flat_map(|h| &h.into_boundaries_w) {
+        if !boundaries.contains(&name.as_str()) {
+            boundaries.push(name);
+        }
+    }
+    let mut columns = vec![Column::text("Measurement"), Column::text("Phase"), Column::number("Sources", "W")];
+    columns.extend(boundaries.iter().map(|b| Column::number(format!("into {b}"), "W")));
+    columns.extend([Column::number("Stored", "W"), Column::number("Imbalance", "W")]);
+    let watts = |w: f64| Cell::from(if w.abs() < 5e-7 { "0".to_owned() } else { significant(w, 3) });
+    let rows = output
+        .heat
+        .iter()
+        .map(|h| {
+            let mut row = vec![Cell::code(&h.measurement), Cell::code(&h.phase), watts(h.sources_w)];
+            row.extend(boundaries.iter().map(|b| {
+                h.into_boundaries_w
+                    .iter()
+                    .find(|(name, _)| name == b)
+                    .map_or_else(|| Cell::from(NONE), |(_, w)| watts(*w))
+            }));
+            row.extend([watts(h.stored_w), watts(h.imbalance_w)]);
+            row
+        })
+        .collect();
+    let table = Block::Table(Table { caption: "Heat balance of the model.".into(), columns, rows });
+    Some(if output.heat.len() > 12 {
+        Block::Details(format!("Heat balance ({} phases)", output.heat.len()), vec![table])
+    } else {
+        table
+    })
+}
+
+fn stabilisation(output: &Output) -> Option<Block> {
+    if output.stabilisation.is_empty() {
+        return None;
+    }
+    let rows = output
+        .stabilisation
+        .iter()
+        .map(|s| {
+            let per_hour = |v: f64| significant(3600.0 * v, 3);
+            vec![
+                Cell::code(&s.measurement),
+                Cell::code(&s.phase),
+                Cell::code(&s.sensor),
+                format!("{} \u{00B1} {}", per_hour(s.drift_k_per_s), per_hour(s.drift_error_k_per_s)).into(),
+                significant(s.stored_w, 3).into(),
+                s.stabilised.map_or_else(
+                    || Cell::from(NONE),
+                    |kept| Cell::marked(if kept { "steady" } else { "drifts" }, Status::kept(kept)),
+                ),
+            ]
+        })
+        .collect();
+    Some(Block::Table(Table {
+        caption: "Steadiness of the phases: the fastest drift, and the heat that it hides.".into(),
+        columns: vec![
+            Column::text("Measurement"),
+            Column::text("Phase"),
+            Column::text("Sensor"),
+            Column::number("Drift", "K/h"),
+            Column::number("Heat stored", "W"),
+            Column::text("Outcome"),
+        ],
+        rows,
+    }))
+}
+
+fn readings(report: &PassReport<'_>, output: &Output) -> Option<Block> {
+    if output.rows.is_empty() {
+        return None;
+    }
+    if output.rows.len() > MOST_ROWS {
+        return Some(Block::Paragraph(
+            Text::new(format!("All {} readings beside their predictions are in ", output.rows.len()))
+                .code("results.json")
+                .plain("."),
+        ));
+    }
+    let rows = output
+        .rows
+        .iter()
+        .map(|r| {
+            let shown: Shown = report.sensor_shown(&r.measurement, &r.sensor, &r.unit);
+            let moment = match (&r.phase, r.time_s) {
+                (Some(phase), _) => Cell::code(phase),
+                (None, Some(time)) => format!("{} s", fixed(time, 1)).into(),
+                (None, None) => NONE.into(),
+            };
+            vec![
+                Cell::code(&r.measurement),
+                moment,
+                Cell::code(&r.sensor),
+                shown.number(r.measured).into(),
+                shown.number(r.predicted).into(),
+                signed(r.measured - r.predicted, decimals(&r.unit)).into(),
+                shown.unit.clone().into(),
+                (if r.held_out { "held out" } else { "" }).into(),
+            ]
+        })
+        .collect();
+    let table = Block::Table(Table {
+        caption: "Readings beside predictions.".into(),
+        columns: vec![
+            Column::text("Measurement"),
+            Column::text("Phase or time"),
+            Column::text("Sensor"),
+            Column::number("Measured", ""),
+            Column::number("Predicted", ""),
+            Column::number("Deviation", ""),
+            Column::text("Unit"),
+            Column::text(""),
+        ],
+        rows,
+    });
+    Some(Block::Details(format!("All readings ({})", output.rows.len()), vec![table]))
+}

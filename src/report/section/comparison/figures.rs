@@ -1,0 +1,259 @@
+//! Figures of a comparison: map of the phases, residuals and histories in time, histogram of the deviations.
+
+use crate::job::compare::{Output, Row};
+use crate::report::number::{NONE, signed};
+use crate::report::page::{Block, Figure, Text};
+use crate::report::plot::{
+    Along, Axis, Chart, HeatMap, History, Layer, Limit, Shade, Strip, heat_map, history, palette, residual_strips,
+};
+use crate::report::view::PassReport;
+
+/// Measurements of an output in the order of the rows.
+fn measurements(output: &Output) -> Vec<&str> {
+    let mut out: Vec<&str> = Vec::new();
+    for row in &output.rows {
+        if !out.contains(&row.measurement.as_str()) {
+            out.push(&row.measurement);
+        }
+    }
+    out
+}
+
+fn sensor_names<'a>(output: &'a Output, measurement: &str) -> Vec<(&'a str, &'a str)> {
+    let mut out: Vec<(&str, &str)> = Vec::new();
+    for row in output.rows.iter().filter(|r| r.measurement == measurement) {
+        if !out.iter().any(|known| known.0 == row.sensor) {
+            out.push((&row.sensor, &row.unit));
+        }
+    }
+    out
+}
+
+/// All figures of a comparison but the one that stands in the summary.
+pub(super) fn figures(report: &PassReport<'_>, job: &str, output: &Output) -> Vec<Block> {
+    let main = super::super::summary::main_picture(report).map(|f| f.id);
+    let mut open = Vec::new();
+    let mut folded = Vec::new();
+    for measurement in measurements(output) {
+        if report.is_steady(measurement, &output.rows) {
+            open.push(phase_map(job, output, measurement));
+        } else {
+            open.push(strips(job, output, measurement));
+            folded.extend(
+                sensor_names(output, measurement)
+                    .into_iter()
+                    .map(|(sensor, _)| time_history(report, job, output, measurement, sensor)),
+            );
+        }
+        folded.extend(residual_histogram(job, output, measurement));
+    }
+    let keep = |figures: Vec<Figure>| -> Vec<Block> {
+        figures.into_iter().filter(|f| main.as_ref() != Some(&f.id)).map(Block::Figure).collect()
+    };
+    let mut blocks = keep(open);
+    let folded = keep(folded);
+    if !folded.is_empty() {
+        blocks.push(Block::Details(format!("Further plots ({})", folded.len()), folded));
+    }
+    blocks
+}
+
+/// Deviations by phase and sensor.
+pub(in crate::report::section) fn phase_map(job: &str, output: &Output, measurement: &str) -> Figure {
+    let sensors = sensor_names(output, measurement);
+    let rows: Vec<&Row> = output.rows.iter().filter(|r| r.measurement == measurement).collect();
+    let mut phases: Vec<(&str, bool)> = Vec::new();
+    for row in &rows {
+        let name = row.phase.as_deref().unwrap_or(NONE);
+        if phases.last().is_none_or(|last| last.0 != name) && !phases.iter().any(|p| p.0 == name) {
+            phases.push((name, row.held_out));
+        }
+    }
+    let value = |phase: &str, sensor: &str| {
+        rows.iter()
+            .find(|r| r.phase.as_deref().unwrap_or(NONE) == phase && r.sensor == sensor)
+            .map(|r| r.measured - r.predicted)
+    };
+    let units: Vec<&str> = sensors.iter().map(|s| s.1).collect();
+    let unit = if units.iter().all(|u| *u == "K") { "K" } else { "SI" };
+    let map = HeatMap {
+        columns: sensors.iter().map(|s| s.0.to_owned()).collect(),
+        rows: phases
+            .iter()
+            .map(|&(phase, held_out)| (phase.to_owned(), held_out, sensors.iter().map(|s| value(phase, s.0)).collect()))
+            .collect(),
+        full_scale: 0.0,
+        legend: format!("measured \u{2212} predicted [{unit}]: blue = model too high, orange = model too low"),
+        mark_label: "held out from every fit".into(),
+        decimals: super::decimals(unit),
+    };
+    Figure {
+        id: format!("{job}-{measurement}-phases"),
+        drawing: heat_map(&map),
+        caption: Text::new("Measured minus predicted by phase and sensor, ").code(measurement).plain("."),
+        alternative: format!(
+            "Heat map of measured minus predicted in {unit} for {} phases and {} sensors of {measurement}. {}",
+            phases.len(),
+            sensors.len(),
+            output.fails.first().map_or("", String::as_str)
+        ),
+    }
+}
+
+/// Stretches of time that are held out, from the rows.
+fn held_out(rows: &[&Row]) -> Vec<Shade> {
+    let mut times: Vec<(f64, bool)> = rows.iter().filter_map(|r| Some((r.time_s?, r.held_out))).collect();
+    times.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut out: Vec<Shade> = Vec::new();
+    let mut is_open = false;
+    for (time, held) in times {
+        match (held, is_open, out.last_mut()) {
+            (true, true, Some(shade)) => shade.to = time,
+            (true, ..) => out.push(Shade { from: time, to: time }),
+            _ => {}
+        }
+        is_open = held;
+    }
+    out
+}
+
+fn of_sensor<'a>(output: &'a Output, measurement: &str, sensor: &str) -> Vec<&'a Row> {
+    output.rows.iter().filter(|r| r.measurement == measurement && r.sensor == sensor && r.time_s.is_some()).collect()
+}
+
+/// Time in the unit that keeps its numbers short.
+fn time_unit(rows: &[&Row]) -> (f64, &'static str) {
+    let last = rows.iter().filter_map(|r| r.time_s).fold(0.0, f64::max);
+    if last > 48.0 * 3600.0 {
+        (86_400.0, "time [d]")
+    } else if last > 3.0 * 3600.0 {
+        (3600.0, "time [h]")
+    } else {
+        (1.0, "time [s]")
+    }
+}
+
+fn scaled(mut shades: Vec<Shade>, unit: f64) -> Vec<Shade> {
+    for shade in &mut shades {
+        shade.from /= unit;
+        shade.to /= unit;
+    }
+    shades
+}
+
+fn strips(job: &str, output: &Output, measurement: &str) -> Figure {
+    let sensors = sensor_names(output, measurement);
+    let all: Vec<&Row> = output.rows.iter().filter(|r| r.measurement == measurement).collect();
+    let (per, title) = time_unit(&all);
+    let strips: Vec<Strip> = sensors
+        .iter()
+        .map(|(sensor, _)| Strip {
+            label: (*sensor).to_owned(),
+            points: of_sensor(output, measurement, sensor)
+                .into_iter()
+                .map(|r| (r.time_s.unwrap_or(f64::NAN) / per, r.measured - r.predicted))
+                .collect(),
+        })
+        .collect();
+    let unit = if sensors.iter().all(|s| s.1 == "K") { "K" } else { "SI" };
+    let shades = scaled(held_out(&all), per);
+    let shaded = if shades.is_empty() { "" } else { "; the shaded time is held out from every fit" };
+    Figure {
+        id: format!("{job}-{measurement}-residuals"),
+        drawing: residual_strips(title, &format!("dev. [{unit}]"), &strips, &shades),
+        caption: Text::new("Measured minus predicted over time, ").code(measurement).plain(format!("{shaded}.")),
+        alternative: format!(
+            "Residuals over time, one strip for each of {} sensors of {measurement}{shaded}.",
+            sensors.len()
+        ),
+    }
+}
+
+/// Measured and predicted over time for one sensor.
+pub(in crate::report::section) fn time_history(
+    report: &PassReport<'_>,
+    job: &str,
+    output: &Output,
+    measurement: &str,
+    sensor: &str,
+) -> Figure {
+    let rows = of_sensor(output, measurement, sensor);
+    let unit = rows.first().map_or("", |r| r.unit.as_str());
+    let shown = report.sensor_shown(measurement, sensor, unit);
+    let (per, title) = time_unit(&rows);
+    let shades = scaled(held_out(&rows), per);
+    let shaded = if shades.is_empty() { "" } else { " The shaded time is held out from every fit." };
+    let data = History {
+        x_title: title.into(),
+        y_title: shown.title(sensor),
+        residual_title: shown.difference().title("meas. \u{2212} pred."),
+        points: rows
+            .iter()
+            .map(|r| (r.time_s.unwrap_or(f64::NAN) / per, shown.value(r.measured), shown.value(r.predicted)))
+            .collect(),
+        held_out: shades,
+        limit: output.criteria.each_k.filter(|_| unit == "K"),
+    };
+    let summary = output.sensors.iter().find(|s| s.measurement == measurement && s.sensor == sensor);
+    let rmse = summary.map_or(String::new(), |s| {
+        let mut text = format!(" RMSE {}", shown.difference().text(s.train.rmse));
+        if s.held_out.count > 0 {
+            text += &format!(", held out {}", shown.difference().text(s.held_out.rmse));
+        }
+        text + "."
+    });
+    Figure {
+        id: format!("{job}-{measurement}-{sensor}-history"),
+        drawing: history(&data),
+        caption: Text::new("Measured and predicted over time, sensor ").code(sensor).plain(format!(
+            ".{rmse}{shaded}{}",
+            if data.limit.is_some() { " Dashed: the criterion for one reading." } else { "" }
+        )),
+        alternative: format!("Measured and predicted {sensor} over time, with the residual below.{rmse}{shaded}"),
+    }
+}
+
+fn residual_histogram(job: &str, output: &Output, measurement: &str) -> Option<Figure> {
+    let residuals: Vec<f64> = output
+        .rows
+        .iter()
+        .filter(|r| r.measurement == measurement && r.unit == "K")
+        .map(|r| r.measured - r.predicted)
+        .filter(|d| d.is_finite())
+        .collect();
+    let largest = residuals.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
+    if residuals.len() < 8 || largest == 0.0 {
+        return None;
+    }
+    let bins = if residuals.len() < 60 { 13 } else { 31 };
+    let width = 2.0 * largest / bins as f64;
+    let edges: Vec<f64> = (0..=bins).map(|i| -largest + width * i as f64).collect();
+    let mut counts = vec![0.0; bins];
+    for d in &residuals {
+        counts[(((d + largest) / width) as usize).min(bins - 1)] += 1.0;
+    }
+    let mut limits = vec![Limit { along: Along::X, value: 0.0, label: String::new(), colour: palette::INK }];
+    if let Some(limit) = output.criteria.each_k.filter(|l| *l <= largest) {
+        limits.extend([-limit, limit].map(|value| Limit {
+            along: Along::X,
+            value,
+            label: format!("{} K", signed(value, 1)),
+            colour: palette::VERMILION,
+        }));
+    }
+    let chart = Chart {
+        x: Axis::new("measured \u{2212} predicted [K]"),
+        y: Axis::new("readings"),
+        layers: vec![Layer::Bars { edges, heights: counts, colour: palette::BLUE, label: String::new() }],
+        limits,
+        height: 700,
+        ..Chart::default()
+    };
+    let caption = format!("All deviations of {measurement}, {} readings.", residuals.len());
+    Some(Figure {
+        id: format!("{job}-{measurement}-deviations"),
+        drawing: chart.draw(),
+        alternative: format!("Histogram. {caption}"),
+        caption: caption.into(),
+    })
+}

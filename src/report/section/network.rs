@@ -1,0 +1,233 @@
+//! The model: its network as a diagram, and tables of nodes and elements.
+
+use std::collections::BTreeSet;
+
+use crate::expression::{Dependence, ExprId, Symbol};
+use crate::report::number::{NONE, Shown, as_given, with_unit};
+use crate::report::page::{Block, Cell, Column, Figure, Section, Table, Text};
+use crate::report::plot::{Diagram, NodeShape, Path, Source, network};
+use crate::report::view::PassReport;
+use crate::thermal::element::cooler::Drive;
+use crate::thermal::element::{Element, ElementKind, HeaterControl};
+use crate::thermal::{Model, NodeKind};
+
+/// The section on the model; not for a model without nodes.
+pub fn build(report: &PassReport<'_>) -> Option<Section> {
+    let model = report.model;
+    if model.nodes.is_empty() {
+        return None;
+    }
+    let boundaries = model.nodes.iter().filter(|n| matches!(n.kind, NodeKind::Boundary { .. })).count();
+    let mut blocks = Vec::new();
+    if !model.title.trim().is_empty() {
+        blocks.push(Block::Paragraph(Text::default().strong(model.title.clone())));
+    }
+    let words = format!(
+        "The network has {}, {} of them at a given temperature, and {}.",
+        counted(model.nodes.len(), "node"),
+        boundaries,
+        counted(model.elements.len(), "element")
+    );
+    blocks.push(Block::paragraph(words.clone()));
+    blocks.push(Block::Figure(Figure {
+        id: "network".into(),
+        drawing: network(&diagram(model)),
+        caption: "The network as it is solved. Positions carry no meaning.".into(),
+        alternative: format!("Diagram of the thermal network. {words} The tables that follow list all of them."),
+    }));
+    blocks.push(nodes(model));
+    if !model.elements.is_empty() {
+        blocks.push(elements(model));
+    }
+    Some(Section { id: "model", title: "Thermal model".into(), blocks })
+}
+
+fn counted(number: usize, noun: &str) -> String {
+    if number == 1 { format!("1 {noun}") } else { format!("{number} {noun}s") }
+}
+
+fn diagram(model: &Model) -> Diagram {
+    let mut out = Diagram::default();
+    out.nodes.extend(model.nodes.iter().map(|node| {
+        let shape = match node.kind {
+            NodeKind::Diffusion { .. } => NodeShape::Diffusion,
+            NodeKind::Arithmetic => NodeShape::Arithmetic,
+            NodeKind::Boundary { .. } => NodeShape::Boundary,
+        };
+        (node.name.clone(), shape)
+    }));
+    for Element { name, kind } in &model.elements {
+        let mut path = |kind, [a, b]: [usize; 2]| out.paths.push((name.clone(), kind, a, b));
+        match kind {
+            ElementKind::Conductor(element) => path(Path::Conductor, element.between),
+            ElementKind::Radiation(element) => path(Path::Radiation, element.between),
+            ElementKind::Flow(element) => path(Path::Flow, element.between),
+            ElementKind::Cooler(element) => {
+                for stage in element.nodes.windows(2) {
+                    path(Path::Cooler, [stage[0], stage[1]]);
+                }
+            }
+            ElementKind::Load(element) => out.sources.push((name.clone(), Source::Load, element.into)),
+            ElementKind::Heater(element) => out.sources.push((name.clone(), Source::Heater, element.into)),
+        }
+    }
+    out
+}
+
+/// Value at nominal parameters and inputs, SI; `None` where it depends on more than these.
+fn nominal(model: &Model, id: ExprId) -> Option<f64> {
+    let allowed = Dependence::PARAMETER.union(Dependence::INPUT);
+    if !model.graph.dependence(id).within(allowed) {
+        return None;
+    }
+    let value = model.graph.evaluate(id, &|symbol| match symbol {
+        Symbol::Parameter(i) => model.parameters.get(i as usize).map_or(f64::NAN, |p| p.nominal),
+        Symbol::Input(i) => model.inputs.get(i as usize).map_or(f64::NAN, |p| p.nominal),
+        _ => f64::NAN,
+    });
+    Some(value)
+}
+
+/// Names of what expressions depend on.
+fn depends(model: &Model, ids: &[ExprId]) -> String {
+    let symbols: BTreeSet<Symbol> = ids.iter().flat_map(|&id| model.graph.symbols(id)).collect();
+    let names: Vec<String> = symbols
+        .into_iter()
+        .filter_map(|symbol| match symbol {
+            Symbol::Parameter(i) => model.parameters.get(i as usize).map(|p| p.name.clone()),
+            Symbol::Input(i) => model.inputs.get(i as usize).map(|p| p.name.clone()),
+            Symbol::Node(i) => model.nodes.get(i as usize).map(|n| format!("temperature of {}", n.name)),
+            Symbol::Time => Some("time".into()),
+            Symbol::Mode(_) | Symbol::Local(_) => None,
+        })
+        .collect();
+    if names.is_empty() { NONE.to_owned() } else { names.join(", ") }
+}
+
+fn value_cell(model: &Model, id: ExprId, shown: &Shown) -> Cell {
+    nominal(model, id).map_or_else(
+        || Cell::from("varies"),
+        |value| {
+            let number = if shown.is_celsius() { shown.number(value) } else { as_given(value) };
+            Cell::from(with_unit(&number, &shown.unit))
+        },
+    )
+}
+
+fn name_of(model: &Model, node: usize) -> &str {
+    model.nodes.get(node).map_or(NONE, |n| n.name.as_str())
+}
+
+fn nodes(model: &Model) -> Block {
+    let rows = model
+        .nodes
+        .iter()
+        .map(|node| {
+            let (kind, value, ids) = match node.kind {
+                NodeKind::Diffusion { capacity } => {
+                    ("stores heat", value_cell(model, capacity, &Shown::si("J/K")), vec![capacity])
+                }
+                NodeKind::Arithmetic => ("no storage", Cell::from(NONE), Vec::new()),
+                NodeKind::Boundary { temperature } => {
+                    ("given temperature", value_cell(model, temperature, &Shown::celsius()), vec![temperature])
+                }
+            };
+            let celsius = Shown::celsius();
+            let limits = |range: Option<[f64; 2]>| {
+                range.map_or_else(|| NONE.to_owned(), |[a, b]| format!("{} to {}", celsius.number(a), celsius.text(b)))
+            };
+            vec![
+                Cell::code(&node.name),
+                kind.into(),
+                value,
+                depends(model, &ids).into(),
+                node.area.map_or_else(|| NONE.to_owned(), as_given).into(),
+                limits(node.limits.yellow).into(),
+                limits(node.limits.red).into(),
+                node.alias.clone().unwrap_or_else(|| NONE.to_owned()).into(),
+            ]
+        })
+        .collect();
+    let columns = vec![
+        Column::text("Node"),
+        Column::text("Kind"),
+        Column::number("Capacity or temperature", ""),
+        Column::text("Depends on"),
+        Column::number("Area", "m\u{00B2}"),
+        Column::text("Caution limits"),
+        Column::text("Red limits"),
+        Column::text("Other name"),
+    ];
+    Block::Table(without_empty_columns(Table {
+        caption: "Nodes, at nominal parameters and inputs.".into(),
+        columns,
+        rows,
+    }))
+}
+
+fn elements(model: &Model) -> Block {
+    let mut rows = Vec::new();
+    for Element { name, kind } in &model.elements {
+        let between = |[a, b]: [usize; 2]| format!("{} \u{2192} {}", name_of(model, a), name_of(model, b));
+        let (word, ends, id, unit, others) = match kind {
+            ElementKind::Conductor(e) => ("conduction", between(e.between), e.conductance, "W/K", vec![]),
+            ElementKind::Radiation(e) => ("radiation", between(e.between), e.exchange_area, "m2", vec![]),
+            ElementKind::Flow(e) => ("heat flow", between(e.between), e.heat, "W", vec![]),
+            ElementKind::Load(e) => ("heat load", format!("into {}", name_of(model, e.into)), e.power, "W", vec![]),
+            ElementKind::Heater(e) => {
+                let others = match e.control {
+                    HeaterControl::Thermostat { on, off } => vec![on, off],
+                    HeaterControl::Proportional { set_point, band } => vec![set_point, band],
+                };
+                let ends = format!("into {}, senses {}", name_of(model, e.into), name_of(model, e.senses));
+                ("heater", ends, e.power, "W", others)
+            }
+            ElementKind::Cooler(e) => {
+                let names: Vec<&str> = e.nodes.iter().map(|&n| name_of(model, n)).collect();
+                let (drive, unit) = match e.drive {
+                    Drive::Voltage(id) => (id, "V"),
+                    Drive::Current(id) => (id, "A"),
+                };
+                let mut others = vec![e.seebeck, e.resistance, e.conductance, e.lead_resistance];
+                others.extend(&e.couples);
+                ("cooler", names.join(" \u{2192} "), drive, unit, others)
+            }
+        };
+        let mut ids = vec![id];
+        ids.extend(others);
+        rows.push(vec![
+            Cell::code(name),
+            word.into(),
+            ends.into(),
+            value_cell(model, id, &Shown::si(unit)),
+            depends(model, &ids).into(),
+        ]);
+    }
+    Block::Table(Table {
+        caption: "Elements, at nominal parameters and inputs: conductance, exchange area (without the \
+                  Stefan-Boltzmann constant), power or drive."
+            .into(),
+        columns: vec![
+            Column::text("Element"),
+            Column::text("Kind"),
+            Column::text("Between"),
+            Column::number("Value", ""),
+            Column::text("Depends on"),
+        ],
+        rows,
+    })
+}
+
+/// The table without columns that say nothing in any row.
+fn without_empty_columns(mut table: Table) -> Table {
+    let empty = Cell::from(NONE);
+    for position in (1..table.columns.len()).rev() {
+        if table.rows.iter().all(|row| row.get(position) == Some(&empty)) {
+            table.columns.remove(position);
+            for row in &mut table.rows {
+                row.remove(position);
+            }
+        }
+    }
+    table
+}

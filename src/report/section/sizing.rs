@@ -1,0 +1,227 @@
+//! Sizes: the probabilistic one beside those of the conventional rules.
+
+use crate::job::conventional::{Basis, Margin, Output, Size};
+use crate::job::propagate::Reached;
+use crate::report::number::{self, NONE, Shown, percent, significant};
+use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text};
+use crate::report::plot::{Axis, Bar, bar_chart, palette};
+use crate::report::view::PassReport;
+
+use super::propagation::curve;
+
+/// The section on sizes; not without a conventional analysis.
+pub fn build(report: &PassReport<'_>) -> Option<Section> {
+    let mut blocks = Vec::new();
+    for (name, output) in report.conventionals() {
+        for pair in pairs(output) {
+            if pairs(output).len() > 1 {
+                blocks.push(Block::Heading(format!("{} in environment {}", pair.1, pair.0)));
+            }
+            // The first picture stands in the summary where that has no better one.
+            let figure = figure(report, name, output, pair);
+            if super::summary::main_picture(report).is_none_or(|shown| shown.id != figure.id) {
+                blocks.push(Block::Figure(figure));
+            }
+            blocks.push(sizes(report, output, pair));
+        }
+        blocks.extend(worst_case(output));
+    }
+    (!blocks.is_empty()).then(|| Section {
+        id: "sizing",
+        title: "Sizes: probabilistic and conventional".into(),
+        blocks,
+    })
+}
+
+/// Environment and requirement, in the order of the sizes.
+pub(super) fn pairs(output: &Output) -> Vec<(&str, &str)> {
+    let mut out: Vec<(&str, &str)> = Vec::new();
+    for size in &output.sizes {
+        let pair = (size.environment.as_str(), size.requirement.as_str());
+        if !out.contains(&pair) {
+            out.push(pair);
+        }
+    }
+    out
+}
+
+/// The probabilistic size for a pair, with the design variable in common.
+pub(super) fn probabilistic<'a>(
+    report: &'a PassReport<'_>,
+    design: &str,
+    (environment, requirement): (&str, &str),
+) -> Option<&'a Reached> {
+    report
+        .propagations()
+        .filter(|(_, output)| output.design_variable.as_deref() == Some(design))
+        .flat_map(|(_, output)| &output.reached)
+        .find(|r| r.environment == environment && r.requirement == requirement)
+}
+
+/// Name of a rule's size: what is stacked and what is added.
+pub(super) fn label(size: &Size) -> String {
+    let basis = match size.basis {
+        Basis::Nominal => "nominal",
+        Basis::StackedWorstCase => "stacked worst case",
+    };
+    let margin = match size.rule.margin {
+        Margin::TemperatureK(0.0) => "no margin".to_owned(),
+        Margin::TemperatureK(k) => format!("+ {} K", number::as_given(k)),
+        Margin::HeatLoad(share) => format!("+ {} heat load", percent(share, 0)),
+    };
+    format!("{basis}, {margin}")
+}
+
+/// Probability that a requirement is met at a size, between the points of the sweep.
+fn probability_at(
+    report: &PassReport<'_>,
+    design: &str,
+    (environment, requirement): (&str, &str),
+    size: f64,
+) -> Option<f64> {
+    report.propagations().filter(|(_, output)| output.design_variable.as_deref() == Some(design)).find_map(
+        |(_, output)| {
+            let points = curve(output, environment, requirement);
+            points.windows(2).find(|w| size >= w[0].0 && size <= w[1].0).map(|w| {
+                let width = w[1].0 - w[0].0;
+                let share = if width > 0.0 { (size - w[0].0) / width } else { 0.0 };
+                w[0].1.value + share * (w[1].1.value - w[0].1.value)
+            })
+        },
+    )
+}
+
+/// Bars of all sizes for a pair.
+pub(super) fn figure(report: &PassReport<'_>, job: &str, output: &Output, pair: (&str, &str)) -> Figure {
+    let shown = Shown::written(&output.design_unit);
+    let mut bars = Vec::new();
+    if let Some(reached) = probabilistic(report, &output.design_variable, pair) {
+        bars.push(Bar {
+            label: format!("probabilistic, P = {}", number::probability(reached.probability)),
+            from: 0.0,
+            value: reached.design_value.map_or(f64::NAN, |v| shown.value(v)),
+            interval: reached.interval.map(|i| i.map(|v| shown.value(v))),
+            text: reached.design_value.map_or_else(|| "not reached in the sweep".to_owned(), |v| shown.text(v)),
+            colour: palette::BLUE,
+        });
+    }
+    for size in output.sizes.iter().filter(|s| (s.environment.as_str(), s.requirement.as_str()) == pair) {
+        bars.push(Bar {
+            label: label(size),
+            from: 0.0,
+            value: size.size.map_or(f64::NAN, |v| shown.value(v)),
+            interval: None,
+            text: size.size.map_or_else(|| "none in the range".to_owned(), |v| shown.text(v)),
+            colour: if size.basis == Basis::Nominal { (150, 162, 174) } else { palette::AMBER },
+        });
+    }
+    let nominal = number::with_unit(&number::as_given(shown.value(output.design_nominal)), &shown.unit);
+    let marker = format!("nominal design {nominal}");
+    let axis = Axis::new(shown.title(&output.design_variable));
+    let listed: Vec<String> = bars.iter().map(|b| format!("{}: {}", b.label, b.text)).collect();
+    Figure {
+        id: format!("{job}-sizes-{}-{}", pair.0, pair.1),
+        drawing: bar_chart(&axis, &bars, Some((shown.value(output.design_nominal), &marker))),
+        caption: Text::new("Size (")
+            .code(&output.design_variable)
+            .plain(") that requirement ")
+            .code(pair.1)
+            .plain(" asks for in environment ")
+            .code(pair.0)
+            .plain(": probabilistic in blue with its 95 % sampling interval, by rule from nominal values in grey, from stacked worst cases in amber."),
+        alternative: format!("Bar chart of sizes. {}.", listed.join("; ")),
+    }
+}
+
+fn sizes(report: &PassReport<'_>, output: &Output, pair: (&str, &str)) -> Block {
+    let design = Shown::written(&output.design_unit);
+    let shown = Shown::quantity(&output.unit, output.is_temperature);
+    let reached = probabilistic(report, &output.design_variable, pair);
+    let mut rows = Vec::new();
+    if let Some(reached) = reached {
+        rows.push(vec![
+            Cell::from(
+                Text::default().strong(format!("probabilistic, P = {}", number::probability(reached.probability))),
+            ),
+            reached
+                .design_value
+                .map_or_else(|| "not reached in the sweep".to_owned(), |v| significant(design.value(v), 4))
+                .into(),
+            NONE.into(),
+            reached.design_value.map_or_else(|| NONE.to_owned(), |_| number::probability(reached.probability)).into(),
+            NONE.into(),
+            NONE.into(),
+            "propagated priors".into(),
+        ]);
+    }
+    for size in output.sizes.iter().filter(|s| (s.environment.as_str(), s.requirement.as_str()) == pair) {
+        let against = match (size.size, reached.and_then(|r| r.design_value)) {
+            (Some(own), Some(probabilistic)) if probabilistic != 0.0 => {
+                number::signed(100.0 * (own / probabilistic - 1.0), 1)
+            }
+            _ => NONE.to_owned(),
+        };
+        let met = size.size.and_then(|v| probability_at(report, &output.design_variable, pair, v));
+        let margin = format!("{}{}", if size.margin > 0.0 { "+" } else { "" }, shown.difference().number(size.margin));
+        rows.push(vec![
+            label(size).into(),
+            size.size.map_or_else(|| "none in the range".to_owned(), |v| significant(design.value(v), 4)).into(),
+            against.into(),
+            met.map_or_else(|| "outside the sweep".to_owned(), number::probability).into(),
+            shown.number(size.prediction).into(),
+            Cell::marked(margin, Status::kept(size.passes)),
+            format!("{}; {}", size.rule.title, size.rule.source).into(),
+        ]);
+    }
+    Block::Table(Table {
+        caption: Text::new("Sizes by rule. The last numbers judge the nominal design of ")
+            .plain(design.text(output.design_nominal))
+            .plain(": its prediction under the rule's parameters, and the margin that is left after the rule's own."),
+        columns: vec![
+            Column::text("Rule"),
+            Column::number("Size", design.unit.clone()),
+            Column::number("Against probabilistic", "%"),
+            Column::number("P at that size", ""),
+            Column::number("Prediction", shown.unit.clone()),
+            Column::number("Margin left", shown.difference().unit),
+            Column::text("Rule and source"),
+        ],
+        rows,
+    })
+}
+
+fn worst_case(output: &Output) -> Option<Block> {
+    if output.worst_case.is_empty() {
+        return None;
+    }
+    let rows = output
+        .worst_case
+        .iter()
+        .map(|end| {
+            let parameter = Shown::written(&end.unit);
+            let effect = Shown::quantity(&output.unit, output.is_temperature).difference();
+            let sign = if end.effect > 0.0 { "+" } else { "" };
+            vec![
+                Cell::code(&end.requirement),
+                Cell::code(&end.parameter),
+                number::as_given(parameter.value(end.nominal)).into(),
+                number::as_given(parameter.value(end.worst)).into(),
+                parameter.unit.clone().into(),
+                format!("{sign}{}", effect.number(end.effect)).into(),
+            ]
+        })
+        .collect();
+    let unit = Shown::quantity(&output.unit, output.is_temperature).difference().unit;
+    Some(Block::Table(Table {
+        caption: "The stack: each parameter at the end of its prior that is worst for the requirement, and what it does alone.".into(),
+        columns: vec![
+            Column::text("Requirement"),
+            Column::text("Parameter"),
+            Column::number("Nominal", ""),
+            Column::number("Worst", ""),
+            Column::text("Unit"),
+            Column::number("Change of the quantity", unit),
+        ],
+        rows,
+    }))
+}

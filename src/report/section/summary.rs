@@ -1,0 +1,272 @@
+//! The first screen: how good or wrong, where, when, in which direction; whether the requirements are met, and what
+//! that costs; with the picture that shows it.
+
+use crate::job::compare::{Output, SensorSummary};
+use crate::job::{conventional, propagate};
+use crate::report::number::{self, Shown, fixed, signed};
+use crate::report::page::{Block, Figure, Section, Statement, Status, Text, Tone};
+use crate::report::view::PassReport;
+
+use super::{comparison, propagation, sizing};
+
+/// Statements on the first screen.
+const MOST_STATEMENTS: usize = 6;
+
+/// The summary; always there.
+pub fn build(report: &PassReport<'_>) -> Option<Section> {
+    let mut blocks = Vec::new();
+    let mut statements = Vec::new();
+    let mut verdicts = Vec::new();
+    for (_, output) in report.comparisons() {
+        statements.extend(of_comparison(report, output));
+        verdicts.push(verdict_of_comparison(output));
+    }
+    for (_, output) in report.propagations() {
+        statements.extend(of_propagation(report, output));
+    }
+    for (_, output) in report.conventionals() {
+        statements.extend(of_sizes(report, output));
+    }
+    statements.truncate(MOST_STATEMENTS);
+    if !statements.is_empty() {
+        blocks.push(Block::Statements(statements));
+    }
+    blocks.extend(verdicts.into_iter().flatten().map(|text| Block::callout(Tone::Verdict, text)));
+    if let Some(note) = &report.reconstructed {
+        blocks.push(Block::callout(Tone::Reconstructed, note.clone()));
+    }
+    blocks.extend(report.warnings.iter().map(|w| Block::callout(Tone::Warning, w.clone())));
+    if report.results.is_empty() {
+        blocks.push(Block::callout(
+            Tone::Note,
+            "No job of this pass has a result yet; the sections below are its definition.",
+        ));
+    }
+    blocks.extend(main_picture(report).map(Block::Figure));
+    Some(Section { id: "summary", title: "Summary".into(), blocks })
+}
+
+/// The picture of the first screen; the section that it belongs to leaves it out.
+pub(super) fn main_picture(report: &PassReport<'_>) -> Option<Figure> {
+    if let Some((job, output)) = report.comparisons().find(|(_, o)| !o.rows.is_empty()) {
+        let worst = worst_sensor(output);
+        let measurement = worst.map_or(output.rows[0].measurement.as_str(), |s| s.measurement.as_str());
+        if report.is_steady(measurement, &output.rows) {
+            return Some(comparison::phase_map(job, output, measurement));
+        }
+        let sensor = worst.map_or(output.rows[0].sensor.as_str(), |s| s.sensor.as_str());
+        return Some(comparison::time_history(report, job, output, measurement, sensor));
+    }
+    if let Some((job, output, pair)) =
+        report.conventionals().find_map(|(job, o)| Some((job, o, *sizing::pairs(o).first()?)))
+    {
+        return Some(sizing::figure(report, job, output, pair));
+    }
+    let (job, output) = report.propagations().next()?;
+    propagation::probability_figures(output, job).into_iter().next().or_else(|| {
+        let case = propagation::nominal_cases(output).next()?;
+        Some(propagation::histogram(case, case.quantities.first()?, job))
+    })
+}
+
+/// Sensor with the largest RMSE, in either kind of readings, among those of the first sensor's unit.
+fn worst_sensor(output: &Output) -> Option<&SensorSummary> {
+    let unit = &output.sensors.first()?.unit;
+    let size = |s: &SensorSummary| {
+        [s.train, s.held_out].iter().filter(|d| d.count > 0 && d.rmse.is_finite()).map(|d| d.rmse).fold(0.0, f64::max)
+    };
+    output.sensors.iter().filter(|s| &s.unit == unit).max_by(|a, b| size(a).total_cmp(&size(b)))
+}
+
+/// The mean and what it says about the model, for a deviation of measured minus predicted.
+fn direction(mean: f64, is_temperature: bool) -> &'static str {
+    match (mean > 0.0, is_temperature) {
+        (true, true) => "the model is too cold",
+        (false, true) => "the model is too warm",
+        (true, false) => "the model is too low",
+        (false, false) => "the model is too high",
+    }
+}
+
+fn verdict_of_comparison(output: &Output) -> Option<Text> {
+    let first = output.fails.first()?;
+    let more = output.fails.len() - 1;
+    let text = Text::new(first.clone());
+    Some(match more {
+        0 => text,
+        1 => text.plain(" One more finding stands in the comparison."),
+        more => text.plain(format!(" {more} more findings stand in the comparison.")),
+    })
+}
+
+fn of_comparison(report: &PassReport<'_>, output: &Output) -> Vec<Statement> {
+    let mut out = Vec::new();
+    let units: Vec<&str> = output.sensors.iter().map(|s| s.unit.as_str()).collect();
+    if let Some(unit) = units.first().filter(|u| units.iter().all(|v| v == *u)) {
+        let shown = Shown::si(unit);
+        let statuses: Vec<Status> = output
+            .sensors
+            .iter()
+            .filter_map(|s| comparison::against_noise(s, if s.held_out.count > 0 { &s.held_out } else { &s.train }))
+            .collect();
+        let status =
+            if statuses.contains(&Status::Fail) { Some(Status::Fail) } else { statuses.first().map(|_| Status::Ok) };
+        let (value, text) = if output.held_out.count > 0 {
+            let text = format!(
+                "RMSE over {} held-out readings; {} over the {} that a fit may use.",
+                output.held_out.count,
+                shown.text(output.train.rmse),
+                output.train.count
+            );
+            (shown.text(output.held_out.rmse), text)
+        } else {
+            (shown.text(output.train.rmse), format!("RMSE over {} readings; none is held out.", output.train.count))
+        };
+        out.push(Statement { label: "How wrong".into(), value, text: text.into(), status });
+    }
+    if let Some(worst) = worst_sensor(output) {
+        let deviation = if worst.held_out.count > 0 && worst.held_out.rmse > worst.train.rmse {
+            &worst.held_out
+        } else {
+            &worst.train
+        };
+        let is_temperature = report.sensor_shown(&worst.measurement, &worst.sensor, &worst.unit).is_celsius();
+        let shown = Shown::si(&worst.unit);
+        let side = if deviation.mean > 0.0 { "above" } else { "below" };
+        // A mean that is small against the scatter has no direction.
+        let text = if deviation.mean.abs() > 0.3 * deviation.rmse {
+            Text::new(format!(
+                "The worst sensor reads {} {side} the prediction on average: ",
+                shown.text(deviation.mean.abs())
+            ))
+            .strong(direction(deviation.mean, is_temperature))
+            .plain(" there")
+        } else {
+            Text::new("The worst sensor deviates in both directions")
+        };
+        let text =
+            text.plain(format!(" (RMSE {}, largest {}).", shown.text(deviation.rmse), shown.text(deviation.max)));
+        let status = comparison::against_noise(worst, deviation);
+        out.push(Statement { label: "Where".into(), value: worst.sensor.clone(), text, status });
+    }
+    if let Some(phase) =
+        output.phases.iter().filter(|p| p.worst.is_finite()).max_by(|a, b| a.worst.abs().total_cmp(&b.worst.abs()))
+    {
+        let text = Text::new("The largest deviation: ").code(&phase.worst_sensor).plain(format!(
+            ", {}{}.",
+            number::with_unit(&signed(phase.worst, 2), "K"),
+            if phase.held_out { ", held out" } else { "" }
+        ));
+        out.push(Statement { label: "When".into(), value: phase.phase.clone(), text, status: None });
+    }
+    if let Some(chi2) = output.chi2_per_reading.filter(|c| c.is_finite()) {
+        let status = if chi2 > 1.5 { Status::Fail } else { Status::Ok };
+        let text = "Mean square of deviation over noise; the noise alone gives about 1.".into();
+        out.push(Statement {
+            label: "Against the noise".into(),
+            value: fixed(chi2, if chi2 < 100.0 { 1 } else { 0 }),
+            text,
+            status: Some(status),
+        });
+    }
+    if !output.verdicts.is_empty() {
+        let kept = output.verdicts.iter().filter(|v| v.kept).count();
+        out.push(Statement {
+            label: "Criteria".into(),
+            value: format!("{kept} of {} kept", output.verdicts.len()),
+            text: Text::new(output.criteria.title.clone()),
+            status: Some(Status::kept(kept == output.verdicts.len())),
+        });
+    }
+    out
+}
+
+/// The requirement that matters: `all`, or the only one.
+fn of_propagation(report: &PassReport<'_>, output: &propagate::Output) -> Vec<Statement> {
+    let mut out = Vec::new();
+    for case in propagation::nominal_cases(output) {
+        let Some(met) = case.requirements.iter().min_by(|a, b| {
+            (a.probability.value - a.required)
+                .total_cmp(&(b.probability.value - b.required))
+                .then((a.requirement == "all").cmp(&(b.requirement == "all")))
+        }) else {
+            continue;
+        };
+        let status = propagation::standing(met);
+        let shown = report.quantity_shown(&met.quantity, &met.unit);
+        let what = if met.quantity.is_empty() {
+            "all requirements together".to_owned()
+        } else {
+            format!("{} {}", met.quantity, super::problem::limits(&shown, met.above, met.below))
+        };
+        let words = match status {
+            Status::Ok => "met",
+            Status::Caution => "undecided with these samples",
+            Status::Fail => "not met",
+        };
+        out.push(Statement {
+            label: format!("Probability, nominal design, {}", case.environment),
+            value: number::probability(met.probability.value),
+            text: Text::new(format!("{what}; required {}: ", number::probability(met.required)))
+                .strong(words)
+                .plain("."),
+            status: Some(status),
+        });
+        if let Some(q) = case.quantities.iter().find(|q| q.name == met.quantity).or(case.quantities.first()) {
+            let shown = Shown::quantity(&q.unit, q.is_temperature);
+            out.push(Statement {
+                label: format!("{}, {}", q.name, case.environment),
+                value: format!("{} \u{00B1} {}", shown.number(q.mean), shown.difference().text(q.sd)),
+                text: Text::new(format!("mean and standard deviation; nominal {}.", shown.text(q.nominal))),
+                status: None,
+            });
+        }
+    }
+    out
+}
+
+fn of_sizes(report: &PassReport<'_>, output: &conventional::Output) -> Vec<Statement> {
+    let mut out = Vec::new();
+    let design = Shown::written(&output.design_unit);
+    for pair in sizing::pairs(output) {
+        let reached = sizing::probabilistic(report, &output.design_variable, pair);
+        let probabilistic = reached.and_then(|r| r.design_value.map(|v| (v, r)));
+        if let Some((value, reached)) = probabilistic {
+            let interval = reached
+                .interval
+                .map_or(String::new(), |[a, b]| format!(" ({} to {})", design.number(a), design.text(b)));
+            out.push(Statement {
+                label: format!("Probabilistic size, {}", pair.0),
+                value: design.text(value),
+                text: Text::code(Text::default(), &output.design_variable)
+                    .plain(format!(" for P = {}{interval}.", number::probability(reached.probability))),
+                status: None,
+            });
+        }
+        let sizes: Vec<&conventional::Size> = output
+            .sizes
+            .iter()
+            .filter(|s| (s.environment.as_str(), s.requirement.as_str()) == pair && s.size.is_some())
+            .collect();
+        let stacked = sizes.iter().filter(|s| s.basis == conventional::Basis::StackedWorstCase);
+        let middle = sorted_middle(stacked.copied().collect());
+        if let Some((size, value)) = middle.and_then(|s| Some((s, s.size?))) {
+            let against = probabilistic.map_or(String::new(), |(own, _)| {
+                format!(" The probabilistic size is {}.", propagation::relative(own, value))
+            });
+            out.push(Statement {
+                label: format!("Conventional size, {}", pair.0),
+                value: design.text(value),
+                text: Text::new(format!("{} ({}).{against}", sizing::label(size), size.rule.title)),
+                status: None,
+            });
+        }
+    }
+    out
+}
+
+/// The middle one by size, the larger of two.
+fn sorted_middle(mut sizes: Vec<&conventional::Size>) -> Option<&conventional::Size> {
+    sizes.sort_by(|a, b| a.size.unwrap_or(f64::NAN).total_cmp(&b.size.unwrap_or(f64::NAN)));
+    sizes.get(sizes.len() / 2).copied()
+}

@@ -1,0 +1,301 @@
+//! The cache: finished results and blocks by their keys, verified on every read.
+//!
+//! An object is published whole or not at all: written under a temporary name in its own folder, then linked to its final
+//! name. A link refuses to replace, so the first of several writers wins and the others compare; bytes that differ for
+//! one key are a bug that is reported, with both kept. Damaged objects are moved to `quarantine/` and computed again.
+//! Several processes may use one cache at the same time; nothing is locked.
+
+mod object;
+mod tidy;
+
+use std::fs::{self, File};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+pub use object::Kind;
+pub use tidy::{Pruned, Statistics, Verified};
+
+use super::error::RunnerError;
+use super::key::Key;
+
+/// What a look into the cache finds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Lookup {
+    /// The payload, verified.
+    Found(Vec<u8>),
+    /// Nothing is stored under this name, or it cannot be read.
+    Absent,
+    /// Something is stored, but torn or altered. It was moved out of the way, if the cache can be written.
+    Damaged,
+}
+
+/// A cache in a folder. Opening touches nothing; folders are made when the first object is stored.
+#[derive(Debug)]
+pub struct Cache {
+    root: PathBuf,
+    /// Folders of objects in which this process has written: they exist, and leftovers in them were removed.
+    prepared: Vec<AtomicBool>,
+    /// Part of the temporary names of this process.
+    writer: String,
+    counter: AtomicU64,
+}
+
+impl Cache {
+    /// The cache in the folder `root`, which need not exist.
+    pub fn new(root: impl Into<PathBuf>) -> Self {
+        Self {
+            root: root.into(),
+            prepared: (0..256).map(|_| AtomicBool::new(false)).collect(),
+            writer: tidy::writer_prefix(),
+            counter: AtomicU64::new(0),
+        }
+    }
+
+    /// The folder.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// Where the object of this name lies, if it is stored.
+    pub fn path(&self, name: &Key) -> PathBuf {
+        let (folder, file) = name.as_str().split_at(2);
+        self.root.join("objects").join(folder).join(file)
+    }
+
+    /// Reads and verifies an object. A cache that cannot be read is like an empty one.
+    pub fn get(&self, kind: Kind, name: &Key) -> Lookup {
+        let path = self.path(name);
+        let Ok(bytes) = fs::read(&path) else { return Lookup::Absent };
+        match object::open(name, bytes) {
+            Some((trailer, payload)) if trailer.kind == kind => Lookup::Found(payload),
+            _ => {
+                // A cache on a read-only disk keeps its damaged objects; they are passed over at each read.
+                let _ = self.set_aside("quarantine", &path, name);
+                Lookup::Damaged
+            }
+        }
+    }
+
+    /// Stores an object that belongs to the job `owner`. Results are flushed to the disk before they get their name; of
+    /// blocks the last few may be lost when the power fails, which the verification sees.
+    ///
+    /// # Errors
+    /// [`RunnerError::File`] if the system refuses, [`RunnerError::Nondeterministic`] if other bytes are stored already.
+    pub fn put(&self, kind: Kind, owner: &Key, name: &Key, payload: &[u8]) -> Result<(), RunnerError> {
+        let path = self.path(name);
+        let folder = path.parent().unwrap_or(&self.root);
+        self.prepare(folder, name)?;
+        // More than once, because another process may move a damaged object away, or take a file of ours for one of a
+        // killed writer, in between.
+        for _ in 0..3 {
+            let temporary = self.write_temporary(folder, kind, owner, name, payload)?;
+            let published = match fs::hard_link(&temporary, &path) {
+                Ok(()) => {
+                    let _ = fs::remove_file(&temporary);
+                    true
+                }
+                Err(error) if error.kind() == ErrorKind::NotFound => false,
+                Err(error) if error.kind() == ErrorKind::AlreadyExists || path.exists() => {
+                    self.is_settled(&path, kind, name, payload, &temporary)?
+                }
+                // No links on this file system: a rename replaces what came in between, with equal content.
+                Err(_) => {
+                    fs::rename(&temporary, &path).map_err(|error| {
+                        let _ = fs::remove_file(&temporary);
+                        RunnerError::file("write", &path)(error)
+                    })?;
+                    true
+                }
+            };
+            if published {
+                if kind == Kind::Result {
+                    // The name itself must outlive a power cut; a file system that cannot do this still has the object.
+                    let _ = File::open(folder).and_then(|folder| folder.sync_all());
+                }
+                return Ok(());
+            }
+        }
+        Err(RunnerError::file("write", &path)(std::io::Error::other("another process keeps removing it")))
+    }
+
+    /// Compares with what is stored at `path`: true if equal, false if that was damaged and is out of the way now.
+    /// The temporary file is gone afterwards.
+    fn is_settled(
+        &self,
+        path: &Path,
+        kind: Kind,
+        name: &Key,
+        payload: &[u8],
+        temporary: &Path,
+    ) -> Result<bool, RunnerError> {
+        let stored = match fs::read(path) {
+            Ok(bytes) => object::open(name, bytes),
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                let _ = fs::remove_file(temporary);
+                return Ok(false);
+            }
+            Err(error) => {
+                let _ = fs::remove_file(temporary);
+                return Err(RunnerError::file("read", path)(error));
+            }
+        };
+        match stored {
+            Some((trailer, stored)) if trailer.kind == kind && stored == payload => {
+                let _ = fs::remove_file(temporary);
+                Ok(true)
+            }
+            Some(_) => {
+                let kept = self.set_aside("conflict", temporary, name)?;
+                Err(RunnerError::Nondeterministic { name: name.to_string(), stored: path.to_path_buf(), kept })
+            }
+            None => {
+                let _ = fs::remove_file(temporary);
+                self.set_aside("quarantine", path, name)?;
+                Ok(false)
+            }
+        }
+    }
+
+    fn write_temporary(
+        &self,
+        folder: &Path,
+        kind: Kind,
+        owner: &Key,
+        name: &Key,
+        payload: &[u8],
+    ) -> Result<PathBuf, RunnerError> {
+        let temporary = folder.join(format!("{}{}", tidy::TEMPORARY, self.unique()));
+        let write = || {
+            let mut file = File::create_new(&temporary)?;
+            file.write_all(payload)?;
+            file.write_all(object::trailer(kind, name, owner, payload).as_bytes())?;
+            if kind == Kind::Result { file.sync_all() } else { Ok(()) }
+        };
+        write().map_err(|error| {
+            let _ = fs::remove_file(&temporary);
+            RunnerError::file("write", &temporary)(error)
+        })?;
+        Ok(temporary)
+    }
+
+    /// Makes the folder of an object and removes what killed writers left in it, once a process.
+    fn prepare(&self, folder: &Path, name: &Key) -> Result<(), RunnerError> {
+        let number = usize::from_str_radix(name.as_str().get(..2).unwrap_or("0"), 16).unwrap_or(0);
+        if let Some(flag) = self.prepared.get(number)
+            && !flag.load(Ordering::Acquire)
+        {
+            fs::create_dir_all(folder).map_err(RunnerError::file("make the folder", folder))?;
+            tidy::remove_leftovers(folder);
+            flag.store(true, Ordering::Release);
+        }
+        Ok(())
+    }
+
+    /// Moves a file to a side folder under a name of its own.
+    fn set_aside(&self, side: &str, path: &Path, name: &Key) -> Result<PathBuf, RunnerError> {
+        let folder = self.root.join(side);
+        fs::create_dir_all(&folder).map_err(RunnerError::file("make the folder", &folder))?;
+        let target = folder.join(format!("{name}.{}", self.unique()));
+        match fs::rename(path, &target) {
+            // Another process was faster.
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(target),
+            other => other.map(|()| target.clone()).map_err(RunnerError::file("move", path)),
+        }
+    }
+
+    fn unique(&self) -> String {
+        let number = self.counter.fetch_add(1, Ordering::Relaxed);
+        let nanoseconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |elapsed| elapsed.as_nanos());
+        format!("{}-{number}-{nanoseconds:x}", self.writer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cache() -> (tempfile::TempDir, Cache) {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = Cache::new(folder.path().join("cache"));
+        (folder, cache)
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+        entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect()
+    }
+
+    #[test]
+    fn what_is_stored_is_found_and_nothing_else_is_left() {
+        let (_folder, cache) = cache();
+        let name = Key::of(b"name");
+        assert_eq!(cache.get(Kind::Result, &name), Lookup::Absent);
+        cache.put(Kind::Result, &name, &name, b"payload").unwrap();
+        cache.put(Kind::Result, &name, &name, b"payload").unwrap();
+        assert_eq!(cache.get(Kind::Result, &name), Lookup::Found(b"payload".to_vec()));
+        assert_eq!(names(cache.path(&name).parent().unwrap()).len(), 1, "no temporary file stays");
+    }
+
+    #[test]
+    fn other_bytes_for_one_name_are_an_error_that_keeps_both() {
+        let (_folder, cache) = cache();
+        let name = Key::of(b"name");
+        cache.put(Kind::Block, &name, &name, b"first").unwrap();
+        let error = cache.put(Kind::Block, &name, &name, b"second").unwrap_err();
+        let RunnerError::Nondeterministic { stored, kept, .. } = &error else { panic!("{error}") };
+        assert!(fs::read(stored).unwrap().starts_with(b"first\n"));
+        assert!(fs::read(kept).unwrap().starts_with(b"second\n"));
+        assert_eq!(cache.get(Kind::Block, &name), Lookup::Found(b"first".to_vec()));
+    }
+
+    #[test]
+    fn a_damaged_object_is_set_aside_on_reading_and_on_writing() {
+        let (_folder, cache) = cache();
+        let name = Key::of(b"name");
+        cache.put(Kind::Block, &name, &name, b"payload").unwrap();
+        fs::write(cache.path(&name), b"payl").unwrap();
+        assert_eq!(cache.get(Kind::Block, &name), Lookup::Damaged);
+        assert_eq!(cache.get(Kind::Block, &name), Lookup::Absent);
+        fs::write(cache.path(&name), b"").unwrap();
+        cache.put(Kind::Block, &name, &name, b"payload").unwrap();
+        assert_eq!(cache.get(Kind::Block, &name), Lookup::Found(b"payload".to_vec()));
+        assert_eq!(names(&cache.root().join("quarantine")).len(), 2);
+    }
+
+    #[test]
+    fn many_writers_of_one_name_agree() {
+        let (_folder, cache) = cache();
+        let root = cache.root().to_path_buf();
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                let root = root.clone();
+                scope.spawn(move || {
+                    let cache = Cache::new(root);
+                    for i in 0..50_u8 {
+                        let name = Key::of(&[i]);
+                        cache.put(Kind::Block, &name, &name, &[i; 1000]).unwrap();
+                    }
+                });
+            }
+        });
+        for i in 0..50_u8 {
+            assert_eq!(cache.get(Kind::Block, &Key::of(&[i])), Lookup::Found(vec![i; 1000]));
+        }
+        let statistics = cache.statistics().unwrap();
+        assert_eq!((statistics.blocks, statistics.leftovers, statistics.quarantined), (50, 0, 0));
+    }
+
+    #[test]
+    fn a_cache_that_cannot_be_written_says_which_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let in_the_way = folder.path().join("cache");
+        fs::write(&in_the_way, "a file where the folder should be").unwrap();
+        let cache = Cache::new(&in_the_way);
+        let name = Key::of(b"name");
+        assert_eq!(cache.get(Kind::Result, &name), Lookup::Absent);
+        let error = cache.put(Kind::Result, &name, &name, b"payload").unwrap_err();
+        assert!(error.to_string().starts_with("cannot make the folder `"), "{error}");
+    }
+}

@@ -1,0 +1,388 @@
+//! The engine of this machine: a pool of threads of its own.
+//!
+//! Nothing waits inside the pool: each block is a task, the last block of a stage reduces it and starts the next, the last
+//! job that another builds upon starts that one. So jobs and blocks of all jobs fill the threads together. Every finished
+//! block is published at once; a run that was killed begins where it stopped.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::Instant;
+
+use rayon::ScopeFifo;
+
+use super::{Finished, Outcome, RunSummary, Settings, StopFlag};
+use crate::job::{Job, JobError, Step};
+use crate::runner::cache::{Cache, Kind, Lookup};
+use crate::runner::error::RunnerError;
+use crate::runner::events::{Event, Listener};
+use crate::runner::key::{block_key, canonical_bytes};
+use crate::runner::plan::{Plan, State, Stored};
+
+/// Stack of a thread of the pool, bytes: what the main thread has, so that a job behaves the same on both.
+const STACK_BYTES: usize = 8 << 20;
+
+/// Runs what is missing of a plan.
+///
+/// A job that fails does not stop those that do not build upon it; see [`RunSummary`].
+///
+/// # Errors
+/// [`RunnerError::Threads`] if the pool cannot be started. What goes wrong with a job is in its outcome.
+pub fn run(
+    plan: &Plan,
+    cache: &Cache,
+    settings: &Settings,
+    stop: &StopFlag,
+    listener: &dyn Listener,
+) -> Result<RunSummary, RunnerError> {
+    let threads = settings.threads();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .stack_size(STACK_BYTES)
+        .build()
+        .map_err(|error| RunnerError::Threads { threads, reason: error.to_string() })?;
+
+    let (states, damaged) = plan.survey(cache, settings.only.as_ref(), settings.force);
+    for object in damaged {
+        listener.hear(&Event::Damaged { object });
+    }
+    let count = |wanted: fn(&State) -> bool| states.iter().filter(|state| wanted(state)).count();
+    let to_run = count(|state| *state == State::Missing);
+    listener.hear(&Event::RunStarted { to_run, cached: count(|state| matches!(state, State::Cached(_))), threads });
+
+    let run = Run::new(plan, cache, settings.force, stop, listener, &states);
+    for (position, state) in states.into_iter().enumerate() {
+        if let State::Cached(stored) = state {
+            let (job, key) = (plan.nodes()[position].id.clone(), plan.keys()[position].clone());
+            listener.hear(&Event::JobCached { job, key: key.clone() });
+            let finished = Finished { key, stored, cached: true, blocks_run: 0, blocks_cached: 0 };
+            run.slots[position].set(Outcome::Finished(finished));
+        }
+    }
+    pool.scope_fifo(|scope| {
+        for position in run.ready_at_once() {
+            let run = &run;
+            scope.spawn_fifo(move |scope| run.start(scope, position));
+        }
+    });
+    let summary = run.summary();
+    listener.hear(&Event::RunFinished {
+        finished: summary.outcomes.values().filter(|outcome| outcome.finished().is_some()).count(),
+        failed: summary.failures(),
+        interrupted: summary.is_interrupted(),
+    });
+    Ok(summary)
+}
+
+/// A job's place in a run.
+#[derive(Default)]
+struct Slot {
+    is_to_run: bool,
+    /// Jobs that must end before this one starts.
+    waits_for: Vec<usize>,
+    waiting: AtomicUsize,
+    /// Jobs that wait for this one.
+    waited_for_by: Vec<usize>,
+    /// An earlier job of the plan with the same key.
+    twin: Option<usize>,
+    outcome: OnceLock<Outcome>,
+}
+
+impl Slot {
+    fn set(&self, outcome: Outcome) {
+        // Set once by construction: a job is started once and ends once.
+        let _ = self.outcome.set(outcome);
+    }
+}
+
+struct Run<'a> {
+    plan: &'a Plan,
+    cache: &'a Cache,
+    force: bool,
+    stop: &'a StopFlag,
+    listener: &'a dyn Listener,
+    slots: Vec<Slot>,
+}
+
+/// A job that runs.
+struct Active {
+    position: usize,
+    job: Arc<dyn Job>,
+    work_ns: AtomicU64,
+    blocks_run: AtomicUsize,
+    blocks_cached: AtomicUsize,
+}
+
+/// A stage that runs.
+struct Stage {
+    name: String,
+    inputs: Vec<Vec<u8>>,
+    outputs: Mutex<Vec<Option<Vec<u8>>>>,
+    remaining: AtomicUsize,
+    /// The failure of the block with the lowest index: the same one for any number of threads.
+    failure: Mutex<Option<(usize, RunnerError)>>,
+}
+
+impl<'a> Run<'a> {
+    fn new(
+        plan: &'a Plan,
+        cache: &'a Cache,
+        force: bool,
+        stop: &'a StopFlag,
+        listener: &'a dyn Listener,
+        states: &[State],
+    ) -> Self {
+        let mut slots: Vec<Slot> = states.iter().map(|_| Slot::default()).collect();
+        for position in 0..states.len() {
+            if states[position] != State::Missing {
+                continue;
+            }
+            // Equal keys are one computation: the later job waits for the earlier and takes its result.
+            let key = &plan.keys()[position];
+            let twin = (0..position).find(|&other| plan.keys()[other] == *key && states[other] != State::NotNeeded);
+            let mut waits_for: Vec<usize> = plan.upstream(position).iter().copied().chain(twin).collect();
+            waits_for.retain(|&other| states[other] == State::Missing);
+            waits_for.sort_unstable();
+            waits_for.dedup();
+            for &other in &waits_for {
+                slots[other].waited_for_by.push(position);
+            }
+            let slot = &mut slots[position];
+            (slot.is_to_run, slot.twin) = (true, twin);
+            slot.waiting = AtomicUsize::new(waits_for.len());
+            slot.waits_for = waits_for;
+        }
+        Self { plan, cache, force, stop, listener, slots }
+    }
+
+    fn ready_at_once(&self) -> Vec<usize> {
+        (0..self.slots.len()).filter(|&p| self.slots[p].is_to_run && self.slots[p].waits_for.is_empty()).collect()
+    }
+
+    fn summary(self) -> RunSummary {
+        let nodes = self.plan.nodes().iter();
+        let outcomes = nodes.zip(self.slots).filter_map(|(node, slot)| match slot.outcome.into_inner() {
+            Some(outcome) => Some((node.id.clone(), outcome)),
+            None => slot.is_to_run.then(|| (node.id.clone(), Outcome::Interrupted)),
+        });
+        RunSummary { outcomes: outcomes.collect() }
+    }
+
+    fn id(&self, position: usize) -> String {
+        self.plan.nodes()[position].id.clone()
+    }
+
+    /// Starts a job whose upstream has ended.
+    fn start<'s>(&'s self, scope: &ScopeFifo<'s>, position: usize) {
+        match self.prepare(position) {
+            Ok(active) => {
+                let step = self.guarded(&active, None, None, |job| job.begin());
+                self.advance(scope, active, step);
+            }
+            Err(outcome) => self.end(scope, position, outcome),
+        }
+    }
+
+    fn prepare(&self, position: usize) -> Result<Arc<Active>, Outcome> {
+        for &other in &self.slots[position].waits_for {
+            match self.slots[other].outcome.get() {
+                Some(Outcome::Finished(_)) => {}
+                Some(Outcome::Interrupted) | None => return Err(Outcome::Interrupted),
+                Some(Outcome::Failed(_) | Outcome::Skipped { .. }) => {
+                    return Err(Outcome::Skipped { upstream: self.id(other) });
+                }
+            }
+        }
+        if self.stop.is_stopped() {
+            return Err(Outcome::Interrupted);
+        }
+        let finished = |other: usize| self.slots[other].outcome.get().and_then(Outcome::finished);
+        if let Some(twin) = self.slots[position].twin.and_then(finished) {
+            return Err(Outcome::Finished(Finished { cached: true, blocks_run: 0, blocks_cached: 0, ..twin.clone() }));
+        }
+        let upstream = self.plan.upstream(position).iter();
+        let upstream: Vec<_> = upstream.filter_map(|&p| finished(p)).map(|f| Arc::clone(&f.stored.value)).collect();
+        let node = &self.plan.nodes()[position];
+        let key = self.plan.keys()[position].clone();
+        self.listener.hear(&Event::JobStarted { job: node.id.clone(), kind: node.task.kind().to_owned(), key });
+        let job = caught(|| node.task.prepare(&upstream))
+            .map_err(|source| Outcome::Failed(Arc::new(self.failure(position, None, None, source))))?;
+        Ok(Arc::new(Active {
+            position,
+            job,
+            work_ns: AtomicU64::new(0),
+            blocks_run: AtomicUsize::new(0),
+            blocks_cached: AtomicUsize::new(0),
+        }))
+    }
+
+    /// Goes on from a step: to the next stage's blocks, or to the end.
+    fn advance<'s>(&'s self, scope: &ScopeFifo<'s>, active: Arc<Active>, step: Result<Step, RunnerError>) {
+        let mut step = step;
+        loop {
+            match step {
+                Err(error) => return self.end(scope, active.position, Outcome::Failed(Arc::new(error))),
+                Ok(Step::Done(value)) => {
+                    let outcome = self.publish(&active, &value);
+                    let outcome = outcome.map_or_else(|error| Outcome::Failed(Arc::new(error)), Outcome::Finished);
+                    return self.end(scope, active.position, outcome);
+                }
+                Ok(Step::Blocks { stage, inputs }) => {
+                    let (job, blocks) = (self.id(active.position), inputs.len());
+                    self.listener.hear(&Event::StageStarted { job, stage: stage.clone(), blocks });
+                    if inputs.is_empty() {
+                        step = self.guarded(&active, Some(&stage), None, |job| job.reduce(&stage, &[], &[]));
+                        continue;
+                    }
+                    let stage = Arc::new(Stage {
+                        name: stage,
+                        outputs: Mutex::new(vec![None; blocks]),
+                        remaining: AtomicUsize::new(blocks),
+                        inputs,
+                        failure: Mutex::new(None),
+                    });
+                    for index in 0..blocks {
+                        let (active, stage) = (Arc::clone(&active), Arc::clone(&stage));
+                        scope.spawn_fifo(move |scope| self.block(scope, active, &stage, index));
+                    }
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Takes a block from the cache or runs it; the last one of the stage goes on.
+    fn block<'s>(&'s self, scope: &ScopeFifo<'s>, active: Arc<Active>, stage: &Stage, index: usize) {
+        let is_moot = lock(&stage.failure).as_ref().is_some_and(|(failed, _)| *failed < index);
+        if !is_moot && !self.stop.is_stopped() {
+            match self.output(&active, &stage.name, index, &stage.inputs[index]) {
+                Ok(output) => lock(&stage.outputs)[index] = Some(output),
+                Err(error) => {
+                    let mut failure = lock(&stage.failure);
+                    if failure.as_ref().is_none_or(|(failed, _)| index < *failed) {
+                        *failure = Some((index, error));
+                    }
+                }
+            }
+        }
+        // The last one must see what all the others wrote.
+        if stage.remaining.fetch_sub(1, Ordering::AcqRel) > 1 {
+            return;
+        }
+        if let Some((_, error)) = lock(&stage.failure).take() {
+            return self.end(scope, active.position, Outcome::Failed(Arc::new(error)));
+        }
+        let outputs = std::mem::take(&mut *lock(&stage.outputs));
+        // A block without output was not begun: the run was interrupted.
+        let Some(outputs) = outputs.into_iter().collect::<Option<Vec<_>>>() else {
+            return self.end(scope, active.position, Outcome::Interrupted);
+        };
+        let step =
+            self.guarded(&active, Some(&stage.name), None, |job| job.reduce(&stage.name, &stage.inputs, &outputs));
+        drop(outputs);
+        self.advance(scope, active, step);
+    }
+
+    fn output(&self, active: &Active, stage: &str, index: usize, input: &[u8]) -> Result<Vec<u8>, RunnerError> {
+        let owner = &self.plan.keys()[active.position];
+        let name = block_key(owner, stage, index, input);
+        let found = if self.force { Lookup::Absent } else { self.cache.get(Kind::Block, &name) };
+        let (output, cached) = match found {
+            Lookup::Found(output) => {
+                active.blocks_cached.fetch_add(1, Ordering::Relaxed);
+                (output, true)
+            }
+            Lookup::Absent | Lookup::Damaged => {
+                if found == Lookup::Damaged {
+                    self.listener.hear(&Event::Damaged { object: name.clone() });
+                }
+                let output = self.guarded(active, Some(stage), Some(index), |job| job.block(stage, input))?;
+                self.cache.put(Kind::Block, owner, &name, &output)?;
+                active.blocks_run.fetch_add(1, Ordering::Relaxed);
+                (output, false)
+            }
+        };
+        let (job, stage) = (self.id(active.position), stage.to_owned());
+        self.listener.hear(&Event::BlockDone { job, stage, index, cached });
+        Ok(output)
+    }
+
+    fn publish(&self, active: &Active, value: &serde_json::Value) -> Result<Finished, RunnerError> {
+        let (job, key) = (self.id(active.position), self.plan.keys()[active.position].clone());
+        let bytes = canonical_bytes(value, &format!("the result of job `{job}`"))?;
+        self.cache.put(Kind::Result, &key, &key, &bytes)?;
+        let finished = Finished {
+            key,
+            stored: Stored::from_bytes(&bytes, &job)?,
+            cached: false,
+            blocks_run: active.blocks_run.load(Ordering::Relaxed),
+            blocks_cached: active.blocks_cached.load(Ordering::Relaxed),
+        };
+        self.listener.hear(&Event::JobFinished {
+            job,
+            kind: active.job.kind().to_owned(),
+            key: finished.key.clone(),
+            blocks_run: finished.blocks_run,
+            blocks_cached: finished.blocks_cached,
+            work_s: active.work_ns.load(Ordering::Relaxed) as f64 * 1e-9,
+        });
+        Ok(finished)
+    }
+
+    /// Notes a job's end and starts those that waited for it alone.
+    fn end<'s>(&'s self, scope: &ScopeFifo<'s>, position: usize, outcome: Outcome) {
+        let job = self.id(position);
+        match &outcome {
+            Outcome::Failed(error) => self.listener.hear(&Event::JobFailed { job, reason: error.to_string() }),
+            Outcome::Skipped { upstream } => {
+                self.listener.hear(&Event::JobSkipped { job, upstream: upstream.clone() });
+            }
+            Outcome::Finished(finished) if finished.cached => {
+                self.listener.hear(&Event::JobCached { job, key: finished.key.clone() });
+            }
+            Outcome::Finished(_) | Outcome::Interrupted => {}
+        }
+        self.slots[position].set(outcome);
+        for &next in &self.slots[position].waited_for_by {
+            if self.slots[next].waiting.fetch_sub(1, Ordering::AcqRel) == 1 {
+                scope.spawn_fifo(move |scope| self.start(scope, next));
+            }
+        }
+    }
+
+    /// Calls the job's code, measures it, and turns a panic or an error into one that names the place.
+    fn guarded<T>(
+        &self,
+        active: &Active,
+        stage: Option<&str>,
+        block: Option<usize>,
+        call: impl FnOnce(&dyn Job) -> Result<T, JobError>,
+    ) -> Result<T, RunnerError> {
+        let begin = Instant::now();
+        let result = caught(|| call(active.job.as_ref()));
+        let elapsed_ns = u64::try_from(begin.elapsed().as_nanos()).unwrap_or(u64::MAX);
+        active.work_ns.fetch_add(elapsed_ns, Ordering::Relaxed);
+        result.map_err(|source| self.failure(active.position, stage, block, source))
+    }
+
+    fn failure(&self, position: usize, stage: Option<&str>, block: Option<usize>, source: JobError) -> RunnerError {
+        RunnerError::Job { job: self.id(position), stage: stage.map(str::to_owned), block, source }
+    }
+}
+
+/// Calls, and turns a panic into an error. The job is not used again after one, so it may be in any state.
+fn caught<T>(call: impl FnOnce() -> Result<T, JobError>) -> Result<T, JobError> {
+    catch_unwind(AssertUnwindSafe(call)).unwrap_or_else(|payload| Err(JobError::Failed(panic_text(payload.as_ref()))))
+}
+
+fn panic_text(payload: &(dyn Any + Send)) -> String {
+    let text = payload.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
+    format!("panicked: {}", text.unwrap_or("no message"))
+}
+
+/// A mutex whose holder panicked still has whole data here: every change is a single assignment.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,111 @@
+//! Where jobs run. An engine runs the blocks of a plan's jobs anywhere, in any order, and reduces them in their order.
+
+pub mod local;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::error::RunnerError;
+use super::key::Key;
+use super::plan::Stored;
+
+/// How to run. Nothing here changes a result.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Settings {
+    /// Threads; nothing = as many as the machine has.
+    pub threads: Option<NonZeroUsize>,
+    /// Run the wanted jobs although their results are in the cache. What is computed anew is compared with it.
+    pub force: bool,
+    /// Ids of the wanted jobs; nothing = all.
+    pub only: Option<BTreeSet<String>>,
+}
+
+impl Settings {
+    /// Number of threads that a run uses.
+    pub fn threads(&self) -> usize {
+        self.threads.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get)
+    }
+}
+
+/// Asks a run to stop: running blocks are finished and kept, no other is begun. Clones ask the same run.
+#[derive(Clone, Debug, Default)]
+pub struct StopFlag(Arc<AtomicBool>);
+
+impl StopFlag {
+    /// Asks.
+    pub fn stop(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether it was asked.
+    pub fn is_stopped(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// A job with its result.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finished {
+    /// Its key.
+    pub key: Key,
+    /// Its result.
+    pub stored: Stored,
+    /// Whether the result was in the cache.
+    pub cached: bool,
+    /// Blocks that were run.
+    pub blocks_run: usize,
+    /// Blocks that were in the cache.
+    pub blocks_cached: usize,
+}
+
+/// What became of a job.
+#[derive(Clone, Debug)]
+pub enum Outcome {
+    /// It has its result.
+    Finished(Finished),
+    /// It failed.
+    Failed(Arc<RunnerError>),
+    /// It did not run, because the job of this id, on which it builds, has no result.
+    Skipped {
+        /// Id of the other job.
+        upstream: String,
+    },
+    /// The run was interrupted before it had a result.
+    Interrupted,
+}
+
+impl Outcome {
+    /// The finished job, if it is one.
+    pub fn finished(&self) -> Option<&Finished> {
+        match self {
+            Self::Finished(finished) => Some(finished),
+            _ => None,
+        }
+    }
+}
+
+/// What became of a run.
+#[derive(Clone, Debug, Default)]
+pub struct RunSummary {
+    /// The outcome of each job that was needed, by id.
+    pub outcomes: BTreeMap<String, Outcome>,
+}
+
+impl RunSummary {
+    /// The finished job of this id.
+    pub fn finished(&self, id: &str) -> Option<&Finished> {
+        self.outcomes.get(id).and_then(Outcome::finished)
+    }
+
+    /// Number of jobs that failed or were skipped.
+    pub fn failures(&self) -> usize {
+        self.outcomes.values().filter(|o| matches!(o, Outcome::Failed(_) | Outcome::Skipped { .. })).count()
+    }
+
+    /// Whether any job was interrupted.
+    pub fn is_interrupted(&self) -> bool {
+        self.outcomes.values().any(|outcome| matches!(outcome, Outcome::Interrupted))
+    }
+}

@@ -1,0 +1,120 @@
+//! What the runner tells while it works. The runner emits, listeners (progress, event log) consume; nothing that an event
+//! says, times above all, is part of a result.
+
+use serde::{Deserialize, Serialize};
+
+use super::key::Key;
+
+/// Something happened.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Event {
+    /// A run begins.
+    RunStarted {
+        /// Jobs that will run.
+        to_run: usize,
+        /// Jobs whose results are in the cache.
+        cached: usize,
+        /// Threads of the pool.
+        threads: usize,
+    },
+    /// A job's result was in the cache.
+    JobCached {
+        /// Id of the job.
+        job: String,
+        /// Its key.
+        key: Key,
+    },
+    /// A job begins.
+    JobStarted {
+        /// Id of the job.
+        job: String,
+        /// Its kind.
+        kind: String,
+        /// Its key.
+        key: Key,
+    },
+    /// A stage of a job begins.
+    StageStarted {
+        /// Id of the job.
+        job: String,
+        /// The stage.
+        stage: String,
+        /// Its number of blocks.
+        blocks: usize,
+    },
+    /// A block is there.
+    BlockDone {
+        /// Id of the job.
+        job: String,
+        /// The stage.
+        stage: String,
+        /// Position in the stage, from 0.
+        index: usize,
+        /// Whether it was in the cache.
+        cached: bool,
+    },
+    /// A damaged object was found and will be computed again.
+    Damaged {
+        /// Name of the object.
+        object: Key,
+    },
+    /// A job has its result.
+    JobFinished {
+        /// Id of the job.
+        job: String,
+        /// Its kind.
+        kind: String,
+        /// Its key.
+        key: Key,
+        /// Blocks that were run.
+        blocks_run: usize,
+        /// Blocks that were in the cache.
+        blocks_cached: usize,
+        /// Time spent in the job's own code, summed over threads, seconds.
+        work_s: f64,
+    },
+    /// A job failed.
+    JobFailed {
+        /// Id of the job.
+        job: String,
+        /// Why.
+        reason: String,
+    },
+    /// A job did not run because one that it builds upon has no result.
+    JobSkipped {
+        /// Id of the job.
+        job: String,
+        /// Id of the other.
+        upstream: String,
+    },
+    /// The run ends.
+    RunFinished {
+        /// Jobs with a result.
+        finished: usize,
+        /// Jobs that failed or were skipped.
+        failed: usize,
+        /// Whether it was interrupted.
+        interrupted: bool,
+    },
+}
+
+/// Hears events. Called from all threads of a run; must return soon and cannot fail.
+pub trait Listener: Sync {
+    /// Takes note.
+    fn hear(&self, event: &Event);
+}
+
+impl Listener for [&dyn Listener] {
+    fn hear(&self, event: &Event) {
+        for listener in self {
+            listener.hear(event);
+        }
+    }
+}
+
+impl<const N: usize> Listener for [&dyn Listener; N] {
+    fn hear(&self, event: &Event) {
+        self.as_slice().hear(event);
+    }
+}

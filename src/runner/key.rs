@@ -1,0 +1,232 @@
+//! Keys: what decides a result, hashed.
+//!
+//! The key of a job is the SHA-256 of the canonical JSON of [`KeyMaterial`], a struct of named fields; a new input of a
+//! job is a new named field. The identity of a block is the SHA-256 of the job's key, the stage, the block's index and the
+//! SHA-256 of its input. Never part of either: time, threads, paths, host.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+
+use super::error::RunnerError;
+use crate::document::{canonical, hash};
+
+/// Version of the numeric engine: raised when any change of the shared numeric code (solvers, streams, distributions,
+/// reductions) moves any result. A single job kind's change raises that kind's own `algorithm_version` instead.
+pub const ENGINE_VERSION: u32 = 1;
+
+/// A SHA-256 in 64 lower-case hexadecimal digits: the name of an object in the cache.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Key(String);
+
+impl Key {
+    /// Hash of these bytes.
+    pub fn of(bytes: &[u8]) -> Self {
+        Self(hash::sha256_hex(bytes))
+    }
+
+    /// The 64 digits.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+
+    /// The first 12 digits, for people.
+    pub fn short(&self) -> &str {
+        self.0.get(..12).unwrap_or(&self.0)
+    }
+
+    /// The 32 bytes of a digest as digits.
+    pub(super) fn from_digest(digest: &[u8]) -> Self {
+        Self(hash::hex(digest))
+    }
+}
+
+impl TryFrom<String> for Key {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        if text.len() == 64 && text.bytes().all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b)) {
+            Ok(Self(text))
+        } else {
+            Err(format!("`{text}` is not a key (64 digits of 0-9 and a-f)"))
+        }
+    }
+}
+
+impl From<Key> for String {
+    fn from(key: Key) -> Self {
+        key.0
+    }
+}
+
+impl fmt::Display for Key {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.0)
+    }
+}
+
+/// Everything that decides a job's result.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct KeyMaterial {
+    /// Kind of the job.
+    pub kind: String,
+    /// Version of that kind's algorithm.
+    pub algorithm_version: u32,
+    /// Version of the numeric engine, [`ENGINE_VERSION`].
+    pub engine_version: u32,
+    /// The study's seed.
+    pub seed: u64,
+    /// Name of the job: random streams are keyed by it.
+    pub name: String,
+    /// What the job says decides its result.
+    pub identity: Value,
+    /// Keys of the jobs whose results it uses, in the order in which it uses them.
+    pub upstream: Vec<Key>,
+}
+
+impl KeyMaterial {
+    /// The job's key.
+    ///
+    /// # Errors
+    /// [`RunnerError::NotCanonical`] if the identity has no canonical form.
+    pub fn key(&self) -> Result<Key, RunnerError> {
+        Ok(Key::of(&canonical_bytes(&self.value()?, &format!("the identity of job `{}`", self.name))?))
+    }
+
+    /// The text that `bmv cache why` prints: what was hashed, indented.
+    ///
+    /// # Errors
+    /// [`RunnerError::NotCanonical`] if the identity has no canonical form.
+    pub fn explain(&self) -> Result<String, RunnerError> {
+        serde_json::to_string_pretty(&self.value()?).map_err(|error| self.not_canonical(&error))
+    }
+
+    fn value(&self) -> Result<Value, RunnerError> {
+        serde_json::to_value(self).map_err(|error| self.not_canonical(&error))
+    }
+
+    fn not_canonical(&self, error: &serde_json::Error) -> RunnerError {
+        RunnerError::NotCanonical { what: format!("the identity of job `{}`", self.name), reason: error.to_string() }
+    }
+}
+
+/// Identity of a block.
+pub fn block_key(job: &Key, stage: &str, index: usize, input: &[u8]) -> Key {
+    let mut hash = Sha256::new();
+    hash.update(job.as_str());
+    // The length keeps the stage's name apart from what follows it.
+    hash.update((stage.len() as u64).to_le_bytes());
+    hash.update(stage);
+    hash.update((index as u64).to_le_bytes());
+    hash.update(Sha256::digest(input));
+    Key::from_digest(&hash.finalize())
+}
+
+/// Canonical bytes of a value; `what` names it in the error.
+pub(crate) fn canonical_bytes(value: &Value, what: &str) -> Result<Vec<u8>, RunnerError> {
+    canonical::canonical(value)
+        .map(String::into_bytes)
+        .map_err(|error| RunnerError::NotCanonical { what: what.to_owned(), reason: error.to_string() })
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn material() -> KeyMaterial {
+        KeyMaterial {
+            kind: "propagate".into(),
+            algorithm_version: 1,
+            engine_version: ENGINE_VERSION,
+            seed: 7,
+            name: "before".into(),
+            identity: json!({"samples": 1000}),
+            upstream: vec![Key::of(b"upstream")],
+        }
+    }
+
+    #[test]
+    fn hashes_are_those_of_the_standard() {
+        // FIPS 180-4's example "abc".
+        let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(Key::of(b"abc").as_str(), expected);
+        assert_eq!(Key::of(b"abc").short(), &expected[..12]);
+    }
+
+    #[test]
+    fn every_named_field_changes_the_key() {
+        let first = material().key().unwrap();
+        assert_eq!(first, material().key().unwrap());
+        let changes: [fn(&mut KeyMaterial); 8] = [
+            |m| m.kind = "sensitivity".into(),
+            |m| m.algorithm_version = 2,
+            |m| m.engine_version += 1,
+            |m| m.seed = 8,
+            |m| m.name = "after".into(),
+            |m| m.identity = json!({"samples": 1001}),
+            |m| m.upstream = vec![Key::of(b"another")],
+            |m| m.upstream.clear(),
+        ];
+        let mut keys = vec![first];
+        for change in changes {
+            let mut changed = material();
+            change(&mut changed);
+            keys.push(changed.key().unwrap());
+        }
+        keys.sort();
+        keys.dedup();
+        assert_eq!(keys.len(), 9, "all keys differ");
+    }
+
+    #[test]
+    fn the_largest_seeds_do_not_collapse() {
+        let [mut a, mut b] = [material(), material()];
+        a.seed = u64::MAX;
+        b.seed = u64::MAX - 1;
+        assert_ne!(a.key().unwrap(), b.key().unwrap());
+    }
+
+    #[test]
+    fn the_order_of_the_identity_s_fields_does_not_matter() {
+        let [mut a, mut b] = [material(), material()];
+        a.identity = serde_json::from_str(r#"{"x": 1, "y": {"b": 2, "a": 3}}"#).unwrap();
+        b.identity = serde_json::from_str(r#"{"y": {"a": 3, "b": 2}, "x": 1}"#).unwrap();
+        assert_eq!(a.key().unwrap(), b.key().unwrap());
+    }
+
+    #[test]
+    fn blocks_differ_by_job_stage_index_and_input() {
+        let job = Key::of(b"job");
+        let keys = [
+            block_key(&job, "sum", 0, b"input"),
+            block_key(&Key::of(b"other"), "sum", 0, b"input"),
+            block_key(&job, "mean", 0, b"input"),
+            block_key(&job, "sum", 1, b"input"),
+            block_key(&job, "sum", 0, b"inputs"),
+        ];
+        for (i, a) in keys.iter().enumerate() {
+            assert!(keys[i + 1..].iter().all(|b| a != b), "key {i} is unique");
+        }
+    }
+
+    #[test]
+    fn explain_is_readable_json_of_what_was_hashed() {
+        let text = material().explain().unwrap();
+        let value: Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(value["identity"]["samples"], 1000);
+        assert_eq!(value["engine_version"], ENGINE_VERSION);
+        assert!(text.contains("\n  \"name\": \"before\""), "{text}");
+    }
+
+    #[test]
+    fn only_hashes_are_keys() {
+        assert!(Key::try_from("../../etc/passwd".to_owned()).is_err());
+        assert!(Key::try_from("A".repeat(64)).is_err());
+        assert!(Key::try_from("a".repeat(64)).is_ok());
+    }
+}

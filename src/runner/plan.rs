@@ -1,0 +1,404 @@
+//! The plan: jobs, what each builds upon, their keys, and which of them must run.
+//!
+//! A job's key is known before anything runs: it is made of the job's own identity and its upstream jobs' keys, never of
+//! their results.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use serde_json::Value;
+
+use super::cache::{Cache, Kind, Lookup};
+use super::error::RunnerError;
+use super::event_log::WorkHistory;
+use super::key::{ENGINE_VERSION, Key, KeyMaterial};
+use crate::job::{Job, JobError};
+
+/// A job that may need the results of others before it is ready.
+pub trait Task: Send + Sync {
+    /// The kind, as in the pass file.
+    fn kind(&self) -> &'static str;
+    /// Raised when the same definition gives another result.
+    fn algorithm_version(&self) -> u32;
+    /// Everything that decides the result beside seed, versions and upstream results, as [`Job::identity`].
+    fn identity(&self) -> Value;
+    /// Makes the job ready; `upstream` are the results of [`Node::from`], in that order.
+    ///
+    /// # Errors
+    /// A [`JobError`] if the upstream results do not have what this job needs.
+    fn prepare(&self, upstream: &[Arc<Value>]) -> Result<Arc<dyn Job>, JobError>;
+}
+
+/// A job that needs no other.
+pub struct Ready(pub Arc<dyn Job>);
+
+impl Task for Ready {
+    fn kind(&self) -> &'static str {
+        self.0.kind()
+    }
+
+    fn algorithm_version(&self) -> u32 {
+        self.0.algorithm_version()
+    }
+
+    fn identity(&self) -> Value {
+        self.0.identity()
+    }
+
+    fn prepare(&self, _upstream: &[Arc<Value>]) -> Result<Arc<dyn Job>, JobError> {
+        Ok(Arc::clone(&self.0))
+    }
+}
+
+/// A job as the runner is given it.
+pub struct Node {
+    /// What people call it, unique in a plan, as in `studies/tclab/pass-1.json:tuned`. Not part of the key.
+    pub id: String,
+    /// Name of the job in its pass: random streams are keyed by it.
+    pub name: String,
+    /// The study's seed.
+    pub seed: u64,
+    /// Ids of the jobs whose results it uses.
+    pub from: Vec<String>,
+    /// The job.
+    pub task: Box<dyn Task>,
+}
+
+/// Jobs in an order in which each stands after those that it builds upon.
+pub struct Plan {
+    nodes: Vec<Node>,
+    keys: Vec<Key>,
+    upstream: Vec<Vec<usize>>,
+}
+
+/// A verified result.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stored {
+    /// The result.
+    pub value: Arc<Value>,
+    /// SHA-256 of its canonical bytes.
+    pub sha256: Key,
+}
+
+impl Stored {
+    /// Reads canonical bytes. A result is always read back from them, so that it is the same value whether it was just
+    /// computed or found.
+    ///
+    /// # Errors
+    /// [`RunnerError::NotCanonical`] if they are no JSON.
+    pub(super) fn from_bytes(bytes: &[u8], job: &str) -> Result<Self, RunnerError> {
+        let value = serde_json::from_slice(bytes).map_err(|error| RunnerError::NotCanonical {
+            what: format!("the result of job `{job}`"),
+            reason: error.to_string(),
+        })?;
+        Ok(Self { value: Arc::new(value), sha256: Key::of(bytes) })
+    }
+}
+
+/// What is to be done about a job.
+#[derive(Clone, Debug, PartialEq)]
+pub enum State {
+    /// Its result is in the cache.
+    Cached(Stored),
+    /// It must run.
+    Missing,
+    /// Nobody asked for it, and nothing that must run needs it.
+    NotNeeded,
+}
+
+/// A line of `bmv plan`.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Preview {
+    /// Id of the job.
+    pub job: String,
+    /// Its kind.
+    pub kind: String,
+    /// Its key.
+    pub key: Key,
+    /// Whether its result is in the cache.
+    pub cached: bool,
+    /// Seconds of work on one thread by the last time it ran, where known; 0 if cached.
+    pub work_s: Option<f64>,
+}
+
+impl Plan {
+    /// Orders the jobs and computes their keys.
+    ///
+    /// # Errors
+    /// [`RunnerError::DuplicateJob`], [`RunnerError::UnknownUpstream`], [`RunnerError::Cycle`], or
+    /// [`RunnerError::NotCanonical`] for an identity that cannot be hashed.
+    pub fn new(nodes: Vec<Node>) -> Result<Self, RunnerError> {
+        let mut positions = BTreeMap::new();
+        for (position, node) in nodes.iter().enumerate() {
+            if positions.insert(node.id.as_str(), position).is_some() {
+                return Err(RunnerError::DuplicateJob { id: node.id.clone() });
+            }
+        }
+        let mut upstream = Vec::with_capacity(nodes.len());
+        for node in &nodes {
+            let positions = node.from.iter().map(|id| {
+                positions
+                    .get(id.as_str())
+                    .copied()
+                    .ok_or_else(|| RunnerError::UnknownUpstream { id: node.id.clone(), upstream: id.clone() })
+            });
+            upstream.push(positions.collect::<Result<Vec<_>, _>>()?);
+        }
+        let order = order(&upstream)
+            .map_err(|circle| RunnerError::Cycle { jobs: circle.iter().map(|&i| nodes[i].id.clone()).collect() })?;
+
+        let mut new_position = vec![0; nodes.len()];
+        for (new, &old) in order.iter().enumerate() {
+            new_position[old] = new;
+        }
+        let mut nodes: Vec<_> = nodes.into_iter().zip(upstream).enumerate().collect();
+        nodes.sort_by_key(|(old, _)| new_position[*old]);
+        let mut plan = Self { nodes: Vec::new(), keys: Vec::new(), upstream: Vec::new() };
+        for (_, (node, upstream)) in nodes {
+            let upstream: Vec<_> = upstream.iter().map(|&old| new_position[old]).collect();
+            plan.keys.push(plan.material_of(&node, &upstream).key()?);
+            plan.nodes.push(node);
+            plan.upstream.push(upstream);
+        }
+        Ok(plan)
+    }
+
+    /// The jobs, each after those that it builds upon; otherwise in the order in which they were given.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// Keys of the jobs, in the order of [`Plan::nodes`].
+    pub fn keys(&self) -> &[Key] {
+        &self.keys
+    }
+
+    /// Positions in [`Plan::nodes`] of the jobs that this one builds upon.
+    pub fn upstream(&self, position: usize) -> &[usize] {
+        &self.upstream[position]
+    }
+
+    /// Position of a job by its id, or by its name if only one job has that name.
+    pub fn find(&self, id_or_name: &str) -> Option<usize> {
+        self.nodes.iter().position(|node| node.id == id_or_name).or_else(|| {
+            let mut named = (0..self.nodes.len()).filter(|&position| self.nodes[position].name == id_or_name);
+            named.next().filter(|_| named.next().is_none())
+        })
+    }
+
+    /// What a job's key is made of.
+    pub fn material(&self, position: usize) -> KeyMaterial {
+        self.material_of(&self.nodes[position], &self.upstream[position])
+    }
+
+    fn material_of(&self, node: &Node, upstream: &[usize]) -> KeyMaterial {
+        KeyMaterial {
+            kind: node.task.kind().to_owned(),
+            algorithm_version: node.task.algorithm_version(),
+            engine_version: ENGINE_VERSION,
+            seed: node.seed,
+            name: node.name.clone(),
+            identity: node.task.identity(),
+            upstream: upstream.iter().map(|&position| self.keys[position].clone()).collect(),
+        }
+    }
+
+    /// Looks every job up that is wanted (`only`: ids; nothing = all), and those that a missing one needs. With `force`
+    /// the wanted ones count as missing. The second value names the damaged objects that were found.
+    pub fn survey(&self, cache: &Cache, only: Option<&BTreeSet<String>>, force: bool) -> (Vec<State>, Vec<Key>) {
+        let mut states = vec![State::NotNeeded; self.nodes.len()];
+        let mut damaged = Vec::new();
+        let mut needed = vec![false; self.nodes.len()];
+        // Backwards, so that all that need a job were seen before it.
+        for position in (0..self.nodes.len()).rev() {
+            let is_wanted = only.is_none_or(|only| only.contains(&self.nodes[position].id));
+            if !is_wanted && !needed[position] {
+                continue;
+            }
+            states[position] = State::Missing;
+            if !(force && is_wanted) {
+                match cache.get(Kind::Result, &self.keys[position]) {
+                    Lookup::Found(bytes) => {
+                        if let Ok(stored) = Stored::from_bytes(&bytes, &self.nodes[position].id) {
+                            states[position] = State::Cached(stored);
+                            continue;
+                        }
+                    }
+                    Lookup::Damaged => damaged.push(self.keys[position].clone()),
+                    Lookup::Absent => {}
+                }
+            }
+            for &upstream in &self.upstream[position] {
+                needed[upstream] = true;
+            }
+        }
+        (states, damaged)
+    }
+
+    /// What a run would do, in order; jobs that are not needed are left out.
+    pub fn preview(
+        &self,
+        cache: &Cache,
+        only: Option<&BTreeSet<String>>,
+        force: bool,
+        history: &WorkHistory,
+    ) -> Vec<Preview> {
+        let (states, _) = self.survey(cache, only, force);
+        let lines = self.nodes.iter().zip(&self.keys).zip(states);
+        lines
+            .filter(|(_, state)| *state != State::NotNeeded)
+            .map(|((node, key), state)| {
+                let cached = matches!(state, State::Cached(_));
+                let work_s = if cached { Some(0.0) } else { history.work_s(&node.id, key) };
+                Preview { job: node.id.clone(), kind: node.task.kind().to_owned(), key: key.clone(), cached, work_s }
+            })
+            .collect()
+    }
+}
+
+/// An order in which each stands after its upstream, close to the given one; or a circle.
+fn order(upstream: &[Vec<usize>]) -> Result<Vec<usize>, Vec<usize>> {
+    #[derive(Clone, Copy, PartialEq)]
+    enum Mark {
+        New,
+        Open,
+        Done,
+    }
+    let mut marks = vec![Mark::New; upstream.len()];
+    let mut order = Vec::with_capacity(upstream.len());
+    // An explicit stack of (job, next upstream to look at): a long chain must not end the program's own stack.
+    for start in 0..upstream.len() {
+        let mut path = Vec::new();
+        if marks[start] == Mark::New {
+            marks[start] = Mark::Open;
+            path.push((start, 0));
+        }
+        while let Some((job, next)) = path.pop() {
+            let Some(&needed) = upstream[job].get(next) else {
+                marks[job] = Mark::Done;
+                order.push(job);
+                continue;
+            };
+            path.push((job, next + 1));
+            match marks[needed] {
+                Mark::Done => {}
+                Mark::New => {
+                    marks[needed] = Mark::Open;
+                    path.push((needed, 0));
+                }
+                Mark::Open => {
+                    let mut circle: Vec<_> =
+                        path.iter().map(|&(job, _)| job).skip_while(|&job| job != needed).collect();
+                    circle.push(needed);
+                    return Err(circle);
+                }
+            }
+        }
+    }
+    Ok(order)
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    struct Named(&'static str);
+
+    impl Task for Named {
+        fn kind(&self) -> &'static str {
+            "toy"
+        }
+        fn algorithm_version(&self) -> u32 {
+            1
+        }
+        fn identity(&self) -> Value {
+            json!({ "what": self.0 })
+        }
+        fn prepare(&self, _upstream: &[Arc<Value>]) -> Result<Arc<dyn Job>, JobError> {
+            Err(JobError::Failed("never run here".into()))
+        }
+    }
+
+    fn node(id: &'static str, from: &[&str]) -> Node {
+        Node {
+            id: id.into(),
+            name: id.into(),
+            seed: 1,
+            from: from.iter().map(|&id| id.into()).collect(),
+            task: Box::new(Named(id)),
+        }
+    }
+
+    fn ids(plan: &Plan) -> Vec<&str> {
+        plan.nodes().iter().map(|node| node.id.as_str()).collect()
+    }
+
+    #[test]
+    fn jobs_stand_after_what_they_build_upon() {
+        let plan = Plan::new(vec![node("c", &["b", "a"]), node("b", &["a"]), node("a", &[]), node("d", &[])]).unwrap();
+        assert_eq!(ids(&plan), ["a", "b", "c", "d"]);
+        assert_eq!(plan.upstream(2), [1, 0]);
+        assert_eq!(plan.material(2).upstream, [plan.keys()[1].clone(), plan.keys()[0].clone()]);
+    }
+
+    #[test]
+    fn a_change_upstream_changes_all_keys_below() {
+        let before = Plan::new(vec![node("a", &[]), node("b", &["a"]), node("c", &[])]).unwrap();
+        let mut nodes = vec![node("a", &[]), node("b", &["a"]), node("c", &[])];
+        nodes[0].task = Box::new(Named("changed"));
+        let after = Plan::new(nodes).unwrap();
+        let same: Vec<_> = before.keys().iter().zip(after.keys()).map(|(a, b)| a == b).collect();
+        assert_eq!(same, [false, false, true]);
+    }
+
+    #[test]
+    fn circles_strangers_and_twins_are_refused() {
+        let error = Plan::new(vec![node("x", &["a"]), node("a", &["b"]), node("b", &["a"])]).err().unwrap();
+        assert_eq!(error.to_string(), "jobs build upon one another in a circle: a -> b -> a");
+        let error = Plan::new(vec![node("a", &["a"])]).err().unwrap();
+        assert_eq!(error.to_string(), "jobs build upon one another in a circle: a -> a");
+        let error = Plan::new(vec![node("a", &["z"])]).err().unwrap();
+        assert_eq!(error.to_string(), "job `a` builds upon `z`, which does not exist");
+        let error = Plan::new(vec![node("a", &[]), node("a", &[])]).err().unwrap();
+        assert_eq!(error.to_string(), "two jobs are called `a`");
+    }
+
+    #[test]
+    fn a_long_chain_is_ordered_without_recursion() {
+        let count = 100_000;
+        let upstream: Vec<Vec<usize>> = (0..count).map(|i| if i + 1 < count { vec![i + 1] } else { vec![] }).collect();
+        assert_eq!(order(&upstream).unwrap(), (0..count).rev().collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn only_what_is_wanted_and_what_that_needs_would_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = Cache::new(folder.path());
+        let plan = Plan::new(vec![node("a", &[]), node("b", &["a"]), node("c", &["b"]), node("d", &[])]).unwrap();
+        let only = BTreeSet::from(["c".to_owned()]);
+        let jobs = |force| -> Vec<(String, bool)> {
+            let lines = plan.preview(&cache, Some(&only), force, &WorkHistory::default());
+            lines.into_iter().map(|line| (line.job, line.cached)).collect()
+        };
+        assert_eq!(jobs(false), [("a".into(), false), ("b".into(), false), ("c".into(), false)]);
+        cache.put(Kind::Result, &plan.keys()[1], &plan.keys()[1], b"{}").unwrap();
+        assert_eq!(jobs(false), [("b".into(), true), ("c".into(), false)], "b is cached, so a is not needed");
+        cache.put(Kind::Result, &plan.keys()[2], &plan.keys()[2], b"{}").unwrap();
+        assert_eq!(jobs(false), [("c".into(), true)]);
+        assert_eq!(jobs(true), [("b".into(), true), ("c".into(), false)], "forced: run again, from cached upstream");
+    }
+
+    #[test]
+    fn a_job_is_found_by_id_or_by_a_name_that_is_unique() {
+        let mut nodes = vec![node("1:a", &[]), node("2:a", &[]), node("2:b", &[])];
+        for (node, name) in nodes.iter_mut().zip(["a", "a", "b"]) {
+            node.name = name.into();
+        }
+        let plan = Plan::new(nodes).unwrap();
+        assert_eq!(plan.find("2:a"), Some(1));
+        assert_eq!(plan.find("b"), Some(2));
+        assert_eq!(plan.find("a"), None);
+    }
+}

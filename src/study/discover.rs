@@ -1,0 +1,161 @@
+//! Finds studies and their passes under the paths that a user names.
+
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// A study folder with its passes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Found {
+    /// The study's folder.
+    pub folder: PathBuf,
+    /// Its pass files (all, or the one named), in the order of their numbers.
+    pub passes: Vec<PathBuf>,
+}
+
+/// Why nothing is found.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum DiscoverError {
+    /// There is nothing at the path.
+    #[error("`{path}` does not exist")]
+    Missing {
+        /// As given.
+        path: String,
+    },
+    /// The folder holds no pass.
+    #[error("no pass file (pass-1.json, pass-2.json, ...) under `{path}`")]
+    NoPass {
+        /// As given.
+        path: String,
+    },
+    /// The file is no pass.
+    #[error("`{path}` is not a JSON file: a pass is named pass-1.json, pass-2.json, ...")]
+    NotAPass {
+        /// As given.
+        path: String,
+    },
+}
+
+/// The studies under these paths, sorted by folder, each folder once: a path is a pass file, a study's folder, or a
+/// folder of such folders. Hidden folders and `target` are skipped.
+///
+/// # Errors
+/// A path that does not exist or has no pass under it.
+pub fn discover(paths: &[PathBuf]) -> Result<Vec<Found>, DiscoverError> {
+    let mut found: Vec<Found> = Vec::new();
+    for path in paths {
+        let shown = path.display().to_string();
+        if path.is_dir() {
+            let before = found.len();
+            let visible = |entry: &walkdir::DirEntry| {
+                let name = entry.file_name().to_string_lossy();
+                entry.depth() == 0 || !(name.starts_with('.') || name == "target")
+            };
+            for entry in walkdir::WalkDir::new(path).sort_by_file_name().into_iter().filter_entry(visible).flatten() {
+                if entry.file_type().is_dir() {
+                    let passes = passes(entry.path());
+                    if !passes.is_empty() {
+                        found.push(Found { folder: entry.path().to_owned(), passes });
+                    }
+                }
+            }
+            if found.len() == before {
+                return Err(DiscoverError::NoPass { path: shown });
+            }
+        } else if path.is_file() {
+            if path.extension().is_none_or(|extension| extension != "json") {
+                return Err(DiscoverError::NotAPass { path: shown });
+            }
+            let folder = path.parent().map_or_else(PathBuf::new, Path::to_owned);
+            found.push(Found { folder, passes: vec![path.clone()] });
+        } else {
+            return Err(DiscoverError::Missing { path: shown });
+        }
+    }
+    found.sort_by(|a, b| a.folder.cmp(&b.folder));
+    let mut merged: Vec<Found> = Vec::new();
+    for study in found {
+        match merged.last_mut().filter(|last| last.folder == study.folder) {
+            Some(last) => last.passes.extend(study.passes),
+            None => merged.push(study),
+        }
+    }
+    for study in &mut merged {
+        study.passes.sort_by_key(|pass| (number(pass), pass.clone()));
+        study.passes.dedup();
+    }
+    Ok(merged)
+}
+
+/// The pass files of a folder in the order of their numbers; none where it is no study.
+pub fn passes(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let mut passes: Vec<PathBuf> =
+        entries.flatten().map(|entry| entry.path()).filter(|path| number(path).is_some() && path.is_file()).collect();
+    passes.sort_by_key(|pass| (number(pass), pass.clone()));
+    passes
+}
+
+/// The number N of `pass-N.json`.
+fn number(pass: &Path) -> Option<u64> {
+    let digits = pass.file_name()?.to_str()?.strip_prefix("pass-")?.strip_suffix(".json")?;
+    if digits.bytes().all(|byte| byte.is_ascii_digit()) { digits.parse().ok() } else { None }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tree(files: &[&str]) -> tempfile::TempDir {
+        let root = tempfile::tempdir().expect("a folder");
+        for file in files {
+            let path = root.path().join(file);
+            std::fs::create_dir_all(path.parent().expect("a parent")).expect("made");
+            std::fs::write(path, "{}").expect("written");
+        }
+        root
+    }
+
+    fn names(root: &Path, found: &[Found]) -> Vec<String> {
+        let relative = |path: &Path| path.strip_prefix(root).expect("below").display().to_string();
+        found.iter().flat_map(|study| study.passes.iter().map(|pass| relative(pass))).collect()
+    }
+
+    #[test]
+    fn studies_are_found_sorted_and_hidden_folders_skipped() {
+        let root = tree(&[
+            "b/pass-10.json",
+            "b/pass-2.json",
+            "b/pass-1.json",
+            "b/pass-x.json",
+            "b/model.json",
+            "a/deep/pass-1.json",
+            ".git/pass-1.json",
+            "target/pass-1.json",
+            "c/model.json",
+        ]);
+        let found = discover(&[root.path().to_owned()]).expect("found");
+        assert_eq!(
+            names(root.path(), &found),
+            ["a/deep/pass-1.json", "b/pass-1.json", "b/pass-2.json", "b/pass-10.json"]
+        );
+    }
+
+    #[test]
+    fn a_file_a_folder_and_both_give_each_pass_once() {
+        let root = tree(&["b/pass-1.json", "b/pass-2.json"]);
+        let pass = root.path().join("b/pass-2.json");
+        let one = discover(std::slice::from_ref(&pass)).expect("found");
+        assert_eq!(names(root.path(), &one), ["b/pass-2.json"]);
+        let both = discover(&[pass, root.path().join("b")]).expect("found");
+        assert_eq!(names(root.path(), &both), ["b/pass-1.json", "b/pass-2.json"]);
+    }
+
+    #[test]
+    fn nothing_there_is_an_error() {
+        let root = tree(&["c/model.json", "c/data.csv"]);
+        assert!(matches!(discover(&[root.path().to_owned()]), Err(DiscoverError::NoPass { .. })));
+        assert!(matches!(discover(&[root.path().join("no")]), Err(DiscoverError::Missing { .. })));
+        assert!(matches!(discover(&[root.path().join("c/data.csv")]), Err(DiscoverError::NotAPass { .. })));
+    }
+}

@@ -1,0 +1,172 @@
+//! The folder of a study: nothing that a study names lies outside it.
+
+use std::path::{Component, Path, PathBuf};
+
+use thiserror::Error;
+
+/// Why a path is refused or cannot be read.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum FolderError {
+    /// The path is not plain.
+    #[error("the path `{path}` leaves the study's folder: write it relative to that folder, without `..`")]
+    NotPlain {
+        /// As written.
+        path: String,
+    },
+    /// A link leads out of the folder.
+    #[error("the path `{path}` leads out of the study's folder through a link")]
+    LeadsOut {
+        /// As written.
+        path: String,
+    },
+    /// There is no such file.
+    #[error("the file `{path}` does not exist in the study's folder")]
+    Missing {
+        /// As written.
+        path: String,
+    },
+    /// The file system refuses.
+    #[error("`{path}` cannot be read: {reason}")]
+    Unreadable {
+        /// As written.
+        path: String,
+        /// What the system says.
+        reason: String,
+    },
+}
+
+/// The folder of a study.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Folder {
+    root: PathBuf,
+    shown: PathBuf,
+}
+
+impl Folder {
+    /// The folder at a path.
+    ///
+    /// # Errors
+    /// There is no such folder.
+    pub fn open(path: &Path) -> Result<Self, FolderError> {
+        let shown = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+        let text = shown.display().to_string();
+        match shown.canonicalize() {
+            Ok(root) if root.is_dir() => Ok(Self { root, shown: path.to_owned() }),
+            Ok(_) => Err(FolderError::Unreadable { path: text, reason: "it is no folder".to_owned() }),
+            Err(error) => Err(FolderError::Unreadable { path: text, reason: error.to_string() }),
+        }
+    }
+
+    /// The path as the user gave it.
+    pub fn shown(&self) -> &Path {
+        &self.shown
+    }
+
+    /// The name under which messages show one of its files.
+    pub fn shown_name(&self, relative: &str) -> String {
+        self.shown.join(relative).display().to_string()
+    }
+
+    /// Where a file of the folder lies or would lie: the path is plain (no `..`, not absolute) and what exists of it
+    /// stays inside the folder, links followed.
+    ///
+    /// # Errors
+    /// A path that is not plain or leads out.
+    pub fn place(&self, relative: &str) -> Result<PathBuf, FolderError> {
+        let path = Path::new(relative);
+        let plain = !relative.is_empty()
+            && !relative.contains(['\\', '\0'])
+            && path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+            && path.components().any(|part| matches!(part, Component::Normal(_)));
+        if !plain {
+            return Err(FolderError::NotPlain { path: relative.to_owned() });
+        }
+        let place = self.root.join(path);
+        let mut existing = place.as_path();
+        loop {
+            if existing.symlink_metadata().is_ok() {
+                return match existing.canonicalize() {
+                    Ok(real) if real.starts_with(&self.root) => Ok(place),
+                    // A link to nothing is refused too: what is written through it would land elsewhere.
+                    Ok(_) | Err(_) => Err(FolderError::LeadsOut { path: relative.to_owned() }),
+                };
+            }
+            match existing.parent() {
+                Some(parent) => existing = parent,
+                None => return Err(FolderError::Missing { path: relative.to_owned() }),
+            }
+        }
+    }
+
+    /// The bytes of a file of the folder.
+    ///
+    /// # Errors
+    /// A path that is refused, a file that is missing or unreadable.
+    pub fn read(&self, relative: &str) -> Result<Vec<u8>, FolderError> {
+        let place = self.place(relative)?;
+        match place.metadata() {
+            Err(_) => return Err(FolderError::Missing { path: relative.to_owned() }),
+            Ok(data) if !data.is_file() => {
+                let reason = "it is no file".to_owned();
+                return Err(FolderError::Unreadable { path: relative.to_owned(), reason });
+            }
+            Ok(_) => {}
+        }
+        std::fs::read(&place)
+            .map_err(|error| FolderError::Unreadable { path: relative.to_owned(), reason: error.to_string() })
+    }
+
+    /// Names of the JSON files of a folder below, without `.json`, sorted; none where it does not exist.
+    pub fn json_names(&self, below: &str) -> Vec<String> {
+        let Ok(place) = self.place(below) else { return Vec::new() };
+        let Ok(entries) = std::fs::read_dir(place) else { return Vec::new() };
+        let mut names: Vec<String> = entries
+            .flatten()
+            .filter_map(|entry| entry.file_name().to_str()?.strip_suffix(".json").map(str::to_owned))
+            .filter(|name| !name.is_empty() && !name.starts_with('.'))
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_stay_inside() {
+        let outside = tempfile::tempdir().expect("a folder");
+        std::fs::write(outside.path().join("secret"), "x").expect("written");
+        let inside = tempfile::tempdir().expect("a folder");
+        std::fs::create_dir(inside.path().join("data")).expect("made");
+        std::fs::write(inside.path().join("data/a.csv"), "x").expect("written");
+        let folder = Folder::open(inside.path()).expect("opened");
+        assert_eq!(folder.read("data/a.csv").expect("read"), b"x");
+        assert_eq!(folder.read("./data/a.csv").expect("read"), b"x");
+        let absolute = outside.path().join("secret").display().to_string();
+        for path in ["../x", "data/../../x", "..", "", ".", "/etc/passwd", &absolute, "data\\a.csv", "a\0b"] {
+            assert!(matches!(folder.read(path), Err(FolderError::NotPlain { .. })), "{path}");
+        }
+        assert!(matches!(folder.read("data/b.csv"), Err(FolderError::Missing { .. })));
+        assert!(matches!(folder.read("data"), Err(FolderError::Unreadable { .. })));
+        assert!(folder.place("new/deep/file.csv").is_ok());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_may_not_lead_out() {
+        let outside = tempfile::tempdir().expect("a folder");
+        std::fs::write(outside.path().join("secret"), "x").expect("written");
+        let inside = tempfile::tempdir().expect("a folder");
+        std::os::unix::fs::symlink(outside.path(), inside.path().join("out")).expect("linked");
+        std::os::unix::fs::symlink("nowhere", inside.path().join("dangling")).expect("linked");
+        std::fs::write(inside.path().join("a.csv"), "x").expect("written");
+        std::os::unix::fs::symlink("a.csv", inside.path().join("b.csv")).expect("linked");
+        let folder = Folder::open(inside.path()).expect("opened");
+        assert!(matches!(folder.read("out/secret"), Err(FolderError::LeadsOut { .. })));
+        assert!(matches!(folder.place("out/new"), Err(FolderError::LeadsOut { .. })));
+        assert!(matches!(folder.place("dangling"), Err(FolderError::LeadsOut { .. })));
+        assert_eq!(folder.read("b.csv").expect("read"), b"x");
+    }
+}

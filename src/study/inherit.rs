@@ -1,0 +1,237 @@
+//! A pass with what it inherits from its parents.
+//!
+//! Sections with named entries are inherited by name: a named entry replaces the parent's whole entry, `null` removes
+//! it. `title`, `description`, `model` and `seed` are inherited where they are not given. Jobs are not inherited.
+//! The trees are merged before they are read, so that every entry keeps its place in the file that wrote it.
+
+use crate::document::code;
+use crate::document::diagnostic::{Diagnostic, Diagnostics};
+use crate::document::json::{self, Entry, Node, Value};
+use crate::document::suggest;
+
+use super::folder::{Folder, FolderError};
+
+/// Sections whose entries are inherited by name.
+pub(super) const NAMED: &[&str] =
+    &["parameters", "adopt", "requirements", "environments", "measurements", "quantities", "criteria", "design"];
+/// Fields that are inherited as they are.
+const PLAIN: &[&str] = &["title", "description", "model", "seed"];
+
+/// A pass file as written.
+#[derive(Clone, Debug)]
+pub struct PassFile {
+    /// Its name within the study's folder.
+    pub name: String,
+    /// The tree.
+    pub tree: Node,
+}
+
+/// A pass, its parents behind it, nearest first.
+#[derive(Clone, Debug)]
+pub struct Lineage {
+    /// The files, the pass itself first.
+    pub files: Vec<PassFile>,
+    /// The pass with everything inherited; `parent` is the pass's own.
+    pub merged: Node,
+}
+
+/// Reads a pass of a folder and its parents and merges them. `None` where the pass itself cannot be read; errors go
+/// to `diagnostics`.
+pub fn lineage(folder: &Folder, name: &str, diagnostics: &mut Diagnostics) -> Result<Option<Lineage>, FolderError> {
+    let bytes = folder.read(name)?;
+    let Some(tree) = json::parse_bytes(&folder.shown_name(name), &bytes, diagnostics) else { return Ok(None) };
+    let mut files = vec![PassFile { name: plain_name(name), tree }];
+    while let Some(next) = parent(folder, &files, diagnostics) {
+        files.push(next);
+    }
+    let mut merged: Option<Node> = None;
+    for file in files.iter().rev() {
+        merged = Some(match merged {
+            None => first(&file.tree, diagnostics),
+            Some(inherited) => merge(&inherited, &file.tree, diagnostics),
+        });
+    }
+    Ok(merged.map(|merged| Lineage { files, merged }))
+}
+
+/// The next parent of the last file; `None` where there is none or it cannot be used.
+fn parent(folder: &Folder, files: &[PassFile], diagnostics: &mut Diagnostics) -> Option<PassFile> {
+    let node = files.last()?.tree.get("parent")?;
+    // Anything but a string is reported when the merged pass, or this parent as a pass, is read.
+    let Value::String(name) = &node.value else { return None };
+    if let Some(position) = files.iter().position(|file| file.name == plain_name(name)) {
+        let way: Vec<&str> = files[position..].iter().map(|file| file.name.as_str()).collect();
+        let way = format!("{} -> {}", way.join(" -> "), files[position].name);
+        diagnostics.push(
+            Diagnostic::error(&code::PARENT_CYCLE, &node.place, format!("the parents run in a circle: {way}"))
+                .expected("reached before")
+                .help("the first pass has \"parent\": null"),
+        );
+        return None;
+    }
+    match folder.read(name) {
+        Ok(bytes) => {
+            let tree = json::parse_bytes(&folder.shown_name(name), &bytes, diagnostics)?;
+            Some(PassFile { name: plain_name(name), tree })
+        }
+        Err(error) => {
+            diagnostics.push(folder_diagnostic(&error, node));
+            None
+        }
+    }
+}
+
+/// What is wrong with a path, at the place where it is written.
+pub(super) fn folder_diagnostic(error: &FolderError, node: &Node) -> Diagnostic {
+    folder_diagnostic_at(error, &node.place)
+}
+
+/// What is wrong with a path, at its place.
+pub(super) fn folder_diagnostic_at(error: &FolderError, place: &crate::document::source::Place) -> Diagnostic {
+    match error {
+        FolderError::NotPlain { .. } | FolderError::LeadsOut { .. } => {
+            Diagnostic::error(&code::PATH_REFUSED, place, error.to_string())
+        }
+        FolderError::Missing { .. } | FolderError::Unreadable { .. } => {
+            Diagnostic::error(&code::FILE_MISSING, place, error.to_string())
+        }
+    }
+}
+
+fn plain_name(name: &str) -> String {
+    let parts: Vec<&str> = name.split('/').filter(|part| !part.is_empty() && *part != ".").collect();
+    parts.join("/")
+}
+
+/// The oldest pass: it has nothing to remove.
+fn first(tree: &Node, diagnostics: &mut Diagnostics) -> Node {
+    let mut tree = tree.clone();
+    if let Value::Object(entries) = &mut tree.value {
+        for entry in entries.iter_mut().filter(|entry| NAMED.contains(&entry.key.as_str())) {
+            entry.node = overlay(None, &entry.key, &entry.node, diagnostics);
+        }
+    }
+    tree
+}
+
+fn merge(inherited: &Node, own: &Node, diagnostics: &mut Diagnostics) -> Node {
+    let (Value::Object(old), Value::Object(new)) = (&inherited.value, &own.value) else { return own.clone() };
+    let mut entries: Vec<Entry> = Vec::new();
+    for entry in new {
+        let key = entry.key.as_str();
+        let mut entry = entry.clone();
+        if NAMED.contains(&key) {
+            let before = old.iter().find(|other| other.key == entry.key).map(|other| &other.node);
+            entry.node = overlay(before, &entry.key, &entry.node, diagnostics);
+        }
+        entries.push(entry);
+    }
+    for entry in old {
+        let key = entry.key.as_str();
+        if (NAMED.contains(&key) || PLAIN.contains(&key)) && !new.iter().any(|other| other.key == entry.key) {
+            entries.push(entry.clone());
+        }
+    }
+    Node { value: Value::Object(entries), place: own.place.clone() }
+}
+
+/// A section with the parent's entries under it.
+fn overlay(before: Option<&Node>, section: &str, own: &Node, diagnostics: &mut Diagnostics) -> Node {
+    let Value::Object(new) = &own.value else { return own.clone() };
+    let mut entries: Vec<Entry> = match before.map(|node| &node.value) {
+        Some(Value::Object(entries)) => entries.clone(),
+        Some(_) | None => Vec::new(),
+    };
+    for entry in new {
+        let position = entries.iter().position(|other| other.key == entry.key);
+        match (position, &entry.node.value) {
+            (Some(position), Value::Null) => {
+                entries.remove(position);
+            }
+            (Some(position), _) => entries[position] = entry.clone(),
+            (None, Value::Null) => {
+                let near = suggest::nearest(&entry.key, entries.iter().map(|other| other.key.as_str()));
+                diagnostics.push(
+                    Diagnostic::error(
+                        &code::NOTHING_TO_REMOVE,
+                        &entry.key_place,
+                        format!("no parent has `{}` under `{section}`", entry.key),
+                    )
+                    .expected("`null` removes what a parent has")
+                    .suggest(near),
+                );
+            }
+            (None, _) => entries.push(entry.clone()),
+        }
+    }
+    Node { value: Value::Object(entries), place: own.place.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn study(files: &[(&str, &str)]) -> (tempfile::TempDir, Folder) {
+        let root = tempfile::tempdir().expect("a folder");
+        for (name, text) in files {
+            std::fs::write(root.path().join(name), text).expect("written");
+        }
+        let folder = Folder::open(root.path()).expect("opened");
+        (root, folder)
+    }
+
+    fn merged(files: &[(&str, &str)], name: &str) -> (serde_json::Value, Vec<String>) {
+        let (_root, folder) = study(files);
+        let mut diagnostics = Diagnostics::new();
+        let lineage = lineage(&folder, name, &mut diagnostics).expect("a file").expect("a tree");
+        let messages = diagnostics.plain().into_iter().map(|plain| plain.message).collect();
+        (lineage.merged.to_json(), messages)
+    }
+
+    #[test]
+    fn named_entries_replace_remove_and_stay() {
+        let (tree, messages) = merged(
+            &[
+                (
+                    "pass-1.json",
+                    r#"{"parent": null, "title": "one", "seed": 7, "parameters": {"a": {"x": 1, "y": 2}, "b": {"x": 1}, "c": {}}, "jobs": {"old": {}}}"#,
+                ),
+                (
+                    "pass-2.json",
+                    r#"{"parent": "pass-1.json", "parameters": {"a": {"x": 5}}, "environments": {"hot": {}}}"#,
+                ),
+                (
+                    "pass-3.json",
+                    r#"{"parent": "./pass-2.json", "title": "three", "parameters": {"b": null, "d": {}}, "jobs": {"new": {}}}"#,
+                ),
+            ],
+            "pass-3.json",
+        );
+        assert_eq!(messages, [""; 0]);
+        let expected = serde_json::json!({
+            "parent": "./pass-2.json", "title": "three", "parameters": {"a": {"x": 5}, "c": {}, "d": {}},
+            "jobs": {"new": {}}, "environments": {"hot": {}}, "seed": 7
+        });
+        assert_eq!(tree, expected);
+    }
+
+    #[test]
+    fn circles_are_refused() {
+        let (_, messages) =
+            merged(&[("a.json", r#"{"parent": "b.json"}"#), ("b.json", r#"{"parent": "./a.json"}"#)], "a.json");
+        assert_eq!(messages, ["the parents run in a circle: a.json -> b.json -> a.json"]);
+        let (_, messages) = merged(&[("a.json", r#"{"parent": "a.json"}"#)], "a.json");
+        assert_eq!(messages, ["the parents run in a circle: a.json -> a.json"]);
+    }
+
+    #[test]
+    fn missing_parents_escapes_and_empty_removals_are_reported() {
+        let (_, messages) = merged(&[("a.json", r#"{"parent": "b.json"}"#)], "a.json");
+        assert_eq!(messages, ["the file `b.json` does not exist in the study's folder"]);
+        let (_, messages) = merged(&[("a.json", r#"{"parent": "../b.json"}"#)], "a.json");
+        assert!(messages[0].contains("leaves the study's folder"), "{messages:?}");
+        let (tree, messages) = merged(&[("a.json", r#"{"parent": null, "adopt": {"x": null}}"#)], "a.json");
+        assert_eq!(messages, ["no parent has `x` under `adopt`"]);
+        assert_eq!(tree["adopt"], serde_json::json!({}));
+    }
+}

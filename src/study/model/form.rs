@@ -1,0 +1,267 @@
+//! The model as written.
+
+use crate::document::{Amount, Map, OneOrMany, Scalar, Spanned, WrittenUnit, written_struct};
+
+use super::group::GroupForm;
+use super::prior::PriorForm;
+use super::quantity::QuantityOrName;
+
+/// The format's name in the file.
+pub const FORMAT: &str = "bmv-network/1";
+
+written_struct! {
+    /// A thermal network, or an algebraic model without nodes.
+    pub struct ModelForm: "a model" {
+        /// `bmv-network/1`.
+        required format: Spanned<String>,
+        /// Title, for people.
+        default(String::new()) title: String,
+        /// Description, for the report.
+        optional description: String,
+        /// Where the model comes from.
+        optional source: String,
+        /// Set where numbers were reconstructed instead of taken from the source that the study follows: what and how.
+        /// The report shows it wherever it shows results.
+        optional reconstructed: String,
+        /// Environments and dissipations: what a test sets or a mission brings.
+        default(Map::default()) inputs: Map<InputForm>,
+        /// What is uncertain.
+        default(Map::default()) parameters: Map<ParameterForm>,
+        /// Piecewise linear functions for `interp(table, x)`.
+        default(Map::default()) tables: Map<TableForm>,
+        /// The nodes of the network.
+        default(Map::default()) nodes: Map<NodeForm>,
+        /// Linear conductors: heat a to b = conductance (Ta - Tb).
+        default(Map::default()) conductors: Map<ConductorForm>,
+        /// Radiative exchange: heat a to b = sigma exchange_area (Ta^4 - Tb^4).
+        default(Map::default()) radiations: Map<RadiationForm>,
+        /// Heat into nodes.
+        default(Map::default()) loads: Map<LoadForm>,
+        /// Any heat flow between two nodes.
+        default(Map::default()) flows: Map<FlowForm>,
+        /// Thermoelectric coolers.
+        default(Map::default()) coolers: Map<CoolerForm>,
+        /// Controlled heaters.
+        default(Map::default()) heaters: Map<HeaterForm>,
+        /// Members that share physics.
+        default(Map::default()) groups: Map<GroupForm>,
+        /// What is asked of the model.
+        default(Map::default()) quantities: Map<QuantityOrName>,
+    }
+}
+
+written_struct! {
+    /// An input: a boundary temperature, a dissipation, an environment.
+    pub struct InputForm: "an input" {
+        /// The unit of the entry's bare numbers, and of the input in reports.
+        optional unit: WrittenUnit,
+        /// Value where nothing else is said.
+        required nominal: Amount,
+        /// Range in use; the data's minimum and maximum where it is left out.
+        optional range: Spanned<[Amount; 2]>,
+        /// Whether a test can set it.
+        default(true) settable: bool,
+        /// Standard deviation of the input's own error.
+        optional sigma: Amount,
+        /// A constant error of the input, fitted.
+        optional bias: BiasForm,
+        /// Description, for the report.
+        optional description: String,
+        /// Where the value comes from.
+        optional source: String,
+    }
+}
+
+written_struct! {
+    /// A constant error with its prior.
+    pub struct BiasForm: "a bias, {\"prior\": ...}" {
+        /// Its prior, in the entry's unit (differences).
+        required prior: PriorForm,
+    }
+}
+
+written_struct! {
+    /// A parameter with its prior.
+    pub struct ParameterForm: "a parameter" {
+        /// The unit of the entry's bare numbers, and of the parameter in reports.
+        optional unit: WrittenUnit,
+        /// Value as delivered.
+        required nominal: Amount,
+        /// What is known of it; fixed at the nominal value where it is left out.
+        optional prior: PriorForm,
+        /// Description, for the report.
+        optional description: String,
+        /// Where value and prior come from.
+        optional source: String,
+    }
+}
+
+written_struct! {
+    /// A piecewise linear function, constant outside.
+    pub struct TableForm: "a table" {
+        /// Abscissae, strictly increasing, SI.
+        required x: Spanned<Vec<f64>>,
+        /// Ordinates, as many, SI.
+        required y: Spanned<Vec<f64>>,
+        /// Description, for the report.
+        optional description: String,
+        /// Where it comes from.
+        optional source: String,
+    }
+}
+
+written_struct! {
+    /// A node: with `boundary` of given temperature, with `capacity` storing heat, with neither arithmetic.
+    pub struct NodeForm: "a node" {
+        /// Temperature, K; may depend on parameters, inputs and time.
+        optional boundary: Scalar,
+        /// Heat capacity, J/K; may depend on `T`.
+        optional capacity: Scalar,
+        /// Surface area, m2.
+        optional area: Amount,
+        /// Name or number in another tool.
+        optional alias: String,
+        /// Temperature limits.
+        optional limits: LimitsForm,
+        /// Description, for the report.
+        optional description: String,
+        /// Where the values come from.
+        optional source: String,
+    }
+}
+
+written_struct! {
+    /// Temperature limits, [lower, upper].
+    pub struct LimitsForm: "temperature limits" {
+        /// Caution limits.
+        optional yellow: Spanned<[Amount; 2]>,
+        /// Limits that must not be exceeded.
+        optional red: Spanned<[Amount; 2]>,
+    }
+}
+
+written_struct! {
+    /// A linear conductor.
+    pub struct ConductorForm: "a conductor" {
+        /// The two nodes.
+        required between: [Spanned<String>; 2],
+        /// Conductance, W/K; may depend on `Ta`, `Tb`, `Tm`.
+        required conductance: Scalar,
+        /// Description, for the report.
+        optional description: String,
+        /// Where the value comes from.
+        optional source: String,
+    }
+}
+
+written_struct! {
+    /// Radiative exchange.
+    pub struct RadiationForm: "a radiation" {
+        /// The two nodes.
+        required between: [Spanned<String>; 2],
+        /// Area x emittance x exchange factor, m2; sigma not included.
+        required exchange_area: Scalar,
+        /// Description, for the report.
+        optional description: String,
+        /// Where the value comes from.
+        optional source: String,
+    }
+}
+
+written_struct! {
+    /// Heat into a node.
+    pub struct LoadForm: "a load" {
+        /// The node.
+        required into: Spanned<String>,
+        /// Power, W; may depend on the node's `T`.
+        required power: Scalar,
+        /// Description, for the report.
+        optional description: String,
+        /// Where the value comes from.
+        optional source: String,
+    }
+}
+
+written_struct! {
+    /// Any heat flow between two nodes.
+    pub struct FlowForm: "a flow" {
+        /// The two nodes.
+        required between: [Spanned<String>; 2],
+        /// Heat from the first to the second, W; of `Ta`, `Tb`, `Tm`.
+        required heat: Scalar,
+        /// Description, for the report.
+        optional description: String,
+        /// Where the value comes from.
+        optional source: String,
+    }
+}
+
+written_struct! {
+    /// A thermoelectric cooler of one or more stages; values are of one couple.
+    pub struct CoolerForm: "a cooler" {
+        /// The node that is cooled.
+        required cold: Spanned<String>,
+        /// Nodes between the stages, from cold to hot.
+        default(Vec::new()) interstage: Vec<Spanned<String>>,
+        /// The node that takes the heat.
+        required hot: Spanned<String>,
+        /// Voltage over cooler and leads, V; either this or `current`.
+        optional voltage: Scalar,
+        /// Current, A.
+        optional current: Scalar,
+        /// Seebeck coefficient of a couple, V/K; may depend on `Tm` of cold and hot side.
+        required seebeck: Scalar,
+        /// Resistance of a couple, ohm.
+        required resistance: Scalar,
+        /// Conductance of a couple, W/K.
+        required conductance: Scalar,
+        /// Number of couples of each stage, from cold to hot.
+        required couples: Spanned<OneOrMany<Scalar>>,
+        /// Resistance of the leads, ohm, dissipated outside.
+        optional lead_resistance: Scalar,
+        /// Description, for the report.
+        optional description: String,
+        /// Where the values come from.
+        optional source: String,
+    }
+}
+
+written_struct! {
+    /// A controlled heater: with exactly one of `thermostat` and `proportional`.
+    pub struct HeaterForm: "a heater" {
+        /// The node that is heated.
+        required into: Spanned<String>,
+        /// The node that the controller senses; the heated one where it is left out.
+        optional senses: Spanned<String>,
+        /// Power when fully on, W.
+        required power: Scalar,
+        /// Two-point control.
+        optional thermostat: ThermostatForm,
+        /// Proportional control.
+        optional proportional: ProportionalForm,
+        /// Description, for the report.
+        optional description: String,
+        /// Where the values come from.
+        optional source: String,
+    }
+}
+
+written_struct! {
+    /// Two-point control.
+    pub struct ThermostatForm: "a thermostat" {
+        /// Switches on below, K.
+        required on_below: Scalar,
+        /// Switches off above, K.
+        required off_above: Scalar,
+    }
+}
+
+written_struct! {
+    /// Proportional control: duty 1 half a band below the set point, 0 half a band above.
+    pub struct ProportionalForm: "a proportional control" {
+        /// Middle of the band, K.
+        required set_point: Scalar,
+        /// Width of the band, K.
+        required band: Scalar,
+    }
+}

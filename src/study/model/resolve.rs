@@ -1,0 +1,519 @@
+//! From the written model to the resolved one: SI units, indices for names, parsed expressions.
+
+use std::collections::BTreeMap;
+
+use crate::document::{Amount, Diagnostic, Diagnostics, MapEntry, Place, Sense, Spanned, WrittenUnit, code};
+use crate::expression::{Dependence, Dimension, Names, Symbol, Table, Unit};
+use crate::random::Distribution;
+use crate::thermal::element::{Contribution, heater::Switch};
+use crate::thermal::{Input, Limits, Model, Node, NodeKind, Parameter};
+
+use super::element::{self, Kind};
+use super::form::{InputForm, LimitsForm, ModelForm, NodeForm, ParameterForm, TableForm};
+use super::formula::Expected;
+use super::group::{self, Group};
+use super::name;
+use super::prior::{Prior, support};
+use super::quantity;
+
+/// The unit in which a parameter or input is written and shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scale {
+    /// The unit; `None` where the entry states none: SI of unknown dimension.
+    pub unit: Option<Unit>,
+}
+
+impl Scale {
+    /// The unit's text; `SI` where none is stated.
+    pub fn text(&self) -> &str {
+        self.unit.as_ref().map_or("SI", |unit| &unit.text)
+    }
+
+    /// The dimension, where known.
+    pub fn dimension(&self) -> Option<Dimension> {
+        self.unit.as_ref().map(|unit| unit.dimension)
+    }
+
+    /// An amount of this entry in SI: bare numbers are in the entry's unit.
+    pub fn si(&self, amount: &Amount, sense: Sense, diagnostics: &mut Diagnostics) -> Option<f64> {
+        let own = amount.unit.as_ref().map(|written| written.unit.dimension);
+        let dimension = self.dimension().or(own).unwrap_or(Dimension::NONE);
+        amount.si(dimension, self.unit.as_ref(), sense, diagnostics)
+    }
+}
+
+/// The own error of an input.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InputError {
+    /// Standard deviation, SI.
+    pub sigma: Option<f64>,
+    /// Prior of a constant error, SI.
+    pub bias: Option<Prior>,
+}
+
+/// A resolved model with all that belongs to it.
+#[derive(Clone, Debug, Default)]
+pub struct ResolvedModel {
+    /// The model proper.
+    pub model: Model,
+    /// What of it was reconstructed, and how.
+    pub reconstructed: Option<String>,
+    /// The names that expressions know.
+    pub names: Names,
+    /// Prior of each parameter, SI.
+    pub priors: Vec<Prior>,
+    /// Unit of each parameter.
+    pub parameter_scales: Vec<Scale>,
+    /// Unit of each input.
+    pub input_scales: Vec<Scale>,
+    /// Own error of each input.
+    pub input_errors: Vec<InputError>,
+    /// Groups, in the order of the file.
+    pub groups: Vec<Group>,
+    /// Dimension of each quantity.
+    pub quantity_dimensions: Vec<Dimension>,
+    nodes: BTreeMap<String, usize>,
+    elements: BTreeMap<String, Vec<usize>>,
+}
+
+impl ResolvedModel {
+    /// Index of a node.
+    pub fn node(&self, name: &str) -> Option<usize> {
+        self.nodes.get(name).copied()
+    }
+
+    /// Index of a parameter.
+    pub fn parameter(&self, name: &str) -> Option<usize> {
+        self.model.parameters.iter().position(|p| p.name == name)
+    }
+
+    /// Index of an input.
+    pub fn input(&self, name: &str) -> Option<usize> {
+        self.model.inputs.iter().position(|i| i.name == name)
+    }
+
+    /// Index of a quantity.
+    pub fn quantity(&self, name: &str) -> Option<usize> {
+        self.model.quantities.iter().position(|q| q.name == name)
+    }
+
+    /// Index of a node; an unknown one is reported at `place`.
+    pub fn find_node(&self, name: &str, place: &Place, diagnostics: &mut Diagnostics) -> Option<usize> {
+        let found = self.node(name);
+        if found.is_none() {
+            name::unknown("node", name, place, self.nodes.keys().map(String::as_str), diagnostics);
+        }
+        found
+    }
+
+    /// Index of an element of one of some kinds; an unknown one, or two of one name, are reported at `place`.
+    pub fn find_element(
+        &self,
+        name: &str,
+        kinds: &[Kind],
+        place: &Place,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<usize> {
+        let fits = |index: usize| kinds.contains(&Kind::of(&self.model.elements[index]));
+        let found: Vec<usize> = match self.elements.get(name) {
+            Some(indices) => indices.iter().copied().filter(|&i| fits(i)).collect(),
+            None => Vec::new(),
+        };
+        match found.as_slice() {
+            [one] => Some(*one),
+            [] => {
+                let what = if let [kind] = kinds { kind.word() } else { "element" };
+                let known =
+                    self.model.elements.iter().filter(|e| kinds.contains(&Kind::of(e))).map(|e| e.name.as_str());
+                name::unknown(what, name, place, known, diagnostics);
+                None
+            }
+            several => {
+                let kinds: Vec<&str> = several.iter().map(|&i| Kind::of(&self.model.elements[i]).word()).collect();
+                let message = format!("`{name}` is the name of a {}", kinds.join(" and a "));
+                diagnostics
+                    .push(Diagnostic::error(&code::DUPLICATE_NAME, place, message).expected("the name of one element"));
+                None
+            }
+        }
+    }
+
+    /// What an element does to the network, in the steady form.
+    pub fn contribution(&mut self, element: usize) -> Contribution {
+        let mut switches: Vec<Switch> = Vec::new();
+        self.model.elements[element].contribution(&mut self.model.graph, &mut switches, false)
+    }
+
+    /// Adds a parameter (an adopted effect's) behind those of the model and returns its index.
+    pub fn add_parameter(&mut self, parameter: Parameter, scale: Scale, prior: Prior) -> usize {
+        let index = self.model.parameters.len();
+        self.name(&parameter.name, Symbol::Parameter(u32::try_from(index).unwrap_or(u32::MAX)), &scale);
+        self.model.parameters.push(parameter);
+        self.parameter_scales.push(scale);
+        self.priors.push(prior);
+        index
+    }
+
+    fn name(&mut self, name: &str, symbol: Symbol, scale: &Scale) {
+        let id = self.model.graph.symbol(symbol);
+        self.names.values.insert(name.to_owned(), id);
+        if let Some(dimension) = scale.dimension() {
+            self.names.dimensions.insert(symbol, dimension);
+        }
+    }
+}
+
+/// Resolves a model. `None` where there is an error; warnings may stand beside a model.
+pub fn resolve(form: &ModelForm, diagnostics: &mut Diagnostics) -> Option<ResolvedModel> {
+    let before = diagnostics.errors();
+    let mut model = ResolvedModel::default();
+    model.model.title.clone_from(&form.title);
+    for entry in &form.parameters {
+        model.resolve_parameter(entry, diagnostics);
+    }
+    for entry in &form.inputs {
+        if let Some(parameter) = form.parameters.get(&entry.name) {
+            diagnostics.push(
+                Diagnostic::error(
+                    &code::DUPLICATE_NAME,
+                    &entry.name_place,
+                    format!("`{}` is the name of an input and of a parameter", entry.name),
+                )
+                .related(&parameter.name_place, "the parameter")
+                .help("rename one of them: expressions could not tell them apart"),
+            );
+        }
+        model.resolve_input(entry, diagnostics);
+    }
+    name::check_labels(&form.tables, diagnostics);
+    for entry in &form.tables {
+        model.resolve_table(entry, diagnostics);
+    }
+    name::check_labels(&form.nodes, diagnostics);
+    model.nodes = form.nodes.names().enumerate().map(|(i, name)| (name.to_owned(), i)).collect();
+    for (index, entry) in form.nodes.iter().enumerate() {
+        model.resolve_node(index, entry, diagnostics);
+    }
+    element::resolve_all(form, &mut model, diagnostics);
+    for (index, element) in model.model.elements.iter().enumerate() {
+        model.elements.entry(element.name.clone()).or_default().push(index);
+    }
+    if diagnostics.errors() > before {
+        // Groups and quantities speak of nodes and elements: some are missing now, through no fault of theirs.
+        return None;
+    }
+    model.reconstructed.clone_from(&form.reconstructed);
+    model.groups = group::resolve(&form.groups, &model, diagnostics);
+    quantity::resolve_all(&form.quantities, &mut model, diagnostics);
+    if model.model.nodes.is_empty() && model.model.quantities.is_empty() {
+        diagnostics.push(
+            Diagnostic::error(&code::EMPTY_MODEL, &form.format.place, "the model has neither nodes nor quantities")
+                .expected("beside it \"nodes\", or \"quantities\" of an algebraic model"),
+        );
+    }
+    (diagnostics.errors() == before).then_some(model)
+}
+
+/// The scale of an entry: its unit, or the one beside its nominal value.
+fn scale(unit: &Option<WrittenUnit>, nominal: &Amount) -> Scale {
+    Scale { unit: unit.as_ref().or(nominal.unit.as_ref()).map(|written| written.unit.clone()) }
+}
+
+/// A pair in order, in SI.
+fn ordered(
+    pair: &Spanned<[Amount; 2]>,
+    what: &str,
+    convert: impl Fn(&Amount, &mut Diagnostics) -> Option<f64>,
+    diagnostics: &mut Diagnostics,
+) -> Option<[f64; 2]> {
+    let [low, high] = &pair.value;
+    let (lower, upper) = (convert(low, diagnostics), convert(high, diagnostics));
+    let (lower, upper) = (lower?, upper?);
+    if lower < upper {
+        return Some([lower, upper]);
+    }
+    let message = format!("{what} [{}, {}] is not in order", low.value, high.value);
+    diagnostics.push(
+        Diagnostic::error(&code::OUT_OF_RANGE, &pair.place, message).expected("[lower, upper], lower below upper"),
+    );
+    None
+}
+
+impl ResolvedModel {
+    fn resolve_parameter(&mut self, entry: &MapEntry<ParameterForm>, diagnostics: &mut Diagnostics) {
+        name::check_symbol(&entry.name, &entry.name_place, diagnostics);
+        let form = &entry.value;
+        let scale = scale(&form.unit, &form.nominal);
+        let nominal = scale.si(&form.nominal, Sense::Absolute, diagnostics).unwrap_or_default();
+        let dimension = scale.dimension().unwrap_or(Dimension::NONE);
+        let prior = match &form.prior {
+            Some(prior) => prior.resolve(scale.unit.as_ref(), dimension, Sense::Absolute, diagnostics),
+            None => None,
+        };
+        if let Some(Prior::Distribution(distribution)) = &prior {
+            let [lower, upper] = support(distribution);
+            if nominal < lower || nominal > upper {
+                let shown = |value: f64| match &scale.unit {
+                    Some(unit) => unit.from_si(value),
+                    None => value,
+                };
+                let message = format!(
+                    "the nominal value {} of `{}` lies outside its prior, {} to {} {}",
+                    form.nominal.value,
+                    entry.name,
+                    shown(lower),
+                    shown(upper),
+                    scale.text()
+                );
+                diagnostics.push(
+                    Diagnostic::warning(&code::NOMINAL_OUTSIDE, &form.nominal.place, message)
+                        .expected("a value within the prior"),
+                );
+            }
+        }
+        let parameter = Parameter {
+            name: entry.name.clone(),
+            unit: scale.text().to_owned(),
+            nominal,
+            description: form.description.clone().unwrap_or_default(),
+            source: form.source.clone().unwrap_or_default(),
+        };
+        self.add_parameter(parameter, scale, prior.unwrap_or(Prior::Distribution(Distribution::Fixed(nominal))));
+    }
+
+    fn resolve_input(&mut self, entry: &MapEntry<InputForm>, diagnostics: &mut Diagnostics) {
+        name::check_symbol(&entry.name, &entry.name_place, diagnostics);
+        let form = &entry.value;
+        let scale = scale(&form.unit, &form.nominal);
+        let nominal = scale.si(&form.nominal, Sense::Absolute, diagnostics).unwrap_or_default();
+        let convert = |amount: &Amount, diagnostics: &mut Diagnostics| scale.si(amount, Sense::Absolute, diagnostics);
+        let range = form.range.as_ref().and_then(|pair| ordered(pair, "the range", convert, diagnostics));
+        if let (Some([lower, upper]), Some(pair)) = (range, &form.range)
+            && (nominal < lower || nominal > upper)
+        {
+            let [low, high] = &pair.value;
+            let message = format!(
+                "the nominal value {} of `{}` lies outside its range, {} to {}",
+                form.nominal.value, entry.name, low.value, high.value
+            );
+            diagnostics.push(
+                Diagnostic::warning(&code::NOMINAL_OUTSIDE, &form.nominal.place, message)
+                    .expected("a value within the range"),
+            );
+        }
+        let sigma = form.sigma.as_ref().and_then(|amount| {
+            let sigma = scale.si(amount, Sense::Difference, diagnostics)?;
+            if sigma > 0.0 {
+                return Some(sigma);
+            }
+            let message = format!("a standard deviation of {} is not above 0", amount.value);
+            diagnostics
+                .push(Diagnostic::error(&code::OUT_OF_RANGE, &amount.place, message).expected("a number above 0"));
+            None
+        });
+        let dimension = scale.dimension().unwrap_or(Dimension::NONE);
+        let bias = form
+            .bias
+            .as_ref()
+            .and_then(|bias| bias.prior.resolve(scale.unit.as_ref(), dimension, Sense::Difference, diagnostics));
+        let index = self.model.inputs.len();
+        self.name(&entry.name, Symbol::Input(u32::try_from(index).unwrap_or(u32::MAX)), &scale);
+        self.model.inputs.push(Input {
+            name: entry.name.clone(),
+            unit: scale.text().to_owned(),
+            nominal,
+            range,
+            settable: form.settable,
+            description: form.description.clone().unwrap_or_default(),
+        });
+        self.input_scales.push(scale);
+        self.input_errors.push(InputError { sigma, bias });
+    }
+
+    fn resolve_table(&mut self, entry: &MapEntry<TableForm>, diagnostics: &mut Diagnostics) {
+        let (x, y) = (&entry.value.x, &entry.value.y);
+        if x.value.len() != y.value.len() {
+            let message = format!("the table has {} x and {} y", x.value.len(), y.value.len());
+            diagnostics.push(
+                Diagnostic::error(&code::INVALID_TABLE, &y.place, message)
+                    .expected(format!("{} numbers", x.value.len())),
+            );
+        } else if x.value.is_empty() {
+            diagnostics.push(
+                Diagnostic::error(&code::INVALID_TABLE, &x.place, "the table is empty").expected("at least one point"),
+            );
+        } else if let Some(i) = (1..x.value.len()).find(|&i| x.value[i] <= x.value[i - 1]) {
+            let message = format!("x does not increase: {} follows {}", x.value[i], x.value[i - 1]);
+            diagnostics.push(
+                Diagnostic::error(&code::INVALID_TABLE, &x.place, message).expected("strictly increasing numbers"),
+            );
+        }
+        // Kept even when wrong, so that expressions that use it have no error of their own.
+        let table = self.model.graph.table(Table { x: x.value.clone(), y: y.value.clone() });
+        self.names.tables.insert(entry.name.clone(), table);
+    }
+
+    fn resolve_node(&mut self, index: usize, entry: &MapEntry<NodeForm>, diagnostics: &mut Diagnostics) {
+        const BOUNDARY: Expected = Expected::value(Dimension::TEMPERATURE, "a boundary temperature").given();
+        const CAPACITY: Expected = Expected {
+            // Its own temperature, and nothing else of the network; time would make energy from nothing.
+            allowed: Dependence::PARAMETER.union(Dependence::INPUT).union(Dependence::NODE),
+            ..Expected::value(Dimension::HEAT_CAPACITY, "a heat capacity")
+        };
+        let form = &entry.value;
+        let refuse = |place: &Place, message: String, expected: &str, diagnostics: &mut Diagnostics| {
+            diagnostics.push(Diagnostic::error(&code::OUT_OF_RANGE, place, message).expected(expected));
+        };
+        let kind = match (&form.boundary, &form.capacity) {
+            (Some(_), Some(capacity)) => {
+                let message = format!("the node `{}` has a boundary temperature and a heat capacity", entry.name);
+                diagnostics.push(
+                    Diagnostic::error(&code::ONE_KIND, capacity.place(), message)
+                        .expected("either `boundary` or `capacity`, or neither")
+                        .help("a boundary's temperature is given, so its capacity plays no part: remove `capacity`"),
+                );
+                NodeKind::Arithmetic
+            }
+            (Some(boundary), None) => match self.formulas().scalar(boundary, BOUNDARY, &[], diagnostics) {
+                Some(temperature) => {
+                    if let Some(value) = self.model.graph.constant(temperature).filter(|v| *v <= 0.0) {
+                        let expected = "a temperature above 0 K, or {\"value\": ..., \"unit\": \"degC\"}";
+                        refuse(boundary.place(), format!("a boundary temperature of {value} K"), expected, diagnostics);
+                    }
+                    NodeKind::Boundary { temperature }
+                }
+                None => NodeKind::Arithmetic,
+            },
+            (None, Some(capacity)) => {
+                let mut formulas = self.formulas();
+                let locals = [("T", formulas.node(index))];
+                match formulas.scalar(capacity, CAPACITY, &locals, diagnostics) {
+                    Some(id) => {
+                        if let Some(value) = self.model.graph.constant(id).filter(|v| *v <= 0.0) {
+                            let expected = "a heat capacity above 0 J/K; leave it out for a node that stores no heat";
+                            refuse(capacity.place(), format!("a heat capacity of {value} J/K"), expected, diagnostics);
+                        }
+                        NodeKind::Diffusion { capacity: id }
+                    }
+                    None => NodeKind::Arithmetic,
+                }
+            }
+            (None, None) => NodeKind::Arithmetic,
+        };
+        let area = form.area.as_ref().and_then(|amount| {
+            let area = amount.si(Dimension::AREA, None, Sense::Absolute, diagnostics)?;
+            if area <= 0.0 {
+                refuse(&amount.place, format!("an area of {area} m2"), "an area above 0", diagnostics);
+            }
+            Some(area)
+        });
+        let limits = form.limits.as_ref().map(|limits| resolve_limits(limits, diagnostics)).unwrap_or_default();
+        self.model.nodes.push(Node { name: entry.name.clone(), kind, area, alias: form.alias.clone(), limits });
+    }
+}
+
+fn resolve_limits(form: &LimitsForm, diagnostics: &mut Diagnostics) -> Limits {
+    let mut pair = |pair: &Option<Spanned<[Amount; 2]>>| {
+        let convert = |amount: &Amount, diagnostics: &mut Diagnostics| {
+            amount.si(Dimension::TEMPERATURE, None, Sense::Absolute, diagnostics)
+        };
+        pair.as_ref().and_then(|pair| ordered(pair, "the pair of limits", convert, diagnostics))
+    };
+    Limits { yellow: pair(&form.yellow), red: pair(&form.red) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::model::load;
+    use crate::thermal::element::ElementKind;
+
+    fn whole() -> ResolvedModel {
+        let mut diagnostics = Diagnostics::new();
+        let bytes = include_bytes!("../../../tests/diagnostics/whole.json");
+        load("whole.json", bytes, &mut diagnostics).expect("valid")
+    }
+
+    fn prior(model: &ResolvedModel, name: &str) -> Distribution {
+        let index = model.parameter(name).expect("a parameter");
+        *model.priors[index].distribution().expect("a distribution")
+    }
+
+    #[test]
+    fn values_are_si() {
+        let model = whole();
+        let parameter = |name: &str| model.model.parameters[model.parameter(name).expect("there")].nominal;
+        assert_eq!(parameter("G"), 0.8);
+        assert_eq!(parameter("T_on"), 273.15 - 5.0);
+        assert_eq!(parameter("e"), 0.86);
+        assert_eq!(prior(&model, "G"), Distribution::Uniform { lower: 0.4, upper: 1.2 });
+        // The standard deviation in degC is a difference, the bounds are absolute.
+        let expected = Distribution::Normal { mean: 268.15, sd: 0.5, lower: Some(263.15), upper: Some(273.15) };
+        assert_eq!(prior(&model, "T_on"), expected);
+        assert_eq!(prior(&model, "free"), Distribution::Fixed(3.0));
+        let plate = &model.model.inputs[model.input("T_if").expect("there")];
+        assert_eq!((plate.nominal, plate.range), (293.15, Some([273.15 - 40.0, 333.15])));
+        assert_eq!(model.input_errors[0].sigma, Some(0.5));
+        let bias = Distribution::Normal { mean: 0.0, sd: 0.5, lower: None, upper: None };
+        assert_eq!(model.input_errors[0].bias, Some(Prior::Distribution(bias)), "a bias has no offset");
+        // The entry states no unit of its own but its nominal value does: bare numbers are in that.
+        assert_eq!((model.model.inputs[1].nominal, model.model.inputs[1].range), (0.5, Some([0.0, 0.9])));
+        let limits = model.model.nodes[model.node("plate").expect("there")].limits;
+        assert_eq!(limits.yellow, Some([263.15, 323.15]));
+        assert!(matches!(model.priors[model.parameter("l").expect("there")], Prior::Posterior { .. }));
+    }
+
+    #[test]
+    fn expressions_mean_their_physics() {
+        let mut model = whole();
+        let temperatures = |s: Symbol| match s {
+            Symbol::Node(i) => 300.0 + 5.0 * f64::from(i),
+            Symbol::Parameter(i) => f64::from(i) + 1.0,
+            _ => 0.0,
+        };
+        let value = |model: &ResolvedModel, name: &str| {
+            let id = model.model.quantities[model.quantity(name).expect("there")].value.expression();
+            model.model.graph.evaluate(id, &temperatures)
+        };
+        // Nodes: interface 300, space 305, plate 310, lid 315, mid 320, cold 325; G = 1.
+        assert_eq!(value(&model, "leak"), 10.0);
+        assert_eq!(value(&model, "average"), 0.25 * 310.0 + 0.75 * 315.0);
+        assert_eq!(value(&model, "gradient"), 5.0);
+        assert_eq!(value(&model, "again"), 5.0);
+        assert_eq!(value(&model, "rise"), 310.0 - 325.0);
+        assert_eq!(value(&model, "mass"), 20.0);
+        assert_eq!(value(&model, "peak"), 315.0);
+        let rows: Vec<(&str, bool)> =
+            model.model.quantities.iter().map(|q| (q.unit.as_str(), q.is_temperature)).collect();
+        assert_eq!(rows[0], ("K", true));
+        assert_eq!(rows[2], ("K", false), "a gradient is no place on the scale");
+        assert_eq!(rows[3], ("W", false));
+        assert_eq!(rows[7], ("kg", false));
+        let element = model.elements["tec"][0];
+        let ElementKind::Cooler(cooler) = model.model.elements[element].kind.clone() else { panic!("a cooler") };
+        assert_eq!(cooler.nodes, ["cold", "mid", "plate"].map(|n| model.node(n).expect("there")));
+        let couples: Vec<_> = cooler.couples.iter().map(|&c| model.model.graph.constant(c)).collect();
+        assert_eq!(couples, [Some(8.0), Some(24.0)]);
+        assert!(model.contribution(element).current.is_some());
+    }
+
+    #[test]
+    fn large_models_take_linear_time() {
+        use std::fmt::Write;
+        let mut text = String::from(r#"{"format": "bmv-network/1", "nodes": {"n0": {"boundary": 290}"#);
+        for i in 1..10_000 {
+            write!(text, r#", "n{i}": {{"capacity": {i}}}"#).expect("memory");
+        }
+        text.push_str(r#"}, "conductors": {"c0": {"between": ["n0", "n1"], "conductance": 1}"#);
+        for i in 1..9_999 {
+            write!(text, r#", "c{i}": {{"between": ["n{i}", "n{}"], "conductance": "1 + Tm / 1e3"}}"#, i + 1)
+                .expect("memory");
+        }
+        text.push_str("}}");
+        let mut diagnostics = Diagnostics::new();
+        let model = load("large.json", text.as_bytes(), &mut diagnostics).expect("valid");
+        // Work, not time: each element adds a bounded number of terms.
+        assert_eq!(model.model.elements.len(), 9_999);
+        assert!(model.model.graph.len() < 6 * 10_000, "{}", model.model.graph.len());
+    }
+}

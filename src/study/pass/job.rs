@@ -1,0 +1,145 @@
+//! Jobs as written: one key, the kind; every setting has a default.
+
+use serde_json::json;
+
+use crate::document::written::wrong_type;
+use crate::document::{
+    Amount, Diagnostics, Map, NameOr, Node, Schemas, Spanned, Value, Written, written_choice, written_struct,
+    written_words,
+};
+
+written_choice! {
+    /// A job.
+    pub enum JobForm: "a job" {
+        /// Propagation of the parameters' uncertainty.
+        "propagate" => Propagate(PropagateForm),
+        /// Which parameters matter.
+        "sensitivity" => Sensitivity(Node),
+        /// Which parameter must be known how well.
+        "goal" => Goal(Node),
+        /// The experiment that teaches most.
+        "design" => Design(Node),
+        /// Parameters from measurements.
+        "calibrate" => Calibrate(Node),
+        /// Model against measurements.
+        "compare" => Compare(CompareForm),
+        /// Which physical effect is missing.
+        "diagnose" => Diagnose(Node),
+        /// The model's discrepancy as a function.
+        "discrepancy" => Discrepancy(Node),
+        /// Flight prediction.
+        "predict" => Predict(Node),
+        /// Stacked worst cases with margins by rule.
+        "conventional" => Conventional(ConventionalForm),
+    }
+}
+
+written_struct! {
+    /// Settings of `propagate`.
+    pub struct PropagateForm: "settings of `propagate`" {
+        /// Quantities; those of the requirements, else all named ones, else all nodes.
+        optional quantities: Vec<Spanned<String>>,
+        /// Number of samples, 4096 where it is left out.
+        optional samples: Spanned<u64>,
+        /// How the priors are sampled, `sobol` where it is left out.
+        optional sampling: SamplingForm,
+        /// Environments; all of the pass, else `nominal` with the inputs' nominal values.
+        optional environments: Vec<Spanned<String>>,
+        /// Requirements; all of the pass where they are left out.
+        optional requirements: Vec<Spanned<String>>,
+        /// A design variable with its values.
+        optional sweep: Spanned<Map<SweepForm>>,
+        /// Pairs of quantities whose joint distribution is wanted.
+        default(Vec::new()) joint: Vec<[Spanned<String>; 2]>,
+        /// Largest share of failed samples that is tolerated, 0.01 where it is left out.
+        optional failure_limit: Spanned<f64>,
+    }
+}
+
+written_words! {
+    /// How priors are sampled.
+    pub enum SamplingForm: "sampling" {
+        /// Independent draws.
+        "monte-carlo" => MonteCarlo,
+        /// One draw in each of N equal slices.
+        "latin-hypercube" => LatinHypercube,
+        /// Scrambled Sobol points.
+        "sobol" => Sobol,
+    }
+}
+
+/// Values of a design variable.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SweepForm {
+    /// One by one.
+    List(Vec<Amount>),
+    /// Equally spaced.
+    Steps(StepsForm),
+}
+
+written_struct! {
+    /// Equally spaced values.
+    pub struct StepsForm: "an object {\"from\": ..., \"to\": ..., \"steps\": ...}" {
+        /// First value.
+        required from: Amount,
+        /// Last value.
+        required to: Amount,
+        /// Number of values, both ends included.
+        required steps: Spanned<usize>,
+    }
+}
+
+impl Written for SweepForm {
+    fn read(node: &Node, diagnostics: &mut Diagnostics) -> Option<Self> {
+        match &node.value {
+            Value::Array(_) => Vec::read(node, diagnostics).map(Self::List),
+            Value::Object(_) => StepsForm::read(node, diagnostics).map(Self::Steps),
+            _ => wrong_type(node, &Self::expected(), diagnostics),
+        }
+    }
+    fn schema(schemas: &mut Schemas) -> serde_json::Value {
+        json!({"anyOf": [Vec::<Amount>::schema(schemas), StepsForm::schema(schemas)]})
+    }
+    fn expected() -> String {
+        "an array of values, or {\"from\": ..., \"to\": ..., \"steps\": ...}".to_owned()
+    }
+}
+
+written_struct! {
+    /// A range of a design variable.
+    pub struct RangeForm: "an object {\"from\": ..., \"to\": ...}" {
+        /// Lower end.
+        required from: Amount,
+        /// Upper end.
+        required to: Amount,
+    }
+}
+
+written_struct! {
+    /// Settings of `conventional`.
+    pub struct ConventionalForm: "settings of `conventional`" {
+        /// Margin rules by name; all that come with the program, then the study's own, where they are left out.
+        optional rules: Vec<Spanned<String>>,
+        /// Environments; all of the pass, else `nominal`.
+        optional environments: Vec<Spanned<String>>,
+        /// Requirements; all of the pass where they are left out.
+        optional requirements: Vec<Spanned<String>>,
+        /// What is sized: a name (its range from the pass's `design`, the input's range or the prior), or a name with
+        /// `from` and `to`. The pass's one entry under `design` where it is left out.
+        optional design_variable: NameOr<Spanned<Map<RangeForm>>>,
+        /// Parameters and inputs that are heat loads, for margins on heat; those in W where they are left out.
+        optional heat_loads: Vec<Spanned<String>>,
+    }
+}
+
+written_struct! {
+    /// Settings of `compare`.
+    pub struct CompareForm: "settings of `compare`" {
+        /// Measurements; all of the pass where they are left out.
+        optional data: Vec<Spanned<String>>,
+        /// Criteria profile, `smc-3k` where it is left out.
+        optional criteria: Spanned<String>,
+        /// Whose parameters: `nominal`, or the name of a `calibrate` job.
+        optional from: Spanned<String>,
+    }
+}

@@ -1,0 +1,147 @@
+//! Criteria profiles, a JSON file each: those that come with the program, a study's own under `criteria/`, and those
+//! that a pass states.
+//!
+//! To add one to the program: a file in `src/job/criteria` and a line in the list below.
+
+use crate::document::{Amount, Diagnostic, Diagnostics, MapEntry, Sense, Spanned, code, written_struct};
+use crate::expression::Dimension;
+use crate::job::compare::Criteria;
+
+use super::evidence::{EvidenceForm, source_text};
+use super::folder::Folder;
+
+/// The format's name in the file.
+const FORMAT: &str = "bmv-criteria/1";
+
+/// Folder of a study's own profiles.
+pub const FOLDER: &str = "criteria";
+
+/// The profile where a job names none.
+pub const DEFAULT: &str = "smc-3k";
+
+/// Profiles that come with the program.
+const EMBEDDED: &[(&str, &str)] = &[
+    ("smc-3k", include_str!("../job/criteria/smc-3k.json")),
+    ("ecss", include_str!("../job/criteria/ecss.json")),
+    ("gsfc-5k", include_str!("../job/criteria/gsfc-5k.json")),
+    ("precision-1k", include_str!("../job/criteria/precision-1k.json")),
+];
+
+written_struct! {
+    /// What measured minus predicted must keep.
+    pub struct ProfileForm: "a criteria profile" {
+        /// `bmv-criteria/1`; needed in a file, not in a pass.
+        optional format: String,
+        /// Title, for people.
+        required title: String,
+        /// Largest deviation of one reading, a difference of temperature.
+        optional each: Amount,
+        /// Largest magnitude of the mean deviation.
+        optional mean: Amount,
+        /// Largest standard deviation.
+        optional sd: Amount,
+        /// Share of the readings that must keep `each`, above 0 and at most 1; all where it is left out.
+        optional share: Spanned<f64>,
+        /// Drift below which a steady phase counts as stabilised, such as `{"value": 0.2, "unit": "K/h"}`.
+        optional stabilisation: Amount,
+        /// Where it comes from.
+        required source: String,
+        /// How far the source was itself read.
+        optional evidence: EvidenceForm,
+    }
+}
+
+impl ProfileForm {
+    /// The profile under a name.
+    pub fn resolve(&self, name: &str, diagnostics: &mut Diagnostics) -> Option<Criteria> {
+        let before = diagnostics.errors();
+        let temperature = Dimension::TEMPERATURE;
+        let each_k = limit(self.each.as_ref(), temperature, diagnostics);
+        let mean_k = limit(self.mean.as_ref(), temperature, diagnostics);
+        let sd_k = limit(self.sd.as_ref(), temperature, diagnostics);
+        let rate = temperature.over(Dimension::TIME);
+        let stabilisation_k_per_s = limit(self.stabilisation.as_ref(), rate, diagnostics);
+        let share = self.share.as_ref().map(|share| {
+            if !(share.value > 0.0 && share.value <= 1.0) {
+                let message = format!("a share of {} of the readings", share.value);
+                diagnostics
+                    .push(Diagnostic::error(&code::RULE_FILE, &share.place, message).expected("above 0 and at most 1"));
+            }
+            share.value
+        });
+        if diagnostics.errors() > before {
+            return None;
+        }
+        let source = source_text(&self.source, self.evidence);
+        let (name, title) = (name.to_owned(), self.title.clone());
+        Some(Criteria { name, title, each_k, mean_k, sd_k, share, stabilisation_k_per_s, source })
+    }
+}
+
+fn limit(amount: Option<&Amount>, dimension: Dimension, diagnostics: &mut Diagnostics) -> Option<f64> {
+    let amount = amount?;
+    let value = amount.si(dimension, None, Sense::Difference, diagnostics)?;
+    if value <= 0.0 {
+        let message = format!("a limit of {} leaves nothing", amount.value);
+        diagnostics.push(Diagnostic::error(&code::RULE_FILE, &amount.place, message).expected("a limit above 0"));
+        return None;
+    }
+    Some(value)
+}
+
+/// The profiles that come with the program, the study's own, and the pass's own; later ones replace those of the same
+/// name. Beside each of the study's own files stands its JSON, which is part of the study's definition.
+pub fn load<'a>(
+    folder: Option<&Folder>,
+    own: impl IntoIterator<Item = &'a MapEntry<ProfileForm>>,
+    diagnostics: &mut Diagnostics,
+) -> Vec<(Criteria, Option<serde_json::Value>)> {
+    let mut profiles: Vec<(Criteria, Option<serde_json::Value>)> = Vec::new();
+    for (name, text) in EMBEDDED {
+        let read = crate::document::read_file::<ProfileForm>(name, text.as_bytes(), FORMAT, diagnostics);
+        profiles.extend(read.and_then(|(form, _)| form.resolve(name, diagnostics)).map(|profile| (profile, None)));
+    }
+    let mut put = |profile: Criteria, json: Option<serde_json::Value>| {
+        profiles.retain(|(other, _)| other.name != profile.name);
+        profiles.push((profile, json));
+    };
+    if let Some(folder) = folder {
+        for name in folder.json_names(FOLDER) {
+            let file = format!("{FOLDER}/{name}.json");
+            let Ok(bytes) = folder.read(&file) else { continue };
+            let shown = folder.shown_name(&file);
+            let read = crate::document::read_file::<ProfileForm>(&shown, &bytes, FORMAT, diagnostics);
+            let Some((form, node)) = read else { continue };
+            if let Some(profile) = form.resolve(&name, diagnostics) {
+                put(profile, Some(node.to_json()));
+            }
+        }
+    }
+    for entry in own {
+        if let Some(profile) = entry.value.resolve(&entry.name, diagnostics) {
+            put(profile, None);
+        }
+    }
+    profiles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_programs_own_profiles_are_complete() {
+        let mut diagnostics = Diagnostics::new();
+        let profiles = load(None, [], &mut diagnostics);
+        assert!(diagnostics.is_empty(), "{}", diagnostics.render(false, 10));
+        let ecss = &profiles.iter().find(|(profile, _)| profile.name == "ecss").expect("there").0;
+        assert_eq!((ecss.each_k, ecss.mean_k, ecss.sd_k), (Some(5.0), Some(2.0), Some(3.0)));
+        let smc = &profiles.iter().find(|(profile, _)| profile.name == DEFAULT).expect("the default").0;
+        assert_eq!((smc.each_k, smc.mean_k), (Some(3.0), None));
+        // 1 K in 5 h.
+        let drift = smc.stabilisation_k_per_s.expect("a limit");
+        assert!((drift - 1.0 / 18000.0).abs() < 1e-18, "{drift}");
+        let files = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/src/job/criteria")).expect("the folder");
+        assert_eq!(files.count(), EMBEDDED.len(), "every file is in the list");
+    }
+}

@@ -1,0 +1,456 @@
+//! Jobs: settings with their defaults, names looked up.
+
+use crate::document::{Amount, Diagnostic, Map, MapEntry, NameOr, Node, Place, Sense, Spanned, Value, code};
+use crate::expression::Dimension;
+use crate::job::compare::{self, Criteria};
+use crate::job::conventional::{self, Rule};
+use crate::job::propagate::{self, Sampling, Sweep, Variable};
+use crate::job::requirement::{Environment, Requirement};
+use crate::random::Distribution;
+use crate::study::model::Scale;
+use crate::study::model::prior::support;
+use crate::study::pass::job::{
+    CompareForm, ConventionalForm, JobForm, PropagateForm, RangeForm, SamplingForm, SweepForm,
+};
+use crate::study::profile;
+use crate::study::resolved::{JobSpec, NamedJob};
+
+use super::scope::Scope;
+
+/// Samples where a job says nothing.
+const SAMPLES: u64 = 4096;
+/// Most samples of a job.
+const MOST_SAMPLES: u64 = 1 << 30;
+/// Largest share of failed samples where a job says nothing.
+const FAILURE_LIMIT: f64 = 0.01;
+/// Most values of a sweep.
+const MOST_STEPS: usize = 10_000;
+/// Name of the environment and of the parameters' state where nothing else is said.
+const NOMINAL: &str = "nominal";
+
+/// What jobs of a pass can name.
+pub struct Offered<'a> {
+    /// The priors, SI.
+    pub priors: &'a [Distribution],
+    /// Requirements.
+    pub requirements: &'a [Requirement],
+    /// Environments.
+    pub environments: &'a [Environment],
+    /// Measurements by name, with their position in the list; `None` where pinned data are missing.
+    pub measurements: &'a [(String, Option<usize>)],
+    /// Margin rules.
+    pub rules: &'a [Rule],
+    /// Criteria profiles.
+    pub profiles: &'a [Criteria],
+    /// Ranges of design variables.
+    pub design: &'a Map<RangeForm>,
+    /// Number of quantities that have names of their own.
+    pub named_quantities: usize,
+    /// The command that brings missing data.
+    pub command: String,
+}
+
+/// Resolves the jobs in the order of the file.
+pub fn jobs(scope: &mut Scope, forms: &Map<JobForm>, offered: &Offered) -> Vec<NamedJob> {
+    let mut jobs = Vec::new();
+    for entry in forms {
+        let spec = match &entry.value {
+            JobForm::Propagate(form) => propagate(scope, form, offered).map(JobSpec::Propagate),
+            JobForm::Conventional(form) => conventional(scope, entry, form, offered).map(JobSpec::Conventional),
+            JobForm::Compare(form) => compare(scope, entry, form, forms, offered),
+            JobForm::Sensitivity(settings)
+            | JobForm::Goal(settings)
+            | JobForm::Design(settings)
+            | JobForm::Calibrate(settings)
+            | JobForm::Diagnose(settings)
+            | JobForm::Discrepancy(settings)
+            | JobForm::Predict(settings) => not_yet(scope, entry.value.kind(), settings, offered),
+        };
+        jobs.extend(spec.map(|spec| NamedJob { name: entry.name.clone(), spec }));
+    }
+    jobs
+}
+
+/// The comparison at nominal parameters that a pass with measurements gets though no job asks for one.
+pub fn implied_comparison(jobs: &[NamedJob], offered: &Offered) -> Option<NamedJob> {
+    const NAME: &str = "comparison";
+    let data: Vec<usize> = offered.measurements.iter().filter_map(|(_, position)| *position).collect();
+    let asked = jobs.iter().any(|job| job.spec.kind() == "compare" || job.name == NAME);
+    if asked || data.is_empty() {
+        return None;
+    }
+    let criteria = offered.profiles.iter().find(|profile| profile.name == profile::DEFAULT)?.clone();
+    let spec = JobSpec::Compare(compare::Spec { data, criteria, from: NOMINAL.to_owned() });
+    Some(NamedJob { name: NAME.to_owned(), spec })
+}
+
+/// A job that this version does not run: its settings are an object, the measurements that it names exist.
+fn not_yet(scope: &mut Scope, kind: &'static str, settings: &Node, offered: &Offered) -> Option<JobSpec> {
+    if !matches!(settings.value, Value::Object(_)) {
+        return crate::document::written::wrong_type(settings, "an object of settings", scope.diagnostics);
+    }
+    if let Some(Node { value: Value::Array(items), .. }) = settings.get("data") {
+        for item in items {
+            if let Value::String(name) = &item.value {
+                measurement(scope, name, &item.place, offered);
+            }
+        }
+    }
+    let reason = format!("this version does not run `{kind}` jobs");
+    Some(JobSpec::NotYet { kind, settings: settings.to_json(), reason })
+}
+
+fn measurement(scope: &mut Scope, name: &str, place: &Place, offered: &Offered) -> Option<Option<usize>> {
+    let found = offered.measurements.iter().find(|(known, _)| known == name).map(|(_, position)| *position);
+    if found.is_none() {
+        let known: Vec<&str> = offered.measurements.iter().map(|(known, _)| known.as_str()).collect();
+        scope.unknown(&code::JOB_REFERENCE, "measurement", name, place, &known);
+    }
+    found
+}
+
+fn environments(scope: &mut Scope, names: Option<&Vec<Spanned<String>>>, offered: &Offered) -> Vec<Environment> {
+    let nominal = || Environment { name: NOMINAL.to_owned(), inputs: scope.nominal_inputs() };
+    let Some(names) = names.filter(|names| !names.is_empty()) else {
+        return if offered.environments.is_empty() { vec![nominal()] } else { offered.environments.to_vec() };
+    };
+    let mut list = Vec::new();
+    for name in names {
+        match offered.environments.iter().find(|environment| environment.name == name.value) {
+            Some(environment) => list.push(environment.clone()),
+            None if name.value == NOMINAL => {
+                list.push(Environment { name: NOMINAL.to_owned(), inputs: scope.nominal_inputs() });
+            }
+            None => {
+                let mut known: Vec<&str> = offered.environments.iter().map(|known| known.name.as_str()).collect();
+                known.push(NOMINAL);
+                scope.unknown(&code::JOB_REFERENCE, "environment", &name.value, &name.place, &known);
+            }
+        }
+    }
+    list
+}
+
+fn requirements(scope: &mut Scope, names: Option<&Vec<Spanned<String>>>, offered: &Offered) -> Vec<Requirement> {
+    let Some(names) = names else { return offered.requirements.to_vec() };
+    let mut list = Vec::new();
+    for name in names {
+        match offered.requirements.iter().find(|requirement| requirement.name == name.value) {
+            Some(requirement) => list.push(requirement.clone()),
+            None => {
+                let known: Vec<&str> = offered.requirements.iter().map(|known| known.name.as_str()).collect();
+                scope.unknown(&code::JOB_REFERENCE, "requirement", &name.value, &name.place, &known);
+            }
+        }
+    }
+    list
+}
+
+fn propagate(scope: &mut Scope, form: &PropagateForm, offered: &Offered) -> Option<propagate::Spec> {
+    let before = scope.diagnostics.errors();
+    let environments = environments(scope, form.environments.as_ref(), offered);
+    let requirements = requirements(scope, form.requirements.as_ref(), offered);
+    let mut quantities: Vec<usize> = Vec::new();
+    match &form.quantities {
+        Some(names) => {
+            for name in names {
+                if let Some(index) = scope.quantity(name) {
+                    push_new(&mut quantities, index);
+                }
+            }
+        }
+        None if requirements.is_empty() && offered.named_quantities > 0 => {
+            quantities.extend(0..offered.named_quantities)
+        }
+        None if requirements.is_empty() => {
+            for node in 0..scope.resolved.model.nodes.len() {
+                let index = scope.node_quantity(node);
+                push_new(&mut quantities, index);
+            }
+        }
+        None => {}
+    }
+    for requirement in &requirements {
+        push_new(&mut quantities, requirement.quantity);
+    }
+    let mut joint = Vec::new();
+    for pair in &form.joint {
+        let (x, y) = (scope.quantity(&pair[0]), scope.quantity(&pair[1]));
+        if let (Some(x), Some(y)) = (x, y) {
+            push_new(&mut quantities, x);
+            push_new(&mut quantities, y);
+            let position = |index: usize| quantities.iter().position(|other| *other == index).unwrap_or(0);
+            joint.push([position(x), position(y)]);
+        }
+    }
+    let sampling = match form.sampling {
+        None | Some(SamplingForm::Sobol) => Sampling::Sobol,
+        Some(SamplingForm::LatinHypercube) => Sampling::LatinHypercube,
+        Some(SamplingForm::MonteCarlo) => Sampling::MonteCarlo,
+    };
+    let samples = samples(scope, form.samples.as_ref(), sampling);
+    let failure_limit = form.failure_limit.as_ref().map_or(FAILURE_LIMIT, |limit| {
+        if !(0.0..=1.0).contains(&limit.value) {
+            let message = format!("a failure limit of {}", limit.value);
+            scope.error(&code::JOB_SETTING, &limit.place, message, "a share from 0 to 1");
+        }
+        limit.value
+    });
+    let sweep = form.sweep.as_ref().and_then(|form| sweep(scope, form));
+    let spec =
+        propagate::Spec { quantities, samples, sampling, environments, sweep, joint, requirements, failure_limit };
+    (scope.diagnostics.errors() == before).then_some(spec)
+}
+
+fn push_new(list: &mut Vec<usize>, index: usize) {
+    if !list.contains(&index) {
+        list.push(index);
+    }
+}
+
+fn samples(scope: &mut Scope, written: Option<&Spanned<u64>>, sampling: Sampling) -> u64 {
+    let Some(Spanned { value, place }) = written else { return SAMPLES };
+    if !(2..=MOST_SAMPLES).contains(value) {
+        let expected = format!("an integer from 2 to {MOST_SAMPLES}");
+        scope.error(&code::JOB_SETTING, place, format!("{value} samples"), &expected);
+        return SAMPLES;
+    }
+    let rounded = value.next_power_of_two();
+    if sampling == Sampling::Sobol && rounded != *value {
+        let message = format!("{value} Sobol points are rounded up to {rounded}");
+        scope
+            .diagnostics
+            .push(Diagnostic::warning(&code::ROUNDED_SAMPLES, place, message).help("write a power of two"));
+        return rounded;
+    }
+    *value
+}
+
+/// A design variable's values in SI; bare numbers are in its own unit.
+fn value(scope: &mut Scope, amount: &Amount, scale: &Scale) -> Option<f64> {
+    scale.si(amount, Sense::Absolute, scope.diagnostics)
+}
+
+fn sweep(scope: &mut Scope, form: &Spanned<Map<SweepForm>>) -> Option<Sweep> {
+    let entry = match form.value.iter().collect::<Vec<_>>().as_slice() {
+        [one] => *one,
+        several => {
+            let message = format!("a sweep of {} variables", several.len());
+            scope.error(&code::SWEEP, &form.place, message, "exactly one parameter or input");
+            return None;
+        }
+    };
+    let (variable, scale) = scope.variable(&entry.name, &entry.name_place)?;
+    let values: Vec<f64> = match &entry.value {
+        SweepForm::List(list) => {
+            let values: Vec<Option<f64>> = list.iter().map(|amount| value(scope, amount, &scale)).collect();
+            values.into_iter().collect::<Option<_>>()?
+        }
+        SweepForm::Steps(steps) => {
+            let (from, to) = (value(scope, &steps.from, &scale)?, value(scope, &steps.to, &scale)?);
+            let count = steps.steps.value;
+            if !(2..=MOST_STEPS).contains(&count) {
+                let message = format!("a sweep of {count} steps");
+                scope.error(&code::SWEEP, &steps.steps.place, message, &format!("from 2 to {MOST_STEPS} values"));
+                return None;
+            }
+            let last = (count - 1) as f64;
+            (0..count)
+                .map(|index| {
+                    // Both ends exact.
+                    let share = index as f64 / last;
+                    from * (1.0 - share) + to * share
+                })
+                .collect()
+        }
+    };
+    let increasing = values.windows(2).all(|pair| pair[0] < pair[1]);
+    if values.is_empty() || values.len() > MOST_STEPS || !increasing {
+        scope.error(
+            &code::SWEEP,
+            &entry.place,
+            "the values of a sweep do not increase",
+            "at least one value, each above the one before",
+        );
+        return None;
+    }
+    Some(Sweep { name: entry.name.clone(), unit: scale.text().to_owned(), variable, values })
+}
+
+fn conventional(
+    scope: &mut Scope,
+    entry: &MapEntry<JobForm>,
+    form: &ConventionalForm,
+    offered: &Offered,
+) -> Option<conventional::Spec> {
+    let before = scope.diagnostics.errors();
+    let rules = match &form.rules {
+        None => offered.rules.to_vec(),
+        Some(names) => {
+            let mut rules = Vec::new();
+            for name in names {
+                match offered.rules.iter().find(|rule| rule.name == name.value) {
+                    Some(rule) => rules.push(rule.clone()),
+                    None => {
+                        let known: Vec<&str> = offered.rules.iter().map(|rule| rule.name.as_str()).collect();
+                        scope.unknown(&code::JOB_REFERENCE, "margin rule", &name.value, &name.place, &known);
+                    }
+                }
+            }
+            rules
+        }
+    };
+    let environments = environments(scope, form.environments.as_ref(), offered);
+    let requirements = requirements(scope, form.requirements.as_ref(), offered);
+    if requirements.is_empty() && scope.diagnostics.errors() == before {
+        let message = format!("`{}` has no requirement to size for", entry.name);
+        scope.error(&code::JOB_REFERENCE, &entry.name_place, message, "at least one entry under `requirements`");
+    }
+    let design = design_variable(scope, entry, form, offered);
+    let heat_loads = heat_loads(scope, form.heat_loads.as_ref(), design.as_ref().map(|design| design.variable));
+    let design = design?;
+    let spec = conventional::Spec { rules, environments, requirements, design, heat_loads };
+    (scope.diagnostics.errors() == before).then_some(spec)
+}
+
+/// What is sized, with the ends of its range.
+fn design_variable(
+    scope: &mut Scope,
+    entry: &MapEntry<JobForm>,
+    form: &ConventionalForm,
+    offered: &Offered,
+) -> Option<Sweep> {
+    match &form.design_variable {
+        Some(NameOr::Other(map)) => match map.value.iter().collect::<Vec<_>>().as_slice() {
+            [one] => design_range(scope, one),
+            several => {
+                let message = format!("{} design variables", several.len());
+                scope.error(&code::SWEEP, &map.place, message, "exactly one parameter or input");
+                None
+            }
+        },
+        Some(NameOr::Name(name)) => match offered.design.get(&name.value) {
+            Some(range) => design_range(scope, range),
+            None => known_range(scope, name, offered),
+        },
+        None => match offered.design.iter().collect::<Vec<_>>().as_slice() {
+            [one] => design_range(scope, one),
+            several => {
+                let message = format!("`{}` names no design variable, and the pass has {}", entry.name, several.len());
+                let expected = "\"design_variable\": {NAME: {\"from\": ..., \"to\": ...}}";
+                scope.error(&code::SWEEP, &entry.name_place, message, expected);
+                None
+            }
+        },
+    }
+}
+
+fn design_range(scope: &mut Scope, entry: &MapEntry<RangeForm>) -> Option<Sweep> {
+    let (variable, scale) = scope.variable(&entry.name, &entry.name_place)?;
+    let from = value(scope, &entry.value.from, &scale);
+    let to = value(scope, &entry.value.to, &scale);
+    let (from, to) = (from?, to?);
+    if from >= to {
+        let message = format!("the range of `{}` is empty", entry.name);
+        scope.error(&code::SWEEP, &entry.place, message, "`from` below `to`");
+        return None;
+    }
+    Some(Sweep { name: entry.name.clone(), unit: scale.text().to_owned(), variable, values: vec![from, to] })
+}
+
+/// The range of an input, or of a bounded prior.
+fn known_range(scope: &mut Scope, name: &Spanned<String>, offered: &Offered) -> Option<Sweep> {
+    let (variable, scale) = scope.variable(&name.value, &name.place)?;
+    let range = match variable {
+        Variable::Input(index) => scope.resolved.model.inputs[index].range,
+        Variable::Parameter(index) => Some(support(&offered.priors[index])),
+    };
+    match range.filter(|[from, to]| from < to && from.is_finite() && to.is_finite()) {
+        Some(range) => {
+            Some(Sweep { name: name.value.clone(), unit: scale.text().to_owned(), variable, values: range.to_vec() })
+        }
+        None => {
+            let message = format!("no range is known in which `{}` could be sought", name.value);
+            let expected = format!("{{\"{}\": {{\"from\": ..., \"to\": ...}}}}", name.value);
+            scope.error(&code::SWEEP, &name.place, message, &expected);
+            None
+        }
+    }
+}
+
+/// The parameters and inputs that are heat loads: those named, else all in W but the design variable.
+fn heat_loads(scope: &mut Scope, names: Option<&Vec<Spanned<String>>>, design: Option<Variable>) -> Vec<Variable> {
+    if let Some(names) = names {
+        return names.iter().filter_map(|name| Some(scope.variable(&name.value, &name.place)?.0)).collect();
+    }
+    let is_power = |scale: &Scale| scale.dimension() == Some(Dimension::POWER);
+    let parameters = scope.resolved.parameter_scales.iter().enumerate().filter(|(_, scale)| is_power(scale));
+    let inputs = scope.resolved.input_scales.iter().enumerate().filter(|(_, scale)| is_power(scale));
+    let parameters = parameters.map(|(index, _)| Variable::Parameter(index));
+    parameters.chain(inputs.map(|(index, _)| Variable::Input(index))).filter(|load| Some(*load) != design).collect()
+}
+
+fn compare(
+    scope: &mut Scope,
+    entry: &MapEntry<JobForm>,
+    form: &CompareForm,
+    forms: &Map<JobForm>,
+    offered: &Offered,
+) -> Option<JobSpec> {
+    let before = scope.diagnostics.errors();
+    let mut data = Vec::new();
+    let mut missing = Vec::new();
+    let mut add = |name: &str, position: Option<usize>| match position {
+        Some(position) => push_new(&mut data, position),
+        None => missing.push(name.to_owned()),
+    };
+    match &form.data {
+        Some(names) => {
+            for name in names {
+                if let Some(position) = measurement(scope, &name.value, &name.place, offered) {
+                    add(&name.value, position);
+                }
+            }
+        }
+        None => offered.measurements.iter().for_each(|(name, position)| add(name, *position)),
+    }
+    if data.is_empty() && missing.is_empty() && scope.diagnostics.errors() == before {
+        let message = format!("`{}` has no measurement to compare with", entry.name);
+        scope.error(&code::JOB_REFERENCE, &entry.name_place, message, "at least one entry under `measurements`");
+    }
+    let name = form.criteria.as_ref().map_or(profile::DEFAULT, |name| name.value.as_str());
+    let criteria = offered.profiles.iter().find(|profile| profile.name == name).cloned();
+    if let (None, Some(written)) = (&criteria, &form.criteria) {
+        let known: Vec<&str> = offered.profiles.iter().map(|profile| profile.name.as_str()).collect();
+        scope.unknown(&code::JOB_REFERENCE, "criteria profile", name, &written.place, &known);
+    }
+    let kind = "compare";
+    let mut calibration = None;
+    if let Some(from) = form.from.as_ref().filter(|from| from.value != NOMINAL) {
+        match forms.get(&from.value).map(|job| &job.value) {
+            Some(JobForm::Calibrate(_)) => calibration = Some(&from.value),
+            Some(other) => {
+                let message = format!("`{}` is a `{}` job", from.value, other.kind());
+                scope.error(&code::JOB_REFERENCE, &from.place, message, "`nominal`, or a `calibrate` job");
+            }
+            None => {
+                let calibrations = forms.iter().filter(|job| matches!(job.value, JobForm::Calibrate(_)));
+                let mut known = vec![NOMINAL];
+                known.extend(calibrations.map(|job| job.name.as_str()));
+                scope.unknown(&code::JOB_REFERENCE, "state of the parameters", &from.value, &from.place, &known);
+            }
+        }
+    }
+    if scope.diagnostics.errors() > before {
+        return None;
+    }
+    if !missing.is_empty() {
+        return Some(JobSpec::Waiting { kind, measurements: missing, command: offered.command.clone() });
+    }
+    if let Some(name) = calibration {
+        let reason = format!("it takes the parameters of `{name}`, and this version does not run `calibrate` jobs");
+        let settings = serde_json::json!({ "from": name });
+        return Some(JobSpec::NotYet { kind, settings, reason });
+    }
+    Some(JobSpec::Compare(compare::Spec { data, criteria: criteria?, from: NOMINAL.to_owned() }))
+}

@@ -1,0 +1,304 @@
+//! From a pass as written to a pass that can be run.
+
+pub mod changes;
+pub mod data;
+pub mod jobs;
+pub mod measurement;
+pub mod requirement;
+pub mod scope;
+pub mod steady;
+pub mod transient;
+
+use std::path::Path;
+
+use crate::document::hash::sha256_hex;
+use crate::document::written::check_format;
+use crate::document::{
+    Diagnostic, Diagnostics, MapEntry, NameOr, Node, Place, Source, Span, Spanned, Value, Written, canonical, code,
+};
+use crate::thermal::Quantity;
+
+use super::folder::{Folder, FolderError};
+use super::inherit::{Lineage, folder_diagnostic_at, lineage};
+use super::model::name::check_label;
+use super::model::{self, QuantityForm, QuantityOrName, ResolvedModel};
+use super::pass::{self, PassForm};
+use super::resolved::Pass;
+use super::{profile, rule};
+
+use jobs::Offered;
+use measurement::Outcome;
+use scope::{Scope, unit_of};
+
+/// The model's file where no pass names one.
+const MODEL: &str = "model.json";
+/// The seed where no pass states one.
+const SEED: u64 = 1;
+/// Largest seed: larger integers are not exact in every JSON reader.
+const LARGEST_SEED: u64 = (1 << 53) - 1;
+
+/// Reads a pass with its parents, its model and its data.
+///
+/// # Errors
+/// All that is wrong with the files; warnings stand among them.
+pub fn load(pass: &Path) -> Result<Pass, Diagnostics> {
+    let mut diagnostics = Diagnostics::new();
+    let resolved = read(pass, &mut diagnostics);
+    match resolved {
+        Some(mut pass) if !diagnostics.has_errors() => {
+            pass.warnings = diagnostics;
+            Ok(pass)
+        }
+        Some(_) | None => Err(diagnostics),
+    }
+}
+
+fn read(path: &Path, diagnostics: &mut Diagnostics) -> Option<Pass> {
+    let shown = path.display().to_string();
+    let nowhere = Place::in_text(&Source::new(shown.as_str(), ""), Span::default());
+    let unreadable = |error: FolderError, diagnostics: &mut Diagnostics| {
+        diagnostics.push(folder_diagnostic_at(&error, &nowhere));
+        None
+    };
+    let parent = path.parent().unwrap_or(Path::new(""));
+    let folder = match Folder::open(parent) {
+        Ok(folder) => folder,
+        Err(error) => return unreadable(error, diagnostics),
+    };
+    let Some(file) = path.file_name().and_then(|name| name.to_str()) else {
+        return unreadable(FolderError::Missing { path: shown.clone() }, diagnostics);
+    };
+    let lineage = match lineage(&folder, file, diagnostics) {
+        Ok(lineage) => lineage?,
+        Err(error) => return unreadable(error, diagnostics),
+    };
+    let mut good = !diagnostics.has_errors();
+    for file in &lineage.files {
+        good &= check_format(&file.tree, pass::FORMAT, diagnostics);
+    }
+    if !good {
+        return None;
+    }
+    let form = PassForm::read(&lineage.merged, diagnostics);
+    let model_file = model_file(&lineage.merged);
+    let (resolved, model_tree) = read_model(&folder, &model_file, diagnostics)?;
+    let form = form?;
+    resolve(&folder, &lineage, &form, &model_file.value, resolved, &model_tree, diagnostics)
+}
+
+/// The model's file, also where other parts of the pass are wrong.
+fn model_file(merged: &Node) -> Spanned<String> {
+    match merged.get("model") {
+        Some(Node { value: Value::String(name), place }) => Spanned { value: name.clone(), place: place.clone() },
+        Some(_) | None => {
+            let start = merged.place.span.start;
+            let place = Place { span: Span::new(start, start + 1), ..merged.place.clone() };
+            Spanned { value: MODEL.to_owned(), place }
+        }
+    }
+}
+
+fn read_model(folder: &Folder, file: &Spanned<String>, diagnostics: &mut Diagnostics) -> Option<(ResolvedModel, Node)> {
+    let bytes = match folder.read(&file.value) {
+        Ok(bytes) => bytes,
+        Err(error) => {
+            diagnostics.push(folder_diagnostic_at(&error, &file.place));
+            return None;
+        }
+    };
+    let before = diagnostics.errors();
+    let (form, tree) = model::read(&folder.shown_name(&file.value), &bytes, diagnostics)?;
+    if diagnostics.errors() > before {
+        return None;
+    }
+    Some((model::resolve(&form, diagnostics)?, tree))
+}
+
+fn resolve(
+    folder: &Folder,
+    lineage: &Lineage,
+    form: &PassForm,
+    model_file: &str,
+    resolved: ResolvedModel,
+    model_tree: &Node,
+    diagnostics: &mut Diagnostics,
+) -> Option<Pass> {
+    let mut scope = Scope { folder, resolved, diagnostics };
+    let seed = seed(&mut scope, form.seed.as_ref());
+    check_names(&mut scope, form);
+    let (changes, priors) = changes::changes(&mut scope, &form.parameters);
+    refuse_effects(&mut scope, form);
+    for entry in &form.quantities {
+        quantity(&mut scope, entry);
+    }
+    let named_quantities = scope.resolved.model.quantities.len();
+    let requirements = requirement::requirements(&mut scope, &form.requirements);
+    let environments = requirement::environments(&mut scope, &form.environments);
+    let (mut measurements, mut positions) = (Vec::new(), Vec::new());
+    let (mut pinned, mut missing, mut ignored_sensors) = (Vec::new(), Vec::new(), Vec::new());
+    for entry in &form.measurements {
+        let position = match measurement::measurement(&mut scope, entry, &mut pinned, &mut ignored_sensors) {
+            Outcome::Ready(measurement) => {
+                measurements.push(measurement);
+                Some(measurements.len() - 1)
+            }
+            Outcome::Missing => {
+                missing.extend(pinned.last().cloned());
+                None
+            }
+            // An error stands for it: the position is never used.
+            Outcome::Wrong => Some(0),
+        };
+        positions.push((entry.name.clone(), position));
+    }
+    let ranges_from_data = ranges_from_data(&mut scope, &measurements);
+    let rules = rule::load(Some(folder), scope.diagnostics);
+    let profiles = profile::load(Some(folder), form.criteria.iter(), scope.diagnostics);
+    let mut own = serde_json::Map::new();
+    own.extend(rules.iter().filter_map(|(rule, json)| Some((format!("rules/{}", rule.name), json.clone()?))));
+    own.extend(
+        profiles.iter().filter_map(|(profile, json)| Some((format!("criteria/{}", profile.name), json.clone()?))),
+    );
+    let offered = Offered {
+        priors: &priors,
+        requirements: &requirements,
+        environments: &environments,
+        measurements: &positions,
+        rules: &rules.into_iter().map(|(rule, _)| rule).collect::<Vec<_>>(),
+        profiles: &profiles.into_iter().map(|(profile, _)| profile).collect::<Vec<_>>(),
+        design: &form.design,
+        named_quantities,
+        command: format!("bmv data get {}", folder.shown_name("").trim_end_matches('/')),
+    };
+    let mut jobs = jobs::jobs(&mut scope, &form.jobs, &offered);
+    jobs.extend(jobs::implied_comparison(&jobs, &offered));
+    let definition_sha256 = definition(lineage, model_file, model_tree, own);
+    let ResolvedModel { model, reconstructed, input_errors, .. } = scope.resolved;
+    Some(Pass {
+        folder: folder.shown().to_owned(),
+        file: lineage.files[0].name.clone(),
+        parents: lineage.files[1..].iter().map(|file| file.name.clone()).collect(),
+        model_file: model_file.to_owned(),
+        title: form.title.clone().unwrap_or_else(|| model.title.clone()),
+        description: form.description.clone().unwrap_or_default(),
+        reconstructed,
+        definition_sha256,
+        seed,
+        model,
+        priors,
+        input_errors,
+        requirements,
+        environments,
+        measurements,
+        ignored_sensors,
+        jobs,
+        changes,
+        ranges_from_data,
+        pinned,
+        missing,
+        warnings: Diagnostics::new(),
+    })
+}
+
+fn seed(scope: &mut Scope, written: Option<&Spanned<u64>>) -> u64 {
+    let Some(seed) = written else { return SEED };
+    if seed.value > LARGEST_SEED {
+        let message = format!("the seed {} is above 2^53 - 1", seed.value);
+        let expected = format!("an integer from 0 to {LARGEST_SEED}");
+        scope.error(&code::OUT_OF_RANGE, &seed.place, message, &expected);
+    }
+    seed.value
+}
+
+/// Names of entries: text without control characters, `:` or `/`.
+fn check_names(scope: &mut Scope, form: &PassForm) {
+    fn names<T>(entries: &crate::document::Map<T>) -> impl Iterator<Item = (&str, &Place)> {
+        entries.iter().map(|entry| (entry.name.as_str(), &entry.name_place))
+    }
+    let all = names(&form.adopt)
+        .chain(names(&form.requirements))
+        .chain(names(&form.environments))
+        .chain(names(&form.measurements))
+        .chain(names(&form.jobs))
+        .chain(names(&form.quantities))
+        .chain(names(&form.criteria));
+    for (name, place) in all {
+        check_label(name, place, scope.diagnostics);
+    }
+}
+
+/// Effects are read, and cannot yet be applied.
+fn refuse_effects(scope: &mut Scope, form: &PassForm) {
+    for entry in &form.adopt {
+        if entry.value.effect.len() != 1 {
+            let message = format!("`{}` adopts {} effects", entry.name, entry.value.effect.len());
+            scope.error(&code::ONE_KIND, &entry.place, message, "an object with one key, the effect's name");
+        }
+        scope.reason(&entry.value.because);
+        let message = format!("this version cannot yet apply effects, and `{}` is one", entry.name);
+        scope.error(&code::EFFECTS_NOT_APPLIED, &entry.name_place, message, "no entry under `adopt`");
+    }
+}
+
+/// A quantity of the pass: it replaces one of the model of the same name.
+fn quantity(scope: &mut Scope, entry: &MapEntry<QuantityOrName>) {
+    let itself = match &entry.value {
+        NameOr::Name(name) | NameOr::Other(QuantityForm::Temperature(name)) => name.value == entry.name,
+        NameOr::Other(_) => false,
+    };
+    if scope.resolved.node(&entry.name).is_some() && !itself {
+        let message = format!("the quantity `{}` has the name of a node", entry.name);
+        scope.diagnostics.push(
+            Diagnostic::error(&code::DUPLICATE_NAME, &entry.name_place, message)
+                .help("a node's name alone means its temperature: rename the quantity"),
+        );
+        return;
+    }
+    let quantity = model::quantity::resolve(&entry.name, &entry.value, &mut scope.resolved, scope.diagnostics);
+    let Some(quantity) = quantity else { return };
+    put_quantity(&mut scope.resolved, quantity);
+}
+
+fn put_quantity(resolved: &mut ResolvedModel, quantity: Quantity) {
+    let dimension = unit_of(&quantity.unit).dimension;
+    match resolved.quantity(&quantity.name) {
+        Some(index) => {
+            resolved.model.quantities[index] = quantity;
+            resolved.quantity_dimensions[index] = dimension;
+        }
+        None => {
+            resolved.model.quantities.push(quantity);
+            resolved.quantity_dimensions.push(dimension);
+        }
+    }
+}
+
+/// Inputs without a stated range take the data's smallest and largest value.
+fn ranges_from_data(scope: &mut Scope, measurements: &[crate::inference::measurement::Measurement]) -> Vec<String> {
+    let mut ranges = vec![None; scope.resolved.model.inputs.len()];
+    for measurement in measurements {
+        measurement::widen_ranges(measurement, &mut ranges);
+    }
+    let mut names = Vec::new();
+    for (input, range) in scope.resolved.model.inputs.iter_mut().zip(ranges) {
+        if input.range.is_none() && range.is_some() {
+            input.range = range;
+            names.push(input.name.clone());
+        }
+    }
+    names
+}
+
+/// SHA-256 of the canonical JSON of the files as written.
+fn definition(
+    lineage: &Lineage,
+    model_file: &str,
+    model_tree: &Node,
+    mut files: serde_json::Map<String, serde_json::Value>,
+) -> String {
+    let passes: Vec<serde_json::Value> = lineage.files.iter().map(|file| file.tree.to_json()).collect();
+    files.insert("passes".to_owned(), serde_json::Value::Array(passes));
+    files.insert(model_file.to_owned(), model_tree.to_json());
+    // Numbers of a file that was read are finite, so there is always a canonical text.
+    sha256_hex(canonical::canonical(&serde_json::Value::Object(files)).unwrap_or_default().as_bytes())
+}

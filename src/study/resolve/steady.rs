@@ -1,0 +1,271 @@
+//! Steady measurements: a table of phases, or windows of time series.
+
+use crate::document::hash::sha256_hex;
+use crate::document::{Map, MapEntry, NameOr, Place, Sense, Spanned, code};
+use crate::expression::Dimension;
+use crate::inference::measurement::{Measurement, Phase, Rows, Sensor, Stabilisation};
+use crate::study::pass::measurement::{
+    HeldOutForm, IgnoredIntervalForm, MeasurementForm, SensorForm, SteadyForm, WindowForm,
+};
+use crate::study::pinned::Pinned;
+use crate::study::resolved::IgnoredSensor;
+use crate::study::table::Cells;
+use crate::study::window::window;
+
+use super::data::{Layout, Wanted, columns, data, pin, separator};
+use super::measurement::{Outcome, base_inputs, check_content, parted, rows_within, sensors, wanted};
+use super::scope::Scope;
+
+/// Resolves a steady measurement.
+pub fn steady(
+    scope: &mut Scope,
+    entry: &MapEntry<MeasurementForm>,
+    form: &SteadyForm,
+    pins: &mut Vec<Pinned>,
+    ignored: &mut Vec<IgnoredSensor>,
+) -> Outcome {
+    let mut list = sensors(scope, &entry.name, &entry.name_place, &form.sensors, &form.ignore, ignored);
+    let outcome = match (&form.file, &form.windows) {
+        (Some(file), None) => table(scope, entry, form, file, &mut list, pins),
+        (None, Some(windows)) => from_windows(scope, entry, form, windows, &mut list),
+        (Some(_), Some(_)) | (None, None) => {
+            let message = "a steady measurement has either a `file` or `windows`";
+            scope.error(&code::MEASUREMENT_FORM, &entry.name_place, message, "one of the two");
+            Outcome::Wrong
+        }
+    };
+    let Outcome::Ready(mut measurement) = outcome else { return outcome };
+    if let Rows::Steady(phases) = &mut measurement.rows {
+        hold_out(scope, form.held_out.as_ref(), phases);
+        leave_out(scope, &form.ignore, &form.sensors, phases);
+    }
+    check_content(scope, &measurement, form.file.as_ref().map_or(&entry.name_place, |file| &file.place));
+    Outcome::Ready(measurement)
+}
+
+fn table(
+    scope: &mut Scope,
+    entry: &MapEntry<MeasurementForm>,
+    form: &SteadyForm,
+    file: &Spanned<String>,
+    list: &mut [(&MapEntry<SensorForm>, Sensor)],
+    pins: &mut Vec<Pinned>,
+) -> Outcome {
+    let pinned = form.pinned.as_ref().and_then(|pinned| pin(scope, &entry.name, &file.value, pinned));
+    pins.extend(pinned.clone());
+    let separator = separator(scope, form.separator.as_ref());
+    let data = match data(scope, file, pinned.as_ref()) {
+        Ok(Some(data)) => data,
+        Ok(None) => return Outcome::Missing,
+        Err(()) => return Outcome::Wrong,
+    };
+    let names: Vec<String> = scope.resolved.model.inputs.iter().map(|input| input.name.clone()).collect();
+    let wanted = wanted(scope, &names, list, &file.place);
+    let layout = Layout { columns: &form.columns, separator, key: "phase" };
+    let Ok(mut columns) = columns(scope, &data, &layout, &wanted) else { return Outcome::Wrong };
+    let parts = parted(&mut columns, names.len());
+    let base = scope.nominal_inputs();
+    let mut phases = Vec::new();
+    let mut readings = Vec::new();
+    for (row, name) in columns.phases.iter().enumerate() {
+        let mut inputs = base.clone();
+        for (input, values) in &parts.inputs {
+            inputs[*input] = values[row];
+        }
+        phases.push(Phase { name: name.clone(), inputs, held_out: false, ignored: None, stabilisation: None });
+        readings.extend(parts.sensors.iter().map(|sensor| sensor.values[row]));
+    }
+    for ((_, sensor), read) in list.iter_mut().zip(&parts.sensors) {
+        sensor.unit.clone_from(&read.unit);
+    }
+    Outcome::Ready(Measurement {
+        name: entry.name.clone(),
+        rows: Rows::Steady(phases),
+        sensors: list.iter().map(|(_, sensor)| sensor.clone()).collect(),
+        readings,
+        file: file.value.clone(),
+        sha256: data.sha256,
+        unused_columns: columns.unused,
+    })
+}
+
+/// A time series that windows are cut from.
+struct Series {
+    file: String,
+    sha256: String,
+    times_s: Vec<f64>,
+    parts: super::measurement::Parted,
+    unused: Vec<String>,
+}
+
+fn series(
+    scope: &mut Scope,
+    form: &SteadyForm,
+    file: &Spanned<String>,
+    list: &[(&MapEntry<SensorForm>, Sensor)],
+) -> Option<Series> {
+    let separator = separator(scope, form.separator.as_ref());
+    let data = data(scope, file, None).ok().flatten()?;
+    let names: Vec<String> = scope.resolved.model.inputs.iter().map(|input| input.name.clone()).collect();
+    let mut wanted = wanted(scope, &names, list, &file.place);
+    wanted.insert(0, time_column(&file.place));
+    let layout = Layout { columns: &form.columns, separator, key: "time" };
+    let mut columns = columns(scope, &data, &layout, &wanted).ok()?;
+    let times_s = columns.read.remove(0)?.values.into_iter().flatten().collect();
+    let parts = parted(&mut columns, names.len());
+    Some(Series { file: file.value.clone(), sha256: data.sha256, times_s, parts, unused: columns.unused })
+}
+
+/// The column of instants.
+pub fn time_column(place: &Place) -> Wanted<'_> {
+    Wanted {
+        name: "time",
+        place,
+        dimension: Some(Dimension::TIME),
+        sense: Sense::Difference,
+        cells: Cells::Times,
+        required: true,
+    }
+}
+
+fn from_windows(
+    scope: &mut Scope,
+    entry: &MapEntry<MeasurementForm>,
+    form: &SteadyForm,
+    windows: &Map<WindowForm>,
+    list: &mut [(&MapEntry<SensorForm>, Sensor)],
+) -> Outcome {
+    if let Some(pinned) = &form.pinned {
+        let message = "`pinned` belongs to a measurement with one `file`";
+        scope.error(&code::MEASUREMENT_FORM, &pinned.sha256.place, message, "no `pinned` beside `windows`");
+    }
+    let mut all: Vec<Series> = Vec::new();
+    let mut phases = Vec::new();
+    let mut readings = Vec::new();
+    for MapEntry { name, value, place, .. } in windows {
+        if !all.iter().any(|series| series.file == value.file.value) {
+            let Some(series) = series(scope, form, &value.file, list) else { continue };
+            all.push(series);
+        }
+        let mut inputs = base_inputs(scope, &value.inputs);
+        let Some(series) = all.iter().find(|series| series.file == value.file.value) else { continue };
+        let rows = rows_within(scope, &series.times_s, value.from.as_ref(), value.to.as_ref(), place);
+        let Some(rows) = rows else { continue };
+        let inside = |values: &[f64]| -> Vec<f64> {
+            values.iter().zip(&rows).filter(|(_, within)| **within).map(|(value, _)| *value).collect()
+        };
+        let times_s = inside(&series.times_s);
+        for (input, values) in &series.parts.inputs {
+            if let Some(statistics) = window(&times_s, &inside(values)) {
+                inputs[*input] = statistics.mean;
+            }
+        }
+        let mut steadiness = Stabilisation {
+            from_s: times_s.first().copied().unwrap_or(0.0),
+            to_s: times_s.last().copied().unwrap_or(0.0),
+            slopes: Vec::new(),
+            slope_errors: Vec::new(),
+            mean_errors: Vec::new(),
+        };
+        for sensor in &series.parts.sensors {
+            let (times_s, values): (Vec<f64>, Vec<f64>) = (sensor.values.iter().zip(&series.times_s).zip(&rows))
+                .filter(|(_, within)| **within)
+                .filter_map(|((value, time), _)| value.map(|value| (*time, value)))
+                .unzip();
+            let statistics = window(&times_s, &values);
+            readings.push(statistics.map(|statistics| statistics.mean));
+            steadiness.slopes.push(statistics.and_then(|statistics| statistics.slope));
+            steadiness.slope_errors.push(statistics.and_then(|statistics| statistics.slope_error));
+            steadiness.mean_errors.push(statistics.and_then(|statistics| statistics.mean_error));
+        }
+        let stabilisation = Some(steadiness);
+        phases.push(Phase { name: name.clone(), inputs, held_out: false, ignored: None, stabilisation });
+    }
+    if let Some(series) = all.first() {
+        for ((_, sensor), read) in list.iter_mut().zip(&series.parts.sensors) {
+            sensor.unit.clone_from(&read.unit);
+        }
+    }
+    let mut unused_columns: Vec<String> = Vec::new();
+    for series in &all {
+        for header in &series.unused {
+            if !unused_columns.contains(header) {
+                unused_columns.push(header.clone());
+            }
+        }
+    }
+    let files: Vec<&str> = all.iter().map(|series| series.file.as_str()).collect();
+    let sha256 = match all.as_slice() {
+        [one] => one.sha256.clone(),
+        several => {
+            let hashes: Vec<&str> = several.iter().map(|series| series.sha256.as_str()).collect();
+            sha256_hex(hashes.join("\n").as_bytes())
+        }
+    };
+    Outcome::Ready(Measurement {
+        name: entry.name.clone(),
+        rows: Rows::Steady(phases),
+        sensors: list.iter().map(|(_, sensor)| sensor.clone()).collect(),
+        readings,
+        file: files.join(", "),
+        sha256,
+        unused_columns,
+    })
+}
+
+fn hold_out(scope: &mut Scope, form: Option<&HeldOutForm>, phases: &mut [Phase]) {
+    match form {
+        None => {}
+        Some(HeldOutForm::All(_)) => phases.iter_mut().for_each(|phase| phase.held_out = true),
+        Some(HeldOutForm::Phases(names)) => {
+            for name in names {
+                match phases.iter_mut().find(|phase| phase.name == name.value) {
+                    Some(phase) => phase.held_out = true,
+                    None => unknown_phase(scope, "phase", &name.value, &name.place, phases, &[]),
+                }
+            }
+        }
+        Some(HeldOutForm::Intervals(intervals)) => {
+            if let Some(interval) = intervals.first() {
+                let message = "a steady measurement has no intervals to hold out";
+                scope.error(&code::MEASUREMENT_FORM, &interval.place, message, "`phases` or `all`");
+            }
+        }
+    }
+}
+
+fn leave_out(
+    scope: &mut Scope,
+    ignore: &Map<NameOr<IgnoredIntervalForm>>,
+    sensors: &Map<SensorForm>,
+    phases: &mut [Phase],
+) {
+    for entry in ignore {
+        let reason = match &entry.value {
+            NameOr::Name(reason) => reason,
+            NameOr::Other(_) => {
+                let message = "a steady measurement has no stretches of time to leave out";
+                scope.error(&code::MEASUREMENT_FORM, &entry.place, message, "the reason as a string");
+                continue;
+            }
+        };
+        match phases.iter_mut().find(|phase| phase.name == entry.name) {
+            Some(phase) => {
+                if scope.reason(reason) {
+                    phase.ignored = Some(reason.value.clone());
+                }
+            }
+            None if sensors.get(&entry.name).is_some() => {}
+            None => {
+                let known: Vec<&str> = sensors.iter().map(|entry| entry.name.as_str()).collect();
+                unknown_phase(scope, "phase or sensor", &entry.name, &entry.name_place, phases, &known);
+            }
+        }
+    }
+}
+
+fn unknown_phase(scope: &mut Scope, what: &str, name: &str, place: &Place, phases: &[Phase], more: &[&str]) {
+    let mut known: Vec<&str> = phases.iter().map(|phase| phase.name.as_str()).collect();
+    known.extend(more);
+    scope.unknown(&code::MEASUREMENT_FORM, what, name, place, &known);
+}

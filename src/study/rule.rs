@@ -1,0 +1,137 @@
+//! Margin rules, a JSON file each: those that come with the program, and a study's own under `rules/`.
+//!
+//! To add one to the program: a file in `src/job/rules` and a line in the list below.
+
+use crate::document::{Amount, Diagnostic, Diagnostics, Sense, code, written_choice, written_struct};
+use crate::expression::Dimension;
+use crate::job::conventional::{Margin, Rule};
+
+use super::evidence::{EvidenceForm, source_text};
+use super::folder::Folder;
+
+/// The format's name in the file.
+const FORMAT: &str = "bmv-rule/1";
+
+/// Folder of a study's own rules.
+pub const FOLDER: &str = "rules";
+
+/// Rules that come with the program, in the order in which they are shown.
+const EMBEDDED: &[(&str, &str)] = &[
+    ("none", include_str!("../job/rules/none.json")),
+    ("nasa-gsfc-5k", include_str!("../job/rules/nasa-gsfc-5k.json")),
+    ("military-11k", include_str!("../job/rules/military-11k.json")),
+    ("military-17k", include_str!("../job/rules/military-17k.json")),
+    ("heat-load-25", include_str!("../job/rules/heat-load-25.json")),
+];
+
+written_struct! {
+    /// A margin rule.
+    pub struct RuleForm: "a margin rule" {
+        /// `bmv-rule/1`.
+        required format: String,
+        /// Title, for people.
+        required title: String,
+        /// What it adds.
+        required margin: MarginForm,
+        /// Where it comes from.
+        required source: String,
+        /// How far the source was itself read.
+        optional evidence: EvidenceForm,
+    }
+}
+
+written_choice! {
+    /// What a rule adds.
+    pub enum MarginForm: "a margin" {
+        /// The limit moves towards the prediction by this difference of temperature.
+        "temperature" => Temperature(Amount),
+        /// Heat loads grow by this share.
+        "heat_load" => HeatLoad(Amount),
+    }
+}
+
+impl RuleForm {
+    /// The rule under a name.
+    pub fn resolve(&self, name: &str, diagnostics: &mut Diagnostics) -> Option<Rule> {
+        let (amount, dimension) = match &self.margin {
+            MarginForm::Temperature(amount) => (amount, Dimension::TEMPERATURE),
+            MarginForm::HeatLoad(amount) => (amount, Dimension::NONE),
+        };
+        let value = amount.si(dimension, None, Sense::Difference, diagnostics)?;
+        if value < 0.0 {
+            let message = format!("a margin of {value} is negative");
+            diagnostics.push(Diagnostic::error(&code::RULE_FILE, &amount.place, message).expected("a margin from 0"));
+            return None;
+        }
+        let margin = match &self.margin {
+            MarginForm::Temperature(_) => Margin::TemperatureK(value),
+            MarginForm::HeatLoad(_) => Margin::HeatLoad(value),
+        };
+        let source = source_text(&self.source, self.evidence);
+        Some(Rule { name: name.to_owned(), margin, title: self.title.clone(), source })
+    }
+}
+
+/// The rules that come with the program, then the study's own, which replace those of the same name. Beside each of
+/// the study's own stands its JSON, which is part of the study's definition.
+pub fn load(folder: Option<&Folder>, diagnostics: &mut Diagnostics) -> Vec<(Rule, Option<serde_json::Value>)> {
+    let mut rules: Vec<(Rule, Option<serde_json::Value>)> = Vec::new();
+    for (name, text) in EMBEDDED {
+        let read = crate::document::read_file::<RuleForm>(name, text.as_bytes(), FORMAT, diagnostics);
+        rules.extend(read.and_then(|(form, _)| form.resolve(name, diagnostics)).map(|rule| (rule, None)));
+    }
+    let Some(folder) = folder else { return rules };
+    for name in folder.json_names(FOLDER) {
+        let file = format!("{FOLDER}/{name}.json");
+        let Ok(bytes) = folder.read(&file) else { continue };
+        let read = crate::document::read_file::<RuleForm>(&folder.shown_name(&file), &bytes, FORMAT, diagnostics);
+        let Some((form, node)) = read else { continue };
+        let Some(rule) = form.resolve(&name, diagnostics) else { continue };
+        rules.retain(|(other, _)| other.name != name);
+        rules.push((rule, Some(node.to_json())));
+    }
+    rules
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_programs_own_rules_are_complete() {
+        let mut diagnostics = Diagnostics::new();
+        let rules = load(None, &mut diagnostics);
+        assert!(diagnostics.is_empty(), "{}", diagnostics.render(false, 10));
+        let margins: Vec<_> = rules.iter().map(|(rule, _)| (rule.name.as_str(), rule.margin)).collect();
+        assert_eq!(
+            margins,
+            [
+                ("none", Margin::TemperatureK(0.0)),
+                ("nasa-gsfc-5k", Margin::TemperatureK(5.0)),
+                ("military-11k", Margin::TemperatureK(11.0)),
+                ("military-17k", Margin::TemperatureK(17.0)),
+                ("heat-load-25", Margin::HeatLoad(0.25)),
+            ]
+        );
+        assert!(rules[1].0.source.contains("could not be opened"));
+        let files = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/src/job/rules")).expect("the folder");
+        assert_eq!(files.count(), EMBEDDED.len(), "every file is in the list");
+    }
+
+    #[test]
+    fn a_study_adds_and_replaces_rules() {
+        let root = tempfile::tempdir().expect("a folder");
+        std::fs::create_dir(root.path().join("rules")).expect("made");
+        let rule = r#"{"format": "bmv-rule/1", "title": "ours", "margin": {"temperature": 7}, "source": "house rule"}"#;
+        std::fs::write(root.path().join("rules/ours.json"), rule).expect("written");
+        std::fs::write(root.path().join("rules/military-11k.json"), rule).expect("written");
+        let wrong = rule.replace("7", "-7");
+        std::fs::write(root.path().join("rules/wrong.json"), wrong).expect("written");
+        let mut diagnostics = Diagnostics::new();
+        let rules = load(Some(&Folder::open(root.path()).expect("opened")), &mut diagnostics);
+        let names: Vec<_> = rules.iter().map(|(rule, _)| rule.name.as_str()).collect();
+        assert_eq!(names, ["none", "nasa-gsfc-5k", "military-17k", "heat-load-25", "military-11k", "ours"]);
+        assert_eq!(rules[4].0.margin, Margin::TemperatureK(7.0));
+        assert_eq!(diagnostics.plain()[0].message, "a margin of -7 is negative");
+    }
+}

@@ -1,0 +1,68 @@
+//! JSON Schema of a study's files.
+
+use serde_json::{Value, json};
+use thiserror::Error;
+
+use crate::document::Schemas;
+
+use super::inherit::NAMED;
+use super::model::ModelForm;
+use super::pass::PassForm;
+
+/// A kind of file without a schema.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("no schema of `{kind}`; there are {}", KINDS.join(", "))]
+pub struct UnknownSchema {
+    /// As asked for.
+    pub kind: String,
+}
+
+/// The kinds of file with a schema.
+pub const KINDS: &[&str] = &["model", "pass", "rule", "criteria"];
+
+/// The JSON Schema of a kind of file.
+///
+/// # Errors
+/// A kind without a schema.
+pub fn schema(kind: &str) -> Result<Value, UnknownSchema> {
+    match kind {
+        "model" => Ok(Schemas::document::<ModelForm>("bmv model (bmv-network/1)")),
+        "pass" => Ok(removable(Schemas::document::<PassForm>("bmv pass (bmv-pass/1)"))),
+        "rule" => Ok(Schemas::document::<super::rule::RuleForm>("bmv margin rule (bmv-rule/1)")),
+        "criteria" => Ok(Schemas::document::<super::profile::ProfileForm>("bmv criteria profile (bmv-criteria/1)")),
+        _ => Err(UnknownSchema { kind: kind.to_owned() }),
+    }
+}
+
+/// In a pass, `null` in place of a named entry removes what a parent has.
+fn removable(mut schema: Value) -> Value {
+    for section in NAMED {
+        let entries = schema.pointer_mut(&format!("/$defs/PassForm/properties/{section}/anyOf/0/additionalProperties"));
+        if let Some(entries) = entries {
+            let kept = entries.take();
+            *entries = json!({"anyOf": [kept, {"type": "null"}]});
+        }
+    }
+    schema
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_has_a_schema_with_its_fields() {
+        for kind in KINDS {
+            let schema = schema(kind).expect("a schema");
+            assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema", "{kind}");
+            assert!(schema["$defs"].as_object().is_some_and(|definitions| !definitions.is_empty()), "{kind}");
+        }
+        assert!(schema("house").is_err());
+        let pass = schema("pass").expect("a schema");
+        let properties = &pass["$defs"]["PassForm"]["properties"];
+        for section in NAMED {
+            let entry = &properties[section]["anyOf"][0]["additionalProperties"]["anyOf"][1];
+            assert_eq!(entry, &json!({"type": "null"}), "{section}");
+        }
+    }
+}

@@ -1,0 +1,437 @@
+//! Measured data: CSV text with places.
+//!
+//! A first line of headers, `NAME [unit]`, then a line a row. Blanks round headers and cells are trimmed, an empty
+//! cell is a missing reading, empty lines are skipped, quotes are those of RFC 4180. Cells are read column by column
+//! as asked for, so that what nothing uses is never an error, and every problem keeps its place in the text.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::ops::Range;
+
+use crate::document::code::{self, Code};
+
+/// Problems kept of one file; the others are counted.
+const PROBLEMS_KEPT: usize = 20;
+
+/// Something wrong at a place of the text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// Which kind of finding.
+    pub code: &'static Code,
+    /// Bytes of the text.
+    pub range: Range<usize>,
+    /// What is wrong.
+    pub message: String,
+    /// What to write instead.
+    pub help: Option<String>,
+}
+
+/// The problems of a file, the first of them kept.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Problems {
+    /// The first problems, in the order found.
+    pub kept: Vec<Problem>,
+    /// How many more there were.
+    pub more: usize,
+}
+
+impl Problems {
+    /// Adds a problem.
+    pub fn add(&mut self, code: &'static Code, range: Range<usize>, message: impl Into<String>, help: Option<&str>) {
+        if self.kept.len() < PROBLEMS_KEPT {
+            self.kept.push(Problem { code, range, message: message.into(), help: help.map(str::to_owned) });
+        } else {
+            self.more += 1;
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.kept.is_empty()
+    }
+}
+
+/// A column's header.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Header {
+    /// All of it, trimmed.
+    pub text: String,
+    /// The part before a bracketed unit, or all of it.
+    pub name: String,
+    /// The unit in brackets, as written.
+    pub unit: Option<String>,
+    /// Its place.
+    pub range: Range<usize>,
+}
+
+/// How a column's cells are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cells {
+    /// Numbers; an empty cell is a missing one.
+    Readings,
+    /// Numbers; an empty cell is a problem.
+    Numbers,
+    /// Numbers, each above the one before; an empty cell is a problem.
+    Times,
+    /// Texts, each once; an empty cell is a problem.
+    Names,
+}
+
+/// A column's values, one a row.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Column {
+    /// Numbers in the unit of the column; `None` is missing.
+    Numbers(Vec<Option<f64>>),
+    /// Texts.
+    Names(Vec<String>),
+}
+
+impl Column {
+    /// The numbers; none of a column of texts.
+    pub fn numbers(&self) -> &[Option<f64>] {
+        match self {
+            Self::Numbers(values) => values,
+            Self::Names(_) => &[],
+        }
+    }
+
+    /// The texts; none of a column of numbers.
+    pub fn names(&self) -> &[String] {
+        match self {
+            Self::Names(values) => values,
+            Self::Numbers(_) => &[],
+        }
+    }
+}
+
+/// A CSV text whose headers have been read.
+#[derive(Clone, Debug)]
+pub struct Table<'t> {
+    text: &'t str,
+    separator: u8,
+    headers: Vec<Header>,
+    body: usize,
+}
+
+impl<'t> Table<'t> {
+    /// Reads the headers. `separator` stands between cells and is an ASCII character.
+    pub fn new(text: &'t str, separator: u8, problems: &mut Problems) -> Option<Self> {
+        let mut start = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+        let mut cells = Vec::new();
+        while start < text.len() {
+            let body = record(text, start, separator, &mut cells, problems)?;
+            start = body;
+            if cells.iter().all(Range::is_empty) {
+                continue;
+            }
+            let headers: Vec<Header> = cells.iter().map(|range| header(&value(text, range), range.clone())).collect();
+            if let [only] = headers.as_slice() {
+                for (other, name) in [(b';', "`;`"), (b'\t', "`tab`"), (b',', "`,`")] {
+                    if other != separator && only.text.as_bytes().contains(&other) {
+                        let help = format!("declare the separator: \"separator\": {}", name.replace('`', "\""));
+                        problems.add(
+                            &code::TABLE_SHAPE,
+                            only.range.clone(),
+                            "the first line has one column only",
+                            Some(&help),
+                        );
+                        return None;
+                    }
+                }
+            }
+            return Some(Self { text, separator, headers, body });
+        }
+        problems.add(&code::TABLE_EMPTY, 0..0, "the file has no line of headers", None);
+        None
+    }
+
+    /// The headers in order.
+    pub fn headers(&self) -> &[Header] {
+        &self.headers
+    }
+
+    /// Reads the cells of the columns asked for, with how to read each. Lines with too few or too many cells are
+    /// problems and are left out; a cell that cannot be read is a problem and missing.
+    pub fn read(&self, wanted: &[(usize, Cells)], problems: &mut Problems) -> Vec<Column> {
+        let mut columns: Vec<Column> = wanted
+            .iter()
+            .map(|(_, cells)| match cells {
+                Cells::Names => Column::Names(Vec::new()),
+                Cells::Readings | Cells::Numbers | Cells::Times => Column::Numbers(Vec::new()),
+            })
+            .collect();
+        let mut seen: HashMap<String, ()> = HashMap::new();
+        let mut last_times: Vec<Option<f64>> = vec![None; wanted.len()];
+        let mut ranges = Vec::new();
+        let mut start = self.body;
+        while start < self.text.len() {
+            let Some(next) = record(self.text, start, self.separator, &mut ranges, problems) else { break };
+            start = next;
+            if ranges.iter().all(Range::is_empty) {
+                continue;
+            }
+            if ranges.len() != self.headers.len() {
+                let range = ranges[0].start..ranges[ranges.len() - 1].end;
+                let (found, expected) = (ranges.len(), self.headers.len());
+                let message = format!("this row has {found} cells, the line of headers has {expected}");
+                problems.add(&code::TABLE_SHAPE, range, message, None);
+                continue;
+            }
+            for (place, &(index, cells)) in wanted.iter().enumerate() {
+                let range = &ranges[index];
+                let text = value(self.text, range);
+                let name = &self.headers[index].name;
+                match &mut columns[place] {
+                    Column::Names(values) => {
+                        if text.is_empty() {
+                            problems.add(
+                                &code::TABLE_CELL,
+                                range.clone(),
+                                format!("the `{name}` of this row is empty"),
+                                None,
+                            );
+                        } else if seen.insert(text.clone().into_owned(), ()).is_some() {
+                            problems.add(
+                                &code::TABLE_CELL,
+                                range.clone(),
+                                format!("`{text}` stands twice under `{name}`"),
+                                None,
+                            );
+                        }
+                        values.push(text.into_owned());
+                    }
+                    Column::Numbers(values) => {
+                        let number = match number(&text) {
+                            Ok(number) => number,
+                            Err((message, help)) => {
+                                problems.add(&code::TABLE_CELL, range.clone(), message, help);
+                                values.push(None);
+                                continue;
+                            }
+                        };
+                        if number.is_none() && cells != Cells::Readings {
+                            let message = format!("`{name}` has no value in this row");
+                            problems.add(
+                                &code::TABLE_CELL,
+                                range.clone(),
+                                message,
+                                Some("only a sensor's reading may be missing"),
+                            );
+                        }
+                        if let (Cells::Times, Some(time)) = (cells, number) {
+                            if let Some(last) = last_times[place].filter(|last| time <= *last) {
+                                let message = format!("time {time} is not after {last}, the time of the row before");
+                                problems.add(&code::TABLE_CELL, range.clone(), message, None);
+                            }
+                            last_times[place] = Some(time);
+                        }
+                        values.push(number);
+                    }
+                }
+            }
+        }
+        columns
+    }
+}
+
+/// Splits the record at `start` into the places of its trimmed cells and gives where the next record starts.
+fn record(
+    text: &str,
+    start: usize,
+    separator: u8,
+    cells: &mut Vec<Range<usize>>,
+    problems: &mut Problems,
+) -> Option<usize> {
+    cells.clear();
+    let bytes = text.as_bytes();
+    let mut at = start;
+    loop {
+        let from = at;
+        while at < bytes.len() && matches!(bytes[at], b' ' | b'\t') && bytes[at] != separator {
+            at += 1;
+        }
+        if bytes.get(at) == Some(&b'"') {
+            let open = at;
+            at += 1;
+            loop {
+                match bytes.get(at) {
+                    None => {
+                        problems.add(&code::TABLE_SHAPE, open..open + 1, "this quote is not closed", None);
+                        return None;
+                    }
+                    Some(b'"') if bytes.get(at + 1) == Some(&b'"') => at += 2,
+                    Some(b'"') => break,
+                    Some(_) => at += 1,
+                }
+            }
+        }
+        while at < bytes.len() && bytes[at] != separator && !matches!(bytes[at], b'\n' | b'\r') {
+            at += 1;
+        }
+        cells.push(trimmed(text, from..at));
+        match bytes.get(at) {
+            Some(byte) if *byte == separator => at += 1,
+            Some(_) => return Some(at + 1),
+            None => return Some(at),
+        }
+    }
+}
+
+fn trimmed(text: &str, range: Range<usize>) -> Range<usize> {
+    let cell = &text[range.clone()];
+    let left = cell.trim_start();
+    let start = range.start + (cell.len() - left.len());
+    start..start + left.trim_end().len()
+}
+
+/// What a cell says, without its quotes.
+fn value<'t>(text: &'t str, range: &Range<usize>) -> Cow<'t, str> {
+    let cell = &text[range.clone()];
+    match cell.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')) {
+        Some(inner) if inner.contains('"') => Cow::Owned(inner.replace("\"\"", "\"").trim().to_owned()),
+        Some(inner) => Cow::Borrowed(inner.trim()),
+        None => Cow::Borrowed(cell),
+    }
+}
+
+fn header(text: &str, range: Range<usize>) -> Header {
+    let bracketed = text.strip_suffix(']').and_then(|rest| rest.rsplit_once('['));
+    let (name, unit) = match bracketed {
+        Some((name, unit)) => (name.trim(), Some(unit.trim().to_owned())),
+        None => (text, None),
+    };
+    Header { text: text.to_owned(), name: name.to_owned(), unit, range }
+}
+
+/// A cell's number; `None` where it is empty.
+fn number(cell: &str) -> Result<Option<f64>, (String, Option<&'static str>)> {
+    if cell.is_empty() {
+        return Ok(None);
+    }
+    match cell.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(Some(number)),
+        Ok(_) => Err((format!("`{cell}` is not a finite number"), Some("leave the cell of a missing reading empty"))),
+        Err(_) => {
+            let comma = cell.contains(',') && cell.replacen(',', ".", 1).parse::<f64>().is_ok();
+            let help = if comma { "write a decimal point" } else { "leave the cell of a missing reading empty" };
+            Err((format!("`{cell}` is not a number"), Some(help)))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str, wanted: &[(usize, Cells)]) -> (Vec<Column>, Problems) {
+        let mut problems = Problems::default();
+        let columns = match Table::new(text, b',', &mut problems) {
+            Some(table) => table.read(wanted, &mut problems),
+            None => Vec::new(),
+        };
+        (columns, problems)
+    }
+
+    fn messages(text: &str, wanted: &[(usize, Cells)]) -> Vec<(String, String)> {
+        let (_, problems) = read(text, wanted);
+        problems.kept.into_iter().map(|p| (text[p.range].to_owned(), p.message)).collect()
+    }
+
+    #[test]
+    fn headers_keep_name_unit_and_place() {
+        let text = "\u{feff}phase, T_if [degC] ,\"a, b [W]\"\r\nP1,2,3\r\n";
+        let mut problems = Problems::default();
+        let table = Table::new(text, b',', &mut problems).expect("headers");
+        let seen: Vec<_> = table.headers().iter().map(|h| (h.name.as_str(), h.unit.as_deref())).collect();
+        assert_eq!(seen, [("phase", None), ("T_if", Some("degC")), ("a, b", Some("W"))]);
+        assert_eq!(&text[table.headers()[1].range.clone()], "T_if [degC]");
+        assert!(problems.is_empty());
+    }
+
+    #[test]
+    fn cells_are_trimmed_and_empty_ones_missing() {
+        let text = "phase,a,b\r\n P1 , 1.5 ,\r\n\r\n,,\r\nP2,-2e-3, \"3\" ";
+        let (columns, problems) = read(text, &[(0, Cells::Names), (1, Cells::Numbers), (2, Cells::Readings)]);
+        assert!(problems.is_empty(), "{problems:?}");
+        assert_eq!(columns[0].names(), ["P1", "P2"]);
+        assert_eq!(columns[1].numbers(), [Some(1.5), Some(-2e-3)]);
+        assert_eq!(columns[2].numbers(), [None, Some(3.0)]);
+    }
+
+    #[test]
+    fn what_is_not_a_number_has_its_place() {
+        let text = "phase,a\nP1,NaN\nP2,inf\nP3,abc\nP4,1e999\nP5,0x10\n";
+        let found = messages(text, &[(1, Cells::Readings)]);
+        let cells: Vec<_> = found.iter().map(|(cell, _)| cell.as_str()).collect();
+        assert_eq!(cells, ["NaN", "inf", "abc", "1e999", "0x10"]);
+        assert_eq!(found[0].1, "`NaN` is not a finite number");
+        assert_eq!(found[2].1, "`abc` is not a number");
+    }
+
+    #[test]
+    fn what_nothing_uses_is_no_problem() {
+        let (columns, problems) = read("phase,note,a\nP1,vented,1\n", &[(2, Cells::Readings)]);
+        assert!(problems.is_empty());
+        assert_eq!(columns[0].numbers(), [Some(1.0)]);
+    }
+
+    #[test]
+    fn ragged_rows_times_and_names_are_checked() {
+        assert_eq!(
+            messages("time,a\n0,1\n1\n2,3,4\n", &[(0, Cells::Times)]),
+            [
+                ("1".to_owned(), "this row has 1 cells, the line of headers has 2".to_owned()),
+                ("2,3,4".to_owned(), "this row has 3 cells, the line of headers has 2".to_owned())
+            ]
+        );
+        assert_eq!(
+            messages("time,a\n0,1\n0,1\n-1,1\n,1\n", &[(0, Cells::Times)]).iter().map(|m| &*m.1).collect::<Vec<_>>(),
+            [
+                "time 0 is not after 0, the time of the row before",
+                "time -1 is not after 0, the time of the row before",
+                "`time` has no value in this row"
+            ]
+        );
+        assert_eq!(
+            messages("phase,a\nP1,1\nP1,2\n,3\n", &[(0, Cells::Names)]).iter().map(|m| &*m.1).collect::<Vec<_>>(),
+            ["`P1` stands twice under `phase`", "the `phase` of this row is empty"]
+        );
+    }
+
+    #[test]
+    fn a_wrong_separator_is_noticed() {
+        assert_eq!(messages("phase;a\nP1;1\n", &[]).len(), 1);
+        let mut problems = Problems::default();
+        assert!(Table::new("phase;a\nP1;1,5\n", b';', &mut problems).is_some());
+        assert!(problems.is_empty());
+        assert_eq!(messages("", &[]), [(String::new(), "the file has no line of headers".to_owned())]);
+    }
+
+    #[test]
+    fn problems_are_counted_beyond_a_cap() {
+        let mut text = "a\n".to_owned();
+        text.push_str(&"x\n".repeat(100));
+        let (_, problems) = read(&text, &[(0, Cells::Readings)]);
+        assert_eq!((problems.kept.len(), problems.more), (20, 80));
+    }
+
+    #[test]
+    fn a_quote_may_hold_separators_quotes_and_lines() {
+        let text = "n,a\n\"x, \"\"y\"\"\nz\",1\n\"open,2\n";
+        let (columns, problems) = read(text, &[(0, Cells::Names), (1, Cells::Readings)]);
+        assert_eq!(columns[0].names(), ["x, \"y\"\nz"]);
+        assert_eq!(problems.kept[0].message, "this quote is not closed");
+    }
+
+    #[test]
+    fn truncation_anywhere_never_panics() {
+        let text = "\u{feff}time [s],\"a \"\"é\" [degC],b\r\n0,1,2\r\n1,\"2\",\n2,°,3\n";
+        for end in (0..=text.len()).filter(|end| text.is_char_boundary(*end)) {
+            let mut problems = Problems::default();
+            if let Some(table) = Table::new(&text[..end], b',', &mut problems) {
+                let wanted: Vec<_> = (0..table.headers().len()).map(|i| (i, Cells::Times)).collect();
+                table.read(&wanted, &mut problems);
+            }
+        }
+    }
+}

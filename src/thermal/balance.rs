@@ -1,0 +1,60 @@
+//! The first law over a whole network: what sources give is stored or flows into boundaries.
+
+use super::equations::segment;
+use super::network::{Network, Workspace};
+
+/// Heat balance of a network at an instant.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct HeatBalance {
+    /// Heat of each element that is a source (loads, heaters, a cooler's electrical power): its index in the model's
+    /// list and its power, W.
+    pub sources: Vec<(usize, f64)>,
+    /// Their sum, W.
+    pub source_w: f64,
+    /// Heat into each boundary that an element touches: node index and W.
+    pub into_boundaries: Vec<(usize, f64)>,
+    /// Their sum, W.
+    pub boundary_w: f64,
+    /// Net heat into all other nodes, stored there, W; 0 in a steady state.
+    pub stored_w: f64,
+}
+
+impl HeatBalance {
+    /// What is left over, W: rounding only.
+    pub fn residue_w(&self) -> f64 {
+        self.source_w - self.boundary_w - self.stored_w
+    }
+}
+
+impl Network {
+    /// Puts temperatures of all nodes in place, K, for asking what follows from them (boundaries' entries are ignored:
+    /// they follow from the inputs).
+    pub fn set_temperatures(&self, workspace: &mut Workspace, temperatures: &[f64]) {
+        self.refresh(workspace);
+        let first = self.steady.temperatures().start;
+        for (position, &node) in self.steady.unknowns.iter().enumerate() {
+            workspace.temperatures[node] = temperatures[node];
+            workspace.state.file[first + position] = temperatures[node];
+        }
+        workspace.solved = false;
+    }
+
+    /// The heat balance of the present temperatures.
+    pub fn heat_balance(&self, workspace: &mut Workspace) -> HeatBalance {
+        let file = &mut workspace.state.file;
+        self.steady.program.run(segment::RESIDUAL, file);
+        self.steady.program.run(segment::BALANCE, file);
+        let read = |list: &[(usize, crate::expression::Register)]| -> Vec<(usize, f64)> {
+            list.iter().map(|&(index, register)| (index, file[register.index()])).collect()
+        };
+        let sources = read(&self.steady.sources);
+        let into_boundaries = read(&self.steady.into_boundary);
+        HeatBalance {
+            source_w: sources.iter().map(|s| s.1).sum(),
+            boundary_w: into_boundaries.iter().map(|b| b.1).sum(),
+            stored_w: self.steady.residual.iter().map(|r| file[r.index()]).sum(),
+            sources,
+            into_boundaries,
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Steady solves of several samples side by side: the lanes of a batch share every instruction, and each lane ends
+//! with the bits that a solve of it alone from the same start would have.
+
+use crate::expression::Lanes;
+
+use super::equations::segment;
+use super::linear::Linear;
+use super::network::{Network, State, Workspace};
+use super::newton::{self, LaneStatus, SteadyStats};
+use super::steady::{Start, SteadyError};
+
+/// Room for `N` samples.
+#[derive(Clone, Debug)]
+pub struct Batch<const N: usize> {
+    state: State<[f64; N]>,
+    linear: Linear<[f64; N]>,
+    status: [LaneStatus; N],
+    last_step: [f64; N],
+    outcomes: Vec<Result<SteadyStats, SteadyError>>,
+    /// For lanes that the plain method loses.
+    alone: Workspace,
+    /// Lanes written so far hold the solution.
+    temperatures: Vec<[f64; N]>,
+}
+
+impl<const N: usize> Batch<N> {
+    /// Sets all parameters of a lane, SI.
+    pub fn set_parameters(&mut self, network: &Network, lane: usize, values: &[f64]) {
+        for (slot, &value) in self.state.file[..network.steady.parameters].iter_mut().zip(values) {
+            slot[lane] = value;
+        }
+    }
+
+    /// Sets one parameter of a lane, SI.
+    pub fn set_parameter(&mut self, lane: usize, parameter: usize, value: f64) {
+        self.state.file[parameter][lane] = value;
+    }
+
+    /// Sets all inputs of a lane, SI.
+    pub fn set_inputs(&mut self, network: &Network, lane: usize, values: &[f64]) {
+        let range = network.steady.parameters..network.steady.time();
+        for (slot, &value) in self.state.file[range].iter_mut().zip(values) {
+            slot[lane] = value;
+        }
+    }
+
+    /// How the last solve of a lane ended.
+    pub fn outcome(&self, lane: usize) -> &Result<SteadyStats, SteadyError> {
+        &self.outcomes[lane]
+    }
+
+    /// Temperature of a node in a lane, K.
+    pub fn temperature(&self, lane: usize, node: usize) -> f64 {
+        self.temperatures[node][lane]
+    }
+
+    /// A quantity in a lane, SI. Not a number where the lane's solve failed.
+    pub fn quantity(&self, network: &Network, lane: usize, index: usize) -> f64 {
+        if self.outcomes[lane].is_err() {
+            return f64::NAN;
+        }
+        self.state.file[network.steady.quantity[index].index()][lane]
+    }
+}
+
+impl Network {
+    /// A batch with every lane at the nominal parameters and inputs.
+    pub fn batch<const N: usize>(&self) -> Batch<N> {
+        let mut batch = Batch {
+            state: State::new(&self.steady),
+            linear: self.linear.in_lanes(),
+            status: [LaneStatus::Running; N],
+            last_step: [0.0; N],
+            outcomes: vec![Ok(SteadyStats::default()); N],
+            alone: self.workspace(),
+            temperatures: vec![[0.0; N]; self.nodes.len()],
+        };
+        for lane in 0..N {
+            batch.set_parameters(self, lane, &self.nominal_parameters);
+            batch.set_inputs(self, lane, &self.nominal_inputs);
+        }
+        batch
+    }
+
+    /// Solves every lane. A lane that fails leaves its reason in [`Batch::outcome`]; the others are not affected.
+    pub fn solve_steady_batch<const N: usize>(&self, batch: &mut Batch<N>, start: Start<'_>) {
+        let equations = &self.steady;
+        if self.island().is_some() || !batch.linear.is_dense() {
+            for lane in 0..N {
+                self.solve_alone(batch, lane, start);
+            }
+            equations.program.run(segment::QUANTITY, &mut batch.state.file);
+            return;
+        }
+        for part in [segment::PARAMETERS, segment::INPUTS, segment::INSTANT, segment::BOUNDARY] {
+            equations.program.run(part, &mut batch.state.file);
+        }
+        for &(node, register) in &equations.boundaries {
+            batch.temperatures[node] = batch.state.file[register.index()];
+        }
+        let first = equations.temperatures().start;
+        for lane in 0..N {
+            let cold = newton::default_start(equations, &batch.state.file, lane);
+            for (position, &node) in equations.unknowns.iter().enumerate() {
+                let guess = match start {
+                    Start::Default => cold,
+                    Start::Temperatures(given) => given.get(node).copied().unwrap_or(cold),
+                    Start::Current => batch.temperatures[node][lane],
+                };
+                let usable = guess.is_finite() && guess > 0.0;
+                batch.state.file[first + position].set_lane(lane, if usable { guess } else { cold });
+            }
+        }
+        batch.status = [LaneStatus::Running; N];
+        let work =
+            newton::solve(equations, &mut batch.state, &mut batch.linear, &mut batch.status, &mut batch.last_step);
+        for (position, &node) in equations.unknowns.iter().enumerate() {
+            batch.temperatures[node] = batch.state.file[first + position];
+        }
+        for lane in 0..N {
+            match batch.status[lane] {
+                LaneStatus::Converged(iterations) => {
+                    batch.outcomes[lane] = Ok(SteadyStats {
+                        iterations,
+                        factorisations: iterations,
+                        residual_evaluations: iterations + 1,
+                    });
+                }
+                LaneStatus::Running | LaneStatus::Lost => {
+                    debug_assert!(work.iterations > 0);
+                    self.solve_alone(batch, lane, start);
+                }
+            }
+        }
+        equations.program.run(segment::QUANTITY, &mut batch.state.file);
+    }
+
+    /// Solves one lane by itself and puts the result back.
+    fn solve_alone<const N: usize>(&self, batch: &mut Batch<N>, lane: usize, start: Start<'_>) {
+        let equations = &self.steady;
+        let given = equations.time();
+        for (slot, lanes) in batch.alone.state.file[..given].iter_mut().zip(&batch.state.file) {
+            *slot = lanes[lane];
+        }
+        batch.alone.stale_parameters = true;
+        batch.alone.stale_inputs = true;
+        if let Start::Current = start {
+            for (slot, lanes) in batch.alone.temperatures.iter_mut().zip(&batch.temperatures) {
+                *slot = lanes[lane];
+            }
+        }
+        batch.outcomes[lane] = self.solve_steady(&mut batch.alone, start);
+        for (lanes, &value) in batch.temperatures.iter_mut().zip(&batch.alone.temperatures) {
+            lanes[lane] = value;
+        }
+        for place in 0..batch.state.file.len() {
+            batch.state.file[place][lane] = batch.alone.state.file[place];
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! Which nodes hang together: a steady network needs from every node a path to something that fixes its temperature.
+
+use crate::expression::Dependence;
+
+use super::element::ElementKind;
+use super::model::{Model, NodeKind};
+
+/// Names of the nodes of the first group that has no path (conductors, radiations, flows, coolers) to a boundary and
+/// no heat of its own that depends on a temperature; `None` when every node has one.
+pub(super) fn island(model: &Model) -> Option<Vec<String>> {
+    let mut group: Vec<usize> = (0..model.nodes.len()).collect();
+    let mut anchored: Vec<bool> =
+        model.nodes.iter().map(|node| matches!(node.kind, NodeKind::Boundary { .. })).collect();
+    for element in &model.elements {
+        match &element.kind {
+            ElementKind::Conductor(e) => join(&mut group, &mut anchored, &e.between),
+            ElementKind::Radiation(e) => join(&mut group, &mut anchored, &e.between),
+            ElementKind::Flow(e) => join(&mut group, &mut anchored, &e.between),
+            ElementKind::Cooler(e) => join(&mut group, &mut anchored, &e.nodes),
+            ElementKind::Load(e) => {
+                if model.graph.dependence(e.power).intersects(Dependence::NODE) {
+                    anchor(&mut group, &mut anchored, e.into);
+                }
+            }
+            ElementKind::Heater(e) => anchor(&mut group, &mut anchored, e.into),
+        }
+    }
+    let lost = (0..model.nodes.len()).find(|&node| {
+        let root = root(&mut group, node);
+        !anchored[root]
+    })?;
+    let lost = root(&mut group, lost);
+    let members = (0..model.nodes.len()).filter(|&node| root(&mut group, node) == lost);
+    Some(members.map(|node| model.nodes[node].name.clone()).collect())
+}
+
+fn root(group: &mut [usize], mut node: usize) -> usize {
+    while group[node] != node {
+        group[node] = group[group[node]];
+        node = group[node];
+    }
+    node
+}
+
+fn join(group: &mut [usize], anchored: &mut [bool], nodes: &[usize]) {
+    for pair in nodes.windows(2) {
+        let (a, b) = (root(group, pair[0]), root(group, pair[1]));
+        let (low, high) = (a.min(b), a.max(b));
+        group[high] = low;
+        anchored[low] = anchored[low] || anchored[high];
+    }
+}
+
+fn anchor(group: &mut [usize], anchored: &mut [bool], node: usize) {
+    let root = root(group, node);
+    anchored[root] = true;
+}

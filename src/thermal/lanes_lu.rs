@@ -1,0 +1,136 @@
+//! Dense LU factors in lanes: several small matrices eliminated side by side, each with its own row exchanges, with
+//! the bits that each would have alone.
+
+use crate::expression::Lanes;
+
+/// Factors of a square matrix per lane, rows exchanged for the largest pivot.
+#[derive(Clone, Debug)]
+pub(super) struct LanesLu<V> {
+    size: usize,
+    /// Row by row: on entry the matrix, after [`LanesLu::factor`] its factors.
+    pub matrix: Vec<V>,
+    /// Row exchanged with row `k`, for each step and lane.
+    pivots: Vec<usize>,
+}
+
+impl<V: Lanes> LanesLu<V> {
+    pub fn new(size: usize) -> Self {
+        Self { size, matrix: vec![V::splat(0.0); size * size], pivots: vec![0; size * V::COUNT] }
+    }
+
+    /// Factors in place. A lane with a singular matrix ends with non-finite numbers.
+    pub fn factor(&mut self) {
+        let n = self.size;
+        for k in 0..n {
+            let mut same = true;
+            for lane in 0..V::COUNT {
+                let mut best = k;
+                let mut size = self.matrix[k * n + k].lane(lane).abs();
+                for row in k + 1..n {
+                    let candidate = self.matrix[row * n + k].lane(lane).abs();
+                    if candidate > size {
+                        (best, size) = (row, candidate);
+                    }
+                }
+                self.pivots[k * V::COUNT + lane] = best;
+                same &= best == self.pivots[k * V::COUNT];
+            }
+            self.exchange_rows(k, same);
+            let (above, below) = self.matrix.split_at_mut((k + 1) * n);
+            let pivot_row = &above[k * n..];
+            let pivot = pivot_row[k];
+            for row in below.chunks_exact_mut(n) {
+                let factor = row[k].zip(pivot, |a, b| a / b);
+                row[k] = factor;
+                for (value, &upper) in row[k + 1..].iter_mut().zip(&pivot_row[k + 1..]) {
+                    let product = factor.zip(upper, |a, b| a * b);
+                    *value = value.zip(product, |a, b| a - b);
+                }
+            }
+        }
+    }
+
+    fn exchange_rows(&mut self, k: usize, same: bool) {
+        let n = self.size;
+        if same {
+            let other = self.pivots[k * V::COUNT];
+            if other != k {
+                for column in 0..n {
+                    self.matrix.swap(k * n + column, other * n + column);
+                }
+            }
+            return;
+        }
+        for lane in 0..V::COUNT {
+            let other = self.pivots[k * V::COUNT + lane];
+            if other != k {
+                for column in 0..n {
+                    let (a, b) = (self.matrix[k * n + column].lane(lane), self.matrix[other * n + column].lane(lane));
+                    self.matrix[k * n + column].set_lane(lane, b);
+                    self.matrix[other * n + column].set_lane(lane, a);
+                }
+            }
+        }
+    }
+
+    /// Replaces `rhs` by the solution.
+    pub fn solve(&self, rhs: &mut [V]) {
+        let n = self.size;
+        for k in 0..n {
+            for lane in 0..V::COUNT {
+                let other = self.pivots[k * V::COUNT + lane];
+                if other != k {
+                    let (a, b) = (rhs[k].lane(lane), rhs[other].lane(lane));
+                    rhs[k].set_lane(lane, b);
+                    rhs[other].set_lane(lane, a);
+                }
+            }
+        }
+        for row in 1..n {
+            let mut value = rhs[row];
+            for (&factor, &x) in self.matrix[row * n..row * n + row].iter().zip(rhs.iter()) {
+                let product = factor.zip(x, |a, b| a * b);
+                value = value.zip(product, |a, b| a - b);
+            }
+            rhs[row] = value;
+        }
+        for row in (0..n).rev() {
+            let mut value = rhs[row];
+            for (&factor, &x) in self.matrix[row * n + row + 1..(row + 1) * n].iter().zip(&rhs[row + 1..]) {
+                let product = factor.zip(x, |a, b| a * b);
+                value = value.zip(product, |a, b| a - b);
+            }
+            rhs[row] = value.zip(self.matrix[row * n + row], |a, b| a / b);
+        }
+    }
+
+    /// Replaces `rhs` by the solution with the transposed matrix.
+    pub fn solve_transposed(&self, rhs: &mut [V]) {
+        let n = self.size;
+        for row in 0..n {
+            let value = rhs[row].zip(self.matrix[row * n + row], |a, b| a / b);
+            rhs[row] = value;
+            for column in row + 1..n {
+                let product = self.matrix[row * n + column].zip(value, |a, b| a * b);
+                rhs[column] = rhs[column].zip(product, |a, b| a - b);
+            }
+        }
+        for row in (1..n).rev() {
+            let value = rhs[row];
+            for column in 0..row {
+                let product = self.matrix[row * n + column].zip(value, |a, b| a * b);
+                rhs[column] = rhs[column].zip(product, |a, b| a - b);
+            }
+        }
+        for k in (0..n).rev() {
+            for lane in 0..V::COUNT {
+                let other = self.pivots[k * V::COUNT + lane];
+                if other != k {
+                    let (a, b) = (rhs[k].lane(lane), rhs[other].lane(lane));
+                    rhs[k].set_lane(lane, b);
+                    rhs[other].set_lane(lane, a);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! Steady temperatures of a network: every balance `r_i(T) = 0`.
+//!
+//! Plain Newton steps first ([`super::newton`]); where they fail, pseudo-transient continuation from the default start
+//! (Kelley & Keyes 1998, SIAM J. Numer. Anal. 35, 508: the diagonal is weighted, the weight falls with the residual).
+
+use thiserror::Error;
+
+use super::equations::segment;
+use super::network::{Network, Workspace};
+use super::newton::{self, LaneStatus, SteadyStats};
+
+/// Iterations of the continuation.
+const CONTINUATION_ITERATIONS: u32 = 2000;
+
+/// Where a solve starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Start<'a> {
+    /// From one temperature chosen from the boundaries.
+    Default,
+    /// From these temperatures of all nodes, K (boundaries' entries are ignored).
+    Temperatures(&'a [f64]),
+    /// From what the workspace holds from its last solve.
+    Current,
+}
+
+/// A steady state that was not found.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SteadyError {
+    /// Nodes without a path to a boundary.
+    #[error("no path to a boundary from {}: their steady temperatures are undetermined", quoted(nodes))]
+    Island {
+        /// The nodes' names.
+        nodes: Vec<String>,
+    },
+    /// Balances that do not close.
+    #[error(
+        "no steady state found after {iterations} iterations: node `{node}` is out of balance by {imbalance_w:e} W"
+    )]
+    NotConverged {
+        /// The worst node.
+        node: String,
+        /// Its imbalance, W.
+        imbalance_w: f64,
+        /// Newton steps taken.
+        iterations: u32,
+    },
+    /// A number that is not finite.
+    #[error("`{element}` gives a heat that is not a finite number at {}", listed(temperatures))]
+    NotFinite {
+        /// The element or boundary.
+        element: String,
+        /// Node names and temperatures, K.
+        temperatures: Vec<(String, f64)>,
+    },
+    /// The matrix of slopes is singular.
+    #[error("the balances do not determine the temperatures (node `{node}`): a conductance may be zero")]
+    Singular {
+        /// A node involved.
+        node: String,
+    },
+}
+
+fn quoted(names: &[String]) -> String {
+    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+fn listed(temperatures: &[(String, f64)]) -> String {
+    let shown: Vec<String> = temperatures.iter().map(|(name, kelvin)| format!("`{name}` {kelvin} K")).collect();
+    if shown.is_empty() { "the given inputs".to_owned() } else { shown.join(", ") }
+}
+
+impl Network {
+    /// Solves for the steady temperatures with the workspace's parameters and inputs. No memory is allocated unless
+    /// the solve fails.
+    ///
+    /// # Errors
+    /// [`SteadyError`] names the node or element that is at fault.
+    pub fn solve_steady(&self, workspace: &mut Workspace, start: Start<'_>) -> Result<SteadyStats, SteadyError> {
+        if let Some(nodes) = self.island() {
+            return Err(SteadyError::Island { nodes: nodes.to_vec() });
+        }
+        self.refresh(workspace);
+        let equations = &self.steady;
+        let first = equations.temperatures().start;
+        let cold = newton::default_start(equations, &workspace.state.file, 0);
+        for (position, &node) in equations.unknowns.iter().enumerate() {
+            let guess = match start {
+                Start::Default => cold,
+                Start::Temperatures(given) => given.get(node).copied().unwrap_or(cold),
+                Start::Current => workspace.temperatures[node],
+            };
+            workspace.state.file[first + position] = if guess.is_finite() && guess > 0.0 { guess } else { cold };
+        }
+        workspace.solved = false;
+        workspace.factored = false;
+        let mut status = [LaneStatus::Running];
+        let mut last_step = [0.0];
+        let mut stats =
+            newton::solve(equations, &mut workspace.state, &mut workspace.linear, &mut status, &mut last_step);
+        if matches!(status[0], LaneStatus::Lost) {
+            self.continuation(workspace, cold, &mut stats)?;
+        }
+        self.store(workspace);
+        Ok(stats)
+    }
+
+    /// Copies the solution out of the registers and evaluates the quantities.
+    pub(super) fn store(&self, workspace: &mut Workspace) {
+        let equations = &self.steady;
+        let file = &mut workspace.state.file;
+        for (position, &node) in equations.unknowns.iter().enumerate() {
+            workspace.temperatures[node] = file[equations.temperatures().start + position];
+        }
+        equations.program.run(segment::QUANTITY, file);
+        workspace.solved = true;
+    }
+
+    /// Pseudo-transient continuation: `(J + w diag J) dT = -r`, `w` from 1 towards 0 as the residual falls.
+    fn continuation(&self, workspace: &mut Workspace, start: f64, stats: &mut SteadyStats) -> Result<(), SteadyError> {
+        let equations = &self.steady;
+        let state = &mut workspace.state;
+        state.file[equations.temperatures()].fill(start);
+        let mut weight: f64 = 1.0;
+        let mut last_size = f64::INFINITY;
+        let mut last_step = f64::INFINITY;
+        for _ in 0..CONTINUATION_ITERATIONS {
+            equations.program.run(segment::RESIDUAL, &mut state.file);
+            stats.residual_evaluations += 1;
+            let mut sizes_ready = false;
+            if last_step <= 1e-4 && weight < 1e-6 && newton::closes(equations, &mut state.file, 0, &mut sizes_ready) {
+                return Ok(());
+            }
+            let size: f64 = equations.residual.iter().map(|r| state.file[r.index()].abs()).sum();
+            if !size.is_finite() {
+                return Err(self.not_finite(workspace));
+            }
+            if last_size.is_finite() && last_size > 0.0 {
+                weight = (weight * (size / last_size).clamp(0.1, 4.0)).min(1e3);
+            }
+            last_size = size;
+            equations.program.run(segment::JACOBIAN, &mut state.file);
+            workspace.linear.load(equations, &state.file);
+            for row in 0..equations.size() {
+                let diagonal = workspace.linear.diagonal(row);
+                workspace.linear.add_to_diagonal(row, -weight * diagonal.abs());
+            }
+            workspace.linear.factor();
+            for (step, register) in state.step.iter_mut().zip(&equations.residual) {
+                *step = -state.file[register.index()];
+            }
+            workspace.linear.solve(&mut state.step);
+            stats.iterations += 1;
+            stats.factorisations += 1;
+            match newton::advance(equations, state, 0) {
+                Some(largest) => last_step = largest,
+                None => return Err(self.singular(workspace)),
+            }
+        }
+        let (node, imbalance_w) = self.worst(workspace);
+        Err(SteadyError::NotConverged { node, imbalance_w, iterations: stats.iterations })
+    }
+
+    /// The node with the largest imbalance and that imbalance, W.
+    fn worst(&self, workspace: &Workspace) -> (String, f64) {
+        let mut worst = (String::new(), 0.0);
+        for (register, &node) in self.steady.residual.iter().zip(&self.steady.unknowns) {
+            let imbalance: f64 = workspace.state.file[register.index()];
+            if worst.0.is_empty() || imbalance.abs() > f64::abs(worst.1) {
+                worst = (self.nodes[node].clone(), imbalance);
+            }
+        }
+        worst
+    }
+
+    /// The node whose step is not finite, or the element behind it.
+    fn singular(&self, workspace: &mut Workspace) -> SteadyError {
+        let equations = &self.steady;
+        let finite = equations.jacobian.iter().all(|e| workspace.state.file[e.register.index()].is_finite());
+        if !finite {
+            return self.not_finite(workspace);
+        }
+        let row = workspace.state.step.iter().position(|step| !step.is_finite()).unwrap_or(0);
+        SteadyError::Singular { node: self.nodes[equations.unknowns[row]].clone() }
+    }
+
+    /// Names the first element whose heat or slope is not finite.
+    fn not_finite(&self, workspace: &Workspace) -> SteadyError {
+        let file = &workspace.state.file;
+        self.steady.name_not_finite(file, &self.nodes).unwrap_or_else(|| {
+            let (node, imbalance_w) = self.worst(workspace);
+            SteadyError::NotConverged { node, imbalance_w, iterations: 0 }
+        })
+    }
+}

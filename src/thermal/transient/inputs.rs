@@ -1,0 +1,138 @@
+//! Inputs over time, as measured or prescribed: linear between rows or constant from row to row.
+
+/// Values of one input over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InputColumn {
+    /// Index of the input in the model's list.
+    pub input: usize,
+    /// One value a row of the table, SI.
+    pub values: Vec<f64>,
+    /// Constant from each row to the next (a step) instead of linear between rows.
+    pub hold: bool,
+}
+
+/// Inputs over time: the columns given, and fixed values for the others.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct InputTable {
+    /// Instants, s, strictly increasing.
+    pub times_s: Vec<f64>,
+    /// Inputs that vary.
+    pub columns: Vec<InputColumn>,
+    /// Value of every input of the model, SI; overridden by the columns.
+    pub base: Vec<f64>,
+}
+
+/// Inputs over time as the integrator reads them: corners known, rows found quickly.
+#[derive(Clone, Debug)]
+pub(super) struct InputReader<'a> {
+    table: &'a InputTable,
+    /// Rows at which a column has a corner or a step, in order.
+    corners: Vec<usize>,
+    /// Row from which constant columns take their value.
+    held: usize,
+}
+
+impl<'a> InputReader<'a> {
+    pub fn new(table: &'a InputTable) -> Self {
+        let rows = table.times_s.len();
+        let corners =
+            (0..rows).filter(|&row| table.columns.iter().any(|c| c.has_corner(&table.times_s, row))).collect();
+        Self { table, corners, held: 0 }
+    }
+
+    /// Whether any input varies.
+    pub fn varies(&self) -> bool {
+        !self.table.columns.is_empty() && !self.table.times_s.is_empty()
+    }
+
+    /// The first corner after an instant.
+    pub fn next_corner(&self, time_s: f64) -> Option<f64> {
+        let at = self.corners.partition_point(|&row| self.table.times_s[row] <= time_s);
+        self.corners.get(at).map(|&row| self.table.times_s[row])
+    }
+
+    /// From now on constant columns take the value that holds right after this instant.
+    pub fn enter(&mut self, time_s: f64) {
+        self.held = self.table.times_s.partition_point(|&t| t <= time_s).saturating_sub(1);
+    }
+
+    /// Writes the inputs at an instant over the base values in `out`.
+    pub fn read(&self, time_s: f64, out: &mut [f64]) {
+        if !self.varies() {
+            return;
+        }
+        let times = &self.table.times_s;
+        let after = times.partition_point(|&t| t <= time_s);
+        for column in &self.table.columns {
+            let Some(slot) = out.get_mut(column.input) else { continue };
+            *slot = if column.hold {
+                column.values[self.held]
+            } else if after == 0 {
+                column.values[0]
+            } else if after == times.len() {
+                column.values[after - 1]
+            } else {
+                let (t0, t1) = (times[after - 1], times[after]);
+                let (v0, v1) = (column.values[after - 1], column.values[after]);
+                v0 + (v1 - v0) * ((time_s - t0) / (t1 - t0))
+            };
+        }
+    }
+}
+
+impl InputColumn {
+    /// Whether the column's slope changes (or its value steps) at a row.
+    fn has_corner(&self, times: &[f64], row: usize) -> bool {
+        let v = &self.values;
+        if self.hold {
+            return row > 0 && v[row] != v[row - 1];
+        }
+        let slope = |a: usize, b: usize| (v[b] - v[a]) / (times[b] - times[a]);
+        let before = if row == 0 { 0.0 } else { slope(row - 1, row) };
+        let after = if row + 1 == times.len() { 0.0 } else { slope(row, row + 1) };
+        let span = if row + 1 < times.len() { times[row + 1] - times[row] } else { 1.0 };
+        // A change below rounding of the values is none.
+        (after - before).abs() * span > 1e-12 * v[row].abs().max(1e-300)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table() -> InputTable {
+        InputTable {
+            times_s: vec![0.0, 10.0, 20.0, 30.0],
+            columns: vec![
+                InputColumn { input: 0, values: vec![0.0, 1.0, 2.0, 0.0], hold: false },
+                InputColumn { input: 1, values: vec![5.0, 5.0, 7.0, 7.0], hold: true },
+            ],
+            base: vec![0.0, 0.0, 3.0],
+        }
+    }
+
+    #[test]
+    fn corners_are_where_a_slope_or_a_held_value_changes() {
+        let table = table();
+        let reader = InputReader::new(&table);
+        assert_eq!(reader.next_corner(-1.0), Some(0.0));
+        assert_eq!(reader.next_corner(0.0), Some(20.0));
+        assert_eq!(reader.next_corner(20.0), Some(30.0));
+        assert_eq!(reader.next_corner(30.0), None);
+    }
+
+    #[test]
+    fn held_columns_change_on_entering_linear_ones_follow_time() {
+        let table = table();
+        let mut reader = InputReader::new(&table);
+        let mut out = table.base.clone();
+        reader.enter(0.0);
+        reader.read(20.0, &mut out);
+        assert_eq!(out, [2.0, 5.0, 3.0]);
+        reader.enter(20.0);
+        reader.read(25.0, &mut out);
+        assert_eq!(out, [1.0, 7.0, 3.0]);
+        reader.read(99.0, &mut out);
+        assert_eq!(out[0], 0.0);
+    }
+}

@@ -1,0 +1,556 @@
+//! Adaptive integration of the network's equations: step control, stops, and what happens between steps.
+//!
+//! The step follows a proportional-integral controller on the embedded error (Gustafsson 1991, ACM TOMS 17, 533), in
+//! the largest norm over diffusion nodes. Corners of the inputs and kinks of expressions of time are hit exactly.
+
+use crate::math::functions::{exp, ln};
+use crate::thermal::equations::{Equations, segment};
+use crate::thermal::linear::Linear;
+use crate::thermal::model::QuantityValue;
+use crate::thermal::network::Network;
+use crate::thermal::steady::Start;
+
+use super::inputs::InputReader;
+use super::output::Recorder;
+use super::sensitivity::Tangent;
+use super::tableau::{self, STAGES};
+use super::{InitialState, SwitchEvent, Transient, TransientError, TransientOptions, TransientRequest, TransientStats};
+
+/// Aim of the step control below the tolerance.
+const SAFETY: f64 = 0.9;
+/// Largest growth and shrinking of a step.
+const GROWTH: f64 = 5.0;
+const SHRINK: f64 = 0.2;
+/// With costly factors a step stays as it is unless it may grow by this much.
+const WORTH_GROWING: f64 = 1.3;
+
+/// State of an integration at an instant, and room for a step.
+pub(super) struct Integrator<'a> {
+    pub network: &'a Network,
+    pub equations: &'a Equations,
+    pub reader: InputReader<'a>,
+    pub options: TransientOptions,
+    pub file: Vec<f64>,
+    pub linear: Linear<f64>,
+    /// For the arithmetic nodes alone; `None` without any.
+    pub algebraic: Option<Linear<f64>>,
+    pub time_s: f64,
+    /// Temperatures of the unknowns at `time_s`, K; the values of the stages of the step under way.
+    pub stage_values: Vec<Vec<f64>>,
+    /// Slopes of the stages, K/s; the first is the slope at `time_s`.
+    pub stage_slopes: Vec<Vec<f64>>,
+    pub base: Vec<f64>,
+    pub step: Vec<f64>,
+    pub matrix: StepMatrix,
+    pub predictors: [[f64; STAGES]; STAGES],
+    /// Slopes at the start of the last step and its length, where the solution was smooth since.
+    pub previous_slope: Vec<f64>,
+    pub previous_step_s: Option<f64>,
+    /// Estimated contraction of the stage iteration.
+    pub contraction: f64,
+    pub tangent: Option<Tangent>,
+    pub stats: TransientStats,
+    /// Instant for which inputs and hoisted expressions stand in the file.
+    pub instant_s: f64,
+    pub inputs: Vec<f64>,
+}
+
+/// Slopes from which the matrix of a step is made, and the step for which it is factored.
+pub(super) struct StepMatrix {
+    pub jacobian: Vec<f64>,
+    pub capacity: Vec<f64>,
+    /// Slope of the capacity times the slope of the temperature.
+    pub capacity_rate: Vec<f64>,
+    /// Step of the factors, s; `None` when they are out of date.
+    pub factored_for_s: Option<f64>,
+    /// Steps since the slopes were evaluated.
+    pub age: u32,
+}
+
+/// How a step ended.
+enum Attempt {
+    Accepted { error: f64 },
+    Rejected { error: f64 },
+    Unsolved,
+}
+
+impl<'a> Integrator<'a> {
+    pub fn new(network: &'a Network, request: &TransientRequest<'a>) -> Result<Self, TransientError> {
+        let equations = network.switched.as_ref().unwrap_or(&network.steady);
+        let size = equations.size();
+        let mut file = equations.program.registers();
+        for (slot, &value) in file[..equations.parameters].iter_mut().zip(&network.nominal_parameters) {
+            *slot = value;
+        }
+        for (slot, &value) in file[..equations.parameters].iter_mut().zip(request.parameters) {
+            *slot = value;
+        }
+        let mut inputs = network.nominal_inputs.clone();
+        for (slot, &value) in inputs.iter_mut().zip(&request.inputs.base) {
+            *slot = value;
+        }
+        file[equations.parameters..equations.time()].copy_from_slice(&inputs);
+        let rows = request.inputs.times_s.len();
+        if let Some(column) = request.inputs.columns.iter().find(|c| c.values.len() != rows) {
+            return Err(TransientError::Request {
+                what: "an input column must have a value for each instant of its table; values",
+                value: column.values.len() as f64,
+            });
+        }
+        if let Some(pair) = request.inputs.times_s.windows(2).find(|pair| !(pair[1] > pair[0])) {
+            return Err(TransientError::Request { what: "the instants of inputs must increase", value: pair[1] });
+        }
+        let arithmetic = equations.capacity.iter().any(Option::is_none);
+        let linear = network.switched_linear.as_ref().unwrap_or(&network.linear).clone();
+        let time_s = request.start_s.or_else(|| request.inputs.times_s.first().copied()).unwrap_or(0.0);
+        let mut predictors = [[0.0; STAGES]; STAGES];
+        for (stage, weights) in predictors.iter_mut().enumerate().skip(1) {
+            *weights = tableau::predictor(stage);
+        }
+        let mut integrator = Self {
+            network,
+            equations,
+            reader: InputReader::new(request.inputs),
+            options: request.options,
+            algebraic: arithmetic.then(|| linear.clone()),
+            linear,
+            time_s,
+            stage_values: vec![vec![0.0; size]; STAGES],
+            stage_slopes: vec![vec![0.0; size]; STAGES],
+            base: vec![0.0; size],
+            step: vec![0.0; size],
+            matrix: StepMatrix {
+                jacobian: vec![0.0; equations.jacobian.len()],
+                capacity: vec![0.0; size],
+                capacity_rate: vec![0.0; size],
+                factored_for_s: None,
+                age: 0,
+            },
+            predictors,
+            previous_slope: vec![0.0; size],
+            previous_step_s: None,
+            contraction: 1.0,
+            tangent: request.sensitivities.then(|| Tangent::new(network, equations, request.seeds)),
+            stats: TransientStats::default(),
+            instant_s: f64::NAN,
+            inputs,
+            file,
+        };
+        integrator.equations.program.run(segment::PARAMETERS, &mut integrator.file);
+        integrator.equations.program.run(segment::INPUTS, &mut integrator.file);
+        integrator.reader.enter(time_s);
+        integrator.set_instant(time_s);
+        Ok(integrator)
+    }
+
+    /// Brings inputs and what is hoisted to an instant.
+    pub fn set_instant(&mut self, time_s: f64) {
+        if time_s == self.instant_s {
+            return;
+        }
+        self.instant_s = time_s;
+        let program = &self.equations.program;
+        if self.reader.varies() {
+            self.reader.read(time_s, &mut self.inputs);
+            self.file[self.equations.parameters..self.equations.time()].copy_from_slice(&self.inputs);
+            program.run(segment::INPUTS, &mut self.file);
+        }
+        self.file[self.equations.time()] = time_s;
+        program.run(segment::INSTANT, &mut self.file);
+    }
+
+    /// Forgets the instant: something that is hoisted has changed.
+    pub fn forget_instant(&mut self) {
+        self.instant_s = f64::NAN;
+    }
+
+    /// Evaluates balances and capacities at the temperatures of a stage and the instant set.
+    pub fn evaluate(&mut self, stage: usize) {
+        self.file[self.equations.temperatures()].copy_from_slice(&self.stage_values[stage]);
+        self.equations.program.run(segment::RESIDUAL, &mut self.file);
+        self.equations.program.run(segment::CAPACITY, &mut self.file);
+        self.stats.residual_evaluations += 1;
+    }
+
+    /// Whether an unknown stores heat.
+    pub fn stores(&self, row: usize) -> bool {
+        self.equations.capacity[row].is_some()
+    }
+
+    /// Capacity of a row as evaluated last, J/K; 0 for arithmetic nodes.
+    pub fn capacity(&self, row: usize) -> f64 {
+        self.equations.capacity[row].map_or(0.0, |register| self.file[register.index()])
+    }
+
+    /// Starts at the given state: consistent arithmetic nodes, modes, slopes, derivatives.
+    pub fn start(&mut self, request: &TransientRequest<'a>) -> Result<(), TransientError> {
+        match request.initial {
+            InitialState::Temperatures(given) => {
+                for (value, &node) in self.stage_values[0].iter_mut().zip(&self.equations.unknowns) {
+                    *value = given.get(node).copied().unwrap_or(f64::NAN);
+                    if !(*value > 0.0 && value.is_finite()) {
+                        return Err(TransientError::Request {
+                            what: "a start temperature must be above 0 K",
+                            value: *value,
+                        });
+                    }
+                }
+            }
+            InitialState::Steady | InitialState::Periodic => {
+                let mut workspace = self.network.workspace();
+                self.network.set_parameters(&mut workspace, request.parameters);
+                self.network.set_inputs(&mut workspace, &self.inputs);
+                self.network.set_time(&mut workspace, self.time_s);
+                self.network.solve_steady(&mut workspace, Start::Default)?;
+                for (value, &node) in self.stage_values[0].iter_mut().zip(&self.equations.unknowns) {
+                    *value = workspace.temperatures()[node];
+                }
+                if let Some(tangent) = &mut self.tangent {
+                    tangent.start_steady(self.network, &mut workspace);
+                }
+            }
+        }
+        self.choose_modes()?;
+        self.restart()
+    }
+
+    /// After a start or a jump: consistent arithmetic nodes, slopes from the equations, new matrix.
+    pub fn restart(&mut self) -> Result<(), TransientError> {
+        self.forget_instant();
+        self.set_instant(self.time_s);
+        self.make_consistent(0)?;
+        self.evaluate(0);
+        for row in 0..self.equations.size() {
+            if !self.stores(row) {
+                self.stage_slopes[0][row] = 0.0;
+                continue;
+            }
+            let capacity = self.capacity(row);
+            if !(capacity > 0.0 && capacity.is_finite()) {
+                return Err(TransientError::Capacity {
+                    node: self.network.nodes[self.equations.unknowns[row]].clone(),
+                    capacity,
+                    time_s: self.time_s,
+                });
+            }
+            self.stage_slopes[0][row] = self.file[self.equations.residual[row].index()] / capacity;
+        }
+        if self.stage_slopes[0].iter().any(|slope| !slope.is_finite()) {
+            return Err(self.not_finite());
+        }
+        self.refresh_slopes(0);
+        self.previous_step_s = None;
+        self.restart_tangent();
+        Ok(())
+    }
+
+    /// The element behind a number that is not finite at the present state of the file.
+    pub fn not_finite(&self) -> TransientError {
+        match self.equations.name_not_finite(&self.file, &self.network.nodes) {
+            Some(error) => error.into(),
+            None => TransientError::StepTooShort { time_s: self.time_s, node: self.fastest() },
+        }
+    }
+
+    /// Takes the slopes of the balances at the last evaluation (of the given stage) for the matrix.
+    pub fn refresh_slopes(&mut self, stage: usize) {
+        self.equations.program.run(segment::JACOBIAN, &mut self.file);
+        for (value, entry) in self.matrix.jacobian.iter_mut().zip(&self.equations.jacobian) {
+            *value = self.file[entry.register.index()];
+        }
+        if self.equations.capacity_varies {
+            self.equations.program.run(segment::CAPACITY_SLOPE, &mut self.file);
+        }
+        for row in 0..self.equations.size() {
+            self.matrix.capacity[row] = self.capacity(row);
+            self.matrix.capacity_rate[row] = self.equations.capacity_slope[row]
+                .map_or(0.0, |register| self.file[register.index()] * self.stage_slopes[stage][row]);
+        }
+        self.matrix.factored_for_s = None;
+        self.matrix.age = 0;
+        self.contraction = 1.0;
+        self.stats.jacobians += 1;
+    }
+
+    /// A first step from the size of the slopes: a hundredth of the time in which a temperature would change by
+    /// itself (Hairer & Wanner 1996, II.4).
+    fn first_step(&self, end_s: f64) -> f64 {
+        let span = end_s - self.time_s;
+        let fastest = self.stage_values[0]
+            .iter()
+            .zip(&self.stage_slopes[0])
+            .map(|(value, slope)| slope.abs() / value)
+            .fold(0.0, f64::max);
+        let step = if fastest > 0.0 { 1e-3 / fastest } else { 1e-3 * span };
+        self.options.first_step_s.unwrap_or(step).min(span)
+    }
+
+    /// Name of the node with the largest slope.
+    fn fastest(&self) -> String {
+        let mut row = 0;
+        for (candidate, slope) in self.stage_slopes[0].iter().enumerate() {
+            if slope.abs() > self.stage_slopes[0][row].abs() {
+                row = candidate;
+            }
+        }
+        self.equations.unknowns.get(row).map_or_else(String::new, |&node| self.network.nodes[node].clone())
+    }
+
+    /// Integrates to the end, recording what is asked.
+    pub fn run(
+        &mut self,
+        end_s: f64,
+        recorder: &mut Recorder<'_>,
+        result: &mut Transient,
+    ) -> Result<(), TransientError> {
+        recorder.begin(self, result)?;
+        let mut step_s = self.options.fixed_step_s.unwrap_or_else(|| self.first_step(end_s));
+        let mut last_error: f64 = 1.0;
+        let mut failures = 0;
+        while self.time_s < end_s {
+            if self.stats.steps >= self.options.most_steps {
+                return Err(TransientError::TooManySteps { time_s: self.time_s, steps: self.stats.steps });
+            }
+            let corner = self.reader.next_corner(self.time_s).filter(|&corner| corner < end_s);
+            let stop = corner.unwrap_or(end_s);
+            let wanted = step_s.min(self.options.longest_step_s);
+            let left = stop - self.time_s;
+            let mut reaches_stop = wanted >= left * (1.0 - 1e-9);
+            let mut present = if reaches_stop {
+                left
+            } else if wanted > 0.5 * left && self.options.fixed_step_s.is_none() {
+                // Two like steps rather than a long and a tiny one.
+                0.5 * left
+            } else {
+                wanted
+            };
+            let kink = self.kink_within(present);
+            if let Some((before, _)) = kink {
+                present = before - self.time_s;
+                reaches_stop = false;
+            }
+            // What an instant can resolve: below it a step has no meaning.
+            let shortest = 1e-13 * self.time_s.abs().max(end_s.abs()).max(1e-3);
+            if present <= shortest {
+                if let Some((_, after)) = kink {
+                    self.time_s = after;
+                    self.restart()?;
+                    continue;
+                }
+                return Err(TransientError::StepTooShort { time_s: self.time_s, node: self.fastest() });
+            }
+            let attempt = self.attempt(present);
+            let factor = match attempt {
+                Attempt::Unsolved => {
+                    self.stats.unsolved += 1;
+                    failures += 1;
+                    if self.matrix.age > 0 {
+                        self.evaluate_at_start();
+                    } else {
+                        step_s = 0.25 * present;
+                        self.matrix.factored_for_s = None;
+                    }
+                    if failures > 60 || self.options.fixed_step_s.is_some() {
+                        return Err(self.not_finite());
+                    }
+                    continue;
+                }
+                Attempt::Rejected { error } => {
+                    self.stats.rejected += 1;
+                    step_s = present * (SAFETY * error.sqrt().sqrt().recip()).clamp(SHRINK, 0.9);
+                    continue;
+                }
+                Attempt::Accepted { error } => {
+                    failures = 0;
+                    let error = error.max(1e-8);
+                    let (now, before) = (ln(error), ln(last_error));
+                    last_error = error;
+                    (SAFETY * exp(-0.175 * now + 0.1 * before)).clamp(SHRINK, GROWTH)
+                }
+            };
+            let event = self.switching_within(present);
+            if let Some(time_s) = event
+                && time_s - self.time_s < present
+            {
+                // Once more to the switching itself, so that the state there has the full accuracy.
+                let to_event = time_s - self.time_s;
+                if to_event > shortest {
+                    if !matches!(self.attempt(to_event), Attempt::Accepted { .. } | Attempt::Rejected { .. }) {
+                        step_s = 0.25 * to_event;
+                        self.evaluate_at_start();
+                        continue;
+                    }
+                    self.commit(to_event, self.time_s + to_event, recorder, result)?;
+                }
+                self.switch(result)?;
+                continue;
+            }
+            if self.options.fixed_step_s.is_none() {
+                let proposed = present * factor;
+                // A step cut short by a stop says little about the longest that is possible.
+                step_s = if present < wanted { proposed.max(wanted.min(proposed * GROWTH)) } else { proposed };
+                if !self.linear.is_dense() && present == wanted && (1.0..WORTH_GROWING).contains(&factor) {
+                    step_s = present;
+                }
+            }
+            let arrival = if reaches_stop { stop } else { self.time_s + present };
+            self.commit(present, arrival, recorder, result)?;
+            if let Some((_, after)) = kink {
+                self.time_s = after;
+                self.restart()?;
+                last_error = 1.0;
+            } else if reaches_stop && corner.is_some() {
+                self.reader.enter(self.time_s);
+                self.restart()?;
+                last_error = 1.0;
+            }
+        }
+        recorder.finish(self, result);
+        Ok(())
+    }
+
+    /// Evaluates the slopes anew at the start of the step.
+    fn evaluate_at_start(&mut self) {
+        self.set_instant(self.time_s);
+        self.evaluate(0);
+        self.refresh_slopes(0);
+    }
+
+    /// Tries a step; the state moves only in [`Integrator::commit`].
+    fn attempt(&mut self, step_s: f64) -> Attempt {
+        self.prepare_matrix(step_s);
+        for stage in 1..STAGES {
+            if !self.solve_stage(stage, step_s) {
+                return Attempt::Unsolved;
+            }
+        }
+        let mut worst: f64 = 0.0;
+        for row in 0..self.equations.size() {
+            if !self.stores(row) {
+                continue;
+            }
+            let mut error = 0.0;
+            for stage in 0..STAGES {
+                error += tableau::error_weight(stage) * self.stage_slopes[stage][row];
+            }
+            let size = self.stage_values[0][row].abs().max(self.stage_values[STAGES - 1][row].abs());
+            let allowed = self.options.absolute_tolerance_k + self.options.relative_tolerance * size;
+            worst = worst.max((step_s * error).abs() / allowed);
+        }
+        if worst <= 1.0 || self.options.fixed_step_s.is_some() {
+            Attempt::Accepted { error: worst }
+        } else {
+            Attempt::Rejected { error: worst }
+        }
+    }
+
+    /// Moves to the end of the step just tried: derivatives, outputs, then the state.
+    fn commit(
+        &mut self,
+        step_s: f64,
+        arrival_s: f64,
+        recorder: &mut Recorder<'_>,
+        result: &mut Transient,
+    ) -> Result<(), TransientError> {
+        // The file still holds the last evaluation of the last stage, a Newton correction away from the result.
+        let renew = self.linear.is_dense() || self.matrix.age >= 20 || self.contraction > 0.1;
+        self.matrix.age += 1;
+        let slopes = renew.then(|| self.refresh_slopes(STAGES - 1));
+        self.step_tangent(step_s);
+        recorder.record(self, step_s, arrival_s, result)?;
+        if slopes.is_none() {
+            self.contraction = self.contraction.max(0.02);
+        }
+        self.stats.steps += 1;
+        self.previous_step_s = Some(step_s);
+        std::mem::swap(&mut self.previous_slope, &mut self.stage_slopes[0]);
+        let (first, last) = self.stage_values.split_at_mut(STAGES - 1);
+        first[0].copy_from_slice(&last[0]);
+        let (first, last) = self.stage_slopes.split_at_mut(STAGES - 1);
+        first[0].copy_from_slice(&last[0]);
+        if let Some(tangent) = &mut self.tangent {
+            tangent.arrive();
+        }
+        self.time_s = arrival_s;
+        result.step_ends_s.push(arrival_s);
+        Ok(())
+    }
+
+    /// Temperatures of all nodes at the present state, K.
+    pub fn all_temperatures(&mut self) -> Vec<f64> {
+        self.set_instant(self.time_s);
+        self.equations.program.run(segment::BOUNDARY, &mut self.file);
+        let mut out = vec![0.0; self.network.nodes.len()];
+        for &(node, register) in &self.equations.boundaries {
+            out[node] = self.file[register.index()];
+        }
+        for (&value, &node) in self.stage_values[0].iter().zip(&self.equations.unknowns) {
+            out[node] = value;
+        }
+        out
+    }
+}
+
+impl Network {
+    /// Integrates over time.
+    ///
+    /// Outputs at the instant at which a held input steps belong to the interval that ends there. Derivatives are
+    /// those of the discrete solution with its steps held fixed; a thermostat's switching moves with the parameters,
+    /// corners of inputs and kinks of expressions of time do not.
+    ///
+    /// # Errors
+    /// [`TransientError`] tells when and where the integration stopped.
+    pub fn solve_transient(&self, request: &TransientRequest<'_>) -> Result<Transient, TransientError> {
+        if let InitialState::Periodic = request.initial {
+            return self.solve_periodic(request);
+        }
+        let mut integrator = Integrator::new(self, request)?;
+        integrator.start(request)?;
+        self.integrate(integrator, request)
+    }
+
+    /// Runs an integrator that has been started.
+    pub(super) fn integrate<'a>(
+        &'a self,
+        mut integrator: Integrator<'a>,
+        request: &TransientRequest<'a>,
+    ) -> Result<Transient, TransientError> {
+        let start_s = integrator.time_s;
+        let mut before = start_s;
+        for &output in request.outputs_s {
+            if !(output >= before) || !output.is_finite() {
+                return Err(TransientError::Request {
+                    what: "outputs must ascend from the start; output at s",
+                    value: output,
+                });
+            }
+            before = output;
+        }
+        let end_s = match (request.end_s, request.outputs_s.last()) {
+            (Some(end), Some(&last)) => end.max(last),
+            (Some(end), None) => end,
+            (None, Some(&last)) => last,
+            (None, None) => request.inputs.times_s.last().copied().unwrap_or(start_s),
+        };
+        let mut result = Transient { start: integrator.all_temperatures(), ..Transient::default() };
+        let mut recorder = Recorder::new(&integrator, request.outputs_s, start_s, end_s);
+        integrator.run(end_s, &mut recorder, &mut result)?;
+        result.end = integrator.all_temperatures();
+        result.stats = integrator.stats;
+        Ok(result)
+    }
+
+    /// Whether a quantity needs the whole course.
+    pub(super) fn is_over_time(&self, quantity: usize) -> bool {
+        !matches!(self.quantities[quantity], QuantityValue::Instant(_))
+    }
+}
+
+impl Integrator<'_> {
+    /// Records a switching.
+    pub fn note_event(&mut self, mode: usize, on: bool, result: &mut Transient) {
+        self.stats.events += 1;
+        let element = self.equations.mode_names[mode].clone();
+        result.events.push(SwitchEvent { time_s: self.time_s, element, on });
+    }
+}

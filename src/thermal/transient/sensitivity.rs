@@ -1,0 +1,334 @@
+//! Forward derivatives of the discrete solution, its steps held fixed.
+//!
+//! Each stage's equations are differentiated as they were solved: with the exact slopes at the stage,
+//! `(J - C' k - C / (g h)) dY = -dr/dp + dC/dp k - C dB / (g h)`, `dk = (dY - dB) / (g h)`. At the switching of a
+//! thermostat at `t*`, whose function `w` crosses zero, `dt*/dp = -(w_T dT/dp + w_p) / (w_T dT/dt)` and the derivative
+//! jumps by `(dT/dt before - after) dt*/dp`. Thresholds that move in time are taken as resting at the switching.
+
+use crate::expression::Symbol;
+use crate::thermal::equations::{Entry, Equations, segment};
+use crate::thermal::network::{Network, Workspace};
+
+use super::Transient;
+use super::consistent::HOLD_W_PER_K;
+use super::events::hermite;
+use super::integrator::Integrator;
+use super::tableau::{COEFFICIENTS, GAMMA, NODES, STAGES};
+
+/// Derivatives of the state, column by column (`columns x unknowns`).
+pub(super) struct Tangent {
+    size: usize,
+    symbols: usize,
+    columns: usize,
+    /// Of the stages' temperatures; the first is the state's.
+    values: Vec<Vec<f64>>,
+    /// Of the stages' slopes.
+    slopes: Vec<Vec<f64>>,
+    base: Vec<f64>,
+    /// Change of the instant of the switching under way, by column.
+    shift: Vec<f64>,
+}
+
+impl Tangent {
+    pub fn new(network: &Network, equations: &Equations, seeds: &[Vec<f64>]) -> Self {
+        let size = equations.size();
+        let symbols = network.differentiate.len();
+        let columns = symbols + seeds.len();
+        let mut values = vec![vec![0.0; size * columns]; STAGES];
+        for (column, symbol) in network.differentiate.iter().enumerate() {
+            if let Symbol::Node(node) = symbol
+                && let Some(row) = equations.unknowns.iter().position(|&unknown| unknown == *node as usize)
+            {
+                values[0][column * size + row] = 1.0;
+            }
+        }
+        for (seed, direction) in seeds.iter().enumerate() {
+            for (row, &node) in equations.unknowns.iter().enumerate() {
+                values[0][(symbols + seed) * size + row] = direction.get(node).copied().unwrap_or(0.0);
+            }
+        }
+        Self {
+            size,
+            symbols,
+            columns,
+            slopes: vec![vec![0.0; size * columns]; STAGES],
+            base: vec![0.0; size * columns],
+            shift: vec![0.0; columns],
+            values,
+        }
+    }
+
+    /// Number of columns: differentiated symbols, then seeds.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Starts from given derivatives of the state.
+    pub fn set_state(&mut self, state: &[f64]) {
+        self.values[0].copy_from_slice(state);
+    }
+
+    /// Starts from the derivatives of a steady state.
+    pub fn start_steady(&mut self, network: &Network, workspace: &mut Workspace) {
+        let mut all = vec![0.0; network.nodes() * self.symbols];
+        self.values[0].fill(0.0);
+        if network.temperature_tangent(workspace, &mut all).is_ok() {
+            for (row, &node) in network.steady.unknowns.iter().enumerate() {
+                for column in 0..self.symbols {
+                    self.values[0][column * self.size + row] = all[node * self.symbols + column];
+                }
+            }
+        }
+    }
+
+    /// The end of the step becomes its start.
+    pub fn arrive(&mut self) {
+        self.values.swap(0, STAGES - 1);
+        self.slopes.swap(0, STAGES - 1);
+    }
+
+    /// Adds `weight` times the entries' registers to a field of columns.
+    fn add(field: &mut [f64], size: usize, entries: &[Entry], file: &[f64], weight: impl Fn(usize) -> f64) {
+        for entry in entries {
+            field[entry.column * size + entry.row] += weight(entry.row) * file[entry.register.index()];
+        }
+    }
+}
+
+impl Integrator<'_> {
+    /// Runs the segments of derivatives at the last evaluation.
+    fn evaluate_slopes(&mut self) {
+        let program = &self.equations.program;
+        for part in [segment::JACOBIAN, segment::RESIDUAL_TANGENT, segment::CAPACITY_SLOPE, segment::CAPACITY_TANGENT] {
+            program.run(part, &mut self.file);
+        }
+        self.stats.jacobians += 1;
+    }
+
+    /// Derivatives through the step just tried.
+    pub(super) fn step_tangent(&mut self, step_s: f64) {
+        let Some(mut tangent) = self.tangent.take() else { return };
+        let implicit = GAMMA * step_s;
+        let size = tangent.size;
+        for stage in 1..STAGES {
+            self.set_instant(self.time_s + NODES[stage] * step_s);
+            self.evaluate(stage);
+            self.evaluate_slopes();
+            self.linear.load(self.equations, &self.file);
+            for row in 0..size {
+                if self.stores(row) {
+                    let rate = self.equations.capacity_slope[row]
+                        .map_or(0.0, |r| self.file[r.index()] * self.stage_slopes[stage][row]);
+                    self.linear.add_to_diagonal(row, -(self.capacity(row) / implicit + rate));
+                }
+            }
+            self.linear.factor();
+            self.stats.factorisations += 1;
+            tangent.base.copy_from_slice(&tangent.values[0]);
+            for earlier in 0..stage {
+                let weight = step_s * COEFFICIENTS[stage][earlier];
+                for (base, slope) in tangent.base.iter_mut().zip(&tangent.slopes[earlier]) {
+                    *base += weight * slope;
+                }
+            }
+            let own = &mut tangent.values[stage];
+            own.fill(0.0);
+            Tangent::add(own, size, &self.equations.residual_tangent, &self.file, |_| -1.0);
+            let slopes = &self.stage_slopes[stage];
+            Tangent::add(own, size, &self.equations.capacity_tangent, &self.file, |row| slopes[row]);
+            for column in 0..tangent.columns {
+                let rhs = &mut own[column * size..(column + 1) * size];
+                let base = &tangent.base[column * size..(column + 1) * size];
+                for row in 0..size {
+                    if let Some(register) = self.equations.capacity[row] {
+                        rhs[row] -= self.file[register.index()] * base[row] / implicit;
+                    }
+                }
+                self.linear.solve(rhs);
+                self.stats.solves += 1;
+                let slope = &mut tangent.slopes[stage][column * size..(column + 1) * size];
+                for row in 0..size {
+                    slope[row] =
+                        if self.equations.capacity[row].is_some() { (rhs[row] - base[row]) / implicit } else { 0.0 };
+                }
+            }
+        }
+        self.matrix.factored_for_s = None;
+        self.tangent = Some(tangent);
+    }
+
+    /// Derivatives of arithmetic nodes and of the slopes at the present state.
+    pub(super) fn restart_tangent(&mut self) {
+        let Some(mut tangent) = self.tangent.take() else { return };
+        let size = tangent.size;
+        self.set_instant(self.time_s);
+        self.evaluate(0);
+        self.evaluate_slopes();
+        self.close_tangent(&mut tangent.values[0], tangent.columns);
+        let slopes = &mut tangent.slopes[0];
+        slopes.fill(0.0);
+        Tangent::add(slopes, size, &self.equations.residual_tangent, &self.file, |_| 1.0);
+        for column in 0..tangent.columns {
+            for entry in &self.equations.jacobian {
+                slopes[column * size + entry.row] +=
+                    self.file[entry.register.index()] * tangent.values[0][column * size + entry.column];
+            }
+        }
+        let own = &self.stage_slopes[0];
+        Tangent::add(slopes, size, &self.equations.capacity_tangent, &self.file, |row| -own[row]);
+        for column in 0..tangent.columns {
+            for row in 0..size {
+                let slope = &mut slopes[column * size + row];
+                let capacity = self.capacity(row);
+                if capacity > 0.0 {
+                    let rate = self.equations.capacity_slope[row].map_or(0.0, |r| self.file[r.index()] * own[row]);
+                    *slope = (*slope - rate * tangent.values[0][column * size + row]) / capacity;
+                } else {
+                    *slope = 0.0;
+                }
+            }
+        }
+        self.tangent = Some(tangent);
+    }
+
+    /// Replaces the arithmetic rows of a field by what closes their differentiated balances; the file holds slopes
+    /// and derivatives of the balances at the state.
+    fn close_tangent(&mut self, field: &mut [f64], columns: usize) {
+        let Some(mut linear) = self.algebraic.take() else { return };
+        let size = self.equations.size();
+        self.hold_diffusion(&mut linear);
+        for column in 0..columns {
+            for row in 0..size {
+                let value = &mut field[column * size + row];
+                *value = if self.stores(row) { -HOLD_W_PER_K * *value } else { 0.0 };
+            }
+        }
+        for entry in self.equations.residual_tangent.iter().filter(|e| self.equations.capacity[e.row].is_none()) {
+            field[entry.column * size + entry.row] -= self.file[entry.register.index()];
+        }
+        for column in field.chunks_exact_mut(size.max(1)) {
+            linear.solve(column);
+        }
+        self.stats.factorisations += 1;
+        self.stats.solves += columns as u64;
+        self.algebraic = Some(linear);
+    }
+
+    /// How the instant of a switching moves, from the function that crosses zero; before the mode changes.
+    pub(super) fn switch_shift(&mut self, mode: usize) {
+        let Some(mut tangent) = self.tangent.take() else { return };
+        let size = tangent.size;
+        self.equations.program.run(segment::SWITCH_TANGENT, &mut self.file);
+        let on = self.file[self.equations.modes().start + mode] > 0.5;
+        let row = 2 * mode + usize::from(on);
+        let mut rate = 0.0;
+        tangent.shift.fill(0.0);
+        for entry in self.equations.switch_temperature.iter().filter(|entry| entry.row == row) {
+            let slope = self.file[entry.register.index()];
+            rate += slope * self.stage_slopes[0][entry.column];
+            for column in 0..tangent.columns {
+                tangent.shift[column] += slope * tangent.values[0][column * size + entry.column];
+            }
+        }
+        for entry in self.equations.switch_symbol.iter().filter(|entry| entry.row == row) {
+            tangent.shift[entry.column] += self.file[entry.register.index()];
+        }
+        for shift in &mut tangent.shift {
+            *shift = if rate == 0.0 { 0.0 } else { -*shift / rate };
+        }
+        self.tangent = Some(tangent);
+    }
+
+    /// The derivative's jump at a switching, from the slopes before it; after the restart.
+    pub(super) fn jump_tangent(&mut self, before: &[f64]) {
+        let Some(mut tangent) = self.tangent.take() else { return };
+        let size = tangent.size;
+        for column in 0..tangent.columns {
+            for row in 0..size {
+                if self.stores(row) {
+                    tangent.values[0][column * size + row] +=
+                        (before[row] - self.stage_slopes[0][row]) * tangent.shift[column];
+                }
+            }
+        }
+        self.tangent = Some(tangent);
+        self.restart_tangent();
+    }
+
+    /// Derivatives of the temperatures at a share of the step just tried, at the state in the file; `columns x
+    /// unknowns`.
+    fn tangent_at(&mut self, share: f64, step_s: f64) -> (Vec<f64>, usize) {
+        let Some(tangent) = self.tangent.take() else { return (Vec::new(), 0) };
+        let columns = tangent.columns;
+        let mut field = if share == 0.0 {
+            tangent.values[0].clone()
+        } else {
+            let weights = hermite(share);
+            let last = STAGES - 1;
+            (0..tangent.size * columns)
+                .map(|i| {
+                    weights[0] * tangent.values[0][i]
+                        + weights[1] * tangent.values[last][i]
+                        + step_s * (weights[2] * tangent.slopes[0][i] + weights[3] * tangent.slopes[last][i])
+                })
+                .collect()
+        };
+        if self.algebraic.is_some() {
+            self.equations.program.run(segment::RESIDUAL, &mut self.file);
+            self.equations.program.run(segment::JACOBIAN, &mut self.file);
+            self.equations.program.run(segment::RESIDUAL_TANGENT, &mut self.file);
+            self.close_tangent(&mut field, columns);
+        }
+        self.tangent = Some(tangent);
+        (field, columns)
+    }
+
+    /// Derivatives of the quantities at a share of the step just tried, `quantities x columns`; the file holds the
+    /// state there and the quantities have been evaluated.
+    pub(super) fn quantity_tangent_at(&mut self, share: f64, step_s: f64) -> Vec<f64> {
+        let (field, columns) = self.tangent_at(share, step_s);
+        self.quantity_slopes(&field, columns)
+    }
+
+    fn quantity_slopes(&mut self, field: &[f64], columns: usize) -> Vec<f64> {
+        let size = self.equations.size();
+        self.equations.program.run(segment::QUANTITY, &mut self.file);
+        self.equations.program.run(segment::QUANTITY_TANGENT, &mut self.file);
+        let mut out = vec![0.0; self.network.quantities() * columns];
+        for entry in &self.equations.quantity_temperature {
+            let slope = self.file[entry.register.index()];
+            for column in 0..columns {
+                out[entry.row * columns + column] += slope * field[column * size + entry.column];
+            }
+        }
+        for entry in &self.equations.quantity_symbol {
+            out[entry.row * columns + entry.column] += self.file[entry.register.index()];
+        }
+        out
+    }
+
+    /// Appends the derivatives at an output to the result.
+    pub(super) fn output_tangent(&mut self, share: f64, step_s: f64, result: &mut Transient) {
+        if self.tangent.is_none() {
+            return;
+        }
+        let (field, columns) = self.tangent_at(share, step_s);
+        let size = self.equations.size();
+        let quantities = self.quantity_slopes(&field, columns);
+        result.quantity_tangent.extend(quantities);
+        let nodes = self.network.nodes.len();
+        let from = result.temperature_tangent.len();
+        result.temperature_tangent.resize(from + nodes * columns, 0.0);
+        let out = &mut result.temperature_tangent[from..];
+        for (row, &node) in self.equations.unknowns.iter().enumerate() {
+            for column in 0..columns {
+                out[node * columns + column] = field[column * size + row];
+            }
+        }
+        self.equations.program.run(segment::BOUNDARY_TANGENT, &mut self.file);
+        for entry in &self.equations.boundary_tangent {
+            let (node, _) = self.equations.boundaries[entry.row];
+            out[node * columns + entry.column] = self.file[entry.register.index()];
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! The coefficients of the implicit scheme: ESDIRK of six stages, order 4 with an embedded order 3, L-stable and
+//! stiffly accurate (Kennedy & Carpenter 2003, Appl. Numer. Math. 44, 139: implicit part of ARK4(3)6L[2]SA).
+
+/// Number of stages, the first of which is explicit.
+pub const STAGES: usize = 6;
+
+/// Diagonal coefficient of the implicit stages.
+pub const GAMMA: f64 = 0.25;
+
+/// Instants of the stages within a step.
+pub const NODES: [f64; STAGES] = [0.0, 0.5, 83.0 / 250.0, 31.0 / 50.0, 17.0 / 20.0, 1.0];
+
+/// Coefficients below the diagonal; the last row is that of the result.
+pub const COEFFICIENTS: [[f64; STAGES]; STAGES] = [
+    [0.0; STAGES],
+    [0.25, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [8611.0 / 62500.0, -1743.0 / 31250.0, 0.0, 0.0, 0.0, 0.0],
+    [5012029.0 / 34652500.0, -654441.0 / 2922500.0, 174375.0 / 388108.0, 0.0, 0.0, 0.0],
+    [
+        15267082809.0 / 155376265600.0,
+        -71443401.0 / 120774400.0,
+        730878875.0 / 902184768.0,
+        2285395.0 / 8070912.0,
+        0.0,
+        0.0,
+    ],
+    [82889.0 / 524892.0, 0.0, 15625.0 / 83664.0, 69875.0 / 102672.0, -2260.0 / 8211.0, 0.0],
+];
+
+/// Weights of the embedded result of order 3.
+pub const EMBEDDED: [f64; STAGES] = [
+    4586570599.0 / 29645900160.0,
+    0.0,
+    178811875.0 / 945068544.0,
+    814220225.0 / 1159782912.0,
+    -3700637.0 / 11593932.0,
+    61727.0 / 225920.0,
+];
+
+/// Weight of a stage's slope in the error estimate.
+pub fn error_weight(stage: usize) -> f64 {
+    let own = if stage == STAGES - 1 { GAMMA } else { COEFFICIENTS[STAGES - 1][stage] };
+    own - EMBEDDED[stage]
+}
+
+/// Weights with which the slopes of the earlier stages, up to four nearest in time, extrapolate to a stage.
+pub fn predictor(stage: usize) -> [f64; STAGES] {
+    let mut near: Vec<usize> = (0..stage).collect();
+    near.sort_by(|&a, &b| (NODES[a] - NODES[stage]).abs().total_cmp(&(NODES[b] - NODES[stage]).abs()));
+    near.truncate(4);
+    let mut weights = [0.0; STAGES];
+    for &i in &near {
+        weights[i] =
+            near.iter().filter(|&&j| j != i).map(|&j| (NODES[stage] - NODES[j]) / (NODES[i] - NODES[j])).product();
+    }
+    weights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn full() -> [[f64; STAGES]; STAGES] {
+        let mut a = COEFFICIENTS;
+        for i in 1..STAGES {
+            a[i][i] = GAMMA;
+        }
+        a
+    }
+
+    fn conditions(b: &[f64; STAGES]) -> Vec<(usize, f64)> {
+        let a = full();
+        let c = NODES;
+        let sum = |f: &dyn Fn(usize) -> f64| (0..STAGES).map(|i| b[i] * f(i)).sum::<f64>();
+        let apply = |x: &dyn Fn(usize) -> f64, i: usize| (0..STAGES).map(|j| a[i][j] * x(j)).sum::<f64>();
+        vec![
+            (1, sum(&|_| 1.0) - 1.0),
+            (2, sum(&|i| c[i]) - 0.5),
+            (3, sum(&|i| c[i] * c[i]) - 1.0 / 3.0),
+            (3, sum(&|i| apply(&|j| c[j], i)) - 1.0 / 6.0),
+            (4, sum(&|i| c[i] * c[i] * c[i]) - 0.25),
+            (4, sum(&|i| c[i] * apply(&|j| c[j], i)) - 0.125),
+            (4, sum(&|i| apply(&|j| c[j] * c[j], i)) - 1.0 / 12.0),
+            (4, sum(&|i| apply(&|j| apply(&|k| c[k], j), i)) - 1.0 / 24.0),
+        ]
+    }
+
+    #[test]
+    fn order_conditions_hold() {
+        // Exact rationals of magnitude below 1: only rounding is left.
+        for (order, defect) in conditions(&full()[STAGES - 1]) {
+            assert!(defect.abs() < 1e-14, "order {order}: {defect}");
+        }
+        for (order, defect) in conditions(&EMBEDDED) {
+            assert_eq!(defect.abs() < 1e-14, order <= 3, "embedded, order {order}: {defect}");
+        }
+    }
+
+    #[test]
+    fn stages_have_order_two_and_the_scheme_is_stiffly_accurate() {
+        let a = full();
+        for i in 0..STAGES {
+            assert!((a[i].iter().sum::<f64>() - NODES[i]).abs() < 1e-14);
+            let second: f64 = (0..STAGES).map(|j| a[i][j] * NODES[j]).sum();
+            assert!((second - 0.5 * NODES[i] * NODES[i]).abs() < 1e-14);
+        }
+        assert_eq!(NODES[STAGES - 1], 1.0);
+    }
+
+    #[test]
+    fn the_scheme_is_l_stable() {
+        // On y' = l y the result over the step is the last stage; |R| <= 1 on the imaginary axis, -> 0 at infinity.
+        let magnitude = |re: f64, im: f64| {
+            let a = full();
+            let mut stage = [(1.0, 0.0); STAGES];
+            for i in 1..STAGES {
+                let (mut x, mut y) = (1.0, 0.0);
+                for j in 0..i {
+                    let (p, q) = stage[j];
+                    x += a[i][j] * (re * p - im * q);
+                    y += a[i][j] * (re * q + im * p);
+                }
+                let (d, e) = (1.0 - GAMMA * re, -GAMMA * im);
+                let n = d * d + e * e;
+                stage[i] = ((x * d + y * e) / n, (y * d - x * e) / n);
+            }
+            let (x, y) = stage[STAGES - 1];
+            (x * x + y * y).sqrt()
+        };
+        for i in 0..2000 {
+            assert!(magnitude(0.0, 0.01 * f64::from(i)) <= 1.0 + 1e-12);
+            assert!(magnitude(-0.01 * f64::from(i), 0.0) <= 1.0 + 1e-12);
+        }
+        assert!(magnitude(-1e8, 0.0) < 1e-6);
+    }
+}

@@ -1,0 +1,149 @@
+//! The frame of the program: help, exit statuses, closed pipes, verbs that need no study.
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use bmv::runner::{Cache, Key, Kind, Manifest};
+
+fn bmv() -> Command {
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("bmv"));
+    command.env_remove("NO_COLOR");
+    command
+}
+
+fn run(arguments: &[&str]) -> Output {
+    bmv().args(arguments).output().expect("the program starts")
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().expect("ended by itself")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("UTF-8")
+}
+
+fn display(path: &Path) -> &str {
+    path.to_str().expect("a path of plain letters")
+}
+
+#[test]
+fn help_names_every_verb_and_the_exit_statuses() {
+    let output = run(&["--help"]);
+    assert_eq!(code(&output), 0);
+    let help = text(&output.stdout);
+    for verb in [
+        "run", "report", "compare", "show", "plan", "cache", "verify", "data", "schema", "explain", "init", "diff",
+        "check",
+    ] {
+        assert!(help.contains(&format!("\n  {verb} ")), "{verb}: {help}");
+        assert_eq!(code(&run(&[verb, "--help"])), 0, "{verb}");
+    }
+    assert!(help.contains("130 interrupted"));
+}
+
+#[test]
+fn wrong_arguments_end_with_two_and_say_so_on_standard_error() {
+    for arguments in [&[][..], &["fly"], &["run", "--threads", "0"], &["show"], &["explain", "no-such-code"]] {
+        let output = run(arguments);
+        assert_eq!(code(&output), 2, "{arguments:?}");
+        assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{arguments:?}");
+    }
+}
+
+#[test]
+fn explain_lists_and_explains_and_suggests() {
+    let list = text(&run(&["explain"]).stdout);
+    let first = list.split_whitespace().next().unwrap().to_owned();
+    let output = run(&["explain", &first]);
+    assert_eq!(code(&output), 0);
+    assert!(text(&output.stdout).starts_with(&format!("{first}: ")));
+    let near = text(&run(&["explain", &first[..first.len() - 1]]).stderr);
+    assert!(near.contains(&format!("did you mean `{first}`?")), "{near}");
+}
+
+#[test]
+fn errors_are_coloured_only_where_asked() {
+    let plain = text(&run(&["explain", "x", "--color", "never"]).stderr);
+    assert!(plain.starts_with("error: "), "{plain}");
+    let coloured = text(&run(&["--color", "always", "explain", "x"]).stderr);
+    assert!(coloured.starts_with("\u{1b}[1;31merror:"), "{coloured}");
+    let piped = text(&run(&["explain", "x"]).stderr);
+    assert_eq!(piped, plain, "no terminal, no colours");
+}
+
+#[test]
+fn a_reader_that_leaves_early_is_no_error() {
+    let mut child = bmv().arg("explain").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((code(&output), text(&output.stderr)), (0, String::new()));
+}
+
+#[test]
+fn a_full_disk_under_standard_output_is_an_error_and_no_panic() {
+    let Ok(full) = fs::File::options().write(true).open("/dev/full") else { return };
+    let output = bmv().arg("explain").stdout(full).stderr(Stdio::piped()).output().unwrap();
+    assert_eq!(code(&output), 3);
+    assert!(text(&output.stderr).starts_with("error: cannot write: "), "{}", text(&output.stderr));
+}
+
+#[test]
+fn cache_stat_and_verify_see_damage() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = display(folder.path());
+    assert_eq!(code(&run(&["cache", "stat", "--cache", &format!("{path}/none")])), 0);
+    let (cache, name) = (Cache::new(folder.path()), Key::of(b"name"));
+    cache.put(Kind::Result, &name, &name, b"{}").unwrap();
+    let stat: serde_json::Value =
+        serde_json::from_slice(&run(&["cache", "stat", "--json", "--cache", path]).stdout).unwrap();
+    assert_eq!((&stat["results"], &stat["blocks"]), (&1.into(), &0.into()));
+    let sound = run(&["cache", "verify", "--cache", path]);
+    assert_eq!((code(&sound), text(&sound.stdout)), (0, "1 objects are sound, 0 damaged\n".to_owned()));
+    fs::File::options().append(true).open(cache.path(&name)).unwrap().write_all(b"x").unwrap();
+    let damaged = run(&["cache", "verify", "--cache", path]);
+    assert_eq!(code(&damaged), 1);
+    assert!(text(&damaged.stdout).starts_with(&format!("damaged: {name}\n")));
+}
+
+#[test]
+fn verify_tells_what_changed_in_a_report() {
+    let root = tempfile::tempdir().unwrap();
+    let report = root.path().join("report");
+    assert_eq!(code(&run(&["verify", display(&report)])), 2, "no manifest");
+    fs::create_dir(&report).unwrap();
+    fs::write(report.join("report.md"), "# Report").unwrap();
+    let mut manifest = Manifest::new("bmv report");
+    manifest.add_outputs(&report).unwrap();
+    manifest.write(&report).unwrap();
+    let intact = run(&["verify", display(&report)]);
+    assert_eq!(
+        (code(&intact), text(&intact.stdout)),
+        (0, "1 files unchanged; the report is as it was written\n".into())
+    );
+    fs::write(report.join("report.md"), "# Rep0rt").unwrap();
+    fs::write(report.join("extra\u{1b}[2J.md"), "").unwrap();
+    let altered = run(&["verify", display(&report)]);
+    assert_eq!(code(&altered), 1);
+    let said = text(&altered.stdout);
+    assert!(said.starts_with("changed: report.md\nextra: extra\\u{1b}[2J.md\n"), "{said}");
+    let json: serde_json::Value = serde_json::from_slice(&run(&["verify", "--json", display(&report)]).stdout).unwrap();
+    assert_eq!(json["changed"][0], "report.md");
+}
+
+#[test]
+fn init_makes_a_study_and_replaces_nothing() {
+    let root = tempfile::tempdir().unwrap();
+    let study = root.path().join("new/study");
+    let made = run(&["init", display(&study)]);
+    assert_eq!(code(&made), 0, "{}", text(&made.stderr));
+    for file in ["model.json", "pass-1.json"] {
+        serde_json::from_slice::<serde_json::Value>(&fs::read(study.join(file)).unwrap()).unwrap();
+    }
+    fs::write(study.join("model.json"), "mine").unwrap();
+    let again = run(&["init", display(&study)]);
+    assert_eq!(code(&again), 2);
+    assert_eq!(fs::read_to_string(study.join("model.json")).unwrap(), "mine");
+}

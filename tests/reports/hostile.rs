@@ -1,0 +1,315 @@
+//! Names and numbers that try to break a report.
+
+use bmv::job::compare::Deviation;
+use bmv::report::plot::{
+    Along, Axis, Bar, Chart, Diagram, HeatMap, History, Layer, Limit, Mark, NodeShape, Path, Shade, Source, Strip,
+    Stroke,
+};
+use bmv::report::plot::{bar_chart, heat_map, history, network, palette, residual_strips};
+use bmv::report::{JobResult, PassReport};
+
+use super::rendering::{assert_well_formed, rendered};
+use super::samples::{Sample, radiator, steady, transient};
+
+const HOSTILE: &str = "<img src=x onerror=alert(1)>|`a`[b](javascript:c)\"'&\\";
+
+/// The sample with every name that a study chooses replaced.
+fn poisoned(mut sample: Sample) -> Sample {
+    let name = || HOSTILE.to_owned();
+    sample.title = name();
+    sample.reconstructed = Some(name());
+    sample.model.title = name();
+    for node in &mut sample.model.nodes {
+        node.name = name();
+    }
+    for element in &mut sample.model.elements {
+        element.name = name();
+    }
+    for parameter in &mut sample.model.parameters {
+        parameter.name = name();
+        parameter.description = name();
+        parameter.source = name();
+        parameter.unit = name();
+    }
+    for measurement in &mut sample.measurements {
+        measurement.file = name();
+        measurement.unused_columns.push(name());
+        for sensor in &mut measurement.sensors {
+            sensor.unit = name();
+        }
+    }
+    for job in &mut sample.results {
+        job.name = name();
+        match &mut job.result {
+            JobResult::Compare(output) => {
+                output.fails.push(name());
+                output.criteria.title = name();
+                output.criteria.source = name();
+                for row in &mut output.rows {
+                    row.sensor = format!("{HOSTILE}{}", row.sensor);
+                    row.phase = row.phase.take().map(|p| p + HOSTILE);
+                }
+                for verdict in &mut output.verdicts {
+                    verdict.criterion = name();
+                }
+            }
+            JobResult::Propagate(output) => {
+                output.design_variable = Some(name());
+                for case in &mut output.cases {
+                    case.environment = name();
+                    for q in &mut case.quantities {
+                        q.name = name();
+                    }
+                }
+            }
+            JobResult::Conventional(output) => {
+                output.design_variable = name();
+                for size in &mut output.sizes {
+                    size.rule.title = name();
+                    size.requirement = name();
+                }
+            }
+        }
+    }
+    sample
+}
+
+#[test]
+fn hostile_names_are_text_everywhere() {
+    for sample in [radiator(), transient(), steady()] {
+        let sample = poisoned(sample);
+        let mut view: PassReport<'_> = sample.report();
+        view.description = HOSTILE.into();
+        view.changes[0].because = HOSTILE.into();
+        view.warnings.push(HOSTILE.into());
+        view.command = HOSTILE.into();
+        let report = bmv::report::render(&view).expect("renders");
+        assert!(!report.html.contains("<img") && !report.html.contains("<script"));
+        assert!(report.html.contains("&lt;img src=x onerror=alert(1)&gt;"));
+        // Outside code spans, where HTML is inert, no tag survives in the Markdown.
+        let outside: String = without_code(&report.markdown);
+        assert!(!outside.contains("<img"), "{outside}");
+        assert!(!outside.replace("\\]", "").contains("](javascript:"), "{outside}");
+        for (name, svg) in &report.figures {
+            assert_well_formed(svg);
+            assert!(!svg.contains("<img"));
+            assert!(name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'-'), "{name} is a safe file name");
+        }
+        assert_tables_are_even(&report.markdown);
+    }
+}
+
+/// Markdown without its code spans.
+fn without_code(markdown: &str) -> String {
+    let mut out = String::new();
+    let mut rest = markdown;
+    while let Some(start) = rest.find('`') {
+        if rest[..start].ends_with('\\') {
+            out.push_str(&rest[..=start]);
+            rest = &rest[start + 1..];
+            continue;
+        }
+        let fence: usize = rest[start..].bytes().take_while(|b| *b == b'`').count();
+        out.push_str(&rest[..start]);
+        let after = &rest[start + fence..];
+        let Some(end) = find_fence(after, fence) else { break };
+        rest = &after[end + fence..];
+    }
+    out + rest
+}
+
+fn find_fence(text: &str, fence: usize) -> Option<usize> {
+    let bytes = text.as_bytes();
+    let mut at = 0;
+    while at < bytes.len() {
+        let run = bytes[at..].iter().take_while(|b| **b == b'`').count();
+        if run == fence {
+            return Some(at);
+        }
+        at += run.max(1);
+    }
+    None
+}
+
+/// Every row of a table has as many cells as its heading.
+fn assert_tables_are_even(markdown: &str) {
+    let cells = |line: &str| line.replace("\\\\", "").replace("\\|", "").matches('|').count();
+    let mut heading = None;
+    let mut tables = 0;
+    for line in markdown.lines() {
+        if !line.starts_with('|') {
+            heading = None;
+            continue;
+        }
+        match heading {
+            None => {
+                heading = Some(cells(line));
+                tables += 1;
+            }
+            Some(expected) => assert_eq!(cells(line), expected, "{line}"),
+        }
+    }
+    assert!(tables > 3, "{tables} tables seen");
+}
+
+#[test]
+fn pages_without_results_are_pages() {
+    for mut sample in [radiator(), transient(), steady()] {
+        sample.results.clear();
+        assert!(rendered(&sample).markdown.contains("No job of this pass has a result yet"));
+        sample.measurements.clear();
+        sample.model = bmv::thermal::Model::default();
+        assert!(!rendered(&sample).html.contains("Thermal model"));
+    }
+}
+
+#[test]
+fn empty_and_broken_outputs_are_reported_not_fatal() {
+    for mut sample in [radiator(), transient(), steady()] {
+        for job in &mut sample.results {
+            match &mut job.result {
+                JobResult::Compare(output) => {
+                    for row in &mut output.rows {
+                        row.predicted = f64::NAN;
+                    }
+                    output.train = Deviation { rmse: f64::NAN, ..Deviation::default() };
+                    output.chi2_per_reading = Some(f64::INFINITY);
+                }
+                JobResult::Propagate(output) => {
+                    for q in output.cases.iter_mut().flat_map(|c| &mut c.quantities) {
+                        q.mean = f64::NAN;
+                        q.histogram_counts.clear();
+                        q.cdf = vec![1.0];
+                        q.quantiles.clear();
+                    }
+                    output.reached[0].design_value = None;
+                }
+                JobResult::Conventional(output) => {
+                    for size in &mut output.sizes {
+                        size.size = None;
+                        size.margin = f64::NAN;
+                    }
+                }
+            }
+        }
+        for (_, svg) in rendered(&sample).figures {
+            assert_well_formed(&svg);
+        }
+        for job in &mut sample.results {
+            if let JobResult::Compare(output) = &mut job.result {
+                output.rows.clear();
+                output.sensors.clear();
+                output.phases.clear();
+            }
+            if let JobResult::Propagate(output) = &mut job.result {
+                output.cases.clear();
+            }
+        }
+        assert!(!rendered(&sample).html.is_empty());
+    }
+}
+
+/// Sets of values that plots are known to stumble over.
+fn degenerate() -> Vec<Vec<(f64, f64)>> {
+    let nan = f64::NAN;
+    vec![
+        vec![],
+        vec![(1.0, 1.0)],
+        vec![(1.0, 2.0); 5],
+        vec![(nan, nan), (nan, 1.0), (1.0, nan)],
+        vec![(0.0, f64::INFINITY), (1.0, f64::NEG_INFINITY)],
+        vec![(-1e300, 1e300), (1e300, -1e300)],
+        vec![(1e-300, 1e-300), (2e-300, 3e-300)],
+        vec![(0.0, 273.15), (1.0, 273.15 + 1e-13)],
+    ]
+}
+
+#[test]
+fn plots_of_degenerate_data_are_drawings() {
+    for points in degenerate() {
+        let triples: Vec<(f64, f64, f64)> = points.iter().map(|p| (p.0, p.1, p.1)).collect();
+        let edges: Vec<f64> = points.iter().map(|p| p.0).collect();
+        let heights: Vec<f64> = points.iter().map(|p| p.1).collect();
+        let colour = palette::BLUE;
+        let label = "a label".to_owned();
+        let chart = Chart {
+            x: Axis::new("x"),
+            y: Axis::new("y"),
+            layers: vec![
+                Layer::Band { points: triples.clone(), colour, label: label.clone() },
+                Layer::Line { points: points.clone(), colour, stroke: Stroke::Dashed, label: label.clone() },
+                Layer::Line { points: points.clone(), colour, stroke: Stroke::Step, label: label.clone() },
+                Layer::Dots { points: points.clone(), colour, mark: Mark::Ring, label: label.clone() },
+                Layer::Intervals { points: triples.clone(), colour },
+                Layer::Bars { edges: edges.clone(), heights: heights.clone(), colour, label: label.clone() },
+                Layer::Cells {
+                    x_edges: edges.clone(),
+                    y_edges: edges.clone(),
+                    values: vec![heights.clone()],
+                    colour,
+                    label,
+                },
+            ],
+            limits: points
+                .iter()
+                .map(|p| Limit { along: Along::X, value: p.1, label: "limit".into(), colour })
+                .collect(),
+            shades: points.iter().map(|p| Shade { from: p.0, to: p.1 }).collect(),
+            shade_label: "shade".into(),
+            height: 0,
+        };
+        let strips = [Strip { label: "s".into(), points: points.clone() }];
+        let bars: Vec<Bar> = points
+            .iter()
+            .map(|p| Bar {
+                label: "b".into(),
+                from: 0.0,
+                value: p.0,
+                interval: Some([p.0, p.1]),
+                text: "t".into(),
+                colour,
+            })
+            .collect();
+        let map = HeatMap {
+            columns: vec!["c".repeat(80)],
+            rows: points.iter().map(|p| ("r".to_owned(), true, vec![Some(p.0)])).collect(),
+            ..HeatMap::default()
+        };
+        for drawing in [
+            chart.draw(),
+            residual_strips("x", "y", &strips, &[]),
+            residual_strips("x", "y", &[], &[]),
+            bar_chart(&Axis::new("x"), &bars, points.first().map(|p| (p.1, "marker"))),
+            heat_map(&map),
+            history(&History { points: triples, limit: Some(1.0), ..History::default() }),
+        ] {
+            let svg = drawing.svg("id", "title", "description", true);
+            assert_well_formed(&svg);
+            assert!(drawing.aspect() > 0.05);
+        }
+    }
+}
+
+#[test]
+fn networks_of_any_shape_are_drawings() {
+    for count in [0, 1, 2, 5, 20, 60] {
+        let mut diagram = Diagram::default();
+        for i in 0..count {
+            let shape = [NodeShape::Diffusion, NodeShape::Arithmetic, NodeShape::Boundary][i % 3];
+            diagram.nodes.push((format!("node {i} {}", "x".repeat(i)), shape));
+            diagram.paths.push((
+                format!("path {i}"),
+                [Path::Conductor, Path::Radiation, Path::Flow, Path::Cooler][i % 4],
+                i,
+                (i * 7 + 1) % count,
+            ));
+            diagram.sources.push((format!("source {i}"), Source::Heater, i));
+        }
+        // A path to a node that is not there, and one from a node to itself.
+        diagram.paths.push(("odd".into(), Path::Conductor, 0, 999));
+        diagram.paths.push(("self".into(), Path::Cooler, 0, 0));
+        let svg = network(&diagram).svg("id", "title", "description", true);
+        assert_well_formed(&svg);
+        assert!(count == 0 || svg.contains("\nnode 0 \n"));
+    }
+}

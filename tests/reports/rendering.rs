@@ -1,0 +1,178 @@
+//! What rendered reports say, and that they say it in the same bytes every time.
+
+use bmv::report::{RenderedReport, render};
+
+use super::samples::{Sample, radiator, steady, transient};
+
+pub fn rendered(sample: &Sample) -> RenderedReport {
+    render(&sample.report()).expect("renders")
+}
+
+/// The summary of the Markdown without its heading.
+fn summary(report: &RenderedReport) -> &str {
+    let start = report.markdown.split("## 1. Summary").nth(1).expect("a summary");
+    start.split("<a id=\"problem\"").next().expect("its end").trim()
+}
+
+/// Every figure of a page: what stands between its tags.
+fn figures(html: &str) -> Vec<&str> {
+    html.split("<figure ").skip(1).map(|part| part.split("</figure>").next().expect("closed")).collect()
+}
+
+/// Checks that tags open and close in order, without an XML parser: comments and declarations do not occur.
+pub fn assert_well_formed(svg: &str) {
+    let mut open = Vec::new();
+    for part in svg.split('<').skip(1) {
+        let tag = part.split('>').next().expect("closed tag");
+        let name = tag.trim_start_matches('/').split([' ', '/', '\n']).next().expect("a name");
+        if tag.starts_with('/') {
+            assert_eq!(open.pop(), Some(name), "closing tag in {svg:.300}");
+        } else {
+            assert_eq!(tag.matches('"').count() % 2, 0, "quotes in <{tag}>");
+            if !tag.ends_with('/') {
+                open.push(name);
+            }
+        }
+    }
+    assert!(open.is_empty(), "left open: {open:?}");
+    assert!(!svg.contains("NaN") && !svg.contains("inf\""), "numbers are finite");
+}
+
+#[test]
+fn radiator_report_sets_probabilistic_and_conventional_sizes_side_by_side() {
+    let report = rendered(&radiator());
+    insta::assert_snapshot!(summary(&report), @r#"
+- **Probability, nominal design, hot: 0.950.** T at most 35.00 °C; required 0.990: **not met**.
+- **T, hot: 28.91 ± 4.19 K.** mean and standard deviation; nominal 28.83 °C.
+- **Probabilistic size, hot: 0.3144 m².** `A` for P = 0.990 (0.3131 to 0.3158 m²).
+- **Conventional size, hot: 0.4152 m².** stacked worst case, + 11 K (11 K after correlation). The probabilistic size is 24 % smaller.
+
+> **Reconstructed.** All numbers of this case are reconstructed; none is taken from the thesis that it follows.
+
+![Bar chart of sizes. probabilistic, P = 0.990: 0.3144 m²; nominal, no margin: 0.2724 m²; nominal, + 5 K: 0.2945 m²; nominal, + 11 K: 0.3244 m²; nominal, + 17 K: 0.3586 m²; stacked worst case, no margin: 0.3422 m²; stacked worst case, + 5 K: 0.3729 m²; stacked worst case, + 11 K: 0.4152 m²; stacked worst case, + 17 K: 0.4649 m².](plots/margins-sizes-hot-temperature.svg)
+
+**Figure 1.** Size (`A`) that requirement `temperature` asks for in environment `hot`: probabilistic in blue with its 95 % sampling interval, by rule from nominal values in grey, from stacked worst cases in amber.
+"#);
+    // Half-way between the sweep's points 0.32 (P = 0.99501) and 0.33 (0.99845), at 0.3244: 0.9965.
+    assert!(report.markdown.contains("| nominal, + 11 K | 0.3244 | +3.2 | 0.997 |"), "{}", report.markdown);
+    assert!(report.markdown.contains("| `eps` | 0.85 |  | normal, 0.85 \u{B1} 0.03, below 1 |"));
+}
+
+#[test]
+fn transient_report_says_which_sensor_and_when() {
+    let report = rendered(&transient());
+    insta::assert_snapshot!(summary(&report), @r#"
+- **How wrong: 1.64 K.** RMSE over 402 held-out readings; 1.14 K over the 800 that a fit may use.
+- **Where: T1.** The worst sensor reads 2.19 K above the prediction on average: **the model is too cold** there (RMSE 2.20 K, largest 2.47 K).
+- **When: 400 to 600 s.** The largest deviation: `T1`, +2.10 K, held out.
+- **Against the noise: 32.3.** Mean square of deviation over noise; the noise alone gives about 1.
+- **Criteria: 2 of 2 kept.** within 3 K
+
+> **Verdict.** T1 reads 1.9 K above the prediction on average; the deviation grows with the temperature above ambient.
+
+![Measured and predicted T1 over time, with the residual below. RMSE 1.53 K, held out 2.20 K. The shaded time is held out from every fit.](plots/as-delivered-step-test-t1-history.svg)
+
+**Figure 1.** Measured and predicted over time, sensor `T1`. RMSE 1.53 K, held out 2.20 K. The shaded time is held out from every fit. Dashed: the criterion for one reading.
+"#);
+    assert!(report.markdown.contains("0.0 to 2.0 s | valve moving"), "left-out instants are one row with their reason");
+    assert!(report.markdown.contains("**Missing readings:** 2 of 1202"), "{}", report.markdown);
+    // 0.8 W/K in the unit of the study.
+    assert!(
+        report.markdown.contains("| `G\\_bi` | 800 | mW/K |") || report.markdown.contains("| `G_bi` | 800 | mW/K |")
+    );
+}
+
+#[test]
+fn steady_report_has_the_map_of_phases_and_the_criteria() {
+    let report = rendered(&steady());
+    insta::assert_snapshot!(summary(&report), @r#"
+- **How wrong: 0.84 K.** RMSE over 24 held-out readings; 0.87 K over the 108 that a fit may use.
+- **Where: housing.** The worst sensor reads 1.60 K above the prediction on average: **the model is too cold** there (RMSE 1.95 K, largest 3.15 K).
+- **When: P21.** The largest deviation: `housing`, +3.30 K.
+- **Against the noise: 12.1.** Mean square of deviation over noise; the noise alone gives about 1.
+- **Criteria: 1 of 2 kept.** within 3 K
+
+> **Verdict.** housing reads up to 3.5 K above the prediction; the deviation goes with input P (0.55 K per W). One more finding stands in the comparison.
+
+![Heat map of measured minus predicted in K for 22 phases and 6 sensors of balance test. housing reads up to 3.5 K above the prediction; the deviation goes with input P (0.55 K per W).](plots/as-delivered-balance-test-phases.svg)
+
+**Figure 1.** Measured minus predicted by phase and sensor, `balance test`.
+"#);
+    let map = &report.figures.iter().find(|f| f.0.ends_with("phases")).expect("a map").1;
+    // Phase 7: load 6, housing 0.55 * 6 + 0.25 sin(42.6) = 3.05.
+    assert!(map.contains("\n+3.05\n") && map.contains("\nP22\n") && map.contains("\nstrap\n"));
+    assert!(report.markdown.contains("| `P07` | not stabilised |"));
+    assert!(
+        report.markdown.contains("| largest deviation of one reading, K | 3.15 | 3.00 | **not kept** |"),
+        "{}",
+        report.markdown
+    );
+    assert!(!report.markdown.contains("-0.0") && !report.markdown.contains("\u{2212}0.00 "));
+}
+
+#[test]
+fn pages_need_nothing_from_outside_and_run_nothing() {
+    for sample in [radiator(), transient(), steady()] {
+        let html = rendered(&sample).html;
+        for forbidden in ["http:", "https:", "src=", "url(", "@import", "<script", "<link", "javascript:", "onload"] {
+            assert!(!html.contains(forbidden), "`{forbidden}` in the page");
+        }
+    }
+}
+
+#[test]
+fn every_figure_has_a_title_a_description_a_caption_and_a_file() {
+    for sample in [radiator(), transient(), steady()] {
+        let report = rendered(&sample);
+        let figures = figures(&report.html);
+        assert_eq!(figures.len(), report.figures.len());
+        assert!(figures.len() >= 2);
+        for figure in figures {
+            for part in ["role=\"img\"", "<title id=", "<desc id=", "<figcaption>"] {
+                assert!(figure.contains(part), "{part} in {figure:.400}");
+            }
+            let description =
+                figure.split("<desc id=").nth(1).and_then(|d| d.split('>').nth(1)).expect("a description");
+            assert!(description.len() > 25, "{description}");
+        }
+        for (name, svg) in &report.figures {
+            assert_well_formed(svg);
+            assert!(report.markdown.contains(&format!("](plots/{name}.svg)")), "{name} is linked");
+            assert!(svg.len() < 200_000, "{name} has {} bytes", svg.len());
+        }
+        let anchors: Vec<&str> = report.html.split(" id=\"").skip(1).filter_map(|p| p.split('"').next()).collect();
+        let distinct: std::collections::BTreeSet<_> = anchors.iter().collect();
+        assert_eq!(anchors.len(), distinct.len(), "anchors are unique: {anchors:?}");
+        for target in report.html.split("href=\"#").skip(1).filter_map(|p| p.split('"').next()) {
+            assert!(anchors.contains(&target), "{target} exists");
+        }
+    }
+}
+
+#[test]
+fn same_results_same_bytes() {
+    for (one, two) in [(radiator(), radiator()), (transient(), transient()), (steady(), steady())] {
+        assert_eq!(rendered(&one), rendered(&two));
+    }
+}
+
+#[test]
+fn results_hold_every_output_in_si() {
+    let report = rendered(&radiator());
+    let results: serde_json::Value = serde_json::from_str(&report.results_json).expect("JSON");
+    assert_eq!(results["jobs"]["uncertainty"]["kind"], "propagate");
+    assert_eq!(results["jobs"]["uncertainty"]["output"]["cases"][0]["quantities"][0]["mean"], 302.06);
+    assert_eq!(results["jobs"]["margins"]["output"]["sizes"].as_array().map(Vec::len), Some(8));
+}
+
+#[test]
+fn writing_puts_every_file_in_its_place_and_removes_old_plots() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::create_dir_all(folder.path().join("plots")).expect("made");
+    std::fs::write(folder.path().join("plots/old.svg"), "").expect("written");
+    let report = rendered(&radiator());
+    let files = bmv::report::write(&report, folder.path()).expect("written");
+    assert_eq!(files.len(), 3 + report.figures.len());
+    assert_eq!(std::fs::read_to_string(folder.path().join("report.md")).expect("read"), report.markdown);
+    assert!(!folder.path().join("plots/old.svg").exists());
+}

@@ -1,0 +1,173 @@
+//! Steady solutions against golden and analytic ones.
+
+use bmv::expression::Symbol;
+use bmv::thermal::{Network, Start, SteadyError};
+
+use super::build::{Build, radiator, sxm};
+
+/// Independent of the engine: the closed form of the radiator.
+fn radiator_temperature(p: &[f64]) -> f64 {
+    let [q, eps, alpha, q_sun, theta, q_alb, q_ir] = p.try_into().unwrap();
+    let absorbed = q / 0.3 + alpha * (q_sun * libm::cos(theta) + q_alb) + eps * q_ir;
+    (absorbed / (eps * 5.670374419e-8) + 81.0).sqrt().sqrt()
+}
+
+#[test]
+fn radiator_has_its_published_temperature_and_slopes() {
+    let model = radiator();
+    let symbols: Vec<Symbol> = (0..7).map(Symbol::Parameter).collect();
+    let network = Network::compile(&model, &symbols).unwrap();
+    let mut ws = network.workspace();
+    network.solve_steady(&mut ws, Start::Default).unwrap();
+    // Case study 3.4, nine digits; 1e-6 relative is the acceptance tolerance.
+    assert!((ws.temperatures()[0] - 301.978924).abs() < 1e-6);
+    assert!((ws.temperatures()[0] - radiator_temperature(network.nominal_parameters())).abs() < 1e-10);
+    let mut slopes = [0.0; 7];
+    network.quantity_tangent(&mut ws, &mut slopes).unwrap();
+    let golden = [0.62785, -85.050, 47.537, 0.0065415, -50.714, 0.037671, 0.16010];
+    for (slope, golden) in slopes.iter().zip(golden) {
+        // Golden values have five digits.
+        assert!((slope / golden - 1.0).abs() < 2e-5, "{slope} {golden}");
+    }
+    for (i, slope) in slopes.iter().enumerate() {
+        let mut p = network.nominal_parameters().to_vec();
+        let h = p[i] * 1e-4;
+        p[i] += h;
+        let up = radiator_temperature(&p);
+        p[i] -= 2.0 * h;
+        let down = radiator_temperature(&p);
+        let difference = (up - down) / (2.0 * h);
+        // A central difference with a relative step of 1e-4 is good to about 1e-8.
+        assert!((slope / difference - 1.0).abs() < 1e-6, "{i}: {slope} {difference}");
+    }
+}
+
+#[test]
+fn coupon_has_its_published_temperatures() {
+    for (watt, shroud, eps, leak, golden) in [
+        (20.0, 100.0, 0.85, 0.02, 287.605769),
+        (5.0, 250.0, 0.85, 0.02, 275.592874),
+        (25.0, 100.0, 0.78, 0.0, 326.792524),
+    ] {
+        let mut b = Build::default();
+        let node = b.diffusion("coupon", 100.0);
+        let wall = b.n(shroud);
+        let wall = b.boundary("shroud", wall);
+        let area = b.n(eps * 0.05);
+        b.radiation("to shroud", [node, wall], area);
+        let leak = b.n(leak);
+        b.conductor("leads", [node, wall], leak);
+        let watt = b.n(watt);
+        b.load("heater", node, watt);
+        let network = Network::compile(&b.model, &[]).unwrap();
+        let mut ws = network.workspace();
+        network.solve_steady(&mut ws, Start::Default).unwrap();
+        // Case study 3.5, printed to 1e-6 K.
+        assert!((ws.temperatures()[0] - golden).abs() < 1e-6, "{} {golden}", ws.temperatures()[0]);
+    }
+}
+
+#[test]
+fn solar_monitor_has_its_three_golden_solutions() {
+    let model = sxm();
+    let network = Network::compile(&model, &[]).unwrap();
+    let mut ws = network.workspace();
+    // Case study 4.6.
+    let golden = [
+        (
+            303.15,
+            2.75,
+            [234.4233, 275.4979, 315.9947, 315.5040, 316.7059, 309.2359, 309.4607, 306.8015, 255.8919],
+            0.356666,
+        ),
+        (253.15, 0.0, [257.7426, 257.3354, 257.1997, 257.1990, 264.4125, 257.0929, 257.8350, 255.5157, 252.4292], 0.0),
+        (
+            323.15,
+            2.5,
+            [248.6944, 288.8033, 333.0220, 332.6239, 335.0532, 327.6139, 327.5834, 325.8284, 257.5632],
+            0.311653,
+        ),
+    ];
+    for (deck, voltage, temperatures, current) in golden {
+        network.set_inputs(&mut ws, &[deck, voltage, 1367.0 / (0.897 * 0.897), 3.0]);
+        network.solve_steady(&mut ws, Start::Default).unwrap();
+        for (node, golden) in temperatures.into_iter().enumerate() {
+            assert!((ws.temperatures()[node] - golden).abs() < 1e-3, "{node}: {} {golden}", ws.temperatures()[node]);
+        }
+        assert!((network.quantity(&ws, 9) - current).abs() < 1e-6);
+        let balance = network.heat_balance(&mut ws);
+        assert!((balance.source_w - balance.boundary_w).abs() < 1e-9, "{balance:?}");
+        assert!(balance.source_w > 1.0);
+    }
+}
+
+#[test]
+fn nodes_without_a_path_to_a_boundary_are_refused_by_name() {
+    let mut b = Build::default();
+    let t = b.n(300.0);
+    let wall = b.boundary("wall", t);
+    let a = b.diffusion("a", 1.0);
+    let lost = b.diffusion("lost", 1.0);
+    let alone = b.arithmetic("alone");
+    let g = b.n(1.0);
+    b.conductor("a wall", [a, wall], g);
+    b.conductor("lost alone", [lost, alone], g);
+    let network = Network::compile(&b.model, &[]).unwrap();
+    let mut ws = network.workspace();
+    let error = network.solve_steady(&mut ws, Start::Default).unwrap_err();
+    assert_eq!(error, SteadyError::Island { nodes: vec!["lost".into(), "alone".into()] });
+    assert!(error.to_string().contains("`lost`, `alone`"));
+}
+
+#[test]
+fn any_sensible_start_leads_to_the_same_bits_of_closure() {
+    let network = Network::compile(&sxm(), &[]).unwrap();
+    let mut ws = network.workspace();
+    network.solve_steady(&mut ws, Start::Default).unwrap();
+    let reference = ws.temperatures().to_vec();
+    for start in [3.0, 20.0, 150.0, 300.0, 450.0] {
+        let guess = vec![start; 11];
+        let stats = network.solve_steady(&mut ws, Start::Temperatures(&guess)).unwrap();
+        for (a, b) in ws.temperatures().iter().zip(&reference) {
+            // The last Newton step is below 1e-4 K, its square over the temperature is what is left.
+            assert!((a - b).abs() < 1e-8, "from {start} K: {a} {b} {stats:?}");
+        }
+    }
+}
+
+#[test]
+fn lanes_have_the_bits_of_single_solves() {
+    let network = Network::compile(&sxm(), &[]).unwrap();
+    let mut ws = network.workspace();
+    network.solve_steady(&mut ws, Start::Default).unwrap();
+    let nominal = ws.temperatures().to_vec();
+    let mut batch = network.batch::<8>();
+    let sample = |lane: usize| -> Vec<f64> {
+        let scale = |i: usize| 1.0 + 0.3 * libm::sin((lane * 13 + i * 7) as f64);
+        network.nominal_parameters().iter().enumerate().map(|(i, p)| p * scale(i)).collect()
+    };
+    for lane in 0..8 {
+        batch.set_parameters(&network, lane, &sample(lane));
+        if lane == 5 {
+            batch.set_inputs(&network, lane, &[f64::NAN, 1.0, 1.0, 3.0]);
+        }
+    }
+    network.solve_steady_batch(&mut batch, Start::Temperatures(&nominal));
+    for lane in 0..8 {
+        if lane == 5 {
+            assert!(batch.outcome(lane).is_err());
+            assert!(batch.quantity(&network, lane, 0).is_nan());
+            continue;
+        }
+        network.set_parameters(&mut ws, &sample(lane));
+        let stats = network.solve_steady(&mut ws, Start::Temperatures(&nominal)).unwrap();
+        assert_eq!(batch.outcome(lane), &Ok(stats));
+        for node in 0..11 {
+            assert_eq!(batch.temperature(lane, node).to_bits(), ws.temperatures()[node].to_bits());
+        }
+        for quantity in 0..network.quantities() {
+            let alone = network.quantity(&ws, quantity);
+            assert_eq!(batch.quantity(&network, lane, quantity).to_bits(), alone.to_bits());
+        }
+    }
+}
