@@ -2,3 +2,4 @@
 
 mod arviz;
 mod nist;
+mod posteriordb;

@@ -1,5 +1,7 @@
 //! Statistical behaviour over many seeds.
 
+mod calibration;
 mod estimators;
-mod models;
-mod samplers;
+mod evidence;
+pub mod models;
+pub mod samplers;
