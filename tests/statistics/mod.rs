@@ -1,3 +1,7 @@
 //! Statistical behaviour over many seeds.
 
+mod calibration;
 mod estimators;
+mod evidence;
+pub mod models;
+pub mod samplers;
