@@ -93,7 +93,7 @@ fn a_transient_has_its_start_its_steps_and_its_intervals() {
     assert_eq!(inputs.times_s, [0.0, 60.0, 120.0, 180.0]);
     assert_eq!((inputs.columns.len(), inputs.columns[0].hold), (1, true));
     assert_eq!(inputs.columns[0].values, [5.0, 5.0, 0.0, 0.0]);
-    let Initial::Temperatures(temperatures) = initial else { panic!("temperatures") };
+    let Initial::Temperatures { values: temperatures, .. } = initial else { panic!("temperatures") };
     assert_eq!(temperatures[2], Uncertain::Known(293.15));
     assert_eq!(held_out, &[false, false, true, true]);
     assert_eq!(ignored[0].as_deref(), Some("door open"));

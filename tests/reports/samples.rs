@@ -454,6 +454,7 @@ fn sensor(name: &str, quantity: usize, sigma: f64) -> Sensor {
         bias: None,
         lag_s: None,
         correlation_time_s: None,
+        white: None,
     }
 }
 

@@ -3,6 +3,8 @@
 mod build;
 mod derivatives;
 mod elements;
+mod likelihood;
+mod network8_data;
 mod orbit;
 mod steady;
 mod transient;
