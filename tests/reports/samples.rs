@@ -351,6 +351,7 @@ fn compared(rows: Vec<Row>, sigma: f64, fails: Vec<String>) -> compare::Output {
             held_out: deviation(&of(true)),
             noise_rmse: Some([0.8 * sigma, 1.2 * sigma]),
             missing: 0,
+            tuned: None,
         });
     }
     let all = |held: bool| {
@@ -385,6 +386,7 @@ fn compared(rows: Vec<Row>, sigma: f64, fails: Vec<String>) -> compare::Output {
         fails,
         failed: vec![],
         unused_columns: vec![],
+        tuned: None,
         train,
         held_out,
         rows,
@@ -494,6 +496,7 @@ pub fn transient() -> Sample {
                 unit: "K".into(),
                 measured: predicted + missing + noise,
                 predicted,
+                predicted_tuned: None,
                 held_out: t >= 400.0,
             });
         }
@@ -578,6 +581,7 @@ pub fn steady() -> Sample {
                 unit: "K".into(),
                 measured: predicted + missing + noise,
                 predicted,
+                predicted_tuned: None,
                 held_out,
             });
         }

@@ -202,16 +202,17 @@ impl Likelihood {
         }
     }
 
-    /// Writes the log density of each reading given those before it, in the order of [`Likelihood::data`].
+    /// Writes the log density of each reading given those before it, in the order of [`Likelihood::data`], and gives the
+    /// sum of squares of the whitened residuals.
     ///
     /// # Errors
     /// As [`Target::log_likelihood`].
-    pub fn pointwise(&self, unknowns: &[f64], memory: &mut Memory, out: &mut [f64]) -> Result<(), Rejected> {
+    pub fn pointwise(&self, unknowns: &[f64], memory: &mut Memory, out: &mut [f64]) -> Result<f64, Rejected> {
         self.evaluate(unknowns, memory, false)?;
         for (out, (r, scale)) in out.iter_mut().zip(memory.residuals.iter().zip(&memory.log_scales)) {
             *out = scale - HALF_LN_TAU - 0.5 * r * r;
         }
-        Ok(())
+        Ok(memory.residuals.iter().map(|r| r * r).sum())
     }
 
     /// Fills the memory's residuals and scales, and their derivatives where wanted; returns the offset.

@@ -4,6 +4,7 @@ mod deviation;
 mod output;
 mod stretch;
 mod trend;
+mod tuned;
 mod words;
 
 use std::sync::Arc;
@@ -17,8 +18,9 @@ use crate::thermal::{Model, NodeKind};
 
 pub use output::{
     Criteria, Deviation, FailedPhase, HeatBalance, Output, PhaseSummary, Row, SensorSummary, Spec, StabilisationCheck,
-    Trend, Verdict,
+    Trend, TunedSensor, TunedState, Verdict,
 };
+pub use tuned::Tuned;
 
 use super::{Job, JobError, Step};
 use deviation::deviation;
@@ -32,6 +34,7 @@ pub struct Compare {
     measurements: Arc<Vec<Measurement>>,
     parameters: Vec<f64>,
     predictor: Predictor,
+    tuned: Option<Tuned>,
 }
 
 /// Part of the result that belongs to one measurement.
@@ -60,7 +63,12 @@ impl Compare {
         parameters: Vec<f64>,
     ) -> Result<Self, JobError> {
         let predictor = Predictor::new(&model, &[]).map_err(|e| JobError::Failed(e.to_string()))?;
-        Ok(Self { spec, model, measurements, parameters, predictor })
+        Ok(Self { spec, model, measurements, parameters, predictor, tuned: None })
+    }
+
+    /// The comparison with a tuned state beside the delivered one.
+    pub fn with_tuned(self, tuned: Tuned) -> Self {
+        Self { tuned: Some(tuned), ..self }
     }
 
     fn part(&self, measurement: &Measurement) -> Part {
@@ -70,6 +78,9 @@ impl Compare {
         part.failed = failed(measurement, &prediction);
         part.rows = rows(measurement, &self.model, &prediction);
         part.sensors = self.sensors(measurement, &part.rows);
+        if let Some(tuned) = &self.tuned {
+            tuned.add(&self.predictor, &self.model, &self.parameters, measurement, &self.spec.criteria, &mut part.rows, &mut part.sensors);
+        }
         part.phases = self.phases(measurement, &part.rows);
         part.heat = self.heat(measurement, &prediction);
         part.trends = trend::trends(measurement, &self.model, &part.rows);
@@ -109,6 +120,7 @@ impl Compare {
                     train,
                     held_out,
                     missing: missing as u64,
+                    tuned: None,
                 }
             })
             .collect()
@@ -288,6 +300,7 @@ fn rows(measurement: &Measurement, model: &Model, prediction: &Prediction) -> Ve
                 unit: model.quantities[sensor.quantity].unit.clone(),
                 measured,
                 predicted,
+                predicted_tuned: None,
                 held_out: measurement.held_out(row),
             });
         }
@@ -363,7 +376,7 @@ impl Job for Compare {
     }
 
     fn algorithm_version(&self) -> u32 {
-        1
+        2
     }
 
     fn identity(&self) -> Value {
@@ -371,6 +384,7 @@ impl Job for Compare {
         json!({
             "criteria": self.spec.criteria,
             "state": self.spec.from,
+            "calibration": self.spec.calibration,
             "parameters": self.parameters,
             "model": self.model.identity(),
             "data": data,
@@ -435,6 +449,7 @@ impl Job for Compare {
             verdicts: verdicts(&self.spec.criteria, &train, &held_out),
             criteria: self.spec.criteria.clone(),
             chi2_per_reading: chi2.filter(|c| c.1 > 0).map(|(sum, count)| sum / count as f64),
+            tuned: self.tuned.as_ref().map(|tuned| tuned.state(&self.model, &self.parameters, &whole.rows, limit)),
             train,
             held_out,
             rows: whole.rows,
