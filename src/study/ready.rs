@@ -5,11 +5,11 @@ use std::sync::Arc;
 use serde_json::Value;
 
 use crate::inference::likelihood::InputError;
+use crate::inference::measurement::Measurement;
 use crate::job::calibrate::{Calibrate, Inputs};
 use crate::job::compare::{self, Compare, Tuned};
 use crate::job::conventional::Conventional;
 use crate::job::propagate::Propagate;
-use crate::inference::measurement::Measurement;
 use crate::job::{Job, JobError};
 use crate::thermal::Model;
 

@@ -92,8 +92,7 @@ pub(super) fn to_bytes<T: Serialize>(value: &T) -> Result<Vec<u8>, JobError> {
 
 /// Reads JSON bytes of a block.
 pub(super) fn from_bytes<T: DeserializeOwned>(bytes: &[u8], stage: &str) -> Result<T, JobError> {
-    serde_json::from_slice(bytes)
-        .map_err(|e| JobError::Unreadable { stage: stage.to_owned(), reason: e.to_string() })
+    serde_json::from_slice(bytes).map_err(|e| JobError::Unreadable { stage: stage.to_owned(), reason: e.to_string() })
 }
 
 #[cfg(test)]

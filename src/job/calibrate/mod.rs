@@ -368,8 +368,7 @@ impl Calibrate {
     fn predict_blocks(&self, output: Output) -> Result<Step, JobError> {
         let all = &output.draws.values;
         let count = POSTERIOR_CHECKS.min(all.len());
-        let chosen: Vec<Vec<f64>> =
-            (0..count).map(|k| all[(2 * k + 1) * all.len() / (2 * count)].clone()).collect();
+        let chosen: Vec<Vec<f64>> = (0..count).map(|k| all[(2 * k + 1) * all.len() / (2 * count)].clone()).collect();
         let priors = self.likelihood.priors();
         let key = self.stream("calibrate prior");
         let points = Points::new(PointKind::Sobol, key, PRIOR_CHECKS, priors.len())

@@ -158,12 +158,13 @@ fn count(check: &mut SensorPredictive, row: &PredictiveRow, predicted: &[(f64, f
     coverage.inside += within(row.band_with_noise);
     coverage.inside_prior += row.prior_band.map_or(0, within);
     if !row.held_out {
-        let below: f64 = predicted
-            .iter()
-            .map(|(value, sd)| {
-                if *sd > 0.0 { normal_cdf((measured - value) / sd) } else { f64::from(u8::from(*value < measured)) }
-            })
-            .sum();
+        let below: f64 =
+            predicted
+                .iter()
+                .map(|(value, sd)| {
+                    if *sd > 0.0 { normal_cdf((measured - value) / sd) } else { f64::from(u8::from(*value < measured)) }
+                })
+                .sum();
         let share = below / predicted.len() as f64;
         check.pit[((share * BINS as f64) as usize).min(BINS - 1)] += 1;
     }

@@ -42,8 +42,7 @@ impl<'a> Weighted<'a> {
 
     /// Quantiles of a parameter: the smallest draws below which lies at least that share of the weight.
     pub fn quantiles(&self, parameter: usize, shares: &[f64]) -> Vec<f64> {
-        let mut pairs: Vec<(f64, f64)> =
-            self.values(parameter).into_iter().zip(self.weights.iter().copied()).collect();
+        let mut pairs: Vec<(f64, f64)> = self.values(parameter).into_iter().zip(self.weights.iter().copied()).collect();
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
         shares
             .iter()

@@ -79,7 +79,15 @@ impl Compare {
         part.rows = rows(measurement, &self.model, &prediction);
         part.sensors = self.sensors(measurement, &part.rows);
         if let Some(tuned) = &self.tuned {
-            tuned.add(&self.predictor, &self.model, &self.parameters, measurement, &self.spec.criteria, &mut part.rows, &mut part.sensors);
+            tuned.add(
+                &self.predictor,
+                &self.model,
+                &self.parameters,
+                measurement,
+                &self.spec.criteria,
+                &mut part.rows,
+                &mut part.sensors,
+            );
         }
         part.phases = self.phases(measurement, &part.rows);
         part.heat = self.heat(measurement, &prediction);

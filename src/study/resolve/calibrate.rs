@@ -94,14 +94,7 @@ fn parameters(scope: &mut Scope, form: &CalibrateForm, offered: &Offered) -> Vec
     chosen
 }
 
-fn number(
-    scope: &mut Scope,
-    written: Option<&Spanned<u64>>,
-    default: u64,
-    least: u64,
-    most: u64,
-    what: &str,
-) -> u64 {
+fn number(scope: &mut Scope, written: Option<&Spanned<u64>>, default: u64, least: u64, most: u64, what: &str) -> u64 {
     let Some(Spanned { value, place }) = written else { return default };
     if !(least..=most).contains(value) {
         let expected = format!("an integer from {least} to {most}");
