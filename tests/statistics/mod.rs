@@ -1,5 +1,6 @@
 //! Statistical behaviour over many seeds.
 
+mod calibrate;
 mod calibration;
 mod estimators;
 mod evidence;

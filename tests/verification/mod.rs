@@ -4,7 +4,7 @@ mod build;
 mod derivatives;
 mod elements;
 mod likelihood;
-mod network8_data;
+pub mod network8_data;
 mod orbit;
 mod steady;
 mod transient;

@@ -118,10 +118,11 @@ fn prediction(job: &str, check: &SensorPredictive) -> Option<Figure> {
 fn by_chain(output: &Output, place: usize) -> Vec<Vec<(f64, f64)>> {
     let unit = output.parameters.get(&output.order[place]).map_or("", |own| own.unit.as_str());
     let shown = Shown::written(unit);
-    let mut chains = vec![Vec::new(); usize::try_from(output.chains[0]).unwrap_or(0)];
+    let mut chains = vec![Vec::new(); usize::try_from(output.chains[0]).unwrap_or(0).min(64)];
     for (index, values) in output.draws.index.iter().zip(&output.draws.values) {
-        if let Some(chain) = usize::try_from(index[0]).ok().and_then(|chain| chains.get_mut(chain)) {
-            chain.push((index[1] as f64, shown.value(values[place])));
+        let chain = usize::try_from(index[0]).ok().and_then(|chain| chains.get_mut(chain));
+        if let (Some(chain), Some(value)) = (chain, values.get(place)) {
+            chain.push((index[1] as f64, shown.value(*value)));
         }
     }
     chains
