@@ -8,13 +8,13 @@ use serde_json::Value;
 use super::execute::Executed;
 use super::output::escaped;
 use super::status::Failure;
-use crate::job::{compare, propagate};
+use crate::job::{Job, JobError, compare, propagate};
 use crate::report::assemble::{FinishedJob, Surroundings, assemble};
 use crate::report::{self, FileHash, JobEntry, JobResult, PassReport};
 use crate::runner::manifest::Manifest;
-use crate::runner::{ENGINE_VERSION, Node, Ready};
+use crate::runner::{ENGINE_VERSION, Node, Ready, Task};
 use crate::study::pinned::{self, Obtained, State};
-use crate::study::ready::Readiness;
+use crate::study::ready::{Deferred, Readiness};
 use crate::study::{Folder, Pass, discover};
 
 /// Diagnostics printed of one file.
@@ -47,6 +47,28 @@ pub struct Loaded {
     /// What people should know and what stops nothing: warnings, jobs that wait for data and the command that brings
     /// them.
     pub notes: Vec<String>,
+}
+
+/// A job that waits for another's result.
+struct After(Deferred);
+
+impl Task for After {
+    fn kind(&self) -> &'static str {
+        self.0.job().kind()
+    }
+
+    fn algorithm_version(&self) -> u32 {
+        self.0.job().algorithm_version()
+    }
+
+    fn identity(&self) -> Value {
+        self.0.job().identity()
+    }
+
+    fn prepare(&self, upstream: &[Arc<Value>]) -> Result<Arc<dyn Job>, JobError> {
+        let result = upstream.first().ok_or_else(|| JobError::Failed("a result is not there".to_owned()))?;
+        self.0.prepare(result)
+    }
 }
 
 /// A pinned measurement, checked or brought.
@@ -104,6 +126,12 @@ pub fn load(paths: &[PathBuf], coloured: bool) -> Result<Loaded, Failure> {
                     entry.jobs.push(id.clone());
                     let node = Node { id, name, seed: entry.pass.seed, from: Vec::new(), task: Box::new(Ready(job)) };
                     all.nodes.push(node);
+                }
+                Readiness::After(deferred) => {
+                    let id = format!("{shown}:{name}");
+                    entry.jobs.push(id.clone());
+                    let from = vec![format!("{shown}:{}", deferred.calibration)];
+                    all.nodes.push(Node { id, name, seed: entry.pass.seed, from, task: Box::new(After(deferred)) });
                 }
                 Readiness::NotRun(reason) => {
                     all.notes.push(format!("{shown}: job `{name}` does not run: {reason}"));

@@ -20,6 +20,14 @@ impl Uncertain {
             Self::Inferred(prior) => prior.quantile(0.5),
         }
     }
+
+    /// The prior under which it is inferred; `None` where it is known.
+    pub fn prior(&self) -> Option<&Distribution> {
+        match self {
+            Self::Known(_) | Self::Inferred(Distribution::Fixed(_)) => None,
+            Self::Inferred(prior) => Some(prior),
+        }
+    }
 }
 
 /// A sensor: what it measures and how well.
@@ -39,13 +47,20 @@ pub struct Sensor {
     pub lag_s: Option<Uncertain>,
     /// Correlation time of the noise, s; `None`: white.
     pub correlation_time_s: Option<Uncertain>,
+    /// Standard deviation of white noise beside correlated noise, SI; `None`: none.
+    pub white: Option<Uncertain>,
 }
 
 /// How a transient begins.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Initial {
-    /// Temperature of every node (boundaries' entries are ignored), K.
-    Temperatures(Vec<Uncertain>),
+    /// At given or fitted temperatures.
+    Temperatures {
+        /// Temperature of every node (boundaries' entries are ignored), K.
+        values: Vec<Uncertain>,
+        /// Nodes whose temperature is one and the same value: where it is fitted, it is one unknown.
+        shared: Vec<usize>,
+    },
     /// The steady state at the first row's inputs.
     Steady,
     /// The periodic state of the inputs' cycle.

@@ -4,7 +4,8 @@ use crate::expression::Symbol;
 use crate::thermal::transient::{InitialState, TransientRequest};
 use crate::thermal::{Model, Network, NetworkError, NodeKind, Start, Workspace};
 
-use super::measurement::{Initial, InputTable, Measurement, Rows, Sensor};
+use super::lag;
+use super::measurement::{Initial, InputTable, Measurement, Rows};
 
 /// Heat of the model in one row, W.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,7 +130,7 @@ impl Predictor {
         let sensors = &measurement.sensors;
         let start: Vec<f64>;
         let initial = match initial {
-            Initial::Temperatures(values) => {
+            Initial::Temperatures { values, .. } => {
                 start = values.iter().map(super::measurement::Uncertain::nominal).collect();
                 InitialState::Temperatures(&start)
             }
@@ -149,7 +150,8 @@ impl Predictor {
         for (position, sensor) in sensors.iter().enumerate() {
             let truth: Vec<f64> =
                 (0..rows).map(|row| transient.quantities[row * quantities + sensor.quantity]).collect();
-            let read = lagged(&inputs.times_s, &truth, sensor);
+            let lag_s = sensor.lag_s.as_ref().map_or(0.0, super::measurement::Uncertain::nominal);
+            let read = lag::reading(&inputs.times_s, &truth, lag_s);
             for (row, value) in read.into_iter().enumerate() {
                 prediction.readings[row * sensors.len() + position] = value;
             }
@@ -199,60 +201,4 @@ fn inputs_before(table: &InputTable, row: usize) -> Vec<f64> {
         values[column.input] = column.values[row.saturating_sub(1)];
     }
     values
-}
-
-/// Reading of a sensor that follows the truth with a time constant: `tau ds/dt = truth - s`, started at the truth,
-/// exact for a truth that is linear between rows.
-fn lagged(times_s: &[f64], truth: &[f64], sensor: &Sensor) -> Vec<f64> {
-    let tau_s = sensor.lag_s.as_ref().map_or(0.0, super::measurement::Uncertain::nominal);
-    if tau_s <= 0.0 || truth.is_empty() {
-        return truth.to_vec();
-    }
-    let mut reading = truth[0];
-    let mut readings = vec![reading];
-    for row in 1..truth.len() {
-        let step_s = times_s[row] - times_s[row - 1];
-        let slope = (truth[row] - truth[row - 1]) / step_s;
-        // Solution for a ramp: it runs behind the ramp by slope x tau, which an initial difference decays to.
-        let decay = crate::math::functions::exp(-step_s / tau_s);
-        let behind = reading - (truth[row - 1] - slope * tau_s);
-        reading = truth[row] - slope * tau_s + behind * decay;
-        readings.push(reading);
-    }
-    readings
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::inference::measurement::Uncertain;
-
-    fn sensor(lag_s: f64) -> Sensor {
-        Sensor {
-            name: "s".into(),
-            quantity: 0,
-            unit: "K".into(),
-            sigma: None,
-            bias: None,
-            lag_s: Some(Uncertain::Known(lag_s)),
-            correlation_time_s: None,
-        }
-    }
-
-    #[test]
-    fn a_lagging_sensor_follows_a_ramp_one_time_constant_behind() {
-        let times: Vec<f64> = (0..200).map(f64::from).collect();
-        let truth: Vec<f64> = times.iter().map(|t| 0.5 * t).collect();
-        let read = lagged(&times, &truth, &sensor(14.0));
-        // s(t) = a (t - tau) + a tau exp(-t / tau), the closed form.
-        for (t, s) in times.iter().zip(&read) {
-            let expected = 0.5 * (t - 14.0) + 0.5 * 14.0 * crate::math::functions::exp(-t / 14.0);
-            assert!((s - expected).abs() < 1e-10, "{t}: {s} {expected}");
-        }
-    }
-
-    #[test]
-    fn no_lag_reads_the_truth() {
-        assert_eq!(lagged(&[0.0, 1.0], &[3.0, 4.0], &sensor(0.0)), [3.0, 4.0]);
-    }
 }

@@ -1,6 +1,7 @@
 //! Job kinds, a kind a file. A job is stages: each stage cuts its inputs into blocks, runs a block as a pure function
 //! to bytes, and reduces the blocks in order to the next stage or to the output. Nothing here knows threads or files.
 
+pub mod calibrate;
 pub mod compare;
 pub mod conventional;
 pub mod propagate;

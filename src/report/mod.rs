@@ -83,6 +83,7 @@ pub fn results_schema() -> Value {
         "propagate": schemars::schema_for!(crate::job::propagate::Output),
         "conventional": schemars::schema_for!(crate::job::conventional::Output),
         "compare": schemars::schema_for!(crate::job::compare::Output),
+        "calibrate": schemars::schema_for!(crate::job::calibrate::Output),
     })
 }
 
@@ -97,6 +98,7 @@ fn results_json(report: &PassReport<'_>) -> Result<String, serde_json::Error> {
             JobResult::Propagate(output) => value(output)?,
             JobResult::Conventional(output) => value(output)?,
             JobResult::Compare(output) => value(output)?,
+            JobResult::Calibrate(output) => value(output)?,
         };
         jobs.insert(job.name.clone(), json!({ "kind": job.kind, "key": job.key, "output": output }));
     }

@@ -2,7 +2,7 @@
 
 use crate::inference::measurement::{Measurement, Rows, Sensor};
 use crate::job::requirement::{Environment, Requirement};
-use crate::job::{compare, conventional, propagate};
+use crate::job::{calibrate, compare, conventional, propagate};
 use crate::random::Distribution;
 use crate::thermal::{Model, Quantity};
 
@@ -45,6 +45,8 @@ pub enum JobResult {
     Conventional(conventional::Output),
     /// Model against measurements.
     Compare(compare::Output),
+    /// Parameters from measurements.
+    Calibrate(Box<calibrate::Output>),
 }
 
 /// A job with its output.
@@ -118,6 +120,14 @@ impl PassReport<'_> {
     pub fn comparisons(&self) -> impl Iterator<Item = (&str, &compare::Output)> {
         self.results.iter().filter_map(|job| match &job.result {
             JobResult::Compare(output) => Some((job.name.as_str(), output)),
+            _ => None,
+        })
+    }
+
+    /// Calibrations with their jobs' names.
+    pub fn calibrations(&self) -> impl Iterator<Item = (&str, &calibrate::Output)> {
+        self.results.iter().filter_map(|job| match &job.result {
+            JobResult::Calibrate(output) => Some((job.name.as_str(), &**output)),
             _ => None,
         })
     }

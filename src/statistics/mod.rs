@@ -1,6 +1,8 @@
-//! Moments, quantiles, intervals, histograms, regression, autocorrelation, goodness of fit.
+//! Moments, quantiles, intervals, histograms, regression, autocorrelation, goodness of fit,
+//! convergence of chains.
 
 pub mod autocorrelation;
+pub mod chain_diagnostics;
 pub mod histogram;
 pub mod interval;
 pub mod kolmogorov;

@@ -2,19 +2,58 @@
 
 use std::sync::Arc;
 
-use crate::job::compare::Compare;
+use serde_json::Value;
+
+use crate::inference::likelihood::InputError;
+use crate::inference::measurement::Measurement;
+use crate::job::calibrate::{Calibrate, Inputs};
+use crate::job::compare::{self, Compare, Tuned};
 use crate::job::conventional::Conventional;
 use crate::job::propagate::Propagate;
 use crate::job::{Job, JobError};
+use crate::thermal::Model;
 
+use super::model::prior::Prior;
 use super::resolved::{JobSpec, Pass};
 
 /// A pass's job: ready, or why it does not run now.
 pub enum Readiness {
     /// It can run.
     Ready(Arc<dyn Job>),
+    /// It can run when another job of the pass has its result.
+    After(Deferred),
     /// It does not run; the reason in a line.
     NotRun(String),
+}
+
+/// A comparison that waits for the calibration whose tuned state it shows.
+pub struct Deferred {
+    /// Name of the calibration in the pass.
+    pub calibration: String,
+    /// The comparison without it.
+    comparison: Compare,
+    spec: compare::Spec,
+    model: Arc<Model>,
+    measurements: Arc<Vec<Measurement>>,
+    nominal: Vec<f64>,
+}
+
+impl Deferred {
+    /// The job as far as it is known before.
+    pub fn job(&self) -> &dyn Job {
+        &self.comparison
+    }
+
+    /// Makes the job ready.
+    ///
+    /// # Errors
+    /// A result of the calibration that holds no tuned state.
+    pub fn prepare(&self, result: &Value) -> Result<Arc<dyn Job>, JobError> {
+        let tuned = Tuned::from_result(&self.calibration, result)?;
+        let (model, measurements) = (Arc::clone(&self.model), Arc::clone(&self.measurements));
+        let comparison = Compare::new(self.spec.clone(), model, measurements, self.nominal.clone())?;
+        Ok(Arc::new(comparison.with_tuned(tuned)))
+    }
 }
 
 /// The jobs of a pass in order, each by its name.
@@ -36,8 +75,17 @@ pub fn ready(pass: &Pass) -> Result<Vec<(String, Readiness)>, (String, JobError)
                 JobSpec::Conventional(spec) => Conventional::new(spec.clone(), Arc::clone(&model), pass.priors.clone())
                     .map(|job| Readiness::Ready(Arc::new(job))),
                 JobSpec::Compare(spec) => {
-                    let nominal = pass.model.parameters.iter().map(|parameter| parameter.nominal).collect();
-                    Compare::new(spec.clone(), Arc::clone(&model), Arc::clone(&measurements), nominal)
+                    let nominal: Vec<f64> = pass.model.parameters.iter().map(|parameter| parameter.nominal).collect();
+                    comparison(spec, &model, &measurements, nominal, pass)
+                }
+                JobSpec::Calibrate(spec) => {
+                    let inputs = Inputs {
+                        model: Arc::clone(&model),
+                        priors: pass.priors.clone(),
+                        measurements: Arc::clone(&measurements),
+                        input_errors: input_errors(pass),
+                    };
+                    Calibrate::new(spec.clone(), inputs, pass.seed, &named.name)
                         .map(|job| Readiness::Ready(Arc::new(job)))
                 }
                 JobSpec::Waiting { measurements, command, .. } => Ok(Readiness::NotRun(format!(
@@ -49,4 +97,36 @@ pub fn ready(pass: &Pass) -> Result<Vec<(String, Readiness)>, (String, JobError)
             job.map(|job| (named.name.clone(), job)).map_err(|error| (named.name.clone(), error))
         })
         .collect()
+}
+
+fn comparison(
+    spec: &compare::Spec,
+    model: &Arc<Model>,
+    measurements: &Arc<Vec<Measurement>>,
+    nominal: Vec<f64>,
+    pass: &Pass,
+) -> Result<Readiness, JobError> {
+    let job = Compare::new(spec.clone(), Arc::clone(model), Arc::clone(measurements), nominal.clone())?;
+    let Some(name) = &spec.calibration else { return Ok(Readiness::Ready(Arc::new(job))) };
+    let runs = pass.jobs.iter().any(|other| other.name == *name && matches!(other.spec, JobSpec::Calibrate(_)));
+    if !runs {
+        return Ok(Readiness::NotRun(format!("it shows the tuned state of `{name}`, which does not run")));
+    }
+    Ok(Readiness::After(Deferred {
+        calibration: name.clone(),
+        comparison: job,
+        spec: spec.clone(),
+        model: Arc::clone(model),
+        measurements: Arc::clone(measurements),
+        nominal,
+    }))
+}
+
+/// Own errors of the inputs; a prior from draws was refused when the pass was read.
+fn input_errors(pass: &Pass) -> Vec<InputError> {
+    let bias = |prior: &Option<Prior>| match prior {
+        Some(Prior::Distribution(distribution)) => Some(*distribution),
+        _ => None,
+    };
+    pass.input_errors.iter().map(|error| InputError { sigma: error.sigma, bias: bias(&error.bias) }).collect()
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::document::Diagnostics;
 use crate::inference::measurement::Measurement;
 use crate::job::requirement::{Environment, Requirement};
-use crate::job::{compare, conventional, propagate};
+use crate::job::{calibrate, compare, conventional, propagate};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
@@ -77,6 +77,8 @@ pub enum JobSpec {
     Propagate(propagate::Spec),
     /// Model against measurements.
     Compare(compare::Spec),
+    /// Parameters from measurements.
+    Calibrate(calibrate::Spec),
     /// Stacked worst cases with margins.
     Conventional(conventional::Spec),
     /// Waits for pinned data.
@@ -105,6 +107,7 @@ impl JobSpec {
         match self {
             Self::Propagate(_) => "propagate",
             Self::Compare(_) => "compare",
+            Self::Calibrate(_) => "calibrate",
             Self::Conventional(_) => "conventional",
             Self::Waiting { kind, .. } | Self::NotYet { kind, .. } => kind,
         }

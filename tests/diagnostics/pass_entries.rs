@@ -316,6 +316,26 @@ fn a_job_with_unknown_data() {
 }
 
 #[test]
+fn a_calibration_with_settings_that_do_not_fit() {
+    let study = Study::new();
+    study.edit(
+        "pass-1.json",
+        r#"{"data": ["balance"]}"#,
+        r#"{"data": ["balance"], "parameters": ["A", "g"], "chains": 1, "sampler": "smc", "warmup": 5}"#,
+    );
+    let said = study.said("pass-1.json");
+    for part in [
+        "the prior of `A` is fixed",
+        "unknown parameter `g`",
+        "1 chains",
+        "an integer from 2 to 64",
+        "`smc` has no warm-up",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+}
+
+#[test]
 fn unknown_criteria() {
     let study = Study::new();
     study.edit("pass-1.json", r#"{"compare": {}}"#, r#"{"compare": {"criteria": "esa"}}"#);

@@ -1,10 +1,12 @@
 //! A complete study loads, with everything where it belongs; broken ones never panic.
 
 use bmv::inference::measurement::{Initial, Rows, Uncertain};
+use bmv::job::calibrate::Sampler;
 use bmv::job::conventional::Margin;
 use bmv::job::propagate::{Sampling, Variable};
 use bmv::random::Distribution;
 use bmv::study::JobSpec;
+use bmv::study::ready::Readiness;
 
 use crate::diagnostics::pass_study::{BALANCE, PASS, RUN, Study, transient_pass};
 
@@ -58,8 +60,40 @@ fn jobs_have_their_defaults() {
     assert_eq!((size.design.variable, size.design.values.as_slice()), (Variable::Parameter(1), &[0.01, 0.1][..]));
     assert_eq!(size.heat_loads, [Variable::Input(1)]);
     assert_eq!(size.rules.last().map(|rule| rule.margin), Some(Margin::HeatLoad(0.25)));
-    let JobSpec::NotYet { reason, .. } = &pass.jobs[3].spec else { panic!("not yet") };
-    assert_eq!(reason, "this version does not run `calibrate` jobs");
+    let JobSpec::Calibrate(tuned) = &pass.jobs[3].spec else { panic!("calibrate") };
+    assert_eq!(tuned.data, [0]);
+    assert_eq!(tuned.parameters, [0], "A has no prior");
+    assert_eq!((tuned.sampler, tuned.chains, tuned.warmup, tuned.draws), (Sampler::Nuts, 4, 500, 1000));
+    assert_eq!(compare.calibration.as_deref(), Some("tuned"), "the comparison shows the calibration on its data");
+}
+
+#[test]
+fn a_comparison_from_nominal_shows_no_calibration() {
+    let study = Study::new();
+    study.edit("pass-1.json", r#"{"compare": {}}"#, r#"{"compare": {"from": "nominal"}}"#);
+    let pass = study.load();
+    let JobSpec::Compare(compare) = &pass.jobs[1].spec else { panic!("compare") };
+    assert_eq!(compare.calibration, None);
+}
+
+#[test]
+fn a_calibration_without_noise_is_refused() {
+    // The sensor of the panel states no sigma.
+    let error = bmv::study::ready(&Study::new().load()).err().expect("refused");
+    assert_eq!(error.0, "tuned");
+    let text = error.1.to_string();
+    assert!(text.contains("sensor `panel` of `balance` has no `sigma`"), "{text}");
+}
+
+#[test]
+fn a_comparison_waits_for_its_calibration() {
+    let study = Study::new();
+    study.edit("pass-1.json", r#""panel": {"measures": "panel"}"#, r#""panel": {"measures": "panel", "sigma": 0.5}"#);
+    let jobs = bmv::study::ready(&study.load()).expect("ready");
+    let Readiness::After(waiting) = &jobs[1].1 else { panic!("after the calibration") };
+    assert_eq!(waiting.calibration, "tuned");
+    assert!(waiting.prepare(&serde_json::json!({"tuned": [["G", 0.7]]})).is_ok());
+    assert!(waiting.prepare(&serde_json::json!({})).is_err());
 }
 
 #[test]
@@ -93,7 +127,7 @@ fn a_transient_has_its_start_its_steps_and_its_intervals() {
     assert_eq!(inputs.times_s, [0.0, 60.0, 120.0, 180.0]);
     assert_eq!((inputs.columns.len(), inputs.columns[0].hold), (1, true));
     assert_eq!(inputs.columns[0].values, [5.0, 5.0, 0.0, 0.0]);
-    let Initial::Temperatures(temperatures) = initial else { panic!("temperatures") };
+    let Initial::Temperatures { values: temperatures, .. } = initial else { panic!("temperatures") };
     assert_eq!(temperatures[2], Uncertain::Known(293.15));
     assert_eq!(held_out, &[false, false, true, true]);
     assert_eq!(ignored[0].as_deref(), Some("door open"));

@@ -1,1 +1,5 @@
 //! Results against stored references made by other programs.
+
+mod arviz;
+mod nist;
+mod posteriordb;

@@ -1,5 +1,6 @@
 //! Names and numbers that try to break a report.
 
+use bmv::job::calibrate::KeptDraws;
 use bmv::job::compare::Deviation;
 use bmv::report::plot::{
     Along, Axis, Bar, Chart, Diagram, HeatMap, History, Layer, Limit, Mark, NodeShape, Path, Shade, Source, Strip,
@@ -8,6 +9,7 @@ use bmv::report::plot::{
 use bmv::report::plot::{bar_chart, heat_map, history, network, palette, residual_strips};
 use bmv::report::{JobResult, PassReport};
 
+use super::calibration::calibrated;
 use super::rendering::{assert_well_formed, rendered};
 use super::samples::{Sample, radiator, steady, transient};
 
@@ -67,6 +69,14 @@ fn poisoned(mut sample: Sample) -> Sample {
                 for size in &mut output.sizes {
                     size.rule.title = name();
                     size.requirement = name();
+                }
+            }
+            JobResult::Calibrate(output) => {
+                output.sampler = name();
+                output.objections.push(name());
+                output.findings.push(name());
+                for check in &mut output.predictive {
+                    check.sensor = name();
                 }
             }
         }
@@ -165,7 +175,7 @@ fn pages_without_results_are_pages() {
 
 #[test]
 fn empty_and_broken_outputs_are_reported_not_fatal() {
-    for mut sample in [radiator(), transient(), steady()] {
+    for mut sample in [radiator(), transient(), steady(), calibrated()] {
         for job in &mut sample.results {
             match &mut job.result {
                 JobResult::Compare(output) => {
@@ -188,6 +198,14 @@ fn empty_and_broken_outputs_are_reported_not_fatal() {
                     for size in &mut output.sizes {
                         size.size = None;
                         size.margin = f64::NAN;
+                    }
+                }
+                JobResult::Calibrate(output) => {
+                    output.draws = KeptDraws::default();
+                    output.correlations.clear();
+                    for own in output.parameters.values_mut() {
+                        own.mean = f64::NAN;
+                        own.rhat = None;
                     }
                 }
             }

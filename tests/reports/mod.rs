@@ -1,5 +1,6 @@
 //! Rendered reports.
 
+mod calibration;
 mod hostile;
 mod rendering;
 mod samples;

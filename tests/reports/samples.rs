@@ -352,6 +352,7 @@ fn compared(rows: Vec<Row>, sigma: f64, fails: Vec<String>) -> compare::Output {
             held_out: deviation(&of(true)),
             noise_rmse: Some([0.8 * sigma, 1.2 * sigma]),
             missing: 0,
+            tuned: None,
         });
     }
     let all = |held: bool| {
@@ -386,6 +387,7 @@ fn compared(rows: Vec<Row>, sigma: f64, fails: Vec<String>) -> compare::Output {
         fails,
         failed: vec![],
         unused_columns: vec![],
+        tuned: None,
         train,
         held_out,
         rows,
@@ -455,6 +457,7 @@ fn sensor(name: &str, quantity: usize, sigma: f64) -> Sensor {
         bias: None,
         lag_s: None,
         correlation_time_s: None,
+        white: None,
     }
 }
 
@@ -494,6 +497,7 @@ pub fn transient() -> Sample {
                 unit: "K".into(),
                 measured: predicted + missing + noise,
                 predicted,
+                predicted_tuned: None,
                 held_out: t >= 400.0,
             });
         }
@@ -578,6 +582,7 @@ pub fn steady() -> Sample {
                 unit: "K".into(),
                 measured: predicted + missing + noise,
                 predicted,
+                predicted_tuned: None,
                 held_out,
             });
         }

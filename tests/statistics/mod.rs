@@ -1,3 +1,8 @@
 //! Statistical behaviour over many seeds.
 
+mod calibrate;
+mod calibration;
 mod estimators;
+mod evidence;
+pub mod models;
+pub mod samplers;

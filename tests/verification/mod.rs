@@ -6,6 +6,8 @@ mod derivatives;
 mod elements;
 mod flux;
 mod monitor_campaign;
+mod likelihood;
+pub mod network8_data;
 mod orbit;
 mod radiator;
 mod solar_monitor;

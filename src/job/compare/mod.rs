@@ -5,6 +5,7 @@ mod output;
 mod stretch;
 mod trend;
 mod view;
+mod tuned;
 mod words;
 
 use std::sync::Arc;
@@ -18,9 +19,10 @@ use crate::thermal::{Model, NodeKind};
 
 pub use output::{
     Criteria, Deviation, FailedPhase, HeatBalance, Output, PhaseSummary, Row, SensorSummary, Spec, StabilisationCheck,
-    Trend, Verdict,
+    Trend, TunedSensor, TunedState, Verdict,
 };
 pub use view::view;
+pub use tuned::Tuned;
 
 use super::{Job, JobError, Step};
 use deviation::{KELVIN, deviation, noise_rmse, of_one_unit};
@@ -34,6 +36,7 @@ pub struct Compare {
     measurements: Arc<Vec<Measurement>>,
     parameters: Vec<f64>,
     predictor: Predictor,
+    tuned: Option<Tuned>,
 }
 
 /// Part of the result that belongs to one measurement.
@@ -62,7 +65,12 @@ impl Compare {
         parameters: Vec<f64>,
     ) -> Result<Self, JobError> {
         let predictor = Predictor::new(&model, &[]).map_err(|e| JobError::Failed(e.to_string()))?;
-        Ok(Self { spec, model, measurements, parameters, predictor })
+        Ok(Self { spec, model, measurements, parameters, predictor, tuned: None })
+    }
+
+    /// The comparison with a tuned state beside the delivered one.
+    pub fn with_tuned(self, tuned: Tuned) -> Self {
+        Self { tuned: Some(tuned), ..self }
     }
 
     fn part(&self, measurement: &Measurement) -> Part {
@@ -72,6 +80,17 @@ impl Compare {
         part.failed = failed(measurement, &prediction);
         part.rows = rows(measurement, &self.model, &prediction);
         part.sensors = self.sensors(measurement, &part.rows);
+        if let Some(tuned) = &self.tuned {
+            tuned.add(
+                &self.predictor,
+                &self.model,
+                &self.parameters,
+                measurement,
+                &self.spec.criteria,
+                &mut part.rows,
+                &mut part.sensors,
+            );
+        }
         part.phases = self.phases(measurement, &part.rows);
         part.heat = self.heat(measurement, &prediction);
         part.trends = trend::trends(measurement, &self.model, &part.rows);
@@ -112,6 +131,7 @@ impl Compare {
                     train,
                     held_out,
                     missing: missing as u64,
+                    tuned: None,
                 }
             })
             .collect()
@@ -314,6 +334,7 @@ fn rows(measurement: &Measurement, model: &Model, prediction: &Prediction) -> Ve
                 unit: model.quantities[sensor.quantity].unit.clone(),
                 measured,
                 predicted,
+                predicted_tuned: None,
                 held_out: measurement.held_out(row),
             });
         }
@@ -388,6 +409,7 @@ impl Job for Compare {
         json!({
             "criteria": self.spec.criteria,
             "state": self.spec.from,
+            "calibration": self.spec.calibration,
             "parameters": self.parameters,
             "model": self.model.identity(),
             "data": data,
@@ -453,6 +475,7 @@ impl Job for Compare {
             verdicts: if unit == KELVIN { verdicts(&self.spec.criteria, &train, &held_out) } else { Vec::new() },
             criteria: self.spec.criteria.clone(),
             chi2_per_reading: chi2.filter(|c| c.1 > 0).map(|(sum, count)| sum / count as f64),
+            tuned: self.tuned.as_ref().map(|tuned| tuned.state(&self.model, &self.parameters, &whole.rows, limit)),
             train,
             held_out,
             rows: whole.rows,

@@ -60,8 +60,10 @@ pub struct Spec {
     pub data: Vec<usize>,
     /// The profile.
     pub criteria: Criteria,
-    /// Name of the parameters' state: `nominal`, or a calibration's job.
+    /// Name of the parameters' state as delivered: `nominal`.
     pub from: String,
+    /// The calibration whose tuned state stands beside it.
+    pub calibration: Option<String>,
 }
 
 /// A reading beside its prediction.
@@ -81,6 +83,9 @@ pub struct Row {
     pub measured: f64,
     /// Prediction, SI.
     pub predicted: f64,
+    /// Prediction of the tuned state, SI.
+    #[serde(default)]
+    pub predicted_tuned: Option<f64>,
     /// Kept from every fit.
     pub held_out: bool,
 }
@@ -105,6 +110,35 @@ pub struct SensorSummary {
     pub noise_rmse: Option<[f64; 2]>,
     /// Number of missing readings.
     pub missing: u64,
+    /// The tuned state.
+    #[serde(default)]
+    pub tuned: Option<TunedSensor>,
+}
+
+/// What tuning made of a sensor.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct TunedSensor {
+    /// Readings that the fit used.
+    pub train: Deviation,
+    /// Readings held out.
+    pub held_out: Deviation,
+    /// Standard deviation of the noise, known or as tuned, SI.
+    pub sigma: Option<f64>,
+    /// RMSE that this noise alone would give over all readings with 95 % probability, its correlation in time allowed for.
+    pub noise_rmse: Option<[f64; 2]>,
+}
+
+/// The tuned state as a whole.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct TunedState {
+    /// The calibration.
+    pub job: String,
+    /// Parameters of the model, SI: name, unit as written, value.
+    pub parameters: Vec<(String, String, f64)>,
+    /// All readings that the fit used.
+    pub train: Deviation,
+    /// All readings held out.
+    pub held_out: Deviation,
 }
 
 impl SensorSummary {
@@ -235,4 +269,7 @@ pub struct Output {
     pub failed: Vec<FailedPhase>,
     /// Columns of the data that nothing uses.
     pub unused_columns: Vec<String>,
+    /// The tuned state, where a calibration stands behind the comparison.
+    #[serde(default)]
+    pub tuned: Option<TunedState>,
 }

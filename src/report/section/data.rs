@@ -36,7 +36,7 @@ fn overview(measurement: &Measurement) -> Block {
                 _ => String::new(),
             };
             let start = match initial {
-                Initial::Temperatures(_) => "given or fitted temperatures",
+                Initial::Temperatures { .. } => "given or fitted temperatures",
                 Initial::Steady => "the steady state",
                 Initial::Periodic => "the periodic state",
             };

@@ -1,6 +1,7 @@
 //! Sections, a section a file. A section looks at the whole report and builds itself, or `None` where it has
 //! nothing to say. To add one, write its file and put its `build` into [`SECTIONS`].
 
+mod calibration;
 mod comparison;
 mod data;
 mod network;
@@ -33,6 +34,7 @@ pub const SECTIONS: &[Build] = &[
     propagation::build,
     sizing::build,
     comparison::build,
+    calibration::build,
     data::build,
     provenance::build,
 ];

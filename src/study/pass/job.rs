@@ -20,7 +20,7 @@ written_choice! {
         /// The experiment that teaches most.
         "design" => Design(Node),
         /// Parameters from measurements.
-        "calibrate" => Calibrate(Node),
+        "calibrate" => Calibrate(CalibrateForm),
         /// Model against measurements.
         "compare" => Compare(CompareForm),
         /// Which physical effect is missing.
@@ -139,7 +139,38 @@ written_struct! {
         optional data: Vec<Spanned<String>>,
         /// Criteria profile, `smc-3k` where it is left out.
         optional criteria: Spanned<String>,
-        /// Whose parameters: `nominal`, or the name of a `calibrate` job.
+        /// The `calibrate` job whose tuned state stands beside the delivered one; `nominal` for none. The first of the
+        /// pass on the same data where it is left out.
         optional from: Spanned<String>,
+    }
+}
+
+written_struct! {
+    /// Settings of `calibrate`.
+    pub struct CalibrateForm: "settings of `calibrate`" {
+        /// Measurements; all of the pass where they are left out.
+        optional data: Vec<Spanned<String>>,
+        /// Parameters; all whose prior is not fixed where they are left out.
+        optional parameters: Vec<Spanned<String>>,
+        /// How the posterior is sampled, `nuts` where it is left out.
+        optional sampler: SamplerForm,
+        /// Number of chains (of islands for `smc`), 4 where it is left out.
+        optional chains: Spanned<u64>,
+        /// Steps of a chain that adapt and are dropped: 500 for `nuts`, 5000 for `adaptive-metropolis`.
+        optional warmup: Spanned<u64>,
+        /// Draws of a chain that are kept: 1000, 5000 for `adaptive-metropolis`.
+        optional draws: Spanned<u64>,
+    }
+}
+
+written_words! {
+    /// How a posterior is sampled.
+    pub enum SamplerForm: "a sampler" {
+        /// The No-U-Turn sampler.
+        "nuts" => Nuts,
+        /// Adaptive Metropolis.
+        "adaptive-metropolis" => AdaptiveMetropolis,
+        /// Sequential Monte Carlo.
+        "smc" => Smc,
     }
 }

@@ -93,6 +93,8 @@ written_struct! {
         optional lag: UncertainForm,
         /// Correlation time of the noise; white where it is left out.
         optional correlation_time: UncertainForm,
+        /// Standard deviation of white noise beside the correlated noise; none where it is left out.
+        optional white: UncertainForm,
         /// Description, for the report.
         optional description: String,
     }

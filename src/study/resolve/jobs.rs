@@ -58,10 +58,10 @@ pub fn jobs(scope: &mut Scope, forms: &Map<JobForm>, offered: &Offered) -> Vec<N
             JobForm::Propagate(form) => propagate(scope, form, offered).map(JobSpec::Propagate),
             JobForm::Conventional(form) => conventional(scope, entry, form, offered).map(JobSpec::Conventional),
             JobForm::Compare(form) => compare(scope, entry, form, forms, offered),
+            JobForm::Calibrate(form) => super::calibrate::calibrate(scope, entry, form, offered),
             JobForm::Sensitivity(settings)
             | JobForm::Goal(settings)
             | JobForm::Design(settings)
-            | JobForm::Calibrate(settings)
             | JobForm::Diagnose(settings)
             | JobForm::Discrepancy(settings)
             | JobForm::Predict(settings) => not_yet(scope, entry.value.kind(), settings, offered),
@@ -80,7 +80,7 @@ pub fn implied_comparison(jobs: &[NamedJob], offered: &Offered) -> Option<NamedJ
         return None;
     }
     let criteria = offered.profiles.iter().find(|profile| profile.name == profile::DEFAULT)?.clone();
-    let spec = JobSpec::Compare(compare::Spec { data, criteria, from: NOMINAL.to_owned() });
+    let spec = JobSpec::Compare(compare::Spec { data, criteria, from: NOMINAL.to_owned(), calibration: None });
     Some(NamedJob { name: NAME.to_owned(), spec })
 }
 
@@ -100,7 +100,7 @@ fn not_yet(scope: &mut Scope, kind: &'static str, settings: &Node, offered: &Off
     Some(JobSpec::NotYet { kind, settings: settings.to_json(), reason })
 }
 
-fn measurement(scope: &mut Scope, name: &str, place: &Place, offered: &Offered) -> Option<Option<usize>> {
+pub(super) fn measurement(scope: &mut Scope, name: &str, place: &Place, offered: &Offered) -> Option<Option<usize>> {
     let found = offered.measurements.iter().find(|(known, _)| known == name).map(|(_, position)| *position);
     if found.is_none() {
         let known: Vec<&str> = offered.measurements.iter().map(|(known, _)| known.as_str()).collect();
@@ -202,7 +202,7 @@ fn propagate(scope: &mut Scope, form: &PropagateForm, offered: &Offered) -> Opti
     (scope.diagnostics.errors() == before).then_some(spec)
 }
 
-fn push_new(list: &mut Vec<usize>, index: usize) {
+pub(super) fn push_new(list: &mut Vec<usize>, index: usize) {
     if !list.contains(&index) {
         list.push(index);
     }
@@ -448,10 +448,6 @@ fn compare(
     if !missing.is_empty() {
         return Some(JobSpec::Waiting { kind, measurements: missing, command: offered.command.clone() });
     }
-    if let Some(name) = calibration {
-        let reason = format!("it takes the parameters of `{name}`, and this version does not run `calibrate` jobs");
-        let settings = serde_json::json!({ "from": name });
-        return Some(JobSpec::NotYet { kind, settings, reason });
-    }
-    Some(JobSpec::Compare(compare::Spec { data, criteria: criteria?, from: NOMINAL.to_owned() }))
+    let calibration = calibration.cloned();
+    Some(JobSpec::Compare(compare::Spec { data, criteria: criteria?, from: NOMINAL.to_owned(), calibration }))
 }

@@ -63,6 +63,7 @@ pub fn sensors<'a>(
         let bias = value(&form.bias, dimension, false);
         let lag_s = value(&form.lag, Dimension::TIME, true);
         let correlation_time_s = value(&form.correlation_time, Dimension::TIME, true);
+        let white = value(&form.white, dimension, true);
         if let Some(NameOr::Name(reason)) = ignore.get(&entry.name).map(|entry| &entry.value) {
             if scope.reason(reason) {
                 let (measurement, sensor) = (measurement.to_owned(), entry.name.clone());
@@ -72,7 +73,7 @@ pub fn sensors<'a>(
         }
         let name = entry.name.clone();
         let unit = String::new();
-        sensors.push((entry, Sensor { name, quantity, unit, sigma, bias, lag_s, correlation_time_s }));
+        sensors.push((entry, Sensor { name, quantity, unit, sigma, bias, lag_s, correlation_time_s, white }));
     }
     if forms.is_empty() {
         let message = format!("the measurement `{measurement}` has no sensors");

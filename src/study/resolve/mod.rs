@@ -1,5 +1,6 @@
 //! From a pass as written to a pass that can be run.
 
+mod calibrate;
 pub mod changes;
 pub mod data;
 pub mod jobs;
@@ -205,6 +206,7 @@ fn resolve(
     };
     let mut jobs = jobs::jobs(&mut scope, &form.jobs, &offered);
     jobs.extend(jobs::implied_comparison(&jobs, &offered));
+    calibrate::show_in_comparisons(&mut jobs, &form.jobs);
     let definition_sha256 = definition(lineage, model_file, model_tree, own);
     let ResolvedModel { model, reconstructed, input_errors, .. } = scope.resolved;
     Some(Pass {

@@ -159,8 +159,9 @@ fn temperatures(scope: &mut Scope, map: &Map<UncertainForm>, place: &Place) -> O
     // Nodes without storage follow from the others at once; what stands here is where their solution starts.
     let any = all.clone().or_else(|| named.iter().flatten().next().cloned());
     let start = any.map_or(ROOM_K, |value| value.nominal());
+    let shared = (0..named.len()).filter(|&node| all.is_some() && named[node].is_none()).collect();
     let values = named.into_iter().map(|own| own.or_else(|| all.clone()).unwrap_or(Uncertain::Known(start))).collect();
-    Some(Initial::Temperatures(values))
+    Some(Initial::Temperatures { values, shared })
 }
 
 /// Room temperature, K, where a model has no node that stores heat.

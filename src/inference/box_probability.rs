@@ -1,0 +1,91 @@
+//! Probability of a box under a multivariate normal density, by separation of variables (Genz 1992) over Richtmyer's
+//! points, in a fixed order and number: the same box always gets the same answer.
+
+use super::cholesky;
+use crate::math::functions::ln;
+use crate::math::special::{normal_cdf, normal_quantile};
+
+/// Points of the rule; the relative error of a probability is then of order 1e-3 in a few dimensions.
+const POINTS: u32 = 4096;
+
+/// Natural logarithm of the probability that a normal vector of mean zero and this covariance (n x n) lies between
+/// bounds (infinite where there are none). `None` where the covariance is not positive definite.
+pub fn log_box_probability(covariance: &[f64], lower: &[f64], upper: &[f64]) -> Option<f64> {
+    // A variable whose bounds are eight deviations away changes nothing in double precision.
+    const FAR: f64 = 8.0;
+    let n = lower.len();
+    let near: Vec<usize> = (0..n)
+        .filter(|&i| {
+            let sd = covariance[i * n + i].sqrt();
+            !(lower[i] <= -FAR * sd && upper[i] >= FAR * sd)
+        })
+        .collect();
+    let k = near.len();
+    let mut factor: Vec<f64> = near.iter().flat_map(|&i| near.iter().map(move |&j| covariance[i * n + j])).collect();
+    cholesky::factor(&mut factor, k).ok()?;
+    if k == 0 {
+        return Some(0.0);
+    }
+    let steps: Vec<f64> = richtmyer_steps(k);
+    let mut sum = 0.0;
+    let mut drawn = vec![0.0; k];
+    let points = if k == 1 { 1 } else { POINTS };
+    for point in 0..points {
+        let mut product = 1.0;
+        for i in 0..k {
+            let known: f64 = (0..i).map(|j| factor[i * k + j] * drawn[j]).sum();
+            let sd = factor[i * k + i];
+            let (a, b) = ((lower[near[i]] - known) / sd, (upper[near[i]] - known) / sd);
+            // Above the mean the complements keep the digits.
+            let mirrored = a > 0.0;
+            let (a, b) = if mirrored { (-b, -a) } else { (a, b) };
+            let (below, above) = (normal_cdf(a), normal_cdf(b));
+            product *= above - below;
+            if i + 1 < k {
+                // Folded points (Genz & Bretz 2009) make the integrand periodic.
+                let fraction = ((f64::from(point) + 1.0) * steps[i]).fract();
+                let u = (2.0 * fraction - 1.0).abs();
+                let z = normal_quantile((below + u * (above - below)).clamp(1e-300, 1.0 - 1e-16));
+                drawn[i] = if mirrored { -z } else { z };
+            }
+        }
+        sum += product;
+    }
+    Some(ln(sum / f64::from(points)))
+}
+
+/// Fractions of the roots of the first primes.
+fn richtmyer_steps(count: usize) -> Vec<f64> {
+    let mut steps = Vec::with_capacity(count);
+    let mut candidate: u32 = 2;
+    while steps.len() < count {
+        if (2..candidate).take_while(|d| d * d <= candidate).all(|d| candidate % d != 0) {
+            steps.push(f64::from(candidate).sqrt().fract());
+        }
+        candidate += 1;
+    }
+    steps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orthants_and_slabs_have_their_known_probabilities() {
+        let infinite = f64::INFINITY;
+        // Orthant of two variables with correlation r: 1/4 + asin(r) / (2 pi); r = 1/2 gives 1/3.
+        let two = log_box_probability(&[1.0, 0.5, 0.5, 1.0], &[0.0, 0.0], &[infinite, infinite]).unwrap();
+        assert!((libm::exp(two) - 1.0 / 3.0).abs() < 1e-3, "{}", libm::exp(two));
+        // Three variables, all correlations 1/2: 1/8 + 3 asin(1/2) / (4 pi) = 1/4.
+        let c = [1.0, 0.5, 0.5, 0.5, 1.0, 0.5, 0.5, 0.5, 1.0];
+        let three = log_box_probability(&c, &[0.0; 3], &[infinite; 3]).unwrap();
+        assert!((libm::exp(three) - 0.25).abs() < 1e-3);
+        // One variable far above its mean: the upper tail beyond 5 is 2.866515719e-7.
+        let one = log_box_probability(&[4.0], &[10.0], &[infinite]).unwrap();
+        assert!((libm::exp(one) / 2.866_515_719e-7 - 1.0).abs() < 1e-8);
+        // Bounds that are far away leave everything.
+        assert_eq!(log_box_probability(&[1.0], &[-100.0], &[infinite]), Some(0.0));
+        assert_eq!(log_box_probability(&[-1.0], &[0.0], &[1.0]), None);
+    }
+}

@@ -1,0 +1,317 @@
+//! The likelihood of a network's parameters, and of what is inferred of the data, given measurements.
+//!
+//! `z = f(theta) + bias + noise`; residuals `r = W (z - f - bias)` with `W' W` the inverse covariance of the noise:
+//! by sensor over time in a transient (`noise`), by phase in steady data, `diag(sigma^2) + F S F'` where inputs have
+//! known errors of their own, `F` the derivatives of the readings with respect to the inputs at nominal parameters.
+//! Rows that are held out or ignored, and missing readings, take no part. An evaluation depends on its arguments only.
+
+mod build;
+mod steady;
+mod transient;
+
+use thiserror::Error;
+
+use super::measurement::Measurement;
+use super::noise::Noise;
+use super::target::{LeastSquares, Rejected, Target};
+use super::unknown::{Unknowns, Value};
+use crate::random::Distribution;
+use crate::thermal::{self, Network, NetworkError};
+use steady::SteadyPart;
+use transient::TransientPart;
+
+/// Half of ln(2 pi).
+const HALF_LN_TAU: f64 = 0.918_938_533_204_672_7;
+
+/// The own error of an input.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InputError {
+    /// Standard deviation, SI, independent from phase to phase; enters steady data only.
+    pub sigma: Option<f64>,
+    /// Prior of a constant error that is inferred, SI.
+    pub bias: Option<Distribution>,
+}
+
+/// What a likelihood is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Definition<'a> {
+    /// The model.
+    pub model: &'a thermal::Model,
+    /// Priors of the model's parameters, SI; fixed ones have their value, others that are not chosen their nominal one.
+    pub priors: &'a [Distribution],
+    /// Positions of the chosen parameters; their priors are not fixed.
+    pub parameters: &'a [usize],
+    /// The measurements.
+    pub measurements: &'a [&'a Measurement],
+    /// Own errors of the inputs, in the model's order; may be shorter.
+    pub input_errors: &'a [InputError],
+}
+
+/// Why there is no likelihood.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum LikelihoodError {
+    /// A network that cannot be compiled.
+    #[error(transparent)]
+    Network(#[from] NetworkError),
+    /// A sensor without noise.
+    #[error(
+        "sensor `{sensor}` of `{measurement}` has no `sigma`: a calibration needs its noise, as a value or with a prior"
+    )]
+    NoSigma {
+        /// The measurement.
+        measurement: String,
+        /// The sensor.
+        sensor: String,
+    },
+    /// A standard deviation that is not above 0.
+    #[error("the sigma of sensor `{sensor}` of `{measurement}` is {value}, expected a value above 0")]
+    Sigma {
+        /// The measurement.
+        measurement: String,
+        /// The sensor.
+        sensor: String,
+        /// The value, SI.
+        value: f64,
+    },
+    /// Nothing to fit.
+    #[error("there is no reading to fit: all rows are held out, ignored or empty")]
+    NoData,
+    /// Nothing to infer.
+    #[error("there is nothing to infer: every parameter is fixed")]
+    NoUnknowns,
+    /// Two unknowns of one name.
+    #[error("two unknowns are called `{name}`: rename the measurement or the sensor")]
+    Twice {
+        /// The name.
+        name: String,
+    },
+    /// Errors of the inputs that no covariance allows.
+    #[error("the covariance of phase `{phase}` of `{measurement}` is not positive definite")]
+    Covariance {
+        /// The measurement.
+        measurement: String,
+        /// The phase.
+        phase: String,
+    },
+}
+
+/// Where a whitened residual comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Datum {
+    /// Position of the measurement in the definition's list.
+    pub measurement: usize,
+    /// Row.
+    pub row: usize,
+    /// Position of the sensor.
+    pub sensor: usize,
+}
+
+/// A sensor as the likelihood sees it.
+#[derive(Clone, Copy, Debug)]
+struct SensorPart {
+    quantity: usize,
+    noise: Noise,
+    bias: Option<Value>,
+    lag_s: Option<Value>,
+}
+
+#[derive(Clone, Debug)]
+enum Part {
+    Steady(SteadyPart),
+    Transient(TransientPart),
+}
+
+/// The likelihood of a model's parameters given measurements.
+#[derive(Clone, Debug)]
+pub struct Likelihood {
+    unknowns: Unknowns,
+    network: Network,
+    /// All parameters where nothing is inferred.
+    base: Vec<f64>,
+    /// Position in the model of each chosen parameter; these are the first unknowns.
+    parameters: Vec<usize>,
+    /// Inputs with an inferred constant error, and the place of that unknown.
+    biases: Vec<(usize, usize)>,
+    /// Unknown of each differentiated symbol.
+    columns: Vec<usize>,
+    parts: Vec<Part>,
+    data: Vec<Datum>,
+}
+
+/// Memory of one chain.
+#[derive(Clone, Debug)]
+pub struct Memory {
+    network: thermal::Workspace,
+    parameters: Vec<f64>,
+    inputs: Vec<f64>,
+    start: Vec<f64>,
+    tangent: Vec<f64>,
+    factor: Vec<f64>,
+    residuals: Vec<f64>,
+    jacobian: Vec<f64>,
+    log_scales: Vec<f64>,
+    scale_gradient: Vec<f64>,
+}
+
+impl Likelihood {
+    /// Prepares a likelihood; the references of the steady phases are solved at nominal parameters.
+    ///
+    /// # Errors
+    /// [`LikelihoodError`] names what is missing.
+    pub fn new(definition: &Definition<'_>) -> Result<Self, LikelihoodError> {
+        build::build(definition)
+    }
+
+    /// The unknowns with their priors and SI units: chosen parameters, then what is inferred of the data.
+    pub fn unknowns(&self) -> &Unknowns {
+        &self.unknowns
+    }
+
+    /// Number of chosen parameters of the model, which are the first unknowns.
+    pub fn model_parameters(&self) -> usize {
+        self.parameters.len()
+    }
+
+    /// Where each residual comes from, in their order.
+    pub fn data(&self) -> &[Datum] {
+        &self.data
+    }
+
+    /// All parameters of the model, SI, at given unknowns.
+    pub fn full_parameters(&self, unknowns: &[f64]) -> Vec<f64> {
+        let mut full = self.base.clone();
+        for (&position, value) in self.parameters.iter().zip(unknowns) {
+            full[position] = *value;
+        }
+        full
+    }
+
+    /// Solves the steady phases anew at given unknowns; later evaluations start from there, by first-order prediction.
+    /// A phase that does not solve there starts from the boundaries' mean.
+    pub fn set_reference(&mut self, unknowns: &[f64]) {
+        let full = self.full_parameters(unknowns);
+        let mut shifts = vec![0.0; self.network.nominal_inputs().len()];
+        for &(input, place) in &self.biases {
+            shifts[input] = unknowns[place];
+        }
+        let at: Vec<f64> = self.columns.iter().map(|&unknown| unknowns[unknown]).collect();
+        for part in &mut self.parts {
+            if let Part::Steady(part) = part {
+                part.set_reference(&self.network, &full, &shifts, &at);
+            }
+        }
+    }
+
+    /// Writes the log density of each reading given those before it, in the order of [`Likelihood::data`], and gives the
+    /// sum of squares of the whitened residuals.
+    ///
+    /// # Errors
+    /// As [`Target::log_likelihood`].
+    pub fn pointwise(&self, unknowns: &[f64], memory: &mut Memory, out: &mut [f64]) -> Result<f64, Rejected> {
+        self.evaluate(unknowns, memory, false)?;
+        for (out, (r, scale)) in out.iter_mut().zip(memory.residuals.iter().zip(&memory.log_scales)) {
+            *out = scale - HALF_LN_TAU - 0.5 * r * r;
+        }
+        Ok(memory.residuals.iter().map(|r| r * r).sum())
+    }
+
+    /// Fills the memory's residuals and scales, and their derivatives where wanted; returns the offset.
+    fn evaluate(&self, unknowns: &[f64], memory: &mut Memory, slopes: bool) -> Result<f64, Rejected> {
+        for (&position, value) in self.parameters.iter().zip(unknowns) {
+            memory.parameters[position] = *value;
+        }
+        if slopes {
+            memory.jacobian.fill(0.0);
+            memory.scale_gradient.fill(0.0);
+        }
+        for part in &self.parts {
+            match part {
+                Part::Steady(part) => part.evaluate(self, unknowns, memory, slopes)?,
+                Part::Transient(part) => part.evaluate(self, unknowns, memory, slopes)?,
+            }
+        }
+        let scales: f64 = memory.log_scales.iter().sum();
+        Ok(scales - HALF_LN_TAU * self.data.len() as f64)
+    }
+}
+
+impl Target for Likelihood {
+    type Workspace = Memory;
+
+    fn names(&self) -> &[String] {
+        &self.unknowns.names
+    }
+
+    fn priors(&self) -> &[Distribution] {
+        &self.unknowns.priors
+    }
+
+    fn workspace(&self) -> Memory {
+        let (rows, n) = (self.data.len(), self.unknowns.len());
+        let widest = self.parts.iter().map(|part| match part {
+            Part::Steady(part) => part.widest(),
+            Part::Transient(_) => 0,
+        });
+        let widest = widest.max().unwrap_or(0);
+        Memory {
+            network: self.network.workspace(),
+            parameters: self.base.clone(),
+            inputs: self.network.nominal_inputs().to_vec(),
+            start: vec![0.0; self.network.nodes()],
+            tangent: vec![0.0; self.network.quantities() * self.columns.len()],
+            factor: vec![0.0; widest * (widest + 1)],
+            residuals: vec![0.0; rows],
+            jacobian: vec![0.0; rows * n],
+            log_scales: vec![0.0; rows],
+            scale_gradient: vec![0.0; n],
+        }
+    }
+
+    fn log_likelihood(&self, parameters: &[f64], memory: &mut Memory) -> Result<f64, Rejected> {
+        let offset = self.evaluate(parameters, memory, false)?;
+        Ok(offset - 0.5 * memory.residuals.iter().map(|r| r * r).sum::<f64>())
+    }
+
+    fn log_likelihood_gradient(
+        &self,
+        parameters: &[f64],
+        memory: &mut Memory,
+        gradient: &mut [f64],
+    ) -> Result<f64, Rejected> {
+        let offset = self.evaluate(parameters, memory, true)?;
+        gradient.copy_from_slice(&memory.scale_gradient);
+        for (row, r) in memory.jacobian.chunks_exact(gradient.len()).zip(&memory.residuals) {
+            for (g, slope) in gradient.iter_mut().zip(row) {
+                *g -= r * slope;
+            }
+        }
+        Ok(offset - 0.5 * memory.residuals.iter().map(|r| r * r).sum::<f64>())
+    }
+}
+
+impl LeastSquares for Likelihood {
+    fn residual_count(&self) -> usize {
+        self.data.len()
+    }
+
+    fn residuals(&self, parameters: &[f64], memory: &mut Memory, residuals: &mut [f64]) -> Result<f64, Rejected> {
+        let offset = self.evaluate(parameters, memory, false)?;
+        residuals.copy_from_slice(&memory.residuals);
+        Ok(offset)
+    }
+
+    fn jacobian(
+        &self,
+        parameters: &[f64],
+        memory: &mut Memory,
+        residuals: &mut [f64],
+        jacobian: &mut [f64],
+        offset_gradient: &mut [f64],
+    ) -> Result<f64, Rejected> {
+        let offset = self.evaluate(parameters, memory, true)?;
+        residuals.copy_from_slice(&memory.residuals);
+        jacobian.copy_from_slice(&memory.jacobian);
+        offset_gradient.copy_from_slice(&memory.scale_gradient);
+        Ok(offset)
+    }
+}

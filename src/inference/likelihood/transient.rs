@@ -1,0 +1,221 @@
+//! Transients in the likelihood.
+
+use super::build::is_used;
+use super::{Datum, Likelihood, Memory, SensorPart};
+use crate::inference::lag;
+use crate::inference::measurement::{Initial, InputTable, Measurement, Rows};
+use crate::inference::noise::Series;
+use crate::inference::target::Rejected;
+use crate::inference::unknown::{ALL, Unknowns, Value, shifted, start_name};
+use crate::thermal::transient::{InitialState, TransientRequest};
+use crate::thermal::{Model, NodeKind, TransientError};
+
+/// A transient and its readings that take part in the fit.
+#[derive(Clone, Debug)]
+pub(super) struct TransientPart {
+    name: String,
+    inputs: InputTable,
+    start: Begin,
+    sensors: Vec<SensorPart>,
+    /// Readings of each sensor.
+    readings: Vec<Readings>,
+    /// Rows from the first to the last that is used.
+    rows: usize,
+}
+
+#[derive(Clone, Debug)]
+enum Begin {
+    Temperatures {
+        /// By node.
+        values: Vec<Value>,
+        /// Unknowns, and what one of their units does to all nodes.
+        fitted: Vec<usize>,
+        seeds: Vec<Vec<f64>>,
+    },
+    Steady,
+    Periodic,
+}
+
+/// What a sensor read.
+#[derive(Clone, Debug)]
+struct Readings {
+    /// Position of the first residual.
+    first: usize,
+    rows: Vec<usize>,
+    times_s: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl TransientPart {
+    pub fn new(
+        model: &Model,
+        measurement: &Measurement,
+        index: usize,
+        sensors: Vec<SensorPart>,
+        unknowns: &mut Unknowns,
+        data: &mut Vec<Datum>,
+    ) -> Self {
+        let (inputs, start) = match &measurement.rows {
+            Rows::Transient { inputs, initial, .. } => {
+                (inputs.clone(), begin(model, &measurement.name, initial, unknowns))
+            }
+            Rows::Steady(_) => (InputTable::default(), Begin::Steady),
+        };
+        let mut readings = Vec::new();
+        let mut rows = 0;
+        for sensor in 0..sensors.len() {
+            let mut own = Readings { first: data.len(), rows: vec![], times_s: vec![], values: vec![] };
+            for row in (0..measurement.len()).filter(|&row| is_used(measurement, row, sensor)) {
+                if let Some(value) = measurement.reading(row, sensor) {
+                    own.rows.push(row);
+                    own.times_s.push(inputs.times_s[row]);
+                    own.values.push(value);
+                    data.push(Datum { measurement: index, row, sensor });
+                    rows = rows.max(row + 1);
+                }
+            }
+            readings.push(own);
+        }
+        Self { name: measurement.name.clone(), inputs, start, sensors, readings, rows }
+    }
+
+    pub fn evaluate(
+        &self,
+        likelihood: &Likelihood,
+        unknowns: &[f64],
+        memory: &mut Memory,
+        slopes: bool,
+    ) -> Result<(), Rejected> {
+        if self.rows == 0 {
+            return Ok(());
+        }
+        let network = &likelihood.network;
+        let moved: InputTable;
+        let inputs = if likelihood.biases.is_empty() {
+            &self.inputs
+        } else {
+            let mut shifts = vec![0.0; memory.inputs.len()];
+            for &(input, place) in &likelihood.biases {
+                shifts[input] = unknowns[place];
+            }
+            moved = shifted(&self.inputs, &shifts);
+            &moved
+        };
+        let temperatures: Vec<f64>;
+        let (initial, fitted, seeds): (_, &[usize], &[Vec<f64>]) = match &self.start {
+            Begin::Temperatures { values, fitted, seeds } => {
+                temperatures = values.iter().map(|value| value.at(unknowns)).collect();
+                (InitialState::Temperatures(&temperatures), fitted, seeds)
+            }
+            Begin::Steady => (InitialState::Steady, &[], &[]),
+            Begin::Periodic => (InitialState::Periodic, &[], &[]),
+        };
+        let mut request = TransientRequest::new(&memory.parameters, inputs, initial, &self.inputs.times_s[..self.rows]);
+        request.seeds = seeds;
+        request.sensitivities = slopes;
+        let solution = network.solve_transient(&request).map_err(|error| self.rejected(&error))?;
+
+        let n = unknowns.len();
+        let width = likelihood.columns.len() + fitted.len();
+        let quantities = network.quantities();
+        let mut column_values = vec![0.0; self.rows];
+        let mut lag_slope = vec![0.0; self.rows];
+        for (sensor, readings) in self.sensors.iter().zip(&self.readings) {
+            let count = readings.rows.len();
+            let lag_s = sensor.lag_s.map_or(0.0, |lag| lag.at(unknowns));
+            let bias = sensor.bias.map_or(0.0, |bias| bias.at(unknowns));
+            let range = readings.first..readings.first + count;
+            for (row, value) in column_values.iter_mut().enumerate() {
+                *value = solution.quantities[row * quantities + sensor.quantity];
+            }
+            lag::apply(&self.inputs.times_s, &mut column_values, lag_s, Some(&mut lag_slope));
+            for (residual, (&row, reading)) in
+                memory.residuals[range.clone()].iter_mut().zip(readings.rows.iter().zip(&readings.values))
+            {
+                *residual = reading - column_values[row] - bias;
+            }
+            let jacobian: &mut [f64] =
+                if slopes { &mut memory.jacobian[range.start * n..range.end * n] } else { &mut [] };
+            if slopes {
+                for (column, &place) in likelihood.columns.iter().chain(fitted).enumerate() {
+                    for (row, value) in column_values.iter_mut().enumerate() {
+                        *value = solution.quantity_tangent[(row * quantities + sensor.quantity) * width + column];
+                    }
+                    lag::apply(&self.inputs.times_s, &mut column_values, lag_s, None);
+                    for (position, &row) in readings.rows.iter().enumerate() {
+                        jacobian[position * n + place] = -column_values[row];
+                    }
+                }
+                if let Some(place) = sensor.lag_s.and_then(|lag| lag.place()) {
+                    for (position, &row) in readings.rows.iter().enumerate() {
+                        jacobian[position * n + place] -= lag_slope[row];
+                    }
+                }
+                if let Some(place) = sensor.bias.and_then(|bias| bias.place()) {
+                    for position in 0..count {
+                        jacobian[position * n + place] -= 1.0;
+                    }
+                }
+            }
+            let mut series = Series {
+                times_s: &readings.times_s,
+                values: &mut memory.residuals[range.clone()],
+                jacobian,
+                log_scales: &mut memory.log_scales[range],
+                scale_gradient: if slopes { &mut memory.scale_gradient } else { &mut [] },
+            };
+            sensor.noise.whiten(unknowns, &mut series)?;
+        }
+        Ok(())
+    }
+
+    fn rejected(&self, error: &TransientError) -> Rejected {
+        let why = match error {
+            TransientError::Steady(_) => "has no steady state to begin with",
+            TransientError::Capacity { .. } => "meets a capacity that is not above 0",
+            TransientError::StepTooShort { .. } | TransientError::TooManySteps { .. } => "cannot be integrated",
+            TransientError::NoHysteresis { .. } => "has a thermostat without a band",
+            TransientError::Request { .. } => "is not well posed",
+            TransientError::NotPeriodic { .. } => "has no periodic state",
+        };
+        Rejected::new(format!("the transient `{}` {why}", self.name))
+    }
+}
+
+fn begin(model: &Model, measurement: &str, initial: &Initial, unknowns: &mut Unknowns) -> Begin {
+    let (values, shared) = match initial {
+        Initial::Steady => return Begin::Steady,
+        Initial::Periodic => return Begin::Periodic,
+        Initial::Temperatures { values, shared } => (values, shared),
+    };
+    let stores = |node: usize| matches!(model.nodes[node].kind, NodeKind::Diffusion { .. });
+    let (mut fitted, mut seeds) = (Vec::new(), Vec::new());
+    let mut common: Option<Value> = None;
+    let mut begin = Vec::with_capacity(values.len());
+    for (node, value) in values.iter().enumerate() {
+        // A node without storage only takes its first guess from here.
+        let Some(prior) = value.prior().filter(|_| stores(node)) else {
+            begin.push(Value::Known(value.nominal()));
+            continue;
+        };
+        let together = shared.contains(&node);
+        let own = match common.filter(|_| together) {
+            Some(known) => known,
+            None => {
+                let name = if together { ALL } else { &model.nodes[node].name };
+                let own = unknowns.push(start_name(measurement, name), *prior, "K");
+                fitted.extend(own.place());
+                seeds.push(vec![0.0; values.len()]);
+                if together {
+                    common = Some(own);
+                }
+                own
+            }
+        };
+        if let Some(seed) = fitted.iter().position(|&place| own.place() == Some(place)) {
+            seeds[seed][node] = 1.0;
+        }
+        begin.push(own);
+    }
+    Begin::Temperatures { values: begin, fitted, seeds }
+}

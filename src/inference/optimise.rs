@@ -1,0 +1,281 @@
+//! Minimum of `|r(x)|^2 / 2 + penalty(x)` within bounds: Levenberg-Marquardt on the residuals with their exact Jacobian
+//! (Marquardt 1963; damping after Madsen, Nielsen & Tingleff 2004; scaling after More 1978), steps cut at the bounds,
+//! followed by Newton steps with a Hessian by differences of the gradient where the penalty bends the objective.
+
+use nalgebra::{DMatrix, DVector};
+
+/// An objective. Evaluations answer `None` where there is no value; such steps are shortened.
+pub trait Objective {
+    /// Number of variables.
+    fn dimension(&self) -> usize;
+
+    /// Number of residuals.
+    fn rows(&self) -> usize;
+
+    /// Writes the residuals and returns the penalty.
+    fn value(&mut self, x: &[f64], residuals: &mut [f64]) -> Option<f64>;
+
+    /// The same, with the Jacobian (`rows x dimension`, row by row) and the penalty's gradient.
+    fn slopes(
+        &mut self,
+        x: &[f64],
+        residuals: &mut [f64],
+        jacobian: &mut [f64],
+        penalty_gradient: &mut [f64],
+    ) -> Option<f64>;
+}
+
+/// Bounds; infinite where there are none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bounds {
+    /// Lower bounds.
+    pub lower: Vec<f64>,
+    /// Upper bounds.
+    pub upper: Vec<f64>,
+}
+
+/// Where a descent ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Minimum {
+    /// The point.
+    pub x: Vec<f64>,
+    /// The objective there.
+    pub value: f64,
+    /// Residuals there.
+    pub residuals: Vec<f64>,
+    /// Jacobian there.
+    pub jacobian: Vec<f64>,
+    /// Gradient of the objective there.
+    pub gradient: Vec<f64>,
+    /// Whether the penalty had a slope on the way, so that the Jacobian alone does not tell the curvature.
+    pub penalised: bool,
+    /// Steps taken.
+    pub iterations: u64,
+    /// Whether the steps became negligible, rather than ran out.
+    pub converged: bool,
+}
+
+struct Linearised {
+    residuals: Vec<f64>,
+    jacobian: Vec<f64>,
+    penalty_gradient: Vec<f64>,
+    gradient: Vec<f64>,
+    value: f64,
+}
+
+fn linearise<O: Objective>(objective: &mut O, x: &[f64]) -> Option<Linearised> {
+    let (n, m) = (objective.dimension(), objective.rows());
+    let mut at = Linearised {
+        residuals: vec![0.0; m],
+        jacobian: vec![0.0; m * n],
+        penalty_gradient: vec![0.0; n],
+        gradient: vec![0.0; n],
+        value: 0.0,
+    };
+    let penalty = objective.slopes(x, &mut at.residuals, &mut at.jacobian, &mut at.penalty_gradient)?;
+    at.gradient.copy_from_slice(&at.penalty_gradient);
+    for (row, r) in at.jacobian.chunks_exact(n).zip(&at.residuals) {
+        for (g, j) in at.gradient.iter_mut().zip(row) {
+            *g += r * j;
+        }
+    }
+    at.value = half_square(&at.residuals) + penalty;
+    (at.value.is_finite() && at.gradient.iter().all(|g| g.is_finite())).then_some(at)
+}
+
+fn half_square(residuals: &[f64]) -> f64 {
+    0.5 * residuals.iter().map(|r| r * r).sum::<f64>()
+}
+
+/// Descends from a start (moved into the bounds). `None` where the start has no value.
+pub fn minimise<O: Objective>(
+    objective: &mut O,
+    start: &[f64],
+    bounds: &Bounds,
+    most_iterations: u64,
+) -> Option<Minimum> {
+    let n = objective.dimension();
+    let mut x: Vec<f64> = (0..n).map(|i| start[i].max(bounds.lower[i]).min(bounds.upper[i])).collect();
+    let mut at = linearise(objective, &x)?;
+    let mut trial_residuals = vec![0.0; objective.rows()];
+    let mut scale = vec![0.0_f64; n];
+    let (mut damping, mut growth) = (1e-3, 2.0);
+    let mut penalised = false;
+    let (mut iterations, mut converged, mut small_gains) = (0, false, 0);
+    while iterations < most_iterations && !converged {
+        iterations += 1;
+        penalised |= at.penalty_gradient.iter().any(|g| *g != 0.0);
+        for (i, s) in scale.iter_mut().enumerate() {
+            let norm = at.jacobian.iter().skip(i).step_by(n).map(|j| j * j).sum::<f64>().sqrt();
+            *s = norm.max(f64::MIN_POSITIVE.sqrt());
+        }
+        let free = free_variables(&x, &at.gradient, bounds);
+        if free.is_empty() {
+            converged = true;
+            break;
+        }
+        let Some((step, predicted)) = damped_step(&at, &free, &scale, damping, &x, bounds) else {
+            damping = damping.max(1e-12) * growth;
+            growth *= 2.0;
+            continue;
+        };
+        let trial: Vec<f64> = x.iter().zip(&step).map(|(x, s)| x + s).collect();
+        let negligible = x.iter().zip(&step).all(|(x, s)| s.abs() <= 1e-14 * x.abs());
+        let value = objective
+            .value(&trial, &mut trial_residuals)
+            .map_or(f64::INFINITY, |penalty| half_square(&trial_residuals) + penalty);
+        let gain = at.value - value;
+        if gain > 0.0 && gain >= 1e-4 * predicted {
+            let Some(next) = linearise(objective, &trial) else {
+                damping *= growth;
+                growth *= 2.0;
+                continue;
+            };
+            // Twice in a row, lest one lucky step near a plateau end the descent.
+            small_gains = if gain <= 1e-14 * at.value.abs() { small_gains + 1 } else { 0 };
+            converged = small_gains >= 2;
+            at = next;
+            x = trial;
+            let ratio = 2.0 * gain / predicted - 1.0;
+            damping = (damping * (1.0 - ratio * ratio * ratio).max(1.0 / 3.0)).max(1e-20);
+            growth = 2.0;
+        } else {
+            // Nothing to gain within rounding, or no room left for a shorter step.
+            converged = negligible || predicted <= 1e-15 * at.value.abs() || damping > 1e30;
+            damping *= growth;
+            growth *= 2.0;
+        }
+    }
+    if penalised {
+        (x, at) = polish(objective, x, at, bounds);
+    }
+    Some(Minimum {
+        x,
+        value: at.value,
+        residuals: at.residuals,
+        jacobian: at.jacobian,
+        gradient: at.gradient,
+        penalised,
+        iterations,
+        converged,
+    })
+}
+
+/// Variables that are not held at a bound by the gradient.
+pub fn free_variables(x: &[f64], gradient: &[f64], bounds: &Bounds) -> Vec<usize> {
+    let held =
+        |i: usize| (x[i] <= bounds.lower[i] && gradient[i] > 0.0) || (x[i] >= bounds.upper[i] && gradient[i] < 0.0);
+    (0..x.len()).filter(|&i| !held(i)).collect()
+}
+
+/// The damped step of the free variables by QR, cut at the bounds, and the decrease that the linear model predicts.
+fn damped_step(
+    at: &Linearised,
+    free: &[usize],
+    scale: &[f64],
+    damping: f64,
+    x: &[f64],
+    bounds: &Bounds,
+) -> Option<(Vec<f64>, f64)> {
+    let (n, m, k) = (x.len(), at.residuals.len(), free.len());
+    // Columns are divided by their scales, so that the factor is as well conditioned as it can be.
+    let mut stacked = DMatrix::zeros(m + k, k);
+    for (column, &i) in free.iter().enumerate() {
+        for row in 0..m {
+            stacked[(row, column)] = at.jacobian[row * n + i] / scale[i];
+        }
+        stacked[(m + column, column)] = damping.sqrt();
+    }
+    let mut side = DVector::zeros(m + k);
+    for (row, r) in at.residuals.iter().enumerate() {
+        side[row] = -r;
+    }
+    let qr = stacked.qr();
+    qr.q_tr_mul(&mut side);
+    let r = qr.r();
+    let mut right = DVector::from_fn(k, |row, _| side[row]);
+    if at.penalty_gradient.iter().any(|g| *g != 0.0) {
+        let pull = DVector::from_fn(k, |row, _| at.penalty_gradient[free[row]] / scale[free[row]]);
+        right -= r.tr_solve_upper_triangular(&pull)?;
+    }
+    let solution = r.solve_upper_triangular(&right)?;
+    let mut step = vec![0.0; n];
+    for (column, &i) in free.iter().enumerate() {
+        let wanted = x[i] + solution[column] / scale[i];
+        step[i] = wanted.max(bounds.lower[i]).min(bounds.upper[i]) - x[i];
+    }
+    let mut model = 0.0;
+    for row in 0..m {
+        let along: f64 = (0..n).map(|i| at.jacobian[row * n + i] * step[i]).sum();
+        model -= along * (at.residuals[row] + 0.5 * along);
+    }
+    model -= at.penalty_gradient.iter().zip(&step).map(|(g, s)| g * s).sum::<f64>();
+    (step.iter().all(|s| s.is_finite()) && model > 0.0).then_some((step, model))
+}
+
+/// Newton steps on the free variables while they lower the objective.
+fn polish<O: Objective>(
+    objective: &mut O,
+    mut x: Vec<f64>,
+    mut at: Linearised,
+    bounds: &Bounds,
+) -> (Vec<f64>, Linearised) {
+    for _ in 0..20 {
+        let free = free_variables(&x, &at.gradient, bounds);
+        let Some(hessian) = hessian(objective, &x, bounds) else { break };
+        let n = x.len();
+        let own = DMatrix::from_fn(free.len(), free.len(), |i, j| hessian[free[i] * n + free[j]]);
+        let Some(factor) = own.cholesky() else { break };
+        let step = factor.solve(&DVector::from_fn(free.len(), |i, _| -at.gradient[free[i]]));
+        let mut improved = false;
+        let mut share = 1.0;
+        for _ in 0..8 {
+            let mut trial = x.clone();
+            for (place, &i) in free.iter().enumerate() {
+                trial[i] = (x[i] + share * step[place]).max(bounds.lower[i]).min(bounds.upper[i]);
+            }
+            if let Some(next) = linearise(objective, &trial)
+                && next.value < at.value
+            {
+                improved = at.value - next.value > 1e-13 * at.value.abs();
+                x = trial;
+                at = next;
+                break;
+            }
+            share *= 0.3;
+        }
+        if !improved {
+            break;
+        }
+    }
+    (x, at)
+}
+
+/// Hessian of the objective by central differences of its gradient, over a thousandth of the spread that the Jacobian
+/// suggests (one-sided at a bound). `None` where the objective has no value near by.
+pub fn hessian<O: Objective>(objective: &mut O, x: &[f64], bounds: &Bounds) -> Option<Vec<f64>> {
+    let n = x.len();
+    let at = linearise(objective, x)?;
+    let mut hessian = vec![0.0; n * n];
+    for j in 0..n {
+        let norm = at.jacobian.iter().skip(j).step_by(n).map(|v| v * v).sum::<f64>().sqrt();
+        let room = bounds.upper[j] - bounds.lower[j];
+        let spread = if norm > 0.0 { 1.0 / norm } else { x[j].abs().max(1e-3) };
+        let step = 1e-3 * if room.is_finite() { spread.min(room) } else { spread };
+        let (mut above, mut below) = (x.to_vec(), x.to_vec());
+        above[j] = (x[j] + step).min(bounds.upper[j]);
+        below[j] = (x[j] - step).max(bounds.lower[j]);
+        let (high, low) = (linearise(objective, &above)?, linearise(objective, &below)?);
+        for i in 0..n {
+            hessian[i * n + j] = (high.gradient[i] - low.gradient[i]) / (above[j] - below[j]);
+        }
+    }
+    for i in 0..n {
+        for j in 0..i {
+            let mean = 0.5 * (hessian[i * n + j] + hessian[j * n + i]);
+            hessian[i * n + j] = mean;
+            hessian[j * n + i] = mean;
+        }
+    }
+    Some(hessian)
+}

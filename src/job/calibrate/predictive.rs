@@ -1,0 +1,198 @@
+//! Predictive checks: what posterior and prior say that the sensors read, beside what they read.
+
+use super::block::Predicted;
+use super::output::{Coverage, PredictiveRow, SensorPredictive};
+use crate::inference::measurement::{Measurement, Rows};
+use crate::inference::unknown::sensor_name;
+use crate::math::special::{normal_cdf, normal_quantile};
+use crate::statistics::quantile::{quantile_sorted, sorted};
+use crate::thermal::Model;
+
+/// Most rows of a sensor that are written out; statistics are of all.
+const MOST_ROWS: usize = 2000;
+/// Bins of the probability integral transform.
+const BINS: usize = 10;
+
+/// Draws of one kind with what they predict.
+pub(super) struct Draws {
+    /// Unknowns, SI, draw by draw.
+    pub values: Vec<Vec<f64>>,
+    /// Readings of all measurements, draw by draw.
+    pub predicted: Predicted,
+}
+
+impl Draws {
+    /// Predictions of one reading that are numbers, each with the noise's standard deviation.
+    fn of(&self, place: usize, sd: &[f64]) -> Vec<(f64, f64)> {
+        let width = self.predicted.readings.len() / self.values.len().max(1);
+        (0..self.values.len())
+            .map(|draw| (self.predicted.readings[draw * width + place], sd[draw]))
+            .filter(|(value, _)| value.is_finite())
+            .collect()
+    }
+
+    /// Standard deviation of a sensor's noise at each draw, SI; 0 where it is not stated.
+    fn noise(&self, measurement: &Measurement, sensor: usize, order: &[String]) -> Vec<f64> {
+        let own = &measurement.sensors[sensor];
+        let value = |draw: &[f64], what: &str, written: &Option<_>| -> f64 {
+            let Some(written): &Option<crate::inference::measurement::Uncertain> = written else { return 0.0 };
+            let name = sensor_name(&measurement.name, &own.name, what);
+            let place = order.iter().position(|known| *known == name);
+            place.and_then(|place| draw.get(place)).copied().unwrap_or_else(|| written.nominal())
+        };
+        self.values
+            .iter()
+            .map(|draw| {
+                let (sigma, white) = (value(draw, "sigma", &own.sigma), value(draw, "white", &own.white));
+                (sigma * sigma + white * white).sqrt()
+            })
+            .collect()
+    }
+}
+
+/// A 95 % band of predictions, with one stratified draw of noise each.
+fn noisy_band(predicted: &[(f64, f64)]) -> [f64; 2] {
+    let count = predicted.len();
+    let step = coprime(count);
+    let values: Vec<f64> = predicted
+        .iter()
+        .enumerate()
+        .map(|(draw, (value, sd))| {
+            let share = ((draw * step % count) as f64 + 0.5) / count as f64;
+            value + sd * normal_quantile(share)
+        })
+        .collect();
+    band(&values)
+}
+
+fn band(values: &[f64]) -> [f64; 2] {
+    let values = sorted(values);
+    [quantile_sorted(&values, 0.025), quantile_sorted(&values, 0.975)]
+}
+
+/// A step near the golden section through `count` places that meets all of them.
+fn coprime(count: usize) -> usize {
+    fn divisor(a: usize, b: usize) -> usize {
+        if b == 0 { a } else { divisor(b, a % b) }
+    }
+    let first = (count as f64 * 0.618_033_988_749_894_9) as usize;
+    (first.max(1)..=count.max(1)).find(|&step| divisor(step, count) == 1).unwrap_or(1)
+}
+
+/// The checks of all sensors.
+pub(super) fn checks(
+    measurements: &[&Measurement],
+    model: &Model,
+    order: &[String],
+    posterior: &Draws,
+    prior: &Draws,
+) -> Vec<SensorPredictive> {
+    let mut checks = Vec::new();
+    let mut first = 0;
+    for measurement in measurements {
+        let width = measurement.sensors.len();
+        for (sensor, own) in measurement.sensors.iter().enumerate() {
+            let noise = posterior.noise(measurement, sensor, order);
+            let prior_noise = prior.noise(measurement, sensor, order);
+            let mut check = SensorPredictive {
+                measurement: measurement.name.clone(),
+                sensor: own.name.clone(),
+                unit: model.quantities[own.quantity].unit.clone(),
+                rows: Vec::new(),
+                train: Coverage::default(),
+                held_out: Coverage::default(),
+                pit: vec![0; BINS],
+            };
+            let used: Vec<usize> = (0..measurement.len()).filter(|&row| !measurement.ignored(row)).collect();
+            let every = used.len().div_ceil(MOST_ROWS).max(1);
+            for (position, &row) in used.iter().enumerate() {
+                let place = first + row * width + sensor;
+                let predicted = posterior.of(place, &noise);
+                if predicted.is_empty() {
+                    continue;
+                }
+                let before = prior.of(place, &prior_noise);
+                let row = self::row(measurement, row, sensor, &predicted, &before);
+                count(&mut check, &row, &predicted);
+                if position % every == 0 {
+                    check.rows.push(row);
+                }
+            }
+            checks.push(check);
+        }
+        first += measurement.len() * width;
+    }
+    checks
+}
+
+fn row(
+    measurement: &Measurement,
+    row: usize,
+    sensor: usize,
+    predicted: &[(f64, f64)],
+    before: &[(f64, f64)],
+) -> PredictiveRow {
+    let (phase, time_s) = match &measurement.rows {
+        Rows::Steady(phases) => (Some(phases[row].name.clone()), None),
+        Rows::Transient { inputs, .. } => (None, Some(inputs.times_s[row])),
+    };
+    let values: Vec<f64> = predicted.iter().map(|pair| pair.0).collect();
+    PredictiveRow {
+        phase,
+        time_s,
+        measured: measurement.reading(row, sensor),
+        mean: values.iter().sum::<f64>() / values.len() as f64,
+        band: band(&values),
+        band_with_noise: noisy_band(predicted),
+        prior_band: (!before.is_empty()).then(|| noisy_band(before)),
+        held_out: measurement.held_out(row),
+    }
+}
+
+/// Counts a reading in the statistics.
+fn count(check: &mut SensorPredictive, row: &PredictiveRow, predicted: &[(f64, f64)]) {
+    let Some(measured) = row.measured else { return };
+    let within = |[lower, upper]: [f64; 2]| u64::from((lower..=upper).contains(&measured));
+    let coverage = if row.held_out { &mut check.held_out } else { &mut check.train };
+    coverage.count += 1;
+    coverage.inside += within(row.band_with_noise);
+    coverage.inside_prior += row.prior_band.map_or(0, within);
+    if !row.held_out {
+        let below: f64 =
+            predicted
+                .iter()
+                .map(|(value, sd)| {
+                    if *sd > 0.0 { normal_cdf((measured - value) / sd) } else { f64::from(u8::from(*value < measured)) }
+                })
+                .sum();
+        let share = below / predicted.len() as f64;
+        check.pit[((share * BINS as f64) as usize).min(BINS - 1)] += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_band_with_noise_is_that_of_the_sum() {
+        // Predictions of one value with noise 2: 95 % of a normal, to the resolution of 1000 strata.
+        let [lower, upper] = noisy_band(&vec![(10.0, 2.0); 1000]);
+        assert!((lower - (10.0 - 3.92)).abs() < 0.05 && (upper - 13.92).abs() < 0.05, "{lower} {upper}");
+        // Predictions and noise together: variances add.
+        let spread: Vec<(f64, f64)> =
+            (0..1000).map(|i| (3.0 * normal_quantile((f64::from(i) + 0.5) / 1000.0), 4.0)).collect();
+        let [lower, upper] = noisy_band(&spread);
+        assert!((lower + 9.8).abs() < 0.5 && (upper - 9.8).abs() < 0.5, "{lower} {upper}");
+    }
+
+    #[test]
+    fn steps_meet_all_places() {
+        for count in 1..200 {
+            let step = coprime(count);
+            let mut seen = vec![false; count];
+            (0..count).for_each(|i| seen[i * step % count] = true);
+            assert!(seen.iter().all(|s| *s), "{count}");
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! What stands against a calibration, in words.
+
+use crate::inference::convergence::{Convergence, LeaningOnBound, Objection};
+use crate::inference::identifiability::{Combination, Finding};
+use crate::inference::point_estimate::End;
+
+fn end(end: End) -> &'static str {
+    match end {
+        End::Lower => "lower",
+        End::Upper => "upper",
+    }
+}
+
+/// Objections against the chains.
+pub(super) fn objections(convergence: &Convergence, names: &[String]) -> Vec<String> {
+    let number = |value: Option<f64>, digits: usize| {
+        value.map_or_else(|| "undefined (the draws do not vary)".to_owned(), |value| format!("{value:.digits$}"))
+    };
+    convergence
+        .objections
+        .iter()
+        .map(|objection| match objection {
+            Objection::RHat { parameter, value } => format!(
+                "R-hat of {} is {}: the chains do not agree (wanted: below 1.01)",
+                names[*parameter],
+                number(*value, 3)
+            ),
+            Objection::EssBulk { parameter, value } => format!(
+                "the effective sample size of {} is {} (wanted: 400 or more)",
+                names[*parameter],
+                number(*value, 0)
+            ),
+            Objection::EssTail { parameter, value } => format!(
+                "the effective sample size in the tails of {} is {} (wanted: 400 or more)",
+                names[*parameter],
+                number(*value, 0)
+            ),
+            Objection::Divergences { count } => format!("{count} trajectories diverged"),
+            Objection::DepthLimited { count } => format!("{count} trajectories were cut short"),
+        })
+        .collect()
+}
+
+/// Findings about parameters: from the fit, then from the draws.
+pub(super) fn findings(found: &[Finding], leaning: &[LeaningOnBound], names: &[String]) -> Vec<String> {
+    let mut words: Vec<String> = found
+        .iter()
+        .map(|finding| match finding {
+            Finding::AtBound { parameter, end: which, .. } => format!(
+                "The best fit holds {} at the {} bound of its prior: the data pull beyond it. Relax the bound with a \
+                 physical reason, or look for physics that is missing.",
+                names[*parameter],
+                end(*which)
+            ),
+            Finding::FlatDirection { information, shares } => {
+                let list: Vec<&str> = shares.iter().map(|share| names[share.parameter].as_str()).collect();
+                let share = (100.0 * information).round();
+                match list.as_slice() {
+                    [one] => format!(
+                        "The data say almost nothing about {one} ({share} % of what the prior says): its posterior is \
+                         its prior."
+                    ),
+                    _ => format!(
+                        "The data say almost nothing about one combination of {} ({share} % of what the prior says): \
+                         only other combinations of them are determined.",
+                        list.join(", ")
+                    ),
+                }
+            }
+            Finding::OnlyTogether { first, second, combination } => {
+                let (a, b) = (&names[*first], &names[*second]);
+                let together = match combination {
+                    Combination::Product => format!("{a} \u{d7} {b}"),
+                    Combination::Quotient => format!("{a} / {b}"),
+                    Combination::Sum => format!("{a} + {b}"),
+                    Combination::Difference => format!("{a} \u{2212} {b}"),
+                };
+                format!("{a} and {b} act on these data only as {together}: fix one of them, or measure it apart.")
+            }
+        })
+        .collect();
+    for lean in leaning {
+        let which = if lean.upper { "upper" } else { "lower" };
+        words.push(format!(
+            "{:.0} % of the draws of {} lie within 1 % of the {which} bound of its prior.",
+            100.0 * lean.share,
+            names[lean.parameter]
+        ));
+    }
+    words
+}

@@ -1,0 +1,165 @@
+//! The tuned state beside the delivered one, and what the noise alone would leave.
+
+use serde::Deserialize;
+use serde_json::Value;
+
+use super::deviation::deviation;
+use super::output::{Criteria, Deviation, Row, SensorSummary, TunedSensor, TunedState};
+use crate::inference::measurement::{Measurement, Rows, Sensor, Uncertain};
+use crate::inference::prediction::Predictor;
+use crate::inference::unknown::settled;
+use crate::job::JobError;
+use crate::math::functions::exp;
+use crate::math::special::chi_square_quantile;
+use crate::thermal::Model;
+
+/// Correlation times beyond which readings count as independent: the correlation is e^-12 there.
+const FAR: f64 = 12.0;
+
+/// The most probable state of a calibration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tuned {
+    job: String,
+    values: Vec<(String, f64)>,
+}
+
+/// The part of a calibration's result that is used.
+#[derive(Deserialize)]
+struct Calibrated {
+    tuned: Vec<(String, f64)>,
+}
+
+impl Tuned {
+    /// From the result of the calibration of this name.
+    ///
+    /// # Errors
+    /// A result that holds no tuned state.
+    pub fn from_result(job: &str, result: &Value) -> Result<Self, JobError> {
+        let found = Calibrated::deserialize(result)
+            .map_err(|error| JobError::Failed(format!("the result of `{job}` has no tuned state: {error}")))?;
+        Ok(Self { job: job.to_owned(), values: found.tuned })
+    }
+
+    fn find(&self, name: &str) -> Option<f64> {
+        self.values.iter().find(|(known, _)| known == name).map(|(_, value)| *value)
+    }
+
+    /// All parameters of the model, SI: tuned, or as delivered where the calibration did not choose them.
+    fn parameters(&self, model: &Model, delivered: &[f64]) -> Vec<f64> {
+        let own = model.parameters.iter().zip(delivered);
+        own.map(|(parameter, delivered)| self.find(&parameter.name).unwrap_or(*delivered)).collect()
+    }
+
+    /// Adds the tuned predictions to the rows of a measurement, and their statistics to its sensors.
+    pub(super) fn add(
+        &self,
+        predictor: &Predictor,
+        model: &Model,
+        delivered: &[f64],
+        measurement: &Measurement,
+        criteria: &Criteria,
+        rows: &mut [Row],
+        sensors: &mut [SensorSummary],
+    ) {
+        let inputs: Vec<String> = model.inputs.iter().map(|input| input.name.clone()).collect();
+        let nodes: Vec<String> = model.nodes.iter().map(|node| node.name.clone()).collect();
+        let settled = settled(measurement, &inputs, &nodes, &|name| self.find(name));
+        let parameters = self.parameters(model, delivered);
+        let prediction = predictor.predict(&mut predictor.workspace(), &settled, &parameters);
+        let place = |row: &Row| -> Option<usize> {
+            let sensor = measurement.sensors.iter().position(|sensor| sensor.name == row.sensor)?;
+            let position = match &measurement.rows {
+                Rows::Steady(phases) => phases.iter().position(|phase| Some(&phase.name) == row.phase.as_ref())?,
+                Rows::Transient { inputs, .. } => {
+                    let time_s = row.time_s?;
+                    inputs.times_s.partition_point(|known| *known < time_s)
+                }
+            };
+            Some(position * measurement.sensors.len() + sensor)
+        };
+        for row in rows.iter_mut() {
+            let found = place(row).and_then(|place| prediction.readings.get(place)).copied();
+            row.predicted_tuned = found.filter(|value| value.is_finite());
+        }
+        for (summary, sensor) in sensors.iter_mut().zip(&settled.sensors) {
+            let of = |held_out: bool| {
+                statistics(rows.iter().filter(|row| row.sensor == summary.sensor), held_out, criteria.each_k)
+            };
+            summary.tuned = Some(TunedSensor {
+                train: of(false),
+                held_out: of(true),
+                sigma: known(&sensor.sigma),
+                noise_rmse: noise_rmse(&settled, sensor, rows),
+            });
+        }
+    }
+
+    /// The tuned state as a whole.
+    pub(super) fn state(&self, model: &Model, delivered: &[f64], rows: &[Row], limit: Option<f64>) -> TunedState {
+        let parameters = self.parameters(model, delivered);
+        TunedState {
+            job: self.job.clone(),
+            parameters: (model.parameters.iter().zip(parameters))
+                .map(|(own, value)| (own.name.clone(), own.unit.clone(), value))
+                .collect(),
+            train: statistics(rows.iter(), false, limit),
+            held_out: statistics(rows.iter(), true, limit),
+        }
+    }
+}
+
+fn statistics<'r>(rows: impl Iterator<Item = &'r Row>, held_out: bool, limit: Option<f64>) -> Deviation {
+    let own = rows.filter(|row| row.held_out == held_out);
+    let deviations: Vec<f64> = own.filter_map(|row| Some(row.measured - row.predicted_tuned?)).collect();
+    deviation(&deviations, limit)
+}
+
+fn known(value: &Option<Uncertain>) -> Option<f64> {
+    match value {
+        Some(Uncertain::Known(value)) => Some(*value),
+        _ => None,
+    }
+}
+
+/// The range in which the RMSE over a sensor's rows lies with 95 % probability when only its noise is at work: the mean
+/// square is taken as a scaled chi-square whose degrees of freedom match its variance, `n^2 / sum rho_ij^2`
+/// (Satterthwaite 1946).
+fn noise_rmse(measurement: &Measurement, sensor: &Sensor, rows: &[Row]) -> Option<[f64; 2]> {
+    let sigma = known(&sensor.sigma)?;
+    let white = known(&sensor.white).unwrap_or(0.0);
+    let total = sigma * sigma + white * white;
+    let own: Vec<&Row> = rows.iter().filter(|row| row.sensor == sensor.name).collect();
+    let count = own.len() as f64;
+    let mut squares = count;
+    if let (Rows::Transient { .. }, Some(correlation)) = (&measurement.rows, &sensor.correlation_time_s) {
+        let tau_s = correlation.nominal();
+        let times: Vec<f64> = own.iter().filter_map(|row| row.time_s).collect();
+        let share = sigma * sigma / total;
+        for first in 0..times.len() {
+            for second in first + 1..times.len() {
+                let apart = (times[second] - times[first]) / tau_s;
+                if !(apart < FAR) {
+                    break;
+                }
+                let correlation = share * exp(-apart);
+                squares += 2.0 * correlation * correlation;
+            }
+        }
+    }
+    let freedom = count * count / squares;
+    (count > 0.0 && total > 0.0)
+        .then(|| [0.025, 0.975].map(|share| (total * chi_square_quantile(share, freedom) / freedom).sqrt()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_result_without_a_tuned_state_is_refused() {
+        let good = serde_json::json!({"tuned": [["G", 0.5], ["m.s.sigma", 0.1]], "converged": true});
+        assert_eq!(Tuned::from_result("fit", &good).unwrap().find("G"), Some(0.5));
+        let error = Tuned::from_result("fit", &serde_json::json!({})).unwrap_err().to_string();
+        assert!(error.starts_with("the result of `fit` has no tuned state"), "{error}");
+    }
+}

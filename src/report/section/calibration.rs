@@ -1,0 +1,233 @@
+//! Calibration: whether it can be believed, what the parameters became, what the fit leaves.
+
+mod figures;
+
+use crate::job::calibrate::{Output, ParameterSummary};
+use crate::job::compare;
+use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, typeset};
+use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
+use crate::report::view::PassReport;
+
+use super::problem::prior_words;
+
+/// The section on calibrations; not without one.
+pub fn build(report: &PassReport<'_>) -> Option<Section> {
+    let mut blocks = Vec::new();
+    let jobs = report.calibrations().count();
+    for (name, output) in report.calibrations() {
+        if jobs > 1 {
+            blocks.push(Block::Heading(format!("Job {name}")));
+        }
+        blocks.extend(verdict(output));
+        blocks.push(parameters(output));
+        blocks.extend(report.comparisons().filter_map(|(_, comparison)| achieved(name, comparison)));
+        blocks.push(coverage(output));
+        blocks.extend(figures::figures(name, output));
+        blocks.push(Block::paragraph(method(output)));
+    }
+    (!blocks.is_empty()).then(|| Section { id: "calibration", title: "Calibration".into(), blocks })
+}
+
+fn verdict(output: &Output) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    if output.converged {
+        let text = format!(
+            "The sampler converged: {} chains of {} draws agree, and every parameter has 400 effective draws or more.",
+            output.chains[0], output.chains[1]
+        );
+        blocks.push(Block::callout(Tone::Verdict, text));
+    } else {
+        let text = "The sampler did not converge. The numbers of this section are not to be relied upon.";
+        blocks.push(Block::callout(Tone::Warning, text));
+        blocks.push(Block::List(output.objections.iter().map(|o| Text::new(o.clone())).collect()));
+    }
+    if let Some(p) = output.p_value.filter(|p| *p < 0.005) {
+        let text = format!(
+            "The tuned model does not explain the data: noise alone would leave so large a misfit with probability {}. \
+             The posterior is too narrow for a model that lacks something.",
+            significant(p, 2)
+        );
+        blocks.push(Block::callout(Tone::Warning, text));
+    }
+    let words: Vec<Text> = output.findings.iter().chain(&output.warnings).map(|word| Text::new(word.clone())).collect();
+    if !words.is_empty() {
+        blocks.push(Block::paragraph("What to know about the parameters:"));
+        blocks.push(Block::List(words));
+    }
+    blocks
+}
+
+/// A number to the digits that its spread leaves sense in.
+fn to(value: f64, spread: f64) -> String {
+    let digits = if spread > 0.0 && spread.is_finite() && value.is_finite() && value != 0.0 {
+        let ratio = crate::math::functions::ln(value.abs() / spread) / core::f64::consts::LN_10;
+        (ratio.max(0.0) + 2.5) as usize
+    } else {
+        4
+    };
+    significant(value, digits.clamp(2, 9))
+}
+
+fn parameters(output: &Output) -> Block {
+    let row = |name: &String, own: &ParameterSummary| {
+        let bound = if own.at_bound > 0.05 { Some(Status::Caution) } else { None };
+        let rhat = own.rhat.map_or_else(|| NONE.to_owned(), |value| fixed(value, 3));
+        let ess = match (own.ess_bulk, own.ess_tail) {
+            (Some(bulk), Some(tail)) => fixed(bulk.min(tail), 0),
+            _ => NONE.to_owned(),
+        };
+        let fails = own.rhat.is_none_or(|value| value >= 1.01);
+        let few = own.ess_bulk.is_none_or(|ess| ess < 400.0) || own.ess_tail.is_none_or(|ess| ess < 400.0);
+        vec![
+            Cell::code(name),
+            prior_words(&own.prior, &Shown::written(&own.unit)).into(),
+            to(own.mean, own.sd).into(),
+            significant(own.sd, 2).into(),
+            format!("{} to {}", to(own.q025, own.sd), to(own.q975, own.sd)).into(),
+            to(own.map, own.sd).into(),
+            typeset(&own.unit).into(),
+            Cell { text: percent(own.at_bound, 0).into(), status: bound },
+            Cell { text: rhat.into(), status: fails.then_some(Status::Fail) },
+            Cell { text: ess.into(), status: few.then_some(Status::Fail) },
+        ]
+    };
+    Block::Table(Table {
+        caption: "Parameters, and what was inferred of the data: prior and posterior. The tuned state is the most \
+                  probable point. Amber: more than 5 % of the draws lie next to a bound."
+            .into(),
+        columns: vec![
+            Column::text("Unknown"),
+            Column::text("Prior"),
+            Column::number("Mean", ""),
+            Column::number("Standard deviation", ""),
+            Column::number("95 % interval", ""),
+            Column::number("Most probable", ""),
+            Column::text("Unit"),
+            Column::number("At a bound", ""),
+            Column::number("R-hat", ""),
+            Column::number("Least effective draws", ""),
+        ],
+        rows: output.order.iter().filter_map(|name| Some(row(name, output.parameters.get(name)?))).collect(),
+    })
+}
+
+/// Delivered, tuned, and what the noise allows, by sensor; for comparisons with this calibration.
+fn achieved(job: &str, comparison: &compare::Output) -> Option<Block> {
+    comparison.tuned.as_ref().filter(|tuned| tuned.job == job)?;
+    let mut rows = Vec::new();
+    for sensor in &comparison.sensors {
+        let Some(tuned) = &sensor.tuned else { continue };
+        let digits = if sensor.unit == "K" { 2 } else { 4 };
+        let noise = tuned
+            .noise_rmse
+            .map_or_else(|| NONE.to_owned(), |[a, b]| format!("{} to {}", fixed(a, digits), fixed(b, digits)));
+        for (name, before, after) in
+            [("for fits", &sensor.train, &tuned.train), ("held out", &sensor.held_out, &tuned.held_out)]
+        {
+            if before.count > 0 {
+                let status = tuned.noise_rmse.map(|[_, high]| Status::kept(after.rmse <= high));
+                rows.push(vec![
+                    Cell::code(&sensor.measurement),
+                    Cell::code(&sensor.sensor),
+                    name.into(),
+                    fixed(before.rmse, digits).into(),
+                    Cell { text: fixed(after.rmse, digits).into(), status },
+                    noise.clone().into(),
+                    typeset(&sensor.unit).into(),
+                ]);
+            }
+        }
+    }
+    Some(Block::Table(Table {
+        caption:
+            "What tuning achieved: RMSE as delivered, after tuning, and the 95 % range that the noise of the tuned \
+                  state alone would give over all readings (its correlation in time allowed for). Where the noise is \
+                  inferred, it has taken up whatever the model lacks."
+                .into(),
+        columns: vec![
+            Column::text("Measurement"),
+            Column::text("Sensor"),
+            Column::text("Readings"),
+            Column::number("Delivered", ""),
+            Column::number("Tuned", ""),
+            Column::number("Noise alone", ""),
+            Column::text("Unit"),
+        ],
+        rows,
+    }))
+}
+
+fn coverage(output: &Output) -> Block {
+    let share = |inside: u64, count: u64| {
+        if count == 0 { NONE.to_owned() } else { percent(inside as f64 / count as f64, 0) }
+    };
+    let rows = output
+        .predictive
+        .iter()
+        .map(|check| {
+            let (train, held_out) = (check.train, check.held_out);
+            let all = train.count + held_out.count;
+            let bins: Vec<String> = check.pit.iter().map(u64::to_string).collect();
+            vec![
+                Cell::code(&check.measurement),
+                Cell::code(&check.sensor),
+                train.count.to_string().into(),
+                share(train.inside, train.count).into(),
+                held_out.count.to_string().into(),
+                share(held_out.inside, held_out.count).into(),
+                share(train.inside_prior + held_out.inside_prior, all).into(),
+                bins.join(" ").into(),
+            ]
+        })
+        .collect();
+    Block::Table(Table {
+        caption: "Predictive checks: share of readings inside the 95 % band of model and noise, after and before the \
+                  calibration, and how the readings for the fit fall on the tenths of their predicted distribution (even \
+                  is good)."
+            .into(),
+        columns: vec![
+            Column::text("Measurement"),
+            Column::text("Sensor"),
+            Column::number("For fits", ""),
+            Column::number("Inside", ""),
+            Column::number("Held out", ""),
+            Column::number("Inside", ""),
+            Column::number("Inside, prior", ""),
+            Column::text("Tenths"),
+        ],
+        rows,
+    })
+}
+
+fn method(output: &Output) -> String {
+    let best = &output.most_probable;
+    let mut text = format!(
+        "Sampler {}, {} of {} starts of the fit ended at the most probable point. ",
+        output.sampler, best.starts[1], best.starts[0]
+    );
+    if let Some(value) = output.log_evidence.value {
+        let error = output.log_evidence.sd.map_or(String::new(), |sd| format!(" \u{00B1} {}", significant(sd, 2)));
+        text.push_str(&format!("Log evidence {}{error} ({}). ", fixed(value, 2), output.log_evidence.method));
+    }
+    if let Some(p) = output.p_value {
+        text.push_str(&format!("Posterior predictive p-value {}. ", significant(p, 2)));
+    }
+    if let Some(left_out) = &output.leave_one_out {
+        text.push_str(&format!(
+            "Leave-one-out log density {} \u{00B1} {}",
+            fixed(left_out.expected_log_density, 1),
+            fixed(left_out.standard_error, 1)
+        ));
+        if left_out.unreliable > 0 {
+            text.push_str(&format!(" ({} readings unreliable)", left_out.unreliable));
+        }
+        text.push_str(". ");
+    }
+    text.push_str(&format!(
+        "{} likelihoods, {} gradients, {} of them failed.",
+        as_given(output.spent.likelihoods as f64),
+        as_given(output.spent.gradients as f64),
+        output.spent.rejected
+    ));
+    text
+}

@@ -1,0 +1,200 @@
+//! Convergence of chains: rank-normalised split R-hat, effective sample sizes, and Monte Carlo standard errors
+//! (Vehtari, Gelman, Simpson, Carpenter & Buerkner 2021; autocorrelations summed as Geyer 1992).
+//!
+//! All functions take equally long chains of one quantity. They answer `None` where there is nothing to judge: chains of
+//! fewer than four draws, of different lengths, or with a number that is not finite.
+
+use super::quantile::{quantile_sorted, sorted};
+use crate::math::functions::ln;
+use crate::math::special::{beta_quantile, normal_quantile};
+
+/// The larger of the rank-normalised split R-hats of the draws and of their distances from the median; `None` also for
+/// draws that never change.
+pub fn r_hat<C: AsRef<[f64]>>(chains: &[C]) -> Option<f64> {
+    let split = split(chains)?;
+    let bulk = plain_r_hat(&rank_normalise(&split));
+    let median = quantile_sorted(&sorted_draws(&split), 0.5);
+    let folded = map(&split, |x| (x - median).abs());
+    let tail = plain_r_hat(&rank_normalise(&folded));
+    let worse = if tail > bulk { tail } else { bulk };
+    worse.is_finite().then_some(worse)
+}
+
+/// Effective sample size of the rank-normalised draws: how well the bulk is known.
+pub fn ess_bulk<C: AsRef<[f64]>>(chains: &[C]) -> Option<f64> {
+    Some(effective(&rank_normalise(&split(chains)?)))
+}
+
+/// The smaller effective sample size of the 5 % and 95 % quantiles.
+pub fn ess_tail<C: AsRef<[f64]>>(chains: &[C]) -> Option<f64> {
+    let (low, high) = (ess_quantile(chains, 0.05)?, ess_quantile(chains, 0.95)?);
+    Some(if high < low { high } else { low })
+}
+
+/// Effective sample size for the mean.
+pub fn ess_mean<C: AsRef<[f64]>>(chains: &[C]) -> Option<f64> {
+    Some(effective(&split(chains)?))
+}
+
+/// Effective sample size for a quantile (`probability` within 0 to 1).
+pub fn ess_quantile<C: AsRef<[f64]>>(chains: &[C], probability: f64) -> Option<f64> {
+    let halves = split(chains)?;
+    let limit = quantile_sorted(&sorted_draws(chains), probability);
+    Some(effective(&map(&halves, |x| if x <= limit { 1.0 } else { 0.0 })))
+}
+
+/// Monte Carlo standard error of the mean.
+pub fn mcse_mean<C: AsRef<[f64]>>(chains: &[C]) -> Option<f64> {
+    let ess = ess_mean(chains)?;
+    let (_, variance) = mean_and_variance(chains.iter().flat_map(|chain| chain.as_ref().iter().copied()));
+    Some((variance / ess).sqrt())
+}
+
+/// Monte Carlo standard error of the standard deviation.
+pub fn mcse_sd<C: AsRef<[f64]>>(chains: &[C]) -> Option<f64> {
+    split(chains)?;
+    let count = chains.iter().map(|chain| chain.as_ref().len()).sum::<usize>() as f64;
+    let mean = chains.iter().flat_map(|chain| chain.as_ref()).sum::<f64>() / count;
+    let squares = map(chains, |x| (x - mean) * (x - mean));
+    let ess = ess_mean(&squares)?;
+    let variance = squares.iter().flatten().sum::<f64>() / count;
+    let fourth = squares.iter().flatten().map(|s| s * s).sum::<f64>() / count;
+    Some(((fourth - variance * variance) / ess / variance / 4.0).sqrt())
+}
+
+/// Monte Carlo standard error of a quantile (`probability` within 0 to 1): half the spread between the order statistics
+/// at the one-sigma limits of the beta distribution with the quantile's effective sample size.
+pub fn mcse_quantile<C: AsRef<[f64]>>(chains: &[C], probability: f64) -> Option<f64> {
+    let ess = ess_quantile(chains, probability)?;
+    let draws = sorted_draws(chains);
+    let size = draws.len() as f64;
+    let (a, b) = (ess * probability + 1.0, ess * (1.0 - probability) + 1.0);
+    let low = (beta_quantile(0.158_655_3, a, b) * size - 1.0).max(0.0).floor();
+    let high = (beta_quantile(0.841_344_7, a, b) * size - 1.0).min(size - 1.0).ceil();
+    Some(0.5 * (draws[high as usize] - draws[low as usize]))
+}
+
+/// The first and the last half of each chain; the middle draw of an odd number belongs to neither.
+fn split<C: AsRef<[f64]>>(chains: &[C]) -> Option<Vec<Vec<f64>>> {
+    let length = chains.first()?.as_ref().len();
+    let sound = |chain: &C| chain.as_ref().len() == length && chain.as_ref().iter().all(|x| x.is_finite());
+    if length < 4 || !chains.iter().all(sound) {
+        return None;
+    }
+    let half = length / 2;
+    let first = chains.iter().map(|chain| chain.as_ref()[..half].to_vec());
+    let last = chains.iter().map(|chain| chain.as_ref()[length - half..].to_vec());
+    Some(first.chain(last).collect())
+}
+
+fn map<C: AsRef<[f64]>>(chains: &[C], f: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
+    chains.iter().map(|chain| chain.as_ref().iter().map(|&x| f(x)).collect()).collect()
+}
+
+fn sorted_draws<C: AsRef<[f64]>>(chains: &[C]) -> Vec<f64> {
+    let all: Vec<f64> = chains.iter().flat_map(|chain| chain.as_ref().iter().copied()).collect();
+    sorted(&all)
+}
+
+/// Mean and variance (divisor count - 1), in two passes.
+fn mean_and_variance(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let (mut count, mut sum) = (0.0, 0.0);
+    for value in values.clone() {
+        count += 1.0;
+        sum += value;
+    }
+    let mean = sum / count;
+    let squares: f64 = values.map(|x| (x - mean) * (x - mean)).sum();
+    (mean, squares / (count - 1.0))
+}
+
+/// Normal quantiles of the ranks among all chains, equal draws sharing their mean rank (Blom's 3/8).
+fn rank_normalise(chains: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let length = chains[0].len();
+    let all: Vec<f64> = chains.iter().flatten().copied().collect();
+    let mut order: Vec<usize> = (0..all.len()).collect();
+    order.sort_by(|&a, &b| all[a].total_cmp(&all[b]));
+    let mut scores = vec![0.0; all.len()];
+    let mut first = 0;
+    while first < order.len() {
+        let mut last = first;
+        while last + 1 < order.len() && all[order[last + 1]] == all[order[first]] {
+            last += 1;
+        }
+        let rank = 0.5 * (first + last) as f64 + 1.0;
+        let score = normal_quantile((rank - 0.375) / (all.len() as f64 + 0.25));
+        for &place in &order[first..=last] {
+            scores[place] = score;
+        }
+        first = last + 1;
+    }
+    scores.chunks_exact(length).map(<[f64]>::to_vec).collect()
+}
+
+fn plain_r_hat(chains: &[Vec<f64>]) -> f64 {
+    let draws = chains[0].len() as f64;
+    let moments: Vec<(f64, f64)> = chains.iter().map(|chain| mean_and_variance(chain.iter().copied())).collect();
+    let within = moments.iter().map(|m| m.1).sum::<f64>() / moments.len() as f64;
+    let (_, between) = mean_and_variance(moments.iter().map(|m| m.0));
+    ((draws * between / within + draws - 1.0) / draws).sqrt()
+}
+
+/// Effective sample size of chains as they are.
+///
+/// Autocorrelations are summed in pairs while the pairs stay positive, each pair at most as large as the one before.
+/// They are computed lag by lag as far as they are needed.
+fn effective(chains: &[Vec<f64>]) -> f64 {
+    let draws = chains[0].len();
+    let count = (chains.len() * draws) as f64;
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    for &x in chains.iter().flatten() {
+        least = least.min(x);
+        most = most.max(x);
+    }
+    if most - least < 1e-15 {
+        return count;
+    }
+    let centred: Vec<Vec<f64>> = chains
+        .iter()
+        .map(|chain| {
+            let mean = chain.iter().sum::<f64>() / draws as f64;
+            chain.iter().map(|x| x - mean).collect()
+        })
+        .collect();
+    // Mean over the chains of the autocovariance at a lag (divisor: number of draws).
+    let autocovariance = |lag: usize| {
+        let sums = centred.iter().map(|chain| {
+            let products: f64 = chain.iter().zip(&chain[lag..]).map(|(a, b)| a * b).sum();
+            products / draws as f64
+        });
+        sums.sum::<f64>() / centred.len() as f64
+    };
+    let within = autocovariance(0) * draws as f64 / (draws as f64 - 1.0);
+    let mut variance = within * (draws as f64 - 1.0) / draws as f64;
+    if chains.len() > 1 {
+        let means = chains.iter().map(|chain| chain.iter().sum::<f64>() / draws as f64);
+        variance += mean_and_variance(means).1;
+    }
+    let correlation = |lag: usize| 1.0 - (within - autocovariance(lag)) / variance;
+
+    // Sums of the correlations at an even lag and the odd one after it.
+    let (mut even, mut odd) = (1.0, correlation(1));
+    let mut pairs = vec![even + odd];
+    let mut lag = 1;
+    while lag + 3 < draws && even + odd > 0.0 {
+        even = correlation(lag + 1);
+        odd = correlation(lag + 2);
+        pairs.push(even + odd);
+        lag += 2;
+    }
+    let mut sum = 0.0;
+    let mut bound = f64::INFINITY;
+    for &pair in &pairs[..pairs.len() - 1] {
+        bound = pair.min(bound);
+        sum += bound;
+    }
+    // The pair that ended the sum gives its even correlation once, if positive: that lowers the estimate's variance.
+    let extra = if even > 0.0 || even + odd >= 0.0 { even } else { 0.0 };
+    let time = (2.0 * sum - 1.0 + extra).max(core::f64::consts::LN_10 / ln(count));
+    count / time
+}

@@ -1,0 +1,124 @@
+//! Calibrations: settings with their defaults, names looked up; and which comparisons show their result.
+
+use crate::document::{Diagnostic, Map, MapEntry, Spanned, code};
+use crate::job::calibrate::{Sampler, Spec};
+use crate::study::pass::job::{CalibrateForm, JobForm, SamplerForm};
+use crate::study::resolved::{JobSpec, NamedJob};
+
+use super::jobs::{Offered, measurement, push_new};
+use super::scope::Scope;
+
+/// Chains where a job says nothing.
+const CHAINS: u64 = 4;
+/// Most chains.
+const MOST_CHAINS: u64 = 64;
+/// Most steps or draws of a chain.
+const MOST_DRAWS: u64 = 1_000_000;
+
+/// Resolves the settings of a calibration.
+pub(super) fn calibrate(
+    scope: &mut Scope,
+    entry: &MapEntry<JobForm>,
+    form: &CalibrateForm,
+    offered: &Offered,
+) -> Option<JobSpec> {
+    let before = scope.diagnostics.errors();
+    let (mut data, mut missing) = (Vec::new(), Vec::new());
+    let mut add = |name: &str, position: Option<usize>| match position {
+        Some(position) => push_new(&mut data, position),
+        None => missing.push(name.to_owned()),
+    };
+    match &form.data {
+        Some(names) => {
+            for name in names {
+                if let Some(position) = measurement(scope, &name.value, &name.place, offered) {
+                    add(&name.value, position);
+                }
+            }
+        }
+        None => offered.measurements.iter().for_each(|(name, position)| add(name, *position)),
+    }
+    if data.is_empty() && missing.is_empty() && !scope.diagnostics.has_errors() {
+        let message = format!("`{}` has no measurement to calibrate on", entry.name);
+        scope.error(&code::JOB_REFERENCE, &entry.name_place, message, "at least one entry under `measurements`");
+    }
+    let parameters = parameters(scope, form, offered);
+    let sampler = match form.sampler {
+        None | Some(SamplerForm::Nuts) => Sampler::Nuts,
+        Some(SamplerForm::AdaptiveMetropolis) => Sampler::AdaptiveMetropolis,
+        Some(SamplerForm::Smc) => Sampler::Smc,
+    };
+    let (warmup, draws) = sampler.defaults();
+    if let (Sampler::Smc, Some(warmup)) = (sampler, &form.warmup) {
+        let message = "`smc` has no warm-up".to_owned();
+        scope.error(&code::JOB_SETTING, &warmup.place, message, "leave it out");
+    }
+    let chains = number(scope, form.chains.as_ref(), CHAINS, 2, MOST_CHAINS, "chains");
+    let least = if sampler == Sampler::Smc { 16 } else { 4 };
+    let draws = number(scope, form.draws.as_ref(), draws, least, MOST_DRAWS, "draws of a chain");
+    let warmup = number(scope, form.warmup.as_ref(), warmup, 0, MOST_DRAWS, "steps of warm-up");
+    if scope.diagnostics.errors() > before {
+        return None;
+    }
+    if !missing.is_empty() {
+        let command = offered.command.clone();
+        return Some(JobSpec::Waiting { kind: "calibrate", measurements: missing, command });
+    }
+    Some(JobSpec::Calibrate(Spec { data, parameters, sampler, chains, warmup, draws }))
+}
+
+/// The chosen parameters; all that are not fixed where none are named.
+fn parameters(scope: &mut Scope, form: &CalibrateForm, offered: &Offered) -> Vec<usize> {
+    let Some(names) = &form.parameters else {
+        return (0..offered.priors.len()).filter(|&index| !offered.priors[index].is_fixed()).collect();
+    };
+    let mut chosen = Vec::new();
+    for name in names {
+        match scope.resolved.parameter(&name.value) {
+            Some(index) if offered.priors[index].is_fixed() => {
+                let message = format!("the prior of `{}` is fixed", name.value);
+                scope.diagnostics.push(
+                    Diagnostic::error(&code::JOB_REFERENCE, &name.place, message)
+                        .help("leave it out, or give it a prior with a spread"),
+                );
+            }
+            Some(index) => push_new(&mut chosen, index),
+            None => {
+                let known: Vec<String> =
+                    scope.resolved.model.parameters.iter().map(|parameter| parameter.name.clone()).collect();
+                let known: Vec<&str> = known.iter().map(String::as_str).collect();
+                scope.unknown(&code::JOB_REFERENCE, "parameter", &name.value, &name.place, &known);
+            }
+        }
+    }
+    chosen
+}
+
+fn number(scope: &mut Scope, written: Option<&Spanned<u64>>, default: u64, least: u64, most: u64, what: &str) -> u64 {
+    let Some(Spanned { value, place }) = written else { return default };
+    if !(least..=most).contains(value) {
+        let expected = format!("an integer from {least} to {most}");
+        scope.error(&code::JOB_SETTING, place, format!("{value} {what}"), &expected);
+    }
+    *value
+}
+
+/// Lets comparisons that say nothing of `from` show the first calibration whose data they all have.
+pub(super) fn show_in_comparisons(jobs: &mut [NamedJob], forms: &Map<JobForm>) {
+    let calibrations: Vec<(String, Vec<usize>)> = jobs
+        .iter()
+        .filter_map(|job| match &job.spec {
+            JobSpec::Calibrate(spec) => Some((job.name.clone(), spec.data.clone())),
+            _ => None,
+        })
+        .collect();
+    for job in jobs {
+        let JobSpec::Compare(spec) = &mut job.spec else { continue };
+        let form = forms.get(&job.name).map(|entry| &entry.value);
+        let says = matches!(form, Some(JobForm::Compare(form)) if form.from.is_some());
+        if !says {
+            let found = calibrations.iter().find(|(_, data)| data.iter().all(|index| spec.data.contains(index)));
+            spec.calibration = found.map(|(name, _)| name.clone());
+        }
+    }
+}

@@ -1,0 +1,293 @@
+//! Every sampler on posteriors with known answers.
+//!
+//! A moment is right when it lies within four Monte Carlo standard errors of the exact value; seeds are fixed, so that a
+//! pass is a pass for ever.
+
+use bmv::inference::chains::{Chain, Chains};
+use bmv::inference::convergence::{Convergence, ConvergenceLimits, Objection, judge};
+use bmv::inference::metropolis::{self, MetropolisSettings};
+use bmv::inference::nuts::{self, NutsSettings};
+use bmv::inference::smc::{self, SmcResult, SmcSettings};
+use bmv::inference::target::Target;
+use bmv::random::StreamKey;
+use bmv::statistics::chain_diagnostics::{mcse_mean, mcse_sd};
+
+use super::models::{self, check_gradient};
+
+fn key(purpose: &str) -> StreamKey {
+    StreamKey::new(20_260_101, "samplers", purpose)
+}
+
+fn collect<T: Target>(target: &T, chains: Vec<Chain>) -> Chains {
+    Chains { names: target.names().to_vec(), chains }
+}
+
+pub fn nuts_chains<T: Target>(target: &T, settings: &NutsSettings) -> Chains {
+    collect(target, (0..4).map(|c| nuts::sample(target, settings, &key("nuts"), c, None).expect("a chain")).collect())
+}
+
+pub fn metropolis_chains<T: Target>(target: &T, settings: &MetropolisSettings) -> Chains {
+    let chain = |c| metropolis::sample(target, settings, &key("metropolis"), c, None).expect("a chain");
+    collect(target, (0..4).map(chain).collect())
+}
+
+pub fn smc_result<T: Target>(target: &T, settings: &SmcSettings) -> SmcResult {
+    let islands = (0..settings.islands).map(|i| smc::run_island(target, settings, &key("smc"), i).expect("an island"));
+    smc::combine(target.names(), islands.collect())
+}
+
+/// The three samplers with their default settings.
+pub fn every_sampler<T: Target>(target: &T) -> [(&'static str, Chains); 3] {
+    [
+        ("nuts", nuts_chains(target, &NutsSettings::default())),
+        ("metropolis", metropolis_chains(target, &MetropolisSettings::default())),
+        ("smc", smc_result(target, &SmcSettings::default()).chains),
+    ]
+}
+
+fn verdict<T: Target>(target: &T, chains: &Chains) -> Convergence {
+    judge(chains, target.priors(), &ConvergenceLimits::default())
+}
+
+/// Mean and standard deviation of a quantity of the draws, each within four standard errors of its exact value.
+fn check_moments(what: &str, chains: &Chains, of: impl Fn(&[f64]) -> f64, mean: f64, sd: f64) {
+    let values: Vec<Vec<f64>> =
+        chains.chains.iter().map(|chain| (0..chain.len()).map(|i| of(chain.draw(i))).collect()).collect();
+    let count = chains.len() as f64;
+    let own_mean = values.iter().flatten().sum::<f64>() / count;
+    let own_sd = (values.iter().flatten().map(|x| (x - own_mean) * (x - own_mean)).sum::<f64>() / count).sqrt();
+    let (mean_error, sd_error) = (mcse_mean(&values).expect("an error"), mcse_sd(&values).expect("an error"));
+    assert!((own_mean - mean).abs() < 4.0 * mean_error, "{what}: mean {own_mean} +- {mean_error}, exact {mean}");
+    assert!((own_sd - sd).abs() < 4.0 * sd_error, "{what}: sd {own_sd} +- {sd_error}, exact {sd}");
+    // An error so large that anything passes would be no test.
+    assert!(mean_error < 0.1 * sd, "{what}: error {mean_error} of a mean with sd {sd}");
+}
+
+#[test]
+fn gradients_of_the_models_are_right() {
+    check_gradient(&models::conjugate().0, &[1.7]);
+    check_gradient(&models::LinearGaussian::new(10, 25).model(), &[0.3; 10]);
+    check_gradient(&models::banana(), &[1.0, -2.0]);
+    check_gradient(&models::two_modes(), &[-2.0, 0.7]);
+    check_gradient(&models::pressed(), &[0.3]);
+    check_gradient(&models::inferred_noise(), &[1.0, 0.4, 0.8, 0.3, -0.5, 1.1]);
+    check_gradient(&models::failing(), &[0.3, -0.8]);
+}
+
+#[test]
+fn conjugate_normal() {
+    let (model, [mean, sd, evidence]) = models::conjugate();
+    for (name, chains) in every_sampler(&model) {
+        check_moments(name, &chains, |draw| draw[0], mean, sd);
+        let verdict = verdict(&model, &chains);
+        assert!(name == "smc" || verdict.converged, "{name}: {:?}", verdict.objections);
+        assert!(verdict.leaning.is_empty());
+    }
+    let smc = smc_result(&model, &SmcSettings::default());
+    assert!((smc.log_evidence - evidence).abs() < 3.0 * smc.log_evidence_error, "{} {evidence}", smc.log_evidence);
+}
+
+#[test]
+fn linear_gaussian_in_ten_dimensions() {
+    let linear = models::LinearGaussian::new(10, 25);
+    let model = linear.model();
+    let (mean, covariance, evidence) = linear.exact();
+    for (name, chains) in every_sampler(&model) {
+        for i in 0..10 {
+            check_moments(&format!("{name} {i}"), &chains, |draw| draw[i], mean[i], covariance[(i, i)].sqrt());
+        }
+        // Correlations by sums of neighbours.
+        for i in 0..9 {
+            let variance = covariance[(i, i)] + covariance[(i + 1, i + 1)] + 2.0 * covariance[(i, i + 1)];
+            let sum = |draw: &[f64]| draw[i] + draw[i + 1];
+            check_moments(&format!("{name} sum {i}"), &chains, sum, mean[i] + mean[i + 1], variance.sqrt());
+        }
+    }
+    let smc = smc_result(&model, &SmcSettings::default());
+    assert!(smc.finished);
+    assert!((smc.log_evidence - evidence).abs() < 3.0 * smc.log_evidence_error, "{} {evidence}", smc.log_evidence);
+    assert!(smc.log_evidence_error < 0.1);
+}
+
+#[test]
+fn banana() {
+    let model = models::banana();
+    let nuts = NutsSettings { warm_up: 1000, draws: 2000, acceptance: 0.95, ..Default::default() };
+    let metropolis = MetropolisSettings { draws: 20_000, thin: 3, ..Default::default() };
+    let smc = smc_result(&model, &SmcSettings::default());
+    for (name, chains) in [
+        ("nuts", nuts_chains(&model, &nuts)),
+        ("metropolis", metropolis_chains(&model, &metropolis)),
+        ("smc", smc.chains),
+    ] {
+        check_moments(&format!("{name} 0"), &chains, |draw| draw[0], 0.0, 2.0);
+        check_moments(&format!("{name} 1"), &chains, |draw| draw[1], 0.0, 3.0);
+    }
+    // The box has the density 1 / (40 * 180), and all but 1e-9 of the banana lies in it.
+    let exact = -libm::log(40.0 * 180.0);
+    assert!((smc.log_evidence - exact).abs() < 3.0 * smc.log_evidence_error, "{} {exact}", smc.log_evidence);
+}
+
+#[test]
+fn sequential_monte_carlo_weighs_two_modes() {
+    let model = models::two_modes();
+    let smc = smc_result(&model, &SmcSettings::default());
+    let mut share = 0.0;
+    let mut shares = Vec::new();
+    for (chain, weight) in smc.chains.chains.iter().zip(&smc.weights) {
+        let own = (0..chain.len()).filter(|&i| chain.draw(i)[0] < 0.0).count() as f64 / chain.len() as f64;
+        share += weight * own;
+        shares.push(own);
+    }
+    // The scatter of eight islands: standard error of their mean.
+    let spread = shares.iter().map(|s| (s - share) * (s - share)).sum::<f64>() / 7.0 / 8.0;
+    assert!(
+        (share - 0.3).abs() < 4.0 * spread.sqrt() && spread.sqrt() < 0.03,
+        "{share} +- {} {shares:?}",
+        spread.sqrt()
+    );
+    let exact = -libm::log(400.0);
+    assert!((smc.log_evidence - exact).abs() < 3.0 * smc.log_evidence_error, "{}", smc.log_evidence);
+    // The weights of the islands are shares.
+    assert!((smc.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn chains_in_different_modes_are_refused() {
+    let model = models::two_modes();
+    let chains = nuts_chains(&model, &NutsSettings::default());
+    let verdict = verdict(&model, &chains);
+    assert!(!verdict.converged);
+    assert!(verdict.objections.iter().any(|o| matches!(o, Objection::RHat { parameter: 0, .. })), "{verdict:?}");
+}
+
+#[test]
+fn a_posterior_pressed_against_a_bound() {
+    let model = models::pressed();
+    // An exponential of rate 20, cut at 1, where e^-20 is left: mean and sd 1/20 to 1e-7.
+    for (name, chains) in every_sampler(&model) {
+        check_moments(name, &chains, |draw| draw[0], 0.05, 0.05);
+        let verdict = verdict(&model, &chains);
+        // P(x < 0.01) = 1 - e^-0.2 = 0.18.
+        assert_eq!(verdict.leaning.len(), 1, "{name}");
+        assert!(!verdict.leaning[0].upper && (verdict.leaning[0].share - 0.181).abs() < 0.03, "{verdict:?}");
+    }
+    let smc = smc_result(&model, &SmcSettings::default());
+    let exact = libm::log((1.0 - libm::exp(-20.0)) / 20.0);
+    // Student's t with seven degrees of freedom, 99.9 %: 5.4.
+    assert!((smc.log_evidence - exact).abs() < 5.4 * smc.log_evidence_error, "{}", smc.log_evidence);
+    assert!(smc.log_evidence_error < 0.08);
+}
+
+#[test]
+#[ignore = "nightly"]
+fn the_stated_error_of_the_evidence_is_kept() {
+    let exact = libm::log((1.0 - libm::exp(-20.0)) / 20.0);
+    let model = models::pressed();
+    let settings = SmcSettings::default();
+    let (mut sum, mut squares, mut beyond) = (0.0, 0.0, 0);
+    let replicates = 200;
+    for replicate in 0..replicates {
+        let key = StreamKey::new(replicate, "samplers", "evidence");
+        let islands = (0..8).map(|i| smc::run_island(&model, &settings, &key, i).expect("an island")).collect();
+        let smc = smc::combine(model.names(), islands);
+        let z = (smc.log_evidence - exact) / smc.log_evidence_error;
+        sum += z;
+        squares += z * z;
+        beyond += u32::from(z.abs() > 3.0);
+    }
+    let count = replicates as f64;
+    println!("mean {}, mean square {}, beyond three {beyond}", sum / count, squares / count);
+    // t with seven degrees: variance 1.4, P(|t| > 3) = 0.02; four standard errors.
+    assert!((sum / count).abs() < 4.0 * (1.4 / count).sqrt());
+    assert!(squares / count < 2.2);
+    assert!(beyond < 14);
+}
+
+#[test]
+fn samplers_agree_on_inferred_noise_in_a_hierarchy() {
+    let model = models::inferred_noise();
+    let nuts = nuts_chains(&model, &NutsSettings { draws: 2000, acceptance: 0.95, ..Default::default() });
+    let metropolis = metropolis_chains(&model, &MetropolisSettings { draws: 20_000, ..Default::default() });
+    let smc = smc_result(&model, &SmcSettings::default()).chains;
+    for i in 0..6 {
+        let moments = |chains: &Chains| {
+            let values = chains.parameter(i);
+            let mean = values.iter().flatten().sum::<f64>() / chains.len() as f64;
+            (mean, mcse_mean(&values).expect("an error"))
+        };
+        let (a, a_error) = moments(&nuts);
+        for other in [&metropolis, &smc] {
+            let (b, b_error) = moments(other);
+            assert!((a - b).abs() < 4.0 * (a_error * a_error + b_error * b_error).sqrt(), "{i}: {a} {b}");
+        }
+    }
+    let work = nuts.work();
+    // Early trajectories may run out of the numbers; nothing else is refused.
+    assert!(
+        work.rejections.by_reason.iter().all(|(reason, _)| reason == "the prior density is not finite"),
+        "{work:?}"
+    );
+}
+
+#[test]
+fn failing_regions_are_counted_and_cut_out() {
+    let model = models::failing();
+    // A standard normal cut to -2..1, by its density p and probability P: mean (p(-2) - p(1)) / (P(1) - P(-2)).
+    let p = |z: f64| libm::exp(-0.5 * z * z - models::HALF_LN_TAU);
+    let (lower, upper, inside) = (p(-2.0), p(1.0), 0.841_344_746_068_542_9 - 0.022_750_131_948_179_2);
+    let mean = (lower - upper) / inside;
+    let sd = (1.0 + (-2.0 * lower - upper) / inside - mean * mean).sqrt();
+    for (name, chains) in every_sampler(&model) {
+        check_moments(name, &chains, |draw| draw[0], mean, sd);
+        let work = chains.work();
+        let count = |reason: &str| work.rejections.by_reason.iter().find(|(r, _)| r == reason).map_or(0, |r| r.1);
+        assert!(count("the solver did not converge") > 100, "{name}: {work:?}");
+        assert!(count("the log likelihood is not finite") > 10, "{name}: {work:?}");
+        assert!(chains.chains.iter().all(|chain| chain.moves.divergences == 0), "{name}");
+    }
+}
+
+#[test]
+fn a_target_that_always_fails_is_an_error_with_its_reason() {
+    let model = models::Model::new(vec![models::uniform(0.0, 1.0)], |_, _| {
+        Err(bmv::inference::target::Rejected::new("no heat path"))
+    });
+    let error = nuts::sample(&model, &NutsSettings::default(), &key("nuts"), 0, None).expect_err("no start");
+    assert!(error.to_string().contains("no heat path"), "{error}");
+    let error = smc::run_island(&model, &SmcSettings::default(), &key("smc"), 0).expect_err("no start");
+    assert!(error.to_string().contains("no heat path"), "{error}");
+    let settings = NutsSettings { draws: 0, ..Default::default() };
+    let error = nuts::sample(&model, &settings, &key("nuts"), 0, None).expect_err("no draws");
+    assert_eq!(error.to_string(), "the setting draws is 0; accepted: 1 or more");
+}
+
+#[test]
+fn a_chain_depends_on_its_index_alone_and_survives_serialisation() {
+    let (model, _) = models::conjugate();
+    let settings = NutsSettings { warm_up: 100, draws: 50, ..Default::default() };
+    let run = |chain| nuts::sample(&model, &settings, &key("nuts"), chain, None).expect("a chain");
+    let (second, first, again) = (run(1), run(0), run(1));
+    assert_eq!(second, again);
+    assert_ne!(first.draws, second.draws);
+    let text = serde_json::to_string(&second).expect("serialises");
+    let back: Chain = serde_json::from_str(&text).expect("parses");
+    assert_eq!(back, second);
+    assert_eq!(second.len(), 50);
+}
+
+#[test]
+fn work_of_a_fixed_seed_is_kept() {
+    let model = models::LinearGaussian::new(4, 12).model();
+    let nuts = nuts_chains(&model, &NutsSettings::default());
+    let smc = smc_result(&model, &SmcSettings::default());
+    let effective: f64 = (0..4)
+        .map(|i| bmv::statistics::chain_diagnostics::ess_bulk(&nuts.parameter(i)).expect("a number"))
+        .fold(f64::INFINITY, f64::min);
+    let gradients = nuts.work().gradients;
+    // Kept so that lost efficiency fails a test: gradients, effective draws a thousand gradients, likelihoods.
+    println!("{gradients} {effective} {}", smc.chains.work().likelihoods);
+    assert!(gradients < 50_000, "{gradients}");
+    assert!(1000.0 * effective / gradients as f64 > 80.0, "{effective} of {gradients}");
+    assert!(smc.chains.work().likelihoods < 200_000);
+}
