@@ -217,6 +217,9 @@ pub fn document(job: &JobEntry, with_rows: bool) -> Result<Value, Failure> {
     match &job.result {
         JobResult::Propagate(output) => Ok(propagate::view(output)),
         JobResult::Compare(output) => Ok(compare::view(output, with_rows)),
+        JobResult::Calibrate(output) => {
+            serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
+        }
         JobResult::Conventional(output) => {
             serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
         }

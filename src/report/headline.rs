@@ -1,6 +1,6 @@
 //! What came out of a job, in a line or two.
 
-use crate::job::{compare, conventional, propagate};
+use crate::job::{calibrate, compare, conventional, propagate};
 
 use super::number::{self, Shown};
 use super::page::Status;
@@ -16,7 +16,23 @@ pub fn headlines(job: &JobEntry) -> Vec<String> {
         JobResult::Propagate(output) => of_propagation(output),
         JobResult::Conventional(output) => of_sizes(output),
         JobResult::Compare(output) => of_comparison(output),
+        JobResult::Calibrate(output) => of_calibration(output),
     }
+}
+
+/// Whether to believe it, what stands against it, and the evidence.
+fn of_calibration(output: &calibrate::Output) -> Vec<String> {
+    let mut lines = Vec::new();
+    if output.converged {
+        let evidence = output.log_evidence.value.zip(output.log_evidence.sd);
+        let evidence = evidence.map_or("is not known".to_owned(), |(value, sd)| number::with_error(value, sd));
+        lines.push(format!("{} converged; logarithm of the evidence {evidence}", output.sampler));
+    } else {
+        lines.push(format!("{} did NOT converge", output.sampler));
+        lines.extend(output.objections.iter().take(MOST_FINDINGS).cloned());
+    }
+    lines.extend(output.findings.iter().take(MOST_FINDINGS).cloned());
+    lines
 }
 
 /// Probability of each requirement at the nominal design, and where the design reaches what is required.

@@ -172,6 +172,8 @@ impl SteadyPart {
             SteadyError::NotConverged { .. } => "was not found",
             SteadyError::NotFinite { .. } => "has a heat that is not a finite number",
             SteadyError::Singular { .. } => "is not determined by the balances",
+            SteadyError::Boundary { .. } => "has a boundary below 0 K",
+            SteadyError::Band { .. } => "has a heater whose band is not above 0",
         };
         Rejected::new(format!("the steady state of phase `{}` of `{}` {why}", phase.name, self.name))
     }

@@ -4,8 +4,8 @@ mod deviation;
 mod output;
 mod stretch;
 mod trend;
-mod view;
 mod tuned;
+mod view;
 mod words;
 
 use std::sync::Arc;
@@ -21,8 +21,8 @@ pub use output::{
     Criteria, Deviation, FailedPhase, HeatBalance, Output, PhaseSummary, Row, SensorSummary, Spec, StabilisationCheck,
     Trend, TunedSensor, TunedState, Verdict,
 };
-pub use view::view;
 pub use tuned::Tuned;
+pub use view::view;
 
 use super::{Job, JobError, Step};
 use deviation::{KELVIN, deviation, noise_rmse, of_one_unit};

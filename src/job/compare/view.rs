@@ -37,6 +37,7 @@ pub fn view(output: &Output, with_rows: bool) -> Value {
         })).collect::<Vec<_>>(),
         "trends": output.trends,
         "stabilisation": output.stabilisation,
+        "tuned": output.tuned,
         "fails": output.fails,
         "failed": output.failed,
         "unused_columns": output.unused_columns,
@@ -54,7 +55,7 @@ pub fn view(output: &Output, with_rows: bool) -> Value {
                     "unit": row.unit,
                     "measured": row.measured,
                     "predicted": row.predicted,
-                    "predicted_tuned": null,
+                    "predicted_tuned": row.predicted_tuned,
                     "held_out": row.held_out,
                 })
             })
@@ -105,7 +106,6 @@ fn statistics(output: &Output, same: &[&SensorSummary]) -> Value {
         deviation(&rows.map(|row| row.measured - row.predicted).collect::<Vec<_>>(), output.criteria.each_k)
     };
     let (train, held_out) = (of(|sensor| &sensor.train, false), of(|sensor| &sensor.held_out, true));
-    let number = |deviation: &Deviation, value: f64| (deviation.count > 0).then_some(value);
     // The range belongs to the readings of `rmse`; it needs one noise, known and white, for all of them.
     let sigma = same.first().and_then(|first| first.sigma);
     let has_one_noise = same.iter().all(|sensor| sensor.sigma == sigma && sensor.noise_rmse.is_some());
@@ -115,23 +115,47 @@ fn statistics(output: &Output, same: &[&SensorSummary]) -> Value {
     });
     json!({
         "unit": same.first().map(|sensor| &sensor.unit),
-        "delivered": {
-            "count": train.count,
-            "mean": number(&train, train.mean),
-            "sd": number(&train, train.sd),
-            "rmse": number(&train, train.rmse),
-            "max": number(&train, train.max),
-            "within_limit": number(&train, train.within_limit),
-            "count_held_out": held_out.count,
-            "mean_held_out": number(&held_out, held_out.mean),
-            "sd_held_out": number(&held_out, held_out.sd),
-            "rmse_held_out": number(&held_out, held_out.rmse),
-            "max_held_out": number(&held_out, held_out.max),
-            "within_limit_held_out": number(&held_out, held_out.within_limit),
-        },
-        "tuned": {},
+        "delivered": both(&train, &held_out),
+        "tuned": tuned(output, same),
         "noise": noise,
         "missing": same.iter().map(|sensor| sensor.missing).sum::<u64>(),
+    })
+}
+
+/// Statistics of measured minus tuned prediction; empty before a calibration.
+fn tuned(output: &Output, same: &[&SensorSummary]) -> Value {
+    if same.iter().any(|sensor| sensor.tuned.is_none()) {
+        return json!({});
+    }
+    let of = |held_out: bool| -> Deviation {
+        let is_own = |row: &super::Row| {
+            same.iter().any(|sensor| sensor.measurement == row.measurement && sensor.sensor == row.sensor)
+        };
+        let rows = output.rows.iter().filter(|row| row.held_out == held_out && is_own(row));
+        let deviations: Vec<f64> = rows.filter_map(|row| Some(row.measured - row.predicted_tuned?)).collect();
+        deviation(&deviations, output.criteria.each_k)
+    };
+    let mut document = both(&of(false), &of(true));
+    document["sigma"] = json!(same.first().and_then(|sensor| sensor.tuned.as_ref()?.sigma));
+    document
+}
+
+/// Statistics of the readings that a fit may use and of those held out; null where there are none.
+fn both(train: &Deviation, held_out: &Deviation) -> Value {
+    let number = |deviation: &Deviation, value: f64| (deviation.count > 0).then_some(value);
+    json!({
+        "count": train.count,
+        "mean": number(train, train.mean),
+        "sd": number(train, train.sd),
+        "rmse": number(train, train.rmse),
+        "max": number(train, train.max),
+        "within_limit": number(train, train.within_limit),
+        "count_held_out": held_out.count,
+        "mean_held_out": number(held_out, held_out.mean),
+        "sd_held_out": number(held_out, held_out.sd),
+        "rmse_held_out": number(held_out, held_out.rmse),
+        "max_held_out": number(held_out, held_out.max),
+        "within_limit_held_out": number(held_out, held_out.within_limit),
     })
 }
 
@@ -149,6 +173,7 @@ mod tests {
             unit: "K".into(),
             measured: 300.0 + deviation,
             predicted: 300.0,
+            predicted_tuned: None,
             held_out,
         }
     }
@@ -169,6 +194,7 @@ mod tests {
                 held_out: deviation(&of(true), None),
                 noise_rmse: Some([0.1, 0.9]),
                 missing: 1,
+                tuned: None,
             }
         };
         Output {
@@ -197,6 +223,7 @@ mod tests {
             fails: vec!["s: too cold".into()],
             failed: vec![],
             unused_columns: vec![],
+            tuned: None,
         }
     }
 
