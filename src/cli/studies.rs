@@ -120,11 +120,8 @@ pub fn load(paths: &[PathBuf], coloured: bool) -> Result<Loaded, Failure> {
 /// A result that cannot be rendered, a file that cannot be written.
 pub fn render(pass: &LoadedPass, plan: &Plan, summary: &RunSummary, out: &Path) -> Result<Vec<PathBuf>, Failure> {
     let failed = |error: String| Failure::job(format!("{}: {error}", pass.shown));
-    let finished: Vec<_> = pass
-        .jobs
-        .iter()
-        .filter_map(|id| Some((&plan.nodes()[plan.find(id)?], summary.finished(id)?)))
-        .collect();
+    let finished: Vec<_> =
+        pass.jobs.iter().filter_map(|id| Some((&plan.nodes()[plan.find(id)?], summary.finished(id)?))).collect();
     if finished.is_empty() && !pass.not_run.is_empty() {
         return Ok(Vec::new());
     }

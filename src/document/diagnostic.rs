@@ -1,6 +1,6 @@
 //! Errors and warnings at their places, collected and shown in the source.
 
-use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use serde::Serialize;
 
 use super::code::Code;
@@ -87,13 +87,10 @@ impl Diagnostic {
             Severity::Warning => Level::WARNING,
         };
         let label = self.expected.clone().unwrap_or_default();
-        let mut group = level.primary_title(self.message.as_str()).id(self.code.name).element(snippet(
-            &self.place,
-            AnnotationKind::Primary,
-            label,
-        ));
+        let mut group = Group::with_title(level.primary_title(self.message.as_str()).id(self.code.name));
+        group = shown(group, &self.place, AnnotationKind::Primary, label);
         for (place, what) in &self.related {
-            group = group.element(snippet(place, AnnotationKind::Context, what.clone()));
+            group = shown(group, place, AnnotationKind::Context, what.clone());
         }
         if !self.place.path.is_empty() {
             group = group.element(Level::NOTE.message(format!("at {}", self.place.path)));
@@ -128,8 +125,8 @@ const WIDE: usize = 2000;
 /// Bytes of a cut line shown before and behind the place.
 const AROUND: usize = 60;
 
-/// The lines of a place with its mark.
-fn snippet(place: &Place, kind: AnnotationKind, label: String) -> Snippet<'_, annotate_snippets::Annotation<'_>> {
+/// Adds the line of a place with its mark.
+fn shown<'a>(group: Group<'a>, place: &'a Place, kind: AnnotationKind, label: String) -> Group<'a> {
     let text = place.source.text();
     let start = floor_boundary(text, place.span.start);
     let end = floor_boundary(text, place.span.end).max(start);
@@ -138,17 +135,24 @@ fn snippet(place: &Place, kind: AnnotationKind, label: String) -> Snippet<'_, an
     let line_end = text[start..].find('\n').map_or(text.len(), |i| start + i);
     let mut last = line_end;
     let end = end.min(line_end);
-    if last - first > WIDE {
+    let cut = last - first > WIDE;
+    if cut {
         first = floor_boundary(text, start.saturating_sub(AROUND).max(first));
         last = floor_boundary(text, (start + AROUND).max(end.min(start + WIDE)).min(last));
     }
     let position = place.position();
     let end = end.min(last);
     let label = if label.is_empty() { None } else { Some(label) };
-    Snippet::source(&text[first..last])
+    let snippet = Snippet::source(&text[first..last])
         .line_start(position.line)
-        .path(place.source.name())
-        .annotation(kind.span(start - first..end - first).label(label))
+        .annotation(kind.span(start - first..end - first).label(label));
+    let name = place.source.name();
+    if cut {
+        // Columns of a part of the line would be wrong: the place is given apart.
+        let origin = Origin::path(name).line(position.line).char_column(position.column);
+        return group.element(origin).element(snippet);
+    }
+    group.element(snippet.path(name))
 }
 
 /// A finding as data, for `--json` and tests. Lines and columns count from 1, columns in characters.
@@ -261,5 +265,61 @@ impl Diagnostics {
     /// All findings as data, in the order of [`Self::sorted`].
     pub fn plain(&self) -> Vec<PlainDiagnostic> {
         self.sorted().into_iter().map(Diagnostic::plain).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::code;
+    use crate::document::source::{Source, Span};
+
+    fn at(text: &str, start: usize, end: usize) -> Place {
+        Place::in_text(&Source::new("a.csv", text), Span::new(start, end))
+    }
+
+    #[test]
+    fn any_place_of_any_text_renders() {
+        for text in ["", "\n", "ab", "Ω\r\n\tΩ", "a\n\n", "\u{feff}x"] {
+            for start in 0..=text.len() + 1 {
+                for end in 0..=text.len() + 1 {
+                    let diagnostic = Diagnostic::error(&code::SYNTAX, &at(text, start, end), "wrong").expected("right");
+                    assert!(diagnostic.render(false).contains("wrong"));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn long_lines_are_cut_and_keep_their_line_number() {
+        let text = format!("\n{}x{}", "a".repeat(50_000), "b".repeat(50_000));
+        let shown = Diagnostic::error(&code::SYNTAX, &at(&text, 50_001, 50_002), "wrong").render(false);
+        assert!(shown.len() < 1000, "{}", shown.len());
+        assert!(shown.contains("a.csv:2:50001"), "{shown}");
+    }
+
+    #[test]
+    fn findings_are_ordered_capped_and_counted() {
+        let mut diagnostics = Diagnostics::new();
+        let source = Source::new("a", "abcdef");
+        let place = |i| Place::in_text(&source, Span::new(i, i + 1));
+        diagnostics.push(Diagnostic::warning(&code::SYNTAX, &place(0), "first"));
+        diagnostics.push(Diagnostic::error(&code::SYNTAX, &place(3), "third"));
+        diagnostics.push(Diagnostic::error(&code::SYNTAX, &place(1), "second"));
+        let messages: Vec<String> = diagnostics.plain().into_iter().map(|d| d.message).collect();
+        assert_eq!(messages, ["second", "third", "first"]);
+        assert_eq!((diagnostics.errors(), diagnostics.warnings()), (2, 1));
+        assert!(diagnostics.render(false, 2).ends_with("and 1 more\n"));
+        for _ in 0..2 * KEPT {
+            diagnostics.push(Diagnostic::error(&code::SYNTAX, &place(1), "again"));
+        }
+        assert!(diagnostics.render(false, 1).ends_with(&format!("and {} more\n", 2 * KEPT + 2)));
+    }
+
+    #[test]
+    fn terminal_controls_in_a_file_are_not_passed_on() {
+        let text = "\u{1b}[31mred\u{7}";
+        let shown = Diagnostic::error(&code::SYNTAX, &at(text, 0, 3), "wrong \u{1b}[2J").render(false);
+        assert!(!shown.contains('\u{1b}') && !shown.contains('\u{7}'), "{shown:?}");
     }
 }

@@ -106,8 +106,7 @@ impl Predictor {
             for (position, sensor) in sensors.iter().enumerate() {
                 prediction.readings[row * sensors.len() + position] = self.network.quantity(workspace, sensor.quantity);
             }
-            prediction.temperatures[row * self.nodes..(row + 1) * self.nodes]
-                .copy_from_slice(workspace.temperatures());
+            prediction.temperatures[row * self.nodes..(row + 1) * self.nodes].copy_from_slice(workspace.temperatures());
             prediction.heat[row] = Some(self.row_heat(workspace));
         }
     }
@@ -163,11 +162,7 @@ impl Predictor {
 
     fn row_heat(&self, workspace: &mut Workspace) -> RowHeat {
         let balance = self.network.heat_balance(workspace);
-        RowHeat {
-            sources_w: balance.source_w,
-            into_boundaries_w: balance.into_boundaries,
-            stored_w: balance.stored_w,
-        }
+        RowHeat { sources_w: balance.source_w, into_boundaries_w: balance.into_boundaries, stored_w: balance.stored_w }
     }
 }
 

@@ -33,10 +33,8 @@ pub fn ready(pass: &Pass) -> Result<Vec<(String, Readiness)>, (String, JobError)
                     Propagate::new(spec.clone(), Arc::clone(&model), pass.priors.clone(), pass.seed, &named.name)
                         .map(|job| Readiness::Ready(Arc::new(job)))
                 }
-                JobSpec::Conventional(spec) => {
-                    Conventional::new(spec.clone(), Arc::clone(&model), pass.priors.clone())
-                        .map(|job| Readiness::Ready(Arc::new(job)))
-                }
+                JobSpec::Conventional(spec) => Conventional::new(spec.clone(), Arc::clone(&model), pass.priors.clone())
+                    .map(|job| Readiness::Ready(Arc::new(job))),
                 JobSpec::Compare(spec) => {
                     let nominal = pass.model.parameters.iter().map(|parameter| parameter.nominal).collect();
                     Compare::new(spec.clone(), Arc::clone(&model), Arc::clone(&measurements), nominal)

@@ -6,6 +6,7 @@ use bmv::study::model;
 mod expression;
 mod model_form;
 mod properties;
+mod schema;
 mod shared;
 mod syntax;
 
@@ -16,3 +17,7 @@ fn rendered(text: &str) -> String {
     assert_eq!(model.is_none(), diagnostics.has_errors(), "a model, or an error");
     diagnostics.render(false, 5)
 }
+mod pass_data;
+mod pass_entries;
+mod pass_load;
+mod pass_study;

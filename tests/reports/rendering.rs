@@ -43,9 +43,9 @@ fn radiator_report_sets_probabilistic_and_conventional_sizes_side_by_side() {
     let report = rendered(&radiator());
     insta::assert_snapshot!(summary(&report), @r#"
 - **Probability, nominal design, hot: 0.950.** T at most 35.00 °C; required 0.990: **not met**.
-- **T, hot: 28.91 ± 4.19 K.** mean and standard deviation; nominal 28.83 °C.
 - **Probabilistic size, hot: 0.3144 m².** `A` for P = 0.990 (0.3131 to 0.3158 m²).
-- **Conventional size, hot: 0.4152 m².** stacked worst case, + 11 K (11 K after correlation). The probabilistic size is 24 % smaller.
+- **Conventional size, hot: 0.4152 m².** stacked worst case, + 11 K (11 K after correlation). The probabilistic size is 24 % smaller. All rules: 0.2724 to 0.4649 m².
+- **T, hot: 28.91 ± 4.19 K.** mean and standard deviation; nominal 28.83 °C.
 
 > **Reconstructed.** All numbers of this case are reconstructed; none is taken from the thesis that it follows.
 
@@ -102,6 +102,8 @@ fn steady_report_has_the_map_of_phases_and_the_criteria() {
     // Phase 7: load 6, housing 0.55 * 6 + 0.25 sin(42.6) = 3.05.
     assert!(map.contains("\n+3.05\n") && map.contains("\nP22\n") && map.contains("\nstrap\n"));
     assert!(report.markdown.contains("| `P07` | not stabilised |"));
+    // 1.2e-4 K/s and its error of 1e-5 K/s by the hour.
+    assert!(report.markdown.contains("| `P07` | `housing` | 0.432 \u{B1} 0.036 |"), "{}", report.markdown);
     assert!(
         report.markdown.contains("| largest deviation of one reading, K | 3.15 | 3.00 | **not kept** |"),
         "{}",

@@ -236,7 +236,6 @@ pub fn radiator() -> Sample {
             worst: 0.78,
             effect: 6.1,
         }],
-        probability: None,
     };
     Sample {
         model,
@@ -280,7 +279,7 @@ fn joint() -> Joint {
         x: "T".into(),
         y: "flux".into(),
         units: ["K".into(), "W/m2".into()],
-        correlation: 0.71,
+        correlation: Some(0.71),
         x_edges: (0..=20).map(|i| 302.0 + edge(i)).collect(),
         y_edges: (0..=20).map(|i| 330.0 + 4.0 * edge(i)).collect(),
         counts: (0..20)

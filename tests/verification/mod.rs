@@ -1,5 +1,8 @@
 //! Numerics against analytic results, published values and golden numbers.
 
 mod build;
+mod derivatives;
+mod elements;
 mod orbit;
 mod steady;
+mod transient;

@@ -171,3 +171,97 @@ fn lanes_have_the_bits_of_single_solves() {
         }
     }
 }
+
+#[test]
+fn a_model_without_nodes_has_quantities_alone() {
+    let mut b = Build::default();
+    let (x, y) = (b.parameter("x", 3.0), b.input("y", 4.0));
+    let product = b.mul(x, y);
+    let sum = b.add(product, x);
+    b.quantity("xy + x", sum);
+    let network = Network::compile(&b.model, &[Symbol::Parameter(0), Symbol::Input(0)]).unwrap();
+    let mut ws = network.workspace();
+    network.solve_steady(&mut ws, Start::Default).unwrap();
+    assert_eq!(network.quantity(&ws, 0), 15.0);
+    let mut slopes = [0.0; 2];
+    network.quantity_tangent(&mut ws, &mut slopes).unwrap();
+    assert_eq!(slopes, [5.0, 3.0]);
+    network.set_parameters(&mut ws, &[5.0]);
+    assert!(network.quantity_tangent(&mut ws, &mut slopes).is_err(), "derivatives of an old solution are refused");
+    let mut batch = network.batch::<4>();
+    batch.set_parameter(2, 0, 10.0);
+    network.solve_steady_batch(&mut batch, Start::Default);
+    assert_eq!(batch.quantity(&network, 2, 0), 50.0);
+    assert_eq!(batch.quantity(&network, 1, 0), 15.0);
+}
+
+#[test]
+fn what_is_not_a_number_is_named_with_its_temperatures() {
+    let mut b = Build::default();
+    let node = b.diffusion("plate", 10.0);
+    let wall = b.n(300.0);
+    let wall = b.boundary("wall", wall);
+    let g = b.n(1.0);
+    b.conductor("good", [node, wall], g);
+    // A real power of a negative base.
+    let own = b.t(node);
+    let limit = b.n(1000.0);
+    let below = b.sub(own, limit);
+    let exponent = b.n(1.25);
+    let heat = b.graph().binary(bmv::expression::Binary::Power, below, exponent);
+    b.flow("odd path", [node, wall], heat);
+    let network = Network::compile(&b.model, &[]).unwrap();
+    let mut ws = network.workspace();
+    let error = network.solve_steady(&mut ws, Start::Default).unwrap_err();
+    let SteadyError::NotFinite { element, temperatures } = &error else { panic!("{error}") };
+    assert_eq!(element, "odd path");
+    assert_eq!(temperatures[0].0, "plate");
+    assert!(error.to_string().contains("`odd path`") && error.to_string().contains("`plate` 300 K"), "{error}");
+}
+
+#[test]
+fn balances_that_cannot_close_name_the_node() {
+    // 5 W into a node whose only path carries at most 1 W.
+    let mut b = Build::default();
+    let node = b.diffusion("plate", 10.0);
+    let wall = b.n(300.0);
+    let wall = b.boundary("wall", wall);
+    let (own, far) = (b.t(node), b.t(wall));
+    let gap = b.sub(own, far);
+    let scaled = b.scale(0.01, gap);
+    let heat = b.graph().unary(bmv::expression::Unary::Tanh, scaled);
+    b.flow("choked", [node, wall], heat);
+    let power = b.n(5.0);
+    b.load("load", node, power);
+    let network = Network::compile(&b.model, &[]).unwrap();
+    let mut ws = network.workspace();
+    let error = network.solve_steady(&mut ws, Start::Default).unwrap_err();
+    match &error {
+        SteadyError::NotConverged { node, imbalance_w, .. } => {
+            assert_eq!(node, "plate");
+            assert!((imbalance_w - 4.0).abs() < 1e-3, "{imbalance_w}");
+        }
+        SteadyError::Singular { node } => assert_eq!(node, "plate"),
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn a_large_network_agrees_with_its_heat_balance_and_its_differences() {
+    // 200 nodes: sparse factors, at the instant of full sun.
+    let network = Network::compile(&super::orbit::panel200(), &[]).unwrap();
+    let mut ws = network.workspace();
+    let stats = network.solve_steady(&mut ws, Start::Default).unwrap();
+    assert!(stats.iterations < 12, "{stats:?}");
+    let balance = network.heat_balance(&mut ws);
+    assert!((balance.source_w - (32.0 + 200.0 * 0.2 * 0.01 * 1361.0)).abs() < 1e-9);
+    assert!(balance.residue_w().abs() < 1e-9, "{balance:?}");
+    // Each of 200 nodes may be open by 1e-9 W.
+    assert!((balance.source_w - balance.boundary_w).abs() < 2e-7);
+    let reference = ws.temperatures().to_vec();
+    let mut batch = network.batch::<2>();
+    network.solve_steady_batch(&mut batch, Start::Default);
+    for (node, value) in reference.iter().enumerate() {
+        assert_eq!(batch.temperature(1, node).to_bits(), value.to_bits());
+    }
+}

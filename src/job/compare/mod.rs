@@ -16,8 +16,8 @@ use crate::math::special::chi_square_quantile;
 use crate::thermal::{Model, NodeKind};
 
 pub use output::{
-    Criteria, Deviation, FailedPhase, HeatBalance, Output, PhaseSummary, Row, SensorSummary, Spec, StabilisationCheck, Trend,
-    Verdict,
+    Criteria, Deviation, FailedPhase, HeatBalance, Output, PhaseSummary, Row, SensorSummary, Spec, StabilisationCheck,
+    Trend, Verdict,
 };
 
 use super::{Job, JobError, Step};
@@ -118,9 +118,9 @@ impl Compare {
     fn phases(&self, measurement: &Measurement, rows: &[Row]) -> Vec<PhaseSummary> {
         let summary = |phase: String, held_out: bool, own: &[&Row]| {
             let deviations: Vec<f64> = own.iter().map(|row| row.measured - row.predicted).collect();
-            let worst = own.iter().max_by(|a, b| {
-                (a.measured - a.predicted).abs().total_cmp(&(b.measured - b.predicted).abs())
-            })?;
+            let worst = own
+                .iter()
+                .max_by(|a, b| (a.measured - a.predicted).abs().total_cmp(&(b.measured - b.predicted).abs()))?;
             Some(PhaseSummary {
                 measurement: measurement.name.clone(),
                 phase,
@@ -235,7 +235,9 @@ impl Compare {
                     .filter_map(|s| Some((s, steadiness.slopes[s]?, steadiness.slope_errors[s].unwrap_or(0.0))))
                     .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
                 let stored_w = (0..measurement.sensors.len())
-                    .filter_map(|s| Some(self.capacity(measurement.sensors[s].quantity, phase)? * steadiness.slopes[s]?.abs()))
+                    .filter_map(|s| {
+                        Some(self.capacity(measurement.sensors[s].quantity, phase)? * steadiness.slopes[s]?.abs())
+                    })
                     .sum();
                 Some(StabilisationCheck {
                     measurement: measurement.name.clone(),
@@ -408,7 +410,10 @@ impl Job for Compare {
             chi2 = chi2.zip(part.chi2).map(|(a, b)| (a.0 + b.0, a.1 + b.1));
         }
         if whole.rows.is_empty() {
-            let reason = whole.failed.first().map_or("there are no readings".to_owned(), |f| format!("{}: {}", f.phase, f.reason));
+            let reason = whole
+                .failed
+                .first()
+                .map_or("there are no readings".to_owned(), |f| format!("{}: {}", f.phase, f.reason));
             return Err(JobError::Failed(format!("nothing could be compared: {reason}")));
         }
         trend::strongest_first(&mut whole.trends);

@@ -28,9 +28,8 @@ pub fn stretches(measurement: &Measurement) -> Vec<Stretch> {
     if rows == 0 {
         return Vec::new();
     }
-    let mut cuts: Vec<usize> = (1..rows)
-        .filter(|&row| inputs.columns.iter().any(|c| c.hold && c.values[row] != c.values[row - 1]))
-        .collect();
+    let mut cuts: Vec<usize> =
+        (1..rows).filter(|&row| inputs.columns.iter().any(|c| c.hold && c.values[row] != c.values[row - 1])).collect();
     if cuts.is_empty() || cuts.len() >= MOST_BY_STEPS {
         let (start, end) = (inputs.times_s[0], inputs.times_s[rows - 1]);
         cuts = (1..EQUAL)

@@ -44,7 +44,8 @@ pub fn strongest_first(trends: &mut [Trend]) {
 
 /// What residuals may go with: name, SI unit, one value a row.
 fn abscissae(measurement: &Measurement, model: &Model, rows: &[&Row]) -> Vec<(String, String, Vec<f64>)> {
-    let si = |unit: &str| crate::expression::Unit::parse(unit).map_or_else(|_| unit.to_owned(), |u| u.dimension.to_string());
+    let si =
+        |unit: &str| crate::expression::Unit::parse(unit).map_or_else(|_| unit.to_owned(), |u| u.dimension.to_string());
     match &measurement.rows {
         Rows::Steady(phases) => {
             let phase_of = |row: &Row| phases.iter().find(|p| Some(&p.name) == row.phase.as_ref());

@@ -66,14 +66,13 @@ fn sentence(sensor: &SensorSummary, phases: &[PhaseSummary], trends: &[Trend], r
             signed(sensor.held_out.rmse, &sensor.unit).trim_start_matches('+'),
         ));
     }
-    let worst = own.iter().max_by(|a, b| {
-        (a.measured - a.predicted).abs().total_cmp(&(b.measured - b.predicted).abs())
-    });
+    let worst = own.iter().max_by(|a, b| (a.measured - a.predicted).abs().total_cmp(&(b.measured - b.predicted).abs()));
     if let Some(row) = worst {
         let place = match (&row.phase, row.time_s) {
             (Some(phase), _) => format!("in phase {phase}"),
             (None, Some(time_s)) => {
-                let stretch = phases.iter().filter(|p| p.measurement == sensor.measurement && p.worst_sensor == sensor.sensor);
+                let stretch =
+                    phases.iter().filter(|p| p.measurement == sensor.measurement && p.worst_sensor == sensor.sensor);
                 let worst_stretch = stretch.max_by(|a, b| a.deviation.rmse.total_cmp(&b.deviation.rmse));
                 match worst_stretch {
                     Some(stretch) => format!("at {time_s:.0} s; worst stretch {}", stretch.phase),
@@ -86,7 +85,9 @@ fn sentence(sensor: &SensorSummary, phases: &[PhaseSummary], trends: &[Trend], r
     }
     let named: Vec<String> = trends
         .iter()
-        .filter(|t| t.measurement == sensor.measurement && t.sensor == sensor.sensor && t.slope.abs() > 3.0 * t.slope_error)
+        .filter(|t| {
+            t.measurement == sensor.measurement && t.sensor == sensor.sensor && t.slope.abs() > 3.0 * t.slope_error
+        })
         .take(TRENDS_NAMED)
         .map(|t| format!("{} ({} over its range)", t.against, signed(t.change, &sensor.unit)))
         .collect();

@@ -17,8 +17,8 @@ use crate::random::{Distribution, PointKind, Points, StreamKey};
 use crate::thermal::{Batch, Model, Network, Start};
 
 pub use output::{
-    Case, Conditional, Distributed, FailedSample, Joint, Met, Output, Probability, Quantile, Reached, Sampling, Spec, Sweep,
-    Variable,
+    Case, Conditional, Distributed, FailedSample, Joint, Met, Output, Probability, Quantile, Reached, Sampling, Spec,
+    Sweep, Variable,
 };
 
 use super::requirement::Environment;
@@ -73,7 +73,8 @@ impl Propagate {
             Sampling::Sobol => PointKind::Sobol,
         };
         let key = StreamKey::new(seed, name, "propagate");
-        let points = Points::new(set, key, usize::try_from(spec.samples).unwrap_or(usize::MAX), uncertain.len()).map_err(|e| failed(e.to_string()))?;
+        let points = Points::new(set, key, usize::try_from(spec.samples).unwrap_or(usize::MAX), uncertain.len())
+            .map_err(|e| failed(e.to_string()))?;
         let mut job = Self { spec, model, priors, network, points, uncertain, starts: Vec::new(), nominal: Vec::new() };
         let mut workspace = job.network.workspace();
         for case in 0..job.cases() {
@@ -131,8 +132,7 @@ impl Propagate {
         let quantities = self.spec.quantities.len();
         let count = usize::try_from(block.count).unwrap_or(usize::MAX);
         let first = usize::try_from(block.first).unwrap_or(usize::MAX);
-        let mut output =
-            BlockOutput { values: vec![f64::NAN; quantities * count], failures: Vec::new(), failed: 0 };
+        let mut output = BlockOutput { values: vec![f64::NAN; quantities * count], failures: Vec::new(), failed: 0 };
         let (nominal, inputs) = self.nominal_case(block.case);
         let swept = match self.design(block.case) {
             Some((Variable::Parameter(index), _)) => Some(index),
@@ -257,7 +257,15 @@ impl Job for Propagate {
                     100.0 * self.spec.failure_limit
                 )));
             }
-            cases.push(summary::case(&self.spec, &self.model, self.case_name(case), &values, &self.nominal[case], failed, failures));
+            cases.push(summary::case(
+                &self.spec,
+                &self.model,
+                self.case_name(case),
+                &values,
+                &self.nominal[case],
+                failed,
+                failures,
+            ));
         }
         let reached = self.reached(&cases);
         let output = Output {
@@ -292,10 +300,8 @@ impl Propagate {
             let swept = &environment[1..];
             let outcomes = swept.first().map_or(0, |case| case.requirements.len());
             for position in 0..outcomes {
-                let points: Vec<(f64, &Met)> = swept
-                    .iter()
-                    .filter_map(|case| case.design_value.zip(case.requirements.get(position)))
-                    .collect();
+                let points: Vec<(f64, &Met)> =
+                    swept.iter().filter_map(|case| case.design_value.zip(case.requirements.get(position))).collect();
                 found.extend(reached::reached(&environment[0].environment, &points, self.spec.samples));
             }
         }

@@ -53,7 +53,7 @@ mod tests {
     fn a_normal_curve_is_crossed_exactly() {
         // P(x) = Phi((x - 0.3) / 0.01) is straight on the probit scale.
         let points: Vec<(f64, f64)> =
-            (0..9).map(|i| 0.28 + 0.005 * f64::from(i)).map(|x| (x, normal_cdf((x - 0.3) / 0.01))).collect();
+            (0..12).map(|i| 0.28 + 0.005 * f64::from(i)).map(|x| (x, normal_cdf((x - 0.3) / 0.01))).collect();
         let x = crossing(&points, 0.99, 1_000_000).expect("crossed");
         assert!((x - (0.3 + 0.01 * 2.326_347_874_040_841)).abs() < 1e-9, "{x}");
     }

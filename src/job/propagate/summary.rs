@@ -1,8 +1,6 @@
 //! Samples to distributions, probabilities and joint distributions.
 
-use super::output::{
-    Case, Conditional, Distributed, FailedSample, Joint, Met, Probability, Quantile, Spec,
-};
+use super::output::{Case, Conditional, Distributed, FailedSample, Joint, Met, Probability, Quantile, Spec};
 use crate::statistics::histogram::{Histogram, PairHistogram, edges_sorted};
 use crate::statistics::interval::Interval;
 use crate::statistics::moments::{Moments, correlation};
@@ -43,7 +41,15 @@ pub fn case(
         })
         .collect();
     let joint = spec.joint.iter().map(|&pair| joint_of(spec, model, pair, values)).collect();
-    Case { environment, design_value, quantities, requirements: requirements(spec, model, values), joint, failed, failures }
+    Case {
+        environment,
+        design_value,
+        quantities,
+        requirements: requirements(spec, model, values),
+        joint,
+        failed,
+        failures,
+    }
 }
 
 /// Distribution of sorted finite samples.
@@ -71,9 +77,7 @@ fn distribution(sorted: &[f64], nominal: f64) -> Distributed {
             .collect(),
         histogram_edges: histogram.edges,
         histogram_counts: histogram.counts,
-        cdf: (0..CDF_POINTS)
-            .map(|i| quantile_sorted(sorted, (i as f64 + 0.5) / CDF_POINTS as f64))
-            .collect(),
+        cdf: (0..CDF_POINTS).map(|i| quantile_sorted(sorted, (i as f64 + 0.5) / CDF_POINTS as f64)).collect(),
     }
 }
 
@@ -176,5 +180,7 @@ fn equal_edges(values: &[f64]) -> Vec<f64> {
     if low >= high || !(high - low).is_finite() {
         return edges_sorted(values);
     }
-    (0..=JOINT_BINS).map(|i| if i == JOINT_BINS { high } else { low + (high - low) * i as f64 / JOINT_BINS as f64 }).collect()
+    (0..=JOINT_BINS)
+        .map(|i| if i == JOINT_BINS { high } else { low + (high - low) * i as f64 / JOINT_BINS as f64 })
+        .collect()
 }

@@ -3,7 +3,7 @@
 mod figures;
 
 use crate::job::compare::{Deviation, Output, SensorSummary};
-use crate::report::number::{NONE, Shown, fixed, percent, signed, significant};
+use crate::report::number::{NONE, Shown, fixed, percent, signed, significant, with_error};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
 use crate::report::view::PassReport;
 
@@ -20,6 +20,7 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         if jobs > 1 {
             blocks.push(Block::Heading(format!("Job {name}")));
         }
+        let first = blocks.len();
         blocks.push(Block::Paragraph(
             Text::new("Parameters: ")
                 .strong(if output.state == "nominal" {
@@ -38,8 +39,25 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.extend(heat(output));
         blocks.extend(stabilisation(output));
         blocks.extend(readings(report, output));
+        if output.sensors.windows(2).all(|pair| pair[0].measurement == pair[1].measurement) {
+            blocks[first..].iter_mut().for_each(without_measurement);
+        }
     }
     (!blocks.is_empty()).then(|| Section { id: "comparison", title: "Model against measurements".into(), blocks })
+}
+
+/// Takes the measurement's name out of tables; where there is only one it says nothing.
+fn without_measurement(block: &mut Block) {
+    match block {
+        Block::Table(table) if table.columns.first().is_some_and(|c| c.title == "Measurement") => {
+            table.columns.remove(0);
+            for row in &mut table.rows {
+                row.remove(0);
+            }
+        }
+        Block::Details(_, blocks) => blocks.iter_mut().for_each(without_measurement),
+        _ => {}
+    }
 }
 
 fn where_it_fails(output: &Output) -> Vec<Block> {
@@ -152,7 +170,7 @@ fn sensors(output: &Output) -> Block {
     );
     columns.push(Column::text("Unit"));
     Block::Table(Table {
-        caption: "Deviations by sensor. The RMSE is red above the 95 % range that the sensor's noise alone would give, green within it.".into(),
+        caption: "Deviations by sensor. The RMSE is red above the 95 % range that the sensor's noise alone would give, green within, amber below it.".into(),
         columns,
         rows,
     })
@@ -214,7 +232,7 @@ fn trends(output: &Output) -> Option<Block> {
                 Cell::code(&t.sensor),
                 Cell::code(&t.against),
                 signed(t.change, 2).into(),
-                format!("{} \u{00B1} {}", significant(t.slope, 3), significant(t.slope_error, 2)).into(),
+                with_error(t.slope, t.slope_error).into(),
                 crate::report::number::typeset(&t.unit).into(),
                 Cell { text: fixed(t.correlation, 2).into(), status: is_clear.then_some(Status::Caution) },
             ]
@@ -282,12 +300,11 @@ fn stabilisation(output: &Output) -> Option<Block> {
         .stabilisation
         .iter()
         .map(|s| {
-            let per_hour = |v: f64| significant(3600.0 * v, 3);
             vec![
                 Cell::code(&s.measurement),
                 Cell::code(&s.phase),
                 Cell::code(&s.sensor),
-                format!("{} \u{00B1} {}", per_hour(s.drift_k_per_s), per_hour(s.drift_error_k_per_s)).into(),
+                with_error(3600.0 * s.drift_k_per_s, 3600.0 * s.drift_error_k_per_s).into(),
                 significant(s.stored_w, 3).into(),
                 s.stabilised.map_or_else(
                     || Cell::from(NONE),

@@ -390,7 +390,8 @@ fn joint(report: &PassReport<'_>, case: &Case, j: &Joint, job: &str) -> Figure {
         ],
         ..Chart::default()
     };
-    let strength = j.correlation.map_or("undefined".to_owned(), |r| if r.abs() > 0.005 { fixed(r, 2) } else { "0.00".to_owned() });
+    let strength =
+        j.correlation.map_or("undefined".to_owned(), |r| if r.abs() > 0.005 { fixed(r, 2) } else { "0.00".to_owned() });
     let caption = format!(
         "Joint distribution of {} and {} in environment {} (linear correlation {strength}), with {} where {} is known.",
         j.x, j.y, case.environment, j.y, j.x

@@ -21,12 +21,17 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         statements.extend(of_comparison(report, output));
         verdicts.push(verdict_of_comparison(output));
     }
+    // What a requirement or a size says goes before what a distribution says, where there is no room for all.
+    let mut distributions = Vec::new();
     for (_, output) in report.propagations() {
-        statements.extend(of_propagation(report, output));
+        let (about_requirements, about_quantities) = of_propagation(report, output);
+        statements.extend(about_requirements);
+        distributions.extend(about_quantities);
     }
     for (_, output) in report.conventionals() {
         statements.extend(of_sizes(report, output));
     }
+    statements.extend(distributions);
     statements.truncate(MOST_STATEMENTS);
     if !statements.is_empty() {
         blocks.push(Block::Statements(statements));
@@ -181,9 +186,9 @@ fn of_comparison(report: &PassReport<'_>, output: &Output) -> Vec<Statement> {
     out
 }
 
-/// The requirement that matters: `all`, or the only one.
-fn of_propagation(report: &PassReport<'_>, output: &propagate::Output) -> Vec<Statement> {
-    let mut out = Vec::new();
+/// By environment: the requirement that is farthest from what is required, and its quantity's distribution.
+fn of_propagation(report: &PassReport<'_>, output: &propagate::Output) -> (Vec<Statement>, Vec<Statement>) {
+    let (mut out, mut quantities) = (Vec::new(), Vec::new());
     for case in propagation::nominal_cases(output) {
         let Some(met) = case.requirements.iter().min_by(|a, b| {
             (a.probability.value - a.required)
@@ -214,7 +219,7 @@ fn of_propagation(report: &PassReport<'_>, output: &propagate::Output) -> Vec<St
         });
         if let Some(q) = case.quantities.iter().find(|q| q.name == met.quantity).or(case.quantities.first()) {
             let shown = Shown::quantity(&q.unit, q.is_temperature);
-            out.push(Statement {
+            quantities.push(Statement {
                 label: format!("{}, {}", q.name, case.environment),
                 value: format!("{} \u{00B1} {}", shown.number(q.mean), shown.difference().text(q.sd)),
                 text: Text::new(format!("mean and standard deviation; nominal {}.", shown.text(q.nominal))),
@@ -222,7 +227,7 @@ fn of_propagation(report: &PassReport<'_>, output: &propagate::Output) -> Vec<St
             });
         }
     }
-    out
+    (out, quantities)
 }
 
 fn of_sizes(report: &PassReport<'_>, output: &conventional::Output) -> Vec<Statement> {
@@ -254,10 +259,13 @@ fn of_sizes(report: &PassReport<'_>, output: &conventional::Output) -> Vec<State
             let against = probabilistic.map_or(String::new(), |(own, _)| {
                 format!(" The probabilistic size is {}.", propagation::relative(own, value))
             });
+            let all = || sizes.iter().filter_map(|s| s.size);
+            let (least, most) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
+            let range = format!(" All rules: {} to {}.", design.number(least), design.text(most));
             out.push(Statement {
                 label: format!("Conventional size, {}", pair.0),
                 value: design.text(value),
-                text: Text::new(format!("{} ({}).{against}", sizing::label(size), size.rule.title)),
+                text: Text::new(format!("{} ({}).{against}{range}", sizing::label(size), size.rule.title)),
                 status: None,
             });
         }

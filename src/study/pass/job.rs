@@ -74,7 +74,7 @@ pub enum SweepForm {
     /// One by one.
     List(Vec<Amount>),
     /// Equally spaced.
-    Steps(StepsForm),
+    Steps(Box<StepsForm>),
 }
 
 written_struct! {
@@ -93,7 +93,7 @@ impl Written for SweepForm {
     fn read(node: &Node, diagnostics: &mut Diagnostics) -> Option<Self> {
         match &node.value {
             Value::Array(_) => Vec::read(node, diagnostics).map(Self::List),
-            Value::Object(_) => StepsForm::read(node, diagnostics).map(Self::Steps),
+            Value::Object(_) => Box::read(node, diagnostics).map(Self::Steps),
             _ => wrong_type(node, &Self::expected(), diagnostics),
         }
     }

@@ -12,7 +12,7 @@ pub enum UncertainForm {
     /// A known value.
     Known(Amount),
     /// Inferred under a prior.
-    Inferred(InferredForm),
+    Inferred(Box<InferredForm>),
 }
 
 written_struct! {
@@ -28,7 +28,7 @@ written_struct! {
 impl Written for UncertainForm {
     fn read(node: &Node, diagnostics: &mut Diagnostics) -> Option<Self> {
         match node.get("prior") {
-            Some(_) => InferredForm::read(node, diagnostics).map(Self::Inferred),
+            Some(_) => Box::read(node, diagnostics).map(Self::Inferred),
             None => Amount::read(node, diagnostics).map(Self::Known),
         }
     }

@@ -53,14 +53,14 @@ pub fn changes(scope: &mut Scope, forms: &Map<ParameterChangeForm>) -> (Vec<Para
             priors[index] = Some(Distribution::Fixed(nominal));
             scope.resolved.priors[index] = Prior::Distribution(Distribution::Fixed(nominal));
         }
-        if let Some([lower, upper]) = priors[index].as_ref().map(support) {
-            if nominal < lower || nominal > upper {
-                let message = format!("the nominal value of `{}` lies outside its prior", entry.name);
-                let place = form.nominal.as_ref().map_or(&entry.name_place, |amount| &amount.place);
-                scope.diagnostics.push(
-                    Diagnostic::warning(&code::NOMINAL_OUTSIDE, place, message).expected("a value within the prior"),
-                );
-            }
+        if let Some([lower, upper]) = priors[index].as_ref().map(support)
+            && (nominal < lower || nominal > upper)
+        {
+            let message = format!("the nominal value of `{}` lies outside its prior", entry.name);
+            let place = form.nominal.as_ref().map_or(&entry.name_place, |amount| &amount.place);
+            scope
+                .diagnostics
+                .push(Diagnostic::warning(&code::NOMINAL_OUTSIDE, place, message).expected("a value within the prior"));
         }
         let parameter = &mut scope.resolved.model.parameters[index];
         parameter.nominal = nominal;

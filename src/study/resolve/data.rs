@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::document::hash::sha256_hex;
 use crate::document::quantity::{parse_unit, report_dimension};
-use crate::document::{Diagnostic, Map, Place, Sense, Source, Span, Spanned, WrittenUnit, code, suggest};
+use crate::document::{Diagnostic, Diagnostics, Map, Place, Sense, Source, Span, Spanned, WrittenUnit, code, suggest};
 use crate::expression::{Dimension, Unit};
 use crate::study::inherit::folder_diagnostic_at;
 use crate::study::pass::measurement::{ColumnForm, PinForm};
@@ -23,6 +23,10 @@ pub struct Data {
     /// SHA-256 of the bytes.
     pub sha256: String,
 }
+
+/// What is wrong has been reported.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reported;
 
 /// How a table is laid out.
 pub struct Layout<'a> {
@@ -69,17 +73,19 @@ pub struct Columns {
 }
 
 /// Checks a pin and gives it its plain form.
-pub fn pin(scope: &mut Scope, measurement: &str, file: &str, form: &PinForm) -> Option<Pinned> {
+pub fn pin(measurement: &str, file: &str, form: &PinForm, diagnostics: &mut Diagnostics) -> Option<Pinned> {
+    let mut refuse = |place: &Place, message: String, expected: &str| {
+        diagnostics.push(Diagnostic::error(&code::PINNED, place, message).expected(expected));
+        None
+    };
     let sha256 = form.sha256.value.to_ascii_lowercase();
     if sha256.len() != DIGITS || !sha256.bytes().all(|byte| byte.is_ascii_hexdigit()) {
         let message = format!("`{}` is no SHA-256", form.sha256.value);
-        scope.error(&code::PINNED, &form.sha256.place, message, "64 hexadecimal digits");
-        return None;
+        return refuse(&form.sha256.place, message, "64 hexadecimal digits");
     }
     if let Some(origin) = form.origin.as_ref().filter(|origin| !origin.value.starts_with("https://")) {
         let message = format!("`{}` cannot be fetched", origin.value);
-        scope.error(&code::PINNED, &origin.place, message, "an address that begins with https://");
-        return None;
+        return refuse(&origin.place, message, "an address that begins with https://");
     }
     Some(Pinned {
         measurement: measurement.to_owned(),
@@ -92,7 +98,7 @@ pub fn pin(scope: &mut Scope, measurement: &str, file: &str, form: &PinForm) -> 
 }
 
 /// Reads a data file. `Ok(None)` where it is pinned and not there; `Err` after an error.
-pub fn data(scope: &mut Scope, file: &Spanned<String>, pinned: Option<&Pinned>) -> Result<Option<Data>, ()> {
+pub fn data(scope: &mut Scope, file: &Spanned<String>, pinned: Option<&Pinned>) -> Result<Option<Data>, Reported> {
     let bytes = match scope.folder.read(&file.value) {
         Ok(bytes) => bytes,
         Err(crate::study::folder::FolderError::Missing { .. }) if pinned.is_some() => return Ok(None),
@@ -103,7 +109,7 @@ pub fn data(scope: &mut Scope, file: &Spanned<String>, pinned: Option<&Pinned>) 
                 diagnostic = diagnostic.suggest(near.as_deref());
             }
             scope.diagnostics.push(diagnostic);
-            return Err(());
+            return Err(Reported);
         }
     };
     let sha256 = sha256_hex(&bytes);
@@ -114,11 +120,11 @@ pub fn data(scope: &mut Scope, file: &Spanned<String>, pinned: Option<&Pinned>) 
                 .expected("not the pinned file")
                 .help("move the file away, then `bmv data get` brings the pinned one"),
         );
-        return Err(());
+        return Err(Reported);
     }
     let before = scope.diagnostics.errors();
     let source = crate::document::json::decode(&scope.folder.shown_name(&file.value), &bytes, scope.diagnostics);
-    if scope.diagnostics.errors() > before { Err(()) } else { Ok(Some(Data { source, sha256 })) }
+    if scope.diagnostics.errors() > before { Err(Reported) } else { Ok(Some(Data { source, sha256 })) }
 }
 
 /// A file of the same folder with nearly this name.
@@ -148,13 +154,13 @@ pub fn separator(scope: &mut Scope, written: Option<&Spanned<String>>) -> u8 {
 }
 
 /// Reads the wanted columns of a file. `Err` after errors.
-pub fn columns(scope: &mut Scope, data: &Data, layout: &Layout, wanted: &[Wanted]) -> Result<Columns, ()> {
+pub fn columns(scope: &mut Scope, data: &Data, layout: &Layout, wanted: &[Wanted]) -> Result<Columns, Reported> {
     let before = scope.diagnostics.errors();
     let mut problems = Problems::default();
     let table = Table::new(data.source.text(), layout.separator, &mut problems);
     let Some(table) = table else {
         report(scope, &data.source, problems);
-        return Err(());
+        return Err(Reported);
     };
     let headers = table.headers();
     for entry in layout.columns {
@@ -189,7 +195,7 @@ pub fn columns(scope: &mut Scope, data: &Data, layout: &Layout, wanted: &[Wanted
     let mut columns = table.read(&asked, &mut problems).into_iter();
     report(scope, &data.source, problems);
     if scope.diagnostics.errors() > before {
-        return Err(());
+        return Err(Reported);
     }
     let phases =
         if steady { columns.next().map_or_else(Vec::new, |column| column.names().to_vec()) } else { Vec::new() };

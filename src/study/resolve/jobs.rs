@@ -302,7 +302,7 @@ fn conventional(
     };
     let environments = environments(scope, form.environments.as_ref(), offered);
     let requirements = requirements(scope, form.requirements.as_ref(), offered);
-    if requirements.is_empty() && scope.diagnostics.errors() == before {
+    if requirements.is_empty() && !scope.diagnostics.has_errors() {
         let message = format!("`{}` has no requirement to size for", entry.name);
         scope.error(&code::JOB_REFERENCE, &entry.name_place, message, "at least one entry under `requirements`");
     }
@@ -414,7 +414,7 @@ fn compare(
         }
         None => offered.measurements.iter().for_each(|(name, position)| add(name, *position)),
     }
-    if data.is_empty() && missing.is_empty() && scope.diagnostics.errors() == before {
+    if data.is_empty() && missing.is_empty() && !scope.diagnostics.has_errors() {
         let message = format!("`{}` has no measurement to compare with", entry.name);
         scope.error(&code::JOB_REFERENCE, &entry.name_place, message, "at least one entry under `measurements`");
     }

@@ -14,7 +14,7 @@ use super::scope::Scope;
 /// What became of a measurement.
 pub enum Outcome {
     /// It is there.
-    Ready(Measurement),
+    Ready(Box<Measurement>),
     /// Its pinned data are not there.
     Missing,
     /// It has errors.
@@ -51,6 +51,7 @@ pub fn sensors<'a>(
             let input = &scope.resolved.model.inputs[index].name;
             let message = format!("`{input}` is an input of the model and a sensor here: its column would be both");
             scope.error(&code::NAME_UNUSABLE, &entry.name_place, message, "another name");
+            continue;
         }
         let form = &entry.value;
         let Some(quantity) = scope.quantity(&form.measures) else { continue };
@@ -194,16 +195,18 @@ pub fn held_out_rows(scope: &mut Scope, form: Option<&HeldOutForm>, times_s: &[f
     held_out
 }
 
-/// Reported where there are no rows or no readings.
-pub fn check_content(scope: &mut Scope, measurement: &Measurement, place: &Place) {
-    let rows = measurement.len();
-    if rows == 0 {
-        let message = format!("`{}` has no rows", measurement.file);
-        scope.error(&code::TABLE_EMPTY, place, message, "at least one row below the headers");
+/// Whether there are rows and readings; reported where not.
+pub fn has_content(scope: &mut Scope, measurement: &Measurement, place: &Place) -> bool {
+    let (lacking, expected) = if measurement.is_empty() {
+        ("rows", "at least one row below the headers")
     } else if !measurement.readings.iter().any(Option::is_some) {
-        let message = format!("`{}` has no reading of any sensor", measurement.file);
-        scope.error(&code::TABLE_EMPTY, place, message, "at least one reading");
-    }
+        ("reading of any sensor", "at least one reading")
+    } else {
+        return true;
+    };
+    let message = format!("`{}` has no {lacking}", measurement.file);
+    scope.error(&code::TABLE_EMPTY, place, message, expected);
+    false
 }
 
 /// Smallest and largest value of each input in the data, where it has a column.

@@ -22,7 +22,9 @@ use super::folder::{Folder, FolderError};
 use super::inherit::{Lineage, folder_diagnostic_at, lineage};
 use super::model::name::check_label;
 use super::model::{self, QuantityForm, QuantityOrName, ResolvedModel};
+use super::pass::measurement::MeasurementForm;
 use super::pass::{self, PassForm};
+use super::pinned::Pinned;
 use super::resolved::Pass;
 use super::{profile, rule};
 
@@ -53,20 +55,44 @@ pub fn load(pass: &Path) -> Result<Pass, Diagnostics> {
     }
 }
 
-fn read(path: &Path, diagnostics: &mut Diagnostics) -> Option<Pass> {
+/// The pinned data that a pass states, whether they are there or not, and its folder.
+///
+/// # Errors
+/// What is wrong with the pass as written; its model and its data are not read.
+pub fn pinned(pass: &Path) -> Result<(Folder, Vec<Pinned>), Diagnostics> {
+    let mut diagnostics = Diagnostics::new();
+    let written = written(pass, &mut diagnostics);
+    let form = written.as_ref().and_then(|(_, lineage)| PassForm::read(&lineage.merged, &mut diagnostics));
+    let mut list = Vec::new();
+    for entry in form.iter().flat_map(|form| form.measurements.iter()) {
+        let (file, pin) = match &entry.value {
+            MeasurementForm::Steady(form) => (form.file.as_ref(), &form.pinned),
+            MeasurementForm::Transient(form) => (Some(&form.file), &form.pinned),
+        };
+        if let (Some(file), Some(pin)) = (file, pin) {
+            list.extend(data::pin(&entry.name, &file.value, pin, &mut diagnostics));
+        }
+    }
+    match written {
+        Some((folder, _)) if !diagnostics.has_errors() => Ok((folder, list)),
+        Some(_) | None => Err(diagnostics),
+    }
+}
+
+/// A pass with its parents, their formats checked.
+fn written(path: &Path, diagnostics: &mut Diagnostics) -> Option<(Folder, Lineage)> {
     let shown = path.display().to_string();
     let nowhere = Place::in_text(&Source::new(shown.as_str(), ""), Span::default());
     let unreadable = |error: FolderError, diagnostics: &mut Diagnostics| {
         diagnostics.push(folder_diagnostic_at(&error, &nowhere));
         None
     };
-    let parent = path.parent().unwrap_or(Path::new(""));
-    let folder = match Folder::open(parent) {
+    let folder = match Folder::open(path.parent().unwrap_or(Path::new(""))) {
         Ok(folder) => folder,
         Err(error) => return unreadable(error, diagnostics),
     };
     let Some(file) = path.file_name().and_then(|name| name.to_str()) else {
-        return unreadable(FolderError::Missing { path: shown.clone() }, diagnostics);
+        return unreadable(FolderError::Missing { path: shown }, diagnostics);
     };
     let lineage = match lineage(&folder, file, diagnostics) {
         Ok(lineage) => lineage?,
@@ -76,14 +102,21 @@ fn read(path: &Path, diagnostics: &mut Diagnostics) -> Option<Pass> {
     for file in &lineage.files {
         good &= check_format(&file.tree, pass::FORMAT, diagnostics);
     }
-    if !good {
-        return None;
-    }
+    good.then_some((folder, lineage))
+}
+
+fn read(path: &Path, diagnostics: &mut Diagnostics) -> Option<Pass> {
+    let (folder, lineage) = written(path, diagnostics)?;
     let form = PassForm::read(&lineage.merged, diagnostics);
     let model_file = model_file(&lineage.merged);
     let (resolved, model_tree) = read_model(&folder, &model_file, diagnostics)?;
-    let form = form?;
-    resolve(&folder, &lineage, &form, &model_file.value, resolved, &model_tree, diagnostics)
+    resolve(&folder, &lineage, &form?, &model_file.value, resolved, &model_tree, diagnostics)
+}
+
+/// The command that brings a study's pinned data.
+fn command(folder: &Folder) -> String {
+    let shown = folder.shown().display().to_string();
+    format!("bmv data get {}", if shown.is_empty() { "." } else { &shown })
 }
 
 /// The model's file, also where other parts of the pass are wrong.
@@ -139,7 +172,7 @@ fn resolve(
     for entry in &form.measurements {
         let position = match measurement::measurement(&mut scope, entry, &mut pinned, &mut ignored_sensors) {
             Outcome::Ready(measurement) => {
-                measurements.push(measurement);
+                measurements.push(*measurement);
                 Some(measurements.len() - 1)
             }
             Outcome::Missing => {
@@ -168,7 +201,7 @@ fn resolve(
         profiles: &profiles.into_iter().map(|(profile, _)| profile).collect::<Vec<_>>(),
         design: &form.design,
         named_quantities,
-        command: format!("bmv data get {}", folder.shown_name("").trim_end_matches('/')),
+        command: command(folder),
     };
     let mut jobs = jobs::jobs(&mut scope, &form.jobs, &offered);
     jobs.extend(jobs::implied_comparison(&jobs, &offered));
@@ -281,7 +314,7 @@ fn ranges_from_data(scope: &mut Scope, measurements: &[crate::inference::measure
     }
     let mut names = Vec::new();
     for (input, range) in scope.resolved.model.inputs.iter_mut().zip(ranges) {
-        if input.range.is_none() && range.is_some() {
+        if input.range.is_none() && range.is_some_and(|[lower, upper]: [f64; 2]| lower < upper) {
             input.range = range;
             names.push(input.name.clone());
         }

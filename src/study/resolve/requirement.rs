@@ -34,11 +34,11 @@ pub fn requirements(scope: &mut Scope, forms: &Map<RequirementForm>) -> Vec<Requ
             amount.as_ref().and_then(|amount| amount.si(dimension, None, sense, scope.diagnostics))
         };
         let (below, above) = (limit(&form.below), limit(&form.above));
-        if let (Some(below), Some(above), Some(amount)) = (below, above, &form.above) {
-            if above >= below {
-                let message = "the quantity would have to lie above its upper limit".to_owned();
-                scope.error(&code::REQUIREMENT, &amount.place, message, "`above` smaller than `below`");
-            }
+        if let (Some(below), Some(above), Some(amount)) = (below, above, &form.above)
+            && above >= below
+        {
+            let message = "the quantity would have to lie above its upper limit";
+            scope.error(&code::REQUIREMENT, &amount.place, message, "`above` smaller than `below`");
         }
         requirements.push(Requirement { name: entry.name.clone(), quantity, below, above, probability });
     }

@@ -13,7 +13,7 @@ use crate::study::table::Cells;
 use crate::study::window::window;
 
 use super::data::{Layout, Wanted, columns, data, pin, separator};
-use super::measurement::{Outcome, base_inputs, check_content, parted, rows_within, sensors, wanted};
+use super::measurement::{Outcome, base_inputs, has_content, parted, rows_within, sensors, wanted};
 use super::scope::Scope;
 
 /// Resolves a steady measurement.
@@ -35,11 +35,13 @@ pub fn steady(
         }
     };
     let Outcome::Ready(mut measurement) = outcome else { return outcome };
+    if !has_content(scope, &measurement, form.file.as_ref().map_or(&entry.name_place, |file| &file.place)) {
+        return Outcome::Wrong;
+    }
     if let Rows::Steady(phases) = &mut measurement.rows {
         hold_out(scope, form.held_out.as_ref(), phases);
         leave_out(scope, &form.ignore, &form.sensors, phases);
     }
-    check_content(scope, &measurement, form.file.as_ref().map_or(&entry.name_place, |file| &file.place));
     Outcome::Ready(measurement)
 }
 
@@ -51,13 +53,13 @@ fn table(
     list: &mut [(&MapEntry<SensorForm>, Sensor)],
     pins: &mut Vec<Pinned>,
 ) -> Outcome {
-    let pinned = form.pinned.as_ref().and_then(|pinned| pin(scope, &entry.name, &file.value, pinned));
+    let pinned = form.pinned.as_ref().and_then(|pinned| pin(&entry.name, &file.value, pinned, scope.diagnostics));
     pins.extend(pinned.clone());
     let separator = separator(scope, form.separator.as_ref());
     let data = match data(scope, file, pinned.as_ref()) {
         Ok(Some(data)) => data,
         Ok(None) => return Outcome::Missing,
-        Err(()) => return Outcome::Wrong,
+        Err(_) => return Outcome::Wrong,
     };
     let names: Vec<String> = scope.resolved.model.inputs.iter().map(|input| input.name.clone()).collect();
     let wanted = wanted(scope, &names, list, &file.place);
@@ -78,7 +80,7 @@ fn table(
     for ((_, sensor), read) in list.iter_mut().zip(&parts.sensors) {
         sensor.unit.clone_from(&read.unit);
     }
-    Outcome::Ready(Measurement {
+    Outcome::Ready(Box::new(Measurement {
         name: entry.name.clone(),
         rows: Rows::Steady(phases),
         sensors: list.iter().map(|(_, sensor)| sensor.clone()).collect(),
@@ -86,7 +88,7 @@ fn table(
         file: file.value.clone(),
         sha256: data.sha256,
         unused_columns: columns.unused,
-    })
+    }))
 }
 
 /// A time series that windows are cut from.
@@ -202,7 +204,7 @@ fn from_windows(
             sha256_hex(hashes.join("\n").as_bytes())
         }
     };
-    Outcome::Ready(Measurement {
+    Outcome::Ready(Box::new(Measurement {
         name: entry.name.clone(),
         rows: Rows::Steady(phases),
         sensors: list.iter().map(|(_, sensor)| sensor.clone()).collect(),
@@ -210,7 +212,7 @@ fn from_windows(
         file: files.join(", "),
         sha256,
         unused_columns,
-    })
+    }))
 }
 
 fn hold_out(scope: &mut Scope, form: Option<&HeldOutForm>, phases: &mut [Phase]) {

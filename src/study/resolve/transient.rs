@@ -10,7 +10,7 @@ use crate::study::resolved::IgnoredSensor;
 use crate::thermal::NodeKind;
 
 use super::data::{Layout, columns, data, pin, separator};
-use super::measurement::{Outcome, base_inputs, check_content, held_out_rows, parted, rows_within, sensors, wanted};
+use super::measurement::{Outcome, base_inputs, has_content, held_out_rows, parted, rows_within, sensors, wanted};
 use super::scope::Scope;
 use super::steady::time_column;
 
@@ -28,13 +28,13 @@ pub fn transient(
     let mut list = sensors(scope, &entry.name, &entry.name_place, &form.sensors, &form.ignore, ignored_sensors);
     let initial = initial(scope, &form.initial, &entry.name_place);
     let base = base_inputs(scope, &form.inputs);
-    let pinned = form.pinned.as_ref().and_then(|pinned| pin(scope, &entry.name, &form.file.value, pinned));
+    let pinned = form.pinned.as_ref().and_then(|pinned| pin(&entry.name, &form.file.value, pinned, scope.diagnostics));
     pins.extend(pinned.clone());
     let separator = separator(scope, form.separator.as_ref());
     let data = match data(scope, &form.file, pinned.as_ref()) {
         Ok(Some(data)) => data,
         Ok(None) => return Outcome::Missing,
-        Err(()) => return Outcome::Wrong,
+        Err(_) => return Outcome::Wrong,
     };
     let names: Vec<String> = scope.resolved.model.inputs.iter().map(|input| input.name.clone()).collect();
     let mut wanted = wanted(scope, &names, &list, &form.file.place);
@@ -86,8 +86,11 @@ pub fn transient(
         sha256: data.sha256,
         unused_columns: columns.unused,
     };
-    check_content(scope, &measurement, &form.file.place);
-    Outcome::Ready(measurement)
+    if has_content(scope, &measurement, &form.file.place) {
+        Outcome::Ready(Box::new(measurement))
+    } else {
+        Outcome::Wrong
+    }
 }
 
 fn ignored_rows(scope: &mut Scope, form: &TransientForm, times_s: &[f64]) -> Vec<Option<String>> {

@@ -12,7 +12,7 @@ use super::{Transient, TransientError};
 
 /// Points within a step at which signs are looked at.
 const LOOKS: usize = 4;
-/// Switching functions this close to zero at an event switch with it, K.
+/// Thermostats whose functions lie within this of the one that switches go with it, K.
 const TOGETHER_K: f64 = 1e-7;
 /// Bisections; more than a double can resolve.
 const BISECTIONS: u32 = 60;
@@ -93,23 +93,13 @@ impl Integrator<'_> {
         self.set_instant(self.time_s);
         self.file[self.equations.temperatures()].copy_from_slice(&self.stage_values[0]);
         self.equations.program.run(segment::SWITCH, &mut self.file);
-        let mut due: Vec<usize> = Vec::new();
-        let mut nearest = (f64::NEG_INFINITY, 0);
-        for mode in 0..self.equations.modes {
-            let value = self.file[self.watched(mode)];
-            if value > nearest.0 {
-                nearest = (value, mode);
-            }
-            if value >= -TOGETHER_K {
-                due.push(mode);
-            }
-        }
-        if due.is_empty() {
-            // The interpolant saw a switching that the repeated step misses by its error.
-            due.push(nearest.1);
-        }
+        let values: Vec<f64> = (0..self.equations.modes).map(|mode| self.file[self.watched(mode)]).collect();
+        // The repeated step may stay short of a crossing that the interpolant saw, by its error: the nearest goes.
+        let nearest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let due: Vec<usize> = (0..values.len()).filter(|&mode| values[mode] >= nearest.min(0.0) - TOGETHER_K).collect();
+        let Some(&leading) = due.first() else { return Ok(()) };
         let before = self.tangent.is_some().then(|| self.stage_slopes[0].clone());
-        self.switch_shift(due[0]);
+        self.switch_shift(leading);
         for &mode in &due {
             let place = self.equations.modes().start + mode;
             let on = self.file[place] <= 0.5;

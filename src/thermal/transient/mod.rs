@@ -41,8 +41,8 @@ pub struct TransientOptions {
 impl Default for TransientOptions {
     fn default() -> Self {
         Self {
-            relative_tolerance: 1e-6,
-            absolute_tolerance_k: 1e-4,
+            relative_tolerance: 3e-7,
+            absolute_tolerance_k: 3e-5,
             newton_share: 0.02,
             first_step_s: None,
             longest_step_s: f64::INFINITY,
