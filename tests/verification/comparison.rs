@@ -31,6 +31,7 @@ fn sensor(name: &str, quantity: usize, sigma: f64) -> Sensor {
         bias: None,
         lag_s: None,
         correlation_time_s: None,
+        white: None,
     }
 }
 
@@ -51,7 +52,7 @@ fn phase(name: &str, held_out: bool) -> Phase {
 }
 
 fn compare(model: Model, measurement: Measurement) -> Output {
-    let spec = Spec { data: vec![0], criteria: criteria(), from: "nominal".into() };
+    let spec = Spec { data: vec![0], criteria: criteria(), from: "nominal".into(), calibration: None };
     let parameters = model.parameters.iter().map(|p| p.nominal).collect();
     let job = Compare::new(spec, Arc::new(model), Arc::new(vec![measurement]), parameters).unwrap();
     let Step::Blocks { stage, inputs } = job.begin().unwrap() else { panic!("no blocks") };
@@ -120,7 +121,7 @@ fn the_heat_of_a_stretch_ends_before_the_step_that_ends_it() {
     let rows = Rows::Transient {
         held_out: vec![false; times_s.len()],
         ignored: vec![None; times_s.len()],
-        initial: Initial::Temperatures(vec![Uncertain::Known(300.0); 2]),
+        initial: Initial::Temperatures { values: vec![Uncertain::Known(300.0); 2], shared: Vec::new() },
         inputs: InputTable { times_s, columns: vec![InputColumn { input: 0, values, hold: true }], base: vec![300.0] },
     };
     let output = compare(b.model, measurement(rows, vec![sensor("T", 0, 1.0)], vec![Some(300.0); 21]));
