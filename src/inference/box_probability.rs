@@ -59,7 +59,7 @@ fn richtmyer_steps(count: usize) -> Vec<f64> {
     let mut steps = Vec::with_capacity(count);
     let mut candidate: u32 = 2;
     while steps.len() < count {
-        if (2..candidate).take_while(|d| d * d <= candidate).all(|d| candidate % d != 0) {
+        if (2..candidate).take_while(|d| d * d <= candidate).all(|d| !candidate.is_multiple_of(d)) {
             steps.push(f64::from(candidate).sqrt().fract());
         }
         candidate += 1;

@@ -97,13 +97,13 @@ pub fn sample<T: Target>(
     for step in 0..settings.warm_up {
         walker.advance();
         if step < opening {
-            if (step + 1) % OPENING_BATCH == 0 {
+            if (step + 1).is_multiple_of(OPENING_BATCH) {
                 walker.rescale((walker.first_accepted - before) as f64 / OPENING_BATCH as f64);
                 before = walker.first_accepted;
             }
         } else {
             history.add(&walker.coordinates);
-            if (step + 1 - opening) % settings.interval == 0 {
+            if (step + 1 - opening).is_multiple_of(settings.interval) {
                 walker.learn(&history, settings.regularisation);
             }
         }
@@ -113,11 +113,11 @@ pub fn sample<T: Target>(
         walker.advance();
         if settings.adapt_throughout {
             history.add(&walker.coordinates);
-            if (step + 1) % settings.interval == 0 {
+            if (step + 1).is_multiple_of(settings.interval) {
                 walker.learn(&history, settings.regularisation);
             }
         }
-        if (step + 1) % settings.thin == 0 {
+        if (step + 1).is_multiple_of(settings.thin) {
             result.push(&posterior, &walker.coordinates, &walker.density);
         }
     }

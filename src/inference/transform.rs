@@ -84,6 +84,8 @@ pub enum Transform {
         lower: f64,
         /// Width, above 0.
         width: f64,
+        /// Upper bound, which rounding must not pass.
+        upper: f64,
     },
     /// `ln x = lower + width / (1 + e^-z)`.
     LogInterval {
@@ -91,6 +93,8 @@ pub enum Transform {
         lower: f64,
         /// Width in the logarithm, above 0.
         width: f64,
+        /// Both bounds of the parameter, which rounding must not pass.
+        bounds: [f64; 2],
     },
 }
 
@@ -110,7 +114,7 @@ impl Transform {
         match *prior {
             Distribution::Fixed(value) => Err(TransformError::Fixed { index, value }),
             Distribution::Uniform { lower, upper } | Distribution::Triangular { lower, upper, .. } => {
-                Ok(Self::Interval { lower, width: extent(lower, upper)? })
+                Ok(Self::Interval { lower, width: extent(lower, upper)?, upper })
             }
             Distribution::Normal { mean, sd, lower, upper } => {
                 extent(0.0, sd)?;
@@ -118,7 +122,7 @@ impl Transform {
                     (None, None) => Ok(Self::Line { centre: mean, scale: sd }),
                     (Some(bound), None) => Ok(Self::HalfLine { bound, scale: sd }),
                     (None, Some(bound)) => Ok(Self::HalfLine { bound, scale: -sd }),
-                    (Some(lower), Some(upper)) => Ok(Self::Interval { lower, width: extent(lower, upper)? }),
+                    (Some(lower), Some(upper)) => Ok(Self::Interval { lower, width: extent(lower, upper)?, upper }),
                 }
             }
             Distribution::LogNormal { median, factor } => {
@@ -127,7 +131,7 @@ impl Transform {
             }
             Distribution::LogUniform { lower, upper } => {
                 extent(lower, upper)?;
-                Ok(Self::LogInterval { lower: ln(lower), width: ln(upper) - ln(lower) })
+                Ok(Self::LogInterval { lower: ln(lower), width: ln(upper) - ln(lower), bounds: [lower, upper] })
             }
             Distribution::HalfNormal { scale } => {
                 extent(0.0, scale)?;
@@ -157,19 +161,19 @@ impl Transform {
                     log_slope_slope: 1.0,
                 }
             }
-            Self::Interval { lower, width } => {
+            Self::Interval { lower, width, upper } => {
                 let (share, log_share_slope, share_slope, bend) = logistic(z);
                 Image {
-                    value: lower + width * share,
+                    value: (lower + width * share).min(upper),
                     slope: width * share_slope,
                     log_slope: ln(width) + log_share_slope,
                     log_slope_slope: bend,
                 }
             }
-            Self::LogInterval { lower, width } => {
+            Self::LogInterval { lower, width, bounds } => {
                 let (share, log_share_slope, share_slope, bend) = logistic(z);
                 let log_value = lower + width * share;
-                let value = exp(log_value);
+                let value = exp(log_value).max(bounds[0]).min(bounds[1]);
                 let log_rate = width * share_slope;
                 Image {
                     value,
@@ -205,8 +209,8 @@ impl Transform {
             Self::Line { centre, scale } => (value - centre) / scale,
             Self::LogLine { centre, scale } => (ln(value.max(f64::MIN_POSITIVE)) - centre) / scale,
             Self::HalfLine { bound, scale } => ln(((value - bound) / scale).max(INSIDE)),
-            Self::Interval { lower, width } => logit((value - lower) / width),
-            Self::LogInterval { lower, width } => logit((ln(value.max(f64::MIN_POSITIVE)) - lower) / width),
+            Self::Interval { lower, width, .. } => logit((value - lower) / width),
+            Self::LogInterval { lower, width, .. } => logit((ln(value.max(f64::MIN_POSITIVE)) - lower) / width),
         }
     }
 }
