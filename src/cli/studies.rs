@@ -50,7 +50,7 @@ pub struct Loaded {
 }
 
 /// A job that waits for another's result.
-struct After(Deferred);
+struct After(Box<Deferred>);
 
 impl Task for After {
     fn kind(&self) -> &'static str {

@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::chains::Chains;
+use crate::math::functions::ln;
 use crate::random::Distribution;
 use crate::statistics::chain_diagnostics as diagnostics;
 
@@ -166,9 +167,12 @@ fn diagnose(name: &str, draws: &[Vec<f64>], prior: &Distribution, margin: f64) -
     let mean = draws.iter().flatten().sum::<f64>() / count;
     let squares: f64 = draws.iter().flatten().map(|x| (x - mean) * (x - mean)).sum();
     let (lower, upper) = prior.support();
+    // On the scale on which the prior is even: a loguniform prior reaches over decades.
+    let scale = |x: f64| if matches!(prior, Distribution::LogUniform { .. }) { ln(x) } else { x };
+    let (lower, upper) = (scale(lower), scale(upper));
     let near = margin * (upper - lower);
     let share = |at: &dyn Fn(f64) -> bool| {
-        near.is_finite().then(|| draws.iter().flatten().filter(|x| at(**x)).count() as f64 / count)
+        near.is_finite().then(|| draws.iter().flatten().filter(|x| at(scale(**x))).count() as f64 / count)
     };
     ParameterDiagnostics {
         name: name.to_owned(),

@@ -21,7 +21,7 @@ pub enum Readiness {
     /// It can run.
     Ready(Arc<dyn Job>),
     /// It can run when another job of the pass has its result.
-    After(Deferred),
+    After(Box<Deferred>),
     /// It does not run; the reason in a line.
     NotRun(String),
 }
@@ -112,14 +112,14 @@ fn comparison(
     if !runs {
         return Ok(Readiness::NotRun(format!("it shows the tuned state of `{name}`, which does not run")));
     }
-    Ok(Readiness::After(Deferred {
+    Ok(Readiness::After(Box::new(Deferred {
         calibration: name.clone(),
         comparison: job,
         spec: spec.clone(),
         model: Arc::clone(model),
         measurements: Arc::clone(measurements),
         nominal,
-    }))
+    })))
 }
 
 /// Own errors of the inputs; a prior from draws was refused when the pass was read.

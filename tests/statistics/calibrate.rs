@@ -95,7 +95,7 @@ fn adaptive_metropolis_finds_the_reference_posterior() {
 
 #[test]
 fn sequential_monte_carlo_finds_the_reference_posterior() {
-    agrees(&calibrated(Sampler::Smc, 1000));
+    agrees(&calibrated(Sampler::Smc, 400));
 }
 
 #[test]

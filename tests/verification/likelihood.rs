@@ -42,7 +42,7 @@ fn network8_has_the_reference_likelihood_and_gradient() {
     let constant = 215.0 * (HALF_LN_TAU + libm::log(SIGMA_K));
     // The reference solves to 1e-9 K and prints ten digits.
     assert!((value + constant + 123.648_294_7).abs() < 1e-6, "{}", value + constant);
-    for (own, reference) in gradient.iter().zip([25.607_920_06, 1222.603_83, 4728.700_076, 1512.330_728]) {
+    for (own, reference) in gradient.iter().zip([25.607_920_06, 1_222.603_83, 4_728.700_076, 1_512.330_728]) {
         assert!((own / reference - 1.0).abs() < 1e-6, "{own} {reference}");
     }
     check_gradient(&target, &[4.5, 0.8, 0.04, 0.2], 1e-5, 1e-5);

@@ -350,17 +350,17 @@ impl Calibrate {
         let (unknowns, readings) = (self.likelihood.dimension(), self.likelihood.data().len());
         if unknowns > readings {
             warnings.push(format!(
-                "{unknowns} unknowns stand against {readings} readings: the priors decide a part of the result"
+                "{unknowns} unknowns stand against {readings} readings: the priors decide a part of the result."
             ));
         }
         if let Some(k) = evidence.pareto_k.filter(|k| *k > 0.7) {
             warnings.push(format!(
-                "the evidence is not to be trusted (Pareto k of its weights {k:.2}, wanted: 0.7 or less); `\"sampler\": \"smc\"` \
-                 gives it independently"
+                "The evidence is not to be trusted (Pareto k of its weights {k:.2}, wanted: 0.7 or less): `\"sampler\": \"smc\"` \
+                 gives it independently."
             ));
         }
         for (reason, count) in &work.rejections.by_reason {
-            warnings.push(format!("{count} evaluations failed: {reason}"));
+            warnings.push(format!("{count} evaluations failed: {reason}."));
         }
         warnings
     }

@@ -81,7 +81,8 @@ pub struct ParameterSummary {
     pub ess_tail: Option<f64>,
     /// Monte Carlo standard error of the mean.
     pub mcse_mean: Option<f64>,
-    /// Share of the draws within 1 % of the prior's interval from either bound; 0 without an interval.
+    /// Share of the draws within 1 % of the prior's interval (of its logarithm for a loguniform prior) from either bound; 0
+    /// without an interval.
     pub at_bound: f64,
     /// The most probable value.
     pub map: f64,
