@@ -4,7 +4,6 @@
 //! nothing is left to look up, or all that is wrong with the files.
 
 pub mod discover;
-pub mod evidence;
 pub mod folder;
 pub mod inherit;
 pub mod model;

@@ -3,11 +3,10 @@
 //!
 //! To add one to the program: a file in `src/job/criteria` and a line in the list below.
 
-use crate::document::{Amount, Diagnostic, Diagnostics, MapEntry, Sense, Spanned, code, written_struct};
+use crate::document::{EvidenceForm, source_text, Amount, Diagnostic, Diagnostics, MapEntry, Sense, Spanned, code, written_struct};
 use crate::expression::Dimension;
 use crate::job::compare::Criteria;
 
-use super::evidence::{EvidenceForm, source_text};
 use super::folder::Folder;
 
 /// The format's name in the file.

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::document::formula::Expected;
+use crate::document::prior::{Prior, support};
 use crate::document::{Amount, Diagnostic, Diagnostics, MapEntry, Place, Sense, Spanned, WrittenUnit, code};
 use crate::expression::{Dependence, Dimension, Names, Symbol, Table, Unit};
 use crate::random::Distribution;
@@ -10,10 +12,8 @@ use crate::thermal::{Input, Limits, Model, Node, NodeKind, Parameter};
 
 use super::element::{self, Kind};
 use super::form::{InputForm, LimitsForm, ModelForm, NodeForm, ParameterForm, TableForm};
-use super::formula::Expected;
 use super::group::{self, Group};
 use super::name;
-use super::prior::{Prior, support};
 use super::quantity;
 
 /// The unit in which a parameter or input is written and shown.

@@ -8,7 +8,7 @@ use crate::job::propagate::{self, Sampling, Sweep, Variable};
 use crate::job::requirement::{Environment, Requirement};
 use crate::random::Distribution;
 use crate::study::model::Scale;
-use crate::study::model::prior::support;
+use crate::document::prior::support;
 use crate::study::pass::job::{
     CompareForm, ConventionalForm, JobForm, PropagateForm, RangeForm, SamplingForm, SweepForm,
 };
