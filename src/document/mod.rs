@@ -9,6 +9,7 @@ pub mod formula;
 pub mod hash;
 pub mod json;
 pub mod map;
+pub mod name;
 mod number;
 pub mod prior;
 pub mod quantity;

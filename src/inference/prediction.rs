@@ -4,7 +4,7 @@ use crate::expression::Symbol;
 use crate::thermal::transient::{InitialState, TransientRequest};
 use crate::thermal::{Model, Network, NetworkError, NodeKind, Start, Workspace};
 
-use super::measurement::{Initial, InputTable, Measurement, Rows, Sensor};
+use super::measurement::{Initial, InputTable, Measurement, Rows};
 
 /// Heat of the model in one row, W.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,7 +63,7 @@ impl Predictor {
     }
 
     /// Predicts all rows of a measurement at given parameters (SI, in the model's order), with each sensor's bias and
-    /// lag at their known or median values.
+    /// lag at their known or median values, or at the parameter that they are.
     pub fn predict(&self, workspace: &mut Workspace, measurement: &Measurement, parameters: &[f64]) -> Prediction {
         let rows = measurement.len();
         let mut prediction = Prediction {
@@ -79,7 +79,7 @@ impl Predictor {
         for (position, sensor) in measurement.sensors.iter().enumerate() {
             if let Some(bias) = &sensor.bias {
                 for row in 0..rows {
-                    prediction.readings[row * measurement.sensors.len() + position] += bias.nominal();
+                    prediction.readings[row * measurement.sensors.len() + position] += bias.at(parameters);
                 }
             }
         }
@@ -142,7 +142,8 @@ impl Predictor {
         for (position, sensor) in sensors.iter().enumerate() {
             let truth: Vec<f64> =
                 (0..rows).map(|row| transient.quantities[row * quantities + sensor.quantity]).collect();
-            let read = lagged(&inputs.times_s, &truth, sensor);
+            let tau_s = sensor.lag_s.as_ref().map_or(0.0, |lag| lag.at(parameters));
+            let read = lagged(&inputs.times_s, &truth, tau_s);
             for (row, value) in read.into_iter().enumerate() {
                 prediction.readings[row * sensors.len() + position] = value;
             }
@@ -177,8 +178,7 @@ fn inputs_at(table: &InputTable, row: usize) -> Vec<f64> {
 
 /// Reading of a sensor that follows the truth with a time constant: `tau ds/dt = truth - s`, started at the truth,
 /// exact for a truth that is linear between rows.
-fn lagged(times_s: &[f64], truth: &[f64], sensor: &Sensor) -> Vec<f64> {
-    let tau_s = sensor.lag_s.as_ref().map_or(0.0, super::measurement::Uncertain::nominal);
+fn lagged(times_s: &[f64], truth: &[f64], tau_s: f64) -> Vec<f64> {
     if tau_s <= 0.0 || truth.is_empty() {
         return truth.to_vec();
     }
@@ -199,25 +199,11 @@ fn lagged(times_s: &[f64], truth: &[f64], sensor: &Sensor) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::inference::measurement::Uncertain;
-
-    fn sensor(lag_s: f64) -> Sensor {
-        Sensor {
-            name: "s".into(),
-            quantity: 0,
-            unit: "K".into(),
-            sigma: None,
-            bias: None,
-            lag_s: Some(Uncertain::Known(lag_s)),
-            correlation_time_s: None,
-        }
-    }
-
     #[test]
     fn a_lagging_sensor_follows_a_ramp_one_time_constant_behind() {
         let times: Vec<f64> = (0..200).map(f64::from).collect();
         let truth: Vec<f64> = times.iter().map(|t| 0.5 * t).collect();
-        let read = lagged(&times, &truth, &sensor(14.0));
+        let read = lagged(&times, &truth, 14.0);
         // s(t) = a (t - tau) + a tau exp(-t / tau), the closed form.
         for (t, s) in times.iter().zip(&read) {
             let expected = 0.5 * (t - 14.0) + 0.5 * 14.0 * crate::math::functions::exp(-t / 14.0);
@@ -227,6 +213,6 @@ mod tests {
 
     #[test]
     fn no_lag_reads_the_truth() {
-        assert_eq!(lagged(&[0.0, 1.0], &[3.0, 4.0], &sensor(0.0)), [3.0, 4.0]);
+        assert_eq!(lagged(&[0.0, 1.0], &[3.0, 4.0], 0.0), [3.0, 4.0]);
     }
 }

@@ -3,7 +3,6 @@
 pub mod element;
 pub mod form;
 pub mod group;
-pub mod name;
 pub mod quantity;
 pub mod resolve;
 
@@ -13,7 +12,7 @@ pub use quantity::{QuantityForm, QuantityOrName};
 pub use resolve::{InputError, ResolvedModel, Scale, resolve};
 
 use crate::document::{Diagnostics, Node, Schemas, read_file};
-pub use crate::document::{Formulas, Prior, PriorForm};
+pub use crate::document::{Formulas, name, Prior, PriorForm};
 
 /// Reads a model file's bytes to its written form; `name` is what messages show.
 pub fn read(name: &str, bytes: &[u8], diagnostics: &mut Diagnostics) -> Option<(ModelForm, Node)> {

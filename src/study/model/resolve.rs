@@ -154,6 +154,33 @@ impl ResolvedModel {
         index
     }
 
+    /// Adds an input (where an adopted effect is there) behind those of the model and returns its index.
+    pub fn add_input(&mut self, input: Input, scale: Scale) -> usize {
+        let index = self.model.inputs.len();
+        self.model.inputs.push(input);
+        self.input_scales.push(scale);
+        self.input_errors.push(InputError::default());
+        index
+    }
+
+    /// Takes note of what an effect has added to the model: its parameters with their units and priors, its nodes,
+    /// elements and quantities.
+    pub fn note_additions(&mut self, parameters: impl IntoIterator<Item = (Unit, Distribution)>) {
+        for (unit, prior) in parameters {
+            self.parameter_scales.push(Scale { unit: Some(unit) });
+            self.priors.push(Prior::Distribution(prior));
+        }
+        self.nodes = self.model.nodes.iter().enumerate().map(|(i, node)| (node.name.clone(), i)).collect();
+        self.elements.clear();
+        for (index, element) in self.model.elements.iter().enumerate() {
+            self.elements.entry(element.name.clone()).or_default().push(index);
+        }
+        for quantity in &self.model.quantities[self.quantity_dimensions.len()..] {
+            let unit = Unit::parse(&quantity.unit);
+            self.quantity_dimensions.push(unit.map_or(Dimension::NONE, |unit| unit.dimension));
+        }
+    }
+
     fn name(&mut self, name: &str, symbol: Symbol, scale: &Scale) {
         let id = self.model.graph.symbol(symbol);
         self.names.values.insert(name.to_owned(), id);

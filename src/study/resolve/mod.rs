@@ -1,5 +1,7 @@
 //! From a pass as written to a pass that can be run.
 
+pub mod adopt;
+mod adopt_parameter;
 pub mod changes;
 pub mod data;
 pub mod jobs;
@@ -156,17 +158,18 @@ fn resolve(
     model_tree: &Node,
     diagnostics: &mut Diagnostics,
 ) -> Option<Pass> {
-    let mut scope = Scope { folder, resolved, diagnostics };
+    let mut scope = Scope { folder, resolved, hosts: Vec::new(), diagnostics };
     let seed = seed(&mut scope, form.seed.as_ref());
     check_names(&mut scope, form);
-    let (changes, priors) = changes::changes(&mut scope, &form.parameters);
-    refuse_effects(&mut scope, form);
+    let (changes, mut priors) = changes::changes(&mut scope, &form.parameters);
+    let (catalogue, own_effects) = adopt::catalogue(folder, scope.diagnostics);
+    let mut adoption = adopt::adopt(&mut scope, form, &catalogue);
     for entry in &form.quantities {
         quantity(&mut scope, entry);
     }
     let named_quantities = scope.resolved.model.quantities.len();
     let requirements = requirement::requirements(&mut scope, &form.requirements);
-    let environments = requirement::environments(&mut scope, &form.environments);
+    let mut environments = requirement::environments(&mut scope, &form.environments);
     let (mut measurements, mut positions) = (Vec::new(), Vec::new());
     let (mut pinned, mut missing, mut ignored_sensors) = (Vec::new(), Vec::new(), Vec::new());
     for entry in &form.measurements {
@@ -184,10 +187,14 @@ fn resolve(
         };
         positions.push((entry.name.clone(), position));
     }
+    adoption.adopt_at_sensors(&mut scope, form, &catalogue, &mut measurements);
+    adoption.switch_on(&mut measurements, &mut environments);
+    priors.extend(adoption.priors.iter().copied());
     let ranges_from_data = ranges_from_data(&mut scope, &measurements);
     let rules = rule::load(Some(folder), scope.diagnostics);
     let profiles = profile::load(Some(folder), form.criteria.iter(), scope.diagnostics);
     let mut own = serde_json::Map::new();
+    own.extend(own_effects.into_iter().map(|(name, json)| (format!("effects/{name}"), json)));
     own.extend(rules.iter().filter_map(|(rule, json)| Some((format!("rules/{}", rule.name), json.clone()?))));
     own.extend(
         profiles.iter().filter_map(|(profile, json)| Some((format!("criteria/{}", profile.name), json.clone()?))),
@@ -226,6 +233,7 @@ fn resolve(
         ignored_sensors,
         jobs,
         changes,
+        adopted: adoption.adopted,
         ranges_from_data,
         pinned,
         missing,
@@ -257,19 +265,6 @@ fn check_names(scope: &mut Scope, form: &PassForm) {
         .chain(names(&form.criteria));
     for (name, place) in all {
         check_label(name, place, scope.diagnostics);
-    }
-}
-
-/// Effects are read, and cannot yet be applied.
-fn refuse_effects(scope: &mut Scope, form: &PassForm) {
-    for entry in &form.adopt {
-        if entry.value.effect.len() != 1 {
-            let message = format!("`{}` adopts {} effects", entry.name, entry.value.effect.len());
-            scope.error(&code::ONE_KIND, &entry.place, message, "an object with one key, the effect's name");
-        }
-        scope.reason(&entry.value.because);
-        let message = format!("this version cannot yet apply effects, and `{}` is one", entry.name);
-        scope.error(&code::EFFECTS_NOT_APPLIED, &entry.name_place, message, "no entry under `adopt`");
     }
 }
 
