@@ -64,7 +64,7 @@ impl Catalogue {
     /// Reads a file and adds its effect under a name, in place of one of that name. The tree that was read comes back.
     pub fn read(&mut self, name: &str, shown: &str, bytes: &[u8], diagnostics: &mut Diagnostics) -> Option<Node> {
         let (form, node) = read_file::<EffectForm>(shown, bytes, FORMAT, diagnostics)?;
-        let effect = Effect::new(name, form, diagnostics)?;
+        let effect = Effect::new(name, form, node.to_json(), diagnostics)?;
         match self.effects.iter_mut().find(|other| other.name == name) {
             Some(other) => *other = effect,
             None => self.effects.push(effect),

@@ -22,6 +22,8 @@ pub struct Effect {
     pub places: Vec<PlaceKind>,
     /// Whether it may act on a group of such.
     pub groups: bool,
+    /// Its file.
+    pub json: serde_json::Value,
 }
 
 /// Kinds of place that an addition fits, with its name.
@@ -91,14 +93,14 @@ impl AddsForm {
 }
 
 impl Effect {
-    /// Checks an effect as written. `None` after an error.
-    pub fn new(name: &str, form: EffectForm, diagnostics: &mut Diagnostics) -> Option<Self> {
+    /// Checks an effect as written; `json` is its file. `None` after an error.
+    pub fn new(name: &str, form: EffectForm, json: serde_json::Value, diagnostics: &mut Diagnostics) -> Option<Self> {
         let before = diagnostics.errors();
         let places = form.applies.value.kinds();
         if places.is_empty() {
             wrong(&form.applies.place, "the effect has no kind of place", "such as {\"pair\": {}}", diagnostics);
         }
-        let effect = Self { name: name.to_owned(), groups: form.applies.value.group.is_some(), places, form };
+        let effect = Self { name: name.to_owned(), groups: form.applies.value.group.is_some(), places, form, json };
         effect.check_additions(diagnostics);
         effect.check_names(diagnostics);
         for entry in &effect.form.parameters {
@@ -277,6 +279,9 @@ impl Effect {
         let resistance = Dimension::TEMPERATURE.over(Dimension::POWER);
         check.text(&adds.contact, Expected::value(resistance, "a resistance").given(), &[]);
         check.text(&adds.lag, Expected::value(Dimension::TIME, "a time constant").given(), &[]);
+        if let Some(lag) = adds.lag.as_ref().filter(|lag| self.form.parameters.get(&lag.value).is_none()) {
+            wrong(&lag.place, "a lag is one of the parameters itself", "a parameter's name", check.diagnostics);
+        }
         if let Some(reading) = &adds.reading {
             // A sensor may measure anything: of its reading only the names are checked.
             let locals = check.locals(&["T", "rate", "zero"]);

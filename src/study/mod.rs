@@ -21,6 +21,6 @@ pub mod window;
 pub use discover::{Found, discover};
 pub use folder::Folder;
 pub use ready::ready;
-pub use resolve::load;
-pub use resolved::{JobSpec, NamedJob, ParameterChange, Pass};
+pub use resolve::{effects, load};
+pub use resolved::{AdoptedEffect, JobSpec, NamedJob, ParameterChange, Pass};
 pub use schema::schema;

@@ -2,6 +2,7 @@
 
 mod build;
 mod derivatives;
+mod effects;
 mod elements;
 mod orbit;
 mod steady;

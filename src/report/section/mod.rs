@@ -1,6 +1,7 @@
 //! Sections, a section a file. A section looks at the whole report and builds itself, or `None` where it has
 //! nothing to say. To add one, write its file and put its `build` into [`SECTIONS`].
 
+mod adopted;
 mod comparison;
 mod data;
 mod network;
@@ -20,6 +21,7 @@ pub type Build = fn(&PassReport<'_>) -> Option<Section>;
 pub const SECTIONS: &[Build] = &[
     summary::build,
     problem::build,
+    adopted::build,
     network::build,
     propagation::build,
     sizing::build,

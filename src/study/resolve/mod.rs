@@ -18,6 +18,7 @@ use crate::document::written::check_format;
 use crate::document::{
     Diagnostic, Diagnostics, MapEntry, NameOr, Node, Place, Source, Span, Spanned, Value, Written, canonical, code,
 };
+use crate::effect::Catalogue;
 use crate::thermal::Quantity;
 
 use super::folder::{Folder, FolderError};
@@ -55,6 +56,24 @@ pub fn load(pass: &Path) -> Result<Pass, Diagnostics> {
         }
         Some(_) | None => Err(diagnostics),
     }
+}
+
+/// The program's effects, with those of a study's folder where one is given.
+///
+/// # Errors
+/// What is wrong with the study's own.
+pub fn effects(study: Option<&Path>) -> Result<Catalogue, Diagnostics> {
+    let mut diagnostics = Diagnostics::new();
+    let catalogue = match study.map(Folder::open) {
+        None => Catalogue::embedded(&mut diagnostics),
+        Some(Ok(folder)) => adopt::catalogue(&folder, &mut diagnostics).0,
+        Some(Err(error)) => {
+            let nowhere = Place::in_text(&Source::new("effects", ""), Span::default());
+            diagnostics.push(folder_diagnostic_at(&error, &nowhere));
+            Catalogue::default()
+        }
+    };
+    if diagnostics.has_errors() { Err(diagnostics) } else { Ok(catalogue) }
 }
 
 /// The pinned data that a pass states, whether they are there or not, and its folder.
