@@ -86,9 +86,8 @@ fn candidate(effect: &Effect, model: &Model, spot: &Spot, bound: Vec<Bound>, sen
         Site::Sensors(own) => own,
         _ => sensors,
     };
-    let seen = |by: SeenBy, has: fn(&SensorPlace) -> bool| {
-        effect.form.seen_by.contains(&by) && watching.iter().any(has)
-    };
+    let seen =
+        |by: SeenBy, has: fn(&SensorPlace) -> bool| effect.form.seen_by.contains(&by) && watching.iter().any(has);
     Candidate {
         id,
         effect: effect.name.clone(),
@@ -252,8 +251,7 @@ impl Effect {
         let Some(quantity) = model.quantities.get(sensor.quantity) else { return false };
         let per_temperature = self.form.adds.value.reading.is_some()
             && self.form.parameters.iter().any(|entry| {
-                !entry.value.shape
-                    && entry.value.unit.as_ref().is_some_and(|written| !written.unit.dimension.is_none())
+                !entry.value.shape && entry.value.unit.as_ref().is_some_and(|written| !written.unit.dimension.is_none())
             });
         quantity.is_temperature || !per_temperature
     }

@@ -30,10 +30,7 @@ pub struct Effect {
 const FITS: &[(&str, &[PlaceKind])] = &[
     ("flow", &[PlaceKind::Pair, PlaceKind::Node]),
     ("load", &[PlaceKind::Node]),
-    (
-        "factor",
-        &[PlaceKind::Conductor, PlaceKind::Radiation, PlaceKind::Load, PlaceKind::Heater, PlaceKind::Capacity],
-    ),
+    ("factor", &[PlaceKind::Conductor, PlaceKind::Radiation, PlaceKind::Load, PlaceKind::Heater, PlaceKind::Capacity]),
     ("capacity", &[PlaceKind::Node, PlaceKind::Capacity]),
     ("node", &[PlaceKind::Node, PlaceKind::Pair]),
     ("within", &[PlaceKind::Conductor]),

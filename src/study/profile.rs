@@ -3,7 +3,9 @@
 //!
 //! To add one to the program: a file in `src/job/criteria` and a line in the list below.
 
-use crate::document::{EvidenceForm, source_text, Amount, Diagnostic, Diagnostics, MapEntry, Sense, Spanned, code, written_struct};
+use crate::document::{
+    Amount, Diagnostic, Diagnostics, EvidenceForm, MapEntry, Sense, Spanned, code, source_text, written_struct,
+};
 use crate::expression::Dimension;
 use crate::job::compare::Criteria;
 

@@ -137,6 +137,8 @@ pub struct AdoptedEffect {
     pub equation: String,
     /// The effect's source.
     pub source: String,
+    /// The effect's file within the study, where it is the study's own.
+    pub file: Option<String>,
     /// Names of its place; of a group the group's.
     pub place: Vec<String>,
     /// What each of the effect's inputs stands for.

@@ -2,7 +2,9 @@
 //!
 //! To add one to the program: a file in `src/job/rules` and a line in the list below.
 
-use crate::document::{EvidenceForm, source_text, Amount, Diagnostic, Diagnostics, Sense, code, written_choice, written_struct};
+use crate::document::{
+    Amount, Diagnostic, Diagnostics, EvidenceForm, Sense, code, source_text, written_choice, written_struct,
+};
 use crate::expression::Dimension;
 use crate::job::conventional::{Margin, Rule};
 

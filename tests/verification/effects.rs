@@ -191,8 +191,7 @@ fn derivatives_are_exact_and_balances_close() {
     for candidate in all(&catalogue) {
         let effect = catalogue.get(&candidate.effect).expect("there");
         let (model, _, probe, amplitudes) = applied(effect, &candidate);
-        let symbols: Vec<Symbol> =
-            (1..model.parameters.len()).map(|index| Symbol::Parameter(index as u32)).collect();
+        let symbols: Vec<Symbol> = (1..model.parameters.len()).map(|index| Symbol::Parameter(index as u32)).collect();
         let network = Network::compile(&model, &symbols).expect("compiled");
         let (_, values, mut workspace) = solve(&network, &probe);
         let balance = network.heat_balance(&mut workspace);

@@ -12,7 +12,7 @@ pub use quantity::{QuantityForm, QuantityOrName};
 pub use resolve::{InputError, ResolvedModel, Scale, resolve};
 
 use crate::document::{Diagnostics, Node, Schemas, read_file};
-pub use crate::document::{Formulas, name, Prior, PriorForm};
+pub use crate::document::{Formulas, Prior, PriorForm, name};
 
 /// Reads a model file's bytes to its written form; `name` is what messages show.
 pub fn read(name: &str, bytes: &[u8], diagnostics: &mut Diagnostics) -> Option<(ModelForm, Node)> {

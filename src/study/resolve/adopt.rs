@@ -1,6 +1,6 @@
 //! Adopted effects: looked up, placed, given their parameters, and applied to the model and to the measurements.
 
-use crate::document::{Diagnostics, MapEntry, NameOr, OneOrMany, Place, Spanned, code};
+use crate::document::{Diagnostics, MapEntry, NameOr, OneOrMany, Place, Spanned, code, suggest};
 use crate::effect::{Applied, Bound, Catalogue, Effect, Instance, PlaceKind, SensorChange, SensorPlace, Site, apply};
 use crate::expression::{Dimension, Unit};
 use crate::inference::measurement::{Measurement, Rows, Uncertain};
@@ -11,7 +11,7 @@ use crate::study::model::{Members, Scale};
 use crate::study::pass::PassForm;
 use crate::study::pass::adopt::{Adopted, EffectUse, GroupForm};
 use crate::study::resolved::AdoptedEffect;
-use crate::thermal::Input;
+use crate::thermal::{Input, NodeKind};
 
 use super::adopt_parameter::parameters;
 use super::scope::Scope;
@@ -25,13 +25,18 @@ pub fn catalogue(folder: &Folder, diagnostics: &mut Diagnostics) -> (Catalogue, 
     let mut catalogue = Catalogue::embedded(diagnostics);
     let mut own = Vec::new();
     for name in folder.json_names(FOLDER) {
-        let file = format!("{FOLDER}/{name}.json");
+        let file = own_file(&name);
         let Ok(bytes) = folder.read(&file) else { continue };
         let node = catalogue.read(&name, &folder.shown_name(&file), &bytes, diagnostics);
         own.extend(node.map(|node| (name, node.to_json())));
     }
     catalogue.check(diagnostics);
     (catalogue, own)
+}
+
+/// The file of a study's own effect within the study.
+pub fn own_file(name: &str) -> String {
+    format!("{FOLDER}/{name}.json")
 }
 
 /// What has been adopted.
@@ -145,6 +150,7 @@ impl Adoption {
             title: effect.form.title.clone(),
             equation: effect.form.equation.clone().unwrap_or_default(),
             source: crate::document::source_text(&effect.form.source, effect.form.evidence),
+            file: None,
             place: placed.names,
             inputs,
             parameters: applied.first_parameter..applied.first_parameter + parameters.len(),
@@ -277,12 +283,7 @@ struct Placed {
 }
 
 /// Where an effect acts.
-fn place(
-    scope: &mut Scope,
-    effect: &Effect,
-    usage: &MapEntry<EffectUse>,
-    sensors: &[SensorPlace],
-) -> Option<Placed> {
+fn place(scope: &mut Scope, effect: &Effect, usage: &MapEntry<EffectUse>, sensors: &[SensorPlace]) -> Option<Placed> {
     let expected = expected_place(effect);
     let Some(OneOrMany(written)) = &usage.value.place else {
         let message = format!("`{}` does not say where it acts", effect.name);
@@ -423,16 +424,21 @@ fn find(
     };
     let known: Vec<String> = known.into_iter().map(str::to_owned).collect();
     let known: Vec<&str> = known.iter().map(String::as_str).collect();
+    if let (true, Some(node)) = (what == "node" || what == "boundary", scope.resolved.node(&name.value)) {
+        let own = match scope.resolved.model.nodes[node].kind {
+            NodeKind::Boundary { .. } => "is a boundary",
+            NodeKind::Arithmetic | NodeKind::Diffusion { .. } => "is no boundary",
+        };
+        let message = format!("`{}` {own}", name.value);
+        let expected = format!("{}: {}", expected_place(effect), suggest::listed(known.iter().copied(), 12));
+        scope.error(&code::EFFECT_PLACE, &name.place, message, &expected);
+        return None;
+    }
     scope.unknown(&code::EFFECT_PLACE, &what, &name.value, &name.place, &known);
     None
 }
 
-fn group_place(
-    scope: &mut Scope,
-    effect: &Effect,
-    group: &Spanned<String>,
-    sensors: &[SensorPlace],
-) -> Option<Placed> {
+fn group_place(scope: &mut Scope, effect: &Effect, group: &Spanned<String>, sensors: &[SensorPlace]) -> Option<Placed> {
     let Some(found) = scope.resolved.groups.iter().find(|known| known.name == group.value).cloned() else {
         let known: Vec<String> = scope.resolved.groups.iter().map(|group| group.name.clone()).collect();
         let known: Vec<&str> = known.iter().map(String::as_str).collect();
@@ -469,8 +475,9 @@ fn bound(
     let known: Vec<&str> = effect.form.inputs.names().collect();
     for entry in &usage.value.inputs {
         if effect.form.inputs.get(&entry.name).is_none() {
-            let what = format!("input of `{}`", effect.name);
-            scope.unknown(&code::EFFECT_INPUT, &what, &entry.name, &entry.name_place, &known);
+            let message = format!("`{}` has no input `{}`", effect.name, entry.name);
+            let expected = suggest::listed(known.iter().copied(), 12);
+            scope.error(&code::EFFECT_INPUT, &entry.name_place, message, &expected);
         }
     }
     let mut bound = Vec::new();
@@ -501,8 +508,11 @@ fn bound(
                 let units: Vec<&str> =
                     entry.value.unit.iter().flat_map(|units| &units.0).map(|unit| unit.unit.text.as_str()).collect();
                 let message = format!("`{}` cannot stand for the input `{}`", given.value, entry.name);
-                let expected =
-                    if units.is_empty() { "an input".to_owned() } else { format!("an input in {}", units.join(" or ")) };
+                let expected = if units.is_empty() {
+                    "an input".to_owned()
+                } else {
+                    format!("an input in {}", units.join(" or "))
+                };
                 scope.error(&code::EFFECT_INPUT, &given.place, message, &expected);
             }
         }

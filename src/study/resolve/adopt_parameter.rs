@@ -2,7 +2,7 @@
 
 use crate::document::prior::support;
 use crate::document::quantity::report_dimension;
-use crate::document::{Diagnostic, MapEntry, Prior, code};
+use crate::document::{Diagnostic, MapEntry, Prior, code, suggest};
 use crate::effect::{Bound, Effect, EffectParameter};
 use crate::study::pass::adopt::{EffectParameter as EffectParameterForm, EffectUse};
 
@@ -23,8 +23,9 @@ pub fn parameters(
         if !parameters.iter().any(&named) {
             let known: Vec<String> = parameters.iter().map(|parameter| parameter.name.clone()).collect();
             let known: Vec<&str> = known.iter().map(String::as_str).collect();
-            let what = format!("parameter of `{}`", effect.name);
-            scope.unknown(&code::EFFECT_PARAMETER, &what, &entry.name, &entry.name_place, &known);
+            let message = format!("`{}` has no parameter `{}`", effect.name, entry.name);
+            let listed = suggest::listed(known.iter().copied(), 12);
+            scope.error(&code::EFFECT_PARAMETER, &entry.name_place, message, &listed);
             continue;
         }
         for parameter in parameters.iter_mut().filter(|parameter| named(parameter)) {
@@ -78,7 +79,8 @@ fn change(scope: &mut Scope, parameter: &mut EffectParameter, entry: &MapEntry<E
         if nominal < lower || nominal > upper {
             let message = format!("the nominal value of `{}` lies outside its prior", entry.name);
             scope.diagnostics.push(
-                Diagnostic::warning(&code::NOMINAL_OUTSIDE, &amount.place, message).expected("a value within the prior"),
+                Diagnostic::warning(&code::NOMINAL_OUTSIDE, &amount.place, message)
+                    .expected("a value within the prior"),
             );
         }
         parameter.nominal = nominal;

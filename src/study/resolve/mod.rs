@@ -213,7 +213,12 @@ fn resolve(
     let rules = rule::load(Some(folder), scope.diagnostics);
     let profiles = profile::load(Some(folder), form.criteria.iter(), scope.diagnostics);
     let mut own = serde_json::Map::new();
-    own.extend(own_effects.into_iter().map(|(name, json)| (format!("effects/{name}"), json)));
+    for adopted in &mut adoption.adopted {
+        if own_effects.iter().any(|(name, _)| *name == adopted.effect) {
+            adopted.file = Some(adopt::own_file(&adopted.effect));
+        }
+    }
+    own.extend(own_effects.into_iter().map(|(name, json)| (adopt::own_file(&name), json)));
     own.extend(rules.iter().filter_map(|(rule, json)| Some((format!("rules/{}", rule.name), json.clone()?))));
     own.extend(
         profiles.iter().filter_map(|(profile, json)| Some((format!("criteria/{}", profile.name), json.clone()?))),
