@@ -4,7 +4,7 @@ use crate::expression::{Graph, Names, Scope, Symbol, parse};
 use crate::thermal::{Model, NodeKind};
 
 use super::catalogue::Catalogue;
-use super::effect::Effect;
+use super::checked::Effect;
 use super::form::{EffectInputForm, SeenBy};
 use super::place::{Bound, PlaceKind, SensorPlace, Site};
 

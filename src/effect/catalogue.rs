@@ -4,7 +4,7 @@
 
 use crate::document::{Diagnostic, Diagnostics, Node, Schemas, code, read_file, suggest};
 
-use super::effect::Effect;
+use super::checked::Effect;
 use super::form::{EffectForm, FORMAT};
 
 /// Effects that come with the program, in the order in which they are shown.

@@ -4,7 +4,7 @@
 pub mod apply;
 pub mod candidate;
 pub mod catalogue;
-mod effect;
+mod checked;
 pub mod form;
 pub mod parameter;
 pub mod place;
@@ -12,6 +12,6 @@ pub mod place;
 pub use apply::{Applied, ApplyError, Instance, SensorChange, apply};
 pub use candidate::{Candidate, GroupPlace, candidates};
 pub use catalogue::Catalogue;
-pub use effect::Effect;
+pub use checked::Effect;
 pub use parameter::EffectParameter;
 pub use place::{Bound, PlaceKind, SensorPlace, Site};

@@ -5,7 +5,7 @@ use crate::expression::{Dimension, Unit};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
-use super::effect::{Effect, KNOT};
+use super::checked::{Effect, KNOT};
 use super::form::{ParameterForm, Sign};
 use super::place::Bound;
 

@@ -166,7 +166,7 @@ fn no_amplitude_changes_nothing() {
     let catalogue = catalogue();
     let base = model();
     let before = Network::compile(&base, &[]).expect("compiled");
-    let (temperatures, quantities, _) = solve(&before, &before.nominal_parameters().to_vec());
+    let (temperatures, quantities, _) = solve(&before, before.nominal_parameters());
     for candidate in all(&catalogue) {
         let effect = catalogue.get(&candidate.effect).expect("there");
         let (model, zero, ..) = applied(effect, &candidate);
@@ -271,24 +271,25 @@ fn heats_follow_their_equations() {
     let catalogue = catalogue();
     let all = all(&catalogue);
     let sigma = 5.670374419e-8;
+    let fourth = |kelvin: f64| kelvin * kelvin * kelvin * kelvin;
     let (cabinet, panel): (f64, f64) = (250.0 + 14.0, 250.0 + 21.0);
     // The surroundings are the seventh node of the evaluation below.
     let ambient = 250.0 + 6.0 * 7.0;
     let cases: &[(&str, f64)] = &[
         ("conductive-path:box:panel", 0.1 * (cabinet - panel)),
-        ("radiative-path:box:panel", sigma * 1e-2 * (cabinet.powi(4) - panel.powi(4))),
+        ("radiative-path:box:panel", sigma * 1e-2 * (fourth(cabinet) - fourth(panel))),
         ("gas-conduction:box:panel:p", 1.0 * 2.0 * (cabinet - panel)),
-        ("convection:box:panel", 0.1 * (cabinet - panel) * (panel - cabinet).powf(0.25)),
+        ("convection:box:panel", 0.1 * (cabinet - panel) * (panel - cabinet).sqrt().sqrt()),
         ("path-to-ambient:box", 0.1 * (cabinet - ambient)),
-        ("radiation-to-ambient:box", sigma * 1e-2 * (cabinet.powi(4) - ambient.powi(4))),
-        ("free-convection:box", 0.5 * (cabinet - ambient) * (ambient - cabinet).powf(0.25)),
+        ("radiation-to-ambient:box", sigma * 1e-2 * (fourth(cabinet) - fourth(ambient))),
+        ("free-convection:box", 0.5 * (cabinet - ambient) * (ambient - cabinet).sqrt().sqrt()),
         ("heat-load:box", 0.5),
         ("input-proportional-load:box:Q", 0.5 / 9.0 * 6.0),
         ("joule-heating:box:i", 0.5 / (1.2 * 1.2) * 0.64),
         ("product-load:box:Q*i", 0.5 / (9.0 * 1.2) * 6.0 * 0.8),
         ("input-function-load:box:Q", 0.5),
         ("product-function-load:box:Q*i", 0.5 / 9.0 * 6.0),
-        ("evaporation:box", -0.1 * (5309.0 * (1.0 / 293.15 - 1.0 / cabinet)).exp()),
+        ("evaporation:box", -0.1 * bmv::math::functions::exp(5309.0 * (1.0 / 293.15 - 1.0 / cabinet))),
     ];
     for &(id, expected) in cases {
         let candidate = all.iter().find(|candidate| candidate.id == id).unwrap_or_else(|| panic!("{id}"));

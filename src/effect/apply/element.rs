@@ -5,7 +5,7 @@ use crate::thermal::NodeKind;
 use crate::thermal::element::{ElementKind, Flow, Load};
 
 use super::{ApplyError, Work};
-use crate::effect::effect::KNOT;
+use crate::effect::checked::KNOT;
 use crate::effect::form::CurveForm;
 use crate::effect::place::Site;
 

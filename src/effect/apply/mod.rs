@@ -13,7 +13,7 @@ use crate::expression::{ExprId, Names, Scope, Symbol, parse};
 use crate::thermal::element::{Element, ElementKind};
 use crate::thermal::{Limits, Model, Node, NodeKind, Parameter};
 
-use super::effect::Effect;
+use super::checked::Effect;
 use super::parameter::EffectParameter;
 use super::place::{Bound, Site};
 

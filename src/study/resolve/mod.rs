@@ -2,6 +2,7 @@
 
 pub mod adopt;
 mod adopt_parameter;
+mod adopt_place;
 pub mod changes;
 pub mod data;
 pub mod jobs;
