@@ -5,6 +5,7 @@ mod check;
 mod compare;
 mod data;
 mod diff;
+mod effects;
 mod execute;
 mod explain;
 mod init;
@@ -113,6 +114,8 @@ enum Verb {
     /// Bring or check measurements that are pinned by their hash
     #[command(subcommand)]
     Data(data::Data),
+    /// Show the catalogue of physical effects, or one of them at length
+    Effects(effects::Effects),
     /// Print the JSON Schema of a file format
     Schema(schema::Schema),
     /// Explain a diagnostic at length
@@ -136,6 +139,7 @@ impl Verb {
             Self::Cache(verb) => verb.execute(context),
             Self::Verify(verb) => verb.execute(),
             Self::Data(verb) => verb.execute(),
+            Self::Effects(verb) => verb.execute(context),
             Self::Schema(verb) => verb.execute(),
             Self::Explain(verb) => verb.execute(),
             Self::Init(verb) => verb.execute(),

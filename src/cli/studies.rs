@@ -268,6 +268,11 @@ fn study_name(folder: &Path) -> String {
 fn input_files(pass: &Pass) -> Vec<(&'static str, String)> {
     let mut files = vec![("model", pass.model_file.clone()), ("pass", pass.file.clone())];
     files.extend(pass.parents.iter().map(|parent| ("parent pass", parent.clone())));
+    for file in pass.adopted.iter().filter_map(|adopted| adopted.file.clone()) {
+        if !files.iter().any(|(_, known)| *known == file) {
+            files.push(("effect", file));
+        }
+    }
     for measurement in &pass.measurements {
         if !files.iter().any(|(_, file)| *file == measurement.file) {
             files.push(("data", measurement.file.clone()));

@@ -1,1 +1,17 @@
-//! Effects.
+//! Physical effects that models miss, as data: the catalogue, where an effect applies, and applying it to a model or
+//! a sensor.
+
+pub mod apply;
+pub mod candidate;
+pub mod catalogue;
+mod checked;
+pub mod form;
+pub mod parameter;
+pub mod place;
+
+pub use apply::{Applied, ApplyError, Instance, SensorChange, apply};
+pub use candidate::{Candidate, GroupPlace, candidates};
+pub use catalogue::Catalogue;
+pub use checked::Effect;
+pub use parameter::EffectParameter;
+pub use place::{Bound, PlaceKind, SensorPlace, Site};

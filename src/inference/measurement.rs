@@ -10,21 +10,37 @@ pub enum Uncertain {
     Known(f64),
     /// Inferred under this prior, SI.
     Inferred(Distribution),
+    /// A parameter of the model, such as an adopted effect's.
+    Parameter {
+        /// Its index in the model.
+        index: usize,
+        /// Its nominal value, SI.
+        nominal: f64,
+    },
 }
 
 impl Uncertain {
-    /// The known value, or the prior's median.
+    /// The known value, the prior's median, or the parameter's nominal value.
     pub fn nominal(&self) -> f64 {
         match self {
             Self::Known(value) => *value,
             Self::Inferred(prior) => prior.quantile(0.5),
+            Self::Parameter { nominal, .. } => *nominal,
         }
     }
 
-    /// The prior under which it is inferred; `None` where it is known.
+    /// The value at given parameters of the model: where it is no parameter, its nominal value.
+    pub fn at(&self, parameters: &[f64]) -> f64 {
+        match self {
+            Self::Parameter { index, nominal } => parameters.get(*index).copied().unwrap_or(*nominal),
+            Self::Known(_) | Self::Inferred(_) => self.nominal(),
+        }
+    }
+
+    /// The prior under which it is inferred beside the model's parameters; `None` where it is known or one of these.
     pub fn prior(&self) -> Option<&Distribution> {
         match self {
-            Self::Known(_) | Self::Inferred(Distribution::Fixed(_)) => None,
+            Self::Known(_) | Self::Inferred(Distribution::Fixed(_)) | Self::Parameter { .. } => None,
             Self::Inferred(prior) => Some(prior),
         }
     }

@@ -69,7 +69,7 @@ impl Predictor {
     }
 
     /// Predicts all rows of a measurement at given parameters (SI, in the model's order), with each sensor's bias and
-    /// lag at their known or median values.
+    /// lag at their known or median values, or at the parameter that they are.
     pub fn predict(&self, workspace: &mut Workspace, measurement: &Measurement, parameters: &[f64]) -> Prediction {
         let rows = measurement.len();
         let mut prediction = Prediction {
@@ -86,7 +86,7 @@ impl Predictor {
         for (position, sensor) in measurement.sensors.iter().enumerate() {
             if let Some(bias) = &sensor.bias {
                 for row in 0..rows {
-                    prediction.readings[row * measurement.sensors.len() + position] += bias.nominal();
+                    prediction.readings[row * measurement.sensors.len() + position] += bias.at(parameters);
                 }
             }
         }
@@ -150,7 +150,7 @@ impl Predictor {
         for (position, sensor) in sensors.iter().enumerate() {
             let truth: Vec<f64> =
                 (0..rows).map(|row| transient.quantities[row * quantities + sensor.quantity]).collect();
-            let lag_s = sensor.lag_s.as_ref().map_or(0.0, super::measurement::Uncertain::nominal);
+            let lag_s = sensor.lag_s.as_ref().map_or(0.0, |lag| lag.at(parameters));
             let read = lag::reading(&inputs.times_s, &truth, lag_s);
             for (row, value) in read.into_iter().enumerate() {
                 prediction.readings[row * sensors.len() + position] = value;

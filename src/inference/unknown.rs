@@ -41,6 +41,8 @@ pub struct Unknowns {
     pub priors: Vec<Distribution>,
     /// Units in which people read them; the values are SI.
     pub units: Vec<String>,
+    /// Index in the model of each unknown that is a parameter of the model; these come first.
+    pub model: Vec<usize>,
 }
 
 impl Unknowns {
@@ -52,8 +54,13 @@ impl Unknowns {
         Value::Unknown(self.names.len() - 1)
     }
 
-    /// A value as it stands, or a further unknown where it is inferred.
-    pub fn add(&mut self, name: String, value: &Uncertain, unit: &str) -> Value {
+    /// A value as it stands, the unknown that it is already, or a further one where it is inferred; `parameters` are
+    /// the values of the model's parameters.
+    pub fn add(&mut self, name: String, value: &Uncertain, unit: &str, parameters: &[f64]) -> Value {
+        if let Uncertain::Parameter { index, .. } = value {
+            let place = self.model.iter().position(|own| own == index);
+            return place.map_or(Value::Known(value.at(parameters)), Value::Unknown);
+        }
         match value.prior() {
             Some(prior) => self.push(name, *prior, unit),
             None => Value::Known(value.nominal()),

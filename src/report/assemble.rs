@@ -106,6 +106,7 @@ pub fn assemble<'p>(
                 because: change.because.clone(),
             })
             .collect(),
+        adopted: pass.adopted.clone(),
         results,
         files: surroundings.files,
         engine_version: surroundings.engine_version,

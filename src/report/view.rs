@@ -6,6 +6,8 @@ use crate::job::{calibrate, compare, conventional, propagate};
 use crate::random::Distribution;
 use crate::thermal::{Model, Quantity};
 
+use crate::study::AdoptedEffect;
+
 use super::number::Shown;
 
 /// A parameter's prior, SI.
@@ -87,6 +89,8 @@ pub struct PassReport<'a> {
     pub measurements: &'a [Measurement],
     /// Changes against the parent pass.
     pub changes: Vec<ParameterChange>,
+    /// Effects that the pass adds to the model.
+    pub adopted: Vec<AdoptedEffect>,
     /// Jobs in the order of the pass.
     pub results: Vec<JobEntry>,
     /// Files that the results depend on.

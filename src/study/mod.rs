@@ -4,7 +4,6 @@
 //! nothing is left to look up, or all that is wrong with the files.
 
 pub mod discover;
-pub mod evidence;
 pub mod folder;
 pub mod inherit;
 pub mod model;
@@ -22,6 +21,6 @@ pub mod window;
 pub use discover::{Found, discover};
 pub use folder::Folder;
 pub use ready::ready;
-pub use resolve::load;
-pub use resolved::{JobSpec, NamedJob, ParameterChange, Pass};
+pub use resolve::{effects, load};
+pub use resolved::{AdoptedEffect, JobSpec, NamedJob, ParameterChange, Pass};
 pub use schema::schema;

@@ -3,11 +3,12 @@
 //!
 //! To add one to the program: a file in `src/job/criteria` and a line in the list below.
 
-use crate::document::{Amount, Diagnostic, Diagnostics, MapEntry, Sense, Spanned, code, written_struct};
+use crate::document::{
+    Amount, Diagnostic, Diagnostics, EvidenceForm, MapEntry, Sense, Spanned, code, source_text, written_struct,
+};
 use crate::expression::Dimension;
 use crate::job::compare::Criteria;
 
-use super::evidence::{EvidenceForm, source_text};
 use super::folder::Folder;
 
 /// The format's name in the file.

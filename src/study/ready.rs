@@ -13,7 +13,7 @@ use crate::job::propagate::Propagate;
 use crate::job::{Job, JobError};
 use crate::thermal::Model;
 
-use super::model::prior::Prior;
+use super::model::Prior;
 use super::resolved::{JobSpec, Pass};
 
 /// A pass's job: ready, or why it does not run now.

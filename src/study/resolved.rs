@@ -51,6 +51,8 @@ pub struct Pass {
     pub jobs: Vec<NamedJob>,
     /// What the pass changes in the model.
     pub changes: Vec<ParameterChange>,
+    /// Effects that the pass adopts, in the order of the file.
+    pub adopted: Vec<AdoptedEffect>,
     /// Inputs without a stated range, which took the data's smallest and largest value.
     pub ranges_from_data: Vec<String>,
     /// All pinned data.
@@ -123,6 +125,35 @@ pub struct IgnoredSensor {
     pub sensor: String,
     /// Why.
     pub because: String,
+}
+
+/// An effect that the pass adds to the model.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AdoptedEffect {
+    /// Its name in the pass; its parameters are `NAME.conductance` and so on.
+    pub name: String,
+    /// The effect.
+    pub effect: String,
+    /// The effect's title.
+    pub title: String,
+    /// The effect's equation.
+    pub equation: String,
+    /// The effect's source.
+    pub source: String,
+    /// The effect's file within the study, where it is the study's own.
+    pub file: Option<String>,
+    /// Names of its place; of a group the group's.
+    pub place: Vec<String>,
+    /// What each of the effect's inputs stands for.
+    pub inputs: Vec<(String, String)>,
+    /// Indices of its parameters in the model.
+    pub parameters: std::ops::Range<usize>,
+    /// Why.
+    pub because: String,
+    /// Pass and job that support it.
+    pub evidence: Option<[String; 2]>,
+    /// Measurements and environments that have it; empty: all.
+    pub applies_to: Vec<String>,
 }
 
 /// A change of a parameter against the model's file.

@@ -2,11 +2,12 @@
 //!
 //! To add one to the program: a file in `src/job/rules` and a line in the list below.
 
-use crate::document::{Amount, Diagnostic, Diagnostics, Sense, code, written_choice, written_struct};
+use crate::document::{
+    Amount, Diagnostic, Diagnostics, EvidenceForm, Sense, code, source_text, written_choice, written_struct,
+};
 use crate::expression::Dimension;
 use crate::job::conventional::{Margin, Rule};
 
-use super::evidence::{EvidenceForm, source_text};
 use super::folder::Folder;
 
 /// The format's name in the file.

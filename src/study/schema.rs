@@ -18,7 +18,7 @@ pub struct UnknownSchema {
 }
 
 /// The kinds of file with a schema.
-pub const KINDS: &[&str] = &["model", "pass", "rule", "criteria"];
+pub const KINDS: &[&str] = &["model", "pass", "effect", "rule", "criteria"];
 
 /// The JSON Schema of a kind of file.
 ///
@@ -28,6 +28,7 @@ pub fn schema(kind: &str) -> Result<Value, UnknownSchema> {
     match kind {
         "model" => Ok(Schemas::document::<ModelForm>("bmv model (bmv-network/1)")),
         "pass" => Ok(removable(Schemas::document::<PassForm>("bmv pass (bmv-pass/1)"))),
+        "effect" => Ok(crate::effect::catalogue::schema()),
         "rule" => Ok(Schemas::document::<super::rule::RuleForm>("bmv margin rule (bmv-rule/1)")),
         "criteria" => Ok(Schemas::document::<super::profile::ProfileForm>("bmv criteria profile (bmv-criteria/1)")),
         _ => Err(UnknownSchema { kind: kind.to_owned() }),

@@ -3,6 +3,7 @@
 use bmv::document::Diagnostics;
 use bmv::study::model;
 
+mod effects;
 mod expression;
 mod model_form;
 mod properties;
@@ -17,6 +18,7 @@ fn rendered(text: &str) -> String {
     assert_eq!(model.is_none(), diagnostics.has_errors(), "a model, or an error");
     diagnostics.render(false, 5)
 }
+mod pass_adopt;
 mod pass_data;
 mod pass_entries;
 mod pass_load;

@@ -223,21 +223,6 @@ fn a_bare_number_for_an_input_in_celsius() {
 }
 
 #[test]
-fn an_adopted_effect() {
-    let study = Study::new();
-    study.edit("pass-1.json", r#""design": {"A""#, r#""adopt": {"harness": {"effect": {"conductive-path": {"where": ["box", "panel"]}}, "because": "seen"}}, "design": {"A""#);
-    insta::assert_snapshot!(study.said("pass-1.json"), @r##"
-    error[effects-not-applied]: this version cannot yet apply effects, and `harness` is one
-     --> study/pass-1.json:8:12
-      |
-    8 |  "adopt": {"harness": {"effect": {"conductive-path": {"where": ["box", "panel"]}}, "because": "seen"}}, "design": {"A": {"from": 0.01...
-      |            ^^^^^^^^^ no entry under `adopt`
-      |
-      = note: at $.adopt.harness
-    "##);
-}
-
-#[test]
 fn an_unknown_kind_of_job() {
     let study = Study::new();
     study.edit("pass-1.json", r#"{"compare": {}}"#, r#"{"comprae": {}}"#);

@@ -178,3 +178,31 @@ fn writing_puts_every_file_in_its_place_and_removes_old_plots() {
     assert_eq!(std::fs::read_to_string(folder.path().join("report.md")).expect("read"), report.markdown);
     assert!(!folder.path().join("plots/old.svg").exists());
 }
+
+#[test]
+fn adopted_effects_stand_with_place_prior_and_reason() {
+    let sample = steady();
+    let mut report = sample.report();
+    report.adopted = vec![bmv::study::AdoptedEffect {
+        name: "harness".into(),
+        effect: "conductive-path".into(),
+        title: "Conductive path between two nodes".into(),
+        equation: "Q = G (Ta - Tb)".into(),
+        source: "Fourier's law".into(),
+        file: None,
+        place: vec!["board".into(), "baseplate".into()],
+        inputs: vec![],
+        parameters: 0..1,
+        because: "the <b>cable</b> was seen".into(),
+        evidence: Some(["pass-1.json".into(), "missing".into()]),
+        applies_to: vec!["balance test".into()],
+    }];
+    let rendered = render(&report).expect("renders");
+    let section = rendered.markdown.split("<a id=\"adopted\">").nth(1).expect("the section");
+    for text in ["harness", "Q = G (Ta - Tb)", "board, baseplate", "balance test", &sample.model.parameters[0].name] {
+        assert!(section.contains(text), "{text} in {section:.2000}");
+    }
+    assert!(rendered.html.contains("job missing of pass-1.json"));
+    assert!(!rendered.html.contains("<b>cable</b>"), "texts of a study are escaped");
+    assert!(!render(&sample.report()).expect("renders").markdown.contains("<a id=\"adopted\">"), "none without");
+}

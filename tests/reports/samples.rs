@@ -47,6 +47,7 @@ impl Sample {
                 after: "uniform, 0.1 to 1.2 W/K".into(),
                 because: "bottom view: less contact than assumed".into(),
             }],
+            adopted: Vec::new(),
             results: self.results.clone(),
             files: vec![FileHash { path: "model.json".into(), sha256: "ab".repeat(32), role: "model".into() }],
             engine_version: "1".into(),

@@ -3,6 +3,7 @@
 mod build;
 mod comparison;
 mod derivatives;
+mod effects;
 mod elements;
 mod flux;
 mod likelihood;

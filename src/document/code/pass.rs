@@ -15,9 +15,21 @@ codes! { PASS_CODES:
     BECAUSE_MISSING = "because-missing", "a change without a reason",
         "A changed parameter or prior, an adopted effect, a disabled sensor or phase needs a reason that a reviewer can read: `because` with at least a word in it. The report prints it.",
         "wrong: \"parameters\": {\"G\": {\"prior\": {\"uniform\": [0, 1]}}}\nright: \"parameters\": {\"G\": {\"prior\": {\"uniform\": [0, 1]}, \"because\": \"torque not recorded\"}}";
-    EFFECTS_NOT_APPLIED = "effects-not-applied", "an adopted effect that this version cannot apply",
-        "The pass adopts an effect. This version reads adopted effects but cannot yet apply them to a model, and running without them would give the results of another model.",
-        "wrong, with this version: \"adopt\": {\"harness\": {...}}\nright: remove the entry with \"harness\": null, or use a version that applies effects";
+    UNKNOWN_EFFECT = "unknown-effect", "an effect that neither the catalogue nor the study has",
+        "An adopted effect is named by its file: in the program's catalogue, which `bmv effects` lists, or in the study's own folder `effects`. The message names the nearest.",
+        "wrong: \"effect\": {\"conduction-path\": {...}}\nright: \"effect\": {\"conductive-path\": {...}}";
+    EFFECT_FILE = "effect-file", "an effect's file whose parts do not fit together",
+        "An effect adds something that fits the kinds of place that it applies to: a `flow` two nodes, a `factor` a conductor, radiation, load, capacity or heater, a `reading` a sensor. Its amplitudes have a unit and a prior on the side of 0 that `sign` allows.",
+        "wrong: \"applies\": {\"sensor\": {}}, \"adds\": {\"flow\": \"...\"}\nright: \"applies\": {\"pair\": {}}, \"adds\": {\"flow\": \"...\"}";
+    EFFECT_PLACE = "effect-place", "a place that an adopted effect cannot act on",
+        "`where` names what the effect acts on: two nodes for a pair, one node, boundary, conductor, radiation, load, heater, cooler or sensor, or {\"group\": NAME}. `bmv effects NAME` says which.",
+        "wrong: {\"conductive-path\": {\"where\": \"board\"}}\nright: {\"conductive-path\": {\"where\": [\"board\", \"baseplate\"]}}";
+    EFFECT_INPUT = "effect-input", "an input of an adopted effect that is not bound, or not rightly",
+        "What an effect needs of the model beside its place, such as a pressure, is bound under `inputs` to one of the model's inputs, or to a node where a temperature is allowed. The units must fit.",
+        "wrong: {\"gas-conduction\": {\"where\": [\"a\", \"b\"]}}\nright: {\"gas-conduction\": {\"where\": [\"a\", \"b\"], \"inputs\": {\"pressure\": \"P_ch\"}}}";
+    EFFECT_PARAMETER = "effect-parameter", "a parameter of an adopted effect that does not fit",
+        "An adopted effect has the parameters of its file. Their units must be of the same kind, and priors must lie on the side of 0 that the effect's `sign` allows: a conductance is never negative.",
+        "wrong: {\"conductance\": {\"unit\": \"W/K\", \"prior\": {\"normal\": {\"mean\": 0, \"sd\": 1}}}}\nright: {\"conductance\": {\"unit\": \"W/K\", \"prior\": {\"halfnormal\": 0.1}}}";
     TABLE_CELL = "table-cell", "a cell that cannot be read",
         "A cell of measured data is a finite number with a decimal point, or empty for a missing reading. NaN, inf, texts and decimal commas are refused where a column is used; only readings of sensors may be missing.",
         "wrong: P01,NaN,20.5\nright: P01,,20.5";

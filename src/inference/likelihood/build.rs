@@ -43,11 +43,12 @@ pub(super) fn build(definition: &Definition<'_>) -> Result<Likelihood, Likelihoo
     for &parameter in &parameters {
         let own = &model.parameters[parameter];
         unknowns.push(own.name.clone(), priors[parameter], &own.unit);
+        unknowns.model.push(parameter);
     }
     let mut parts = Vec::new();
     let mut data: Vec<Datum> = Vec::new();
     for (index, measurement) in measurements.iter().enumerate() {
-        let sensors = sensors(&model, &position, measurement, &mut unknowns)?;
+        let sensors = sensors(&model, &base, &position, measurement, &mut unknowns)?;
         match &measurement.rows {
             Rows::Steady(_) => {
                 parts.push(Part::Steady(SteadyPart::new(measurement, index, sensors, &mut data)));
@@ -117,6 +118,7 @@ pub(super) fn build(definition: &Definition<'_>) -> Result<Likelihood, Likelihoo
 /// Sensors with what is inferred of them. Steady data know no lag and no correlation in time.
 fn sensors(
     model: &Model,
+    parameters: &[f64],
     position: &[Option<usize>],
     measurement: &Measurement,
     unknowns: &mut Unknowns,
@@ -131,7 +133,8 @@ fn sensors(
         let mut value = |written: &Option<Uncertain>, what: &str, unit: &str| -> Option<Value> {
             // Nothing is asked of a sensor without a reading to fit.
             let written = written.as_ref()?;
-            Some(if used { unknowns.add(names(what), written, unit) } else { Value::Known(written.nominal()) })
+            let known = Value::Known(written.at(parameters));
+            Some(if used { unknowns.add(names(what), written, unit, parameters) } else { known })
         };
         let sigma = value(&sensor.sigma, "sigma", unit);
         let Some(sigma) = sigma.or_else(|| (!used).then_some(Value::Known(1.0))) else {

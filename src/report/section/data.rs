@@ -61,7 +61,7 @@ fn uncertain(value: Option<&Uncertain>, shown: &Shown) -> String {
     match value {
         None => NONE.to_owned(),
         Some(Uncertain::Known(value)) => shown.text(*value),
-        Some(Uncertain::Inferred(_)) => "inferred".to_owned(),
+        Some(Uncertain::Inferred(_) | Uncertain::Parameter { .. }) => "inferred".to_owned(),
     }
 }
 

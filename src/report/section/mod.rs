@@ -1,6 +1,7 @@
 //! Sections, a section a file. A section looks at the whole report and builds itself, or `None` where it has
 //! nothing to say. To add one, write its file and put its `build` into [`SECTIONS`].
 
+mod adopted;
 mod calibration;
 mod comparison;
 mod data;
@@ -30,6 +31,7 @@ pub const READINGS: Build = comparison::readings_alone;
 pub const SECTIONS: &[Build] = &[
     summary::build,
     problem::build,
+    adopted::build,
     network::build,
     propagation::build,
     sizing::build,

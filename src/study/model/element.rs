@@ -1,5 +1,6 @@
 //! Elements of the network from their written form.
 
+use crate::document::formula::Expected;
 use crate::document::{Diagnostic, Diagnostics, MapEntry, Place, Scalar, Spanned, code};
 use crate::expression::{Dimension, ExprId};
 use crate::thermal::element::{
@@ -7,7 +8,6 @@ use crate::thermal::element::{
 };
 
 use super::form::{CoolerForm, HeaterForm, ModelForm};
-use super::formula::Expected;
 use super::name;
 use super::resolve::ResolvedModel;
 

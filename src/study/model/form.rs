@@ -1,9 +1,8 @@
 //! The model as written.
 
-use crate::document::{Amount, Map, OneOrMany, Scalar, Spanned, WrittenUnit, written_struct};
+use crate::document::{Amount, Map, OneOrMany, PriorForm, Scalar, Spanned, WrittenUnit, written_struct};
 
 use super::group::GroupForm;
-use super::prior::PriorForm;
 use super::quantity::QuantityOrName;
 
 /// The format's name in the file.

@@ -2,21 +2,17 @@
 
 pub mod element;
 pub mod form;
-pub mod formula;
 pub mod group;
-pub mod name;
-pub mod prior;
 pub mod quantity;
 pub mod resolve;
 
 pub use form::{FORMAT, InputForm, ModelForm, ParameterForm};
-pub use formula::Formulas;
 pub use group::{Group, GroupForm, Members};
-pub use prior::{Prior, PriorForm};
 pub use quantity::{QuantityForm, QuantityOrName};
 pub use resolve::{InputError, ResolvedModel, Scale, resolve};
 
 use crate::document::{Diagnostics, Node, Schemas, read_file};
+pub use crate::document::{Formulas, Prior, PriorForm, name};
 
 /// Reads a model file's bytes to its written form; `name` is what messages show.
 pub fn read(name: &str, bytes: &[u8], diagnostics: &mut Diagnostics) -> Option<(ModelForm, Node)> {

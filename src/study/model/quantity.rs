@@ -1,5 +1,6 @@
 //! Quantities: what is asked of a model.
 
+use crate::document::formula::{Expected, Formulas};
 use crate::document::{
     Diagnostic, Diagnostics, Map, NameOr, Place, Sense, Spanned, WrittenUnit, code, written_choice, written_struct,
 };
@@ -7,7 +8,6 @@ use crate::expression::{Dependence, Dimension, ExprId};
 use crate::thermal::{Quantity, QuantityValue};
 
 use super::element::Kind;
-use super::formula::{Expected, Formulas};
 use super::name;
 use super::resolve::ResolvedModel;
 

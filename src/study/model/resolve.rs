@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::document::formula::Expected;
+use crate::document::prior::{Prior, support};
 use crate::document::{Amount, Diagnostic, Diagnostics, MapEntry, Place, Sense, Spanned, WrittenUnit, code};
 use crate::expression::{Dependence, Dimension, Names, Symbol, Table, Unit};
 use crate::random::Distribution;
@@ -10,10 +12,8 @@ use crate::thermal::{Input, Limits, Model, Node, NodeKind, Parameter};
 
 use super::element::{self, Kind};
 use super::form::{InputForm, LimitsForm, ModelForm, NodeForm, ParameterForm, TableForm};
-use super::formula::Expected;
 use super::group::{self, Group};
 use super::name;
-use super::prior::{Prior, support};
 use super::quantity;
 
 /// The unit in which a parameter or input is written and shown.
@@ -152,6 +152,33 @@ impl ResolvedModel {
         self.parameter_scales.push(scale);
         self.priors.push(prior);
         index
+    }
+
+    /// Adds an input (where an adopted effect is there) behind those of the model and returns its index.
+    pub fn add_input(&mut self, input: Input, scale: Scale) -> usize {
+        let index = self.model.inputs.len();
+        self.model.inputs.push(input);
+        self.input_scales.push(scale);
+        self.input_errors.push(InputError::default());
+        index
+    }
+
+    /// Takes note of what an effect has added to the model: its parameters with their units and priors, its nodes,
+    /// elements and quantities.
+    pub fn note_additions(&mut self, parameters: impl IntoIterator<Item = (Unit, Distribution)>) {
+        for (unit, prior) in parameters {
+            self.parameter_scales.push(Scale { unit: Some(unit) });
+            self.priors.push(Prior::Distribution(prior));
+        }
+        self.nodes = self.model.nodes.iter().enumerate().map(|(i, node)| (node.name.clone(), i)).collect();
+        self.elements.clear();
+        for (index, element) in self.model.elements.iter().enumerate() {
+            self.elements.entry(element.name.clone()).or_default().push(index);
+        }
+        for quantity in &self.model.quantities[self.quantity_dimensions.len()..] {
+            let unit = Unit::parse(&quantity.unit);
+            self.quantity_dimensions.push(unit.map_or(Dimension::NONE, |unit| unit.dimension));
+        }
     }
 
     fn name(&mut self, name: &str, symbol: Symbol, scale: &Scale) {

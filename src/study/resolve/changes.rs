@@ -1,10 +1,10 @@
 //! What a pass changes in the model's parameters.
 
+use crate::document::prior::support;
 use crate::document::{Diagnostic, Map, Sense, code};
 use crate::expression::Dimension;
 use crate::random::Distribution;
 use crate::study::model::Prior;
-use crate::study::model::prior::support;
 use crate::study::pass::ParameterChangeForm;
 use crate::study::resolved::ParameterChange;
 

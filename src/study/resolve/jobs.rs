@@ -1,5 +1,6 @@
 //! Jobs: settings with their defaults, names looked up.
 
+use crate::document::prior::support;
 use crate::document::{Amount, Diagnostic, Map, MapEntry, NameOr, Node, Place, Sense, Spanned, Value, code};
 use crate::expression::Dimension;
 use crate::job::compare::{self, Criteria};
@@ -8,7 +9,6 @@ use crate::job::propagate::{self, Sampling, Sweep, Variable};
 use crate::job::requirement::{Environment, Requirement};
 use crate::random::Distribution;
 use crate::study::model::Scale;
-use crate::study::model::prior::support;
 use crate::study::pass::job::{
     CompareForm, ConventionalForm, JobForm, PropagateForm, RangeForm, SamplingForm, SweepForm,
 };

@@ -1,5 +1,8 @@
 //! From a pass as written to a pass that can be run.
 
+pub mod adopt;
+mod adopt_parameter;
+mod adopt_place;
 mod calibrate;
 pub mod changes;
 pub mod data;
@@ -17,6 +20,7 @@ use crate::document::written::check_format;
 use crate::document::{
     Diagnostic, Diagnostics, MapEntry, NameOr, Node, Place, Source, Span, Spanned, Value, Written, canonical, code,
 };
+use crate::effect::Catalogue;
 use crate::thermal::Quantity;
 
 use super::folder::{Folder, FolderError};
@@ -54,6 +58,24 @@ pub fn load(pass: &Path) -> Result<Pass, Diagnostics> {
         }
         Some(_) | None => Err(diagnostics),
     }
+}
+
+/// The program's effects, with those of a study's folder where one is given.
+///
+/// # Errors
+/// What is wrong with the study's own.
+pub fn effects(study: Option<&Path>) -> Result<Catalogue, Diagnostics> {
+    let mut diagnostics = Diagnostics::new();
+    let catalogue = match study.map(Folder::open) {
+        None => Catalogue::embedded(&mut diagnostics),
+        Some(Ok(folder)) => adopt::catalogue(&folder, &mut diagnostics).0,
+        Some(Err(error)) => {
+            let nowhere = Place::in_text(&Source::new("effects", ""), Span::default());
+            diagnostics.push(folder_diagnostic_at(&error, &nowhere));
+            Catalogue::default()
+        }
+    };
+    if diagnostics.has_errors() { Err(diagnostics) } else { Ok(catalogue) }
 }
 
 /// The pinned data that a pass states, whether they are there or not, and its folder.
@@ -157,17 +179,18 @@ fn resolve(
     model_tree: &Node,
     diagnostics: &mut Diagnostics,
 ) -> Option<Pass> {
-    let mut scope = Scope { folder, resolved, diagnostics };
+    let mut scope = Scope { folder, resolved, hosts: Vec::new(), diagnostics };
     let seed = seed(&mut scope, form.seed.as_ref());
     check_names(&mut scope, form);
-    let (changes, priors) = changes::changes(&mut scope, &form.parameters);
-    refuse_effects(&mut scope, form);
+    let (changes, mut priors) = changes::changes(&mut scope, &form.parameters);
+    let (catalogue, own_effects) = adopt::catalogue(folder, scope.diagnostics);
+    let mut adoption = adopt::adopt(&mut scope, form, &catalogue);
     for entry in &form.quantities {
         quantity(&mut scope, entry);
     }
     let named_quantities = scope.resolved.model.quantities.len();
     let requirements = requirement::requirements(&mut scope, &form.requirements);
-    let environments = requirement::environments(&mut scope, &form.environments);
+    let mut environments = requirement::environments(&mut scope, &form.environments);
     let (mut measurements, mut positions) = (Vec::new(), Vec::new());
     let (mut pinned, mut missing, mut ignored_sensors) = (Vec::new(), Vec::new(), Vec::new());
     for entry in &form.measurements {
@@ -185,10 +208,19 @@ fn resolve(
         };
         positions.push((entry.name.clone(), position));
     }
+    adoption.adopt_at_sensors(&mut scope, form, &catalogue, &mut measurements);
+    adoption.switch_on(&mut measurements, &mut environments);
+    priors.extend(adoption.priors.iter().copied());
     let ranges_from_data = ranges_from_data(&mut scope, &measurements);
     let rules = rule::load(Some(folder), scope.diagnostics);
     let profiles = profile::load(Some(folder), form.criteria.iter(), scope.diagnostics);
     let mut own = serde_json::Map::new();
+    for adopted in &mut adoption.adopted {
+        if own_effects.iter().any(|(name, _)| *name == adopted.effect) {
+            adopted.file = Some(adopt::own_file(&adopted.effect));
+        }
+    }
+    own.extend(own_effects.into_iter().map(|(name, json)| (adopt::own_file(&name), json)));
     own.extend(rules.iter().filter_map(|(rule, json)| Some((format!("rules/{}", rule.name), json.clone()?))));
     own.extend(
         profiles.iter().filter_map(|(profile, json)| Some((format!("criteria/{}", profile.name), json.clone()?))),
@@ -228,6 +260,7 @@ fn resolve(
         ignored_sensors,
         jobs,
         changes,
+        adopted: adoption.adopted,
         ranges_from_data,
         pinned,
         missing,
@@ -259,19 +292,6 @@ fn check_names(scope: &mut Scope, form: &PassForm) {
         .chain(names(&form.criteria));
     for (name, place) in all {
         check_label(name, place, scope.diagnostics);
-    }
-}
-
-/// Effects are read, and cannot yet be applied.
-fn refuse_effects(scope: &mut Scope, form: &PassForm) {
-    for entry in &form.adopt {
-        if entry.value.effect.len() != 1 {
-            let message = format!("`{}` adopts {} effects", entry.name, entry.value.effect.len());
-            scope.error(&code::ONE_KIND, &entry.place, message, "an object with one key, the effect's name");
-        }
-        scope.reason(&entry.value.because);
-        let message = format!("this version cannot yet apply effects, and `{}` is one", entry.name);
-        scope.error(&code::EFFECTS_NOT_APPLIED, &entry.name_place, message, "no entry under `adopt`");
     }
 }
 

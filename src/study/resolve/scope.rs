@@ -16,6 +16,8 @@ pub struct Scope<'a> {
     pub folder: &'a Folder,
     /// The model; quantities are added where a node's name is asked for.
     pub resolved: ResolvedModel,
+    /// Nodes that effects have added, each with the node whose start temperature it takes where none is stated.
+    pub hosts: Vec<(usize, usize)>,
     /// Errors and warnings.
     pub diagnostics: &'a mut Diagnostics,
 }

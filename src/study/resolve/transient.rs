@@ -146,6 +146,11 @@ fn temperatures(scope: &mut Scope, map: &Map<UncertainForm>, place: &Place) -> O
     if scope.diagnostics.errors() > before {
         return None;
     }
+    for &(node, host) in &scope.hosts {
+        if named[node].is_none() {
+            named[node] = named[host].clone();
+        }
+    }
     let lacking: Vec<&str> = (scope.resolved.model.nodes.iter().zip(&named))
         .filter(|(node, value)| matches!(node.kind, NodeKind::Diffusion { .. }) && value.is_none() && all.is_none())
         .map(|(node, _)| node.name.as_str())

@@ -1,6 +1,6 @@
 //! Priors as written, and in SI.
 
-use crate::document::{Amount, Diagnostic, Diagnostics, Place, Sense, Spanned, code, written_choice, written_struct};
+use super::{Amount, Diagnostic, Diagnostics, Place, Sense, Spanned, code, written_choice, written_struct};
 use crate::expression::{Dimension, Unit};
 use crate::random::Distribution;
 

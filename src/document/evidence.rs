@@ -1,6 +1,6 @@
-//! How far the source of a rule or profile was itself read.
+//! How far a source was itself read.
 
-use crate::document::written_words;
+use super::written_words;
 
 written_words! {
     /// How far a source was itself read.
@@ -17,7 +17,7 @@ written_words! {
 }
 
 /// A source in words, with a remark where it was not itself read.
-pub(super) fn source_text(source: &str, evidence: Option<EvidenceForm>) -> String {
+pub fn source_text(source: &str, evidence: Option<EvidenceForm>) -> String {
     match evidence {
         Some(EvidenceForm::Excerpt) => format!("{source} (only an excerpt could be opened)"),
         Some(EvidenceForm::NotOpened) => format!("{source} (the source itself could not be opened)"),

@@ -1,6 +1,6 @@
 //! From scalars as written to expressions in the model's graph, with errors that point into the string.
 
-use crate::document::{Diagnostic, Diagnostics, Place, Scalar, Sense, Spanned, code, suggest};
+use super::{Diagnostic, Diagnostics, Place, Scalar, Sense, Spanned, code, suggest};
 use crate::expression::infer::infer;
 use crate::expression::{Dependence, Dimension, ExprId, Fault, Graph, Names, ParseError, Scope, Symbol, parse};
 

@@ -1,6 +1,6 @@
 //! Which names are allowed, and what is said of one that is not known.
 
-use crate::document::{Diagnostic, Diagnostics, Map, Place, code, suggest};
+use super::{Diagnostic, Diagnostics, Map, Place, code, suggest};
 use crate::expression::scope::RESERVED;
 
 /// Longer names are refused, in characters.

@@ -1,0 +1,136 @@
+//! Additions that store heat or stand between: capacities, hidden nodes, a node inside a conductor, a contact.
+
+use crate::thermal::NodeKind;
+use crate::thermal::element::{Conductor, ElementKind};
+
+use super::{ApplyError, Work};
+use crate::effect::place::Site;
+
+/// Smallest capacity of a node that an effect adds, J/K: it exists while the amplitude is 0.
+const LEAST_CAPACITY_J_PER_K: f64 = 1e-6;
+/// Smallest conductance of a path that an effect adds, W/K: far below what any measurement shows.
+const LEAST_CONDUCTANCE_W_PER_K: f64 = 1e-12;
+/// Smallest resistance of a contact, K/W: 1 W makes a microkelvin.
+const LEAST_RESISTANCE_K_PER_W: f64 = 1e-6;
+
+impl Work<'_, '_> {
+    /// `capacity`, `node`, `within` and `contact`.
+    pub(super) fn nodes(&mut self) -> Result<(), ApplyError> {
+        let adds = &self.instance.effect.form.adds.value;
+        if let Some(capacity) = &adds.capacity {
+            for (node, weight, _) in self.place_nodes()? {
+                let temperature = self.temperature(node);
+                let more = self.expression(&capacity.value, &[("T", temperature)])?;
+                let more = self.weighted(more, weight);
+                let capacity = match self.model.nodes[node].kind {
+                    NodeKind::Diffusion { capacity } => self.model.graph.add(capacity, more),
+                    NodeKind::Arithmetic => self.at_least(more, LEAST_CAPACITY_J_PER_K),
+                    NodeKind::Boundary { .. } => return Err(self.misplaced()),
+                };
+                self.model.nodes[node].kind = NodeKind::Diffusion { capacity };
+            }
+        }
+        if let Some(node) = &adds.node {
+            self.hidden(&node.capacity.value, &node.conductance.value)?;
+        }
+        if let Some(within) = &adds.within {
+            for element in self.place_elements()? {
+                self.within(element, &within.capacity.value, &within.share.value)?;
+            }
+        }
+        if let Some(contact) = &adds.contact {
+            for element in self.place_elements()? {
+                self.contact(element, &contact.value)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn hidden(&mut self, capacity: &str, conductance: &str) -> Result<(), ApplyError> {
+        let path = self.expression(conductance, &[])?;
+        let path = self.at_least(path, LEAST_CONDUCTANCE_W_PER_K);
+        let places: Vec<(Vec<usize>, f64, f64, Option<usize>)> = match &self.instance.site {
+            // Two halves in series make the path.
+            Site::Pair(ends) => vec![(ends.to_vec(), 1.0, 2.0, None)],
+            _ => {
+                let nodes = self.place_nodes()?;
+                nodes.into_iter().map(|(node, weight, member)| (vec![node], weight, weight, member)).collect()
+            }
+        };
+        for (neighbours, capacity_weight, path_weight, member) in places {
+            let node = self.add_node("hidden", member, NodeKind::Arithmetic)?;
+            let temperature = self.temperature(node);
+            let value = self.expression(capacity, &[("T", temperature)])?;
+            let value = self.weighted(value, capacity_weight);
+            let value = self.at_least(value, LEAST_CAPACITY_J_PER_K);
+            self.model.nodes[node].kind = NodeKind::Diffusion { capacity: value };
+            let conductance = self.weighted(path, path_weight);
+            for &neighbour in &neighbours {
+                let between = [neighbour, node];
+                let member = if neighbours.len() > 1 { Some(neighbour) } else { member };
+                self.add_element(member, ElementKind::Conductor(Conductor { between, conductance }));
+            }
+            self.applied.nodes.extend(neighbours.first().map(|&host| (node, host)));
+        }
+        Ok(())
+    }
+
+    /// Cuts a conductor in two with a node between: `G / s` before it and `G / (1 - s)` behind, in series `G`.
+    fn within(&mut self, element: usize, capacity: &str, share: &str) -> Result<(), ApplyError> {
+        let ElementKind::Conductor(Conductor { between: [a, b], conductance }) = self.model.elements[element].kind
+        else {
+            return Err(self.misplaced());
+        };
+        let capacity = self.expression(capacity, &[])?;
+        let capacity = self.at_least(capacity, LEAST_CAPACITY_J_PER_K);
+        let several = matches!(&self.instance.site, Site::Elements(elements) if elements.len() > 1);
+        let what =
+            if several { format!("hidden ({})", self.model.elements[element].name) } else { "hidden".to_owned() };
+        let node = self.add_node(&what, None, NodeKind::Diffusion { capacity })?;
+        let share = self.expression(share, &[])?;
+        let one = self.model.graph.number(1.0);
+        let rest = self.model.graph.subtract(one, share);
+        let before = self.model.graph.divide(conductance, share);
+        let behind = self.model.graph.divide(conductance, rest);
+        self.change_element(element, |_, kind| {
+            *kind = ElementKind::Conductor(Conductor { between: [a, node], conductance: before });
+            Ok(())
+        })?;
+        self.add_element(
+            several.then_some(node),
+            ElementKind::Conductor(Conductor { between: [node, b], conductance: behind }),
+        );
+        self.applied.nodes.push((node, a));
+        Ok(())
+    }
+
+    /// Puts a node without storage between a cooler's hot side and its node.
+    fn contact(&mut self, element: usize, resistance: &str) -> Result<(), ApplyError> {
+        let hot = match &self.model.elements[element].kind {
+            ElementKind::Cooler(cooler) => cooler.nodes.last().copied(),
+            _ => None,
+        };
+        let Some(hot) = hot else { return Err(self.misplaced()) };
+        let resistance = self.expression(resistance, &[])?;
+        let resistance = self.at_least(resistance, LEAST_RESISTANCE_K_PER_W);
+        let one = self.model.graph.number(1.0);
+        let conductance = self.model.graph.divide(one, resistance);
+        let several = matches!(&self.instance.site, Site::Elements(elements) if elements.len() > 1);
+        let side = self.add_node("hot side", several.then_some(hot), NodeKind::Arithmetic)?;
+        self.change_element(element, |work, kind| match kind {
+            ElementKind::Cooler(cooler) => {
+                if let Some(last) = cooler.nodes.last_mut() {
+                    *last = side;
+                }
+                Ok(())
+            }
+            _ => Err(work.misplaced()),
+        })?;
+        self.add_element(
+            several.then_some(side),
+            ElementKind::Conductor(Conductor { between: [side, hot], conductance }),
+        );
+        self.applied.nodes.push((side, hot));
+        Ok(())
+    }
+}

@@ -1,0 +1,118 @@
+//! Additions to sensors: a law of the reading, a lag, exchanged channels.
+//!
+//! A law is an expression over the model, so a sensor that has one measures a quantity of its own: solutions and
+//! derivatives follow without more.
+
+use crate::expression::{ExprId, Symbol, Term};
+use crate::thermal::{NodeKind, Quantity, QuantityValue};
+
+use super::{ApplyError, Work};
+use crate::effect::place::{SensorPlace, Site};
+
+/// What becomes of a sensor.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SensorChange {
+    /// It reads another quantity than it measures.
+    Reading {
+        /// The sensor.
+        sensor: String,
+        /// The quantity that it measures.
+        from: usize,
+        /// The quantity that it reads.
+        to: usize,
+    },
+    /// It follows late.
+    Lag {
+        /// The sensor.
+        sensor: String,
+        /// The parameter of the model that is its time constant, s.
+        parameter: usize,
+    },
+    /// Two sensors' channels are exchanged.
+    Swap {
+        /// The sensors.
+        sensors: [String; 2],
+    },
+}
+
+/// 0 degC in K, about which slopes of thermometers turn.
+const CELSIUS_ZERO_K: f64 = crate::expression::unit::CELSIUS_ZERO_K;
+
+impl Work<'_, '_> {
+    /// `reading`, `lag` and `swap`.
+    pub(super) fn sensors(&mut self) -> Result<(), ApplyError> {
+        let adds = &self.instance.effect.form.adds.value;
+        if let Some(reading) = &adds.reading {
+            for sensor in self.place_sensors()? {
+                let to = self.reading(&sensor, &reading.value)?;
+                self.applied.sensors.push(SensorChange::Reading { sensor: sensor.name, from: sensor.quantity, to });
+            }
+        }
+        if let Some(lag) = &adds.lag {
+            let id = self.expression(&lag.value, &[])?;
+            let Term::Symbol(Symbol::Parameter(parameter)) = self.model.graph.term(id) else {
+                return Err(self.misplaced());
+            };
+            for sensor in self.place_sensors()? {
+                let parameter = parameter as usize;
+                self.applied.sensors.push(SensorChange::Lag { sensor: sensor.name, parameter });
+            }
+        }
+        if adds.swap.is_some() {
+            let sensors: Vec<String> = self.place_sensors()?.into_iter().map(|sensor| sensor.name).collect();
+            let sensors: [String; 2] = sensors.try_into().map_err(|_| self.misplaced())?;
+            self.applied.sensors.push(SensorChange::Swap { sensors });
+        }
+        Ok(())
+    }
+
+    fn place_sensors(&self) -> Result<Vec<SensorPlace>, ApplyError> {
+        match &self.instance.site {
+            Site::Sensors(sensors) => Ok(sensors.clone()),
+            _ => Err(self.misplaced()),
+        }
+    }
+
+    /// Adds the quantity that a sensor reads and gives its index.
+    fn reading(&mut self, sensor: &SensorPlace, text: &str) -> Result<usize, ApplyError> {
+        let Some(measured) = self.model.quantities.get(sensor.quantity).cloned() else { return Err(self.misplaced()) };
+        let truth = measured.value.expression();
+        let zero = self.model.graph.number(if measured.is_temperature { CELSIUS_ZERO_K } else { 0.0 });
+        let mut locals = vec![("T", truth), ("zero", zero)];
+        match self.rate(truth) {
+            Some(rate) => locals.push(("rate", rate)),
+            None if self.names_rate(text) => return Err(ApplyError::NoRate { sensor: sensor.name.clone() }),
+            None => {}
+        }
+        let value = self.expression(text, &locals)?;
+        self.model.quantities.push(Quantity {
+            name: format!("{} with {}", sensor.name, self.instance.name),
+            unit: measured.unit,
+            is_temperature: measured.is_temperature,
+            value: QuantityValue::Instant(value),
+        });
+        Ok(self.model.quantities.len() - 1)
+    }
+
+    /// Whether an expression names the rate: it does where its value follows a stand-in for it.
+    fn names_rate(&mut self, text: &str) -> bool {
+        let stand_in = self.model.graph.symbol(Symbol::Local(0));
+        let locals = [("T", stand_in), ("zero", stand_in)];
+        self.expression(text, &locals).is_err()
+    }
+
+    /// Rate of change of a node's temperature, K/s: its balance over its capacity. Controlled heaters count with
+    /// their average duty.
+    fn rate(&mut self, truth: ExprId) -> Option<ExprId> {
+        let Term::Symbol(Symbol::Node(node)) = self.model.graph.term(truth) else { return None };
+        let node = node as usize;
+        let NodeKind::Diffusion { capacity } = self.model.nodes.get(node)?.kind else { return None };
+        let mut heats = Vec::new();
+        for element in self.model.elements.clone() {
+            let contribution = element.contribution(&mut self.model.graph, &mut Vec::new(), false);
+            heats.extend(contribution.heat.into_iter().filter(|(into, _)| *into == node).map(|(_, heat)| heat));
+        }
+        let balance = self.model.graph.sum(&heats);
+        Some(self.model.graph.divide(balance, capacity))
+    }
+}

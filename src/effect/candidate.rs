@@ -1,0 +1,271 @@
+//! Every effect of a catalogue at every place of a model where it could be.
+
+use crate::expression::{Graph, Names, Scope, Symbol, parse};
+use crate::thermal::{Model, NodeKind};
+
+use super::catalogue::Catalogue;
+use super::checked::Effect;
+use super::form::{EffectInputForm, SeenBy};
+use super::place::{Bound, PlaceKind, SensorPlace, Site};
+
+/// A group of a model, as effects see it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupPlace {
+    /// Its name.
+    pub name: String,
+    /// Its members.
+    pub site: Site,
+}
+
+/// An effect at a place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// Such as `conductive-path:baseplate:board`: the effect, the names of the place, the input if there is one.
+    pub id: String,
+    /// The effect.
+    pub effect: String,
+    /// Kind of the place, as in a result's `where_kind`.
+    pub where_kind: &'static str,
+    /// Names of the place; those of a pair in alphabetical order.
+    pub place: Vec<String>,
+    /// What the effect's inputs stand for; several joined by `*`.
+    pub input: Option<String>,
+    /// The place by indices.
+    pub site: Site,
+    /// What the effect's inputs stand for, in the order of its file.
+    pub bound: Vec<Bound>,
+    /// Whether steady phases can see it.
+    pub steady: bool,
+    /// Whether transients can see it.
+    pub transient: bool,
+}
+
+/// A place before what its inputs stand for is chosen.
+struct Spot {
+    kind: &'static str,
+    names: Vec<String>,
+    site: Site,
+    /// Nodes that may stand for an input that is a temperature.
+    nodes: Vec<usize>,
+}
+
+/// All candidates, in the order of the catalogue, then of the model.
+pub fn candidates(
+    model: &Model,
+    groups: &[GroupPlace],
+    sensors: &[SensorPlace],
+    catalogue: &Catalogue,
+) -> Vec<Candidate> {
+    let mut found = Vec::new();
+    for effect in catalogue.effects() {
+        for spot in spots(effect, model, groups, sensors) {
+            for bound in bindings(effect, model, &spot.nodes) {
+                found.push(candidate(effect, model, &spot, bound, sensors));
+            }
+        }
+    }
+    found
+}
+
+fn candidate(effect: &Effect, model: &Model, spot: &Spot, bound: Vec<Bound>, sensors: &[SensorPlace]) -> Candidate {
+    let of_sensor = effect.places.contains(&PlaceKind::Sensor);
+    let mut place = spot.names.clone();
+    let names: Vec<&str> = bound.iter().map(|one| one.name(model)).collect();
+    // A node that a sensor's reading depends on is part of the sensor's place.
+    let node = of_sensor && matches!(bound.as_slice(), [Bound::Node(_)]);
+    if node {
+        place.extend(names.iter().map(|name| (*name).to_owned()));
+    }
+    let input = (!names.is_empty() && !node).then(|| names.join("*"));
+    let mut id = effect.name.clone();
+    for part in place.iter().chain(&input) {
+        id.push(':');
+        id.push_str(part);
+    }
+    let watching: &[SensorPlace] = match &spot.site {
+        Site::Sensors(own) => own,
+        _ => sensors,
+    };
+    let seen =
+        |by: SeenBy, has: fn(&SensorPlace) -> bool| effect.form.seen_by.contains(&by) && watching.iter().any(has);
+    Candidate {
+        id,
+        effect: effect.name.clone(),
+        where_kind: spot.kind,
+        place,
+        input,
+        site: spot.site.clone(),
+        bound,
+        steady: seen(SeenBy::Steady, |sensor| sensor.steady),
+        transient: seen(SeenBy::Transient, |sensor| sensor.transient),
+    }
+}
+
+fn spots(effect: &Effect, model: &Model, groups: &[GroupPlace], sensors: &[SensorPlace]) -> Vec<Spot> {
+    let mut spots = Vec::new();
+    let name = |node: usize| model.nodes[node].name.clone();
+    for &kind in &effect.places {
+        let mut put = |names: Vec<String>, site: Site, nodes: Vec<usize>| {
+            spots.push(Spot { kind: kind.where_kind(), names, site, nodes });
+        };
+        match kind {
+            PlaceKind::Pair => {
+                for a in 0..model.nodes.len() {
+                    for b in a + 1..model.nodes.len() {
+                        let given = |node: usize| matches!(model.nodes[node].kind, NodeKind::Boundary { .. });
+                        if given(a) && given(b) {
+                            continue;
+                        }
+                        let ends = if name(a) <= name(b) { [a, b] } else { [b, a] };
+                        put(ends.map(name).to_vec(), Site::Pair(ends), ends.to_vec());
+                    }
+                }
+            }
+            PlaceKind::Node | PlaceKind::Boundary | PlaceKind::Capacity => {
+                for (node, entry) in model.nodes.iter().enumerate().filter(|(_, node)| kind.is_node(&node.kind)) {
+                    put(vec![entry.name.clone()], Site::Nodes(vec![(node, 1.0)]), vec![node]);
+                }
+            }
+            PlaceKind::Sensor => {
+                for sensor in sensors.iter().filter(|sensor| effect.fits_sensor(model, sensor)) {
+                    let all = 0..model.nodes.len();
+                    let others = all.filter(|&node| !is_temperature_of(model, sensor, node)).collect();
+                    put(vec![sensor.name.clone()], Site::Sensors(vec![sensor.clone()]), others);
+                }
+            }
+            PlaceKind::SensorPair => {
+                for (position, a) in sensors.iter().enumerate() {
+                    for b in &sensors[position + 1..] {
+                        let unit = |sensor: &SensorPlace| model.quantities.get(sensor.quantity).map(|q| &q.unit);
+                        if unit(a) == unit(b) {
+                            let (a, b) = if a.name <= b.name { (a, b) } else { (b, a) };
+                            let names = vec![a.name.clone(), b.name.clone()];
+                            put(names, Site::Sensors(vec![a.clone(), b.clone()]), Vec::new());
+                        }
+                    }
+                }
+            }
+            _ => {
+                for (index, element) in model.elements.iter().enumerate().filter(|(_, e)| kind.is_element(e)) {
+                    put(vec![element.name.clone()], Site::Elements(vec![index]), ends_of(model, index));
+                }
+            }
+        }
+    }
+    if effect.groups {
+        let fitting = groups.iter().filter(|group| effect.fits_group(model, &group.site));
+        spots.extend(fitting.map(|group| Spot {
+            kind: "group",
+            names: vec![group.name.clone()],
+            site: group.site.clone(),
+            nodes: Vec::new(),
+        }));
+    }
+    spots
+}
+
+/// Nodes of a conductor or radiation.
+fn ends_of(model: &Model, element: usize) -> Vec<usize> {
+    use crate::thermal::element::ElementKind;
+    match &model.elements[element].kind {
+        ElementKind::Conductor(element) => element.between.to_vec(),
+        ElementKind::Radiation(element) => element.between.to_vec(),
+        ElementKind::Load(element) => vec![element.into],
+        ElementKind::Heater(element) => vec![element.into],
+        ElementKind::Flow(element) => element.between.to_vec(),
+        ElementKind::Cooler(element) => element.nodes.clone(),
+    }
+}
+
+fn is_temperature_of(model: &Model, sensor: &SensorPlace, node: usize) -> bool {
+    let symbol = Bound::Node(node).symbol();
+    model.quantities.get(sensor.quantity).is_some_and(|quantity| {
+        model.graph.term(quantity.value.expression()) == crate::expression::Term::Symbol(symbol)
+    })
+}
+
+/// What the effect's inputs may stand for together: each something else.
+fn bindings(effect: &Effect, model: &Model, nodes: &[usize]) -> Vec<Vec<Bound>> {
+    let mut all: Vec<Vec<Bound>> = vec![Vec::new()];
+    for entry in &effect.form.inputs {
+        let choices: Vec<Bound> = (0..model.inputs.len())
+            .map(Bound::Input)
+            .chain(nodes.iter().copied().map(Bound::Node))
+            .filter(|&bound| entry.value.fits(model, bound))
+            .collect();
+        let longer = all.iter().flat_map(|before| {
+            let free = choices.iter().filter(|choice| !before.contains(choice));
+            free.map(|&choice| before.iter().copied().chain([choice]).collect())
+        });
+        all = longer.collect();
+    }
+    if effect.is_symmetric() {
+        let place = |bound: &Bound| match *bound {
+            Bound::Input(index) => (0, index),
+            Bound::Node(index) => (1, index),
+        };
+        all.retain(|pair| pair.windows(2).all(|two| place(&two[0]) < place(&two[1])));
+    }
+    all
+}
+
+impl EffectInputForm {
+    /// Whether it may stand for an input or node of the model.
+    pub fn fits(&self, model: &Model, bound: Bound) -> bool {
+        let (allowed, dimension) = match bound {
+            Bound::Node(_) => (self.temperature, None),
+            Bound::Input(_) => (self.input, Some(bound.dimension(model))),
+        };
+        let fits = match (&self.unit, dimension) {
+            (Some(units), Some(own)) => units.0.iter().any(|unit| Some(unit.unit.dimension) == own),
+            _ => true,
+        };
+        allowed && fits
+    }
+}
+
+impl Effect {
+    /// Whether a load is the same with its two inputs exchanged.
+    fn is_symmetric(&self) -> bool {
+        let (Some(load), 2) = (&self.form.adds.value.load, self.form.inputs.len()) else { return false };
+        let mut graph = Graph::new();
+        let mut names = Names::default();
+        for (index, entry) in (0u32..).zip(&self.form.parameters) {
+            let symbol = graph.symbol(Symbol::Parameter(index));
+            names.values.insert(entry.name.clone(), symbol);
+        }
+        let symbols = [graph.symbol(Symbol::Input(0)), graph.symbol(Symbol::Input(1))];
+        let temperature = graph.symbol(Symbol::Node(0));
+        let mut read = |order: [usize; 2]| {
+            let mut locals: Vec<(&str, _)> =
+                self.form.inputs.names().zip(order).map(|(name, position)| (name, symbols[position])).collect();
+            locals.push(("T", temperature));
+            parse(&load.value, &mut graph, &Scope::with(&names, locals)).ok()
+        };
+        let first = read([0, 1]);
+        first.is_some() && first == read([1, 0])
+    }
+
+    /// Whether a sensor's law fits what it measures: an amplitude in K, or none with a unit.
+    pub fn fits_sensor(&self, model: &Model, sensor: &SensorPlace) -> bool {
+        let Some(quantity) = model.quantities.get(sensor.quantity) else { return false };
+        let per_temperature = self.form.adds.value.reading.is_some()
+            && self.form.parameters.iter().any(|entry| {
+                !entry.value.shape && entry.value.unit.as_ref().is_some_and(|written| !written.unit.dimension.is_none())
+            });
+        quantity.is_temperature || !per_temperature
+    }
+
+    /// Whether members of a group are places of this effect.
+    pub fn fits_group(&self, model: &Model, site: &Site) -> bool {
+        self.groups
+            && self.places.iter().any(|&kind| match site {
+                Site::Nodes(nodes) => nodes.iter().all(|&(node, _)| kind.is_node(&model.nodes[node].kind)),
+                Site::Elements(elements) => elements.iter().all(|&element| kind.is_element(&model.elements[element])),
+                Site::Sensors(sensors) => {
+                    kind == PlaceKind::Sensor && sensors.iter().all(|sensor| self.fits_sensor(model, sensor))
+                }
+                Site::Pair(_) => false,
+            })
+    }
+}

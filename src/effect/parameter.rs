@@ -1,0 +1,144 @@
+//! The parameters of an effect at a place of a model: units, priors and scales in SI.
+
+use crate::document::{Diagnostics, MapEntry, Sense};
+use crate::expression::{Dimension, Unit};
+use crate::random::Distribution;
+use crate::thermal::Model;
+
+use super::checked::{Effect, KNOT};
+use super::form::{ParameterForm, Sign};
+use super::place::Bound;
+
+/// A parameter of an effect at a place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EffectParameter {
+    /// Its name in the effect, such as `conductance`; `knot_1`, `knot_2`, ... of a curve.
+    pub name: String,
+    /// Its name in the effect's file: `knot` of a curve's.
+    pub written: String,
+    /// Its unit.
+    pub unit: Unit,
+    /// Whether a value in its unit is a place on a scale or a difference.
+    pub sense: Sense,
+    /// Prior, SI.
+    pub prior: Distribution,
+    /// Nominal value, SI.
+    pub nominal: f64,
+    /// Which signs are physical.
+    pub sign: Sign,
+    /// Values at which an effect that is not smooth at 0 is tried, SI.
+    pub probes: Vec<f64>,
+    /// Scale of plausible amplitudes, SI.
+    pub plausible: f64,
+    /// Whether it is an amplitude: the effect vanishes while all are 0.
+    pub amplitude: bool,
+    /// What it is.
+    pub description: String,
+}
+
+impl ParameterForm {
+    /// A parameter whose unit has a zero of its own (degC) is a temperature; a difference else.
+    pub(super) fn sense(&self) -> Sense {
+        let offset = self.unit.as_ref().is_some_and(|written| written.unit.has_offset());
+        if offset || self.unit_of.is_some() { Sense::Absolute } else { Sense::Difference }
+    }
+}
+
+/// A distribution of a multiple of its variable; `factor` is above 0.
+pub fn scaled(distribution: Distribution, factor: f64) -> Distribution {
+    use Distribution::{Fixed, HalfNormal, LogNormal, LogUniform, Normal, Triangular, Uniform};
+    let by = |value: f64| value * factor;
+    match distribution {
+        Fixed(value) => Fixed(by(value)),
+        Uniform { lower, upper } => Uniform { lower: by(lower), upper: by(upper) },
+        Normal { mean, sd, lower, upper } => {
+            Normal { mean: by(mean), sd: by(sd), lower: lower.map(by), upper: upper.map(by) }
+        }
+        LogNormal { median, factor } => LogNormal { median: by(median), factor },
+        LogUniform { lower, upper } => LogUniform { lower: by(lower), upper: by(upper) },
+        HalfNormal { scale } => HalfNormal { scale: by(scale) },
+        Triangular { lower, mode, upper } => Triangular { lower: by(lower), mode: by(mode), upper: by(upper) },
+    }
+}
+
+impl Effect {
+    /// Index of an input of the effect.
+    pub(super) fn input(&self, name: &str) -> Option<usize> {
+        self.form.inputs.iter().position(|entry| entry.name == name)
+    }
+
+    /// The parameters where each input of the effect, in the order of its file, stands for one of `bound`.
+    pub fn parameters(&self, model: &Model, bound: &[Bound]) -> Vec<EffectParameter> {
+        let mut parameters = Vec::new();
+        for entry in &self.form.parameters {
+            let one = self.parameter(entry, model, bound);
+            match &self.form.adds.value.curve {
+                Some(curve) if entry.name == KNOT => {
+                    let knots = (1..=curve.knots.value).map(|knot| format!("{KNOT}_{knot}"));
+                    parameters.extend(knots.map(|name| EffectParameter { name, ..one.clone() }));
+                }
+                _ => parameters.push(one),
+            }
+        }
+        parameters
+    }
+
+    fn parameter(&self, entry: &MapEntry<ParameterForm>, model: &Model, bound: &[Bound]) -> EffectParameter {
+        let form = &entry.value;
+        let find = |name: &str| self.input(name).and_then(|index| bound.get(index)).copied();
+        let mut parameter = EffectParameter {
+            name: entry.name.clone(),
+            written: entry.name.clone(),
+            unit: Unit::si(Dimension::NONE),
+            sense: form.sense(),
+            prior: Distribution::Fixed(0.0),
+            nominal: 0.0,
+            sign: form.sign,
+            probes: Vec::new(),
+            plausible: 0.0,
+            amplitude: !form.shape,
+            description: form.description.clone().unwrap_or_default(),
+        };
+        if let Some(like) = &form.unit_of {
+            let Some(like) = find(&like.value) else { return parameter };
+            let [lower, upper] = like.range(model);
+            parameter.unit = Unit::si(like.dimension(model).unwrap_or(Dimension::NONE));
+            parameter.prior = Distribution::Uniform { lower, upper };
+            parameter.nominal = 0.5 * (lower + upper);
+            parameter.plausible = upper - lower;
+            return parameter;
+        }
+        let Some(written) = &form.unit else { return parameter };
+        let own = &written.unit;
+        // The file was checked: its numbers convert, and its prior is a distribution.
+        let mut unheard = Diagnostics::new();
+        let mut si = |amount: &crate::document::Amount| {
+            amount.si(own.dimension, Some(own), form.sense(), &mut unheard).unwrap_or_default()
+        };
+        let nominal = form.nominal.as_ref().map(&mut si);
+        let plausible = form.plausible.as_ref().map(&mut si);
+        let probes: Vec<f64> = form.probes.iter().map(&mut si).collect();
+        let prior = form.prior.as_ref().and_then(|prior| {
+            prior.resolve(Some(own), own.dimension, form.sense(), &mut unheard)?.distribution().copied()
+        });
+        let prior = prior.unwrap_or(Distribution::Fixed(0.0));
+        let mut dimension = own.dimension;
+        let mut largest = 1.0;
+        for input in form.per.iter().filter_map(|name| find(&name.value)) {
+            dimension = dimension.over(input.dimension(model).unwrap_or(Dimension::NONE));
+            largest *= input.largest(model);
+        }
+        let factor = 1.0 / largest;
+        parameter.unit = if form.per.is_empty() { own.clone() } else { Unit::si(dimension) };
+        parameter.prior = scaled(prior, factor);
+        parameter.nominal = nominal.map_or_else(|| parameter.prior.quantile(0.5), |value| value * factor);
+        parameter.probes = probes.into_iter().map(|value| value * factor).collect();
+        parameter.plausible = plausible.map_or_else(|| spread(&parameter.prior), |value| value * factor);
+        parameter
+    }
+}
+
+/// A scale of a prior: half the distance between its 16 % and 84 % quantiles.
+fn spread(prior: &Distribution) -> f64 {
+    0.5 * (prior.quantile(0.84) - prior.quantile(0.16))
+}

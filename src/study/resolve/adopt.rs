@@ -1,0 +1,276 @@
+//! Adopted effects: looked up, placed, given their parameters, and applied to the model and to the measurements.
+
+use crate::document::{Diagnostics, MapEntry, Place, code};
+use crate::effect::{Applied, Catalogue, Effect, Instance, PlaceKind, SensorChange, SensorPlace, apply};
+use crate::expression::{Dimension, Unit};
+use crate::inference::measurement::{Measurement, Rows, Uncertain};
+use crate::job::requirement::Environment;
+use crate::random::Distribution;
+use crate::study::folder::Folder;
+use crate::study::model::Scale;
+use crate::study::pass::PassForm;
+use crate::study::pass::adopt::{Adopted, EffectUse};
+use crate::study::resolved::AdoptedEffect;
+use crate::thermal::Input;
+
+use super::adopt_parameter::parameters;
+use super::adopt_place::{bound, place};
+use super::scope::Scope;
+
+/// Folder of a study's own effects.
+const FOLDER: &str = "effects";
+
+/// The program's effects and the study's own, which replace those of the same name; beside them the JSON of the
+/// study's own, which is part of its definition.
+pub fn catalogue(folder: &Folder, diagnostics: &mut Diagnostics) -> (Catalogue, Vec<(String, serde_json::Value)>) {
+    let mut catalogue = Catalogue::embedded(diagnostics);
+    let mut own = Vec::new();
+    for name in folder.json_names(FOLDER) {
+        let file = own_file(&name);
+        let Ok(bytes) = folder.read(&file) else { continue };
+        let node = catalogue.read(&name, &folder.shown_name(&file), &bytes, diagnostics);
+        own.extend(node.map(|node| (name, node.to_json())));
+    }
+    catalogue.check(diagnostics);
+    (catalogue, own)
+}
+
+/// The file of a study's own effect within the study.
+pub fn own_file(name: &str) -> String {
+    format!("{FOLDER}/{name}.json")
+}
+
+/// What has been adopted.
+#[derive(Debug, Default)]
+pub struct Adoption {
+    /// Effects in the order in which they were applied.
+    pub adopted: Vec<AdoptedEffect>,
+    /// Priors of their parameters, SI, in the model's order.
+    pub priors: Vec<Distribution>,
+    /// Inputs that are 1 where an effect is there: index, and the names of measurements and environments.
+    switches: Vec<(usize, Vec<String>)>,
+}
+
+/// Applies the effects that act on the model. Those on sensors wait for the measurements.
+pub fn adopt(scope: &mut Scope, form: &PassForm, catalogue: &Catalogue) -> Adoption {
+    let mut adoption = Adoption::default();
+    for entry in &form.adopt {
+        scope.reason(&entry.value.because);
+        check_evidence(scope, &entry.value);
+        check_applies_to(scope, form, &entry.value);
+        let Some((effect, usage)) = effect(scope, entry, catalogue) else { continue };
+        if !of_sensors(effect) {
+            adoption.adopt_one(scope, entry, effect, usage, &[]);
+        }
+    }
+    adoption
+}
+
+fn of_sensors(effect: &Effect) -> bool {
+    effect.places.iter().any(|place| matches!(place, PlaceKind::Sensor | PlaceKind::SensorPair))
+}
+
+/// The effect that an entry names.
+fn effect<'c, 'f>(
+    scope: &mut Scope,
+    entry: &'f MapEntry<Adopted>,
+    catalogue: &'c Catalogue,
+) -> Option<(&'c Effect, &'f MapEntry<EffectUse>)> {
+    let mut named = entry.value.effect.iter();
+    let (Some(usage), None) = (named.next(), named.next()) else {
+        let message = format!("`{}` adopts {} effects", entry.name, entry.value.effect.len());
+        scope.error(&code::ONE_KIND, &entry.place, message, "an object with one key, the effect's name");
+        return None;
+    };
+    let found = catalogue.get(&usage.name);
+    if found.is_none() {
+        let known: Vec<&str> = catalogue.names().collect();
+        scope.unknown(&code::UNKNOWN_EFFECT, "effect", &usage.name, &usage.name_place, &known);
+    }
+    Some((found?, usage))
+}
+
+fn check_evidence(scope: &mut Scope, form: &Adopted) {
+    if let Some(evidence) = &form.evidence
+        && let Err(error) = scope.folder.read(&evidence.pass.value)
+    {
+        let diagnostic = super::folder_diagnostic_at(&error, &evidence.pass.place);
+        scope.diagnostics.push(diagnostic);
+    }
+}
+
+fn check_applies_to(scope: &mut Scope, form: &PassForm, adopted: &Adopted) {
+    let known: Vec<&str> = form.measurements.names().chain(form.environments.names()).collect();
+    for name in adopted.applies_to.iter().flatten() {
+        if !known.contains(&name.value.as_str()) {
+            scope.unknown(&code::UNKNOWN_NAME, "measurement or environment", &name.value, &name.place, &known);
+        }
+    }
+}
+
+impl Adoption {
+    /// Applies an effect to the model.
+    fn adopt_one(
+        &mut self,
+        scope: &mut Scope,
+        entry: &MapEntry<Adopted>,
+        effect: &Effect,
+        usage: &MapEntry<EffectUse>,
+        sensors: &[SensorPlace],
+    ) -> Option<Applied> {
+        let placed = place(scope, effect, usage, sensors)?;
+        let bound = bound(scope, effect, usage, placed.node.as_ref())?;
+        let parameters = parameters(scope, effect, &usage.value, &bound)?;
+        let applies_to = entry.value.applies_to.as_ref();
+        let switch = match applies_to {
+            Some(names) if !of_sensors(effect) => {
+                let index = add_switch(scope, &entry.name);
+                self.switches.push((index, names.iter().map(|name| name.value.clone()).collect()));
+                Some(index)
+            }
+            _ => None,
+        };
+        let inputs = effect.form.inputs.names().zip(&bound);
+        let inputs = inputs.map(|(name, bound)| (name.to_owned(), bound.name(&scope.resolved.model).to_owned()));
+        let inputs = inputs.collect();
+        let instance = Instance { name: &entry.name, effect, site: placed.site, bound, parameters, switch };
+        let applied = match apply(&mut scope.resolved.model, &instance) {
+            Ok(applied) => applied,
+            Err(error) => {
+                scope.error(&code::EFFECT_PLACE, &usage.name_place, error.to_string(), "");
+                return None;
+            }
+        };
+        let parameters = instance.parameters;
+        scope.resolved.note_additions(parameters.iter().map(|parameter| (parameter.unit.clone(), parameter.prior)));
+        scope.hosts.extend(&applied.nodes);
+        self.priors.extend(parameters.iter().map(|parameter| parameter.prior));
+        self.adopted.push(AdoptedEffect {
+            name: entry.name.clone(),
+            effect: effect.name.clone(),
+            title: effect.form.title.clone(),
+            equation: effect.form.equation.clone().unwrap_or_default(),
+            source: crate::document::source_text(&effect.form.source, effect.form.evidence),
+            file: None,
+            place: placed.names,
+            inputs,
+            parameters: applied.first_parameter..applied.first_parameter + parameters.len(),
+            because: entry.value.because.value.clone(),
+            evidence: entry.value.evidence.as_ref().map(|e| [e.pass.value.clone(), e.job.value.clone()]),
+            applies_to: applies_to.into_iter().flatten().map(|name| name.value.clone()).collect(),
+        });
+        Some(applied)
+    }
+
+    /// Applies the effects that act on sensors.
+    pub fn adopt_at_sensors(
+        &mut self,
+        scope: &mut Scope,
+        form: &PassForm,
+        catalogue: &Catalogue,
+        measurements: &mut [Measurement],
+    ) {
+        for entry in &form.adopt {
+            // What is wrong with its name was said before.
+            let found = entry.value.effect.iter().next().and_then(|usage| Some((catalogue.get(&usage.name)?, usage)));
+            let Some((effect, usage)) = found.filter(|(effect, _)| of_sensors(effect)) else { continue };
+            let has = |name: &str| match &entry.value.applies_to {
+                Some(names) => names.iter().any(|wanted| wanted.value == name),
+                None => true,
+            };
+            let sensors = sensor_places(measurements.iter().filter(|measurement| has(&measurement.name)));
+            if sensors.is_empty() && !form.measurements.is_empty() && measurements.len() < form.measurements.len() {
+                // The data of a measurement are missing or wrong, and its sensors with them.
+                continue;
+            }
+            let Some(applied) = self.adopt_one(scope, entry, effect, usage, &sensors) else { continue };
+            for measurement in measurements.iter_mut().filter(|measurement| has(&measurement.name)) {
+                for change in &applied.sensors {
+                    change_sensors(scope, measurement, change, &usage.name_place);
+                }
+            }
+        }
+    }
+
+    /// Sets the inputs that say where effects are there.
+    pub fn switch_on(&self, measurements: &mut [Measurement], environments: &mut [Environment]) {
+        for (input, names) in &self.switches {
+            for measurement in measurements.iter_mut().filter(|measurement| names.contains(&measurement.name)) {
+                match &mut measurement.rows {
+                    Rows::Steady(phases) => phases.iter_mut().for_each(|phase| phase.inputs[*input] = 1.0),
+                    Rows::Transient { inputs, .. } => inputs.base[*input] = 1.0,
+                }
+            }
+            for environment in environments.iter_mut().filter(|environment| names.contains(&environment.name)) {
+                environment.inputs[*input] = 1.0;
+            }
+        }
+    }
+}
+
+/// An input that is 1 where an effect is there.
+fn add_switch(scope: &mut Scope, name: &str) -> usize {
+    let input = Input {
+        name: format!("{name}.applies"),
+        unit: "1".to_owned(),
+        nominal: 0.0,
+        range: Some([0.0, 1.0]),
+        settable: false,
+        description: format!("1 where the adopted effect {name} is there"),
+    };
+    scope.resolved.add_input(input, Scale { unit: Some(Unit::si(Dimension::NONE)) })
+}
+
+/// Sensors of measurements, each name with each quantity once.
+pub fn sensor_places<'m>(measurements: impl Iterator<Item = &'m Measurement>) -> Vec<SensorPlace> {
+    let mut places: Vec<SensorPlace> = Vec::new();
+    for measurement in measurements {
+        let steady = matches!(measurement.rows, Rows::Steady(_));
+        for sensor in &measurement.sensors {
+            match places.iter_mut().find(|place| place.name == sensor.name && place.quantity == sensor.quantity) {
+                Some(place) => {
+                    place.steady |= steady;
+                    place.transient |= !steady;
+                }
+                None => places.push(SensorPlace {
+                    name: sensor.name.clone(),
+                    quantity: sensor.quantity,
+                    steady,
+                    transient: !steady,
+                }),
+            }
+        }
+    }
+    places
+}
+
+/// Changes the sensors of a measurement.
+fn change_sensors(scope: &mut Scope, measurement: &mut Measurement, change: &SensorChange, place: &Place) {
+    match change {
+        SensorChange::Reading { sensor, from, to } => {
+            for own in measurement.sensors.iter_mut().filter(|own| own.name == *sensor && own.quantity == *from) {
+                own.quantity = *to;
+            }
+        }
+        SensorChange::Lag { sensor, parameter } => {
+            let nominal = scope.resolved.model.parameters[*parameter].nominal;
+            for own in measurement.sensors.iter_mut().filter(|own| own.name == *sensor) {
+                if own.lag_s.is_some() {
+                    let message = format!("the sensor `{sensor}` of `{}` has a lag already", measurement.name);
+                    scope.error(&code::EFFECT_PLACE, place, message, "a sensor without `lag`");
+                }
+                own.lag_s = Some(Uncertain::Parameter { index: *parameter, nominal });
+            }
+        }
+        SensorChange::Swap { sensors: [a, b] } => {
+            let find = |name: &str| measurement.sensors.iter().position(|sensor| sensor.name == name);
+            let (Some(a), Some(b)) = (find(a), find(b)) else { return };
+            // Everything but the channel's own name and unit goes over.
+            measurement.sensors.swap(a, b);
+            let first = (measurement.sensors[a].name.clone(), measurement.sensors[a].unit.clone());
+            let second = (measurement.sensors[b].name.clone(), measurement.sensors[b].unit.clone());
+            (measurement.sensors[a].name, measurement.sensors[a].unit) = second;
+            (measurement.sensors[b].name, measurement.sensors[b].unit) = first;
+        }
+    }
+}

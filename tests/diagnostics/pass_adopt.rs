@@ -1,0 +1,173 @@
+//! Passes that adopt effects: the model, its priors, its measurements and environments follow.
+
+use bmv::inference::measurement::{Initial, Rows, Uncertain};
+use bmv::inference::prediction::Predictor;
+use bmv::random::Distribution;
+use bmv::study::Pass;
+use bmv::thermal::{Network, Start};
+
+use crate::diagnostics::pass_study::Study;
+
+fn adopting(study: &Study, entries: &str) -> Pass {
+    study.edit("pass-1.json", r#""design": {"A""#, &format!(r#""adopt": {{{entries}}}, "design": {{"A""#));
+    let pass = study.load();
+    assert!(pass.warnings.is_empty(), "{}", pass.warnings.render(false, 9));
+    pass
+}
+
+fn parameter(pass: &Pass, name: &str) -> usize {
+    let names: Vec<&str> = pass.model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+    names.iter().position(|own| *own == name).unwrap_or_else(|| panic!("{name} among {names:?}"))
+}
+
+#[test]
+fn a_path_brings_its_parameter_its_prior_and_its_heat() {
+    let study = Study::new();
+    study.edit(
+        "pass-1.json",
+        r#""requirements": {"#,
+        r#""quantities": {"through": {"heat": "harness"}}, "requirements": {"#,
+    );
+    let entry = r#""harness": {"effect": {"conductive-path": {"where": ["panel", "plate"],
+        "parameters": {"conductance": {"unit": "mW/K", "nominal": 50, "prior": {"uniform": [0, 200]}}}}}, "because": "cable seen"}"#;
+    let pass = adopting(&study, entry);
+    let conductance = parameter(&pass, "harness.conductance");
+    assert_eq!(pass.priors[conductance], Distribution::Uniform { lower: 0.0, upper: 0.2 });
+    assert_eq!(pass.model.parameters[conductance].nominal, 0.05);
+    assert_eq!(pass.priors.len(), pass.model.parameters.len());
+    let adopted = &pass.adopted[0];
+    assert_eq!((adopted.name.as_str(), adopted.because.as_str()), ("harness", "cable seen"));
+    assert_eq!(
+        (adopted.place.as_slice(), adopted.file.as_ref()),
+        (&["panel".to_owned(), "plate".to_owned()][..], None)
+    );
+    let network = Network::compile(&pass.model, &[]).expect("compiled");
+    let mut workspace = network.workspace();
+    network.solve_steady(&mut workspace, Start::Default).expect("solved");
+    let through = pass.model.quantities.iter().position(|quantity| quantity.name == "through").expect("there");
+    let temperatures = workspace.temperatures();
+    // Plate, shroud, box, panel.
+    let expected = 0.05 * (temperatures[3] - temperatures[0]);
+    assert!((network.quantity(&workspace, through) - expected).abs() < 1e-9);
+    // The jobs are made of the model with the effect.
+    assert!(bmv::study::ready(&pass).is_ok());
+}
+
+#[test]
+fn an_effect_may_be_there_in_a_test_only() {
+    let entry = r#""harness": {"effect": {"conductive-path": {"where": ["panel", "plate"],
+        "parameters": {"conductance": {"prior": {"fixed": 0.1}}}}}, "because": "test cable", "applies_to": ["balance"]}"#;
+    let pass = adopting(&Study::new(), entry);
+    let switch = pass.model.inputs.iter().position(|input| input.name == "harness.applies").expect("there");
+    assert_eq!((pass.model.inputs[switch].nominal, pass.model.inputs[switch].settable), (0.0, false));
+    assert_eq!(pass.environments[0].inputs[switch], 0.0, "it does not fly");
+    let Rows::Steady(phases) = &pass.measurements[0].rows else { panic!("steady") };
+    assert!(phases.iter().all(|phase| phase.inputs[switch] == 1.0));
+    let network = Network::compile(&pass.model, &[]).expect("compiled");
+    let panel = |present: f64| {
+        let mut workspace = network.workspace();
+        let mut inputs = phases[0].inputs.clone();
+        inputs[switch] = present;
+        network.set_inputs(&mut workspace, &inputs);
+        network.solve_steady(&mut workspace, Start::Default).expect("solved");
+        workspace.temperatures()[3]
+    };
+    let without = {
+        let bare = Study::new().load();
+        let network = Network::compile(&bare.model, &[]).expect("compiled");
+        let mut workspace = network.workspace();
+        network.set_inputs(&mut workspace, &phases[0].inputs[..3]);
+        network.solve_steady(&mut workspace, Start::Default).expect("solved");
+        workspace.temperatures()[3]
+    };
+    assert!((panel(0.0) - without).abs() < 1e-9);
+    assert!(panel(1.0) > without + 1.0, "the plate warms the panel");
+}
+
+#[test]
+fn sensors_read_by_their_law() {
+    let entry = r#""offset": {"effect": {"sensor-bias": {"where": "box", "parameters": {"bias": {"nominal": 1.5}}}}, "because": "soak"},
+        "leads": {"effect": {"sensor-conduction": {"where": ["box", "plate"], "parameters": {"ratio": {"prior": {"fixed": 0.1}}}}}, "because": "thick leads"}"#;
+    let pass = adopting(&Study::new(), entry);
+    let predictor = Predictor::new(&pass.model, &[]).expect("compiled");
+    let parameters: Vec<f64> = pass.model.parameters.iter().map(|parameter| parameter.nominal).collect();
+    let prediction = predictor.predict(&mut predictor.workspace(), &pass.measurements[0], &parameters);
+    let (plate, cabinet) = (prediction.temperatures[0], prediction.temperatures[2]);
+    let biased = cabinet + 1.5;
+    let expected = biased + 0.1 * (plate - biased);
+    assert!((prediction.readings[0] - expected).abs() < 1e-9, "{} {expected}", prediction.readings[0]);
+    assert!((prediction.readings[1] - prediction.temperatures[3]).abs() < 1e-12, "the other sensor is as before");
+    parameter(&pass, "offset.bias");
+}
+
+#[test]
+fn exchanged_channels_read_one_another() {
+    let entry = r#""swap": {"effect": {"swapped-channels": {"where": ["panel", "box"]}}, "because": "labels"}"#;
+    let pass = adopting(&Study::new(), entry);
+    let sensors = &pass.measurements[0].sensors;
+    let measured = |position: usize| pass.model.quantities[sensors[position].quantity].name.as_str();
+    assert_eq!((sensors[0].name.as_str(), measured(0), sensors[0].sigma.is_some()), ("box", "panel", false));
+    assert_eq!((sensors[1].name.as_str(), measured(1), sensors[1].sigma.is_some()), ("panel", "box", true));
+}
+
+#[test]
+fn a_lag_is_a_parameter_and_a_hidden_node_starts_with_its_host() {
+    let study = Study::transient();
+    study.edit("pass-1.json", r#"{"all": {"value": 20, "unit": "degC"}}"#, r#"{"box": 300, "panel": 280}"#);
+    let entry = r#""slow": {"effect": {"sensor-lag": {"where": "box", "parameters": {"time_constant": {"unit": "min", "nominal": 0.5}}}}, "because": "step"},
+        "inside": {"effect": {"hidden-node": {"where": "panel"}}, "because": "two time constants"}"#;
+    let pass = adopting(&study, entry);
+    let lag = parameter(&pass, "slow.time_constant");
+    assert_eq!(pass.measurements[0].sensors[0].lag_s, Some(Uncertain::Parameter { index: lag, nominal: 30.0 }));
+    let Rows::Transient { initial: Initial::Temperatures { values: start, .. }, .. } = &pass.measurements[0].rows
+    else {
+        panic!("temperatures")
+    };
+    let hidden = pass.model.nodes.iter().position(|node| node.name == "inside.hidden").expect("there");
+    assert_eq!(start[hidden], Uncertain::Known(280.0));
+    let predictor = Predictor::new(&pass.model, &[]).expect("compiled");
+    let mut parameters: Vec<f64> = pass.model.parameters.iter().map(|parameter| parameter.nominal).collect();
+    let mut read = |lag_s: f64| {
+        parameters[lag] = lag_s;
+        let prediction = predictor.predict(&mut predictor.workspace(), &pass.measurements[0], &parameters);
+        assert!(prediction.failures.is_empty(), "{:?}", prediction.failures);
+        prediction.readings
+    };
+    let (prompt, late) = (read(0.0), read(60.0));
+    assert_eq!(prompt[0], late[0]);
+    assert!((prompt[1] - 300.0).abs() > (late[1] - 300.0).abs(), "a lagging sensor has moved less");
+}
+
+#[test]
+fn a_study_brings_its_own_effect() {
+    let study = Study::new();
+    // The example of docs/effects.md.
+    let guide = include_str!("../../docs/effects.md");
+    let begin = guide.find("{\"format\": \"bmv-effect/1\"").expect("an example");
+    let text = &guide[begin..begin + guide[begin..].find("```").expect("its end")];
+    study.put("effects/heat-pipe.json", text);
+    let entry = r#""pipe": {"effect": {"heat-pipe": {"where": ["box", "panel"], "inputs": {"tilt": "Q"}}}, "because": "dry-out"}"#;
+    study.edit("pass-1.json", r#""design": {"A""#, &format!(r#""adopt": {{{entry}}}, "design": {{"A""#));
+    assert!(study.said("pass-1.json").contains("`Q` cannot stand for the input `tilt`"), "units are checked");
+    study.edit("model.json", r#""T_s": {"#, r#""tilt": {"unit": "deg", "nominal": 2, "range": [0, 10]}, "T_s": {"#);
+    study.edit("pass-1.json", r#""tilt": "Q""#, r#""tilt": "tilt""#);
+    let pass = study.load();
+    assert_eq!(pass.adopted[0].file.as_deref(), Some("effects/heat-pipe.json"));
+    parameter(&pass, "pipe.conductance");
+    let before = pass.definition_sha256.clone();
+    study.put("effects/heat-pipe.json", text.replace("0.5", "0.6"));
+    assert_ne!(study.load().definition_sha256, before, "an own effect is part of the definition");
+}
+
+#[test]
+fn a_factor_changes_the_quantities_that_ask_for_it() {
+    let entry = r#""aging": {"effect": {"temperature-dependent-conductance": {"where": "bolts", "parameters": {"coefficient": {"prior": {"fixed": 0.01}}}}}, "because": "hot and cold differ"}"#;
+    let pass = adopting(&Study::new(), entry);
+    let network = Network::compile(&pass.model, &[]).expect("compiled");
+    let mut workspace = network.workspace();
+    network.solve_steady(&mut workspace, Start::Default).expect("solved");
+    let temperatures = workspace.temperatures();
+    let (plate, cabinet) = (temperatures[0], temperatures[2]);
+    let expected = 0.8 * (1.0 + 0.01 * (0.5 * (plate + cabinet) - 293.15)) * (cabinet - plate);
+    assert!((network.quantity(&workspace, 0) - expected).abs() < 1e-9, "`leak` is the heat through the bolts");
+}
