@@ -28,6 +28,11 @@ fn a_path_brings_its_parameter_its_prior_and_its_heat() {
         r#""requirements": {"#,
         r#""quantities": {"through": {"heat": "harness"}}, "requirements": {"#,
     );
+    study.edit(
+        "pass-1.json",
+        r#"{"measures": "panel"}"#,
+        r#"{"measures": "panel", "sigma": {"value": 0.25, "unit": "K"}}"#,
+    );
     let entry = r#""harness": {"effect": {"conductive-path": {"where": ["panel", "plate"],
         "parameters": {"conductance": {"unit": "mW/K", "nominal": 50, "prior": {"uniform": [0, 200]}}}}}, "because": "cable seen"}"#;
     let pass = adopting(&study, entry);
@@ -50,7 +55,8 @@ fn a_path_brings_its_parameter_its_prior_and_its_heat() {
     let expected = 0.05 * (temperatures[3] - temperatures[0]);
     assert!((network.quantity(&workspace, through) - expected).abs() < 1e-9);
     // The jobs are made of the model with the effect.
-    assert!(bmv::study::ready(&pass).is_ok());
+    let jobs = bmv::study::ready(&pass).map(|jobs| jobs.len());
+    assert_eq!(jobs, Ok(pass.jobs.len()));
 }
 
 #[test]

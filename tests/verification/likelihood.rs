@@ -221,6 +221,43 @@ fn all_that_can_be_inferred_of_data_has_a_name_and_an_exact_gradient() {
 }
 
 #[test]
+fn a_lag_that_is_a_parameter_of_the_model_is_the_lag_of_its_sensor() {
+    let (model, measurements) = bench();
+    let own = bench_likelihood(&model, &measurements);
+    // The same lag as an adopted effect brings it: a parameter of the model that the sensor refers to.
+    let (mut model, mut measurements) = (model, measurements);
+    let mut lag = model.parameters[0].clone();
+    (lag.name, lag.nominal) = ("slow.time_constant".into(), 8.0);
+    model.parameters.push(lag);
+    measurements[0].sensors[0].lag_s = Some(Uncertain::Parameter { index: 2, nominal: 8.0 });
+    let uniform = |lower: f64, upper: f64| Distribution::Uniform { lower, upper };
+    let errors =
+        [InputError { sigma: Some(0.02), bias: None }, InputError { sigma: Some(0.4), bias: Some(uniform(-1.0, 1.0)) }];
+    let borrowed: Vec<&Measurement> = measurements.iter().collect();
+    let adopted = |parameters: &[usize]| {
+        Likelihood::new(&Definition {
+            model: &model,
+            priors: &[uniform(0.01, 0.05), uniform(5.0, 60.0), uniform(0.0, 60.0)],
+            parameters,
+            measurements: &borrowed,
+            input_errors: &errors,
+        })
+        .unwrap()
+    };
+    let at_own = [0.022, 20.0, 0.3, 20.0, 8.0, 0.2, 0.15, 0.3, 30.0, 293.0, 0.4, 0.25];
+    let at_fitted = [0.022, 20.0, 8.0, 0.3, 20.0, 0.2, 0.15, 0.3, 30.0, 293.0, 0.4, 0.25];
+    let at_held = [0.022, 20.0, 0.3, 20.0, 0.2, 0.15, 0.3, 30.0, 293.0, 0.4, 0.25];
+    let expected = own.log_likelihood(&at_own, &mut own.workspace()).unwrap();
+    let (fitted, held) = (adopted(&[0, 1, 2]), adopted(&[0, 1]));
+    assert_eq!(fitted.log_likelihood(&at_fitted, &mut fitted.workspace()), Ok(expected));
+    assert_eq!(held.log_likelihood(&at_held, &mut held.workspace()), Ok(expected));
+    let (mut slopes_own, mut slopes_fitted) = ([0.0; 12], [0.0; 12]);
+    own.log_likelihood_gradient(&at_own, &mut own.workspace(), &mut slopes_own).unwrap();
+    fitted.log_likelihood_gradient(&at_fitted, &mut fitted.workspace(), &mut slopes_fitted).unwrap();
+    assert!(slopes_own[4].abs() > 1e-3 && (slopes_own[4] - slopes_fitted[2]).abs() < 1e-9 * slopes_own[4].abs());
+}
+
+#[test]
 fn changing_held_out_rows_of_a_transient_changes_nothing() {
     let (model, mut measurements) = bench();
     let before = bench_likelihood(&model, &measurements);
