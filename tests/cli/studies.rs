@@ -96,8 +96,8 @@ fn compare_reads_from_the_verdict_to_the_heat_balance() {
     Sensor  Readings  Number   Mean   Standard  RMSE        RMSE of  Largest  Within  Unit
                                      deviation          noise alone            limit
     ------  --------  ------  -----  ---------  -----  ------------  -------  ------  ----
-    plate   for fits       1  +3.00       0.00  3.00!  0.08 to 0.96     3.00   100 %  K
-    plate   held out       1  +3.00       0.00  3.00!  0.08 to 0.96     3.00   100 %  K
+    plate   for fits       1  +3.00       0.00  3.00!  0.02 to 1.12     3.00   100 %  K
+    plate   held out       1  +3.00       0.00  3.00!  0.02 to 1.12     3.00   100 %  K
     (! not kept)
 
     Deviations by phase or stretch of time, over all sensors, K.
