@@ -2,9 +2,10 @@
 //!
 //! The rooms of the house, each of which may use only those before it:
 //! `math`, `random` and `statistics`, `expression`, `document`, `thermal`, `effect`, `inference` and `surrogate`,
-//! `job`, `study`, `runner`, `report`, `cli` (DESIGN.md says what each knows and may not know).
+//! `diagnosis`, `job`, `study`, `runner`, `report`, `cli` (DESIGN.md says what each knows and may not know).
 
 pub mod cli;
+pub mod diagnosis;
 pub mod document;
 pub mod effect;
 pub mod expression;

@@ -10,6 +10,7 @@ const ROWS: &[&[&str]] = &[
     &["thermal"],
     &["effect"],
     &["inference", "surrogate"],
+    &["diagnosis"],
     &["job"],
     &["study"],
     &["runner"],

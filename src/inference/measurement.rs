@@ -1,5 +1,6 @@
 //! Measurements, resolved: SI units, one row a phase or an instant, one column a sensor.
 
+use crate::effect::SensorChange;
 use crate::random::Distribution;
 pub use crate::thermal::transient::{InputColumn, InputTable};
 
@@ -193,6 +194,33 @@ impl Measurement {
         match &self.rows {
             Rows::Steady(phases) => phases[row].ignored.is_some(),
             Rows::Transient { ignored, .. } => ignored[row].is_some(),
+        }
+    }
+
+    /// Changes what sensors read, as an effect on them does; `nominal` is the nominal time constant of a lag, s. A
+    /// sensor that has a lag already gets the new one.
+    pub fn change_sensors(&mut self, change: &SensorChange, nominal: f64) {
+        match change {
+            SensorChange::Reading { sensor, from, to } => {
+                for own in self.sensors.iter_mut().filter(|own| own.name == *sensor && own.quantity == *from) {
+                    own.quantity = *to;
+                }
+            }
+            SensorChange::Lag { sensor, parameter } => {
+                for own in self.sensors.iter_mut().filter(|own| own.name == *sensor) {
+                    own.lag_s = Some(Uncertain::Parameter { index: *parameter, nominal });
+                }
+            }
+            SensorChange::Swap { sensors: [a, b] } => {
+                let find = |name: &str| self.sensors.iter().position(|sensor| sensor.name == name);
+                let (Some(a), Some(b)) = (find(a), find(b)) else { return };
+                // Everything but the channel's own name and unit goes over.
+                self.sensors.swap(a, b);
+                let first = (self.sensors[a].name.clone(), self.sensors[a].unit.clone());
+                let second = (self.sensors[b].name.clone(), self.sensors[b].unit.clone());
+                (self.sensors[a].name, self.sensors[a].unit) = second;
+                (self.sensors[b].name, self.sensors[b].unit) = first;
+            }
         }
     }
 }

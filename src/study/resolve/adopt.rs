@@ -3,7 +3,7 @@
 use crate::document::{Diagnostics, MapEntry, Place, code};
 use crate::effect::{Applied, Catalogue, Effect, Instance, PlaceKind, SensorChange, SensorPlace, apply};
 use crate::expression::{Dimension, Unit};
-use crate::inference::measurement::{Measurement, Rows, Uncertain};
+use crate::inference::measurement::{Measurement, Rows};
 use crate::job::requirement::Environment;
 use crate::random::Distribution;
 use crate::study::folder::Folder;
@@ -246,31 +246,13 @@ pub fn sensor_places<'m>(measurements: impl Iterator<Item = &'m Measurement>) ->
 
 /// Changes the sensors of a measurement.
 fn change_sensors(scope: &mut Scope, measurement: &mut Measurement, change: &SensorChange, place: &Place) {
-    match change {
-        SensorChange::Reading { sensor, from, to } => {
-            for own in measurement.sensors.iter_mut().filter(|own| own.name == *sensor && own.quantity == *from) {
-                own.quantity = *to;
-            }
-        }
-        SensorChange::Lag { sensor, parameter } => {
-            let nominal = scope.resolved.model.parameters[*parameter].nominal;
-            for own in measurement.sensors.iter_mut().filter(|own| own.name == *sensor) {
-                if own.lag_s.is_some() {
-                    let message = format!("the sensor `{sensor}` of `{}` has a lag already", measurement.name);
-                    scope.error(&code::EFFECT_PLACE, place, message, "a sensor without `lag`");
-                }
-                own.lag_s = Some(Uncertain::Parameter { index: *parameter, nominal });
-            }
-        }
-        SensorChange::Swap { sensors: [a, b] } => {
-            let find = |name: &str| measurement.sensors.iter().position(|sensor| sensor.name == name);
-            let (Some(a), Some(b)) = (find(a), find(b)) else { return };
-            // Everything but the channel's own name and unit goes over.
-            measurement.sensors.swap(a, b);
-            let first = (measurement.sensors[a].name.clone(), measurement.sensors[a].unit.clone());
-            let second = (measurement.sensors[b].name.clone(), measurement.sensors[b].unit.clone());
-            (measurement.sensors[a].name, measurement.sensors[a].unit) = second;
-            (measurement.sensors[b].name, measurement.sensors[b].unit) = first;
+    let mut nominal = 0.0;
+    if let SensorChange::Lag { sensor, parameter } = change {
+        nominal = scope.resolved.model.parameters[*parameter].nominal;
+        if measurement.sensors.iter().any(|own| own.name == *sensor && own.lag_s.is_some()) {
+            let message = format!("the sensor `{sensor}` of `{}` has a lag already", measurement.name);
+            scope.error(&code::EFFECT_PLACE, place, message, "a sensor without `lag`");
         }
     }
+    measurement.change_sensors(change, nominal);
 }

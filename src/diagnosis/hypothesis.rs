@@ -1,0 +1,144 @@
+//! The believed model with a set of effects added, and the measurements as it sees them.
+
+use thiserror::Error;
+
+use super::Problem;
+use crate::effect::{ApplyError, Instance, SensorChange, SensorPlace, Site, apply};
+use crate::inference::likelihood::{Definition, Likelihood, LikelihoodError};
+use crate::inference::measurement::{Initial, Measurement};
+use crate::random::Distribution;
+use crate::thermal::Model;
+
+/// A model with effects that a problem's model lacks.
+#[derive(Clone, Debug)]
+pub struct Hypothesis {
+    /// Positions of the effects in the problem's list of candidates.
+    pub effects: Vec<usize>,
+    /// The model with them.
+    pub model: Model,
+    /// Priors of its parameters, SI.
+    pub priors: Vec<Distribution>,
+    /// Positions of the inferred parameters: those of the problem, then those of the effects.
+    pub parameters: Vec<usize>,
+    /// Parameters of each effect: positions in the model.
+    pub amplitudes: Vec<std::ops::Range<usize>>,
+    /// The measurements with their sensors changed and a start temperature for every added node.
+    pub measurements: Vec<Measurement>,
+}
+
+/// Effects that do not go together, or a model that they spoil.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum HypothesisError {
+    /// An effect that cannot be applied.
+    #[error(transparent)]
+    Apply(#[from] ApplyError),
+    /// A likelihood that cannot be made.
+    #[error(transparent)]
+    Likelihood(#[from] LikelihoodError),
+}
+
+impl Problem {
+    /// Adds effects, in the order given. `scale` multiplies the priors of their amplitudes (1 leaves them).
+    ///
+    /// # Errors
+    /// [`HypothesisError::Apply`] where they do not fit.
+    pub fn hypothesis(&self, effects: &[usize], scale: f64) -> Result<Hypothesis, HypothesisError> {
+        let mut hypothesis = Hypothesis {
+            effects: effects.to_vec(),
+            model: (*self.model).clone(),
+            priors: self.priors.clone(),
+            parameters: self.parameters.clone(),
+            amplitudes: Vec::new(),
+            measurements: self.measurements.clone(),
+        };
+        for &effect in effects {
+            hypothesis.add(self, effect, scale)?;
+        }
+        Ok(hypothesis)
+    }
+}
+
+impl Hypothesis {
+    /// Adds one more effect of the problem.
+    fn add(&mut self, problem: &Problem, position: usize, scale: f64) -> Result<(), HypothesisError> {
+        let candidate = &problem.candidates[position];
+        let misplaced = || ApplyError::Place { effect: candidate.effect.clone() };
+        let effect = problem.catalogue.get(&candidate.effect).ok_or_else(misplaced)?;
+        let mut parameters = effect.parameters(&self.model, &candidate.bound);
+        for parameter in parameters.iter_mut().filter(|parameter| parameter.amplitude && scale != 1.0) {
+            parameter.prior = crate::effect::parameter::scaled(parameter.prior, scale);
+        }
+        let instance = Instance {
+            name: &candidate.id,
+            effect,
+            site: self.site(&candidate.site),
+            bound: candidate.bound.clone(),
+            parameters,
+            switch: None,
+        };
+        let applied = apply(&mut self.model, &instance)?;
+        let range = applied.first_parameter..applied.first_parameter + instance.parameters.len();
+        for (offset, parameter) in instance.parameters.iter().enumerate() {
+            self.priors.push(parameter.prior);
+            if !parameter.prior.is_fixed() {
+                self.parameters.push(range.start + offset);
+            }
+        }
+        self.amplitudes.push(range);
+        for measurement in &mut self.measurements {
+            for &(_, host) in &applied.nodes {
+                measurement.begin_like(host);
+            }
+            for change in &applied.sensors {
+                let nominal = match change {
+                    SensorChange::Lag { parameter, .. } => self.model.parameters[*parameter].nominal,
+                    _ => 0.0,
+                };
+                measurement.change_sensors(change, nominal);
+            }
+        }
+        Ok(())
+    }
+
+    /// A place as it is now: a sensor that an effect before changed reads another quantity.
+    fn site(&self, site: &Site) -> Site {
+        let Site::Sensors(sensors) = site else { return site.clone() };
+        let now = |place: &SensorPlace| {
+            let own = self.measurements.iter().flat_map(|m| &m.sensors).find(|sensor| sensor.name == place.name);
+            SensorPlace { quantity: own.map_or(place.quantity, |sensor| sensor.quantity), ..place.clone() }
+        };
+        Site::Sensors(sensors.iter().map(now).collect())
+    }
+
+    /// Its likelihood.
+    ///
+    /// # Errors
+    /// [`HypothesisError::Likelihood`].
+    pub fn likelihood(&self, problem: &Problem) -> Result<Likelihood, HypothesisError> {
+        let measurements: Vec<&Measurement> = self.measurements.iter().collect();
+        Ok(Likelihood::new(&Definition {
+            model: &self.model,
+            priors: &self.priors,
+            parameters: &self.parameters,
+            measurements: &measurements,
+            input_errors: &problem.input_errors,
+        })?)
+    }
+}
+
+impl Measurement {
+    /// Gives a node that was added a start temperature: that of its host.
+    fn begin_like(&mut self, host: usize) {
+        if let crate::inference::measurement::Rows::Transient {
+            initial: Initial::Temperatures { values, shared }, ..
+        } = &mut self.rows
+        {
+            if let Some(value) = values.get(host).cloned() {
+                if shared.contains(&host) {
+                    shared.push(values.len());
+                }
+                values.push(value);
+            }
+        }
+    }
+}
