@@ -4,6 +4,7 @@ mod cache;
 mod check;
 mod compare;
 mod data;
+mod diagnose;
 mod diff;
 mod effects;
 mod execute;
@@ -102,6 +103,8 @@ enum Verb {
     Report(report::Report),
     /// Hold a model against its measurements
     Compare(compare::Compare),
+    /// Name the physics that a model is missing
+    Diagnose(diagnose::Diagnose),
     /// Show results as tables, or as they are stored
     Show(show::Show),
     /// Show what would run, what is cached, and how long it takes
@@ -134,6 +137,7 @@ impl Verb {
             Self::Run(verb) => verb.execute(context),
             Self::Report(verb) => verb.execute(context),
             Self::Compare(verb) => verb.execute(context),
+            Self::Diagnose(verb) => verb.execute(context),
             Self::Show(verb) => verb.execute(context),
             Self::Plan(verb) => verb.execute(context),
             Self::Cache(verb) => verb.execute(context),

@@ -1,5 +1,7 @@
 //! The believed model with a set of effects added, and the measurements as it sees them.
 
+use std::sync::Arc;
+
 use thiserror::Error;
 
 use super::Problem;
@@ -55,6 +57,15 @@ impl Problem {
             hypothesis.add(self, effect, scale)?;
         }
         Ok(hypothesis)
+    }
+
+    /// The problem whose believed model has these effects. The candidates are the same.
+    ///
+    /// # Errors
+    /// [`HypothesisError::Apply`] where they do not fit.
+    pub fn with(&self, effects: &[usize]) -> Result<Problem, HypothesisError> {
+        let Hypothesis { model, priors, parameters, measurements, .. } = self.hypothesis(effects, 1.0)?;
+        Ok(Problem { model: Arc::new(model), priors, parameters, measurements, ..self.clone() })
     }
 }
 

@@ -52,6 +52,7 @@ fn result(job: &FinishedJob<'_>) -> Result<Option<JobResult>, ResultError> {
         "propagate" => serde_json::from_value(job.result.clone()).map(JobResult::Propagate),
         "conventional" => serde_json::from_value(job.result.clone()).map(JobResult::Conventional),
         "compare" => serde_json::from_value(job.result.clone()).map(JobResult::Compare),
+        "diagnose" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Diagnose(Box::new(output))),
         "calibrate" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Calibrate(Box::new(output))),
         _ => return Ok(None),
     };

@@ -1,5 +1,6 @@
 //! What a report is made of: definitions and outputs of one pass, already computed.
 
+use crate::diagnosis;
 use crate::inference::measurement::{Measurement, Rows, Sensor};
 use crate::job::requirement::{Environment, Requirement};
 use crate::job::{calibrate, compare, conventional, propagate};
@@ -49,6 +50,8 @@ pub enum JobResult {
     Compare(compare::Output),
     /// Parameters from measurements.
     Calibrate(Box<calibrate::Output>),
+    /// Which physics is missing.
+    Diagnose(Box<diagnosis::Output>),
 }
 
 /// A job with its output.
@@ -132,6 +135,14 @@ impl PassReport<'_> {
     pub fn calibrations(&self) -> impl Iterator<Item = (&str, &calibrate::Output)> {
         self.results.iter().filter_map(|job| match &job.result {
             JobResult::Calibrate(output) => Some((job.name.as_str(), &**output)),
+            _ => None,
+        })
+    }
+
+    /// Diagnoses with their jobs' names.
+    pub fn diagnoses(&self) -> impl Iterator<Item = (&str, &diagnosis::Output)> {
+        self.results.iter().filter_map(|job| match &job.result {
+            JobResult::Diagnose(output) => Some((job.name.as_str(), &**output)),
             _ => None,
         })
     }

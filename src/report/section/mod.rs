@@ -5,6 +5,7 @@ mod adopted;
 mod calibration;
 mod comparison;
 mod data;
+mod diagnosis;
 mod network;
 pub mod problem;
 pub mod propagation;
@@ -19,10 +20,13 @@ use super::view::PassReport;
 pub type Build = fn(&PassReport<'_>) -> Option<Section>;
 
 /// The sections that show results of jobs, in the order of the report.
-pub const RESULTS: &[Build] = &[propagation::build, sizing::build, comparison::build];
+pub const RESULTS: &[Build] = &[propagation::build, sizing::build, comparison::build, diagnosis::build];
 
 /// The summary alone.
 pub const SUMMARY: Build = summary::build;
+
+/// What diagnoses say, alone.
+pub const DIAGNOSIS: Build = diagnosis::build;
 
 /// The readings of all comparisons beside their predictions, however many.
 pub const READINGS: Build = comparison::readings_alone;
@@ -37,6 +41,7 @@ pub const SECTIONS: &[Build] = &[
     sizing::build,
     comparison::build,
     calibration::build,
+    diagnosis::build,
     data::build,
     provenance::build,
 ];

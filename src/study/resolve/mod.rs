@@ -4,6 +4,7 @@ pub mod adopt;
 mod adopt_parameter;
 mod adopt_place;
 mod calibrate;
+mod diagnose;
 pub mod changes;
 pub mod data;
 pub mod jobs;
@@ -14,25 +15,27 @@ pub mod steady;
 pub mod transient;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::document::hash::sha256_hex;
 use crate::document::written::check_format;
 use crate::document::{
     Diagnostic, Diagnostics, MapEntry, NameOr, Node, Place, Source, Span, Spanned, Value, Written, canonical, code,
 };
-use crate::effect::Catalogue;
+use crate::effect::{Catalogue, GroupPlace};
 use crate::thermal::Quantity;
 
 use super::folder::{Folder, FolderError};
 use super::inherit::{Lineage, folder_diagnostic_at, lineage};
 use super::model::name::check_label;
-use super::model::{self, QuantityForm, QuantityOrName, ResolvedModel};
+use super::model::{self, Group, QuantityForm, QuantityOrName, ResolvedModel};
 use super::pass::measurement::MeasurementForm;
 use super::pass::{self, PassForm};
 use super::pinned::Pinned;
 use super::resolved::Pass;
 use super::{profile, rule};
 
+pub use adopt::sensor_places;
 use jobs::Offered;
 use measurement::Outcome;
 use scope::{Scope, unit_of};
@@ -234,12 +237,14 @@ fn resolve(
         profiles: &profiles.into_iter().map(|(profile, _)| profile).collect::<Vec<_>>(),
         design: &form.design,
         named_quantities,
+        catalogue: &catalogue,
         command: command(folder),
     };
     let mut jobs = jobs::jobs(&mut scope, &form.jobs, &offered);
     jobs.extend(jobs::implied_comparison(&jobs, &offered));
     calibrate::show_in_comparisons(&mut jobs, &form.jobs);
     let definition_sha256 = definition(lineage, model_file, model_tree, own);
+    let groups = group_places(&scope.resolved.groups, &measurements);
     let ResolvedModel { model, reconstructed, input_errors, .. } = scope.resolved;
     Some(Pass {
         folder: folder.shown().to_owned(),
@@ -259,6 +264,8 @@ fn resolve(
         measurements,
         ignored_sensors,
         jobs,
+        groups,
+        catalogue: Arc::new(catalogue),
         changes,
         adopted: adoption.adopted,
         ranges_from_data,
@@ -266,6 +273,13 @@ fn resolve(
         missing,
         warnings: Diagnostics::new(),
     })
+}
+
+/// Groups as effects see them; sensors without a measurement are no members.
+fn group_places(groups: &[Group], measurements: &[crate::inference::measurement::Measurement]) -> Vec<GroupPlace> {
+    let sensors = adopt::sensor_places(measurements.iter());
+    let site = |group: &Group| group.members.site(&sensors);
+    groups.iter().map(|group| GroupPlace { name: group.name.clone(), site: site(group) }).collect()
 }
 
 fn seed(scope: &mut Scope, written: Option<&Spanned<u64>>) -> u64 {
