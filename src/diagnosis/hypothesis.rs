@@ -5,9 +5,11 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use super::Problem;
-use crate::effect::{ApplyError, Instance, SensorChange, SensorPlace, Site, apply};
+use crate::effect::{
+    Applied, ApplyError, Candidate, Effect, EffectParameter, Instance, SensorChange, SensorPlace, Site, apply,
+};
 use crate::inference::likelihood::{Definition, Likelihood, LikelihoodError};
-use crate::inference::measurement::{Initial, Measurement};
+use crate::inference::measurement::{Initial, Measurement, Uncertain};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
@@ -79,14 +81,20 @@ impl Hypothesis {
         for parameter in parameters.iter_mut().filter(|parameter| parameter.amplitude && scale != 1.0) {
             parameter.prior = crate::effect::parameter::scaled(parameter.prior, scale);
         }
-        let instance = Instance {
-            name: &candidate.id,
-            effect,
-            site: self.site(&candidate.site),
-            bound: candidate.bound.clone(),
-            parameters,
-            switch: None,
-        };
+        self.add_as(candidate, effect, &candidate.id, parameters)?;
+        Ok(())
+    }
+
+    /// Adds an effect at a candidate's place under a name, with parameters of its own.
+    pub(super) fn add_as(
+        &mut self,
+        candidate: &Candidate,
+        effect: &Effect,
+        name: &str,
+        parameters: Vec<EffectParameter>,
+    ) -> Result<Applied, HypothesisError> {
+        let (site, bound) = (self.site(&candidate.site), candidate.bound.clone());
+        let instance = Instance { name, effect, site, bound, parameters, switch: None };
         let applied = apply(&mut self.model, &instance)?;
         let range = applied.first_parameter..applied.first_parameter + instance.parameters.len();
         for (offset, parameter) in instance.parameters.iter().enumerate() {
@@ -97,8 +105,8 @@ impl Hypothesis {
         }
         self.amplitudes.push(range);
         for measurement in &mut self.measurements {
-            for &(_, host) in &applied.nodes {
-                measurement.begin_like(host);
+            for &(node, host) in &applied.nodes {
+                measurement.begin_like(node, host);
             }
             for change in &applied.sensors {
                 let nominal = match change {
@@ -108,7 +116,7 @@ impl Hypothesis {
                 measurement.change_sensors(change, nominal);
             }
         }
-        Ok(())
+        Ok(applied)
     }
 
     /// A place as it is now: a sensor that an effect before changed reads another quantity.
@@ -139,15 +147,18 @@ impl Hypothesis {
 
 impl Measurement {
     /// Gives a node that was added a start temperature: that of its host.
-    fn begin_like(&mut self, host: usize) {
+    fn begin_like(&mut self, node: usize, host: usize) {
         if let crate::inference::measurement::Rows::Transient {
-            initial: Initial::Temperatures { values, shared }, ..
+            initial: Initial::Temperatures { values, shared },
+            ..
         } = &mut self.rows
         {
             if let Some(value) = values.get(host).cloned() {
                 if shared.contains(&host) {
-                    shared.push(values.len());
+                    shared.push(node);
                 }
+                // Boundaries that effects added before it have no start temperature.
+                values.resize(node.max(values.len()), Uncertain::Known(0.0));
                 values.push(value);
             }
         }

@@ -8,6 +8,7 @@
 mod build;
 mod steady;
 mod transient;
+mod whitening;
 
 use thiserror::Error;
 
@@ -19,6 +20,8 @@ use crate::random::Distribution;
 use crate::thermal::{self, Network, NetworkError};
 use steady::SteadyPart;
 use transient::TransientPart;
+
+pub use whitening::Whitening;
 
 /// Half of ln(2 pi).
 const HALF_LN_TAU: f64 = 0.918_938_533_204_672_7;

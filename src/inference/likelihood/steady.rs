@@ -1,6 +1,7 @@
 //! Steady phases in the likelihood.
 
 use super::build::is_used;
+use super::whitening::Block;
 use super::{Datum, Likelihood, LikelihoodError, Memory, SensorPart};
 use crate::inference::cholesky;
 use crate::inference::measurement::{Measurement, Rows};
@@ -103,6 +104,25 @@ impl SteadyPart {
                 }
             }
             phase.covariance = Some(covariance);
+        }
+        Ok(())
+    }
+
+    /// Its sensors.
+    pub fn sensors(&self) -> &[SensorPart] {
+        &self.sensors
+    }
+
+    /// Appends the whitening of each phase.
+    pub fn whitening(&self, unknowns: &[f64], blocks: &mut Vec<Block>) -> Result<(), Rejected> {
+        for phase in &self.phases {
+            let of = |&(sensor, _): &(usize, f64)| self.sensors[sensor].noise.total(unknowns);
+            let sd: Vec<f64> = phase.readings.iter().map(of).collect();
+            let (first, size) = (phase.first, phase.readings.len());
+            blocks.push(match &phase.covariance {
+                None => Block::Scales { first, sd },
+                Some(covariance) => Block::Factor { first, size, factor: factor(covariance, &sd)? },
+            });
         }
         Ok(())
     }
@@ -278,6 +298,18 @@ impl SteadyPart {
         }
         Ok(())
     }
+}
+
+/// `L` with `L L' = diag(sd^2) + F S F'`.
+fn factor(covariance: &[f64], sd: &[f64]) -> Result<Vec<f64>, Rejected> {
+    let size = sd.len();
+    let mut factor = covariance.to_vec();
+    for (position, sd) in sd.iter().enumerate() {
+        factor[position * size + position] += sd * sd;
+    }
+    cholesky::factor(&mut factor, size)
+        .map_err(|_| Rejected::new("the covariance of a phase is not positive definite"))?;
+    Ok(factor)
 }
 
 impl Reference {
