@@ -6,27 +6,37 @@
 //! `heat`, `held_out`, `separate`: what is missing whatever its name, what the held-out rows say, which test would part
 //! rivals. `engine`, `conclude`, `words`: the course, the verdict, the sentences. `output`: the result.
 
+pub mod bounded;
 mod conclude;
+pub mod detectable;
 mod engine;
+pub mod family;
 mod heat;
 mod held_out;
 pub mod hypothesis;
 pub mod linear;
 mod noise;
+pub mod null_maximum;
 pub mod output;
+pub mod pairs;
 pub mod problem;
+mod products;
 pub mod refit;
+pub mod score;
 mod screen;
 mod separate;
 mod settings;
-mod signature;
+pub mod signature;
 mod weigh;
 mod words;
 
 pub use engine::{Diagnosis, Order, State};
+pub use family::{Extras, Family, FamilyWise, Member, MemberKind};
 pub use hypothesis::{Hypothesis, HypothesisError};
 pub use linear::{Direction, Linear};
 pub use output::{Output, Verdict};
+pub use null_maximum::Sampling;
 pub use problem::Problem;
 pub use refit::Refit;
+pub use score::{Prepared, Score};
 pub use settings::Settings;

@@ -38,7 +38,8 @@ pub struct SettledNoise {
 }
 
 impl SettledNoise {
-    fn white(sigma: f64) -> Self {
+    /// White noise.
+    pub fn white(sigma: f64) -> Self {
         Self { sigma, correlation_time_s: None, white: None }
     }
 

@@ -213,10 +213,11 @@ impl Diagnosis {
         for d in scored.ranked() {
             let direction = &scored.directions[d];
             let start = || self.start(problem, direction, &scored.scores[d].amplitudes);
+            let full = leads.len() >= MOST_LEADS;
             match leads.iter_mut().find(|lead| lead.candidate == direction.candidate) {
                 Some(lead) if lead.starts.len() < MOST_STARTS => lead.starts.push(start()),
                 Some(_) => {}
-                None if leads.len() < MOST_LEADS => leads.push(Lead {
+                None if !full => leads.push(Lead {
                     candidate: direction.candidate,
                     fall: scored.fall(d),
                     starts: vec![start()],

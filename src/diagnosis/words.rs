@@ -21,23 +21,21 @@ fn p_value(p: f64) -> String {
 fn size(effect: &EffectResult) -> String {
     let first = effect.amplitudes.iter().next();
     first.map_or_else(String::new, |(name, amount)| {
-        format!("{name} {:.3} ± {:.2} {}", Short(amount.value), Short(amount.sd), amount.unit)
+        format!("{name} {} ± {} {}", short(amount.value, 3), short(amount.sd, 2), amount.unit)
     })
 }
 
-/// A number with as many significant digits as the precision says.
-struct Short(f64);
-
-impl std::fmt::Display for Short {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let digits = f.precision().unwrap_or(3);
-        let magnitude = self.0.abs();
-        if magnitude != 0.0 && !(1e-3..1e5).contains(&magnitude) {
-            return write!(f, "{:.*e}", digits.saturating_sub(1), self.0);
-        }
-        let before = if magnitude >= 1.0 { (crate::math::functions::ln(magnitude) / core::f64::consts::LN_10) as usize + 1 } else { 1 };
-        write!(f, "{:.*}", digits.saturating_sub(before).max(if magnitude < 1.0 { digits } else { 0 }), self.0)
+/// A number to some significant digits.
+fn short(value: f64, digits: usize) -> String {
+    let magnitude = value.abs();
+    if magnitude == 0.0 || !magnitude.is_finite() {
+        return format!("{value}");
     }
+    let power = (crate::math::functions::ln(magnitude) / core::f64::consts::LN_10).floor();
+    if !(-4.0..6.0).contains(&power) {
+        return format!("{value:.*e}", digits - 1);
+    }
+    format!("{value:.*}", (digits as f64 - 1.0 - power).max(0.0) as usize)
 }
 
 fn fall([before, after]: [Option<f64>; 2]) -> Option<String> {
