@@ -13,7 +13,7 @@
 //! likelihood ratio, the probability is an upper limit.
 
 use super::null_maximum::{Null, Sampling, Several};
-use super::products::{dot, orthonormal};
+use super::products::{coordinates, dot, orthonormal};
 use super::score::{Prepared, Projected, Side};
 use super::{Direction, Score};
 use crate::math::functions::sqrt;
@@ -22,7 +22,7 @@ use crate::math::special::{
 };
 
 /// Directions are turned into coordinates where so many suffice.
-const LARGEST_RANK: usize = 64;
+const LARGEST_RANK: usize = 512;
 /// Conditions on parameters at bounds that are kept; each halves the share of the draws that count.
 const LARGEST_CONDITIONS: usize = 5;
 
@@ -170,7 +170,7 @@ impl Family {
         }
         conditions.sort_by(|a, b| a.0.total_cmp(&b.0));
         let pressed: Vec<&[f64]> = conditions.iter().map(|(_, column)| column.as_slice()).collect();
-        let chosen = orthonormal(&pressed, Vec::new(), 1e-3, usize::MAX).map(|(_, chosen)| chosen).unwrap_or_default();
+        let chosen = orthonormal(&pressed, Vec::new(), 1e-3).1;
         let kept = (0..pressed.len()).filter(|k| chosen.contains(k)).take(LARGEST_CONDITIONS);
         let conditions: Vec<Vec<f64>> = kept.map(|k| pressed[k].to_vec()).collect();
         let null = Self::coordinates(prepared, singles, several, conditions, extras.omnibus, degrees);
@@ -194,28 +194,27 @@ impl Family {
             .chain(conditions.iter().map(Vec::as_slice))
             .collect();
         let freedom = prepared.freedom();
-        let span = if 2 * LARGEST_RANK < rows || all.len() < rows {
-            orthonormal(&all, Vec::new(), 1e-10, LARGEST_RANK).map(|(basis, _)| basis)
-        } else {
-            None
-        };
+        let span = coordinates(&all, LARGEST_RANK.min(7 * rows / 10));
         let sides = singles.iter().map(|(_, side)| *side).collect();
-        let flat = |columns: &mut dyn Iterator<Item = &[f64]>, basis: &[f64]| -> Vec<f64> {
-            columns.flat_map(|column| basis.chunks_exact(rows).map(move |q| dot(q, column))).collect()
-        };
         let mut null = Null { dimensions: rows, freedom, omnibus: omnibus && freedom > 0, degrees, sides, ..Null::default() };
         match span {
-            Some(basis) if rows > 0 => {
-                null.dimensions = basis.len() / rows;
-                null.units = flat(&mut singles.iter().map(|(unit, _)| unit.as_slice()), &basis);
-                null.conditions = flat(&mut conditions.iter().map(Vec::as_slice), &basis);
+            Some((found, dimensions)) => {
+                let mut found = found.as_slice();
+                let mut next = |count: usize| {
+                    let (these, rest) = found.split_at(count * dimensions);
+                    found = rest;
+                    these.to_vec()
+                };
+                null.dimensions = dimensions;
+                null.units = next(singles.len());
                 null.several = several
                     .into_iter()
-                    .map(|s| Several { columns: flat(&mut s.columns.chunks_exact(rows), &basis), weights: s.weights })
+                    .map(|s| Several { columns: next(s.weights.len()), weights: s.weights })
                     .collect();
-                null.remainder = freedom.saturating_sub(null.dimensions);
+                null.conditions = next(conditions.len());
+                null.remainder = freedom.saturating_sub(dimensions);
             }
-            _ => {
+            None => {
                 null.units = singles.into_iter().flat_map(|(unit, _)| unit).collect();
                 null.conditions = conditions.concat();
                 null.several = several;

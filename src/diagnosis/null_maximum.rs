@@ -142,25 +142,28 @@ impl Null {
         let draws = sampling.draws.max(2) << self.condition_count();
         let words = (self.dimensions + 5) as u64;
         let mut stream = sampling.key.stream(0);
-        let (mut sum, mut squares) = (0.0, 0.0);
+        let mut weights = Vec::with_capacity(draws);
         let mut block: Vec<Draw> = Vec::with_capacity(LANES);
         for index in 0..draws {
             stream.seek(index as u64 * words);
             // Members in turn, so that each is drawn its share of times.
             let place = (index as f64 + stream.uniform()) / draws as f64;
             let member = ((place * members as f64) as usize).min(members - 1);
-            block.push(self.draw(member, &thresholds, &mut stream));
-            if block.len() == LANES || index + 1 == draws {
-                for weight in self.weights(&block, &thresholds) {
-                    sum += weight;
-                    squares += weight * weight;
-                }
+            let draw = self.draw(member, &thresholds, &mut stream);
+            // The others weigh nothing.
+            if self.conditions.chunks_exact(self.dimensions.max(1)).all(|c| dot(c, &draw.vector) >= 0.0) {
+                block.push(draw);
+            }
+            if block.len() == LANES {
+                weights.extend(self.weights(&block, &thresholds));
                 block.clear();
             }
         }
+        weights.extend(self.weights(&block, &thresholds));
+        weights.resize(draws, 0.0);
         let n = draws as f64;
-        let mean = sum / n;
-        let se = sqrt((squares / n - mean * mean).max(0.0) / (n - 1.0));
+        let mean = weights.iter().sum::<f64>() / n;
+        let se = sqrt(weights.iter().map(|w| (w - mean) * (w - mean)).sum::<f64>() / (n * (n - 1.0)));
         let kept = self.condition_probability();
         ((mean / kept).min(1.0), se / kept)
     }
@@ -238,7 +241,7 @@ impl Null {
         Draw { vector, outside }
     }
 
-    /// Weights of some draws: 0 where a condition fails.
+    /// Weights of some draws that meet the conditions.
     fn weights(&self, block: &[Draw], thresholds: &Thresholds) -> Vec<f64> {
         let n = self.dimensions;
         let mut lanes = vec![[0.0; LANES]; n];
@@ -287,13 +290,7 @@ impl Null {
                 }
             }
         }
-        let mut kept = [true; LANES];
-        for condition in self.conditions.chunks_exact(n.max(1)) {
-            for (kept, x) in kept.iter_mut().zip(products(condition)) {
-                *kept &= x >= 0.0;
-            }
-        }
-        (0..block.len()).map(|lane| if kept[lane] { self.members() as f64 / inverse[lane] } else { 0.0 }).collect()
+        (0..block.len()).map(|lane| self.members() as f64 / inverse[lane]).collect()
     }
 
     /// See [`super::family::Family::critical`].

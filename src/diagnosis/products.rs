@@ -42,8 +42,7 @@ pub(super) fn orthonormal(
     columns: &[&[f64]],
     start: Vec<f64>,
     tolerance: f64,
-    largest: usize,
-) -> Option<(Vec<f64>, Vec<usize>)> {
+) -> (Vec<f64>, Vec<usize>) {
     let mut basis = start;
     let mut chosen = Vec::new();
     let mut rest: Vec<(usize, Vec<f64>)> = Vec::with_capacity(columns.len());
@@ -63,10 +62,7 @@ pub(super) fn orthonormal(
                 best = Some((place, square));
             }
         }
-        let Some((place, square)) = best else { return Some((basis, chosen)) };
-        if chosen.len() == largest {
-            return None;
-        }
+        let Some((place, square)) = best else { return (basis, chosen) };
         let (index, mut column) = rest.remove(place);
         let norm = square.sqrt();
         column.iter_mut().for_each(|x| *x /= norm);
@@ -81,4 +77,35 @@ pub(super) fn orthonormal(
         basis.extend_from_slice(&column);
         chosen.push(index);
     }
+}
+
+/// Coordinates of columns of length 1 in an orthonormal basis of their span, one column's after the other: the rows of the
+/// Cholesky factor of their products, where a column whose remainder's square is below 1e-9 adds no dimension. With their
+/// number; `None` where it would exceed `largest`. Cost: columns x dimensions x rows.
+pub(super) fn coordinates(columns: &[&[f64]], largest: usize) -> Option<(Vec<f64>, usize)> {
+    let mut pivots: Vec<usize> = Vec::new();
+    let mut rows: Vec<Vec<f64>> = Vec::with_capacity(columns.len());
+    for (index, column) in columns.iter().enumerate() {
+        let mut row: Vec<f64> = Vec::with_capacity(pivots.len() + 1);
+        for (k, &pivot) in pivots.iter().enumerate() {
+            let known = &rows[pivot];
+            let product = dot(column, columns[pivot]) - dot(&row, &known[..k]);
+            row.push(product / known[k]);
+        }
+        let left = 1.0 - dot(&row, &row);
+        if left > 1e-9 {
+            if pivots.len() == largest {
+                return None;
+            }
+            pivots.push(index);
+            row.push(left.sqrt());
+        } else {
+            let norm = dot(&row, &row).sqrt();
+            row.iter_mut().for_each(|x| *x /= norm);
+        }
+        rows.push(row);
+    }
+    let dimensions = pivots.len();
+    rows.iter_mut().for_each(|row| row.resize(dimensions, 0.0));
+    Some((rows.concat(), dimensions))
 }

@@ -190,7 +190,7 @@ impl Prepared {
         let free: Vec<usize> = (0..p).filter(|&k| places[k] == Place::Free && movable(k)).collect();
         let held: Vec<usize> = (0..p).filter(|&k| places[k] != Place::Free && movable(k)).collect();
         let of = |list: &[usize]| -> Vec<&[f64]> { list.iter().map(|&k| column(k)).collect() };
-        let (basis, chosen) = orthonormal(&of(&free), Vec::new(), DEPENDENT, usize::MAX).unwrap_or_default();
+        let (basis, chosen) = orthonormal(&of(&free), Vec::new(), DEPENDENT);
         let mut behind: Vec<usize> = chosen.iter().map(|&place| free[place]).collect();
         let free_rank = behind.len();
         // What rounding (and the ridge of the step) left along the free columns.
@@ -206,7 +206,7 @@ impl Prepared {
                 pinned.push(Pinned { parameter, at_lower, pressure: if at_lower { -pull } else { pull } });
             }
         }
-        let (basis, chosen) = orthonormal(&of(&held), basis, DEPENDENT, usize::MAX).unwrap_or_default();
+        let (basis, chosen) = orthonormal(&of(&held), basis, DEPENDENT);
         behind.extend(chosen.iter().map(|&place| held[place]));
         let triangle: Vec<f64> =
             (0..p).flat_map(|k| basis.chunks_exact(rows.max(1)).map(move |q| (q, k))).map(|(q, k)| dot(q, column(k))).collect();

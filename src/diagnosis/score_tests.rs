@@ -11,6 +11,9 @@ use crate::math::special::normal_cdf;
 
 /// Sum of squares of the free fit on some columns.
 fn left(columns: &[Vec<f64>], r: &[f64]) -> f64 {
+    if columns.is_empty() {
+        return dot(r, r);
+    }
     let j = DMatrix::from_fn(r.len(), columns.len(), |row, k| columns[k][row]);
     let r = DVector::from_column_slice(r);
     let solved = j.clone().svd(true, true).solve(&r, 1e-13).unwrap();
