@@ -6,10 +6,10 @@
 //! 1e-6). Bounds of parameters that come into play lower the power. Of several columns, amplitudes are drawn from normal
 //! distributions with `a` times the plausible sizes: the weights of the squares become `w (1 + a^2 l)`.
 
+use super::Direction;
 use super::family::Family;
 use super::null_maximum::Sampling;
 use super::score::{Prepared, Projected, Side};
-use super::Direction;
 use crate::math::functions::{exp, ln};
 use crate::math::special::{normal_quantile, student_t_quantile, weighted_chi_square_sf, weighted_chi_square_upper};
 

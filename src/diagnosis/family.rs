@@ -117,8 +117,7 @@ impl Family {
                 Projected::Single { mut column, norm, side } if score.seen => {
                     column.iter_mut().for_each(|x| *x /= norm);
                     let folded = side.fold(score.z);
-                    let statistic =
-                        if folded > 0.0 { folded.min(sqrt(score.likelihood_ratio)) } else { folded };
+                    let statistic = if folded > 0.0 { folded.min(sqrt(score.likelihood_ratio)) } else { folded };
                     add(&mut members, MemberKind::Direction(position), column, side, statistic);
                 }
                 Projected::Several { columns, weights, .. } if score.seen => {
@@ -196,7 +195,8 @@ impl Family {
         let freedom = prepared.freedom();
         let span = coordinates(&all, LARGEST_RANK.min(7 * rows / 10));
         let sides = singles.iter().map(|(_, side)| *side).collect();
-        let mut null = Null { dimensions: rows, freedom, omnibus: omnibus && freedom > 0, degrees, sides, ..Null::default() };
+        let mut null =
+            Null { dimensions: rows, freedom, omnibus: omnibus && freedom > 0, degrees, sides, ..Null::default() };
         match span {
             Some((found, dimensions)) => {
                 let mut found = found.as_slice();
@@ -281,7 +281,13 @@ pub(super) fn square_tail(x: f64, count: f64, degrees: Option<f64>) -> f64 {
 }
 
 /// Scores, family and verdict at once.
-pub fn p_value(prepared: &Prepared, directions: &[Direction], extras: &Extras<'_>, sampling: &Sampling, degrees: Option<f64>) -> FamilyWise {
+pub fn p_value(
+    prepared: &Prepared,
+    directions: &[Direction],
+    extras: &Extras<'_>,
+    sampling: &Sampling,
+    degrees: Option<f64>,
+) -> FamilyWise {
     let scores: Vec<Score> = directions.iter().map(|direction| prepared.score(direction)).collect();
     Family::new(prepared, directions, &scores, extras, degrees).test(sampling)
 }

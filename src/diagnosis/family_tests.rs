@@ -90,8 +90,7 @@ fn two_correlated_members_have_the_probability_of_the_bivariate_normal() {
                     normal_density(x) * (normal_cdf((c - rho * x) / s) - below)
                 });
                 let expected = 1.0 - neither;
-                let (p, se) =
-                    family(&prepared, &directions, &nothing(), None).probability(p1, &sampling(4000));
+                let (p, se) = family(&prepared, &directions, &nothing(), None).probability(p1, &sampling(4000));
                 assert!((p - expected).abs() < 4.0 * se + 1e-8, "{rho} {one_sided} {p1}: {p} {expected} {se}");
             }
         }
@@ -308,7 +307,8 @@ fn a_curve_is_detectable_at_the_size_at_which_it_is_found() {
     let (n, mut found) = (4000, 0);
     for _ in 0..n {
         let a: Vec<f64> = curve.plausible.iter().map(|t| size * t * stream.normal()).collect();
-        let r = (0..rows).map(|row| stream.normal() + (0..3).map(|k| a[k] * curve.column(k)[row]).sum::<f64>()).collect();
+        let r =
+            (0..rows).map(|row| stream.normal() + (0..3).map(|k| a[k] * curve.column(k)[row]).sum::<f64>()).collect();
         found += i32::from(bare(r).score(&curve).p <= 1e-4);
     }
     let rate = f64::from(found) / f64::from(n);

@@ -75,4 +75,3 @@ pub(super) fn enumerated(h: &[f64], b: &[f64], lower: &[f64], upper: &[f64]) -> 
     }
     best
 }
-

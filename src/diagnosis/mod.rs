@@ -4,9 +4,11 @@
 //! fit and the directions in which effects would move it.
 //! `score`: what a direction would gain between all bounds (`bounded`), and what the data see of it. `pairs`: the best of all
 //! pairs. `family`: whether the best could be chance (`null_maximum`). `detectable`: what would have been seen.
+//! `evidence`: of linear models, in closed form.
 
 pub mod bounded;
 pub mod detectable;
+pub mod evidence;
 pub mod family;
 #[cfg(test)]
 mod fixture;
@@ -22,6 +24,7 @@ mod score_tests;
 #[cfg(test)]
 mod family_tests;
 
+pub use evidence::{Amplitude, Evidence};
 pub use family::{Extras, Family, FamilyWise, Member, MemberKind};
 pub use hypothesis::{Hypothesis, HypothesisError};
 pub use linear::{Direction, Linear};

@@ -233,7 +233,8 @@ impl Null {
             }
         } else {
             let square = dot(&vector, &vector) + outside;
-            let drawn = self.square_upper((in_tail * thresholds.p).max(f64::MIN_POSITIVE), self.freedom, thresholds.omnibus);
+            let drawn =
+                self.square_upper((in_tail * thresholds.p).max(f64::MIN_POSITIVE), self.freedom, thresholds.omnibus);
             let stretch = sqrt(drawn / square);
             vector.iter_mut().for_each(|x| *x *= stretch);
             outside *= drawn / square;

@@ -38,11 +38,7 @@ pub(super) fn project_out(column: &mut [f64], basis: &[f64]) {
 /// Orthonormal columns with the span of the given ones, which are scaled to length 1 first: Gram and Schmidt's process, the
 /// longest remainder next, ties by index, until remainders are shorter than `tolerance`.
 /// Also the position of the column behind each. `start` are orthonormal columns that are taken out and stay in front.
-pub(super) fn orthonormal(
-    columns: &[&[f64]],
-    start: Vec<f64>,
-    tolerance: f64,
-) -> (Vec<f64>, Vec<usize>) {
+pub(super) fn orthonormal(columns: &[&[f64]], start: Vec<f64>, tolerance: f64) -> (Vec<f64>, Vec<usize>) {
     let mut basis = start;
     let mut chosen = Vec::new();
     let mut rest: Vec<(usize, Vec<f64>)> = Vec::with_capacity(columns.len());

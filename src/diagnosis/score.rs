@@ -208,8 +208,10 @@ impl Prepared {
         }
         let (basis, chosen) = orthonormal(&of(&held), basis, DEPENDENT);
         behind.extend(chosen.iter().map(|&place| held[place]));
-        let triangle: Vec<f64> =
-            (0..p).flat_map(|k| basis.chunks_exact(rows.max(1)).map(move |q| (q, k))).map(|(q, k)| dot(q, column(k))).collect();
+        let triangle: Vec<f64> = (0..p)
+            .flat_map(|k| basis.chunks_exact(rows.max(1)).map(move |q| (q, k)))
+            .map(|(q, k)| dot(q, column(k)))
+            .collect();
         for k in 0..p {
             step[k] = step[k].max(lower[k]).min(upper[k]);
         }
@@ -302,7 +304,10 @@ impl Prepared {
         }
         let share = if square > 0.0 { left / square } else { 0.0 };
         let norm = sqrt(left);
-        if !(share >= SMALLEST_SHARE) || !(LARGEST_PLAUSIBLE * direction.plausible[0] * norm >= 1.0) || !norm.is_finite() {
+        if !(share >= SMALLEST_SHARE)
+            || !(LARGEST_PLAUSIBLE * direction.plausible[0] * norm >= 1.0)
+            || !norm.is_finite()
+        {
             return Score::unseen(direction, share);
         }
         let z = product / norm;

@@ -225,7 +225,8 @@ fn pairs_are_those_of_a_double_loop() {
             let (h, b) = products(&all, &linear.residuals);
             let lower: Vec<f64> =
                 [vec![f64::NEG_INFINITY; 3], vec![directions[j].lower[0], directions[k].lower[0]]].concat();
-            let fall = enumerated(&h, &b, &lower, &[f64::INFINITY; 5]) - (dot(&linear.residuals, &linear.residuals) - without);
+            let fall =
+                enumerated(&h, &b, &lower, &[f64::INFINITY; 5]) - (dot(&linear.residuals, &linear.residuals) - without);
             let single = scores[j].likelihood_ratio.max(scores[k].likelihood_ratio);
             if fall > single + 1e-9 {
                 expected.push((fall, j, k));

@@ -120,11 +120,8 @@ impl Sum {
         // The mean lies at the pole: on its far side the complement is the sum of like terms.
         let mean: f64 = self.weights.iter().sum();
         let above = self.value >= mean;
-        let (mut left, mut right) = if above {
-            (0.0, 0.5)
-        } else {
-            (self.degrees.map_or(f64::NEG_INFINITY, |d| -0.5 * d / self.value), 0.0)
-        };
+        let (mut left, mut right) =
+            if above { (0.0, 0.5) } else { (self.degrees.map_or(f64::NEG_INFINITY, |d| -0.5 * d / self.value), 0.0) };
         if left == f64::NEG_INFINITY {
             left = -1.0;
             while self.derivatives(left)[0] > 0.0 {
