@@ -2,7 +2,7 @@
 //!
 //! `problem`: what is diagnosed. `hypothesis`: the model with a set of effects added. `linear`, `signature`: the whitened
 //! problem at a fit and the directions in which effects would move it. `score`, `pairs`, `family`, `detectable`: what
-//! stands out, and how surely. `noise`: noise that is not wholly known. `refit`, `weigh`: fits, evidence, probabilities.
+//! stands out, and how surely (`bounded`, `null_maximum`: what these rest on). `evidence`: of linear models in closed form. `noise`: noise that is not wholly known. `refit`, `weigh`: fits, evidence, probabilities.
 //! `heat`, `held_out`, `separate`: what is missing whatever its name, what the held-out rows say, which test would part
 //! rivals. `engine`, `conclude`, `words`: the course, the verdict, the sentences. `output`: the result.
 
@@ -10,7 +10,12 @@ pub mod bounded;
 mod conclude;
 pub mod detectable;
 mod engine;
+pub mod evidence;
 pub mod family;
+#[cfg(test)]
+mod family_tests;
+#[cfg(test)]
+mod fixture;
 mod heat;
 mod held_out;
 pub mod hypothesis;
@@ -23,6 +28,8 @@ pub mod problem;
 mod products;
 pub mod refit;
 pub mod score;
+#[cfg(test)]
+mod score_tests;
 mod screen;
 mod separate;
 mod settings;
@@ -31,6 +38,7 @@ mod weigh;
 mod words;
 
 pub use engine::{Diagnosis, Order, State};
+pub use evidence::{Amplitude, Evidence};
 pub use family::{Extras, Family, FamilyWise, Member, MemberKind};
 pub use hypothesis::{Hypothesis, HypothesisError};
 pub use linear::{Direction, Linear};
