@@ -132,13 +132,12 @@ impl Measurement {
         if let crate::inference::measurement::Rows::Transient {
             initial: Initial::Temperatures { values, shared }, ..
         } = &mut self.rows
+            && let Some(value) = values.get(host).cloned()
         {
-            if let Some(value) = values.get(host).cloned() {
-                if shared.contains(&host) {
-                    shared.push(values.len());
-                }
-                values.push(value);
+            if shared.contains(&host) {
+                shared.push(values.len());
             }
+            values.push(value);
         }
     }
 }
