@@ -11,6 +11,8 @@ pub mod detectable;
 pub mod evidence;
 pub mod family;
 #[cfg(test)]
+mod family_tests;
+#[cfg(test)]
 mod fixture;
 pub mod hypothesis;
 pub mod linear;
@@ -21,8 +23,7 @@ mod products;
 pub mod score;
 #[cfg(test)]
 mod score_tests;
-#[cfg(test)]
-mod family_tests;
+mod several;
 
 pub use evidence::{Amplitude, Evidence};
 pub use family::{Extras, Family, FamilyWise, Member, MemberKind};
