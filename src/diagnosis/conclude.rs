@@ -20,6 +20,8 @@ use crate::math::special::chi_square_sf;
 const SURE: f64 = 0.91;
 /// Sets and effects that are written out.
 const MOST_WRITTEN: usize = 60;
+/// Probability of a set below which the held-out rows are not asked.
+const LEAST_TESTED: f64 = 1e-3;
 /// p-value of the remaining sum of squares below which a set does not bring the model near the noise.
 const FAR_FROM_NOISE: f64 = 1e-3;
 
@@ -64,17 +66,24 @@ impl Diagnosis {
         let mut held_out_test = None;
         if finds {
             verdict = Verdict::Unexplained;
+            let stated = self.estimates_sigma().is_none();
+            held_out_test = best(&findings.weights)
+                .and_then(|place| held_out::test(&problem, believed, &state.refits[place], stated));
+            // What the held-out rows speak against is not it: its probability goes to what no set explains.
+            for place in 1..state.refits.len() {
+                if findings.weights.sets[place] < LEAST_TESTED {
+                    continue;
+                }
+                let refit = &state.refits[place];
+                if held_out::test(&problem, believed, refit, stated).is_some_and(|test| test.veto) {
+                    warnings.push(format!("the held-out rows speak against {}", named(&findings, &refit.effects)));
+                    findings.weights.unexplained += findings.weights.sets[place];
+                    findings.weights.sets[place] = 0.0;
+                }
+            }
             findings.select();
             let chosen = &state.refits[findings.selected];
-            held_out_test = held_out::test(&problem, believed, chosen);
-            let vetoed = held_out_test.as_ref().is_some_and(|test| test.veto);
-            if vetoed {
-                warnings.push(format!(
-                    "the held-out rows speak against {}: it is not selected",
-                    named(&findings, &chosen.effects)
-                ));
-            }
-            let explains = !chosen.effects.is_empty() && !vetoed && !self.leaves_too_much(&findings);
+            let explains = !chosen.effects.is_empty() && !self.leaves_too_much(&findings);
             if explains {
                 verdict = findings.judge();
             } else {

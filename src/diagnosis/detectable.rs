@@ -9,7 +9,8 @@
 use super::Direction;
 use super::family::Family;
 use super::null_maximum::Sampling;
-use super::score::{Prepared, Projected, Side};
+use super::score::{Prepared, Side};
+use super::several::Projected;
 use crate::math::functions::{exp, ln};
 use crate::math::special::{normal_quantile, student_t_quantile, weighted_chi_square_sf, weighted_chi_square_upper};
 

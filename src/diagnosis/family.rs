@@ -14,7 +14,8 @@
 
 use super::null_maximum::{Null, Sampling, Several};
 use super::products::{coordinates, dot, orthonormal};
-use super::score::{Prepared, Projected, Side};
+use super::score::{Prepared, Side};
+use super::several::Projected;
 use super::{Direction, Score};
 use crate::math::functions::sqrt;
 use crate::math::special::{

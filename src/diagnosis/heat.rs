@@ -7,7 +7,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::evidence::{Amplitude, Evidence};
 use super::output::{GoesWith, Heat};
+use super::products::{dot, orthonormal, project_out};
 use super::signature::linearise;
 use super::{Problem, Refit};
 use crate::expression::{Names, Scope, Symbol, parse};
@@ -75,35 +77,44 @@ pub(super) fn missing_heat(problem: &Problem, believed: &Refit) -> Option<Missin
     // Free of the parameters that are not held at a bound.
     let n = linear.parameters();
     let free: Vec<usize> = (0..n).filter(|&i| linear.lower[i] < 0.0 && linear.upper[i] > 0.0).collect();
-    let basis = orthonormal(&linear.jacobian, rows, n, &free);
+    let slopes: Vec<Vec<f64>> =
+        free.iter().map(|&i| (0..rows).map(|row| linear.jacobian[row * n + i]).collect()).collect();
+    let slopes: Vec<&[f64]> = slopes.iter().map(Vec::as_slice).collect();
+    let (basis, _) = orthonormal(&slopes, Vec::new(), 1e-10);
     let mut residual = linear.residuals.clone();
-    project(&basis, &mut residual);
+    project_out(&mut residual, &basis);
+    let mut whole = Vec::new();
     for source in &mut sources {
         for value in &mut source.column {
             *value /= source.norm;
         }
-        project(&basis, &mut source.column);
+        whole.push(source.column.clone());
+        project_out(&mut source.column, &basis);
     }
     let count = sources.len();
-    let products = DMatrix::from_fn(count, count, |a, b| dot(&sources[a].column, &sources[b].column));
-    let right = DVector::from_fn(count, |a, _| dot(&sources[a].column, &residual));
+    let evidence = Evidence::new(&linear);
+    let without = evidence.log_evidence(&[])?;
     let mut gains = Vec::new();
-    let mut found: Option<(f64, DVector<f64>, DMatrix<f64>)> = None;
+    let mut found: Option<(f64, f64)> = None;
     for size in SIZES {
-        let mut matrix = products.clone();
-        for a in 0..count {
-            matrix[(a, a)] += 1.0 / (size * size);
-        }
-        let factor = matrix.cholesky()?;
-        let mean = factor.solve(&right);
-        let log_determinant: f64 = factor.l_dirty().diagonal().iter().map(|d| 2.0 * ln(*d)).sum();
-        let gain = 0.5 * right.dot(&mean) - 0.5 * (log_determinant + 2.0 * count as f64 * ln(size));
+        let all: Vec<Amplitude<'_>> = whole
+            .iter()
+            .map(|column| Amplitude { values: column, sd: size, lower: f64::NEG_INFINITY, upper: f64::INFINITY })
+            .collect();
+        let gain = evidence.log_evidence(&all)? - without;
         gains.push(gain);
-        if found.as_ref().is_none_or(|(best, _, _)| gain > *best) {
-            found = Some((gain, mean, factor.inverse()));
+        if found.is_none_or(|(best, _)| gain > best) {
+            found = Some((gain, size));
         }
     }
-    let (_, mean, covariance) = found?;
+    let (_, size) = found?;
+    let mut matrix = DMatrix::from_fn(count, count, |a, b| dot(&sources[a].column, &sources[b].column));
+    for a in 0..count {
+        matrix[(a, a)] += 1.0 / (size * size);
+    }
+    let right = DVector::from_fn(count, |a, _| dot(&sources[a].column, &residual));
+    let factor = matrix.cholesky()?;
+    let (mean, covariance) = (factor.solve(&right), factor.inverse());
     let log_evidence = believed.log_evidence + log_sum_exp(&gains) - ln(SIZES.len() as f64);
     let mut heat = Vec::new();
     for (position, source) in sources.iter().enumerate() {
@@ -256,37 +267,6 @@ fn bias_columns(problem: &Problem, likelihood: &Likelihood, rows: usize, sources
                 }
             }
             sources.push(Source::new(None, None, None, Vec::new(), column));
-        }
-    }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-/// An orthonormal basis of columns, by the modified Gram-Schmidt process done twice.
-fn orthonormal(jacobian: &[f64], rows: usize, n: usize, columns: &[usize]) -> Vec<Vec<f64>> {
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    for &column in columns {
-        let mut vector: Vec<f64> = (0..rows).map(|row| jacobian[row * n + column]).collect();
-        let before = dot(&vector, &vector).sqrt();
-        project(&basis, &mut vector);
-        project(&basis, &mut vector);
-        let norm = dot(&vector, &vector).sqrt();
-        if norm > 1e-10 * before {
-            vector.iter_mut().for_each(|value| *value /= norm);
-            basis.push(vector);
-        }
-    }
-    basis
-}
-
-/// Takes away what lies in the basis.
-fn project(basis: &[Vec<f64>], vector: &mut [f64]) {
-    for direction in basis {
-        let along = dot(direction, vector);
-        for (value, d) in vector.iter_mut().zip(direction) {
-            *value -= along * d;
         }
     }
 }

@@ -5,9 +5,11 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use super::Problem;
+use crate::effect::apply::LEAST_CAPACITY_J_PER_K;
 use crate::effect::{
     Applied, ApplyError, Candidate, Effect, EffectParameter, Instance, SensorChange, SensorPlace, Site, apply,
 };
+use crate::expression::{Dimension, Unit};
 use crate::inference::likelihood::{Definition, Likelihood, LikelihoodError};
 use crate::inference::measurement::{Initial, Measurement, Uncertain};
 use crate::random::Distribution;
@@ -78,6 +80,13 @@ impl Hypothesis {
         let misplaced = || ApplyError::Place { effect: candidate.effect.clone() };
         let effect = problem.catalogue.get(&candidate.effect).ok_or_else(misplaced)?;
         let mut parameters = effect.parameters(&self.model, &candidate.bound);
+        for parameter in parameters.iter_mut().filter(|parameter| parameter.unit.dimension == heat_capacity()) {
+            // A hidden part has some capacity: at exactly 0 the model would not feel it, and evidence would not see the bound.
+            if let Distribution::HalfNormal { scale } = parameter.prior {
+                let lower = Some(LEAST_CAPACITY_J_PER_K);
+                parameter.prior = Distribution::Normal { mean: 0.0, sd: scale, lower, upper: None };
+            }
+        }
         for parameter in parameters.iter_mut().filter(|parameter| parameter.amplitude && scale != 1.0) {
             parameter.prior = crate::effect::parameter::scaled(parameter.prior, scale);
         }
@@ -152,7 +161,9 @@ impl Measurement {
             initial: Initial::Temperatures { values, shared },
             ..
         } = &mut self.rows
+            && let Some(value) = values.get(host).cloned()
         {
+<<<<<<< HEAD
             if let Some(value) = values.get(host).cloned() {
                 if shared.contains(&host) {
                     shared.push(node);
@@ -160,7 +171,17 @@ impl Measurement {
                 // Boundaries that effects added before it have no start temperature.
                 values.resize(node.max(values.len()), Uncertain::Known(0.0));
                 values.push(value);
+=======
+            if shared.contains(&host) {
+                shared.push(values.len());
+>>>>>>> score
             }
+            values.push(value);
         }
     }
+}
+
+/// The dimension of J/K.
+fn heat_capacity() -> Dimension {
+    Unit::parse("J/K").map_or(Dimension::NONE, |unit| unit.dimension)
 }

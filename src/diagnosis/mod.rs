@@ -33,6 +33,7 @@ mod score_tests;
 mod screen;
 mod separate;
 mod settings;
+mod several;
 pub mod signature;
 mod weigh;
 mod words;

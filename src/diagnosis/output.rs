@@ -233,6 +233,12 @@ pub struct HeldOutTest {
     pub se: f64,
     /// Blocks.
     pub blocks: u64,
+    /// Sum of squares of the held-out errors of the set over the covariance of noise and parameters.
+    pub chi_square: Option<f64>,
+    /// Held-out readings.
+    pub readings: u64,
+    /// Probability of a larger sum of squares where nothing else is missing.
+    pub p: Option<f64>,
     /// Whether it speaks against the set.
     pub veto: bool,
 }

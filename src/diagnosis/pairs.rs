@@ -10,7 +10,8 @@ use std::collections::BinaryHeap;
 
 use super::Direction;
 use super::products::dot;
-use super::score::{Column, Prepared, Projected, Score, Side};
+use super::score::{Column, Prepared, Score, Side};
+use super::several::Projected;
 
 /// Pairs with less than this left of one given the other (`1 - c^2`) are one direction.
 const COLLINEAR: f64 = 1e-6;

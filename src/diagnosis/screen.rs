@@ -193,10 +193,12 @@ impl Diagnosis {
                 &sampling,
                 estimated,
             );
+            if std::env::var("BMV_DBG").is_ok() { eprintln!("critical p {} family p {} which {:?}", found.critical_p, judged.p, judged.which); }
             for (direction, amplitude) in scored.directions.iter().zip(&found.amplitudes) {
                 let known = screening.detectable.iter().any(|(candidate, _, _)| *candidate == direction.candidate);
-                let (Some(amplitude), true, false) = (amplitude, direction.amplitudes() == 1, known) else { continue };
-                screening.detectable.extend(shown(problem, direction, *amplitude));
+                let finite = amplitude.filter(|amplitude| amplitude.is_finite());
+                let (Some(amplitude), true, false) = (finite, direction.amplitudes() == 1, known) else { continue };
+                screening.detectable.extend(shown(problem, direction, amplitude));
             }
         }
         Ok(screening)
@@ -260,7 +262,7 @@ impl Diagnosis {
     }
 
     /// Degrees of freedom of an estimated sigma; `None` where all are stated.
-    fn estimates_sigma(&self) -> Option<f64> {
+    pub(super) fn estimates_sigma(&self) -> Option<f64> {
         let measurements = self.problem().measurements.iter();
         let open = measurements.filter(|measurement| {
             measurement.sensors.iter().any(|sensor| {
