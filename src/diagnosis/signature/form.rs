@@ -49,6 +49,11 @@ impl Forms {
         forms
     }
 
+    /// Whether only steady phases have readings.
+    pub fn is_steady(&self) -> bool {
+        self.steady && !self.transient
+    }
+
     /// The form of a candidate.
     pub fn of(&self, problem: &Problem, position: usize) -> Form {
         let candidate = &problem.candidates[position];

@@ -1,14 +1,17 @@
 //! What each candidate would do to the whitened predictions at a fit: its signature.
 //!
 //! `linearise`: the believed model at its fit. `directions`: every candidate. An effect that is smooth at amplitude 0
-//! has exact derivatives (`extended`: sensitivities of a model that holds many effects with amplitude 0); one that is
-//! not, such as a hidden node, is tried at finite values (`probe`); exchanged channels are exchanged predictions
-//! (`swap`). What no reading can see is told with its reason (`form`: which of these an effect is, and why not).
+//! has exact derivatives, with steady phases alone by adjoints (`adjoint`), with transients as sensitivities of a model
+//! that holds many effects with amplitude 0 (`extended`); one that is not, such as a hidden node, is tried at finite
+//! values (`probe`); exchanged channels are exchanged predictions (`swap`). What no reading can see is told with its
+//! reason (`form`: which of these an effect is, and why not).
 
+mod adjoint;
 mod extended;
 mod form;
 mod probe;
 mod swap;
+mod variant;
 
 use thiserror::Error;
 
@@ -21,6 +24,7 @@ use crate::inference::natural::NaturalObjective;
 use crate::inference::optimise::Objective;
 use crate::inference::target::{LeastSquares, Rejected, Target};
 use crate::inference::transform::TransformError;
+use adjoint::Phases;
 use form::{Form, Forms};
 
 /// A coordinate this close to a bound, as a share of its range, is at it.
@@ -134,6 +138,8 @@ pub fn for_each_direction(
 ) -> Result<Vec<Unseen>, SignatureError> {
     let base = Base::new(problem, likelihood, unknowns)?;
     let forms = Forms::new(problem);
+    // Transients have no adjoints here.
+    let phases = if forms.is_steady() { Some(Phases::new(likelihood, unknowns)?) } else { None };
     let mut swaps = swap::Swaps::default();
     let mut unseen = Vec::new();
     let together = (MOST_ENTRIES / base.rows.max(1)).clamp(16, MOST_TOGETHER);
@@ -142,7 +148,7 @@ pub fn for_each_direction(
         let forms: Vec<Form> = block.iter().map(|&position| forms.of(problem, position)).collect();
         let smooth: Vec<(usize, &Form)> =
             block.iter().copied().zip(&forms).filter(|(_, form)| matches!(form, Form::Smooth { .. })).collect();
-        let mut exact = extended::directions(&base, &smooth).into_iter();
+        let mut exact = exact(&base, phases.as_ref(), &smooth).into_iter();
         for (&position, form) in block.iter().zip(&forms) {
             let found = match form {
                 Form::Unseen(reason) => Err(reason.clone()),
@@ -157,6 +163,20 @@ pub fn for_each_direction(
         }
     }
     Ok(unseen)
+}
+
+/// The directions of effects that are smooth at amplitude 0.
+fn exact(base: &Base<'_>, phases: Option<&Phases>, asked: &[(usize, &Form)]) -> Vec<Found> {
+    let variants = variant::variants(base, asked);
+    let mut found: Vec<Found> = asked.iter().map(|_| Ok(Vec::new())).collect();
+    match phases {
+        Some(phases) => phases.directions(base, &variants, &mut found),
+        None => extended::solve(base, &variants, &mut found),
+    }
+    for found in found.iter_mut().filter(|found| found.as_ref().is_ok_and(Vec::is_empty)) {
+        *found = Err("no reading depends on it".to_owned());
+    }
+    found
 }
 
 /// The directions of a candidate, or why there is none.
