@@ -163,19 +163,11 @@ impl Measurement {
         } = &mut self.rows
             && let Some(value) = values.get(host).cloned()
         {
-<<<<<<< HEAD
-            if let Some(value) = values.get(host).cloned() {
-                if shared.contains(&host) {
-                    shared.push(node);
-                }
-                // Boundaries that effects added before it have no start temperature.
-                values.resize(node.max(values.len()), Uncertain::Known(0.0));
-                values.push(value);
-=======
-            if shared.contains(&host) {
-                shared.push(values.len());
->>>>>>> score
+if shared.contains(&host) {
+                shared.push(node);
             }
+            // Boundaries that effects added before it have no start temperature.
+            values.resize(node.max(values.len()), Uncertain::Known(0.0));
             values.push(value);
         }
     }
