@@ -193,7 +193,6 @@ impl Diagnosis {
                 &sampling,
                 estimated,
             );
-            if std::env::var("BMV_DBG").is_ok() { eprintln!("critical p {} family p {} which {:?}", found.critical_p, judged.p, judged.which); }
             for (direction, amplitude) in scored.directions.iter().zip(&found.amplitudes) {
                 let known = screening.detectable.iter().any(|(candidate, _, _)| *candidate == direction.candidate);
                 let finite = amplitude.filter(|amplitude| amplitude.is_finite());

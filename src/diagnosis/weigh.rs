@@ -14,8 +14,6 @@ use crate::math::sum::log_sum_exp;
 const MISSING: f64 = 0.05;
 /// Sets within this factor of the best are rivals.
 pub const RIVALS_WITHIN: f64 = 10.0;
-/// Squared distance of whitened predictions below which two sets cannot be told apart: three standard deviations.
-pub const APART: f64 = 9.0;
 
 /// Log prior odds, against "nothing", of one instance of each kind of effect.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,11 +62,6 @@ pub fn weigh(problem: &Problem, refits: &[Refit], unexplained: Option<f64>) -> W
     Weights { sets, unexplained }
 }
 
-/// Squared distance of two fits' predictions in units of the noise.
-pub fn distance(a: &Refit, b: &Refit) -> f64 {
-    a.residuals.iter().zip(&b.residuals).map(|(x, y)| (x - y) * (x - y)).sum()
-}
-
 /// Position of the most probable set.
 pub fn best(weights: &Weights) -> Option<usize> {
     let better = |best: Option<usize>, next: usize| match best {
@@ -78,15 +71,14 @@ pub fn best(weights: &Weights) -> Option<usize> {
     (0..weights.sets.len()).fold(None, better)
 }
 
-/// Sets that stand beside one as rivals, itself first: not larger, within a factor of 10 of its probability, and with
-/// predictions within three standard deviations of its own.
+/// Sets that stand beside one as rivals, itself first: not larger, and within a factor of 10 of its probability.
 pub fn rivals(refits: &[Refit], weights: &Weights, of: usize) -> Vec<usize> {
     let own = &refits[of];
     let mut rivals = vec![of];
     rivals.extend((0..refits.len()).filter(|&other| {
         let near = weights.sets[other] * RIVALS_WITHIN >= weights.sets[of];
         let simple = !refits[other].effects.is_empty() && refits[other].effects.len() <= own.effects.len();
-        other != of && near && simple && distance(own, &refits[other]) < APART
+        other != of && near && simple
     }));
     rivals[1..].sort_by(|&a, &b| weights.sets[b].total_cmp(&weights.sets[a]).then(a.cmp(&b)));
     rivals
