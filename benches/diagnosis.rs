@@ -5,7 +5,8 @@ use std::hint::black_box;
 use std::path::Path;
 use std::sync::Arc;
 
-use bmv::diagnosis::{Problem, for_each_direction, linearise};
+use bmv::diagnosis::Problem;
+use bmv::diagnosis::signature::{for_each_direction, linearise};
 use bmv::document::Diagnostics;
 use bmv::effect::{Catalogue, candidates};
 use bmv::inference::likelihood::Likelihood;

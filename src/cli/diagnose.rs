@@ -12,8 +12,10 @@ use crate::report::{JobResult, terminal};
 
 /// Arguments of `bmv diagnose`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "With --json one document is printed: of several jobs of kind `diagnose` that of the first, in \
-                        the order of the file; `bmv show PASS JOB --json` prints another.")]
+#[command(
+    after_help = "With --json one document is printed: of several jobs of kind `diagnose` that of the first, in \
+                        the order of the file; `bmv show PASS JOB --json` prints another."
+)]
 pub(super) struct Diagnose {
     /// Pass file
     pass: PathBuf,

@@ -45,7 +45,8 @@ impl Findings<'_> {
 
     /// Probability that an effect is missing.
     pub fn probability(&self, effect: usize) -> f64 {
-        let with = self.state.refits.iter().zip(&self.weights.sets).filter(|(refit, _)| refit.effects.contains(&effect));
+        let with =
+            self.state.refits.iter().zip(&self.weights.sets).filter(|(refit, _)| refit.effects.contains(&effect));
         with.map(|(_, weight)| weight).sum()
     }
 }
@@ -94,8 +95,7 @@ impl Diagnosis {
         }
         let selected: Vec<String> =
             state.refits[findings.selected].effects.iter().map(|&effect| findings.id(effect).to_owned()).collect();
-        let separating_experiment =
-            if verdict == Verdict::Ambiguous { separate::experiment(&findings) } else { None };
+        let separating_experiment = if verdict == Verdict::Ambiguous { separate::experiment(&findings) } else { None };
         let remaining_p = (findings.selected > 0)
             .then(|| state.remainders.iter().find(|r| r.effects == state.refits[findings.selected].effects))
             .flatten()
@@ -200,7 +200,9 @@ impl Diagnosis {
                 held_out: [before.rmse_held_out_k, refit.rmse_held_out_k],
             },
             watts: None,
-            confused_with: file.map(|file| file.form.confused_with.iter().map(|name| name.value.clone()).collect()).unwrap_or_default(),
+            confused_with: file
+                .map(|file| file.form.confused_with.iter().map(|name| name.value.clone()).collect())
+                .unwrap_or_default(),
             separate: file.and_then(|file| file.form.separate.clone()).unwrap_or_default(),
         }
     }

@@ -29,7 +29,7 @@ pub(super) fn direction(candidate: usize, columns: Vec<f64>, amplitudes: usize) 
         lower: vec![f64::NEG_INFINITY; amplitudes],
         upper: vec![f64::INFINITY; amplitudes],
         plausible: vec![1.0; amplitudes],
-        probe: Vec::new(),
+        ..Direction::default()
     }
 }
 

@@ -157,7 +157,8 @@ fn heat_columns(
     }
     for &node in &nodes {
         for stretch in 0..stretches.len().max(1) {
-            let shape = stretches.get(stretch).map(|(middle, width)| format!("max(0, 1 - abs(t - {middle:e}) / {width:e})"));
+            let shape =
+                stretches.get(stretch).map(|(middle, width)| format!("max(0, 1 - abs(t - {middle:e}) / {width:e})"));
             add_source(&mut model, node, stretch, shape.as_deref())?;
             priors.push(Distribution::Normal { mean: 0.0, sd: 1.0, lower: None, upper: None });
             parameters.push(model.parameters.len() - 1);
@@ -192,7 +193,13 @@ fn heat_columns(
                             any |= datum.row == row;
                         }
                         if any {
-                            sources.push(Source::new(Some(node), Some(phase.name.clone()), None, phase.inputs.clone(), column));
+                            sources.push(Source::new(
+                                Some(node),
+                                Some(phase.name.clone()),
+                                None,
+                                phase.inputs.clone(),
+                                column,
+                            ));
                         }
                     }
                 }
@@ -227,7 +234,7 @@ impl Source {
 fn stretches(measurement: &Measurement) -> Vec<(f64, f64)> {
     let Rows::Transient { inputs, .. } = &measurement.rows else { return Vec::new() };
     let fitted = (0..measurement.len()).filter(|&row| !measurement.held_out(row) && !measurement.ignored(row));
-    let last = fitted.last().map_or(0.0, |row| inputs.times_s[row]);
+    let last = fitted.max().map_or(0.0, |row| inputs.times_s[row]);
     let start = inputs.times_s.first().copied().unwrap_or(0.0);
     let width = (last - start) / (STRETCHES - 1) as f64;
     if !(width > 0.0) {

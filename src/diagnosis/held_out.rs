@@ -38,8 +38,7 @@ pub(super) fn test(problem: &Problem, believed: &Refit, chosen: &Refit, stated: 
     let mean = blocks.values().sum::<f64>() / count as f64;
     let square = blocks.values().map(|gain| (gain - mean) * (gain - mean)).sum::<f64>();
     let se = (square / (count * (count - 1)).max(1) as f64).sqrt();
-    let worse =
-        count >= LEAST_BLOCKS && se > 0.0 && student_t_cdf(mean / se, (count - 1) as f64) < AGAINST;
+    let worse = count >= LEAST_BLOCKS && se > 0.0 && student_t_cdf(mean / se, (count - 1) as f64) < AGAINST;
     let judged = chi_square(problem, chosen);
     let p = judged.map(|(square, readings)| chi_square_sf(square, readings as f64));
     let clearly_better = mean > CLEARLY * se;

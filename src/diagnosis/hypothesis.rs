@@ -158,12 +158,11 @@ impl Measurement {
     /// Gives a node that was added a start temperature: that of its host.
     fn begin_like(&mut self, node: usize, host: usize) {
         if let crate::inference::measurement::Rows::Transient {
-            initial: Initial::Temperatures { values, shared },
-            ..
+            initial: Initial::Temperatures { values, shared }, ..
         } = &mut self.rows
             && let Some(value) = values.get(host).cloned()
         {
-if shared.contains(&host) {
+            if shared.contains(&host) {
                 shared.push(node);
             }
             // Boundaries that effects added before it have no start temperature.

@@ -106,12 +106,8 @@ impl Scored {
 
     /// The best pairs of different effects: positions and amplitudes.
     fn pairs(&self, count: usize) -> Vec<([usize; 2], [f64; 2], f64)> {
-        let chosen: Vec<usize> = self
-            .ranked()
-            .into_iter()
-            .filter(|&d| self.directions[d].amplitudes() == 1)
-            .take(MOST_IN_PAIRS)
-            .collect();
+        let chosen: Vec<usize> =
+            self.ranked().into_iter().filter(|&d| self.directions[d].amplitudes() == 1).take(MOST_IN_PAIRS).collect();
         let mut chosen = chosen;
         chosen.sort_unstable();
         let directions: Vec<Direction> = chosen.iter().map(|&d| self.directions[d].clone()).collect();
@@ -141,9 +137,7 @@ impl Diagnosis {
         let mut tests: Vec<FamilyTest> = Vec::new();
         for member in &judged.members {
             let (name, at) = match member.kind {
-                MemberKind::Direction(d) => {
-                    ("effects", problem.candidates[scored.directions[d].candidate].id.clone())
-                }
+                MemberKind::Direction(d) => ("effects", problem.candidates[scored.directions[d].candidate].id.clone()),
                 MemberKind::Group(group) => ("means of residuals", names[group].clone()),
                 MemberKind::Bound(parameter) => {
                     ("parameters at bounds", refit.names.get(parameter).cloned().unwrap_or_default())
@@ -218,11 +212,9 @@ impl Diagnosis {
             match leads.iter_mut().find(|lead| lead.candidate == direction.candidate) {
                 Some(lead) if lead.starts.len() < MOST_STARTS => lead.starts.push(start()),
                 Some(_) => {}
-                None if !full => leads.push(Lead {
-                    candidate: direction.candidate,
-                    fall: scored.fall(d),
-                    starts: vec![start()],
-                }),
+                None if !full => {
+                    leads.push(Lead { candidate: direction.candidate, fall: scored.fall(d), starts: vec![start()] })
+                }
                 None => {}
             }
         }

@@ -57,7 +57,8 @@ pub(super) fn experiment(findings: &Findings<'_>) -> Option<SeparatingExperiment
     let told = |square: f64| normal_cdf(0.5 * square.max(0.0).sqrt());
     let conditions = settable.iter().map(|&(index, _)| {
         let input = &problem.model.inputs[index];
-        let unit = crate::expression::Unit::parse(&input.unit).map(|unit| unit.dimension.to_string()).unwrap_or_default();
+        let unit =
+            crate::expression::Unit::parse(&input.unit).map(|unit| unit.dimension.to_string()).unwrap_or_default();
         (input.name.clone(), Setting { value: best.inputs[index], unit })
     });
     let between = fits.iter().map(|fit| {
@@ -175,7 +176,8 @@ fn template(problem: &Problem) -> Option<Measurement> {
     measurement.readings.clear();
     for sensor in &mut measurement.sensors {
         // Steady phases know neither lags nor correlation.
-        let part = |value: &Option<crate::inference::measurement::Uncertain>| value.as_ref().map_or(0.0, |v| v.nominal());
+        let part =
+            |value: &Option<crate::inference::measurement::Uncertain>| value.as_ref().map_or(0.0, |v| v.nominal());
         let total = (part(&sensor.sigma) * part(&sensor.sigma) + part(&sensor.white) * part(&sensor.white)).sqrt();
         sensor.sigma = Some(crate::inference::measurement::Uncertain::Known(total));
         sensor.lag_s = None;
@@ -198,7 +200,12 @@ fn at_conditions(template: &Measurement, conditions: &[Vec<f64>]) -> Measurement
     Measurement { rows: Rows::Steady(phases), readings, ..template.clone() }
 }
 
-fn judge(problem: &Problem, rivals: &[Rival<'_>], template: &Measurement, conditions: &[Vec<f64>]) -> Option<Vec<Judged>> {
+fn judge(
+    problem: &Problem,
+    rivals: &[Rival<'_>],
+    template: &Measurement,
+    conditions: &[Vec<f64>],
+) -> Option<Vec<Judged>> {
     let mut all = Vec::new();
     for rival in rivals {
         // Sensors as this rival changes them.
@@ -268,7 +275,8 @@ fn spread(settable: &[(usize, [f64; 2])], nominal: &[f64]) -> Vec<Vec<f64>> {
             conditions.push(inputs);
         }
     }
-    conditions.extend(points(settable, nominal, CONDITIONS, |_, range, share| range[0] + share * (range[1] - range[0])));
+    conditions
+        .extend(points(settable, nominal, CONDITIONS, |_, range, share| range[0] + share * (range[1] - range[0])));
     conditions
 }
 

@@ -53,11 +53,11 @@ pub struct Weights {
 /// Weighs sets by evidence and prior; `unexplained` is the log evidence of something else, where it is known.
 pub fn weigh(problem: &Problem, refits: &[Refit], unexplained: Option<f64>) -> Weights {
     let odds = Odds::new(problem);
-    let mut logs: Vec<f64> =
-        refits.iter().map(|refit| refit.log_evidence + odds.of(problem, &refit.effects)).collect();
+    let mut logs: Vec<f64> = refits.iter().map(|refit| refit.log_evidence + odds.of(problem, &refit.effects)).collect();
     logs.push(unexplained.map_or(f64::NEG_INFINITY, |evidence| evidence + Odds::unexplained()));
     let total = log_sum_exp(&logs);
-    let mut sets: Vec<f64> = logs.into_iter().map(|log| if total.is_finite() { exp(log - total) } else { 0.0 }).collect();
+    let mut sets: Vec<f64> =
+        logs.into_iter().map(|log| if total.is_finite() { exp(log - total) } else { 0.0 }).collect();
     let unexplained = sets.pop().unwrap_or(0.0);
     Weights { sets, unexplained }
 }

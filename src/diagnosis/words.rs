@@ -46,14 +46,20 @@ fn fall([before, after]: [Option<f64>; 2]) -> Option<String> {
 pub(super) fn verdict(output: &Output, findings: &Findings<'_>) -> Vec<String> {
     let mut words = Vec::new();
     let misfit = &output.misfit;
-    let mut error = format!("Tuned as far as its parameters allow, the model has a reduced chi-square of {:.2}", misfit.reduced_chi2);
+    let mut error = format!(
+        "Tuned as far as its parameters allow, the model has a reduced chi-square of {:.2}",
+        misfit.reduced_chi2
+    );
     if let Some(train) = misfit.rmse_k.train {
         error.push_str(&format!(" and an RMSE of {train:.2} K on the fitted rows"));
         if let Some(held_out) = misfit.rmse_k.held_out {
             error.push_str(&format!(", {held_out:.2} K on the held-out rows"));
         }
     }
-    error.push_str(&format!("; a misfit as clear as this has the probability {} where nothing is missing.", p_value(misfit.family_wise_p)));
+    error.push_str(&format!(
+        "; a misfit as clear as this has the probability {} where nothing is missing.",
+        p_value(misfit.family_wise_p)
+    ));
     words.push(error);
     let selected: Vec<&EffectResult> =
         output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id)).collect();
@@ -92,8 +98,10 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>) -> Vec<String> {
     }
     if output.verdict == Verdict::Ambiguous {
         for (number, group) in findings.groups.iter().enumerate().filter(|(_, group)| group.len() > 1) {
-            let ids: Vec<String> =
-                group.iter().map(|&effect| format!("{} ({})", findings.id(effect), percent(findings.probability(effect)))).collect();
+            let ids: Vec<String> = group
+                .iter()
+                .map(|&effect| format!("{} ({})", findings.id(effect), percent(findings.probability(effect))))
+                .collect();
             words.push(format!("These data cannot tell apart (group {}): {}.", number + 1, ids.join(", ")));
         }
         if let Some(experiment) = &output.separating_experiment {

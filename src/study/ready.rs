@@ -92,8 +92,9 @@ pub fn ready(pass: &Pass) -> Result<Vec<(String, Readiness)>, (String, JobError)
                     Calibrate::new(spec.clone(), inputs, pass.seed, &named.name)
                         .map(|job| Readiness::Ready(Arc::new(job)))
                 }
-                JobSpec::Diagnose(spec) => diagnosis(spec, &model, &measurements, pass, &named.name)
-                    .map(|job| Readiness::Ready(Arc::new(job))),
+                JobSpec::Diagnose(spec) => {
+                    diagnosis(spec, &model, &measurements, pass, &named.name).map(|job| Readiness::Ready(Arc::new(job)))
+                }
                 JobSpec::Waiting { measurements, command, .. } => Ok(Readiness::NotRun(format!(
                     "the data of {} are not here; bring them with `{command}`",
                     measurements.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use bmv::diagnosis::{Direction, Problem, Unseen, directions, linearise};
+use bmv::diagnosis::signature::{Unseen, directions, linearise};
+use bmv::diagnosis::{Direction, Problem};
 use bmv::effect::{Candidate, SensorPlace, candidates};
 use bmv::inference::likelihood::{InputError, Likelihood};
 use bmv::inference::measurement::{Initial, InputColumn, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};

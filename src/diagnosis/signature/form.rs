@@ -60,7 +60,8 @@ impl Forms {
         let Some(effect) = self.at_rest.get(&candidate.effect) else {
             return Form::Unseen(format!("there is no effect `{}`", candidate.effect));
         };
-        if let Some(reason) = self.unseen(effect, candidate) {
+        let written = problem.catalogue.get(&candidate.effect).unwrap_or(effect);
+        if let Some(reason) = self.unseen(written, candidate) {
             return Form::Unseen(reason);
         }
         if effect.form.adds.value.swap.is_some() {

@@ -62,7 +62,8 @@ impl Diagnose {
             return Ok(Step::Blocks { stage: CONCLUDE.to_owned(), inputs: vec![to_bytes(&state)?] });
         }
         let stage = format!("{REFIT} {}", state.rounds);
-        let blocks = orders.chunks(BLOCK).map(|orders| to_bytes(&RefitInput { state: state.clone(), orders: orders.to_vec() }));
+        let blocks =
+            orders.chunks(BLOCK).map(|orders| to_bytes(&RefitInput { state: state.clone(), orders: orders.to_vec() }));
         Ok(Step::Blocks { stage, inputs: blocks.collect::<Result<_, _>>()? })
     }
 }

@@ -48,7 +48,8 @@ fn change(values: [Option<f64>; 2]) -> String {
 fn amplitudes(effect: &EffectResult) -> String {
     let one = |(name, amount): (&String, &crate::diagnosis::output::Amount)| {
         let unit = typeset(&amount.unit);
-        let spread = if amount.at_bound { "at a bound".to_owned() } else { format!("\u{00B1} {}", significant(amount.sd, 2)) };
+        let spread =
+            if amount.at_bound { "at a bound".to_owned() } else { format!("\u{00B1} {}", significant(amount.sd, 2)) };
         format!("{name} {} {spread} {unit}", significant(amount.value, 3))
     };
     let all: Vec<String> = effect.amplitudes.iter().take(2).map(one).collect();
@@ -173,7 +174,14 @@ fn goes_with(output: &Output) -> Option<Block> {
     let rows: Vec<Vec<Cell>> = output
         .goes_with
         .iter()
-        .map(|one| vec![Cell::code(&one.node), Cell::code(&one.input), significant(one.slope, 3).into(), significant(one.p, 2).into()])
+        .map(|one| {
+            vec![
+                Cell::code(&one.node),
+                Cell::code(&one.input),
+                significant(one.slope, 3).into(),
+                significant(one.p, 2).into(),
+            ]
+        })
         .collect();
     (!rows.is_empty()).then(|| {
         Block::Table(Table {

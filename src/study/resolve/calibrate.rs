@@ -106,7 +106,14 @@ pub(super) fn parameters(scope: &mut Scope, written: Option<&Vec<Spanned<String>
     chosen
 }
 
-pub(super) fn number(scope: &mut Scope, written: Option<&Spanned<u64>>, default: u64, least: u64, most: u64, what: &str) -> u64 {
+pub(super) fn number(
+    scope: &mut Scope,
+    written: Option<&Spanned<u64>>,
+    default: u64,
+    least: u64,
+    most: u64,
+    what: &str,
+) -> u64 {
     let Some(Spanned { value, place }) = written else { return default };
     if !(least..=most).contains(value) {
         let expected = format!("an integer from {least} to {most}");

@@ -78,7 +78,11 @@ fn heat(job: &str, output: &Output) -> Option<Figure> {
     };
     let map = HeatMap {
         columns: nodes.iter().map(|node| (*node).to_owned()).collect(),
-        rows: rows.iter().take(MOST_ROWS).map(|row| (row.clone(), false, nodes.iter().map(|node| cell(row, node)).collect())).collect(),
+        rows: rows
+            .iter()
+            .take(MOST_ROWS)
+            .map(|row| (row.clone(), false, nodes.iter().map(|node| cell(row, node)).collect()))
+            .collect(),
         full_scale: 0.0,
         legend: "missing heat [W]; positive: the model lacks heat in the node".to_owned(),
         mark_label: String::new(),
@@ -87,9 +91,10 @@ fn heat(job: &str, output: &Output) -> Option<Figure> {
     Some(Figure {
         id: slug(&format!("{job} missing heat")),
         drawing: heat_map(&map),
-        caption: "Heat that the tuned model lacks, by node and phase, whatever its cause; grey: less than its own standard \
+        caption:
+            "Heat that the tuned model lacks, by node and phase, whatever its cause; grey: less than its own standard \
                   deviation."
-            .into(),
+                .into(),
         alternative: "Map of the missing heat by node and phase".to_owned(),
     })
 }
