@@ -11,18 +11,18 @@ use crate::expression::{ExprId, Graph, Names, Scope, Symbol, parse};
 use crate::thermal::NodeKind;
 
 /// How a candidate's directions are found.
-pub(super) enum Form {
+pub(super) enum Form<'a> {
     /// It cannot be seen, for a reason.
     Unseen(String),
     /// By derivatives at amplitude 0, at each of these values of its parameters (amplitudes: 0).
     Smooth {
         /// The effect, as the data see it.
-        effect: Effect,
+        effect: &'a Effect,
     },
     /// By finite values.
     Probe {
         /// The effect.
-        effect: Effect,
+        effect: &'a Effect,
     },
     /// By exchanged predictions.
     Swap,
@@ -55,7 +55,7 @@ impl Forms {
     }
 
     /// The form of a candidate.
-    pub fn of(&self, problem: &Problem, position: usize) -> Form {
+    pub fn of(&self, problem: &Problem, position: usize) -> Form<'_> {
         let candidate = &problem.candidates[position];
         let Some(effect) = self.at_rest.get(&candidate.effect) else {
             return Form::Unseen(format!("there is no effect `{}`", candidate.effect));
@@ -67,8 +67,7 @@ impl Forms {
         if effect.form.adds.value.swap.is_some() {
             return Form::Swap;
         }
-        let effect = effect.clone();
-        if self.smooth[&candidate.effect] && !gives_storage(problem, &effect, candidate) {
+        if self.smooth[&candidate.effect] && !gives_storage(problem, effect, candidate) {
             Form::Smooth { effect }
         } else {
             Form::Probe { effect }

@@ -94,13 +94,10 @@ pub fn linearise(likelihood: &Likelihood, unknowns: &[f64]) -> Result<Linear, Si
         let scale = if width.is_finite() {
             width
         } else {
-            let prior = &likelihood.priors()[i];
-            let ends = objective.coordinates(&{
-                let mut ends = unknowns.to_vec();
-                ends[i] = prior.quantile(0.84);
-                ends
-            })[i];
-            (ends - at[i]).abs().max(at[i].abs())
+            let mut end = unknowns.to_vec();
+            end[i] = likelihood.priors()[i].quantile(0.84);
+            let end = objective.coordinates(&end)[i];
+            (end - at[i]).abs().max(at[i].abs())
         };
         let room = |bound: f64| if (bound - at[i]).abs() <= AT_BOUND * scale { 0.0 } else { bound - at[i] };
         linear.lower[i] = room(bounds.lower[i]).min(0.0);
@@ -145,8 +142,8 @@ pub fn for_each_direction(
     let together = (MOST_ENTRIES / base.rows.max(1)).clamp(16, MOST_TOGETHER);
     let positions: Vec<usize> = (0..problem.candidates.len()).collect();
     for block in positions.chunks(together) {
-        let forms: Vec<Form> = block.iter().map(|&position| forms.of(problem, position)).collect();
-        let smooth: Vec<(usize, &Form)> =
+        let forms: Vec<Form<'_>> = block.iter().map(|&position| forms.of(problem, position)).collect();
+        let smooth: Vec<(usize, &Form<'_>)> =
             block.iter().copied().zip(&forms).filter(|(_, form)| matches!(form, Form::Smooth { .. })).collect();
         let mut exact = exact(&base, phases.as_ref(), &smooth).into_iter();
         for (&position, form) in block.iter().zip(&forms) {
@@ -166,7 +163,7 @@ pub fn for_each_direction(
 }
 
 /// The directions of effects that are smooth at amplitude 0.
-fn exact(base: &Base<'_>, phases: Option<&Phases>, asked: &[(usize, &Form)]) -> Vec<Found> {
+fn exact(base: &Base<'_>, phases: Option<&Phases>, asked: &[(usize, &Form<'_>)]) -> Vec<Found> {
     let variants = variant::variants(base, asked);
     let mut found: Vec<Found> = asked.iter().map(|_| Ok(Vec::new())).collect();
     match phases {

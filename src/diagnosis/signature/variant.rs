@@ -23,10 +23,10 @@ pub(super) struct Variant<'a> {
 }
 
 /// The variants of each candidate asked for.
-pub(super) fn variants<'a>(base: &Base<'_>, asked: &[(usize, &'a Form)]) -> Vec<Variant<'a>> {
+pub(super) fn variants<'a>(base: &Base<'_>, asked: &[(usize, &Form<'a>)]) -> Vec<Variant<'a>> {
     let mut variants = Vec::new();
     for (place, &(candidate, form)) in asked.iter().enumerate() {
-        let Form::Smooth { effect } = form else { continue };
+        let &Form::Smooth { effect } = form else { continue };
         let written = effect.parameters(&base.problem.model, &base.problem.candidates[candidate].bound);
         for shape in shapes(&written) {
             let mut values = shape.iter();
