@@ -7,6 +7,7 @@ pub mod discover;
 pub mod folder;
 pub mod inherit;
 pub mod model;
+pub mod next_pass;
 pub mod pass;
 pub mod pinned;
 pub mod profile;
