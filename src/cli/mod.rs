@@ -1,5 +1,6 @@
 //! The command line: a file a verb; parses, calls, prints; holds no logic of its own.
 
+mod adopt;
 mod cache;
 mod check;
 mod compare;
@@ -8,6 +9,7 @@ mod diff;
 mod effects;
 mod execute;
 mod explain;
+mod history;
 mod init;
 mod options;
 mod output;
@@ -102,6 +104,10 @@ enum Verb {
     Report(report::Report),
     /// Hold a model against its measurements
     Compare(compare::Compare),
+    /// Write the next pass, with effects that a diagnosis found missing
+    Adopt(adopt::Adopt),
+    /// Show what became of the error, pass by pass
+    History(history::HistoryVerb),
     /// Show results as tables, or as they are stored
     Show(show::Show),
     /// Show what would run, what is cached, and how long it takes
@@ -134,6 +140,8 @@ impl Verb {
             Self::Run(verb) => verb.execute(context),
             Self::Report(verb) => verb.execute(context),
             Self::Compare(verb) => verb.execute(context),
+            Self::Adopt(verb) => verb.execute(context),
+            Self::History(verb) => verb.execute(context),
             Self::Show(verb) => verb.execute(context),
             Self::Plan(verb) => verb.execute(context),
             Self::Cache(verb) => verb.execute(context),

@@ -5,6 +5,7 @@
 
 pub mod assemble;
 pub mod headline;
+pub mod history;
 pub mod html;
 pub mod markdown;
 pub mod number;
@@ -20,6 +21,7 @@ use serde_json::{Map, Value, json};
 use thiserror::Error;
 
 use page::{Page, Text};
+pub use history::{History, PassErrors};
 pub use view::{FileHash, JobEntry, JobResult, ParameterChange, PassReport, Prior};
 pub use write::{WriteError, write};
 

@@ -5,6 +5,7 @@
 
 pub mod discover;
 pub mod folder;
+pub mod history;
 pub mod inherit;
 pub mod model;
 pub mod next_pass;

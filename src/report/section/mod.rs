@@ -5,6 +5,7 @@ mod adopted;
 mod calibration;
 mod comparison;
 mod data;
+mod history;
 mod network;
 pub mod problem;
 pub mod propagation;
@@ -12,6 +13,7 @@ mod provenance;
 mod sizing;
 mod summary;
 
+use super::history::History;
 use super::page::Section;
 use super::view::PassReport;
 
@@ -27,6 +29,11 @@ pub const SUMMARY: Build = summary::build;
 /// The readings of all comparisons beside their predictions, however many.
 pub const READINGS: Build = comparison::readings_alone;
 
+/// The section on the error of a study's passes; not where nothing was measured.
+pub fn error_by_pass(history: &History) -> Option<Section> {
+    history::section(history)
+}
+
 /// The sections in the order of the report.
 pub const SECTIONS: &[Build] = &[
     summary::build,
@@ -37,6 +44,7 @@ pub const SECTIONS: &[Build] = &[
     sizing::build,
     comparison::build,
     calibration::build,
+    history::build,
     data::build,
     provenance::build,
 ];
