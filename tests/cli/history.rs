@@ -57,7 +57,31 @@ fn history_tells_the_error_of_each_pass_and_how_it_fell() {
     assert_eq!(two["reduced_chi2"], Value::Null, "one reading, one unknown");
     assert_eq!(three["rmse_k"]["tuned"], json!({"train": null, "held_out": null}), "it is not tuned");
     assert_eq!(three["log_evidence"], Value::Null);
-    insta::assert_snapshot!(printed(root.path(), &["history", "plate"]), @"");
+    insta::assert_snapshot!(printed(root.path(), &["history", "plate"]), @"
+    Error by pass
+    =============
+
+    Root mean square of measured minus predicted over all sensors in kelvin. As delivered: nominal
+    parameters; tuned: the most probable parameters of the pass's calibration, which saw the readings
+    for fitting alone.
+
+    - `pass-1.json` as delivered -> tuned, without new physics: RMSE held-out 3.00 K -> 1.50 K, for
+      fitting 3.00 K -> 0.00 K.
+    - `pass-2.json` adds `heat-load:plate`: RMSE held-out 1.50 K -> 0.00 K, for fitting 0.00 K -> 0.00 K
+      (tuned, against `pass-1.json`).
+    - `pass-3.json` adds `heat-load:plate`: RMSE held-out 3.00 K -> 1.00 K, for fitting 3.00 K -> 1.00 K
+      (as delivered, against `pass-1.json`).
+
+    Readings for fitting / held out. Mean deviation (measured minus predicted) and share within the
+    limit are of the tuned state where there is one. Evidence compares passes that fit the same
+    readings.
+    Pass               RMSE as   RMSE tuned       Mean [K]     Within 3 K       Log
+                 delivered [K]          [K]                                evidence
+    -----------  -------------  -----------  -------------  -------------  --------
+    pass-1.json    3.00 / 3.00  0.00 / 1.50   0.00 / +1.50  100 % / 100 %     -2.35
+    pass-2.json    1.00 / 1.00  0.00 / 0.00    0.00 / 0.00  100 % / 100 %     -2.08
+    pass-3.json    1.00 / 1.00            —  -1.00 / -1.00  100 % / 100 %         —
+    ");
 }
 
 #[test]

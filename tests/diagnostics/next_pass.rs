@@ -213,6 +213,16 @@ fn the_file_is_readable_and_says_why() {
 }
 
 #[test]
+fn an_experiment_that_is_no_better_than_a_coin_is_not_recommended() {
+    let whole = json!({"verdict": "ambiguous", "effects": [harness(Some(1)), other("hidden-node:box:detector", "nodes", Some(1))],
+        "selected": ["conductive-path:box:detector"], "separating_experiment": {"between": [], "predictions": {},
+        "conditions": {"T_plate": {"value": 313.0, "unit": "K"}}, "probability": 0.5, "repeat_probability": 0.5, "limits_ok": true}});
+    let found = Findings::from_result("missing", &whole).expect("of that form");
+    let lines = bmv::study::next_pass::ambiguity(&found, &[&found.effects[0]]);
+    assert_eq!(lines[1], "no settable phase within the limits would tell them apart; measure where they differ");
+}
+
+#[test]
 fn a_second_next_pass_goes_on_from_the_first() {
     let study = study();
     let found = findings("identified", vec![harness(None)], &["conductive-path:box:detector"]);

@@ -1,7 +1,7 @@
 //! The error of the study's passes: what each added and what became of the error, on held-out readings above all.
 
 use crate::report::history::{History, PassErrors, Split, States};
-use crate::report::number::{NONE, fixed, percent, signed, with_error};
+use crate::report::number::{NONE, fixed, percent, signed};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
 use crate::report::plot::{PassCurves, pass_curves};
 use crate::report::view::PassReport;
@@ -125,10 +125,7 @@ fn table(measured: &[&PassErrors]) -> Table {
                 status: (within != Split::default()).then(|| if all(&within) { Status::Ok } else { Status::Caution }),
                 ..pair(&within, &|share| percent(share, 0))
             };
-            let evidence = pass.log_evidence.map_or_else(
-                || NONE.to_owned(),
-                |value| pass.log_evidence_sd.map_or_else(|| fixed(value, 1), |sd| with_error(value, sd)),
-            );
+            let evidence = pass.log_evidence.map_or_else(|| NONE.to_owned(), |value| fixed(value, 2));
             vec![
                 Cell::code(&pass.pass),
                 pair(&pass.rmse_k.delivered, &|value| fixed(value, 2)),

@@ -8,6 +8,9 @@ use crate::job::findings::{Experiment, Finding, Findings};
 /// Ids that a message lists.
 const MOST_LISTED: usize = 8;
 
+/// An experiment that tells rivals apart with less probability is little better than a coin, which has 0.5.
+const USEFUL: f64 = 0.6;
+
 /// What was asked for, as places that messages can point at.
 #[derive(Clone, Debug)]
 pub struct Asked {
@@ -98,8 +101,8 @@ fn find<'f>(
     if let Some(found) = findings.find(text).or_else(|| findings.effects.iter().find(exchanged)) {
         return Some(found);
     }
-    let matching: Vec<&Finding> =
-        findings.effects.iter().filter(|finding| finding.effect == text || finding.id.starts_with(text)).collect();
+    let is_meant = |finding: &Finding| !text.is_empty() && (finding.effect == text || finding.id.starts_with(text));
+    let matching: Vec<&Finding> = findings.effects.iter().filter(|finding| is_meant(finding)).collect();
     let is_selected = |finding: &&&Finding| findings.selected.contains(&finding.id);
     let is_supported = |finding: &&&Finding| findings.supports(finding);
     let narrowed: [Vec<&Finding>; 3] = [
@@ -111,7 +114,7 @@ fn find<'f>(
         return Some(only);
     }
     let [_, _, matching] = narrowed;
-    if !matching.is_empty() && !text.is_empty() {
+    if !matching.is_empty() {
         let message = format!("`{text}` stands for {} effects of diagnosis `{job}`", matching.len());
         let listed = suggest::listed(matching.iter().map(|finding| finding.id.as_str()), MOST_LISTED);
         diagnostics.push(Diagnostic::error(&code::ADOPT_UNKNOWN, place, message).expected("one of them").help(listed));
@@ -255,6 +258,9 @@ fn experiment(experiment: &Experiment) -> Option<String> {
         let unit = if condition.unit == "1" { String::new() } else { format!(" {}", condition.unit) };
         format!("{name} = {}{unit}", value(condition.value))
     });
+    if experiment.probability.is_some_and(|probability| probability < USEFUL) {
+        return Some("no settable phase within the limits would tell them apart; measure where they differ".to_owned());
+    }
     let mut text = format!("a phase at {} would tell them apart", conditions.collect::<Vec<_>>().join(", "));
     if let Some(probability) = experiment.probability {
         text.push_str(&format!(" with probability {probability:.2}"));
