@@ -1,5 +1,6 @@
 //! The command line: a file a verb; parses, calls, prints; holds no logic of its own.
 
+mod adopt;
 mod cache;
 mod check;
 mod compare;
@@ -9,6 +10,7 @@ mod diff;
 mod effects;
 mod execute;
 mod explain;
+mod history;
 mod init;
 mod options;
 mod output;
@@ -105,6 +107,10 @@ enum Verb {
     Compare(compare::Compare),
     /// Name the physics that a model is missing
     Diagnose(diagnose::Diagnose),
+    /// Write the next pass, with effects that a diagnosis found missing
+    Adopt(adopt::Adopt),
+    /// Show what became of the error, pass by pass
+    History(history::HistoryVerb),
     /// Show results as tables, or as they are stored
     Show(show::Show),
     /// Show what would run, what is cached, and how long it takes
@@ -138,6 +144,8 @@ impl Verb {
             Self::Report(verb) => verb.execute(context),
             Self::Compare(verb) => verb.execute(context),
             Self::Diagnose(verb) => verb.execute(context),
+            Self::Adopt(verb) => verb.execute(context),
+            Self::History(verb) => verb.execute(context),
             Self::Show(verb) => verb.execute(context),
             Self::Plan(verb) => verb.execute(context),
             Self::Cache(verb) => verb.execute(context),

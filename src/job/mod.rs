@@ -5,6 +5,7 @@ pub mod calibrate;
 pub mod compare;
 pub mod conventional;
 pub mod diagnose;
+pub mod findings;
 pub mod propagate;
 pub mod requirement;
 

@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use crate::study::Pass;
 
+use super::history::History;
 use super::number::Shown;
 use super::section::problem::prior_words;
 use super::view::{FileHash, JobEntry, JobResult, ParameterChange, PassReport};
@@ -45,6 +46,8 @@ pub struct Surroundings {
     pub command: String,
     /// What the reader must know before believing.
     pub warnings: Vec<String>,
+    /// The error of the passes before this one, and its own.
+    pub history: Option<History>,
 }
 
 fn result(job: &FinishedJob<'_>) -> Result<Option<JobResult>, ResultError> {
@@ -109,6 +112,7 @@ pub fn assemble<'p>(
             .collect(),
         adopted: pass.adopted.clone(),
         results,
+        history: surroundings.history,
         files: surroundings.files,
         engine_version: surroundings.engine_version,
         command: surroundings.command,

@@ -5,6 +5,7 @@
 
 pub mod assemble;
 pub mod headline;
+pub mod history;
 pub mod html;
 pub mod markdown;
 pub mod number;
@@ -19,6 +20,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 use thiserror::Error;
 
+pub use history::{History, PassErrors};
 use page::{Page, Text};
 pub use view::{FileHash, JobEntry, JobResult, ParameterChange, PassReport, Prior};
 pub use write::{WriteError, write};

@@ -9,6 +9,7 @@ use crate::thermal::{Model, Quantity};
 
 use crate::study::AdoptedEffect;
 
+use super::history::History;
 use super::number::Shown;
 
 /// A parameter's prior, SI.
@@ -96,6 +97,8 @@ pub struct PassReport<'a> {
     pub adopted: Vec<AdoptedEffect>,
     /// Jobs in the order of the pass.
     pub results: Vec<JobEntry>,
+    /// The error of the passes before this one, and its own.
+    pub history: Option<History>,
     /// Files that the results depend on.
     pub files: Vec<FileHash>,
     /// Version of the numeric engine.

@@ -141,6 +141,8 @@ pub struct IgnoredSensor {
 pub struct AdoptedEffect {
     /// Its name in the pass; its parameters are `NAME.conductance` and so on.
     pub name: String,
+    /// As a diagnosis names it: `conductive-path:baseplate:board`.
+    pub id: String,
     /// The effect.
     pub effect: String,
     /// The effect's title.

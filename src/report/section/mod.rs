@@ -6,6 +6,7 @@ mod calibration;
 mod comparison;
 mod data;
 mod diagnosis;
+mod history;
 mod network;
 pub mod problem;
 pub mod propagation;
@@ -13,6 +14,7 @@ mod provenance;
 mod sizing;
 mod summary;
 
+use super::history::History;
 use super::page::Section;
 use super::view::PassReport;
 
@@ -31,6 +33,11 @@ pub const DIAGNOSIS: Build = diagnosis::build;
 /// The readings of all comparisons beside their predictions, however many.
 pub const READINGS: Build = comparison::readings_alone;
 
+/// The section on the error of a study's passes; not where nothing was measured.
+pub fn error_by_pass(history: &History) -> Option<Section> {
+    history::section(history)
+}
+
 /// The sections in the order of the report.
 pub const SECTIONS: &[Build] = &[
     summary::build,
@@ -42,6 +49,7 @@ pub const SECTIONS: &[Build] = &[
     comparison::build,
     calibration::build,
     diagnosis::build,
+    history::build,
     data::build,
     provenance::build,
 ];

@@ -136,7 +136,37 @@ fn read(path: &Path, diagnostics: &mut Diagnostics) -> Option<Pass> {
     let form = PassForm::read(&lineage.merged, diagnostics);
     let model_file = model_file(&lineage.merged);
     let (resolved, model_tree) = read_model(&folder, &model_file, diagnostics)?;
-    resolve(&folder, &lineage, &form?, &model_file.value, resolved, &model_tree, diagnostics)
+    let form = form?;
+    let resolved = with_ranges_of_data(&folder, &lineage, &form, &model_file.value, resolved, &model_tree);
+    let (resolved, from_data) = resolved;
+    let mut pass = resolve(&folder, &lineage, &form, &model_file.value, resolved, &model_tree, diagnostics)?;
+    pass.ranges_from_data.extend(from_data);
+    Some(pass)
+}
+
+/// The model with the ranges that its inputs take from the data, and the names of those inputs. Effects scale with the
+/// ranges, so a pass that adopts some must know them before it reads what the effects may be needed for: it is resolved
+/// twice.
+fn with_ranges_of_data(
+    folder: &Folder,
+    lineage: &Lineage,
+    form: &PassForm,
+    model_file: &str,
+    mut resolved: ResolvedModel,
+    model_tree: &Node,
+) -> (ResolvedModel, Vec<String>) {
+    let is_needed = !form.adopt.is_empty() && resolved.model.inputs.iter().any(|input| input.range.is_none());
+    // What is wrong is said when the pass is resolved for good.
+    let mut unheard = Diagnostics::new();
+    let tried = is_needed
+        .then(|| resolve(folder, lineage, form, model_file, resolved.clone(), model_tree, &mut unheard))
+        .flatten();
+    let Some(tried) = tried else { return (resolved, Vec::new()) };
+    for input in &mut resolved.model.inputs {
+        let found = tried.model.inputs.iter().find(|other| other.name == input.name);
+        input.range = input.range.or(found.and_then(|other| other.range));
+    }
+    (resolved, tried.ranges_from_data)
 }
 
 /// The command that brings a study's pinned data.
