@@ -128,7 +128,7 @@ impl Hypothesis {
 
 impl Measurement {
     /// Gives a node that was added a start temperature: that of its host.
-    fn begin_like(&mut self, host: usize) {
+    pub(super) fn begin_like(&mut self, host: usize) {
         if let crate::inference::measurement::Rows::Transient {
             initial: Initial::Temperatures { values, shared }, ..
         } = &mut self.rows

@@ -4,6 +4,7 @@
 //! fit and the directions in which effects would move it.
 
 pub mod hypothesis;
+pub mod laboratory;
 pub mod linear;
 pub mod problem;
 

@@ -1,0 +1,501 @@
+//! Hiding physics in a model: a truth is drawn, sized so that it leaves what was asked for when the believed model is
+//! refitted, and simulated.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::draw::Draw;
+use super::refit::{self, Refit};
+use super::truth::{HiddenEffect, HiddenValue, NoiseTruth, Outside, Truth};
+use super::world::World;
+use crate::diagnosis::{HypothesisError, Problem};
+use crate::effect::EffectParameter;
+use crate::inference::measurement::{Measurement, Rows, Uncertain};
+use crate::math::functions::{exp, ln};
+
+/// Why nothing was hidden.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum HideError {
+    /// Effects that do not go together, or a problem without a likelihood.
+    #[error(transparent)]
+    Hypothesis(HypothesisError),
+    /// No place for what was asked.
+    #[error("there is no place for it in this model and test")]
+    NoPlace,
+    /// A truth without a solution, or at temperatures that nobody tests.
+    #[error("the model has no plausible solution with it")]
+    Implausible,
+    /// A size that no amplitude within reach gives.
+    #[error("no amplitude within three times its plausible scale leaves {size} standard deviations")]
+    OutOfReach {
+        /// The size asked for.
+        size: f64,
+    },
+    /// A fit that fails.
+    #[error("the refit of the believed model failed: {0}")]
+    Fit(String),
+}
+
+/// What is to be hidden.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Wish {
+    /// Number of effects of the catalogue.
+    pub effects: usize,
+    /// Name of an effect, or id of a candidate: the first effect is one of these.
+    pub only: Option<String>,
+    /// Size to be left by the refit, in standard deviations; amplitudes are drawn from their priors without it.
+    pub size: Option<f64>,
+    /// Amplitude of the first effect, SI, instead of a size.
+    pub amplitude: Option<f64>,
+    /// Physics that the catalogue lacks, instead of effects.
+    pub outside: bool,
+    /// Size of what a node that is two in truth leaves, beside all else.
+    pub split: Option<f64>,
+    /// Whether noise is correlated in transients that do not say so; drawn with even odds if `None`.
+    pub correlated: Option<bool>,
+}
+
+impl Default for Wish {
+    fn default() -> Self {
+        Self { effects: 1, only: None, size: Some(1.0), amplitude: None, outside: false, split: None, correlated: None }
+    }
+}
+
+/// Something hidden, and the readings without noise.
+#[derive(Clone, Debug)]
+pub struct Hidden {
+    /// What is true; rivals not yet looked for.
+    pub truth: Truth,
+    /// Readings without noise: by measurement, `rows x sensors`, SI.
+    pub clean: Vec<Vec<f64>>,
+    /// The believed model refitted to them, its noise known.
+    pub refit: Refit,
+}
+
+/// Amplitudes beyond this multiple of their plausible scale are not drawn.
+const REACH: f64 = 3.0;
+/// A size is hit when it is this near, relatively.
+const NEAR: f64 = 0.005;
+/// Places tried before giving up.
+const TRIES: usize = 60;
+/// What a permutation of channels must leave to be a case, in standard deviations.
+const LEAST_SWAP: f64 = 0.3;
+
+/// The problem with the noise known at its nominal values: what sizes are measured with.
+pub fn told(problem: &Problem) -> Problem {
+    let mut told = problem.clone();
+    for sensor in told.measurements.iter_mut().flat_map(|measurement| &mut measurement.sensors) {
+        for value in [&mut sensor.sigma, &mut sensor.white, &mut sensor.correlation_time_s].into_iter().flatten() {
+            *value = Uncertain::Known(value.nominal());
+        }
+    }
+    told
+}
+
+/// Draws a truth for a problem. The same draws come from the same `draw`.
+///
+/// # Errors
+/// [`HideError`], of the last try where several places were tried.
+pub fn hide(problem: &Problem, wish: &Wish, draw: &mut Draw) -> Result<Hidden, HideError> {
+    let problem = told(problem);
+    let mut last = HideError::NoPlace;
+    for _ in 0..TRIES {
+        match attempt(&problem, wish, draw) {
+            Ok(hidden) => return Ok(hidden),
+            Err(error) => last = error,
+        }
+    }
+    Err(last)
+}
+
+fn attempt(problem: &Problem, wish: &Wish, draw: &mut Draw) -> Result<Hidden, HideError> {
+    let own = own_parameters(problem, draw);
+    let noise = noise(problem, wish, draw);
+    let split = match wish.split {
+        Some(size) => Some((draw_split(problem, draw)?, size)),
+        None => None,
+    };
+    let outside = if wish.outside { Some(draw_outside(problem, draw)?) } else { None };
+    let mut chosen = Vec::new();
+    if outside.is_none() {
+        for number in 0..wish.effects {
+            let only = wish.only.as_deref().filter(|_| number == 0);
+            chosen.push(draw_effect(problem, only, &chosen, draw)?);
+        }
+    }
+    let scene = Scene { problem, own: &own, split: split.as_ref().map(|(split, _)| split), outside: outside.as_ref() };
+    let resistance = match &split {
+        Some((_, size)) => scene.solve(*size, 1e3, |scale| Sizes { split: scale, ..Sizes::default() }, &[])?.0,
+        None => 0.0,
+    };
+    let base = Sizes { split: resistance, ..Sizes::default() };
+    let mut alone = vec![0.0; chosen.len()];
+    if chosen.len() > 1
+        && let Some(size) = wish.size
+    {
+        for (effect, alone) in chosen.iter_mut().zip(&mut alone) {
+            if effect.has_amplitude() {
+                let (scale, _) = scene.solve(size, REACH, |effects| Sizes { effects, ..base }, std::slice::from_ref(effect))?;
+                effect.scale(scale);
+                *alone = size;
+            }
+        }
+    }
+    if let (Some(value), Some(effect)) = (wish.amplitude, chosen.first_mut()) {
+        effect.set(value);
+    }
+    let sized = outside.is_some() || chosen.iter().any(Chosen::has_amplitude);
+    let asked = wish.size.filter(|_| wish.amplitude.is_none() && sized);
+    let (scale, hidden) = match asked {
+        Some(size) => {
+            let reach = if outside.is_some() { 30.0 } else { REACH };
+            let form = |scale: f64| match outside {
+                Some(_) => Sizes { outside: scale, ..base },
+                None => Sizes { effects: scale, ..base },
+            };
+            scene.solve(size, reach, form, &chosen)?
+        }
+        None => {
+            let at = Sizes { effects: 1.0, outside: 1.0, ..base };
+            (1.0, scene.measure(at, &chosen)?)
+        }
+    };
+    let (clean, refit) = hidden;
+    if !chosen.is_empty() && !sized && wish.only.is_none() && refit.size() < LEAST_SWAP {
+        return Err(HideError::NoPlace);
+    }
+    let effects = chosen.iter_mut().zip(alone).map(|(effect, alone)| {
+        effect.scale(scale);
+        effect.told(problem, alone * scale)
+    });
+    let truth = Truth {
+        effects: effects.collect(),
+        outside: outside.map(|(outside, ..)| outside),
+        split: split.map(|((node, _), _)| problem.model.nodes[node].name.clone()),
+        parameters: (problem.model.parameters.iter().zip(&own)).map(|(own, value)| (own.name.clone(), *value)).collect(),
+        noise,
+        size: refit.size(),
+        asked,
+        rivals: None,
+    };
+    Ok(Hidden { truth, clean, refit })
+}
+
+/// Values of the believed model's parameters: chosen ones from their priors, others as they are.
+fn own_parameters(problem: &Problem, draw: &mut Draw) -> Vec<f64> {
+    (problem.model.parameters.iter().enumerate())
+        .map(|(index, parameter)| match problem.priors.get(index) {
+            // The same draws for each, so that one prior more does not move the others.
+            Some(prior) => {
+                let share = draw.share();
+                if problem.parameters.contains(&index) { prior.quantile(share) } else { fixed(prior, parameter.nominal) }
+            }
+            None => parameter.nominal,
+        })
+        .collect()
+}
+
+fn fixed(prior: &crate::random::Distribution, nominal: f64) -> f64 {
+    match prior {
+        crate::random::Distribution::Fixed(value) => *value,
+        _ => nominal,
+    }
+}
+
+/// The noise of a case: correlated over two to thirty rows of the fastest transient, if at all.
+fn noise(problem: &Problem, wish: &Wish, draw: &mut Draw) -> NoiseTruth {
+    let rows = draw.scale(2.0, 30.0);
+    let correlated = draw.happens(0.5);
+    let steps = problem.measurements.iter().filter_map(|measurement| match &measurement.rows {
+        Rows::Transient { inputs, .. } if inputs.times_s.len() > 1 => {
+            let last = inputs.times_s.len() - 1;
+            Some((inputs.times_s[last] - inputs.times_s[0]) / last as f64)
+        }
+        _ => None,
+    });
+    let step_s = steps.fold(f64::INFINITY, f64::min);
+    if step_s.is_finite() && wish.correlated.unwrap_or(correlated) {
+        NoiseTruth::Correlated { correlation_time_s: super::draw::short(rows * step_s) }
+    } else {
+        NoiseTruth::AsTold
+    }
+}
+
+/// An effect at a place, with the parameters that it will have, SI.
+#[derive(Clone, Debug)]
+struct Chosen {
+    candidate: usize,
+    parameters: Vec<EffectParameter>,
+    values: Vec<f64>,
+}
+
+impl Chosen {
+    fn has_amplitude(&self) -> bool {
+        self.parameters.iter().any(|parameter| parameter.amplitude)
+    }
+
+    fn scaled(&self, scale: f64) -> Vec<f64> {
+        (self.parameters.iter().zip(&self.values))
+            .map(|(parameter, value)| if parameter.amplitude { scale * value } else { *value })
+            .collect()
+    }
+
+    fn scale(&mut self, scale: f64) {
+        self.values = self.scaled(scale);
+    }
+
+    /// Sets the first amplitude; the others follow in proportion.
+    fn set(&mut self, value: f64) {
+        let first = self.parameters.iter().position(|parameter| parameter.amplitude);
+        if let Some(first) = first.filter(|&first| self.values[first] != 0.0) {
+            self.scale(value / self.values[first]);
+        }
+    }
+
+    /// Whether amplitudes times a scale can be: within the priors' supports, and within reach.
+    fn allows(&self, scale: f64) -> bool {
+        (self.parameters.iter().zip(self.scaled(scale))).filter(|(parameter, _)| parameter.amplitude).all(
+            |(parameter, value)| {
+                let (lower, upper) = parameter.prior.support();
+                lower <= value && value <= upper && value.abs() <= REACH * parameter.plausible.max(f64::MIN_POSITIVE)
+            },
+        )
+    }
+
+    fn told(&self, problem: &Problem, alone: f64) -> HiddenEffect {
+        let candidate = &problem.candidates[self.candidate];
+        let value = |(parameter, value): (&EffectParameter, &f64)| {
+            let name = parameter.name.clone();
+            let unit = crate::expression::Unit::si(parameter.unit.dimension).text;
+            HiddenValue { name, value: *value, unit, amplitude: parameter.amplitude }
+        };
+        HiddenEffect {
+            id: candidate.id.clone(),
+            effect: candidate.effect.clone(),
+            place: candidate.place.clone(),
+            input: candidate.input.clone(),
+            parameters: self.parameters.iter().zip(&self.values).map(value).collect(),
+            alone,
+        }
+    }
+}
+
+/// Whether a candidate can be hidden in the problem's test: something sees it.
+fn is_seen(problem: &Problem, position: usize) -> bool {
+    let candidate = &problem.candidates[position];
+    let has = |transient: bool| {
+        problem.measurements.iter().any(|m| matches!(m.rows, Rows::Transient { .. }) == transient)
+    };
+    (candidate.steady && has(false)) || (candidate.transient && has(true))
+}
+
+/// An effect first, then a place of it: each effect is as frequent as the others.
+fn draw_effect(problem: &Problem, only: Option<&str>, taken: &[Chosen], draw: &mut Draw) -> Result<Chosen, HideError> {
+    let fits = |position: &usize| {
+        let candidate = &problem.candidates[*position];
+        is_seen(problem, *position)
+            && only.is_none_or(|only| candidate.id == only || candidate.effect == only)
+            && !taken.iter().any(|other| problem.candidates[other.candidate].effect == candidate.effect)
+    };
+    let open: Vec<usize> = (0..problem.candidates.len()).filter(fits).collect();
+    let mut names: Vec<&str> = open.iter().map(|&position| problem.candidates[position].effect.as_str()).collect();
+    names.dedup();
+    if names.is_empty() {
+        return Err(HideError::NoPlace);
+    }
+    let name = names[draw.position(names.len())];
+    let places: Vec<usize> =
+        open.iter().copied().filter(|&position| problem.candidates[position].effect == name).collect();
+    let candidate = places[draw.position(places.len())];
+    let bound = &problem.candidates[candidate].bound;
+    let effect = problem.catalogue.get(name).ok_or(HideError::NoPlace)?;
+    let parameters = effect.parameters(&problem.model, bound);
+    let values = (parameters.iter())
+        .map(|parameter| {
+            let (share, other) = (draw.share(), draw.share());
+            if !parameter.amplitude {
+                return parameter.prior.quantile(0.1 + 0.8 * share);
+            }
+            let size = parameter.plausible * (0.3 + 0.7 * share);
+            let (lower, _) = parameter.prior.support();
+            if lower >= 0.0 || other < 0.5 { size } else { -size }
+        })
+        .collect();
+    Ok(Chosen { candidate, parameters, values })
+}
+
+/// A node that stores heat and has two paths or more, and which of the elements move to its other half.
+fn draw_split(problem: &Problem, draw: &mut Draw) -> Result<(usize, Vec<bool>), HideError> {
+    use crate::thermal::NodeKind;
+    use crate::thermal::element::ElementKind;
+    let model = &problem.model;
+    let at = |element: &crate::thermal::element::Element, node: usize| match &element.kind {
+        ElementKind::Conductor(own) => own.between.contains(&node),
+        ElementKind::Radiation(own) => own.between.contains(&node),
+        _ => false,
+    };
+    let fits = |node: &usize| {
+        matches!(model.nodes[*node].kind, NodeKind::Diffusion { .. })
+            && model.elements.iter().filter(|element| at(element, *node)).count() > 1
+    };
+    let nodes: Vec<usize> = (0..model.nodes.len()).filter(fits).collect();
+    if nodes.is_empty() {
+        return Err(HideError::NoPlace);
+    }
+    let node = nodes[draw.position(nodes.len())];
+    let mut moved: Vec<bool> = model.elements.iter().map(|_| draw.happens(0.5)).collect();
+    let paths: Vec<usize> = (0..moved.len()).filter(|&element| at(&model.elements[element], node)).collect();
+    // One path at least stays, and one goes.
+    moved[paths[0]] = true;
+    moved[paths[1]] = false;
+    Ok((node, moved))
+}
+
+/// Physics that the catalogue lacks, the phase of its swing, and the states of its switch by measurement and row.
+type OutsideDraw = (Outside, f64, Vec<Vec<f64>>);
+
+fn draw_outside(problem: &Problem, draw: &mut Draw) -> Result<OutsideDraw, HideError> {
+    use crate::thermal::NodeKind;
+    let model = &problem.model;
+    let nodes: Vec<&str> = (model.nodes.iter())
+        .filter(|node| matches!(node.kind, NodeKind::Diffusion { .. }))
+        .map(|node| node.name.as_str())
+        .collect();
+    if nodes.is_empty() {
+        return Err(HideError::NoPlace);
+    }
+    let node = nodes[draw.position(nodes.len())].to_owned();
+    let kind = draw.position(3);
+    let input = draw.position(model.inputs.len());
+    let (share, phase) = (draw.share(), draw.between(0.0, 6.28));
+    let transients: Vec<&Measurement> =
+        problem.measurements.iter().filter(|m| matches!(m.rows, Rows::Transient { .. })).collect();
+    let span_s = transients.iter().filter_map(|measurement| match &measurement.rows {
+        Rows::Transient { inputs, .. } => Some(inputs.times_s.last()? - inputs.times_s.first()?),
+        Rows::Steady(_) => None,
+    });
+    let span_s = span_s.fold(0.0, f64::max);
+    let outside = match kind {
+        0 if !model.inputs.is_empty() => Outside::Root { node, input: model.inputs[input].name.clone() },
+        1 if span_s > 0.0 => {
+            // Three to fifteen swings within the test.
+            let period_s = super::draw::short(span_s / (3.0 + 12.0 * share));
+            Outside::Swing { node, period_s }
+        }
+        _ => Outside::Unlogged { node },
+    };
+    let mut switch = Vec::new();
+    for measurement in &problem.measurements {
+        let hold = matches!(measurement.rows, Rows::Transient { .. });
+        switch.push(if hold { toggled(measurement.len(), draw) } else { steady_states(measurement.len(), draw) });
+    }
+    Ok((outside, phase, switch))
+}
+
+/// On and off, for twenty rows on average.
+fn toggled(rows: usize, draw: &mut Draw) -> Vec<f64> {
+    let mut state = 0.0;
+    let toggle = |_| {
+        if draw.happens(0.05) {
+            state = 1.0 - state;
+        }
+        state
+    };
+    (0..rows).map(toggle).collect()
+}
+
+/// On in two of five phases.
+fn steady_states(phases: usize, draw: &mut Draw) -> Vec<f64> {
+    (0..phases).map(|_| if draw.happens(0.4) { 1.0 } else { 0.0 }).collect()
+}
+
+/// Factors of what is hidden.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sizes {
+    /// Of the effects' amplitudes.
+    effects: f64,
+    /// Of the power outside the catalogue, W.
+    outside: f64,
+    /// Resistance within the split node, K/W.
+    split: f64,
+}
+
+/// What a truth is made of beside its sizes.
+struct Scene<'a> {
+    problem: &'a Problem,
+    own: &'a [f64],
+    split: Option<&'a (usize, Vec<bool>)>,
+    outside: Option<&'a OutsideDraw>,
+}
+
+impl Scene<'_> {
+    /// Readings without noise, and the believed model's refit to them.
+    fn measure(&self, sizes: Sizes, chosen: &[Chosen]) -> Result<(Vec<Vec<f64>>, Refit), HideError> {
+        let effects: Vec<usize> = chosen.iter().map(|effect| effect.candidate).collect();
+        let values: Vec<f64> = chosen.iter().flat_map(|effect| effect.scaled(sizes.effects)).collect();
+        let mut world = World::new(self.problem, &effects, self.own, &values)?;
+        if let Some((outside, phase, switch)) = self.outside {
+            world.add_outside(outside, *phase, switch)?;
+        }
+        if let Some((node, moved)) = self.split {
+            world.split(*node, moved)?;
+        }
+        for (place, value) in [(world.outside, sizes.outside), (world.split, sizes.split)] {
+            if let Some(place) = place {
+                world.parameters[place] = value;
+            }
+        }
+        let clean = world.readings()?;
+        let likelihood = refit::likelihood(self.problem, &clean)?;
+        let names = self.problem.model.parameters.iter().zip(self.own);
+        let values: Vec<(String, f64)> = names.map(|(own, value)| (own.name.clone(), *value)).collect();
+        let starts = [refit::start(&likelihood, &values), refit::start(&likelihood, &[])];
+        let refit = refit::fit(&likelihood, &starts)?;
+        Ok((clean, refit))
+    }
+
+    /// The factor at which the refit leaves a size: safeguarded false position in the logarithms.
+    fn solve(
+        &self,
+        size: f64,
+        reach: f64,
+        form: impl Fn(f64) -> Sizes,
+        chosen: &[Chosen],
+    ) -> Result<(f64, (Vec<Vec<f64>>, Refit)), HideError> {
+        let out_of_reach = HideError::OutOfReach { size };
+        let allowed = |scale: f64| scale <= reach * 4.0 && chosen.iter().all(|effect| effect.allows(scale));
+        let (mut below, mut above): (Option<[f64; 2]>, Option<[f64; 2]>) = (None, None);
+        let mut scale = if chosen.is_empty() { 0.1 } else { 0.5 };
+        for round in 0..40 {
+            if !allowed(scale) {
+                above = Some([ln(scale), f64::INFINITY]);
+            } else {
+                match self.measure(form(scale), chosen) {
+                    Ok((clean, refit)) => {
+                        let found = refit.size();
+                        if (found / size - 1.0).abs() < NEAR {
+                            return Ok((scale, (clean, refit)));
+                        }
+                        let point = Some([ln(scale), ln(found.max(1e-12) / size)]);
+                        if found < size { below = point } else { above = point }
+                    }
+                    Err(HideError::Implausible | HideError::Fit(_)) => above = Some([ln(scale), f64::INFINITY]),
+                    Err(error) => return Err(error),
+                }
+            }
+            scale = match (below, above) {
+                (Some([x, _]), Some([y, _])) if (y - x).abs() < 1e-3 => return Err(out_of_reach),
+                (Some([x, _]), Some([y, v])) if !v.is_finite() || round % 4 == 3 => exp(0.5 * (x + y)),
+                (Some([x, u]), Some([y, v])) => exp(x - u * (y - x) / (v - u)),
+                (Some([x, u]), None) => exp(x - u.max(-ln(20.0))),
+                (None, Some([y, v])) if v.is_finite() => exp(y - v.min(ln(20.0)).max(0.01)),
+                (None, Some([y, _])) => exp(y - ln(4.0)),
+                (None, None) => scale,
+            };
+            if scale < 1e-9 {
+                return Err(out_of_reach);
+            }
+        }
+        Err(out_of_reach)
+    }
+}

@@ -1,0 +1,24 @@
+//! The twin laboratory: cases whose truth is known, and how well answers do on them.
+//!
+//! `sketch`, `topology`: networks drawn at random. `campaign`: tests of them. `truth`, `world`, `hide`, `refit`: what is
+//! hidden, and how large it is made. `noise`: how it is read. `rivals`: what could be taken for it. `case`, `folder`: all
+//! of it together, in memory and as a study. `answer`, `score`: what was said of it, and how often that is right.
+
+pub mod campaign;
+pub mod case;
+mod draw;
+pub mod folder;
+pub mod hide;
+pub mod noise;
+pub mod refit;
+pub mod rivals;
+pub mod sketch;
+pub mod topology;
+pub mod truth;
+pub mod world;
+
+pub use campaign::TestKind;
+pub use case::{Case, Recipe, case};
+pub use hide::{HideError, Hidden, Wish, hide};
+pub use topology::Topology;
+pub use truth::{HiddenEffect, NoiseTruth, Outside, Rival, Truth};
