@@ -3,6 +3,7 @@
 mod calibrate;
 mod calibration;
 mod estimators;
+mod laboratory;
 mod evidence;
 pub mod models;
 pub mod samplers;

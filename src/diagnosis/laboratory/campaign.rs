@@ -127,7 +127,8 @@ fn steady(sketch: &Sketch, draw: &mut Draw) -> Rows {
 }
 
 fn transient(kind: TestKind, sketch: &Sketch, draw: &mut Draw) -> Rows {
-    let rows = draw.whole(100, 600);
+    // Every row of a flight is an integration from corner to corner over hours: fewer do.
+    let rows = draw.whole(100, if kind == TestKind::Flight { 250 } else { 600 });
     let step_s = match kind {
         TestKind::Orbit => 60.0,
         TestKind::Flight => 600.0 * draw.whole(6, 24) as f64,

@@ -74,7 +74,7 @@ fn attempted(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, stream: u64
     let topology = recipe.topology.unwrap_or(drawn);
     let tests: &[TestKind] = match topology {
         Topology::Satellite => &[TestKind::Orbit, TestKind::Orbit, TestKind::Flight, TestKind::Steady],
-        _ => &[TestKind::Steady, TestKind::Steps, TestKind::Steady, TestKind::Steps, TestKind::Flight],
+        _ => &[TestKind::Steady, TestKind::Steps, TestKind::Steady, TestKind::Steps, TestKind::Steady, TestKind::Flight],
     };
     let drawn = tests[draw.position(tests.len())];
     let test = recipe.test.unwrap_or(drawn);

@@ -26,7 +26,7 @@ pub enum HideError {
     #[error("the model has no plausible solution with it")]
     Implausible,
     /// A size that no amplitude within reach gives.
-    #[error("no amplitude within three times its plausible scale leaves {size} standard deviations")]
+    #[error("no amplitude up to three times its plausible scale leaves {size} standard deviations")]
     OutOfReach {
         /// The size asked for.
         size: f64,
@@ -76,8 +76,16 @@ pub struct Hidden {
 const REACH: f64 = 3.0;
 /// A size is hit when it is this near, relatively.
 const NEAR: f64 = 0.005;
+/// Largest power outside the catalogue, W.
+const MOST_OUTSIDE_W: f64 = 5.0;
+/// Largest resistance within a node, K/W.
+const MOST_SPLIT_K_PER_W: f64 = 100.0;
+/// Rounds of the search for a size.
+const MOST_ROUNDS: usize = 24;
+/// Least share of the largest factor.
+const LEAST_SCALE: f64 = 1e-8;
 /// Places tried before giving up.
-const TRIES: usize = 60;
+const TRIES: usize = 40;
 /// What a permutation of channels must leave to be a case, in standard deviations.
 const LEAST_SWAP: f64 = 0.3;
 
@@ -125,7 +133,7 @@ fn attempt(problem: &Problem, wish: &Wish, draw: &mut Draw) -> Result<Hidden, Hi
     }
     let scene = Scene { problem, own: &own, split: split.as_ref().map(|(split, _)| split), outside: outside.as_ref() };
     let resistance = match &split {
-        Some((_, size)) => scene.solve(*size, 1e3, |scale| Sizes { split: scale, ..Sizes::default() }, &[])?.0,
+        Some((_, size)) => scene.solve(*size, MOST_SPLIT_K_PER_W, |split| Sizes { split, ..Sizes::default() }, &[])?.0,
         None => 0.0,
     };
     let base = Sizes { split: resistance, ..Sizes::default() };
@@ -135,7 +143,8 @@ fn attempt(problem: &Problem, wish: &Wish, draw: &mut Draw) -> Result<Hidden, Hi
     {
         for (effect, alone) in chosen.iter_mut().zip(&mut alone) {
             if effect.has_amplitude() {
-                let (scale, _) = scene.solve(size, REACH, |effects| Sizes { effects, ..base }, std::slice::from_ref(effect))?;
+                let one = std::slice::from_ref(effect);
+                let (scale, _) = scene.solve(size, effect.most(), |effects| Sizes { effects, ..base }, one)?;
                 effect.scale(scale);
                 *alone = size;
             }
@@ -148,16 +157,17 @@ fn attempt(problem: &Problem, wish: &Wish, draw: &mut Draw) -> Result<Hidden, Hi
     let asked = wish.size.filter(|_| wish.amplitude.is_none() && sized);
     let (scale, hidden) = match asked {
         Some(size) => {
-            let reach = if outside.is_some() { 30.0 } else { REACH };
+            let most = chosen.iter().filter(|effect| effect.has_amplitude()).map(Chosen::most);
+            let most = if outside.is_some() { MOST_OUTSIDE_W } else { most.fold(f64::INFINITY, f64::min) };
             let form = |scale: f64| match outside {
                 Some(_) => Sizes { outside: scale, ..base },
                 None => Sizes { effects: scale, ..base },
             };
-            scene.solve(size, reach, form, &chosen)?
+            scene.solve(size, most, form, &chosen)?
         }
         None => {
             let at = Sizes { effects: 1.0, outside: 1.0, ..base };
-            (1.0, scene.measure(at, &chosen)?)
+            (1.0, scene.measure(at, &chosen, None)?)
         }
     };
     let (clean, refit) = hidden;
@@ -252,14 +262,16 @@ impl Chosen {
         }
     }
 
-    /// Whether amplitudes times a scale can be: within the priors' supports, and within reach.
-    fn allows(&self, scale: f64) -> bool {
-        (self.parameters.iter().zip(self.scaled(scale))).filter(|(parameter, _)| parameter.amplitude).all(
-            |(parameter, value)| {
-                let (lower, upper) = parameter.prior.support();
-                lower <= value && value <= upper && value.abs() <= REACH * parameter.plausible.max(f64::MIN_POSITIVE)
-            },
-        )
+    /// The largest factor at which the amplitudes stay within the priors' supports and within reach.
+    fn most(&self) -> f64 {
+        let largest = |(parameter, value): (&EffectParameter, &f64)| {
+            let (lower, upper) = parameter.prior.support();
+            let end = if *value < 0.0 { -lower } else { upper };
+            // A share short of the support's end, where some expressions have no value.
+            (0.98 * end).min(REACH * parameter.plausible) / value.abs().max(f64::MIN_POSITIVE)
+        };
+        let pairs = self.parameters.iter().zip(&self.values).filter(|(parameter, _)| parameter.amplitude);
+        pairs.map(largest).fold(f64::INFINITY, f64::min)
     }
 
     fn told(&self, problem: &Problem, alone: f64) -> HiddenEffect {
@@ -420,6 +432,9 @@ struct Sizes {
     split: f64,
 }
 
+/// Readings without noise by measurement, and the refit to them.
+type Measured = (Vec<Vec<f64>>, Refit);
+
 /// What a truth is made of beside its sizes.
 struct Scene<'a> {
     problem: &'a Problem,
@@ -429,8 +444,9 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// Readings without noise, and the believed model's refit to them.
-    fn measure(&self, sizes: Sizes, chosen: &[Chosen]) -> Result<(Vec<Vec<f64>>, Refit), HideError> {
+    /// Readings without noise, and the believed model's refit to them: from the unknowns of a fit before where there is
+    /// one, else from the truth and the priors' medians.
+    fn measure(&self, sizes: Sizes, chosen: &[Chosen], before: Option<&[f64]>) -> Result<Measured, HideError> {
         let effects: Vec<usize> = chosen.iter().map(|effect| effect.candidate).collect();
         let values: Vec<f64> = chosen.iter().flat_map(|effect| effect.scaled(sizes.effects)).collect();
         let mut world = World::new(self.problem, &effects, self.own, &values)?;
@@ -449,50 +465,58 @@ impl Scene<'_> {
         let likelihood = refit::likelihood(self.problem, &clean)?;
         let names = self.problem.model.parameters.iter().zip(self.own);
         let values: Vec<(String, f64)> = names.map(|(own, value)| (own.name.clone(), *value)).collect();
-        let starts = [refit::start(&likelihood, &values), refit::start(&likelihood, &[])];
-        let refit = refit::fit(&likelihood, &starts)?;
+        let refit = match before {
+            Some(before) => refit::fit(&likelihood, &[before.to_vec()])?,
+            None => refit::fit(&likelihood, &[refit::start(&likelihood, &values), refit::start(&likelihood, &[])])?,
+        };
         Ok((clean, refit))
     }
 
-    /// The factor at which the refit leaves a size: safeguarded false position in the logarithms.
+    /// The factor at which the refit leaves a size: safeguarded false position in the logarithms, from the largest
+    /// factor down.
     fn solve(
         &self,
         size: f64,
-        reach: f64,
+        most: f64,
         form: impl Fn(f64) -> Sizes,
         chosen: &[Chosen],
-    ) -> Result<(f64, (Vec<Vec<f64>>, Refit)), HideError> {
+    ) -> Result<(f64, Measured), HideError> {
         let out_of_reach = HideError::OutOfReach { size };
-        let allowed = |scale: f64| scale <= reach * 4.0 && chosen.iter().all(|effect| effect.allows(scale));
         let (mut below, mut above): (Option<[f64; 2]>, Option<[f64; 2]>) = (None, None);
-        let mut scale = if chosen.is_empty() { 0.1 } else { 0.5 };
-        for round in 0..40 {
-            if !allowed(scale) {
-                above = Some([ln(scale), f64::INFINITY]);
-            } else {
-                match self.measure(form(scale), chosen) {
-                    Ok((clean, refit)) => {
-                        let found = refit.size();
-                        if (found / size - 1.0).abs() < NEAR {
-                            return Ok((scale, (clean, refit)));
-                        }
-                        let point = Some([ln(scale), ln(found.max(1e-12) / size)]);
-                        if found < size { below = point } else { above = point }
+        let mut scale = most;
+        let mut before: Option<Vec<f64>> = None;
+        for round in 0..MOST_ROUNDS {
+            match self.measure(form(scale), chosen, before.as_deref()) {
+                Ok((clean, refit)) => {
+                    let mut found = (clean, refit);
+                    if (found.1.size() / size - 1.0).abs() < NEAR && before.is_some() {
+                        // A fit from elsewhere may leave less.
+                        found = self.measure(form(scale), chosen, None)?;
                     }
-                    Err(HideError::Implausible | HideError::Fit(_)) => above = Some([ln(scale), f64::INFINITY]),
-                    Err(error) => return Err(error),
+                    let ratio = found.1.size() / size;
+                    if (ratio - 1.0).abs() < NEAR {
+                        return Ok((scale, found));
+                    }
+                    let point = Some([ln(scale), ln(ratio.max(1e-12))]);
+                    if ratio < 1.0 { below = point } else { above = point }
+                    before = Some(found.1.unknowns);
                 }
+                Err(HideError::Implausible | HideError::Fit(_)) => {
+                    above = Some([ln(scale), f64::INFINITY]);
+                    before = None;
+                }
+                Err(error) => return Err(error),
             }
             scale = match (below, above) {
-                (Some([x, _]), Some([y, _])) if (y - x).abs() < 1e-3 => return Err(out_of_reach),
+                (Some([x, _]), Some([y, _])) if (y - x).abs() < 1e-4 => return Err(out_of_reach),
                 (Some([x, _]), Some([y, v])) if !v.is_finite() || round % 4 == 3 => exp(0.5 * (x + y)),
                 (Some([x, u]), Some([y, v])) => exp(x - u * (y - x) / (v - u)),
-                (Some([x, u]), None) => exp(x - u.max(-ln(20.0))),
-                (None, Some([y, v])) if v.is_finite() => exp(y - v.min(ln(20.0)).max(0.01)),
+                (None, Some([y, v])) if v.is_finite() => exp(y - v.clamp(0.01, ln(30.0))),
                 (None, Some([y, _])) => exp(y - ln(4.0)),
-                (None, None) => scale,
+                // Too little at the largest factor.
+                (_, None) => return Err(out_of_reach),
             };
-            if scale < 1e-9 {
+            if scale < LEAST_SCALE * most {
                 return Err(out_of_reach);
             }
         }

@@ -2,8 +2,9 @@
 //!
 //! `sketch`, `topology`: networks drawn at random. `campaign`: tests of them. `truth`, `world`, `hide`, `refit`: what is
 //! hidden, and how large it is made. `noise`: how it is read. `rivals`: what could be taken for it. `case`, `folder`: all
-//! of it together, in memory and as a study. `answer`, `score`: what was said of it, and how often that is right.
+//! of it together, in memory and as a study. `answer`, `score`: what was said of it, and how often that is right. `trial`: truths drawn, tests simulated, the diagnosis asked.
 
+pub mod answer;
 pub mod campaign;
 pub mod case;
 mod draw;
@@ -12,13 +13,18 @@ pub mod hide;
 pub mod noise;
 pub mod refit;
 pub mod rivals;
+pub mod score;
 pub mod sketch;
 pub mod topology;
+pub mod trial;
 pub mod truth;
 pub mod world;
 
+pub use answer::{Answer, Verdict};
 pub use campaign::TestKind;
 pub use case::{Case, Recipe, case};
 pub use hide::{HideError, Hidden, Wish, hide};
+pub use score::{Rate, Score, Trial, score};
 pub use topology::Topology;
+pub use trial::{Outcome, ask, own_case, own_wish, simulate, standard};
 pub use truth::{HiddenEffect, NoiseTruth, Outside, Rival, Truth};

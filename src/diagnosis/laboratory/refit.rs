@@ -10,7 +10,7 @@ use crate::inference::target::Target;
 use super::hide::HideError;
 
 /// Most steps of a fit.
-const MOST_ITERATIONS: u64 = 100;
+const MOST_ITERATIONS: u64 = 60;
 
 /// A fit in natural coordinates.
 #[derive(Clone, Debug)]

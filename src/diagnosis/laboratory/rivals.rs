@@ -2,11 +2,12 @@
 //!
 //! With `r` what the believed model leaves of the noise-free readings (whitened), `g` a candidate's column and
 //! `g~ = (I - P_J) g` what the model's own free parameters cannot do: the cosine is `r . g~ / (|r| |g~|)`, and a candidate
-//! refitted leaves `|r|^2 (1 - cos^2)` to first order. The nearest by that are refitted in full.
+//! refitted leaves `|r|^2 (1 - cos^2)` to first order. The nearest by that are refitted in full. A candidate with more
+//! parameters than the truth's effects (a curve, a hidden node) is no rival: it pays for its freedom.
 
 use super::hide::{HideError, Hidden, told};
 use super::refit::{self, Refit};
-use super::truth::{Rival, Truth};
+use super::truth::Rival;
 use crate::diagnosis::Problem;
 use crate::effect::Candidate;
 use crate::inference::target::{LeastSquares, Target};
@@ -32,8 +33,9 @@ pub fn rivals(problem: &Problem, hidden: &Hidden) -> Result<Vec<Rival>, HideErro
     if hidden.truth.is_null() {
         return Ok(Vec::new());
     }
+    let freedom = truth.iter().map(|&position| parameters(&problem, position).len()).max().unwrap_or(usize::MAX);
     let basis = Basis::new(&hidden.refit);
-    let spans: Vec<(usize, Vec<Vec<f64>>)> = columns(&problem, hidden)?
+    let spans: Vec<(usize, Vec<Vec<f64>>)> = columns(&problem, hidden, freedom)?
         .into_iter()
         .map(|(position, columns)| (position, basis.orthonormal(&columns, &[])))
         .collect();
@@ -96,11 +98,14 @@ fn refitted(problem: &Problem, hidden: &Hidden, positions: &[usize]) -> Result<f
     Ok(refit::fit(&likelihood, &starts)?.chi_square())
 }
 
-/// Whitened columns of all candidates that the test sees, by position; rows of the priors are 0.
-fn columns(problem: &Problem, hidden: &Hidden) -> Result<Vec<(usize, Vec<Vec<f64>>)>, HideError> {
+/// Whitened columns of all candidates that the test sees and that have no more parameters than `freedom` (one at least),
+/// by position; rows of the priors are 0.
+fn columns(problem: &Problem, hidden: &Hidden, freedom: usize) -> Result<Vec<(usize, Vec<Vec<f64>>)>, HideError> {
     let rows = hidden.refit.residuals.len();
     let mut all = Vec::new();
-    let seen: Vec<usize> = (0..problem.candidates.len()).filter(|&p| sees(problem, &problem.candidates[p])).collect();
+    let seen: Vec<usize> = (0..problem.candidates.len())
+        .filter(|&p| sees(problem, &problem.candidates[p]) && parameters(problem, p).len() <= freedom.max(1))
+        .collect();
     let mut begin = 0;
     while begin < seen.len() {
         let effect = &problem.candidates[seen[begin]].effect;
@@ -252,11 +257,4 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 fn square(value: f64) -> f64 {
     value * value
-}
-
-impl Truth {
-    /// The nearest rival.
-    pub fn nearest(&self) -> Option<&Rival> {
-        self.rivals.as_ref().and_then(|rivals| rivals.first())
-    }
 }

@@ -1,0 +1,164 @@
+//! `bmv lab`.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::Context;
+use super::options::RunOptions;
+use super::output::{escaped, print, print_json, table, tell};
+use super::status::{Failure, Status};
+use crate::diagnosis::laboratory::{Rate, case, folder, standard};
+use crate::job::lab::{Lab, Output, Spec};
+use crate::runner::engine::local;
+use crate::runner::{Node, Plan, Progress, Ready, Settings};
+
+/// Arguments of `bmv lab`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "A size is what the refitted model leaves of readings without noise: root mean square, in standard \
+                        deviations of the noise. `separable` are cases that no other effect explains. Without STUDY, \
+                        --write draws networks and tests of its own.")]
+pub(super) struct LabVerb {
+    /// Pass file, or folder of a study with one pass
+    study: Option<PathBuf>,
+    /// Hide this effect, or one at its place by id [default: drawn from the catalogue]
+    #[arg(long, value_name = "ID-or-NAME")]
+    effect: Option<String>,
+    /// Its amplitude in SI units [default: such that 0.5, 1 or 2 standard deviations are left]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, requires = "effect")]
+    amplitude: Option<f64>,
+    /// Number of cases
+    #[arg(long, value_name = "N", default_value_t = 60)]
+    cases: u64,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Write cases over drawn networks as studies into this folder, each with its truth.json
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["study", "effect", "amplitude"])]
+    write: Option<PathBuf>,
+    /// Print one JSON document
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    options: RunOptions,
+}
+
+/// Findings printed of a file.
+const MOST_DIAGNOSTICS: usize = 50;
+
+impl LabVerb {
+    pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
+        if let Some(folder) = &self.write {
+            return self.write(folder, context);
+        }
+        let Some(study) = &self.study else {
+            return Err(Failure::input("name a pass or a study, or --write DIR".to_owned()));
+        };
+        super::studies::one_pass(study)?;
+        let found = crate::study::discover(std::slice::from_ref(study));
+        let found = found.map_err(|error| Failure::input(error.to_string()))?;
+        let one = found.iter().find_map(|study| Some((study.folder.clone(), study.passes.first()?.clone())));
+        let (folder, path) = one.ok_or_else(|| Failure::input(format!("no pass in `{}`", study.display())))?;
+        let rendered = |wrong: crate::document::Diagnostics| {
+            Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS))
+        };
+        let pass = crate::study::load(&path).map_err(rendered)?;
+        if pass.measurements.is_empty() {
+            return Err(Failure::input(format!("`{}` has no measurement to simulate", path.display())));
+        }
+        let catalogue = Arc::new(crate::study::effects(Some(&folder)).map_err(rendered)?);
+        let problem = Arc::new(crate::study::problem(&pass, &catalogue, &[]));
+        let spec = Spec { effect: self.effect, amplitude: self.amplitude, cases: self.cases, seed: self.seed };
+        let lab = Lab::new(spec, problem).map_err(|error| Failure::input(error.to_string()))?;
+        let id = format!("{}:lab", path.display());
+        let task = Box::new(Ready(Arc::new(lab)));
+        let plan = Plan::new(vec![Node { id: id.clone(), name: "lab".to_owned(), seed: self.seed, from: vec![], task }])?;
+        let progress = Progress::on_standard_error();
+        let settings = Settings { only: None, ..self.options.settings() };
+        let summary = local::run(&plan, &self.options.cache.cache(), &settings, &context.stop()?, &progress)?;
+        if summary.is_interrupted() {
+            return Ok(Status::Interrupted);
+        }
+        let Some(finished) = summary.finished(&id) else { return Ok(Status::JobFailed) };
+        if self.json {
+            print_json(&*finished.stored.value)?;
+            return Ok(Status::Done);
+        }
+        let output: Output = serde_json::from_value((*finished.stored.value).clone())
+            .map_err(|error| Failure::job(format!("the laboratory's result: {error}")))?;
+        print(&shown(&output))?;
+        Ok(Status::Done)
+    }
+
+    fn write(&self, folder: &Path, context: &Context) -> Result<Status, Failure> {
+        let catalogue = crate::study::effects(None)
+            .map_err(|wrong| Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS)))?;
+        let catalogue = Arc::new(catalogue);
+        let mut written = Vec::new();
+        for number in 0..self.cases {
+            let name = format!("case-{}-{number:04}", self.seed);
+            let case = match case(&catalogue, &standard(number), self.seed, number) {
+                Ok(case) => case,
+                Err(error) => {
+                    tell(&format!("{name}: not drawn: {error}"));
+                    continue;
+                }
+            };
+            for (file, text) in folder::files(&case) {
+                let path = folder.join(&name).join(file);
+                if let Some(parent) = path.parent() {
+                    std::fs::create_dir_all(parent)?;
+                }
+                std::fs::write(path, text)?;
+            }
+            written.push(name);
+        }
+        if self.json {
+            print_json(&serde_json::json!({"folder": folder, "cases": written}))?;
+        } else {
+            print(&format!("{} cases in {}\n", written.len(), escaped(&folder.display().to_string())))?;
+        }
+        Ok(Status::Done)
+    }
+}
+
+/// A rate with its interval, in percent.
+fn percent(rate: &Rate) -> String {
+    match rate.share() {
+        Some(share) => format!(
+            "{:.0} % of {} ({:.0} to {:.0})",
+            100.0 * share,
+            rate.of,
+            100.0 * rate.lower,
+            100.0 * rate.upper
+        ),
+        None => "none".to_owned(),
+    }
+}
+
+fn shown(output: &Output) -> String {
+    let diagnosed = output.rows.iter().any(|row| row.found.is_some());
+    let mut heading = vec!["effect", "size", "separable"];
+    if diagnosed {
+        heading.extend(["found", "named", "in a small group"]);
+    }
+    let mut rows: Vec<Vec<String>> = vec![heading.into_iter().map(str::to_owned).collect()];
+    for row in &output.rows {
+        let nothing = row.effect.is_none();
+        let mut cells = vec![
+            row.effect.as_deref().map_or_else(|| "nothing".to_owned(), escaped),
+            if nothing { String::new() } else { format!("{:.1}", row.size.unwrap_or(row.mean_size)) },
+            if nothing { String::new() } else { percent(&row.separable) },
+        ];
+        if diagnosed {
+            let own = [&row.found, &row.named, &row.grouped];
+            let shown = |rate: &Option<Rate>| rate.as_ref().map(percent).unwrap_or_default();
+            cells.extend(own.into_iter().take(if nothing { 1 } else { 3 }).map(shown));
+        }
+        rows.push(cells);
+    }
+    let mut text = table(&rows);
+    for (reason, count) in &output.reasons {
+        text.push_str(&format!("{count} cases: {}\n", escaped(reason)));
+    }
+    text
+}
