@@ -14,9 +14,11 @@ use crate::runner::{Node, Plan, Progress, Ready, Settings};
 
 /// Arguments of `bmv lab`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "A size is what the refitted model leaves of readings without noise: root mean square, in standard \
+#[command(
+    after_help = "A size is what the refitted model leaves of readings without noise: root mean square, in standard \
                         deviations of the noise. `separable` are cases that no other effect explains. Without STUDY, \
-                        --write draws networks and tests of its own.")]
+                        --write draws networks and tests of its own."
+)]
 pub(super) struct LabVerb {
     /// Pass file, or folder of a study with one pass
     study: Option<PathBuf>,
@@ -58,9 +60,8 @@ impl LabVerb {
         let found = found.map_err(|error| Failure::input(error.to_string()))?;
         let one = found.iter().find_map(|study| Some((study.folder.clone(), study.passes.first()?.clone())));
         let (folder, path) = one.ok_or_else(|| Failure::input(format!("no pass in `{}`", study.display())))?;
-        let rendered = |wrong: crate::document::Diagnostics| {
-            Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS))
-        };
+        let rendered =
+            |wrong: crate::document::Diagnostics| Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS));
         let pass = crate::study::load(&path).map_err(rendered)?;
         if pass.measurements.is_empty() {
             return Err(Failure::input(format!("`{}` has no measurement to simulate", path.display())));
@@ -71,7 +72,8 @@ impl LabVerb {
         let lab = Lab::new(spec, problem).map_err(|error| Failure::input(error.to_string()))?;
         let id = format!("{}:lab", path.display());
         let task = Box::new(Ready(Arc::new(lab)));
-        let plan = Plan::new(vec![Node { id: id.clone(), name: "lab".to_owned(), seed: self.seed, from: vec![], task }])?;
+        let plan =
+            Plan::new(vec![Node { id: id.clone(), name: "lab".to_owned(), seed: self.seed, from: vec![], task }])?;
         let progress = Progress::on_standard_error();
         let settings = Settings { only: None, ..self.options.settings() };
         let summary = local::run(&plan, &self.options.cache.cache(), &settings, &context.stop()?, &progress)?;
@@ -124,13 +126,9 @@ impl LabVerb {
 /// A rate with its interval, in percent.
 fn percent(rate: &Rate) -> String {
     match rate.share() {
-        Some(share) => format!(
-            "{:.0} % of {} ({:.0} to {:.0})",
-            100.0 * share,
-            rate.of,
-            100.0 * rate.lower,
-            100.0 * rate.upper
-        ),
+        Some(share) => {
+            format!("{:.0} % of {} ({:.0} to {:.0})", 100.0 * share, rate.of, 100.0 * rate.lower, 100.0 * rate.upper)
+        }
         None => "none".to_owned(),
     }
 }

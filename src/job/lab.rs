@@ -122,10 +122,8 @@ impl Job for Lab {
     }
 
     fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        let unreadable = |error: serde_json::Error| JobError::Unreadable {
-            stage: stage.to_owned(),
-            reason: error.to_string(),
-        };
+        let unreadable =
+            |error: serde_json::Error| JobError::Unreadable { stage: stage.to_owned(), reason: error.to_string() };
         let mut cases: Vec<Outcome> = Vec::new();
         for output in outputs {
             cases.push(serde_json::from_slice(output).map_err(unreadable)?);

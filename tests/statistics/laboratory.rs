@@ -169,7 +169,8 @@ fn rivals_are_told_with_their_distance() {
 fn every_effect_can_be_hidden() {
     let catalogue = catalogue();
     for effect in catalogue.effects() {
-        let wish = || Wish { only: Some(effect.name.clone()), size: Some(0.5), correlated: Some(false), ..Wish::default() };
+        let wish =
+            || Wish { only: Some(effect.name.clone()), size: Some(0.5), correlated: Some(false), ..Wish::default() };
         let kinds = Topology::ALL.into_iter().flat_map(|topology| TestKind::ALL.map(|test| (topology, test)));
         let drawn = kinds.into_iter().find_map(|(topology, test)| {
             (0..2).find_map(|number| case(&catalogue, &recipe(topology, test, wish()), SEED, number).ok())
@@ -219,5 +220,9 @@ fn what_is_separable_is_found() {
         assert!(grouped.share().is_some_and(|share| share >= least), "size {size}: {grouped:?}");
     }
     assert!(score.sure_and_right.share().is_some_and(|share| share >= 0.9), "{:?}", score.sure_and_right);
-    assert!(score.coverage.lower <= 0.95 && score.coverage.share().is_some_and(|share| share >= 0.9), "{:?}", score.coverage);
+    assert!(
+        score.coverage.lower <= 0.95 && score.coverage.share().is_some_and(|share| share >= 0.9),
+        "{:?}",
+        score.coverage
+    );
 }

@@ -3,7 +3,7 @@
 mod calibrate;
 mod calibration;
 mod estimators;
-mod laboratory;
 mod evidence;
+mod laboratory;
 pub mod models;
 pub mod samplers;

@@ -82,10 +82,8 @@ impl Answer {
             }
         }
         let probability = |value: &Value| value.get("probability").and_then(Value::as_f64).unwrap_or(0.0);
-        let stated = |model: &Value| StatedModel {
-            effects: strings(model.get("effects")),
-            probability: probability(model),
-        };
+        let stated =
+            |model: &Value| StatedModel { effects: strings(model.get("effects")), probability: probability(model) };
         Some(Self {
             verdict,
             selected: strings(document.get("selected")),

@@ -5,9 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::draw::{Draw, decimals, short};
 use super::sketch::{NodeSketch, Sketch};
 use crate::expression::Symbol;
-use crate::inference::measurement::{
-    Initial, InputColumn, InputTable, Measurement, Phase, Rows, Sensor, Uncertain,
-};
+use crate::inference::measurement::{Initial, InputColumn, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};
 use crate::math::functions::cos;
 use crate::thermal::{Model, Quantity, QuantityValue};
 

@@ -74,7 +74,9 @@ fn attempted(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, stream: u64
     let topology = recipe.topology.unwrap_or(drawn);
     let tests: &[TestKind] = match topology {
         Topology::Satellite => &[TestKind::Orbit, TestKind::Orbit, TestKind::Flight, TestKind::Steady],
-        _ => &[TestKind::Steady, TestKind::Steps, TestKind::Steady, TestKind::Steps, TestKind::Steady, TestKind::Flight],
+        _ => {
+            &[TestKind::Steady, TestKind::Steps, TestKind::Steady, TestKind::Steps, TestKind::Steady, TestKind::Flight]
+        }
     };
     let drawn = tests[draw.position(tests.len())];
     let test = recipe.test.unwrap_or(drawn);
@@ -106,7 +108,12 @@ pub fn read(measurements: &mut [Measurement], clean: &[Vec<f64>], truth: &Truth,
 }
 
 /// The believed model of a sketch with a test without readings, and all candidates.
-fn believed(catalogue: &Arc<Catalogue>, sketch: &Sketch, test: TestKind, draw: &mut Draw) -> Result<Problem, HideError> {
+fn believed(
+    catalogue: &Arc<Catalogue>,
+    sketch: &Sketch,
+    test: TestKind,
+    draw: &mut Draw,
+) -> Result<Problem, HideError> {
     let mut model = sketch.model().map_err(|error| HideError::Fit(error.message))?;
     let measurement = measurement(test, sketch, &mut model, draw);
     let transient = matches!(measurement.rows, Rows::Transient { .. });

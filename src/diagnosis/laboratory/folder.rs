@@ -15,9 +15,8 @@ pub fn files(case: &Case) -> Vec<(String, String)> {
         ("pass-1.json".to_owned(), pass(case)),
         ("truth.json".to_owned(), format!("{truth}\n")),
     ];
-    files.extend(
-        case.problem.measurements.iter().map(|own| (own.file.clone(), table(&case.problem.model.inputs, own))),
-    );
+    files
+        .extend(case.problem.measurements.iter().map(|own| (own.file.clone(), table(&case.problem.model.inputs, own))));
     files
 }
 

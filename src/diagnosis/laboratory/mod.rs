@@ -1,12 +1,13 @@
 //! The twin laboratory: cases whose truth is known, and how well answers do on them.
 //!
-//! `sketch`, `topology`: networks drawn at random. `campaign`: tests of them. `truth`, `world`, `hide`, `refit`: what is
+//! `sketch`, `topology`: networks drawn at random. `campaign`: tests of them. `truth`, `choice`, `world`, `hide`, `refit`: what is
 //! hidden, and how large it is made. `noise`: how it is read. `rivals`: what could be taken for it. `case`, `folder`: all
 //! of it together, in memory and as a study. `answer`, `score`: what was said of it, and how often that is right. `trial`: truths drawn, tests simulated, the diagnosis asked.
 
 pub mod answer;
 pub mod campaign;
 pub mod case;
+mod choice;
 mod draw;
 pub mod folder;
 pub mod hide;
@@ -23,7 +24,7 @@ pub mod world;
 pub use answer::{Answer, Verdict};
 pub use campaign::TestKind;
 pub use case::{Case, Recipe, case};
-pub use hide::{HideError, Hidden, Wish, hide};
+pub use hide::{Hidden, HideError, Wish, hide};
 pub use score::{Rate, Score, Trial, score};
 pub use topology::Topology;
 pub use trial::{Outcome, ask, own_case, own_wish, simulate, standard};

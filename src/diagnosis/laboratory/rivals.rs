@@ -3,13 +3,15 @@
 //! With `r` what the believed model leaves of the noise-free readings (whitened), `g` a candidate's column and
 //! `g~ = (I - P_J) g` what the model's own free parameters cannot do: the cosine is `r . g~ / (|r| |g~|)`, and a candidate
 //! refitted leaves `|r|^2 (1 - cos^2)` to first order. The nearest by that are refitted in full. A candidate with more
-//! parameters than the truth's effects (a curve, a hidden node) is no rival: it pays for its freedom.
+//! parameters than the truth's effects (a curve, a hidden node) is no rival: it pays for its freedom. The believed model
+//! itself is one: what it leaves may be too little to show. Distances are measured with the noise that there truly is.
 
-use super::hide::{HideError, Hidden, told};
+use super::hide::{Hidden, HideError, told};
 use super::refit::{self, Refit};
-use super::truth::Rival;
+use super::truth::{NoiseTruth, Rival};
 use crate::diagnosis::Problem;
 use crate::effect::Candidate;
+use crate::inference::measurement::Uncertain;
 use crate::inference::target::{LeastSquares, Target};
 
 /// Rivals kept.
@@ -21,18 +23,37 @@ const CHUNK: usize = 24;
 /// Rivals farther than this by the linear estimate, in squared standard deviations, are not refitted.
 const FAR: f64 = 60.0;
 
-/// The nearest rivals of what is hidden, nearest first.
+/// The problem with its noise known as it truly is.
+fn with_true_noise(problem: &Problem, noise: NoiseTruth) -> Problem {
+    let mut problem = told(problem);
+    if let NoiseTruth::Correlated { correlation_time_s } = noise {
+        for sensor in problem.measurements.iter_mut().flat_map(|measurement| &mut measurement.sensors) {
+            let nominal = |value: &Option<Uncertain>| value.as_ref().map_or(0.0, Uncertain::nominal);
+            let (correlated, white) = (nominal(&sensor.sigma), nominal(&sensor.white));
+            sensor.sigma = Some(Uncertain::Known((correlated * correlated + white * white).sqrt()));
+            sensor.white = None;
+            sensor.correlation_time_s = Some(Uncertain::Known(correlation_time_s));
+        }
+    }
+    problem
+}
+
+/// The nearest rivals of what is hidden, nearest first; without effects the believed model.
 ///
 /// # Errors
 /// [`HideError`] where the believed model has no likelihood.
 pub fn rivals(problem: &Problem, hidden: &Hidden) -> Result<Vec<Rival>, HideError> {
-    let problem = told(problem);
+    let problem = with_true_noise(problem, hidden.truth.noise);
     let truth: Vec<usize> = (0..problem.candidates.len())
         .filter(|&position| hidden.truth.effects.iter().any(|own| own.id == problem.candidates[position].id))
         .collect();
     if hidden.truth.is_null() {
         return Ok(Vec::new());
     }
+    let likelihood = refit::likelihood(&problem, &hidden.clean)?;
+    let known = hidden.refit.names.iter().cloned().zip(hidden.refit.unknowns.iter().copied());
+    let start = refit::start(&likelihood, &known.collect::<Vec<_>>());
+    let hidden = &Hidden { refit: refit::fit(&likelihood, &[start])?, ..hidden.clone() };
     let freedom = truth.iter().map(|&position| parameters(&problem, position).len()).max().unwrap_or(usize::MAX);
     let basis = Basis::new(&hidden.refit);
     let spans: Vec<(usize, Vec<Vec<f64>>)> = columns(&problem, hidden, freedom)?
@@ -60,11 +81,14 @@ pub fn rivals(problem: &Problem, hidden: &Hidden) -> Result<Vec<Rival>, HideErro
     }
     found.sort_by(|a, b| b.1.total_cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
     found.truncate(KEPT);
-    let mut rivals = Vec::new();
+    let mut rivals = vec![Rival { effects: Vec::new(), cosine: 0.0, delta2: hidden.refit.chi_square() }];
     for (rank, (positions, share)) in found.into_iter().enumerate() {
         let cosine = (share / total.max(f64::MIN_POSITIVE)).min(1.0).sqrt();
         let mut delta2 = (total - share).max(0.0);
-        if rank < REFITTED && delta2 < FAR && let Ok(refit) = refitted(&problem, hidden, &positions) {
+        if rank < REFITTED
+            && delta2 < FAR
+            && let Ok(refit) = refitted(&problem, hidden, &positions)
+        {
             delta2 = refit;
         }
         let id = |position: &usize| problem.candidates[*position].id.clone();
@@ -100,7 +124,7 @@ fn refitted(problem: &Problem, hidden: &Hidden, positions: &[usize]) -> Result<f
 
 /// Whitened columns of all candidates that the test sees and that have no more parameters than `freedom` (one at least),
 /// by position; rows of the priors are 0.
-fn columns(problem: &Problem, hidden: &Hidden, freedom: usize) -> Result<Vec<(usize, Vec<Vec<f64>>)>, HideError> {
+fn columns(problem: &Problem, hidden: &Hidden, freedom: usize) -> Result<Found, HideError> {
     let rows = hidden.refit.residuals.len();
     let mut all = Vec::new();
     let seen: Vec<usize> = (0..problem.candidates.len())
@@ -113,7 +137,11 @@ fn columns(problem: &Problem, hidden: &Hidden, freedom: usize) -> Result<Vec<(us
         // Effects that add nodes, lags or another order of channels are not smooth at 0.
         let smooth = problem.catalogue.get(effect).is_some_and(|effect| {
             let adds = &effect.form.adds.value;
-            adds.node.is_none() && adds.within.is_none() && adds.contact.is_none() && adds.lag.is_none() && adds.swap.is_none()
+            adds.node.is_none()
+                && adds.within.is_none()
+                && adds.contact.is_none()
+                && adds.lag.is_none()
+                && adds.swap.is_none()
         });
         let take = if smooth { same.min(CHUNK) } else { 1 };
         let chunk = &seen[begin..begin + take];
@@ -131,9 +159,8 @@ fn columns(problem: &Problem, hidden: &Hidden, freedom: usize) -> Result<Vec<(us
 
 fn sees(problem: &Problem, candidate: &Candidate) -> bool {
     use crate::inference::measurement::Rows;
-    let has = |transient: bool| {
-        problem.measurements.iter().any(|m| matches!(m.rows, Rows::Transient { .. }) == transient)
-    };
+    let has =
+        |transient: bool| problem.measurements.iter().any(|m| matches!(m.rows, Rows::Transient { .. }) == transient);
     (candidate.steady && has(false)) || (candidate.transient && has(true))
 }
 

@@ -273,9 +273,8 @@ fn covered(trial: &Trial) -> Vec<bool> {
     let mut outcomes = Vec::new();
     for effect in trial.truth.effects.iter().filter(|effect| trial.answer.selected.contains(&effect.id)) {
         for value in effect.parameters.iter().filter(|parameter| parameter.amplitude) {
-            let own = |stated: &&super::answer::StatedAmplitude| {
-                stated.id == effect.id && stated.parameter == value.name
-            };
+            let own =
+                |stated: &&super::answer::StatedAmplitude| stated.id == effect.id && stated.parameter == value.name;
             if let Some(stated) = trial.answer.amplitudes.iter().find(own) {
                 outcomes.push(stated.lower <= value.value && value.value <= stated.upper);
             }

@@ -155,7 +155,9 @@ impl Sketch {
         }
         for own in &self.loads {
             let power = expression(&mut model.graph, &own.power)?;
-            model.elements.push(Element { name: own.name.clone(), kind: ElementKind::Load(Load { into: own.into, power }) });
+            model
+                .elements
+                .push(Element { name: own.name.clone(), kind: ElementKind::Load(Load { into: own.into, power }) });
         }
         for own in &self.coolers {
             let current = expression(&mut model.graph, &own.current)?;
@@ -193,9 +195,11 @@ impl Sketch {
         let inputs = object(self.inputs.iter().map(|own| {
             (&own.name, json!({"unit": own.unit, "nominal": own.nominal, "range": own.range, "settable": true}))
         }));
-        let parameters = object(self.parameters.iter().map(|own| {
-            (&own.name, json!({"unit": own.unit, "nominal": own.nominal, "prior": prior(&own.prior)}))
-        }));
+        let parameters = object(
+            self.parameters
+                .iter()
+                .map(|own| (&own.name, json!({"unit": own.unit, "nominal": own.nominal, "prior": prior(&own.prior)}))),
+        );
         let nodes = object(self.nodes.iter().map(|(name, own)| {
             let body = match own {
                 NodeSketch::Boundary(text) => json!({"boundary": scalar(text)}),

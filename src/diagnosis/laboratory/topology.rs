@@ -26,8 +26,7 @@ pub enum Topology {
 
 impl Topology {
     /// All kinds.
-    pub const ALL: [Self; 6] =
-        [Self::Chain, Self::Star, Self::BenchHead, Self::Satellite, Self::Boards, Self::Cooled];
+    pub const ALL: [Self; 6] = [Self::Chain, Self::Star, Self::BenchHead, Self::Satellite, Self::Boards, Self::Cooled];
 }
 
 /// A sketch under construction.

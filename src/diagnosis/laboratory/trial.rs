@@ -54,7 +54,7 @@ pub fn standard(number: u64) -> Recipe {
         2 | 3 => (null(true), Some(TestKind::Steps)),
         4..=15 => (one([0.5, 1.0, 2.0][(place % 3) as usize]), None),
         16 | 17 => (Wish { effects: 2, ..one(2.0) }, None),
-        _ => (Wish { outside: true, ..one(if (round + place) % 2 == 0 { 1.0 } else { 2.0 }) }, None),
+        _ => (Wish { outside: true, ..one(if (round + place).is_multiple_of(2) { 1.0 } else { 2.0 }) }, None),
     };
     Recipe { topology: None, test, wish, rivals: true }
 }

@@ -84,7 +84,7 @@ pub enum NoiseTruth {
 /// A set of effects that may be taken for the truth.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rival {
-    /// Ids of its effects.
+    /// Ids of its effects; none for the believed model.
     pub effects: Vec<String>,
     /// Cosine between what the truth and what the rival do to the whitened readings beyond the model's own parameters.
     pub cosine: f64,

@@ -109,7 +109,8 @@ impl World {
             }
         };
         let into = model.nodes.iter().position(|own| own.name == *node).ok_or(HideError::NoPlace)?;
-        let power = parse(&text, &mut model.graph, &Scope::new(&names)).map_err(|error| HideError::Fit(error.message))?;
+        let power =
+            parse(&text, &mut model.graph, &Scope::new(&names)).map_err(|error| HideError::Fit(error.message))?;
         model.elements.push(named("hidden heat", ElementKind::Load(Load { into, power })));
         Ok(())
     }
@@ -168,8 +169,8 @@ impl World {
     /// # Errors
     /// [`HideError::Implausible`] where the model has no solution or one at temperatures that nobody tests.
     pub fn readings(&self) -> Result<Vec<Vec<f64>>, HideError> {
-        let predictor = Predictor::new(&self.hypothesis.model, &[])
-            .map_err(|error| HideError::Fit(error.to_string()))?;
+        let predictor =
+            Predictor::new(&self.hypothesis.model, &[]).map_err(|error| HideError::Fit(error.to_string()))?;
         let mut workspace = predictor.workspace();
         let mut all = Vec::new();
         for measurement in &self.hypothesis.measurements {
