@@ -2,19 +2,24 @@
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::Context;
 use super::options::RunOptions;
 use super::output::tell;
 use super::status::{Failure, Status};
-use super::studies::{self, LoadedPass};
+use super::studies::{self, Loaded, LoadedPass};
 use crate::runner::engine::local;
 use crate::runner::{EventLog, Finished, Listener, Plan, Progress, RunSummary, Settings};
+use crate::study::Pass;
+use crate::study::history::judged_by;
 
 /// Passes whose jobs were run.
 pub struct Executed {
     /// The passes that were asked for.
     pub passes: Vec<LoadedPass>,
+    /// Their parents, where those were wanted too.
+    pub parents: Vec<LoadedPass>,
     /// All jobs.
     pub plan: Plan,
     /// What became of them.
@@ -52,6 +57,11 @@ impl Executed {
     }
 }
 
+/// Whether a job is one of those by which its pass is judged.
+pub fn is_judge(pass: &Pass, name: &str) -> bool {
+    judged_by(pass).is_some_and(|judge| judge.comparison == name || judge.calibration == Some(name))
+}
+
 /// A sampler's result says whether it converged; other results do not speak of it.
 fn is_converged(job: &Finished) -> bool {
     job.stored.value.get("converged").and_then(serde_json::Value::as_bool).unwrap_or(true)
@@ -67,20 +77,45 @@ pub fn execute(
     context: &Context,
     wanted: impl Fn(&str, &str) -> bool,
 ) -> Result<Executed, Failure> {
-    let studies::Loaded { mut passes, nodes, notes } = studies::load(paths, context.coloured)?;
+    let loaded = studies::load(paths, context.coloured)?;
+    execute_loaded(loaded, Loaded::default(), options, context, |_, kind, name| wanted(kind, name))
+}
+
+/// As [`execute`], for passes that are loaded; of `parents` the jobs run by which passes are judged.
+///
+/// # Errors
+/// As [`execute`].
+pub fn execute_loaded(
+    loaded: Loaded,
+    parents: Loaded,
+    options: &RunOptions,
+    context: &Context,
+    wanted: impl Fn(&Pass, &str, &str) -> bool,
+) -> Result<Executed, Failure> {
+    let Loaded { mut passes, mut nodes, notes } = loaded;
     for note in notes {
         tell(&note);
     }
+    let Loaded { passes: mut older, nodes: of_older, .. } = parents;
+    nodes.extend(of_older);
     let plan = Plan::new(nodes)?;
-    for pass in &mut passes {
+    let retain = |pass: &mut LoadedPass, wanted: &dyn Fn(&Pass, &str, &str) -> bool| {
+        let definition = Arc::clone(&pass.pass);
         pass.jobs.retain(|id| {
             plan.find(id).is_some_and(|position| {
                 let node = &plan.nodes()[position];
-                wanted(node.task.kind(), &node.name)
+                wanted(&definition, node.task.kind(), &node.name)
             })
         });
+    };
+    for pass in &mut passes {
+        retain(pass, &wanted);
     }
-    let only: BTreeSet<String> = passes.iter().flat_map(|pass| pass.jobs.iter().cloned()).collect();
+    for pass in &mut older {
+        retain(pass, &|pass, _, name| is_judge(pass, name));
+    }
+    let wanted_ids = passes.iter().chain(&older).flat_map(|pass| pass.jobs.iter().cloned());
+    let only: BTreeSet<String> = wanted_ids.collect();
     let settings = Settings { only: Some(only), ..options.settings() };
 
     let stop = context.stop()?;
@@ -96,5 +131,5 @@ pub fn execute(
             local::run(&plan, &options.cache.cache(), &settings, &stop, &progress)?
         }
     };
-    Ok(Executed { passes, plan, summary })
+    Ok(Executed { passes, parents: older, plan, summary })
 }

@@ -7,7 +7,7 @@ use super::Context;
 use super::options::RunOptions;
 use super::output::{escaped, print, print_json, table, tell};
 use super::status::{Failure, Status};
-use crate::diagnosis::laboratory::{Rate, case, folder, standard};
+use crate::diagnosis::laboratory::{Rate, Score, case, folder, standard};
 use crate::job::lab::{Lab, Output, Spec};
 use crate::runner::engine::local;
 use crate::runner::{Node, Plan, Progress, Ready, Settings};
@@ -20,7 +20,7 @@ use crate::runner::{Node, Plan, Progress, Ready, Settings};
                         --write draws networks and tests of its own."
 )]
 pub(super) struct LabVerb {
-    /// Pass file, or folder of a study with one pass
+    /// Pass file, or folder of a study with one pass [default: networks are drawn]
     study: Option<PathBuf>,
     /// Hide this effect, or one at its place by id [default: drawn from the catalogue]
     #[arg(long, value_name = "ID-or-NAME")]
@@ -52,25 +52,33 @@ impl LabVerb {
         if let Some(folder) = &self.write {
             return self.write(folder, context);
         }
-        let Some(study) = &self.study else {
-            return Err(Failure::input("name a pass or a study, or --write DIR".to_owned()));
-        };
-        super::studies::one_pass(study)?;
-        let found = crate::study::discover(std::slice::from_ref(study));
-        let found = found.map_err(|error| Failure::input(error.to_string()))?;
-        let one = found.iter().find_map(|study| Some((study.folder.clone(), study.passes.first()?.clone())));
-        let (folder, path) = one.ok_or_else(|| Failure::input(format!("no pass in `{}`", study.display())))?;
+        let spec = Spec { effect: self.effect.clone(), amplitude: self.amplitude, cases: self.cases, seed: self.seed };
         let rendered =
             |wrong: crate::document::Diagnostics| Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS));
-        let pass = crate::study::load(&path).map_err(rendered)?;
-        if pass.measurements.is_empty() {
-            return Err(Failure::input(format!("`{}` has no measurement to simulate", path.display())));
-        }
-        let catalogue = Arc::new(crate::study::effects(Some(&folder)).map_err(rendered)?);
-        let problem = Arc::new(crate::study::problem(&pass, &catalogue, &[]));
-        let spec = Spec { effect: self.effect, amplitude: self.amplitude, cases: self.cases, seed: self.seed };
-        let lab = Lab::new(spec, problem).map_err(|error| Failure::input(error.to_string()))?;
-        let id = format!("{}:lab", path.display());
+        let (shown_id, lab) = match &self.study {
+            Some(study) => {
+                super::studies::one_pass(study)?;
+                let found = crate::study::discover(std::slice::from_ref(study));
+                let found = found.map_err(|error| Failure::input(error.to_string()))?;
+                let path = found.iter().find_map(|study| study.passes.first().cloned());
+                let path = path.ok_or_else(|| Failure::input(format!("no pass in `{}`", study.display())))?;
+                let pass = crate::study::load(&path).map_err(rendered)?;
+                if pass.measurements.is_empty() {
+                    return Err(Failure::input(format!("`{}` has no measurement to simulate", path.display())));
+                }
+                let problem = Arc::new(crate::study::problem(&pass));
+                let lab = Lab::new(spec, problem).map_err(|error| Failure::input(error.to_string()))?;
+                (path.display().to_string(), lab)
+            }
+            None if self.effect.is_some() => {
+                return Err(Failure::input("name the pass or study in which the effect is hidden".to_owned()));
+            }
+            None => {
+                let catalogue = crate::study::effects(None).map_err(rendered)?;
+                ("drawn networks".to_owned(), Lab::drawn(spec, Arc::new(catalogue)))
+            }
+        };
+        let id = format!("{shown_id}:lab");
         let task = Box::new(Ready(Arc::new(lab)));
         let plan =
             Plan::new(vec![Node { id: id.clone(), name: "lab".to_owned(), seed: self.seed, from: vec![], task }])?;
@@ -135,15 +143,15 @@ fn percent(rate: &Rate) -> String {
 
 fn shown(output: &Output) -> String {
     let diagnosed = output.rows.iter().any(|row| row.found.is_some());
-    let mut heading = vec!["effect", "size", "separable"];
+    let mut heading = vec!["hidden", "size", "separable"];
     if diagnosed {
         heading.extend(["found", "named", "in a small group"]);
     }
     let mut rows: Vec<Vec<String>> = vec![heading.into_iter().map(str::to_owned).collect()];
     for row in &output.rows {
-        let nothing = row.effect.is_none();
+        let nothing = row.effect == "nothing";
         let mut cells = vec![
-            row.effect.as_deref().map_or_else(|| "nothing".to_owned(), escaped),
+            escaped(&row.effect),
             if nothing { String::new() } else { format!("{:.1}", row.size.unwrap_or(row.mean_size)) },
             if nothing { String::new() } else { percent(&row.separable) },
         ];
@@ -155,8 +163,44 @@ fn shown(output: &Output) -> String {
         rows.push(cells);
     }
     let mut text = table(&rows);
+    if let Some(score) = &output.score {
+        text.push('\n');
+        text.push_str(&summary(score));
+    }
     for (reason, count) in &output.reasons {
         text.push_str(&format!("{count} cases: {}\n", escaped(reason)));
+    }
+    text
+}
+
+/// The score in lines.
+fn summary(score: &Score) -> String {
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    let mut line = |what: String, rate: &Rate| {
+        if rate.of > 0 {
+            rows.push(vec![what, percent(rate)]);
+        }
+    };
+    line("false alarms, noise as told".to_owned(), &score.false_alarms_as_told);
+    line("false alarms, correlated noise".to_owned(), &score.false_alarms_correlated);
+    for size in &score.sizes {
+        let what = format!("{} hidden of size {}", size.effects, size.size);
+        for (which, own) in [("all", &size.all), ("separable", &size.separable)] {
+            line(format!("{what}, {which}: found"), &own.found);
+            line(format!("{what}, {which}: named"), &own.named);
+            line(format!("{what}, {which}: in a small group"), &own.grouped);
+        }
+    }
+    line("outside the catalogue: said to be unexplained".to_owned(), &score.outside_unexplained);
+    line("outside the catalogue: misnamed".to_owned(), &score.outside_misnamed);
+    line("amplitude intervals of 95 % that hold the truth".to_owned(), &score.coverage);
+    line("answers given 0.9 or more that are right".to_owned(), &score.sure_and_right);
+    for bin in &score.reliability {
+        line(format!("effects given {:.2} to {:.2} that are true", bin.lower, bin.upper), &bin.true_rate);
+    }
+    let mut text = table(&rows);
+    if let Some(log_score) = score.log_score {
+        text.push_str(&format!("mean log probability stated of the truth: {log_score:.2}\n"));
     }
     text
 }

@@ -1,13 +1,16 @@
 //! The command line: a file a verb; parses, calls, prints; holds no logic of its own.
 
+mod adopt;
 mod cache;
 mod check;
 mod compare;
 mod data;
+mod diagnose;
 mod diff;
 mod effects;
 mod execute;
 mod explain;
+mod history;
 mod init;
 mod lab;
 mod options;
@@ -103,6 +106,12 @@ enum Verb {
     Report(report::Report),
     /// Hold a model against its measurements
     Compare(compare::Compare),
+    /// Name the physics that a model is missing
+    Diagnose(diagnose::Diagnose),
+    /// Write the next pass, with effects that a diagnosis found missing
+    Adopt(adopt::Adopt),
+    /// Show what became of the error, pass by pass
+    History(history::HistoryVerb),
     /// Show results as tables, or as they are stored
     Show(show::Show),
     /// Show what would run, what is cached, and how long it takes
@@ -137,6 +146,9 @@ impl Verb {
             Self::Run(verb) => verb.execute(context),
             Self::Report(verb) => verb.execute(context),
             Self::Compare(verb) => verb.execute(context),
+            Self::Diagnose(verb) => verb.execute(context),
+            Self::Adopt(verb) => verb.execute(context),
+            Self::History(verb) => verb.execute(context),
             Self::Show(verb) => verb.execute(context),
             Self::Plan(verb) => verb.execute(context),
             Self::Cache(verb) => verb.execute(context),

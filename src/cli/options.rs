@@ -41,6 +41,23 @@ pub struct RunOptions {
     pub cache: CacheOption,
 }
 
+/// How jobs run where `--force` means something else.
+#[derive(Args, Clone, Debug)]
+pub struct CachedRunOptions {
+    /// Threads to use; results do not depend on it [default: all]
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// The cache.
+    #[command(flatten)]
+    pub cache: CacheOption,
+}
+
+impl From<CachedRunOptions> for RunOptions {
+    fn from(options: CachedRunOptions) -> Self {
+        Self { threads: options.threads, force: false, cache: options.cache }
+    }
+}
+
 impl RunOptions {
     /// Settings of a run of all jobs.
     pub fn settings(&self) -> Settings {

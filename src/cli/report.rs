@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::execute::execute;
+use super::execute::execute_loaded;
 use super::options::{PathsArgument, RunOptions};
 use super::output::{escaped, print, tell};
 use super::status::{Failure, Status};
@@ -22,7 +22,10 @@ pub(super) struct Report {
 
 impl Report {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
-        let executed = execute(&self.paths.paths, &self.options, context, |_, _| true)?;
+        let loaded = studies::load(&self.paths.paths, context.coloured)?;
+        // A report shows what became of the error since the first pass.
+        let parents = studies::parents(&loaded.passes);
+        let executed = execute_loaded(loaded, parents, &self.options, context, |_, _, _| true)?;
         if executed.summary.is_interrupted() {
             return Ok(Status::Interrupted);
         }

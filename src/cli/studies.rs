@@ -5,17 +5,17 @@ use std::sync::Arc;
 
 use serde_json::Value;
 
-use super::execute::Executed;
+use super::execute::{Executed, is_judge};
 use super::output::escaped;
 use super::status::Failure;
 use crate::job::{Job, JobError, compare, propagate};
 use crate::report::assemble::{FinishedJob, Surroundings, assemble};
-use crate::report::{self, FileHash, JobEntry, JobResult, PassReport};
+use crate::report::{self, FileHash, History, JobEntry, JobResult, PassErrors, PassReport};
 use crate::runner::manifest::Manifest;
 use crate::runner::{ENGINE_VERSION, Node, Ready, Task};
 use crate::study::pinned::{self, Obtained, State};
 use crate::study::ready::{Deferred, Readiness};
-use crate::study::{Folder, Pass, discover};
+use crate::study::{self, Folder, Pass, discover};
 
 /// Diagnostics printed of one file.
 const MOST_DIAGNOSTICS: usize = 50;
@@ -144,6 +144,66 @@ pub fn load(paths: &[PathBuf], coloured: bool) -> Result<Loaded, Failure> {
     Ok(all)
 }
 
+/// The parents of passes, as far as they are not among them and can be loaded by themselves.
+pub fn parents(passes: &[LoadedPass]) -> Loaded {
+    let mut wanted: Vec<PathBuf> = Vec::new();
+    for pass in passes {
+        for parent in &pass.pass.parents {
+            let is_there = passes.iter().any(|other| other.study == pass.study && other.file == *parent);
+            let path = pass.study.join(parent);
+            if !is_there && !wanted.contains(&path) {
+                wanted.push(path);
+            }
+        }
+    }
+    let mut all = Loaded::default();
+    for path in wanted {
+        // A parent may lack what its children add; its own report then tells what is wrong with it.
+        let Ok(loaded) = load(&[path], false) else { continue };
+        all.passes.extend(loaded.passes);
+        all.nodes.extend(loaded.nodes);
+    }
+    all
+}
+
+/// The error of passes of one study, each after its parents.
+///
+/// # Errors
+/// A result that cannot be read.
+pub fn history(passes: &[&LoadedPass], executed: &Executed) -> Result<History, Failure> {
+    let names: Vec<(&str, &[String])> =
+        passes.iter().map(|pass| (pass.file.as_str(), pass.pass.parents.as_slice())).collect();
+    let mut history = History::default();
+    for position in study::history::order(&names) {
+        let pass = passes[position];
+        let judge = study::history::judged_by(&pass.pass);
+        let result = |name: Option<&str>| -> Option<(String, Arc<Value>)> {
+            let is_own = |at: usize| Some(executed.plan.nodes()[at].name.as_str()) == name;
+            let (at, job) = executed.results(pass).find(|&(at, _)| is_own(at))?;
+            Some((executed.plan.nodes()[at].name.clone(), Arc::clone(&job.stored.value)))
+        };
+        let comparison = result(judge.map(|judge| judge.comparison));
+        let calibration = result(judge.and_then(|judge| judge.calibration));
+        let parent = pass.pass.parents.first();
+        let parent = passes.iter().find(|other| Some(&other.file) == parent).map(|other| other.pass.as_ref());
+        let errors = PassErrors::new(
+            &pass.pass,
+            parent,
+            comparison.as_ref().map(|(name, value)| (name.as_str(), value.as_ref())),
+            calibration.as_ref().map(|(name, value)| (name.as_str(), value.as_ref())),
+        );
+        history.passes.push(errors.map_err(|error| Failure::job(format!("{}: {error}", pass.shown)))?);
+    }
+    Ok(history)
+}
+
+/// A pass with those of its parents that were loaded.
+fn lineage<'e>(pass: &'e LoadedPass, executed: &'e Executed) -> Vec<&'e LoadedPass> {
+    let all = || executed.passes.iter().chain(&executed.parents);
+    let find = |file: &String| all().find(|other| other.study == pass.study && other.file == *file);
+    pass.pass.parents.iter().rev().filter_map(find).chain([pass]).collect()
+}
+
 /// That a path names one pass, for verbs that print one.
 ///
 /// # Errors
@@ -156,6 +216,34 @@ pub fn one_pass(path: &Path) -> Result<(), Failure> {
     }
     let names: Vec<_> = passes.iter().map(|pass| escaped(&pass.display().to_string())).collect();
     Err(Failure::input(format!("`{}` holds several passes; name one: {}", path.display(), names.join(", "))))
+}
+
+/// The job of a kind: the one of this name, else the only one.
+///
+/// # Errors
+/// A pass that cannot be loaded, that has no such job, or several without a name that says which.
+pub fn only_job(path: &Path, kind: &str, name: Option<&str>, coloured: bool) -> Result<String, Failure> {
+    let shown = path.display();
+    let loaded = passes(&[path.to_owned()], coloured)?;
+    let jobs = loaded.iter().flat_map(|(_, _, pass)| &pass.jobs).filter(|job| job.spec.kind() == kind);
+    let jobs: Vec<&str> = jobs.map(|job| job.name.as_str()).collect();
+    match (name, jobs.as_slice()) {
+        (_, []) => {
+            let example = format!("\"jobs\": {{\"missing\": {{\"{kind}\": {{}}}}}}");
+            Err(Failure::input(format!("`{shown}` has no job of kind `{kind}`; give it one, as in {example}")))
+        }
+        (Some(name), jobs) if jobs.contains(&name) => Ok(name.to_owned()),
+        (None, [only]) => Ok((*only).to_owned()),
+        (name, jobs) => {
+            let listed = crate::document::suggest::listed(jobs.iter().copied(), 12);
+            Err(Failure::input(match name {
+                Some(name) => format!("`{shown}` has no `{kind}` job `{}`; it has {}", escaped(name), escaped(&listed)),
+                None => {
+                    format!("`{shown}` has several jobs of kind `{kind}`: {}; say which with --job", escaped(&listed))
+                }
+            }))
+        }
+    }
 }
 
 /// That a pass defines a job.
@@ -220,6 +308,9 @@ pub fn document(job: &JobEntry, with_rows: bool) -> Result<Value, Failure> {
         JobResult::Calibrate(output) => {
             serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
         }
+        JobResult::Diagnose(output) => {
+            serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
+        }
         JobResult::Conventional(output) => {
             serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
         }
@@ -239,7 +330,8 @@ pub fn render(pass: &LoadedPass, executed: &Executed, out: &Path) -> Result<Opti
     let command = format!("bmv report {}", pass.shown);
     let mut manifest = Manifest::new(&command);
     let mut files = Vec::new();
-    for (role, file) in input_files(&pass.pass) {
+    let lineage = lineage(pass, executed);
+    for (role, file) in input_files(&lineage) {
         let path = pass.study.join(&file);
         let record = crate::runner::manifest::hash_file(&path).map_err(|error| failed(error.to_string()))?;
         files.push(FileHash { path: file, sha256: record.sha256.as_str().to_owned(), role: role.to_owned() });
@@ -248,8 +340,18 @@ pub fn render(pass: &LoadedPass, executed: &Executed, out: &Path) -> Result<Opti
     for (position, job) in executed.results(pass) {
         manifest.add_job(&executed.plan.nodes()[position], job);
     }
+    for parent in lineage.iter().filter(|other| other.file != pass.file) {
+        for (position, job) in executed.results(parent) {
+            let node = &executed.plan.nodes()[position];
+            if is_judge(&parent.pass, &node.name) {
+                manifest.add_job(node, job);
+            }
+        }
+    }
     let engine_version = ENGINE_VERSION.to_string();
-    let view = view_in(pass, executed, Surroundings { files, engine_version, command, ..Surroundings::default() })?;
+    let history = Some(history(&lineage, executed)?);
+    let surroundings = Surroundings { files, engine_version, command, history, ..Surroundings::default() };
+    let view = view_in(pass, executed, surroundings)?;
     let rendered = report::render(&view).map_err(|error| failed(error.to_string()))?;
     let folder = out.join(&view.study).join(pass.file.trim_end_matches(".json"));
     report::write(&rendered, &folder).map_err(|error| failed(error.to_string()))?;
@@ -264,18 +366,21 @@ fn study_name(folder: &Path) -> String {
     resolved.file_name().map_or_else(|| "study".to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
-/// Files of the study that a pass is made of, with their roles.
-fn input_files(pass: &Pass) -> Vec<(&'static str, String)> {
-    let mut files = vec![("model", pass.model_file.clone()), ("pass", pass.file.clone())];
-    files.extend(pass.parents.iter().map(|parent| ("parent pass", parent.clone())));
-    for file in pass.adopted.iter().filter_map(|adopted| adopted.file.clone()) {
-        if !files.iter().any(|(_, known)| *known == file) {
-            files.push(("effect", file));
-        }
-    }
-    for measurement in &pass.measurements {
-        if !files.iter().any(|(_, file)| *file == measurement.file) {
-            files.push(("data", measurement.file.clone()));
+/// Files of the study that a pass and its parents are made of, with their roles; the pass stands last.
+fn input_files(lineage: &[&LoadedPass]) -> Vec<(&'static str, String)> {
+    let mut files: Vec<(&'static str, String)> = Vec::new();
+    for loaded in lineage.iter().rev() {
+        let pass = &loaded.pass;
+        let mut own = vec![("model", pass.model_file.clone())];
+        let is_first = files.is_empty();
+        own.extend(is_first.then(|| ("pass", pass.file.clone())));
+        own.extend(pass.parents.iter().map(|parent| ("parent pass", parent.clone())));
+        own.extend(pass.adopted.iter().filter_map(|adopted| Some(("effect", adopted.file.clone()?))));
+        own.extend(pass.measurements.iter().map(|measurement| ("data", measurement.file.clone())));
+        for (role, file) in own {
+            if !files.iter().any(|(_, known)| *known == file) {
+                files.push((role, file));
+            }
         }
     }
     files

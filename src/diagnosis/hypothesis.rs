@@ -1,11 +1,17 @@
 //! The believed model with a set of effects added, and the measurements as it sees them.
 
+use std::sync::Arc;
+
 use thiserror::Error;
 
 use super::Problem;
-use crate::effect::{ApplyError, Instance, SensorChange, SensorPlace, Site, apply};
+use crate::effect::apply::LEAST_CAPACITY_J_PER_K;
+use crate::effect::{
+    Applied, ApplyError, Candidate, Effect, EffectParameter, Instance, SensorChange, SensorPlace, Site, apply,
+};
+use crate::expression::{Dimension, Unit};
 use crate::inference::likelihood::{Definition, Likelihood, LikelihoodError};
-use crate::inference::measurement::{Initial, Measurement};
+use crate::inference::measurement::{Initial, Measurement, Uncertain};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
@@ -56,6 +62,15 @@ impl Problem {
         }
         Ok(hypothesis)
     }
+
+    /// The problem whose believed model has these effects. The candidates are the same.
+    ///
+    /// # Errors
+    /// [`HypothesisError::Apply`] where they do not fit.
+    pub fn with(&self, effects: &[usize]) -> Result<Problem, HypothesisError> {
+        let Hypothesis { model, priors, parameters, measurements, .. } = self.hypothesis(effects, 1.0)?;
+        Ok(Problem { model: Arc::new(model), priors, parameters, measurements, ..self.clone() })
+    }
 }
 
 impl Hypothesis {
@@ -65,17 +80,30 @@ impl Hypothesis {
         let misplaced = || ApplyError::Place { effect: candidate.effect.clone() };
         let effect = problem.catalogue.get(&candidate.effect).ok_or_else(misplaced)?;
         let mut parameters = effect.parameters(&self.model, &candidate.bound);
+        for parameter in parameters.iter_mut().filter(|parameter| parameter.unit.dimension == heat_capacity()) {
+            // A hidden part has some capacity: at exactly 0 the model would not feel it, and evidence would not see the bound.
+            if let Distribution::HalfNormal { scale } = parameter.prior {
+                let lower = Some(LEAST_CAPACITY_J_PER_K);
+                parameter.prior = Distribution::Normal { mean: 0.0, sd: scale, lower, upper: None };
+            }
+        }
         for parameter in parameters.iter_mut().filter(|parameter| parameter.amplitude && scale != 1.0) {
             parameter.prior = crate::effect::parameter::scaled(parameter.prior, scale);
         }
-        let instance = Instance {
-            name: &candidate.id,
-            effect,
-            site: self.site(&candidate.site),
-            bound: candidate.bound.clone(),
-            parameters,
-            switch: None,
-        };
+        self.add_as(candidate, effect, &candidate.id, parameters)?;
+        Ok(())
+    }
+
+    /// Adds an effect at a candidate's place under a name, with parameters of its own.
+    pub(super) fn add_as(
+        &mut self,
+        candidate: &Candidate,
+        effect: &Effect,
+        name: &str,
+        parameters: Vec<EffectParameter>,
+    ) -> Result<Applied, HypothesisError> {
+        let (site, bound) = (self.site(&candidate.site), candidate.bound.clone());
+        let instance = Instance { name, effect, site, bound, parameters, switch: None };
         let applied = apply(&mut self.model, &instance)?;
         let range = applied.first_parameter..applied.first_parameter + instance.parameters.len();
         for (offset, parameter) in instance.parameters.iter().enumerate() {
@@ -86,8 +114,8 @@ impl Hypothesis {
         }
         self.amplitudes.push(range);
         for measurement in &mut self.measurements {
-            for &(_, host) in &applied.nodes {
-                measurement.begin_like(host);
+            for &(node, host) in &applied.nodes {
+                measurement.begin_like(node, host);
             }
             for change in &applied.sensors {
                 let nominal = match change {
@@ -97,7 +125,7 @@ impl Hypothesis {
                 measurement.change_sensors(change, nominal);
             }
         }
-        Ok(())
+        Ok(applied)
     }
 
     /// A place as it is now: a sensor that an effect before changed reads another quantity.
@@ -128,17 +156,23 @@ impl Hypothesis {
 
 impl Measurement {
     /// Gives a node that was added a start temperature: that of its host.
-    pub(super) fn begin_like(&mut self, host: usize) {
+    pub(super) fn begin_like(&mut self, node: usize, host: usize) {
         if let crate::inference::measurement::Rows::Transient {
             initial: Initial::Temperatures { values, shared }, ..
         } = &mut self.rows
+            && let Some(value) = values.get(host).cloned()
         {
-            if let Some(value) = values.get(host).cloned() {
-                if shared.contains(&host) {
-                    shared.push(values.len());
-                }
-                values.push(value);
+            if shared.contains(&host) {
+                shared.push(node);
             }
+            // Boundaries that effects added before it have no start temperature.
+            values.resize(node.max(values.len()), Uncertain::Known(0.0));
+            values.push(value);
         }
     }
+}
+
+/// The dimension of J/K.
+fn heat_capacity() -> Dimension {
+    Unit::parse("J/K").map_or(Dimension::NONE, |unit| unit.dimension)
 }

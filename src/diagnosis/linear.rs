@@ -29,10 +29,14 @@ impl Linear {
 }
 
 /// How an effect would move the whitened predictions: one or several columns with an amplitude each.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Direction {
     /// Position of the effect's candidate in the problem's list.
     pub candidate: usize,
+    /// Position of each amplitude among the effect's parameters; empty where there is a probe.
+    pub parameters: Vec<usize>,
+    /// Values, SI, of the parameters that only shape the effect, in their order; empty where there is none or a probe.
+    pub shape: Vec<f64>,
     /// `g`, column by column (`rows x columns`), 0 in the rows of the priors.
     pub columns: Vec<f64>,
     /// Lower bound of each amplitude, SI: 0 where only positive ones are physical, minus infinity without a bound.

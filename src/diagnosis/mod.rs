@@ -1,13 +1,52 @@
 //! What physics a model is missing: the model against measurements, with every effect of a catalogue at every place.
 //!
-//! `problem`: what is diagnosed. `hypothesis`: the model with a set of effects added. `linear`: the whitened problem at a
-//! fit and the directions in which effects would move it.
+//! `problem`: what is diagnosed. `hypothesis`: the model with a set of effects added. `linear`, `signature`: the whitened
+//! problem at a fit and the directions in which effects would move it. `score`, `pairs`, `family`, `detectable`: what
+//! stands out, and how surely (`bounded`, `null_maximum`: what these rest on). `evidence`: of linear models in closed form. `noise`: noise that is not wholly known. `refit`, `weigh`: fits, evidence, probabilities.
+//! `heat`, `held_out`, `separate`: what is missing whatever its name, what the held-out rows say, which test would part
+//! rivals. `engine`, `conclude`, `words`: the course, the verdict, the sentences. `output`: the result.
 
+pub mod bounded;
+mod conclude;
+pub mod detectable;
+mod engine;
+pub mod evidence;
+pub mod family;
+#[cfg(test)]
+mod family_tests;
+#[cfg(test)]
+mod fixture;
+mod heat;
+mod held_out;
 pub mod hypothesis;
 pub mod laboratory;
 pub mod linear;
+mod noise;
+pub mod null_maximum;
+pub mod output;
+pub mod pairs;
 pub mod problem;
+mod products;
+pub mod refit;
+pub mod score;
+#[cfg(test)]
+mod score_tests;
+mod screen;
+mod separate;
+mod settings;
+mod several;
+pub mod signature;
+mod weigh;
+mod words;
 
+pub use engine::{Diagnosis, Order, State};
+pub use evidence::{Amplitude, Evidence};
+pub use family::{Extras, Family, FamilyWise, Member, MemberKind};
 pub use hypothesis::{Hypothesis, HypothesisError};
 pub use linear::{Direction, Linear};
+pub use null_maximum::Sampling;
+pub use output::{Output, Verdict};
 pub use problem::Problem;
+pub use refit::Refit;
+pub use score::{Prepared, Score};
+pub use settings::Settings;

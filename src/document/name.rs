@@ -32,9 +32,14 @@ pub fn check_symbol(name: &str, place: &Place, diagnostics: &mut Diagnostics) ->
     true
 }
 
-/// Checks any other name: text without control characters, `:` or `/`, not blank at its ends.
-pub fn check_label(name: &str, place: &Place, diagnostics: &mut Diagnostics) -> bool {
-    let fault = if name.is_empty() {
+/// Whether a text is allowed as any other name.
+pub fn is_label(name: &str) -> bool {
+    label_fault(name).is_none()
+}
+
+/// What is wrong with a name that is no symbol.
+fn label_fault(name: &str) -> Option<String> {
+    if name.is_empty() {
         Some("it is empty".to_owned())
     } else if name.trim() != name {
         Some("it begins or ends with a blank".to_owned())
@@ -42,8 +47,12 @@ pub fn check_label(name: &str, place: &Place, diagnostics: &mut Diagnostics) -> 
         Some(format!("it has more than {LONGEST} characters"))
     } else {
         name.chars().find(|&c| is_hidden(c) || matches!(c, ':' | '/')).map(|c| format!("it holds {c:?}"))
-    };
-    let Some(fault) = fault else { return true };
+    }
+}
+
+/// Checks any other name: text without control characters, `:` or `/`, not blank at its ends.
+pub fn check_label(name: &str, place: &Place, diagnostics: &mut Diagnostics) -> bool {
+    let Some(fault) = label_fault(name) else { return true };
     diagnostics.push(
         Diagnostic::error(&code::INVALID_NAME, place, format!("the name {name:?} is not allowed: {fault}"))
             .expected("text without control characters, `:` or `/`"),

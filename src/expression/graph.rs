@@ -525,10 +525,28 @@ impl Graph {
         (0u32..).zip(&needed).filter(|(_, used)| **used).map(|(index, _)| ExprId(index)).collect()
     }
 
+    /// Whether any key of `wanted` occurs in the roots; takes time in proportion to these, not to the graph.
+    fn occurs(&self, roots: &[ExprId], wanted: &HashMap<ExprId, ExprId>) -> bool {
+        let mut seen = std::collections::HashSet::new();
+        let mut stack: Vec<ExprId> = roots.to_vec();
+        while let Some(id) = stack.pop() {
+            if wanted.contains_key(&id) {
+                return true;
+            }
+            match self.term(id) {
+                Term::Number(_) | Term::Symbol(_) => {}
+                _ if !seen.insert(id) => {}
+                Term::Unary(_, a) | Term::Interpolate(_, a) | Term::Slope(_, a) => stack.push(a),
+                Term::Binary(_, a, b) => stack.extend([a, b]),
+            }
+        }
+        false
+    }
+
     /// The roots with each key of `replacements` replaced by its value, wherever it occurs. What is put in is not
     /// looked at again.
     pub fn substitute(&mut self, roots: &[ExprId], replacements: &HashMap<ExprId, ExprId>) -> Vec<ExprId> {
-        if replacements.is_empty() {
+        if !self.occurs(roots, replacements) {
             return roots.to_vec();
         }
         let order = self.below(roots);

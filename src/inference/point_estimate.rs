@@ -31,11 +31,13 @@ pub struct PointSettings {
     /// Take the Hessian by differences of the gradient instead of the Jacobian's product; done in any case where a noise
     /// parameter is inferred or a prior is triangular.
     pub exact_hessian: bool,
+    /// Look for what is wrong with the fit; else there are no findings.
+    pub findings: bool,
 }
 
 impl Default for PointSettings {
     fn default() -> Self {
-        Self { starts: 8, most_iterations: 200, exact_hessian: false }
+        Self { starts: 8, most_iterations: 200, exact_hessian: false, findings: true }
     }
 }
 
@@ -136,7 +138,11 @@ pub fn estimate<T: LeastSquares>(
     let curvature = exact.then(|| hessian(&mut objective, &best.x, &bounds)).flatten();
     let curvature = curvature.unwrap_or_else(|| product(&best.jacobian, best.x.len()));
     let elsewhere = descents.iter().rev().find_map(|descent| descent.end.is_some().then(|| descent.start.clone()));
-    let findings = identifiability::findings(target, &mut objective, &best, &bounds, elsewhere.as_deref());
+    let findings = if settings.findings {
+        identifiability::findings(target, &mut objective, &best, &bounds, elsewhere.as_deref())
+    } else {
+        Vec::new()
+    };
     Ok(assemble(&objective, &best, &bounds, &curvature, findings, descents))
 }
 

@@ -1,5 +1,5 @@
-//! The laboratory over one's own model: effects are hidden in it, its test is simulated, the diagnosis is asked. A block
-//! is a case.
+//! The laboratory: effects are hidden in one's own model or in drawn networks, the test is simulated, the diagnosis is
+//! asked. A block is a case.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -9,7 +9,10 @@ use serde_json::{Value, json};
 
 use super::{Job, JobError, Step};
 use crate::diagnosis::Problem;
-use crate::diagnosis::laboratory::{Outcome, Rate, Score, Trial, own_case, own_wish, score};
+use crate::diagnosis::laboratory::{
+    Outcome, Rate, Score, Trial, Truth, drawn_case, own_case, own_wish, score, standard,
+};
+use crate::effect::Catalogue;
 
 /// What the laboratory is to do.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,8 +30,8 @@ pub struct Spec {
 /// A row of the table: an effect at a size.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// The effect; `None` where nothing was hidden.
-    pub effect: Option<String>,
+    /// The effect, several joined by ` + `, `outside the catalogue`, or `nothing`.
+    pub effect: String,
     /// The size asked for, standard deviations; `None` where the amplitude was given or has no size.
     pub size: Option<f64>,
     /// Mean of the sizes that there were.
@@ -58,11 +61,20 @@ pub struct Output {
     pub cases: Vec<Outcome>,
 }
 
+/// Where effects are hidden.
+#[derive(Debug)]
+enum Ground {
+    /// In one's own model and test.
+    Own(Arc<Problem>),
+    /// In networks and tests that are drawn.
+    Drawn(Arc<Catalogue>),
+}
+
 /// A laboratory, ready to run.
 #[derive(Debug)]
 pub struct Lab {
     spec: Spec,
-    problem: Arc<Problem>,
+    ground: Ground,
 }
 
 impl Lab {
@@ -77,7 +89,12 @@ impl Lab {
                 return Err(JobError::Failed(format!("`{effect}` is no effect with a place in this model")));
             }
         }
-        Ok(Self { spec, problem })
+        Ok(Self { spec, ground: Ground::Own(problem) })
+    }
+
+    /// The standard laboratory over drawn networks; `spec` has neither effect nor amplitude.
+    pub fn drawn(spec: Spec, catalogue: Arc<Catalogue>) -> Self {
+        Self { spec, ground: Ground::Drawn(catalogue) }
     }
 }
 
@@ -93,19 +110,22 @@ impl Job for Lab {
     }
 
     fn identity(&self) -> Value {
-        let problem = &self.problem;
-        let ids: Vec<&str> = problem.candidates.iter().map(|own| own.id.as_str()).collect();
-        let effects: Vec<&Value> = problem.catalogue.effects().iter().map(|effect| &effect.json).collect();
-        json!({
-            "spec": self.spec,
-            "model": problem.model.identity(),
-            "priors": problem.priors,
-            "parameters": problem.parameters,
-            "input_errors": format!("{:?}", problem.input_errors),
-            "measurements": problem.measurements.iter().map(|own| own.identity()).collect::<Vec<_>>(),
-            "candidates": ids,
-            "effects": effects,
-        })
+        let effects = |catalogue: &Catalogue| -> Vec<Value> {
+            catalogue.effects().iter().map(|effect| json!({"name": effect.name, "file": effect.json})).collect()
+        };
+        match &self.ground {
+            Ground::Drawn(catalogue) => json!({"spec": self.spec, "effects": effects(catalogue)}),
+            Ground::Own(problem) => json!({
+                "spec": self.spec,
+                "model": problem.model.identity(),
+                "priors": problem.priors,
+                "parameters": problem.parameters,
+                "input_errors": format!("{:?}", problem.input_errors),
+                "measurements": problem.measurements.iter().map(|own| own.identity()).collect::<Vec<_>>(),
+                "candidates": problem.candidates.iter().map(|own| own.id.as_str()).collect::<Vec<_>>(),
+                "effects": effects(&problem.catalogue),
+            }),
+        }
     }
 
     fn begin(&self) -> Result<Step, JobError> {
@@ -116,8 +136,14 @@ impl Job for Lab {
     fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
         let unreadable = |reason: String| JobError::Unreadable { stage: stage.to_owned(), reason };
         let number: u64 = serde_json::from_slice(input).map_err(|error| unreadable(error.to_string()))?;
-        let wish = own_wish(number, self.spec.effect.as_deref(), self.spec.amplitude);
-        let outcome = own_case(&self.problem, &wish, self.spec.seed, number);
+        let seed = self.spec.seed;
+        let outcome = match &self.ground {
+            Ground::Drawn(catalogue) => drawn_case(catalogue, &standard(number), seed, number),
+            Ground::Own(problem) => {
+                let wish = own_wish(number, self.spec.effect.as_deref(), self.spec.amplitude);
+                own_case(problem, &wish, seed, number)
+            }
+        };
         serde_json::to_vec(&outcome).map_err(|error| unreadable(error.to_string()))
     }
 
@@ -144,23 +170,27 @@ fn trials<'a>(cases: impl Iterator<Item = &'a Outcome>) -> Vec<Trial> {
     cases.filter_map(trial).collect()
 }
 
-/// The table: effects by name, sizes ascending, nothing last.
+/// What a case is called in the table.
+fn kind(truth: &Truth) -> String {
+    if truth.outside.is_some() {
+        return "outside the catalogue".to_owned();
+    }
+    let names: Vec<&str> = truth.effects.iter().map(|effect| effect.effect.as_str()).collect();
+    if names.is_empty() { "nothing".to_owned() } else { names.join(" + ") }
+}
+
+/// The table: by name, sizes ascending.
 fn rows(cases: &[Outcome]) -> Vec<Row> {
-    let of = |case: &Outcome| {
-        let truth = case.truth.as_ref()?;
-        let effect = truth.effects.first().map(|effect| effect.effect.clone());
-        Some((effect.is_none(), effect, truth.asked))
-    };
-    let mut kinds: Vec<(bool, Option<String>, Option<f64>)> = cases.iter().filter_map(of).collect();
+    let of = |case: &Outcome| case.truth.as_ref().map(|truth| (kind(truth), truth.asked));
+    let mut kinds: Vec<(String, Option<f64>)> = cases.iter().filter_map(of).collect();
     kinds.sort_by(|a, b| {
-        let sizes = a.2.unwrap_or(f64::INFINITY).total_cmp(&b.2.unwrap_or(f64::INFINITY));
-        (a.0, &a.1).cmp(&(b.0, &b.1)).then(sizes)
+        let sizes = a.1.unwrap_or(f64::INFINITY).total_cmp(&b.1.unwrap_or(f64::INFINITY));
+        a.0.cmp(&b.0).then(sizes)
     });
     kinds.dedup();
-    let row = |(_, effect, size): (bool, Option<String>, Option<f64>)| {
-        let own: Vec<&Outcome> =
-            cases.iter().filter(|case| of(case).is_some_and(|kind| kind.1 == effect && kind.2 == size)).collect();
-        let truths: Vec<_> = own.iter().filter_map(|case| case.truth.as_ref()).collect();
+    let row = |kind: (String, Option<f64>)| {
+        let own: Vec<&Outcome> = cases.iter().filter(|case| of(case).as_ref() == Some(&kind)).collect();
+        let truths: Vec<&Truth> = own.iter().filter_map(|case| case.truth.as_ref()).collect();
         let trials = trials(own.iter().copied());
         let rate = |right: fn(&Trial) -> bool| (!trials.is_empty()).then(|| Rate::of(trials.iter().map(right)));
         Row {
@@ -169,8 +199,8 @@ fn rows(cases: &[Outcome]) -> Vec<Row> {
             found: rate(Trial::found),
             named: rate(Trial::named),
             grouped: rate(Trial::grouped),
-            effect,
-            size,
+            effect: kind.0,
+            size: kind.1,
         }
     };
     kinds.into_iter().map(row).collect()

@@ -4,6 +4,8 @@
 pub mod calibrate;
 pub mod compare;
 pub mod conventional;
+pub mod diagnose;
+pub mod findings;
 pub mod lab;
 pub mod propagate;
 pub mod requirement;

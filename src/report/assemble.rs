@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use crate::study::Pass;
 
+use super::history::History;
 use super::number::Shown;
 use super::section::problem::prior_words;
 use super::view::{FileHash, JobEntry, JobResult, ParameterChange, PassReport};
@@ -45,6 +46,8 @@ pub struct Surroundings {
     pub command: String,
     /// What the reader must know before believing.
     pub warnings: Vec<String>,
+    /// The error of the passes before this one, and its own.
+    pub history: Option<History>,
 }
 
 fn result(job: &FinishedJob<'_>) -> Result<Option<JobResult>, ResultError> {
@@ -52,6 +55,7 @@ fn result(job: &FinishedJob<'_>) -> Result<Option<JobResult>, ResultError> {
         "propagate" => serde_json::from_value(job.result.clone()).map(JobResult::Propagate),
         "conventional" => serde_json::from_value(job.result.clone()).map(JobResult::Conventional),
         "compare" => serde_json::from_value(job.result.clone()).map(JobResult::Compare),
+        "diagnose" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Diagnose(Box::new(output))),
         "calibrate" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Calibrate(Box::new(output))),
         _ => return Ok(None),
     };
@@ -108,6 +112,7 @@ pub fn assemble<'p>(
             .collect(),
         adopted: pass.adopted.clone(),
         results,
+        history: surroundings.history,
         files: surroundings.files,
         engine_version: surroundings.engine_version,
         command: surroundings.command,

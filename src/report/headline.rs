@@ -17,6 +17,7 @@ pub fn headlines(job: &JobEntry) -> Vec<String> {
         JobResult::Conventional(output) => of_sizes(output),
         JobResult::Compare(output) => of_comparison(output),
         JobResult::Calibrate(output) => of_calibration(output),
+        JobResult::Diagnose(output) => output.words.clone(),
     }
 }
 

@@ -5,6 +5,7 @@
 
 pub mod assemble;
 pub mod headline;
+pub mod history;
 pub mod html;
 pub mod markdown;
 pub mod number;
@@ -19,6 +20,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 use thiserror::Error;
 
+pub use history::{History, PassErrors};
 use page::{Page, Text};
 pub use view::{FileHash, JobEntry, JobResult, ParameterChange, PassReport, Prior};
 pub use write::{WriteError, write};
@@ -84,6 +86,7 @@ pub fn results_schema() -> Value {
         "conventional": schemars::schema_for!(crate::job::conventional::Output),
         "compare": schemars::schema_for!(crate::job::compare::Output),
         "calibrate": schemars::schema_for!(crate::job::calibrate::Output),
+        "diagnose": schemars::schema_for!(crate::diagnosis::Output),
     })
 }
 
@@ -99,6 +102,7 @@ fn results_json(report: &PassReport<'_>) -> Result<String, serde_json::Error> {
             JobResult::Conventional(output) => value(output)?,
             JobResult::Compare(output) => value(output)?,
             JobResult::Calibrate(output) => value(output)?,
+            JobResult::Diagnose(output) => value(output)?,
         };
         jobs.insert(job.name.clone(), json!({ "kind": job.kind, "key": job.key, "output": output }));
     }

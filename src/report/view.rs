@@ -1,5 +1,6 @@
 //! What a report is made of: definitions and outputs of one pass, already computed.
 
+use crate::diagnosis;
 use crate::inference::measurement::{Measurement, Rows, Sensor};
 use crate::job::requirement::{Environment, Requirement};
 use crate::job::{calibrate, compare, conventional, propagate};
@@ -8,6 +9,7 @@ use crate::thermal::{Model, Quantity};
 
 use crate::study::AdoptedEffect;
 
+use super::history::History;
 use super::number::Shown;
 
 /// A parameter's prior, SI.
@@ -49,6 +51,8 @@ pub enum JobResult {
     Compare(compare::Output),
     /// Parameters from measurements.
     Calibrate(Box<calibrate::Output>),
+    /// Which physics is missing.
+    Diagnose(Box<diagnosis::Output>),
 }
 
 /// A job with its output.
@@ -93,6 +97,8 @@ pub struct PassReport<'a> {
     pub adopted: Vec<AdoptedEffect>,
     /// Jobs in the order of the pass.
     pub results: Vec<JobEntry>,
+    /// The error of the passes before this one, and its own.
+    pub history: Option<History>,
     /// Files that the results depend on.
     pub files: Vec<FileHash>,
     /// Version of the numeric engine.
@@ -132,6 +138,14 @@ impl PassReport<'_> {
     pub fn calibrations(&self) -> impl Iterator<Item = (&str, &calibrate::Output)> {
         self.results.iter().filter_map(|job| match &job.result {
             JobResult::Calibrate(output) => Some((job.name.as_str(), &**output)),
+            _ => None,
+        })
+    }
+
+    /// Diagnoses with their jobs' names.
+    pub fn diagnoses(&self) -> impl Iterator<Item = (&str, &diagnosis::Output)> {
+        self.results.iter().filter_map(|job| match &job.result {
+            JobResult::Diagnose(output) => Some((job.name.as_str(), &**output)),
             _ => None,
         })
     }

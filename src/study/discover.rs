@@ -97,7 +97,7 @@ pub fn passes(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// The number N of `pass-N.json`.
-fn number(pass: &Path) -> Option<u64> {
+pub fn number(pass: &Path) -> Option<u64> {
     let digits = pass.file_name()?.to_str()?.strip_prefix("pass-")?.strip_suffix(".json")?;
     if digits.bytes().all(|byte| byte.is_ascii_digit()) { digits.parse().ok() } else { None }
 }

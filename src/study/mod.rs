@@ -5,8 +5,10 @@
 
 pub mod discover;
 pub mod folder;
+pub mod history;
 pub mod inherit;
 pub mod model;
+pub mod next_pass;
 pub mod pass;
 pub mod pinned;
 pub mod problem;

@@ -4,16 +4,20 @@ use std::sync::Arc;
 
 use serde_json::Value;
 
+use crate::diagnosis::Problem;
+use crate::effect::candidates;
 use crate::inference::likelihood::InputError;
 use crate::inference::measurement::Measurement;
 use crate::job::calibrate::{Calibrate, Inputs};
 use crate::job::compare::{self, Compare, Tuned};
 use crate::job::conventional::Conventional;
+use crate::job::diagnose::{self, Diagnose};
 use crate::job::propagate::Propagate;
 use crate::job::{Job, JobError};
 use crate::thermal::Model;
 
 use super::model::Prior;
+use super::resolve::sensor_places;
 use super::resolved::{JobSpec, Pass};
 
 /// A pass's job: ready, or why it does not run now.
@@ -88,6 +92,9 @@ pub fn ready(pass: &Pass) -> Result<Vec<(String, Readiness)>, (String, JobError)
                     Calibrate::new(spec.clone(), inputs, pass.seed, &named.name)
                         .map(|job| Readiness::Ready(Arc::new(job)))
                 }
+                JobSpec::Diagnose(spec) => {
+                    diagnosis(spec, &model, &measurements, pass, &named.name).map(|job| Readiness::Ready(Arc::new(job)))
+                }
                 JobSpec::Waiting { measurements, command, .. } => Ok(Readiness::NotRun(format!(
                     "the data of {} are not here; bring them with `{command}`",
                     measurements.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
@@ -97,6 +104,29 @@ pub fn ready(pass: &Pass) -> Result<Vec<(String, Readiness)>, (String, JobError)
             job.map(|job| (named.name.clone(), job)).map_err(|error| (named.name.clone(), error))
         })
         .collect()
+}
+
+fn diagnosis(
+    spec: &diagnose::Spec,
+    model: &Arc<Model>,
+    measurements: &[Measurement],
+    pass: &Pass,
+    name: &str,
+) -> Result<Diagnose, JobError> {
+    let chosen: Vec<Measurement> = spec.data.iter().map(|&index| measurements[index].clone()).collect();
+    let sensors = sensor_places(chosen.iter());
+    let mut candidates = candidates(model, &pass.groups, &sensors, &pass.catalogue);
+    candidates.retain(|candidate| spec.effects.contains(&candidate.effect));
+    let problem = Problem {
+        model: Arc::clone(model),
+        priors: pass.priors.clone(),
+        parameters: spec.parameters.clone(),
+        measurements: chosen,
+        input_errors: input_errors(pass),
+        catalogue: Arc::clone(&pass.catalogue),
+        candidates,
+    };
+    Diagnose::new(spec.clone(), problem, pass.seed, name)
 }
 
 fn comparison(

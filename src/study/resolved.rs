@@ -1,11 +1,13 @@
 //! A pass with everything looked up: SI units, indices, data read.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use crate::document::Diagnostics;
+use crate::effect::{Catalogue, GroupPlace};
 use crate::inference::measurement::Measurement;
 use crate::job::requirement::{Environment, Requirement};
-use crate::job::{calibrate, compare, conventional, propagate};
+use crate::job::{calibrate, compare, conventional, diagnose, propagate};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
@@ -49,6 +51,10 @@ pub struct Pass {
     pub ignored_sensors: Vec<IgnoredSensor>,
     /// Jobs in the order of the file.
     pub jobs: Vec<NamedJob>,
+    /// Groups as effects see them.
+    pub groups: Vec<GroupPlace>,
+    /// Physical effects: the program's and the study's own.
+    pub catalogue: Arc<Catalogue>,
     /// What the pass changes in the model.
     pub changes: Vec<ParameterChange>,
     /// Effects that the pass adopts, in the order of the file.
@@ -81,6 +87,8 @@ pub enum JobSpec {
     Compare(compare::Spec),
     /// Parameters from measurements.
     Calibrate(calibrate::Spec),
+    /// Which physical effect is missing.
+    Diagnose(diagnose::Spec),
     /// Stacked worst cases with margins.
     Conventional(conventional::Spec),
     /// Waits for pinned data.
@@ -110,6 +118,7 @@ impl JobSpec {
             Self::Propagate(_) => "propagate",
             Self::Compare(_) => "compare",
             Self::Calibrate(_) => "calibrate",
+            Self::Diagnose(_) => "diagnose",
             Self::Conventional(_) => "conventional",
             Self::Waiting { kind, .. } | Self::NotYet { kind, .. } => kind,
         }
@@ -132,6 +141,8 @@ pub struct IgnoredSensor {
 pub struct AdoptedEffect {
     /// Its name in the pass; its parameters are `NAME.conductance` and so on.
     pub name: String,
+    /// As a diagnosis names it: `conductive-path:baseplate:board`.
+    pub id: String,
     /// The effect.
     pub effect: String,
     /// The effect's title.

@@ -118,4 +118,32 @@ impl Network {
             }
         }
     }
+
+    /// Adjoints of quantities at the solution: `l` with `J' l = dq/dT`, `out` is `asked x nodes`, row by row, SI unit of
+    /// the quantity a W, 0 at boundaries. A further heat `h` into the nodes that does not depend on temperature moves
+    /// the quantity by `-l' h`.
+    ///
+    /// # Errors
+    /// [`UnsolvedError`] without a solution for the present parameters and inputs.
+    pub fn quantity_adjoint(
+        &self,
+        workspace: &mut Workspace,
+        asked: &[usize],
+        out: &mut [f64],
+    ) -> Result<(), UnsolvedError> {
+        self.factor_at_solution(workspace)?;
+        out.fill(0.0);
+        for (&quantity, out) in asked.iter().zip(out.chunks_exact_mut(self.nodes.len().max(1))) {
+            let step = &mut workspace.state.step;
+            step.fill(0.0);
+            for entry in self.steady.quantity_temperature.iter().filter(|entry| entry.row == quantity) {
+                step[entry.column] += workspace.state.file[entry.register.index()];
+            }
+            workspace.linear.solve_transposed(step);
+            for (value, &node) in step.iter().zip(&self.steady.unknowns) {
+                out[node] = *value;
+            }
+        }
+        Ok(())
+    }
 }

@@ -35,8 +35,8 @@ fn help_names_every_verb_and_the_exit_statuses() {
     assert_eq!(code(&output), 0);
     let help = text(&output.stdout);
     for verb in [
-        "run", "report", "compare", "show", "plan", "cache", "verify", "data", "schema", "explain", "init", "lab",
-        "diff", "check",
+        "run", "report", "compare", "adopt", "history", "show", "plan", "cache", "verify", "data", "schema", "explain",
+        "init", "lab", "diff", "check",
     ] {
         assert!(help.contains(&format!("\n  {verb} ")), "{verb}: {help}");
         assert_eq!(code(&run(&[verb, "--help"])), 0, "{verb}");

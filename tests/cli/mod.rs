@@ -3,4 +3,5 @@
 mod campaigns;
 mod documents;
 mod frame;
+mod history;
 mod studies;

@@ -18,6 +18,7 @@ fn rendered(text: &str) -> String {
     assert_eq!(model.is_none(), diagnostics.has_errors(), "a model, or an error");
     diagnostics.render(false, 5)
 }
+mod next_pass;
 mod pass_adopt;
 mod pass_data;
 mod pass_entries;

@@ -177,3 +177,23 @@ fn a_factor_changes_the_quantities_that_ask_for_it() {
     let expected = 0.8 * (1.0 + 0.01 * (0.5 * (plate + cabinet) - 293.15)) * (cabinet - plate);
     assert!((network.quantity(&workspace, 0) - expected).abs() < 1e-9, "`leak` is the heat through the bolts");
 }
+
+/// The prior of an effect that scales with an input without a stated range: by the data's largest value, as a diagnosis
+/// of the same data scales it.
+#[test]
+fn effects_scale_with_the_ranges_of_the_data() {
+    use bmv::effect::{Bound, Catalogue};
+    let study = Study::new();
+    study.edit("data/balance.csv", "P2,0,5,", "P2,0,7,");
+    let entry = r#""share": {"effect": {"input-proportional-load": {"where": "box", "inputs": {"input": "Q"}}}, "because": "losses"}"#;
+    let pass = adopting(&study, entry);
+    let input = pass.model.inputs.iter().position(|input| input.name == "Q").expect("there");
+    assert_eq!(pass.model.inputs[input].range.map(|[lower, _]| lower), Some(5.0));
+    assert_eq!(pass.ranges_from_data, ["Q"]);
+    let catalogue = Catalogue::embedded(&mut bmv::document::Diagnostics::new());
+    let effect = catalogue.get("input-proportional-load").expect("there");
+    let expected = effect.parameters(&pass.model, &[Bound::Input(input)]);
+    let [adopted] = pass.adopted.as_slice() else { panic!("one") };
+    assert_eq!(pass.priors[adopted.parameters.start], expected[0].prior);
+    assert_ne!(pass.model.inputs[input].range, Some([2.5, 7.5]), "half the nominal value on either side");
+}

@@ -79,6 +79,14 @@ fn poisoned(mut sample: Sample) -> Sample {
                     check.sensor = name();
                 }
             }
+            JobResult::Diagnose(output) => {
+                output.words.push(name());
+                output.warnings.push(name());
+                for effect in &mut output.effects {
+                    effect.id = name();
+                    effect.title = name();
+                }
+            }
         }
     }
     sample
@@ -206,6 +214,16 @@ fn empty_and_broken_outputs_are_reported_not_fatal() {
                     for own in output.parameters.values_mut() {
                         own.mean = f64::NAN;
                         own.rhat = None;
+                    }
+                }
+                JobResult::Diagnose(output) => {
+                    output.misfit.family_wise_p = f64::NAN;
+                    for effect in &mut output.effects {
+                        effect.probability = f64::NAN;
+                        effect.amplitudes.clear();
+                    }
+                    for heat in &mut output.heat {
+                        heat.watts = f64::NAN;
                     }
                 }
             }

@@ -1,6 +1,7 @@
 //! Rendered reports.
 
 mod calibration;
+mod history;
 mod hostile;
 mod rendering;
 mod samples;

@@ -185,6 +185,7 @@ fn adopted_effects_stand_with_place_prior_and_reason() {
     let mut report = sample.report();
     report.adopted = vec![bmv::study::AdoptedEffect {
         name: "harness".into(),
+        id: "conductive-path:baseplate:board".into(),
         effect: "conductive-path".into(),
         title: "Conductive path between two nodes".into(),
         equation: "Q = G (Ta - Tb)".into(),

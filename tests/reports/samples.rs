@@ -49,6 +49,7 @@ impl Sample {
             }],
             adopted: Vec::new(),
             results: self.results.clone(),
+            history: None,
             files: vec![FileHash { path: "model.json".into(), sha256: "ab".repeat(32), role: "model".into() }],
             engine_version: "1".into(),
             command: "bmv report studies/sample/pass-1.json".into(),

@@ -11,7 +11,7 @@ use bmv::thermal::{Model, Network, NodeKind, Start};
 use super::build::Build;
 
 /// A cooled detector in a box on a plate, seeing a shroud; one of each kind of element, inputs of several kinds.
-fn model() -> Model {
+pub fn model() -> Model {
     let mut b = Build::default();
     let plate_k = b.input("T_plate", 290.0);
     let shroud_k = b.input("T_shroud", 120.0);
@@ -69,7 +69,7 @@ fn model() -> Model {
     b.model
 }
 
-fn sensors(model: &Model) -> Vec<SensorPlace> {
+pub fn sensors(model: &Model) -> Vec<SensorPlace> {
     (["box", "panel", "detector"].into_iter())
         .map(|name| SensorPlace {
             name: format!("TC {name}"),
@@ -80,7 +80,7 @@ fn sensors(model: &Model) -> Vec<SensorPlace> {
         .collect()
 }
 
-fn groups(model: &Model) -> Vec<GroupPlace> {
+pub fn groups(model: &Model) -> Vec<GroupPlace> {
     let node = |name: &str| model.nodes.iter().position(|node| node.name == name).expect("there");
     let element = |name: &str| model.elements.iter().position(|element| element.name == name).expect("there");
     vec![
@@ -94,7 +94,7 @@ fn groups(model: &Model) -> Vec<GroupPlace> {
     ]
 }
 
-fn catalogue() -> Catalogue {
+pub fn catalogue() -> Catalogue {
     Catalogue::embedded(&mut Diagnostics::new())
 }
 

@@ -11,6 +11,7 @@ mod monitor_campaign;
 pub mod network8_data;
 mod orbit;
 mod radiator;
+mod signature;
 mod solar_monitor;
 mod steady;
 mod transient;

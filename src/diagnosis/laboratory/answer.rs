@@ -3,21 +3,8 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::diagnosis::Verdict;
 use crate::expression::Unit;
-
-/// A verdict.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Verdict {
-    /// Nothing is missing that these data could show.
-    Adequate,
-    /// One set of effects holds the probability.
-    Identified,
-    /// Several sets explain the data about equally.
-    Ambiguous,
-    /// Something is missing that nothing in the catalogue explains.
-    Unexplained,
-}
 
 /// A set of effects with its stated probability.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -125,11 +112,14 @@ fn strings(value: Option<&Value>) -> Vec<String> {
     items.filter_map(Value::as_str).map(str::to_owned).collect()
 }
 
-/// Intervals of an effect: `lower` and `upper` where they are stated, else the normal ones of `value` and `sd`.
+/// Intervals of an effect that no bound cuts off: `lower` and `upper` where they are stated, else the normal ones of `value` and `sd`.
 fn amplitudes(id: &str, effect: &Value) -> Vec<StatedAmplitude> {
     let entries = effect.get("amplitudes").and_then(Value::as_object);
     let mut found = Vec::new();
     for (parameter, body) in entries.into_iter().flatten() {
+        if body.get("at_bound").and_then(Value::as_bool) == Some(true) {
+            continue;
+        }
         let number = |name: &str| body.get(name).and_then(Value::as_f64);
         let unit = body.get("unit").and_then(Value::as_str).and_then(|unit| Unit::parse(unit).ok());
         let si = |value: f64| unit.as_ref().map_or(value, |unit| unit.to_si(value));

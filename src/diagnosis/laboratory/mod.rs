@@ -21,11 +21,11 @@ pub mod trial;
 pub mod truth;
 pub mod world;
 
-pub use answer::{Answer, Verdict};
+pub use answer::Answer;
 pub use campaign::TestKind;
 pub use case::{Case, Recipe, case};
 pub use hide::{Hidden, HideError, Wish, hide};
 pub use score::{Rate, Score, Trial, score};
 pub use topology::Topology;
-pub use trial::{Outcome, ask, own_case, own_wish, simulate, standard};
+pub use trial::{Outcome, ask, drawn_case, own_case, own_wish, simulate, standard};
 pub use truth::{HiddenEffect, NoiseTruth, Outside, Rival, Truth};

@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::answer::{Answer, Verdict};
+use super::answer::Answer;
 use super::truth::{NoiseTruth, Truth};
+use crate::diagnosis::Verdict;
 use crate::math::functions::ln;
 use crate::statistics::interval::Interval;
 

@@ -1,32 +1,39 @@
 //! Trials: a truth is drawn, its test simulated, the diagnosis asked.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::answer::Answer;
 use super::campaign::TestKind;
-use super::case::{Recipe, read};
+use super::case::{Recipe, case, read};
 use super::draw::Draw;
 use super::hide::{HideError, Wish, hide};
 use super::rivals::rivals;
 use super::truth::Truth;
-use crate::diagnosis::Problem;
+use crate::diagnosis::{Diagnosis, Problem, Settings};
+use crate::effect::Catalogue;
 use crate::random::StreamKey;
 
 /// Why there is no answer.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum AskError {
-    /// No diagnosis in this version.
-    #[error("this version does not diagnose yet")]
-    NotHere,
+#[error("the diagnosis failed: {reason}")]
+pub struct AskError {
+    /// What it says itself.
+    pub reason: String,
 }
 
-/// Asks the diagnosis; `seed` is that of its random numbers.
+/// Asks the diagnosis, with its default settings; `seed` is that of its random numbers.
 ///
 /// # Errors
 /// [`AskError`].
-pub fn ask(_problem: &Problem, _seed: u64) -> Result<Answer, AskError> {
-    Err(AskError::NotHere)
+pub fn ask(problem: &Problem, seed: u64) -> Result<Answer, AskError> {
+    let key = StreamKey::new(seed, "laboratory", "diagnose");
+    let output =
+        Diagnosis::new(problem.clone(), Settings::default(), key).run().map_err(|reason| AskError { reason })?;
+    let document = serde_json::to_value(output).map_err(|error| AskError { reason: error.to_string() })?;
+    Answer::of_document(&document).ok_or_else(|| AskError { reason: "it states no verdict".to_owned() })
 }
 
 /// What is hidden in case `number` of a laboratory over one's own model: nothing in every fifth, else one effect, of 0.5,
@@ -86,18 +93,27 @@ pub struct Outcome {
     pub reason: Option<String>,
 }
 
+/// Runs case `number` of the laboratory over drawn networks.
+pub fn drawn_case(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, number: u64) -> Outcome {
+    match case(catalogue, recipe, seed, number) {
+        Err(error) => Outcome { number, truth: None, answer: None, reason: Some(error.to_string()) },
+        Ok(case) => asked(&case.problem, case.truth, seed, number),
+    }
+}
+
+/// Asks the diagnosis of a problem whose truth is known.
+fn asked(problem: &Problem, truth: Truth, seed: u64, number: u64) -> Outcome {
+    let (answer, reason) = match ask(problem, seed) {
+        Ok(answer) => (Some(answer), None),
+        Err(error) => (None, Some(error.to_string())),
+    };
+    Outcome { number, truth: Some(truth), answer, reason }
+}
+
 /// Runs case `number` over one's own model.
 pub fn own_case(template: &Problem, wish: &Wish, seed: u64, number: u64) -> Outcome {
-    let mut outcome = Outcome { number, truth: None, answer: None, reason: None };
     match simulate(template, wish, seed, number) {
-        Err(error) => outcome.reason = Some(error.to_string()),
-        Ok((problem, truth)) => {
-            outcome.truth = Some(truth);
-            match ask(&problem, seed) {
-                Ok(answer) => outcome.answer = Some(answer),
-                Err(error) => outcome.reason = Some(error.to_string()),
-            }
-        }
+        Err(error) => Outcome { number, truth: None, answer: None, reason: Some(error.to_string()) },
+        Ok((problem, truth)) => asked(&problem, truth, seed, number),
     }
-    outcome
 }

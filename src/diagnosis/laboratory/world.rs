@@ -159,7 +159,7 @@ impl World {
         let kind = ElementKind::Conductor(Conductor { between: [node, other], conductance });
         model.elements.push(named("hidden path", kind));
         for measurement in &mut self.hypothesis.measurements {
-            measurement.begin_like(node);
+            measurement.begin_like(other, node);
         }
         Ok(())
     }

@@ -84,4 +84,13 @@ codes! { PASS_CODES:
     PRIOR_NOT_READ = "prior-not-read", "a prior from draws, which this version cannot use",
         "The prior is a posterior of an earlier pass or a file of draws. This version knows the form but cannot yet propagate or fit with it; running with anything else in its place would give the results of another study.",
         "wrong, with this version: {\"posterior\": {\"pass\": \"pass-1.json\", \"job\": \"tuned\"}}\nright: {\"normal\": {\"mean\": 0.4, \"sd\": 0.02}}";
+    ADOPT_UNKNOWN = "adopt-unknown", "an effect that a diagnosis does not have, or that is not unique",
+        "`bmv adopt` names effects as `effects` of `bmv diagnose --json` does, effect and place joined by colons. The name of the effect alone, or the beginning of an id, is enough where it stands for one: first among those that the diagnosis selected, then among those that it supports.",
+        "wrong: bmv adopt pass-1.json conduction:board\nright: bmv adopt pass-1.json conductive-path:baseplate:board";
+    ADOPT_REFUSED = "adopt-refused", "an effect that the diagnosis does not support",
+        "An effect is adopted where the diagnosis selected it, or where these data cannot tell it from one that is selected; rivals of one group are not adopted together. What else explains noise: the fit improves and the prediction does not. An engineer who knows better says so with --force, and the reason in the new pass says that it was against the diagnosis.",
+        "refused: bmv adopt pass-1.json heat-load:housing, verdict `adequate`\nagainst the diagnosis: bmv adopt pass-1.json heat-load:housing --force";
+    ADOPT_FILE = "adopt-file", "a file into which no next pass can be written",
+        "A next pass names its parent by its file, so it lies in the same folder, and its name ends with `.json`. A file that is there is replaced only if `--out` names it and `--force` is given; a pass is never written over itself, its parents or its model.",
+        "wrong: --out elsewhere/pass-2.json\nright: --out studies/bench/pass-2.json";
 }

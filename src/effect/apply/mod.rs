@@ -17,6 +17,7 @@ use super::checked::Effect;
 use super::parameter::EffectParameter;
 use super::place::{Bound, Site};
 
+pub use node::LEAST_CAPACITY_J_PER_K;
 pub use sensor::SensorChange;
 
 /// An effect at a place of a model.

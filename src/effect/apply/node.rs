@@ -7,7 +7,7 @@ use super::{ApplyError, Work};
 use crate::effect::place::Site;
 
 /// Smallest capacity of a node that an effect adds, J/K: it exists while the amplitude is 0.
-const LEAST_CAPACITY_J_PER_K: f64 = 1e-6;
+pub const LEAST_CAPACITY_J_PER_K: f64 = 1e-6;
 /// Smallest conductance of a path that an effect adds, W/K: far below what any measurement shows.
 const LEAST_CONDUCTANCE_W_PER_K: f64 = 1e-12;
 /// Smallest resistance of a contact, K/W: 1 W makes a microkelvin.

@@ -8,6 +8,7 @@
 mod build;
 mod steady;
 mod transient;
+mod whitening;
 
 use thiserror::Error;
 
@@ -19,6 +20,8 @@ use crate::random::Distribution;
 use crate::thermal::{self, Network, NetworkError};
 use steady::SteadyPart;
 use transient::TransientPart;
+
+pub use whitening::Whitening;
 
 /// Half of ln(2 pi).
 const HALF_LN_TAU: f64 = 0.918_938_533_204_672_7;
@@ -115,6 +118,19 @@ struct SensorPart {
     lag_s: Option<Value>,
 }
 
+/// A steady phase at given unknowns.
+#[derive(Clone, Debug)]
+pub struct SteadyState {
+    /// Position of its first residual; the others follow.
+    pub first: usize,
+    /// Inputs, their constant errors included, SI.
+    pub inputs: Vec<f64>,
+    /// Temperatures of all nodes, K.
+    pub temperatures: Vec<f64>,
+    /// Adjoint of each reading's quantity, `readings x nodes` ([`Network::quantity_adjoint`]).
+    pub adjoint: Vec<f64>,
+}
+
 #[derive(Clone, Debug)]
 enum Part {
     Steady(SteadyPart),
@@ -200,6 +216,24 @@ impl Likelihood {
                 part.set_reference(&self.network, &full, &shifts, &at);
             }
         }
+    }
+
+    /// Solves the steady phases at given unknowns.
+    ///
+    /// # Errors
+    /// As [`Target::log_likelihood`].
+    pub fn steady_states(&self, unknowns: &[f64]) -> Result<Vec<SteadyState>, Rejected> {
+        let mut memory = self.workspace();
+        let full = self.full_parameters(unknowns);
+        self.network.set_parameters(&mut memory.network, &full);
+        self.network.set_time(&mut memory.network, 0.0);
+        let mut states = Vec::new();
+        for part in &self.parts {
+            if let Part::Steady(part) = part {
+                part.states(self, unknowns, &mut memory, &mut states)?;
+            }
+        }
+        Ok(states)
     }
 
     /// Writes the log density of each reading given those before it, in the order of [`Likelihood::data`], and gives the

@@ -1,7 +1,8 @@
 //! Steady phases in the likelihood.
 
 use super::build::is_used;
-use super::{Datum, Likelihood, LikelihoodError, Memory, SensorPart};
+use super::whitening::Block;
+use super::{Datum, Likelihood, LikelihoodError, Memory, SensorPart, SteadyState};
 use crate::inference::cholesky;
 use crate::inference::measurement::{Measurement, Rows};
 use crate::inference::target::Rejected;
@@ -107,6 +108,79 @@ impl SteadyPart {
         Ok(())
     }
 
+    /// Appends the state of each phase; the memory's network has the parameters.
+    pub fn states(
+        &self,
+        likelihood: &Likelihood,
+        unknowns: &[f64],
+        memory: &mut Memory,
+        states: &mut Vec<SteadyState>,
+    ) -> Result<(), Rejected> {
+        let network = &likelihood.network;
+        for phase in &self.phases {
+            self.solve(phase, likelihood, unknowns, memory)?;
+            let quantities: Vec<usize> =
+                phase.readings.iter().map(|&(sensor, _)| self.sensors[sensor].quantity).collect();
+            let mut adjoint = vec![0.0; quantities.len() * network.nodes()];
+            network
+                .quantity_adjoint(&mut memory.network, &quantities, &mut adjoint)
+                .map_err(|_| Rejected::new("derivatives of a steady state are not there"))?;
+            states.push(SteadyState {
+                first: phase.first,
+                inputs: memory.inputs.clone(),
+                temperatures: memory.network.temperatures().to_vec(),
+                adjoint,
+            });
+        }
+        Ok(())
+    }
+
+    /// Solves a phase.
+    fn solve(
+        &self,
+        phase: &Phase,
+        likelihood: &Likelihood,
+        unknowns: &[f64],
+        memory: &mut Memory,
+    ) -> Result<(), Rejected> {
+        let network = &likelihood.network;
+        memory.inputs.copy_from_slice(&phase.inputs);
+        for &(input, place) in &likelihood.biases {
+            memory.inputs[input] += unknowns[place];
+        }
+        network.set_inputs(&mut memory.network, &memory.inputs);
+        let start = match &phase.reference {
+            Some(reference) => {
+                reference.predict(&likelihood.columns, unknowns, &mut memory.start);
+                Start::Temperatures(&memory.start)
+            }
+            None => Start::Default,
+        };
+        match network.solve_steady(&mut memory.network, start) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(self.rejected(phase, &error)),
+        }
+    }
+
+    /// Its sensors.
+    pub fn sensors(&self) -> &[SensorPart] {
+        &self.sensors
+    }
+
+    /// Appends the whitening of each phase.
+    pub fn whitening(&self, unknowns: &[f64], blocks: &mut Vec<Block>) -> Result<(), Rejected> {
+        for phase in &self.phases {
+            let of = |&(sensor, _): &(usize, f64)| self.sensors[sensor].noise.total(unknowns);
+            let sd: Vec<f64> = phase.readings.iter().map(of).collect();
+            let (first, size) = (phase.first, phase.readings.len());
+            blocks.push(match &phase.covariance {
+                None => Block::Scales { first, sd },
+                Some(covariance) => Block::Factor { first, size, factor: factor(covariance, &sd)? },
+            });
+        }
+        Ok(())
+    }
+
     /// Solves every phase at given parameters and input errors; `at` are the differentiated symbols there.
     pub fn set_reference(&mut self, network: &Network, parameters: &[f64], shifts: &[f64], at: &[f64]) {
         let mut workspace = network.workspace();
@@ -139,21 +213,7 @@ impl SteadyPart {
         network.set_parameters(&mut memory.network, &memory.parameters);
         network.set_time(&mut memory.network, 0.0);
         for phase in &self.phases {
-            memory.inputs.copy_from_slice(&phase.inputs);
-            for &(input, place) in &likelihood.biases {
-                memory.inputs[input] += unknowns[place];
-            }
-            network.set_inputs(&mut memory.network, &memory.inputs);
-            let start = match &phase.reference {
-                Some(reference) => {
-                    reference.predict(&likelihood.columns, unknowns, &mut memory.start);
-                    Start::Temperatures(&memory.start)
-                }
-                None => Start::Default,
-            };
-            if let Err(error) = network.solve_steady(&mut memory.network, start) {
-                return Err(self.rejected(phase, &error));
-            }
+            self.solve(phase, likelihood, unknowns, memory)?;
             if slopes && network.quantity_tangent(&mut memory.network, &mut memory.tangent).is_err() {
                 return Err(Rejected::new("derivatives of a steady state are not there"));
             }
@@ -278,6 +338,18 @@ impl SteadyPart {
         }
         Ok(())
     }
+}
+
+/// `L` with `L L' = diag(sd^2) + F S F'`.
+fn factor(covariance: &[f64], sd: &[f64]) -> Result<Vec<f64>, Rejected> {
+    let size = sd.len();
+    let mut factor = covariance.to_vec();
+    for (position, sd) in sd.iter().enumerate() {
+        factor[position * size + position] += sd * sd;
+    }
+    cholesky::factor(&mut factor, size)
+        .map_err(|_| Rejected::new("the covariance of a phase is not positive definite"))?;
+    Ok(factor)
 }
 
 impl Reference {

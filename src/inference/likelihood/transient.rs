@@ -1,6 +1,7 @@
 //! Transients in the likelihood.
 
 use super::build::is_used;
+use super::whitening::Block;
 use super::{Datum, Likelihood, Memory, SensorPart};
 use crate::inference::lag;
 use crate::inference::measurement::{Initial, InputTable, Measurement, Rows};
@@ -167,6 +168,19 @@ impl TransientPart {
             sensor.noise.whiten(unknowns, &mut series)?;
         }
         Ok(())
+    }
+
+    /// Its sensors.
+    pub fn sensors(&self) -> &[SensorPart] {
+        &self.sensors
+    }
+
+    /// Appends the whitening of each sensor.
+    pub fn whitening(&self, blocks: &mut Vec<Block>) {
+        for (sensor, readings) in self.sensors.iter().zip(&self.readings) {
+            let times_s = readings.times_s.clone();
+            blocks.push(Block::Series { first: readings.first, times_s, noise: sensor.noise });
+        }
     }
 
     fn rejected(&self, error: &TransientError) -> Rejected {

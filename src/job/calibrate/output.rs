@@ -263,3 +263,13 @@ pub struct Output {
     /// Work.
     pub spent: Spent,
 }
+
+impl Output {
+    /// Sum of squares of the whitened residuals at the most probable point over the degrees of freedom: readings fitted
+    /// less unknowns. `None` where there are none left.
+    pub fn reduced_chi_square(&self) -> Option<f64> {
+        let readings: u64 = self.data.iter().map(|data| data.readings).sum();
+        let freedom = readings.checked_sub(self.order.len() as u64).filter(|freedom| *freedom > 0)?;
+        Some(self.most_probable.chi_square / freedom as f64)
+    }
+}

@@ -94,16 +94,16 @@ impl Tuned {
         }
     }
 
-    /// The tuned state as a whole.
-    pub(super) fn state(&self, model: &Model, delivered: &[f64], rows: &[Row], limit: Option<f64>) -> TunedState {
+    /// The tuned state as a whole; `rows` are those of one unit, as its statistics are over several sensors.
+    pub(super) fn state(&self, model: &Model, delivered: &[f64], rows: &[&Row], limit: Option<f64>) -> TunedState {
         let parameters = self.parameters(model, delivered);
         TunedState {
             job: self.job.clone(),
             parameters: (model.parameters.iter().zip(parameters))
                 .map(|(own, value)| (own.name.clone(), own.unit.clone(), value))
                 .collect(),
-            train: statistics(rows.iter(), false, limit),
-            held_out: statistics(rows.iter(), true, limit),
+            train: statistics(rows.iter().copied(), false, limit),
+            held_out: statistics(rows.iter().copied(), true, limit),
         }
     }
 }
@@ -161,5 +161,26 @@ mod tests {
         assert_eq!(Tuned::from_result("fit", &good).unwrap().find("G"), Some(0.5));
         let error = Tuned::from_result("fit", &serde_json::json!({})).unwrap_err().to_string();
         assert!(error.starts_with("the result of `fit` has no tuned state"), "{error}");
+    }
+
+    #[test]
+    fn kelvins_and_amperes_have_no_mean() {
+        let row = |unit: &str, measured: f64| Row {
+            measurement: "m".into(),
+            phase: Some("P".into()),
+            time_s: None,
+            sensor: unit.into(),
+            unit: unit.into(),
+            measured,
+            predicted: 0.0,
+            predicted_tuned: Some(0.0),
+            held_out: false,
+        };
+        let rows = [row("A", 100.0), row("K", 3.0), row("K", -4.0)];
+        let (unit, judged) = crate::job::compare::deviation::of_one_unit(&rows);
+        let tuned = Tuned { job: "fit".into(), values: vec![] };
+        let state = tuned.state(&Model::default(), &[], &judged, None);
+        // By hand: the root of (9 + 16) / 2.
+        assert_eq!((unit, state.train.count, state.train.rmse), ("K", 2, 12.5f64.sqrt()));
     }
 }

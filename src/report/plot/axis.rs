@@ -10,17 +10,36 @@ pub struct Axis {
     pub title: String,
     /// Range; otherwise it follows from the data.
     pub range: Option<(f64, f64)>,
+    /// What stands at 1, 2, ... instead of numbers; empty for numbers.
+    pub names: Vec<String>,
 }
 
 impl Axis {
     /// An axis whose range follows from the data.
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), range: None }
+        Self { title: title.into(), range: None, names: Vec::new() }
     }
 
     /// An axis of a given range.
     pub fn over(title: impl Into<String>, from: f64, to: f64) -> Self {
-        Self { title: title.into(), range: Some((from, to)) }
+        Self { title: title.into(), range: Some((from, to)), names: Vec::new() }
+    }
+
+    /// An axis of names, the first at 1, with half a step of room at either end.
+    pub fn of_names(title: impl Into<String>, names: Vec<String>) -> Self {
+        Self { title: title.into(), range: Some((0.5, names.len() as f64 + 0.5)), names }
+    }
+
+    /// The ticks of a horizontal axis with this scale.
+    pub fn ticks(&self, scale: &Scale) -> Vec<(f64, String)> {
+        if self.names.is_empty() {
+            return scale.ticks();
+        }
+        let room = (scale.to - scale.from).abs() / self.names.len() as f64 - 20.0;
+        let names = self.names.iter().enumerate();
+        names
+            .map(|(position, name)| (position as f64 + 1.0, super::canvas::fitted(name, super::canvas::TEXT, room)))
+            .collect()
     }
 }
 

@@ -212,7 +212,7 @@ impl Chart {
             canvas.path(&[(inner_left, at), (inner_right, at)], GRID, 2);
             canvas.text(label, (inner_left - 14.0, at), Lettering::new(TEXT, INK).at(Anchor::End));
         }
-        for (value, label) in frame.x.ticks() {
+        for (value, label) in self.x.ticks(&frame.x) {
             let at = frame.x.at(value);
             canvas.path(&[(at, inner_top), (at, inner_bottom)], GRID, 2);
             canvas.path(&[(at, inner_bottom), (at, inner_bottom + 8.0)], INK, 3);

@@ -12,6 +12,7 @@ mod history;
 mod layout;
 mod network;
 pub mod palette;
+mod passes;
 mod strip;
 
 pub use axis::Axis;
@@ -21,4 +22,5 @@ pub use chart::{Along, Chart, Layer, Limit, Mark, Shade, Stroke};
 pub use heat_map::{HeatMap, heat_map};
 pub use history::{History, history};
 pub use network::{Diagram, NodeShape, Path, Source, network};
+pub use passes::{PassCurves, pass_curves};
 pub use strip::{Strip, residual_strips};

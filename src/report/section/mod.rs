@@ -5,6 +5,8 @@ mod adopted;
 mod calibration;
 mod comparison;
 mod data;
+mod diagnosis;
+mod history;
 mod network;
 pub mod problem;
 pub mod propagation;
@@ -12,6 +14,7 @@ mod provenance;
 mod sizing;
 mod summary;
 
+use super::history::History;
 use super::page::Section;
 use super::view::PassReport;
 
@@ -19,13 +22,21 @@ use super::view::PassReport;
 pub type Build = fn(&PassReport<'_>) -> Option<Section>;
 
 /// The sections that show results of jobs, in the order of the report.
-pub const RESULTS: &[Build] = &[propagation::build, sizing::build, comparison::build];
+pub const RESULTS: &[Build] = &[propagation::build, sizing::build, comparison::build, diagnosis::build];
 
 /// The summary alone.
 pub const SUMMARY: Build = summary::build;
 
+/// What diagnoses say, alone.
+pub const DIAGNOSIS: Build = diagnosis::build;
+
 /// The readings of all comparisons beside their predictions, however many.
 pub const READINGS: Build = comparison::readings_alone;
+
+/// The section on the error of a study's passes; not where nothing was measured.
+pub fn error_by_pass(history: &History) -> Option<Section> {
+    history::section(history)
+}
 
 /// The sections in the order of the report.
 pub const SECTIONS: &[Build] = &[
@@ -37,6 +48,8 @@ pub const SECTIONS: &[Build] = &[
     sizing::build,
     comparison::build,
     calibration::build,
+    diagnosis::build,
+    history::build,
     data::build,
     provenance::build,
 ];

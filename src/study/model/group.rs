@@ -2,6 +2,7 @@
 
 use crate::document::Diagnostic;
 use crate::document::{Diagnostics, Map, Spanned, code, written_choice};
+use crate::effect::{SensorPlace, Site};
 
 use super::element::Kind;
 use super::name;
@@ -45,6 +46,22 @@ pub enum Members {
     Loads(Vec<usize>),
     /// Names of sensors; measurements know them.
     Sensors(Vec<Spanned<String>>),
+}
+
+impl Members {
+    /// The members as a place; `sensors` are those of the measurements.
+    pub fn site(&self, sensors: &[SensorPlace]) -> Site {
+        match self {
+            Self::Nodes(nodes) => Site::Nodes(nodes.clone()),
+            Self::Conductors(elements) | Self::Radiations(elements) | Self::Loads(elements) => {
+                Site::Elements(elements.clone())
+            }
+            Self::Sensors(names) => {
+                let member = |place: &&SensorPlace| names.iter().any(|name| name.value == place.name);
+                Site::Sensors(sensors.iter().filter(member).cloned().collect())
+            }
+        }
+    }
 }
 
 /// Resolves a model's groups.

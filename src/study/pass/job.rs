@@ -24,7 +24,7 @@ written_choice! {
         /// Model against measurements.
         "compare" => Compare(CompareForm),
         /// Which physical effect is missing.
-        "diagnose" => Diagnose(Node),
+        "diagnose" => Diagnose(DiagnoseForm),
         /// The model's discrepancy as a function.
         "discrepancy" => Discrepancy(Node),
         /// Flight prediction.
@@ -160,6 +160,24 @@ written_struct! {
         optional warmup: Spanned<u64>,
         /// Draws of a chain that are kept: 1000, 5000 for `adaptive-metropolis`.
         optional draws: Spanned<u64>,
+    }
+}
+
+written_struct! {
+    /// Settings of `diagnose`.
+    pub struct DiagnoseForm: "settings of `diagnose`" {
+        /// Measurements; all of the pass where they are left out.
+        optional data: Vec<Spanned<String>>,
+        /// Parameters; all whose prior is not fixed where they are left out.
+        optional parameters: Vec<Spanned<String>>,
+        /// Names of the effects that are considered; the whole catalogue and the study's own where they are left out.
+        optional effects: Vec<Spanned<String>>,
+        /// Names of effects that are not considered.
+        default(Vec::new()) without: Vec<Spanned<String>>,
+        /// Most effects at once, 3 where it is left out.
+        optional most: Spanned<u64>,
+        /// Family-wise probability of a false alarm, 0.005 where it is left out.
+        optional false_alarm: Spanned<f64>,
     }
 }
 

@@ -1,7 +1,7 @@
 //! Adopted effects: looked up, placed, given their parameters, and applied to the model and to the measurements.
 
 use crate::document::{Diagnostics, MapEntry, Place, code};
-use crate::effect::{Applied, Catalogue, Effect, Instance, PlaceKind, SensorChange, SensorPlace, apply};
+use crate::effect::{Applied, Bound, Catalogue, Effect, Instance, PlaceKind, SensorChange, SensorPlace, apply};
 use crate::expression::{Dimension, Unit};
 use crate::inference::measurement::{Measurement, Rows};
 use crate::job::requirement::Environment;
@@ -14,7 +14,7 @@ use crate::study::resolved::AdoptedEffect;
 use crate::thermal::Input;
 
 use super::adopt_parameter::parameters;
-use super::adopt_place::{bound, place};
+use super::adopt_place::{Placed, bound, place};
 use super::scope::Scope;
 
 /// Folder of a study's own effects.
@@ -132,7 +132,8 @@ impl Adoption {
         };
         let inputs = effect.form.inputs.names().zip(&bound);
         let inputs = inputs.map(|(name, bound)| (name.to_owned(), bound.name(&scope.resolved.model).to_owned()));
-        let inputs = inputs.collect();
+        let inputs: Vec<(String, String)> = inputs.collect();
+        let id = id(effect, &placed, &bound, &inputs);
         let instance = Instance { name: &entry.name, effect, site: placed.site, bound, parameters, switch };
         let applied = match apply(&mut scope.resolved.model, &instance) {
             Ok(applied) => applied,
@@ -147,6 +148,7 @@ impl Adoption {
         self.priors.extend(parameters.iter().map(|parameter| parameter.prior));
         self.adopted.push(AdoptedEffect {
             name: entry.name.clone(),
+            id,
             effect: effect.name.clone(),
             title: effect.form.title.clone(),
             equation: effect.form.equation.clone().unwrap_or_default(),
@@ -206,6 +208,25 @@ impl Adoption {
             }
         }
     }
+}
+
+/// The id of [`crate::effect::Candidate`] for the same effect at the same place.
+fn id(effect: &Effect, placed: &Placed, bound: &[Bound], inputs: &[(String, String)]) -> String {
+    let mut names = placed.names.clone();
+    if placed.node.is_some() {
+        names.truncate(1);
+    }
+    if names.len() == 2 {
+        names.sort();
+    }
+    let bound_names = inputs.iter().map(|(_, name)| name.as_str());
+    if of_sensors(effect) && matches!(bound, [Bound::Node(_)]) {
+        names.extend(bound_names.map(str::to_owned));
+    } else if !inputs.is_empty() {
+        names.push(bound_names.collect::<Vec<_>>().join("*"));
+    }
+    names.insert(0, effect.name.clone());
+    names.join(":")
 }
 
 /// An input that is 1 where an effect is there.

@@ -2,7 +2,6 @@
 
 use crate::document::{MapEntry, NameOr, OneOrMany, Spanned, code, suggest};
 use crate::effect::{Bound, Effect, PlaceKind, SensorPlace, Site};
-use crate::study::model::Members;
 use crate::study::pass::adopt::{EffectUse, GroupForm};
 use crate::thermal::NodeKind;
 
@@ -186,16 +185,7 @@ fn group_place(scope: &mut Scope, effect: &Effect, group: &Spanned<String>, sens
         scope.unknown(&code::UNKNOWN_NAME, "group", &group.value, &group.place, &known);
         return None;
     };
-    let site = match &found.members {
-        Members::Nodes(nodes) => Site::Nodes(nodes.clone()),
-        Members::Conductors(elements) | Members::Radiations(elements) | Members::Loads(elements) => {
-            Site::Elements(elements.clone())
-        }
-        Members::Sensors(names) => {
-            let member = |place: &&SensorPlace| names.iter().any(|name| name.value == place.name);
-            Site::Sensors(sensors.iter().filter(member).cloned().collect())
-        }
-    };
+    let site = found.members.site(sensors);
     let empty = matches!(&site, Site::Sensors(sensors) if sensors.is_empty());
     if empty || !effect.fits_group(&scope.resolved.model, &site) {
         let message = format!("`{}` does not act on the group `{}`", effect.name, group.value);

@@ -23,26 +23,8 @@ pub(super) fn calibrate(
     offered: &Offered,
 ) -> Option<JobSpec> {
     let before = scope.diagnostics.errors();
-    let (mut data, mut missing) = (Vec::new(), Vec::new());
-    let mut add = |name: &str, position: Option<usize>| match position {
-        Some(position) => push_new(&mut data, position),
-        None => missing.push(name.to_owned()),
-    };
-    match &form.data {
-        Some(names) => {
-            for name in names {
-                if let Some(position) = measurement(scope, &name.value, &name.place, offered) {
-                    add(&name.value, position);
-                }
-            }
-        }
-        None => offered.measurements.iter().for_each(|(name, position)| add(name, *position)),
-    }
-    if data.is_empty() && missing.is_empty() && !scope.diagnostics.has_errors() {
-        let message = format!("`{}` has no measurement to calibrate on", entry.name);
-        scope.error(&code::JOB_REFERENCE, &entry.name_place, message, "at least one entry under `measurements`");
-    }
-    let parameters = parameters(scope, form, offered);
+    let (data, missing) = data(scope, entry, form.data.as_ref(), "calibrate on", offered);
+    let parameters = parameters(scope, form.parameters.as_ref(), offered);
     let sampler = match form.sampler {
         None | Some(SamplerForm::Nuts) => Sampler::Nuts,
         Some(SamplerForm::AdaptiveMetropolis) => Sampler::AdaptiveMetropolis,
@@ -67,9 +49,39 @@ pub(super) fn calibrate(
     Some(JobSpec::Calibrate(Spec { data, parameters, sampler, chains, warmup, draws }))
 }
 
+/// Positions of the named measurements, all of the pass where none are named, and names of those whose data are missing.
+pub(super) fn data(
+    scope: &mut Scope,
+    entry: &MapEntry<JobForm>,
+    written: Option<&Vec<Spanned<String>>>,
+    purpose: &str,
+    offered: &Offered,
+) -> (Vec<usize>, Vec<String>) {
+    let (mut data, mut missing) = (Vec::new(), Vec::new());
+    let mut add = |name: &str, position: Option<usize>| match position {
+        Some(position) => push_new(&mut data, position),
+        None => missing.push(name.to_owned()),
+    };
+    match written {
+        Some(names) => {
+            for name in names {
+                if let Some(position) = measurement(scope, &name.value, &name.place, offered) {
+                    add(&name.value, position);
+                }
+            }
+        }
+        None => offered.measurements.iter().for_each(|(name, position)| add(name, *position)),
+    }
+    if data.is_empty() && missing.is_empty() && !scope.diagnostics.has_errors() {
+        let message = format!("`{}` has no measurement to {purpose}", entry.name);
+        scope.error(&code::JOB_REFERENCE, &entry.name_place, message, "at least one entry under `measurements`");
+    }
+    (data, missing)
+}
+
 /// The chosen parameters; all that are not fixed where none are named.
-fn parameters(scope: &mut Scope, form: &CalibrateForm, offered: &Offered) -> Vec<usize> {
-    let Some(names) = &form.parameters else {
+pub(super) fn parameters(scope: &mut Scope, written: Option<&Vec<Spanned<String>>>, offered: &Offered) -> Vec<usize> {
+    let Some(names) = written else {
         return (0..offered.priors.len()).filter(|&index| !offered.priors[index].is_fixed()).collect();
     };
     let mut chosen = Vec::new();
@@ -94,7 +106,14 @@ fn parameters(scope: &mut Scope, form: &CalibrateForm, offered: &Offered) -> Vec
     chosen
 }
 
-fn number(scope: &mut Scope, written: Option<&Spanned<u64>>, default: u64, least: u64, most: u64, what: &str) -> u64 {
+pub(super) fn number(
+    scope: &mut Scope,
+    written: Option<&Spanned<u64>>,
+    default: u64,
+    least: u64,
+    most: u64,
+    what: &str,
+) -> u64 {
     let Some(Spanned { value, place }) = written else { return default };
     if !(least..=most).contains(value) {
         let expected = format!("an integer from {least} to {most}");

@@ -2,6 +2,7 @@
 
 use crate::document::prior::support;
 use crate::document::{Amount, Diagnostic, Map, MapEntry, NameOr, Node, Place, Sense, Spanned, Value, code};
+use crate::effect::Catalogue;
 use crate::expression::Dimension;
 use crate::job::compare::{self, Criteria};
 use crate::job::conventional::{self, Rule};
@@ -46,6 +47,8 @@ pub struct Offered<'a> {
     pub design: &'a Map<RangeForm>,
     /// Number of quantities that have names of their own.
     pub named_quantities: usize,
+    /// Physical effects.
+    pub catalogue: &'a Catalogue,
     /// The command that brings missing data.
     pub command: String,
 }
@@ -58,11 +61,11 @@ pub fn jobs(scope: &mut Scope, forms: &Map<JobForm>, offered: &Offered) -> Vec<N
             JobForm::Propagate(form) => propagate(scope, form, offered).map(JobSpec::Propagate),
             JobForm::Conventional(form) => conventional(scope, entry, form, offered).map(JobSpec::Conventional),
             JobForm::Compare(form) => compare(scope, entry, form, forms, offered),
+            JobForm::Diagnose(form) => super::diagnose::diagnose(scope, entry, form, offered),
             JobForm::Calibrate(form) => super::calibrate::calibrate(scope, entry, form, offered),
             JobForm::Sensitivity(settings)
             | JobForm::Goal(settings)
             | JobForm::Design(settings)
-            | JobForm::Diagnose(settings)
             | JobForm::Discrepancy(settings)
             | JobForm::Predict(settings) => not_yet(scope, entry.value.kind(), settings, offered),
         };

@@ -6,6 +6,7 @@ mod adopt_place;
 mod calibrate;
 pub mod changes;
 pub mod data;
+mod diagnose;
 pub mod jobs;
 pub mod measurement;
 pub mod requirement;
@@ -14,25 +15,27 @@ pub mod steady;
 pub mod transient;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::document::hash::sha256_hex;
 use crate::document::written::check_format;
 use crate::document::{
     Diagnostic, Diagnostics, MapEntry, NameOr, Node, Place, Source, Span, Spanned, Value, Written, canonical, code,
 };
-use crate::effect::Catalogue;
+use crate::effect::{Catalogue, GroupPlace};
 use crate::thermal::Quantity;
 
 use super::folder::{Folder, FolderError};
 use super::inherit::{Lineage, folder_diagnostic_at, lineage};
 use super::model::name::check_label;
-use super::model::{self, QuantityForm, QuantityOrName, ResolvedModel};
+use super::model::{self, Group, QuantityForm, QuantityOrName, ResolvedModel};
 use super::pass::measurement::MeasurementForm;
 use super::pass::{self, PassForm};
 use super::pinned::Pinned;
 use super::resolved::Pass;
 use super::{profile, rule};
 
+pub use adopt::sensor_places;
 use jobs::Offered;
 use measurement::Outcome;
 use scope::{Scope, unit_of};
@@ -133,7 +136,37 @@ fn read(path: &Path, diagnostics: &mut Diagnostics) -> Option<Pass> {
     let form = PassForm::read(&lineage.merged, diagnostics);
     let model_file = model_file(&lineage.merged);
     let (resolved, model_tree) = read_model(&folder, &model_file, diagnostics)?;
-    resolve(&folder, &lineage, &form?, &model_file.value, resolved, &model_tree, diagnostics)
+    let form = form?;
+    let resolved = with_ranges_of_data(&folder, &lineage, &form, &model_file.value, resolved, &model_tree);
+    let (resolved, from_data) = resolved;
+    let mut pass = resolve(&folder, &lineage, &form, &model_file.value, resolved, &model_tree, diagnostics)?;
+    pass.ranges_from_data.extend(from_data);
+    Some(pass)
+}
+
+/// The model with the ranges that its inputs take from the data, and the names of those inputs. Effects scale with the
+/// ranges, so a pass that adopts some must know them before it reads what the effects may be needed for: it is resolved
+/// twice.
+fn with_ranges_of_data(
+    folder: &Folder,
+    lineage: &Lineage,
+    form: &PassForm,
+    model_file: &str,
+    mut resolved: ResolvedModel,
+    model_tree: &Node,
+) -> (ResolvedModel, Vec<String>) {
+    let is_needed = !form.adopt.is_empty() && resolved.model.inputs.iter().any(|input| input.range.is_none());
+    // What is wrong is said when the pass is resolved for good.
+    let mut unheard = Diagnostics::new();
+    let tried = is_needed
+        .then(|| resolve(folder, lineage, form, model_file, resolved.clone(), model_tree, &mut unheard))
+        .flatten();
+    let Some(tried) = tried else { return (resolved, Vec::new()) };
+    for input in &mut resolved.model.inputs {
+        let found = tried.model.inputs.iter().find(|other| other.name == input.name);
+        input.range = input.range.or(found.and_then(|other| other.range));
+    }
+    (resolved, tried.ranges_from_data)
 }
 
 /// The command that brings a study's pinned data.
@@ -234,12 +267,14 @@ fn resolve(
         profiles: &profiles.into_iter().map(|(profile, _)| profile).collect::<Vec<_>>(),
         design: &form.design,
         named_quantities,
+        catalogue: &catalogue,
         command: command(folder),
     };
     let mut jobs = jobs::jobs(&mut scope, &form.jobs, &offered);
     jobs.extend(jobs::implied_comparison(&jobs, &offered));
     calibrate::show_in_comparisons(&mut jobs, &form.jobs);
     let definition_sha256 = definition(lineage, model_file, model_tree, own);
+    let groups = group_places(&scope.resolved.groups, &measurements);
     let ResolvedModel { model, reconstructed, input_errors, .. } = scope.resolved;
     Some(Pass {
         folder: folder.shown().to_owned(),
@@ -259,6 +294,8 @@ fn resolve(
         measurements,
         ignored_sensors,
         jobs,
+        groups,
+        catalogue: Arc::new(catalogue),
         changes,
         adopted: adoption.adopted,
         ranges_from_data,
@@ -266,6 +303,13 @@ fn resolve(
         missing,
         warnings: Diagnostics::new(),
     })
+}
+
+/// Groups as effects see them; sensors without a measurement are no members.
+fn group_places(groups: &[Group], measurements: &[crate::inference::measurement::Measurement]) -> Vec<GroupPlace> {
+    let sensors = adopt::sensor_places(measurements.iter());
+    let site = |group: &Group| group.members.site(&sensors);
+    groups.iter().map(|group| GroupPlace { name: group.name.clone(), site: site(group) }).collect()
 }
 
 fn seed(scope: &mut Scope, written: Option<&Spanned<u64>>) -> u64 {

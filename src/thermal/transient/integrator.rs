@@ -405,6 +405,8 @@ impl<'a> Integrator<'a> {
                 last_error = 1.0;
             }
         }
+        // A kink at the very end takes the state across it.
+        recorder.due(self, result)?;
         recorder.finish(self, result);
         Ok(())
     }

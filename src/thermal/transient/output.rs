@@ -55,11 +55,17 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Records the start.
-    pub fn begin(&mut self, integrator: &mut Integrator<'_>, result: &mut Transient) -> Result<(), TransientError> {
+    /// Records the outputs that are due where the state stands.
+    pub fn due(&mut self, integrator: &mut Integrator<'_>, result: &mut Transient) -> Result<(), TransientError> {
         while self.outputs_s.get(self.next).is_some_and(|&output| output <= integrator.time_s) {
             self.output(integrator, 0.0, 0.0, result)?;
         }
+        Ok(())
+    }
+
+    /// Records the start.
+    pub fn begin(&mut self, integrator: &mut Integrator<'_>, result: &mut Transient) -> Result<(), TransientError> {
+        self.due(integrator, result)?;
         if !self.followed.is_empty() && self.end_s <= self.start_s {
             integrator.state_at(0.0, 0.0)?;
             integrator.evaluate_quantities();

@@ -1,0 +1,91 @@
+//! `bmv adopt`.
+
+use std::path::{Path, PathBuf};
+
+use super::execute::execute;
+use super::options::CachedRunOptions;
+use super::output::{escaped, print};
+use super::status::{Failure, Status};
+use super::studies::LoadedPass;
+use super::{Context, studies};
+use crate::document::{Diagnostics, suggest};
+use crate::job::findings::Findings;
+use crate::study::next_pass::{Asked, NextPass, ambiguity, destination, next_pass, probability_text, write};
+
+/// Diagnostics printed of one refusal.
+const MOST_DIAGNOSTICS: usize = 20;
+
+/// Arguments of `bmv adopt`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Effects are named as in `effects` of `bmv diagnose PASS --json`, or by a beginning or an effect's \
+                        name that stands for one. What the diagnosis did not select, or could not tell from what it \
+                        selected, is refused. The next pass takes all else from its parent; nothing is run."
+)]
+pub(super) struct Adopt {
+    /// Pass file
+    pass: PathBuf,
+    /// Effects to adopt [default: those that the diagnosis selected]
+    #[arg(value_name = "EFFECT")]
+    effects: Vec<String>,
+    /// File of the next pass, beside its parent [default: the next free pass-N.json]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Adopt what the diagnosis does not support, and replace the file that --out names
+    #[arg(long)]
+    force: bool,
+    /// Name of the diagnosis in the pass [default: the only one]
+    #[arg(long, value_name = "NAME")]
+    job: Option<String>,
+    #[command(flatten)]
+    options: CachedRunOptions,
+}
+
+impl Adopt {
+    pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
+        studies::one_pass(&self.pass)?;
+        let asked = Asked::new(&format!("bmv adopt {}", self.pass.display()), &self.effects);
+        let refused = |wrong: Diagnostics| Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS));
+        let job = studies::only_job(&self.pass, "diagnose", self.job.as_deref(), context.coloured)?;
+        let options = self.options.clone().into();
+        let executed = execute(std::slice::from_ref(&self.pass), &options, context, |_, name| name == job)?;
+        let Some(pass) = executed.passes.first() else { return Ok(executed.status()) };
+        let found = executed.results(pass).find(|(at, _)| executed.plan.nodes()[*at].name == job);
+        let Some((_, result)) = found else { return Ok(executed.status_of_wanted()) };
+        let findings = Findings::from_result(&job, &result.stored.value)
+            .map_err(|error| Failure::job(format!("{}: {error}", pass.shown)))?;
+        let path = destination(&pass.pass, self.out.as_deref(), &asked.command()).map_err(|wrong| {
+            let mut diagnostics = Diagnostics::new();
+            diagnostics.push(*wrong);
+            refused(diagnostics)
+        })?;
+        let next = next_pass(&pass.pass, &job, &findings, &asked, self.force, &path).map_err(refused)?;
+        write(&next.text, &path, self.force && self.out.is_some(), &asked.command()).map_err(refused)?;
+        print(&told(pass, &path, &next, &findings))?;
+        Ok(executed.status())
+    }
+}
+
+/// What was written, what stays open, and the next commands.
+fn told(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, findings: &Findings) -> String {
+    let shown = escaped(&path.display().to_string());
+    let mut text = format!("wrote {shown}: {} with\n", escaped(&pass.file));
+    for (name, finding) in &next.adopted {
+        let probability = finding.probability.map(|value| format!(", probability {}", probability_text(value)));
+        let probability = probability.unwrap_or_default();
+        let against = if findings.supports(finding) { "" } else { ", against the diagnosis" };
+        text.push_str(&format!("  {}: {}{probability}{against}\n", escaped(name), escaped(&finding.id)));
+    }
+    let chosen: Vec<_> = next.adopted.iter().map(|(_, finding)| *finding).collect();
+    for line in ambiguity(findings, &chosen) {
+        text.push_str(&format!("{}\n", escaped(&line)));
+    }
+    if !next.extended.is_empty() {
+        let jobs = suggest::listed(next.extended.iter().map(String::as_str), 12);
+        text.push_str(&format!("{} names its parameters; those of the effects were added\n", escaped(&jobs)));
+    }
+    let study = escaped(&pass.study.display().to_string());
+    let study = if study.is_empty() { ".".to_owned() } else { study };
+    text.push_str(&format!("now try\nbmv run {shown}\nbmv history {study}\n"));
+    text
+}

@@ -1,0 +1,54 @@
+//! `bmv history`.
+
+use std::path::PathBuf;
+
+use super::execute::{execute_loaded, is_judge};
+use super::options::RunOptions;
+use super::output::{print, print_json, tell};
+use super::status::{Failure, Status};
+use super::studies::Loaded;
+use super::{Context, studies};
+use crate::report::section::error_by_pass;
+use crate::report::terminal;
+
+/// Arguments of `bmv history`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Each pass is judged by its first job of kind `compare` that shows a tuned state, else by its \
+                        first. Where a pass has no calibration, its tuned values are null.")]
+pub(super) struct HistoryVerb {
+    /// Study folder; of a pass file, the pass with its parents
+    study: PathBuf,
+    /// Print one JSON document in SI units
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    options: RunOptions,
+}
+
+impl HistoryVerb {
+    pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
+        let loaded = studies::load(std::slice::from_ref(&self.study), context.coloured)?;
+        let mut folders: Vec<&PathBuf> = loaded.passes.iter().map(|pass| &pass.study).collect();
+        folders.dedup();
+        if folders.len() > 1 {
+            let names: Vec<String> = folders.iter().map(|folder| folder.display().to_string()).collect();
+            let message = format!("`{}` holds several studies; name one: {}", self.study.display(), names.join(", "));
+            return Err(Failure::input(message));
+        }
+        let is_folder = self.study.is_dir();
+        let parents = if is_folder { Loaded::default() } else { studies::parents(&loaded.passes) };
+        let executed = execute_loaded(loaded, parents, &self.options, context, |pass, _, name| is_judge(pass, name))?;
+        let passes: Vec<_> = executed.parents.iter().chain(&executed.passes).collect();
+        let history = studies::history(&passes, &executed)?;
+        if self.json {
+            print_json(&history)?;
+        } else if let Some(section) = error_by_pass(&history) {
+            print(&terminal::render(&[section], context.layout))?;
+            let shown = self.study.display();
+            tell(&format!("figure and all numbers: bmv report {shown}, bmv history {shown} --json"));
+        } else if executed.status_of_wanted() == Status::Done {
+            return Err(Failure::input(format!("no pass of `{}` is compared with measurements", self.study.display())));
+        }
+        Ok(executed.status_of_wanted())
+    }
+}

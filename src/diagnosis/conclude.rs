@@ -1,0 +1,329 @@
+//! From fits to the verdict.
+
+use std::collections::BTreeMap;
+
+use super::engine::{Diagnosis, State};
+use super::heat;
+use super::held_out;
+use super::output::{
+    Amount, Detectable, EffectResult, Misfit, ModelResult, NoiseResult, Output, Rmse, RmseChange, Test, Unseen, Verdict,
+};
+use super::refit::Begin;
+use super::separate;
+use super::weigh::{Weights, best, rivals, weigh};
+use super::words;
+use super::{Problem, Refit};
+use crate::inference::measurement::Rows;
+use crate::math::special::chi_square_sf;
+
+/// Probability above which one set is said to be it.
+const SURE: f64 = 0.91;
+/// Sets and effects that are written out.
+const MOST_WRITTEN: usize = 60;
+/// Probability of a set below which the held-out rows are not asked.
+const LEAST_TESTED: f64 = 1e-3;
+/// p-value of the remaining sum of squares below which a set does not bring the model near the noise.
+const FAR_FROM_NOISE: f64 = 1e-3;
+
+/// The sets, weighed, and which of them is said.
+pub(super) struct Findings<'a> {
+    pub problem: &'a Problem,
+    pub state: &'a State,
+    pub weights: Weights,
+    /// Position of the selected fit; that of the believed model where nothing is selected.
+    pub selected: usize,
+    /// Members of each group: positions of effects, the selected one first.
+    pub groups: Vec<Vec<usize>>,
+    /// Fits that are rivals of the selected one, itself first.
+    pub rivals: Vec<usize>,
+}
+
+impl Findings<'_> {
+    pub fn id(&self, effect: usize) -> &str {
+        &self.problem.candidates[effect].id
+    }
+
+    /// Probability that an effect is missing.
+    pub fn probability(&self, effect: usize) -> f64 {
+        let with =
+            self.state.refits.iter().zip(&self.weights.sets).filter(|(refit, _)| refit.effects.contains(&effect));
+        with.map(|(_, weight)| weight).sum()
+    }
+}
+
+impl Diagnosis {
+    /// The verdict on what was found.
+    pub fn conclude(&self, state: &State) -> Output {
+        let problem = self.settled(&state.noise);
+        let believed = &state.refits[0];
+        let finds = state.screening.family.p <= self.settings().false_alarm;
+        let missing = finds.then(|| heat::missing_heat(&problem, believed)).flatten();
+        let weights = weigh(&problem, &state.refits, missing.as_ref().map(|missing| missing.log_evidence));
+        let mut warnings = state.warnings.clone();
+        let mut findings =
+            Findings { problem: &problem, state, weights, selected: 0, groups: Vec::new(), rivals: Vec::new() };
+        let nothing = findings.weights.sets[0];
+        let mut verdict = Verdict::Adequate;
+        let mut held_out_test = None;
+        if finds {
+            verdict = Verdict::Unexplained;
+            let stated = self.estimates_sigma().is_none();
+            held_out_test = best(&findings.weights)
+                .and_then(|place| held_out::test(&problem, believed, &state.refits[place], stated));
+            // What the held-out rows speak against is not it: its probability goes to what no set explains.
+            for place in 1..state.refits.len() {
+                if findings.weights.sets[place] < LEAST_TESTED {
+                    continue;
+                }
+                let refit = &state.refits[place];
+                if held_out::test(&problem, believed, refit, stated).is_some_and(|test| test.veto) {
+                    warnings.push(format!("the held-out rows speak against {}", named(&findings, &refit.effects)));
+                    findings.weights.unexplained += findings.weights.sets[place];
+                    findings.weights.sets[place] = 0.0;
+                }
+            }
+            findings.select();
+            let chosen = &state.refits[findings.selected];
+            let explains = !chosen.effects.is_empty() && !self.leaves_too_much(&findings);
+            if explains {
+                verdict = findings.judge();
+            } else {
+                findings.selected = 0;
+                findings.groups.clear();
+                findings.rivals.clear();
+            }
+        }
+        let selected: Vec<String> =
+            state.refits[findings.selected].effects.iter().map(|&effect| findings.id(effect).to_owned()).collect();
+        let separating_experiment = if verdict == Verdict::Ambiguous { separate::experiment(&findings) } else { None };
+        let remaining_p = (findings.selected > 0)
+            .then(|| state.remainders.iter().find(|r| r.effects == state.refits[findings.selected].effects))
+            .flatten()
+            .map(|remainder| remainder.p);
+        let (heat, goes_with) = missing.map_or_else(Default::default, |missing| (missing.heat, missing.goes_with));
+        let mut output = Output {
+            verdict,
+            words: Vec::new(),
+            probability_nothing: nothing,
+            probability_unexplained: findings.weights.unexplained,
+            misfit: misfit(&problem, state),
+            effects: self.effects(&findings),
+            models: models(&findings),
+            selected,
+            unseen: unseen(&findings),
+            detectable: detectable(&findings),
+            noise: noise(&problem, state),
+            separating_experiment,
+            heat,
+            goes_with,
+            held_out_test,
+            remaining_p,
+            looked_at: [
+                problem.candidates.len() as u64,
+                state.screening.pairs_screened,
+                state.refits.len().saturating_sub(1) as u64,
+            ],
+            warnings,
+        };
+        output.words = words::verdict(&output, &findings);
+        output
+    }
+
+    /// Whether the selected set leaves the model far from the noise while tests go on finding something.
+    fn leaves_too_much(&self, findings: &Findings<'_>) -> bool {
+        let chosen = &findings.state.refits[findings.selected];
+        let remainder = findings.state.remainders.iter().find(|remainder| remainder.effects == chosen.effects);
+        let found = remainder.is_some_and(|remainder| remainder.p <= self.settings().false_alarm);
+        let freedom = chosen.residuals.len() as f64 - free(chosen) as f64;
+        let far = chi_square_sf(chosen.chi_square, freedom.max(1.0)) < FAR_FROM_NOISE;
+        let rather_else = findings.weights.unexplained > 0.5;
+        (found && far) || rather_else
+    }
+
+    /// All fitted effects, most probable first.
+    fn effects(&self, findings: &Findings<'_>) -> Vec<EffectResult> {
+        let state = findings.state;
+        let mut seen: Vec<usize> = state.refits.iter().flat_map(|refit| refit.effects.iter().copied()).collect();
+        seen.sort_unstable();
+        seen.dedup();
+        let mut ranked: Vec<(f64, f64, usize)> = seen
+            .into_iter()
+            .map(|effect| {
+                let alone = state.refits.iter().find(|refit| refit.effects == [effect]);
+                (findings.probability(effect), alone.map_or(f64::NEG_INFINITY, |refit| refit.log_evidence), effect)
+            })
+            .collect();
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)).then(a.2.cmp(&b.2)));
+        let most = ranked.into_iter().take(MOST_WRITTEN);
+        most.map(|(probability, _, effect)| self.effect(findings, effect, probability)).collect()
+    }
+
+    fn effect(&self, findings: &Findings<'_>, effect: usize, probability: f64) -> EffectResult {
+        let (problem, state) = (findings.problem, findings.state);
+        let candidate = &problem.candidates[effect];
+        let file = problem.catalogue.get(&candidate.effect);
+        // Its best set: the selected one where it belongs to it, else the most probable.
+        let with = |place: &usize| state.refits[*place].effects.contains(&effect);
+        let better = |a: usize, b: usize| if findings.weights.sets[b] > findings.weights.sets[a] { b } else { a };
+        let own = Some(findings.selected).filter(with).or_else(|| (0..state.refits.len()).filter(with).reduce(better));
+        let own = own.unwrap_or(0);
+        let refit = &state.refits[own];
+        let rest: Vec<usize> = refit.effects.iter().copied().filter(|&other| other != effect).collect();
+        let before = state.refits.iter().find(|other| other.effects == rest).unwrap_or(&state.refits[0]);
+        let position = refit.effects.iter().position(|&other| other == effect);
+        let amplitudes: BTreeMap<String, Amount> = position
+            .map(|position| {
+                let list = refit.amplitudes[position].iter();
+                list.map(|a| {
+                    let amount = Amount { value: a.value, sd: a.sd, unit: a.unit.clone(), at_bound: a.at_bound };
+                    (a.name.clone(), amount)
+                })
+                .collect()
+            })
+            .unwrap_or_default();
+        let group = findings.groups.iter().position(|group| group.contains(&effect)).map(|group| group as u64 + 1);
+        let scales = group.and_then(|_| self.at_scales(findings, refit, before));
+        EffectResult {
+            id: candidate.id.clone(),
+            effect: candidate.effect.clone(),
+            title: file.map(|file| file.form.title.clone()).unwrap_or_default(),
+            place: candidate.place.clone(),
+            where_kind: candidate.where_kind.to_owned(),
+            input: candidate.input.clone(),
+            probability,
+            log_bayes_factor: refit.log_evidence - before.log_evidence,
+            log_bayes_factor_scales: scales,
+            group,
+            amplitudes,
+            rmse_k: RmseChange {
+                train: [before.rmse_train_k, refit.rmse_train_k],
+                held_out: [before.rmse_held_out_k, refit.rmse_held_out_k],
+            },
+            watts: None,
+            confused_with: file
+                .map(|file| file.form.confused_with.iter().map(|name| name.value.clone()).collect())
+                .unwrap_or_default(),
+            separate: file.and_then(|file| file.form.separate.clone()).unwrap_or_default(),
+        }
+    }
+
+    /// Log Bayes factors with the amplitudes' priors at half and at double scale.
+    fn at_scales(&self, findings: &Findings<'_>, refit: &Refit, before: &Refit) -> Option<[f64; 2]> {
+        let at = |scale: f64| {
+            let begin = Begin { starts: vec![refit.by_name()], from_prior: 0, scale };
+            let found = findings.problem.refit(&refit.effects, &begin, self.key()).ok()?;
+            Some(found.log_evidence - before.log_evidence).filter(|value| value.is_finite())
+        };
+        Some([at(0.5)?, at(2.0)?])
+    }
+}
+
+/// Number of parameters that are not held at a bound.
+fn free(refit: &Refit) -> usize {
+    refit.held.iter().filter(|held| !**held).count()
+}
+
+fn named(findings: &Findings<'_>, effects: &[usize]) -> String {
+    let ids: Vec<&str> = effects.iter().map(|&effect| findings.id(effect)).collect();
+    ids.join(" + ")
+}
+
+impl Findings<'_> {
+    /// Selects the most probable set, its rivals and its groups.
+    fn select(&mut self) {
+        self.selected = best(&self.weights).unwrap_or(0);
+        if self.selected == 0 {
+            return;
+        }
+        self.rivals = rivals(&self.state.refits, &self.weights, self.selected);
+        let own = self.state.refits[self.selected].effects.clone();
+        self.groups = own.iter().map(|&effect| vec![effect]).collect();
+        for &rival in &self.rivals[1..] {
+            let other = &self.state.refits[rival].effects;
+            let absent: Vec<usize> = own.iter().copied().filter(|effect| !other.contains(effect)).collect();
+            let new = other.iter().copied().filter(|effect| !own.contains(effect));
+            for (position, effect) in new.enumerate() {
+                // In the place of the member that it stands for; the last where there are more than members.
+                let Some(&member) = absent.get(position).or(absent.last()) else { continue };
+                let group = own.iter().position(|&known| known == member).unwrap_or(0);
+                if !self.groups.iter().any(|group| group.contains(&effect)) {
+                    self.groups[group].push(effect);
+                }
+            }
+        }
+    }
+
+    fn judge(&self) -> Verdict {
+        let alone = self.groups.iter().all(|group| group.len() == 1) && self.rivals.len() == 1;
+        let sure = self.groups.iter().all(|group| group.iter().map(|&e| self.probability(e)).sum::<f64>() >= SURE);
+        if alone && sure { Verdict::Identified } else { Verdict::Ambiguous }
+    }
+}
+
+fn misfit(problem: &Problem, state: &State) -> Misfit {
+    let believed = &state.refits[0];
+    let freedom = (believed.residuals.len() as f64 - free(believed) as f64).max(1.0);
+    let tests = state.screening.family.tests.iter();
+    let _ = problem;
+    Misfit {
+        reduced_chi2: believed.chi_square / freedom,
+        family_wise_p: state.screening.family.p,
+        rmse_k: Rmse { train: believed.rmse_train_k, held_out: believed.rmse_held_out_k },
+        tests: tests.map(|test| Test { name: test.name.clone(), at: test.at.clone(), p: test.p }).collect(),
+    }
+}
+
+fn models(findings: &Findings<'_>) -> Vec<ModelResult> {
+    let refits = &findings.state.refits;
+    let mut order: Vec<usize> = (0..refits.len()).collect();
+    order.sort_by(|&a, &b| findings.weights.sets[b].total_cmp(&findings.weights.sets[a]).then(a.cmp(&b)));
+    let result = |place: usize| {
+        let refit = &refits[place];
+        ModelResult {
+            effects: refit.effects.iter().map(|&effect| findings.id(effect).to_owned()).collect(),
+            log_evidence: refit.log_evidence,
+            probability: findings.weights.sets[place],
+            chi_square: refit.chi_square,
+            rmse_k: Rmse { train: refit.rmse_train_k, held_out: refit.rmse_held_out_k },
+        }
+    };
+    order.into_iter().take(MOST_WRITTEN).map(result).collect()
+}
+
+fn unseen(findings: &Findings<'_>) -> Vec<Unseen> {
+    let list = findings.state.screening.unseen.iter();
+    list.map(|(effect, why)| Unseen { id: findings.id(*effect).to_owned(), why: why.clone() }).collect()
+}
+
+fn detectable(findings: &Findings<'_>) -> BTreeMap<String, Detectable> {
+    let list = findings.state.screening.detectable.iter();
+    list.map(|(effect, value, unit)| {
+        (findings.id(*effect).to_owned(), Detectable { value: *value, unit: unit.clone() })
+    })
+    .collect()
+}
+
+fn noise(problem: &Problem, state: &State) -> BTreeMap<String, NoiseResult> {
+    let mut results = BTreeMap::new();
+    for (index, measurement) in problem.measurements.iter().enumerate() {
+        for (place, sensor) in measurement.sensors.iter().enumerate() {
+            let part = |value: &Option<crate::inference::measurement::Uncertain>| value.as_ref().map(|v| v.nominal());
+            let (sigma, white) = (part(&sensor.sigma).unwrap_or(0.0), part(&sensor.white).unwrap_or(0.0));
+            let total = (sigma * sigma + white * white).sqrt();
+            let time = part(&sensor.correlation_time_s).filter(|_| matches!(measurement.rows, Rows::Transient { .. }));
+            let share = if time.is_some() && total > 0.0 { sigma * sigma / (total * total) } else { 0.0 };
+            let estimated = state.noise.iter().any(|one| one.measurement == index && one.sensor == place);
+            results.insert(
+                sensor.name.clone(),
+                NoiseResult {
+                    sigma: total,
+                    correlation_time_s: time,
+                    correlated_share: share,
+                    unit: problem.model.quantities[sensor.quantity].unit.clone(),
+                    estimated,
+                },
+            );
+        }
+    }
+    results
+}

@@ -1,0 +1,299 @@
+//! The course of a diagnosis: screen everything, fit the best sets, go on from the best of these until nothing is left,
+//! conclude. Every step is a pure function of the problem and of what was found before.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::noise::{SettledNoise, settle};
+use super::refit::Begin;
+use super::screen::{Lead, Screening};
+use super::weigh::{best, weigh};
+use super::{Problem, Refit, Settings};
+use crate::random::StreamKey;
+
+/// Single effects that are fitted at first.
+const SINGLES: usize = 30;
+/// Pairs that are fitted at first.
+const PAIRS: usize = 30;
+/// Single effects that are fitted where no test finds anything.
+const SINGLES_OF_NOTHING: usize = 10;
+/// Effects that are tried beside a set, or in the place of one of its members.
+const BESIDE: usize = 8;
+/// Most rounds of extension.
+const MOST_ROUNDS: u32 = 8;
+/// Starts of the believed model.
+const STARTS: usize = 8;
+
+/// A diagnosis of a problem.
+#[derive(Debug)]
+pub struct Diagnosis {
+    problem: Problem,
+    settings: Settings,
+    key: StreamKey,
+}
+
+/// A set of effects to be fitted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Order {
+    /// Positions of the effects, ascending.
+    pub effects: Vec<usize>,
+    /// Starts of the effects' parameters by name, SI.
+    pub starts: Vec<BTreeMap<String, f64>>,
+    /// Position of the fit whose other unknowns are the start.
+    pub from: usize,
+}
+
+/// The noise of a sensor as it was settled.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SettledSensor {
+    /// Position of the measurement.
+    pub measurement: usize,
+    /// Position of the sensor.
+    pub sensor: usize,
+    /// Its noise.
+    pub noise: SettledNoise,
+}
+
+/// What a set of effects leaves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Remainder {
+    /// The set.
+    pub effects: Vec<usize>,
+    /// Its family-wise p.
+    pub p: f64,
+}
+
+/// What was found so far.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Rounds of fits that were finished.
+    pub rounds: u32,
+    /// Noise that was estimated.
+    pub noise: Vec<SettledSensor>,
+    /// What screening of the believed model found.
+    pub screening: Screening,
+    /// Fits; the first is the believed model's.
+    pub refits: Vec<Refit>,
+    /// Sets to be fitted.
+    pub pending: Vec<Order>,
+    /// What sets leave.
+    pub remainders: Vec<Remainder>,
+    /// What went wrong.
+    pub warnings: Vec<String>,
+}
+
+impl State {
+    /// Takes the fits of the pending sets, in order.
+    pub fn take(&mut self, refits: Vec<Result<Refit, String>>) {
+        for refit in refits {
+            match refit {
+                Ok(refit) => self.refits.push(refit),
+                Err(why) => self.warn(why),
+            }
+        }
+    }
+
+    fn warn(&mut self, why: String) {
+        if !self.warnings.contains(&why) {
+            self.warnings.push(why);
+        }
+    }
+
+    fn is_known(&self, effects: &[usize]) -> bool {
+        self.refits.iter().any(|refit| refit.effects == effects)
+            || self.pending.iter().any(|order| order.effects == effects)
+    }
+
+    /// Orders a fit of a set, unless it is there.
+    fn order(&mut self, leads: &[&Lead], with: &[usize], from: usize) {
+        let mut effects: Vec<usize> = leads.iter().map(|lead| lead.candidate).chain(with.iter().copied()).collect();
+        effects.sort_unstable();
+        effects.dedup();
+        if effects.len() != leads.len() + with.len() || self.is_known(&effects) {
+            return;
+        }
+        let mut starts = vec![BTreeMap::new()];
+        for lead in leads {
+            let mut longer = Vec::new();
+            for own in &lead.starts {
+                for start in &starts {
+                    let mut both = start.clone();
+                    both.extend(own.iter().map(|(name, value)| (name.clone(), *value)));
+                    longer.push(both);
+                }
+            }
+            starts = longer;
+        }
+        starts.truncate(4);
+        self.pending.push(Order { effects, starts, from });
+    }
+}
+
+impl Diagnosis {
+    /// A diagnosis; all random numbers come from `key`.
+    pub fn new(problem: Problem, settings: Settings, key: StreamKey) -> Self {
+        Self { problem, settings, key }
+    }
+
+    /// What is diagnosed.
+    pub fn problem(&self) -> &Problem {
+        &self.problem
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The streams of random numbers.
+    pub(super) fn key(&self) -> &StreamKey {
+        &self.key
+    }
+
+    /// The problem with the estimated noise as if it were known.
+    pub(super) fn settled(&self, noise: &[SettledSensor]) -> Problem {
+        let mut problem = self.problem.clone();
+        for one in noise {
+            settle(&mut problem.measurements[one.measurement], one.sensor, &one.noise);
+        }
+        problem
+    }
+
+    /// Fits the believed model, settles the noise and screens all effects and pairs.
+    ///
+    /// # Errors
+    /// Why the believed model cannot be fitted.
+    pub fn screen(&self) -> Result<State, String> {
+        let begin = Begin { starts: Vec::new(), from_prior: STARTS, scale: 1.0 };
+        let declared = self.problem.refit(&[], &begin, &self.key)?;
+        let noise = self.settle_noise(&declared)?;
+        let problem = self.settled(&noise);
+        let mut believed = declared;
+        if !noise.is_empty() {
+            let begin = Begin { starts: vec![believed.by_name()], from_prior: 2, scale: 1.0 };
+            believed = problem.refit(&[], &begin, &self.key)?;
+        }
+        let screening = self.screen_problem(&problem, &believed, true)?;
+        let mut state = State {
+            rounds: 0,
+            noise,
+            screening: screening.clone(),
+            refits: vec![believed],
+            pending: Vec::new(),
+            remainders: vec![Remainder { effects: Vec::new(), p: screening.family.p }],
+            warnings: Vec::new(),
+        };
+        let finds = screening.family.p <= self.settings.false_alarm;
+        let singles = if finds { SINGLES } else { SINGLES_OF_NOTHING };
+        for lead in screening.leads.iter().take(singles) {
+            state.order(&[lead], &[], 0);
+        }
+        if finds && self.settings.most > 1 {
+            for pair in screening.pairs.iter().take(PAIRS) {
+                state.order(&[&pair[0], &pair[1]], &[], 0);
+            }
+        }
+        Ok(state)
+    }
+
+    /// The sets to be fitted now; none: it is time to conclude.
+    pub fn orders(&self, state: &State) -> Vec<Order> {
+        state.pending.clone()
+    }
+
+    /// Fits a set.
+    ///
+    /// # Errors
+    /// Why it cannot be fitted.
+    pub fn refit(&self, state: &State, order: &Order) -> Result<Refit, String> {
+        let problem = self.settled(&state.noise);
+        let base = state.refits.get(order.from).map(Refit::by_name).unwrap_or_default();
+        let starts = order.starts.iter().map(|own| {
+            let mut start = base.clone();
+            start.extend(own.iter().map(|(name, value)| (name.clone(), *value)));
+            start
+        });
+        let begin = Begin { starts: starts.collect(), from_prior: 0, scale: 1.0 };
+        let names = order.effects.iter().map(|&effect| self.problem.candidates[effect].id.as_str());
+        let names: Vec<&str> = names.collect();
+        problem.refit(&order.effects, &begin, &self.key).map_err(|why| format!("{}: {why}", names.join(" + ")))
+    }
+
+    /// Tests what the best set leaves, and orders the sets that go on from it.
+    pub fn extend(&self, mut state: State) -> State {
+        state.pending.clear();
+        state.rounds += 1;
+        let weights = weigh(&self.problem, &state.refits, None);
+        let Some(place) = best(&weights) else { return state };
+        let set = state.refits[place].effects.clone();
+        if set.is_empty() || state.rounds > MOST_ROUNDS || state.remainders.iter().any(|r| r.effects == set) {
+            return state;
+        }
+        let problem = self.settled(&state.noise);
+        match self.screen_beside(&problem, &state.refits[place]) {
+            Err(why) => state.warn(why),
+            Ok(screening) => {
+                state.remainders.push(Remainder { effects: set.clone(), p: screening.family.p });
+                if screening.family.p <= self.settings.false_alarm && (set.len() as u64) < self.settings.most {
+                    for lead in screening.leads.iter().take(2 * BESIDE) {
+                        state.order(&[lead], &set, place);
+                    }
+                    if set.len() as u64 + 2 <= self.settings.most {
+                        for pair in screening.pairs.iter().take(BESIDE) {
+                            state.order(&[&pair[0], &pair[1]], &set, place);
+                        }
+                    }
+                }
+            }
+        }
+        self.replace_members(&problem, &mut state, place);
+        state
+    }
+
+    /// Orders the sets in which another effect stands in the place of a member, and those without it.
+    fn replace_members(&self, problem: &Problem, state: &mut State, place: usize) {
+        let set = state.refits[place].effects.clone();
+        if set.len() < 2 {
+            return;
+        }
+        for &member in &set {
+            let rest: Vec<usize> = set.iter().copied().filter(|&other| other != member).collect();
+            let Some(from) = state.refits.iter().position(|refit| refit.effects == rest) else {
+                state.order(&[], &rest, place);
+                continue;
+            };
+            match self.screen_beside(problem, &state.refits[from]) {
+                Err(why) => state.warn(why),
+                Ok(screening) => {
+                    for lead in screening.leads.iter().take(BESIDE) {
+                        state.order(&[lead], &rest, from);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Screens what a fitted set leaves.
+    fn screen_beside(&self, problem: &Problem, refit: &Refit) -> Result<Screening, String> {
+        let with = problem.with(&refit.effects).map_err(|error| error.to_string())?;
+        self.screen_problem(&with, refit, false)
+    }
+
+    /// The whole diagnosis, step after step.
+    ///
+    /// # Errors
+    /// As [`Diagnosis::screen`].
+    pub fn run(&self) -> Result<super::Output, String> {
+        let mut state = self.screen()?;
+        loop {
+            let orders = self.orders(&state);
+            if orders.is_empty() {
+                return Ok(self.conclude(&state));
+            }
+            let refits = orders.iter().map(|order| self.refit(&state, order)).collect();
+            state.take(refits);
+            state = self.extend(state);
+        }
+    }
+}

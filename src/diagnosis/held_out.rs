@@ -1,0 +1,135 @@
+//! What the held-out rows say of a set of effects: a paired test of the squared errors, in blocks.
+
+use std::collections::BTreeMap;
+
+use super::output::HeldOutTest;
+use super::signature::linearise;
+use super::{Linear, Problem, Refit};
+use crate::inference::cholesky;
+use crate::inference::measurement::{Measurement, Rows};
+use crate::math::special::{chi_square_sf, student_t_cdf};
+
+/// Probability below which the test speaks against a set.
+const AGAINST: f64 = 0.01;
+/// Probability of the errors' size below which it speaks against a set that is not clearly better.
+const FAR: f64 = 1e-3;
+/// Standard errors by which a set is clearly better.
+const CLEARLY: f64 = 2.0;
+/// Correlation times of a block.
+const TIMES_OF_BLOCK: f64 = 3.0;
+/// Fewest blocks that are tested.
+const LEAST_BLOCKS: usize = 4;
+
+/// Tests whether a set predicts the held-out rows worse than the believed model, or predicts them badly without being
+/// clearly better. A block is a phase, or three correlation times of a transient. `None` without held-out rows.
+/// `stated`: all noise is stated, so that the size of the errors itself can be judged.
+pub(super) fn test(problem: &Problem, believed: &Refit, chosen: &Refit, stated: bool) -> Option<HeldOutTest> {
+    let mut blocks: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+    for (before, after) in believed.held_out.iter().zip(&chosen.held_out) {
+        if before.sigma > 0.0 && before.error.is_finite() && after.error.is_finite() {
+            let gain = (before.error * before.error - after.error * after.error) / (before.sigma * before.sigma);
+            *blocks.entry((before.measurement, block(problem, before.measurement, before.row))).or_default() += gain;
+        }
+    }
+    let count = blocks.len();
+    if count == 0 {
+        return None;
+    }
+    let mean = blocks.values().sum::<f64>() / count as f64;
+    let square = blocks.values().map(|gain| (gain - mean) * (gain - mean)).sum::<f64>();
+    let se = (square / (count * (count - 1)).max(1) as f64).sqrt();
+    let worse = count >= LEAST_BLOCKS && se > 0.0 && student_t_cdf(mean / se, (count - 1) as f64) < AGAINST;
+    let judged = chi_square(problem, chosen);
+    let p = judged.map(|(square, readings)| chi_square_sf(square, readings as f64));
+    let clearly_better = mean > CLEARLY * se;
+    let bad = stated && p.is_some_and(|p| p < FAR) && !clearly_better;
+    Some(HeldOutTest {
+        gain: mean,
+        se,
+        blocks: count as u64,
+        chi_square: judged.map(|(square, _)| square),
+        readings: chosen.held_out.len() as u64,
+        p,
+        veto: worse || bad,
+    })
+}
+
+/// Sum of squares of the held-out errors over the covariance of noise and of the parameters after the fit, and their
+/// number: with `F` the slopes of the whitened predictions, `M` the information of the fit,
+/// `r' (I + F M^-1 F')^-1 r = r' r - r' F (M + F' F)^-1 F' r` (Woodbury).
+fn chi_square(problem: &Problem, chosen: &Refit) -> Option<(f64, usize)> {
+    let with = problem.with(&chosen.effects).ok()?;
+    let fitted = linear(&with, chosen)?;
+    let mut exchanged = with;
+    for measurement in &mut exchanged.measurements {
+        exchange(measurement);
+    }
+    let predicted = linear(&exchanged, chosen)?;
+    let n = fitted.parameters();
+    let free: Vec<usize> = (0..n).filter(|&i| fitted.lower[i] < 0.0 && fitted.upper[i] > 0.0).collect();
+    let k = free.len();
+    let mut matrix = vec![0.0; k * k];
+    let slopes = fitted.jacobian.chunks_exact(n.max(1));
+    for row in slopes.chain(predicted.jacobian.chunks_exact(n.max(1)).take(predicted.readings)) {
+        for (a, &i) in free.iter().enumerate() {
+            for (b, &j) in free.iter().enumerate() {
+                matrix[a * k + b] += row[i] * row[j];
+            }
+        }
+    }
+    for (a, &i) in free.iter().enumerate() {
+        let width = fitted.upper[i] - fitted.lower[i];
+        if width.is_finite() && width > 0.0 {
+            matrix[a * k + a] += 12.0 / (width * width);
+        }
+    }
+    let residuals = &predicted.residuals[..predicted.readings];
+    let mut right = vec![0.0; k];
+    for (row, r) in predicted.jacobian.chunks_exact(n.max(1)).zip(residuals) {
+        for (a, &i) in free.iter().enumerate() {
+            right[a] += row[i] * r;
+        }
+    }
+    cholesky::factor(&mut matrix, k).ok()?;
+    cholesky::solve_lower(&matrix, &mut right);
+    let square = residuals.iter().map(|r| r * r).sum::<f64>() - right.iter().map(|v| v * v).sum::<f64>();
+    (predicted.readings > 0).then_some((square.max(0.0), predicted.readings))
+}
+
+fn linear(problem: &Problem, chosen: &Refit) -> Option<Linear> {
+    let likelihood = problem.hypothesis(&[], 1.0).ok()?.likelihood(problem).ok()?;
+    let known = chosen.by_name();
+    let at: Vec<f64> =
+        likelihood.unknowns().names.iter().map(|name| known.get(name).copied()).collect::<Option<_>>()?;
+    linearise(&likelihood, &at).ok()
+}
+
+/// Lets the held-out rows be the fitted ones, and these be none.
+fn exchange(measurement: &mut Measurement) {
+    let width = measurement.sensors.len();
+    for row in 0..measurement.len() {
+        if !measurement.held_out(row) {
+            measurement.readings[row * width..(row + 1) * width].fill(None);
+        }
+    }
+    match &mut measurement.rows {
+        Rows::Steady(phases) => phases.iter_mut().for_each(|phase| phase.held_out = false),
+        Rows::Transient { held_out, .. } => held_out.fill(false),
+    }
+}
+
+/// Number of the block of a row.
+fn block(problem: &Problem, measurement: usize, row: usize) -> usize {
+    let measurement = &problem.measurements[measurement];
+    match &measurement.rows {
+        Rows::Steady(_) => row,
+        Rows::Transient { inputs, .. } => {
+            let times = measurement.sensors.iter().filter_map(|s| s.correlation_time_s.as_ref().map(|t| t.nominal()));
+            let longest = times.fold(0.0, f64::max);
+            let span = inputs.times_s.last().unwrap_or(&0.0) - inputs.times_s.first().unwrap_or(&0.0);
+            // Errors of a model are correlated where its noise is not: at least a fiftieth of the whole.
+            let length = (TIMES_OF_BLOCK * longest).max(0.02 * span).max(f64::MIN_POSITIVE);
+            ((inputs.times_s[row] - inputs.times_s.first().unwrap_or(&0.0)) / length) as usize
+        }
+    }
+}

@@ -1,0 +1,280 @@
+//! Noise of sensors whose noise is not wholly known, estimated so that missing physics is not taken for noise.
+//!
+//! The residuals of the fit hold noise and whatever the model lacks. So they are first freed of the parameters and of the
+//! pair of effects that explains most, by least squares on the linearised problem; what is left is given, sensor by
+//! sensor, the most likely Ornstein-Uhlenbeck process with white noise beside it (`inference::noise`), its variance
+//! enlarged by the freedom that the fit took. A stated sigma stands: then only the share and the time of the correlation
+//! are sought, and kept if they earn more than their freedom (Schwarz 1978).
+
+use serde::{Deserialize, Serialize};
+
+use crate::inference::measurement::{Measurement, Rows, Uncertain};
+use crate::inference::noise::{Noise, Series};
+use crate::inference::unknown::Value;
+use crate::math::functions::{exp, ln};
+
+/// Readings of one sensor in the order of time, with their places among the rows of a linearised problem.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SensorRows {
+    /// Position of the measurement.
+    pub measurement: usize,
+    /// Position of the sensor.
+    pub sensor: usize,
+    /// Rows of the linearised problem, in the order of time.
+    pub rows: Vec<usize>,
+    /// Instants, s; in steady data the phases' numbers.
+    pub times_s: Vec<f64>,
+}
+
+/// Noise of a sensor as it was estimated, SI.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SettledNoise {
+    /// Standard deviation of the correlated part; of all noise where there is no correlation.
+    pub sigma: f64,
+    /// Correlation time, s.
+    pub correlation_time_s: Option<f64>,
+    /// Standard deviation of white noise beside the correlated part.
+    pub white: Option<f64>,
+}
+
+impl SettledNoise {
+    /// White noise.
+    pub fn white(sigma: f64) -> Self {
+        Self { sigma, correlation_time_s: None, white: None }
+    }
+
+    /// Standard deviation of one reading.
+    pub fn total(&self) -> f64 {
+        let white = self.white.unwrap_or(0.0);
+        if white == 0.0 { self.sigma } else { (self.sigma * self.sigma + white * white).sqrt() }
+    }
+
+    fn noise(&self) -> Noise {
+        Noise {
+            sigma: Value::Known(self.sigma),
+            correlation_time_s: self.correlation_time_s.map(Value::Known),
+            white: self.white.map(Value::Known),
+        }
+    }
+
+    /// Whitens a sensor's values in place; returns the sum of the logarithms of the standard deviations, negative.
+    pub fn whiten(&self, times_s: &[f64], values: &mut [f64]) -> f64 {
+        let mut scales = vec![0.0; values.len()];
+        let mut series =
+            Series { times_s, values, jacobian: &mut [], log_scales: &mut scales, scale_gradient: &mut [] };
+        // Noise that is settled is above 0.
+        let _ = self.noise().whiten(&[], &mut series);
+        scales.iter().sum()
+    }
+}
+
+/// Whether a sensor's noise leaves something to estimate.
+pub fn is_open(measurement: &Measurement, sensor: usize) -> bool {
+    let own = &measurement.sensors[sensor];
+    let inferred = |value: &Option<Uncertain>| value.as_ref().is_some_and(|value| value.prior().is_some());
+    let unstated = own.correlation_time_s.is_none() && matches!(measurement.rows, Rows::Transient { .. });
+    own.sigma.is_none() || inferred(&own.sigma) || inferred(&own.white) || inferred(&own.correlation_time_s) || unstated
+}
+
+/// What is known of a sensor's noise beforehand.
+struct Known {
+    /// Standard deviation of one reading, where it is stated.
+    total: Option<f64>,
+    /// Shares of the correlated part in the variance that are tried.
+    shares: Vec<f64>,
+    /// Correlation times that are tried, s.
+    times_s: Vec<f64>,
+}
+
+/// Shares of the correlated part that are tried where nothing is stated.
+const SHARES: [f64; 13] = [0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.87, 0.95, 0.99, 1.0];
+/// Number of correlation times that are tried.
+const TIMES: usize = 18;
+/// Fewest readings of a sensor whose correlation is estimated.
+const LEAST_READINGS: usize = 30;
+
+fn known(measurement: &Measurement, sensor: usize, times_s: &[f64]) -> Known {
+    let own = &measurement.sensors[sensor];
+    let fixed = |value: &Option<Uncertain>| match value {
+        Some(value) if value.prior().is_none() => Some(value.nominal()),
+        _ => None,
+    };
+    let white_is_open = own.white.as_ref().is_some_and(|white| white.prior().is_some());
+    let total = match (fixed(&own.sigma), &own.white) {
+        (Some(sigma), None) => Some(sigma),
+        (Some(sigma), Some(_)) if !white_is_open => {
+            let white = fixed(&own.white).unwrap_or(0.0);
+            Some((sigma * sigma + white * white).sqrt())
+        }
+        _ => None,
+    };
+    let steady = matches!(measurement.rows, Rows::Steady(_));
+    let span = times_s.last().copied().unwrap_or(0.0) - times_s.first().copied().unwrap_or(0.0);
+    let step = span / times_s.len().saturating_sub(1).max(1) as f64;
+    let (shares, times) = if steady || times_s.len() < LEAST_READINGS || !(step > 0.0) {
+        (vec![0.0], vec![1.0])
+    } else {
+        let range = match &own.correlation_time_s {
+            Some(value) => value.prior().map_or([value.nominal(); 2], |prior| {
+                [prior.quantile(0.001).max(0.2 * step), prior.quantile(0.999).min(span)]
+            }),
+            None => [0.5 * step, 0.1 * span],
+        };
+        let times = if range[1] > range[0] {
+            let ratio = ln(range[1] / range[0]) / (TIMES - 1) as f64;
+            (0..TIMES).map(|k| range[0] * exp(ratio * k as f64)).collect()
+        } else {
+            vec![range[0]]
+        };
+        let shares = match (&own.correlation_time_s, &own.white) {
+            (Some(_), None) => vec![1.0],
+            (Some(_), Some(_)) if total.is_some() => {
+                let sigma = fixed(&own.sigma).unwrap_or(0.0);
+                vec![sigma * sigma / total.map_or(1.0, |total| total * total)]
+            }
+            _ => SHARES.to_vec(),
+        };
+        (shares, times)
+    };
+    Known { total, shares, times_s: times }
+}
+
+/// The most likely noise of a sensor; `errors` are what is left of its readings, SI, `freedom` the share of the rows
+/// that the fit did not take (above 0, at most 1).
+pub fn most_likely(measurement: &Measurement, series: &SensorRows, errors: &[f64], freedom: f64) -> SettledNoise {
+    let known = known(measurement, series.sensor, &series.times_s);
+    let count = errors.len().max(1) as f64;
+    let mut best: Option<(f64, SettledNoise)> = None;
+    for &share in &known.shares {
+        for &time in &known.times_s {
+            let unit = split(1.0, share, time);
+            let mut whitened = errors.to_vec();
+            let scales = unit.whiten(&series.times_s, &mut whitened);
+            let square = whitened.iter().map(|e| e * e).sum::<f64>() / freedom;
+            let variance = known.total.map_or(square / count, |total| total * total).max(f64::MIN_POSITIVE);
+            let mut log_likelihood = scales - 0.5 * count * ln(variance) - 0.5 * square / variance;
+            if share > 0.0 && known.shares.len() > 1 {
+                // Schwarz' price of two more parameters.
+                log_likelihood -= ln(count);
+            }
+            if best.as_ref().is_none_or(|(value, _)| log_likelihood > *value) {
+                best = Some((log_likelihood, split(variance.sqrt(), share, time)));
+            }
+            if share == 0.0 {
+                break;
+            }
+        }
+    }
+    best.map_or(SettledNoise::white(1.0), |(_, noise)| noise)
+}
+
+/// Noise of a standard deviation of which a share of the variance is correlated.
+fn split(total: f64, share: f64, time_s: f64) -> SettledNoise {
+    if share <= 0.0 {
+        return SettledNoise::white(total);
+    }
+    let white = (share < 1.0).then(|| total * (1.0 - share).sqrt());
+    SettledNoise { sigma: total * share.sqrt(), correlation_time_s: Some(time_s), white }
+}
+
+/// Writes noise into a measurement as known.
+pub fn settle(measurement: &mut Measurement, sensor: usize, noise: &SettledNoise) {
+    let own = &mut measurement.sensors[sensor];
+    own.sigma = Some(Uncertain::Known(noise.sigma));
+    own.correlation_time_s = noise.correlation_time_s.map(Uncertain::Known);
+    own.white = noise.white.map(Uncertain::Known);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inference::measurement::{Initial, InputTable, Sensor};
+    use crate::random::StreamKey;
+
+    fn measurement(rows: usize, step_s: f64, sigma: Option<f64>) -> Measurement {
+        let times_s: Vec<f64> = (0..rows).map(|k| k as f64 * step_s).collect();
+        Measurement {
+            name: "m".into(),
+            rows: Rows::Transient {
+                inputs: InputTable { times_s, ..InputTable::default() },
+                initial: Initial::Steady,
+                held_out: vec![false; rows],
+                ignored: vec![None; rows],
+            },
+            sensors: vec![Sensor {
+                name: "a".into(),
+                quantity: 0,
+                unit: "K".into(),
+                sigma: sigma.map(Uncertain::Known),
+                bias: None,
+                lag_s: None,
+                correlation_time_s: None,
+                white: None,
+            }],
+            readings: vec![Some(0.0); rows],
+            file: String::new(),
+            sha256: String::new(),
+            unused_columns: vec![],
+        }
+    }
+
+    fn drawn(rows: usize, step_s: f64, noise: &SettledNoise, seed: u64) -> Vec<f64> {
+        let mut stream = StreamKey::new(seed, "noise", "test").stream(0);
+        let phi = noise.correlation_time_s.map_or(0.0, |tau| exp(-step_s / tau));
+        let mut state = noise.sigma * stream.normal();
+        (0..rows)
+            .map(|row| {
+                if row > 0 {
+                    state = phi * state + noise.sigma * (1.0 - phi * phi).sqrt() * stream.normal();
+                }
+                state + noise.white.unwrap_or(0.0) * stream.normal()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn white_noise_of_known_size_stays_white_and_correlated_noise_is_found() {
+        let (rows, step) = (400, 60.0);
+        let series = SensorRows {
+            measurement: 0,
+            sensor: 0,
+            rows: (0..rows).collect(),
+            times_s: (0..rows).map(|k| k as f64 * step).collect(),
+        };
+        let stated = measurement(rows, step, Some(0.4));
+        let mut white = 0;
+        for seed in 0..40 {
+            let errors = drawn(rows, step, &SettledNoise::white(0.4), seed);
+            let found = most_likely(&stated, &series, &errors, 1.0);
+            white += usize::from(found.correlation_time_s.is_none());
+            assert!((found.total() - 0.4).abs() < 1e-12);
+        }
+        // Schwarz' price of ln 400 on two parameters is passed by chance in about 1 of 400.
+        assert!(white >= 38, "{white}");
+        let truth = SettledNoise { sigma: 0.4, correlation_time_s: Some(600.0), white: None };
+        for seed in 0..20 {
+            let errors = drawn(rows, step, &truth, seed);
+            let found = most_likely(&stated, &series, &errors, 1.0);
+            let tau = found.correlation_time_s.unwrap();
+            // The relative error of a correlation time of 10 steps from 400 is about sqrt(2 tau / T) = 0.22; 3.5 of them.
+            assert!(tau > 250.0 && tau < 1800.0, "{found:?}");
+            assert!(found.white.unwrap_or(0.0) < 0.2, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn unknown_size_is_estimated() {
+        let (rows, step) = (600, 1.0);
+        let series = SensorRows {
+            measurement: 0,
+            sensor: 0,
+            rows: (0..rows).collect(),
+            times_s: (0..rows).map(|k| k as f64 * step).collect(),
+        };
+        let open = measurement(rows, step, None);
+        let errors = drawn(rows, step, &SettledNoise::white(0.1), 3);
+        let found = most_likely(&open, &series, &errors, 1.0);
+        // The relative error of a standard deviation from 600 is 0.03; 3.5 of them.
+        assert!((found.total() - 0.1).abs() < 0.0105, "{found:?}");
+    }
+}

@@ -1,0 +1,285 @@
+//! The result of a diagnosis.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What is said of a model against its data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// No test finds anything.
+    Adequate,
+    /// One set of effects explains the misfit.
+    Identified,
+    /// Several sets explain it about equally.
+    Ambiguous,
+    /// Something is missing and nothing in the catalogue explains it.
+    Unexplained,
+}
+
+impl Verdict {
+    /// In a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Adequate => "adequate",
+            Self::Identified => "identified",
+            Self::Ambiguous => "ambiguous",
+            Self::Unexplained => "unexplained",
+        }
+    }
+}
+
+/// An error on the fitted rows and on the held-out ones, K.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Rmse {
+    /// On the fitted rows.
+    pub train: Option<f64>,
+    /// On the held-out rows.
+    pub held_out: Option<f64>,
+}
+
+/// How an effect changes the errors, K: before and after.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RmseChange {
+    /// On the fitted rows.
+    pub train: [Option<f64>; 2],
+    /// On the held-out rows.
+    pub held_out: [Option<f64>; 2],
+}
+
+/// One test of the family.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Test {
+    /// What was tested.
+    pub name: String,
+    /// What it found worst.
+    pub at: String,
+    /// Its p-value, corrected for its own multiplicity.
+    pub p: f64,
+}
+
+/// The misfit of the tuned model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Misfit {
+    /// Sum of squares of the whitened residuals over their freedom.
+    pub reduced_chi2: f64,
+    /// Probability of a misfit as clear as this where nothing is missing, over all tests.
+    pub family_wise_p: f64,
+    /// Errors of the tuned model.
+    pub rmse_k: Rmse,
+    /// The tests behind it.
+    pub tests: Vec<Test>,
+}
+
+/// A number with its spread and unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Amount {
+    /// Most probable value.
+    pub value: f64,
+    /// Standard deviation; 0 at a bound.
+    pub sd: f64,
+    /// Unit.
+    pub unit: String,
+    /// Whether the fit pressed it against a bound.
+    pub at_bound: bool,
+}
+
+/// An effect as an explanation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EffectResult {
+    /// Such as `conductive-path:baseplate:board`.
+    pub id: String,
+    /// The effect.
+    pub effect: String,
+    /// Its title.
+    pub title: String,
+    /// Names of its place.
+    #[serde(rename = "where")]
+    pub place: Vec<String>,
+    /// Kind of its place.
+    pub where_kind: String,
+    /// What its inputs stand for.
+    pub input: Option<String>,
+    /// Probability that it is missing.
+    pub probability: f64,
+    /// Log Bayes factor for it, the rest of its best set given.
+    pub log_bayes_factor: f64,
+    /// The same with the amplitude's prior at half and at double scale.
+    pub log_bayes_factor_scales: Option<[f64; 2]>,
+    /// Number of its group; effects of one group cannot be told apart with these data.
+    pub group: Option<u64>,
+    /// Its parameters at the fit of its best set.
+    pub amplitudes: BTreeMap<String, Amount>,
+    /// Errors without it and with it, the rest of its best set given.
+    pub rmse_k: RmseChange,
+    /// Heat that it moves, W: smallest and largest over the fitted rows; `None` for sensors.
+    pub watts: Option<[f64; 2]>,
+    /// What it is confused with, from its file.
+    pub confused_with: Vec<String>,
+    /// What would tell it apart, from its file.
+    pub separate: String,
+}
+
+/// A set of effects.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ModelResult {
+    /// Ids.
+    pub effects: Vec<String>,
+    /// Log evidence.
+    pub log_evidence: f64,
+    /// Probability.
+    pub probability: f64,
+    /// Sum of squares of the whitened residuals.
+    pub chi_square: f64,
+    /// Errors.
+    pub rmse_k: Rmse,
+}
+
+/// An effect that the data cannot see.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Unseen {
+    /// Id.
+    pub id: String,
+    /// Why.
+    pub why: String,
+}
+
+/// An amplitude.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Detectable {
+    /// Amplitude that would have shown in nine of ten cases.
+    pub value: f64,
+    /// Unit.
+    pub unit: String,
+}
+
+/// A sensor's noise as it was used.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct NoiseResult {
+    /// Standard deviation of one reading, SI.
+    pub sigma: f64,
+    /// Correlation time, s.
+    pub correlation_time_s: Option<f64>,
+    /// Share of the variance that is correlated.
+    pub correlated_share: f64,
+    /// Unit of sigma.
+    pub unit: String,
+    /// Whether the diagnosis estimated it.
+    pub estimated: bool,
+}
+
+/// A value with its unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Setting {
+    /// SI.
+    pub value: f64,
+    /// SI unit.
+    pub unit: String,
+}
+
+/// Conditions that would part rivals.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SeparatingExperiment {
+    /// Ids of the rivals.
+    pub between: Vec<String>,
+    /// Inputs to set.
+    pub conditions: BTreeMap<String, Setting>,
+    /// Probability of telling them apart.
+    pub probability: f64,
+    /// The same for repeating the best of the old phases.
+    pub repeat_probability: f64,
+    /// Whether no red limit of a node is passed there.
+    pub limits_ok: bool,
+    /// What the rivals predict there: sensor, and each rival's reading, K.
+    pub predictions: BTreeMap<String, Vec<f64>>,
+}
+
+/// Heat that the model lacks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Heat {
+    /// The node.
+    pub node: String,
+    /// The phase, in steady data.
+    pub phase: Option<String>,
+    /// The instant, in transients, s.
+    pub time_s: Option<f64>,
+    /// Heat, W.
+    pub watts: f64,
+    /// Its standard deviation, W.
+    pub sd: f64,
+}
+
+/// An input that the missing heat goes with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct GoesWith {
+    /// The node.
+    pub node: String,
+    /// The input.
+    pub input: String,
+    /// Slope, W per SI unit of the input.
+    pub slope: f64,
+    /// p-value of no relation, corrected for the number of inputs and nodes.
+    pub p: f64,
+}
+
+/// What the held-out rows say of the selected set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct HeldOutTest {
+    /// Mean fall of the squared error in units of the noise, a block; above 0 where the set is better.
+    pub gain: f64,
+    /// Its standard error.
+    pub se: f64,
+    /// Blocks.
+    pub blocks: u64,
+    /// Sum of squares of the held-out errors of the set over the covariance of noise and parameters.
+    pub chi_square: Option<f64>,
+    /// Held-out readings.
+    pub readings: u64,
+    /// Probability of a larger sum of squares where nothing else is missing.
+    pub p: Option<f64>,
+    /// Whether it speaks against the set.
+    pub veto: bool,
+}
+
+/// The result.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Output {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The verdict in sentences.
+    pub words: Vec<String>,
+    /// Probability that nothing is missing.
+    pub probability_nothing: f64,
+    /// Probability that something is missing which no set explains.
+    pub probability_unexplained: f64,
+    /// The misfit of the tuned model.
+    pub misfit: Misfit,
+    /// Effects, most probable first.
+    pub effects: Vec<EffectResult>,
+    /// Sets, most probable first.
+    pub models: Vec<ModelResult>,
+    /// The set that would be adopted.
+    pub selected: Vec<String>,
+    /// Effects that these data cannot see.
+    pub unseen: Vec<Unseen>,
+    /// Amplitudes that would have shown with 90 % power, by id.
+    pub detectable: BTreeMap<String, Detectable>,
+    /// Noise of each sensor; where several measurements have a sensor of one name, that of the last.
+    pub noise: BTreeMap<String, NoiseResult>,
+    /// Conditions that would part the rivals of an ambiguous group.
+    pub separating_experiment: Option<SeparatingExperiment>,
+    /// Heat that the tuned model lacks.
+    pub heat: Vec<Heat>,
+    /// What that heat goes with.
+    pub goes_with: Vec<GoesWith>,
+    /// What the held-out rows say.
+    pub held_out_test: Option<HeldOutTest>,
+    /// Family-wise p of what the selected set leaves.
+    pub remaining_p: Option<f64>,
+    /// Numbers of effects screened, pairs screened and sets fitted.
+    pub looked_at: [u64; 3],
+    /// What went wrong on the way.
+    pub warnings: Vec<String>,
+}

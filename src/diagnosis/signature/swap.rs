@@ -1,0 +1,88 @@
+//! Two sensors whose channels are exchanged: each reads what the other would.
+
+use super::probe::share;
+use super::{Base, Found};
+use crate::effect::Site;
+use crate::inference::likelihood::{Definition, InputError, Likelihood};
+use crate::inference::measurement::{Measurement, Uncertain};
+use crate::inference::target::{LeastSquares, Target};
+
+/// Predictions of every sensor at every row, found when first asked for.
+#[derive(Default)]
+pub(super) struct Swaps {
+    /// By measurement, `rows x sensors`, SI; or why there are none.
+    predictions: Option<Result<Vec<Vec<f64>>, String>>,
+}
+
+impl Swaps {
+    /// The direction of a pair of sensors: amplitude 1 is the exchange.
+    pub fn direction(&mut self, base: &Base<'_>, position: usize) -> Found {
+        let predictions = self.predictions.get_or_insert_with(|| predictions(base)).as_ref().map_err(Clone::clone)?;
+        let Site::Sensors(sensors) = &base.problem.candidates[position].site else {
+            return Err("it has no sensors".to_owned());
+        };
+        let [a, b] = sensors.as_slice() else { return Err("it takes two sensors".to_owned()) };
+        let pairs: Vec<Option<[usize; 2]>> = (base.problem.measurements.iter())
+            .map(|measurement| {
+                let find = |name: &str| measurement.sensors.iter().position(|sensor| sensor.name == name);
+                Some([find(&a.name)?, find(&b.name)?])
+            })
+            .collect();
+        let mut column = vec![0.0; base.residuals.len()];
+        for (value, datum) in column.iter_mut().zip(base.likelihood.data()) {
+            let Some([a, b]) = pairs[datum.measurement] else { continue };
+            let other = match datum.sensor {
+                own if own == a => b,
+                own if own == b => a,
+                _ => continue,
+            };
+            let count = base.problem.measurements[datum.measurement].sensors.len();
+            let at = |sensor: usize| predictions[datum.measurement][datum.row * count + sensor];
+            *value = at(other) - at(datum.sensor);
+        }
+        if column.iter().all(|value| *value == 0.0) {
+            return Err("no measurement has readings of both sensors that differ".to_owned());
+        }
+        base.whitening.apply(&mut column).map_err(|rejected| rejected.to_string())?;
+        column.resize(base.rows, 0.0);
+        Ok(vec![share(position, column, Vec::new())])
+    }
+}
+
+/// Predictions at the fit, as residuals of readings of 0 with noise of 1.
+fn predictions(base: &Base<'_>) -> Result<Vec<Vec<f64>>, String> {
+    let problem = base.problem;
+    let blank: Vec<Measurement> = problem.measurements.iter().map(blank).collect();
+    let measurements: Vec<&Measurement> = blank.iter().collect();
+    let input_errors: Vec<InputError> =
+        problem.input_errors.iter().map(|error| InputError { sigma: None, ..*error }).collect();
+    let definition = Definition {
+        model: &problem.model,
+        priors: &problem.priors,
+        parameters: &problem.parameters,
+        measurements: &measurements,
+        input_errors: &input_errors,
+    };
+    let likelihood = Likelihood::new(&definition).map_err(|error| error.to_string())?;
+    let mut residuals = vec![0.0; likelihood.residual_count()];
+    likelihood
+        .residuals(&base.carried(&likelihood), &mut likelihood.workspace(), &mut residuals)
+        .map_err(|rejected| rejected.to_string())?;
+    let mut predictions: Vec<Vec<f64>> = blank.iter().map(|own| vec![0.0; own.len() * own.sensors.len()]).collect();
+    for (datum, residual) in likelihood.data().iter().zip(residuals) {
+        predictions[datum.measurement][datum.row * blank[datum.measurement].sensors.len() + datum.sensor] = -residual;
+    }
+    Ok(predictions)
+}
+
+/// A measurement with a reading of 0 everywhere.
+fn blank(measurement: &Measurement) -> Measurement {
+    let mut blank = measurement.clone();
+    blank.readings.fill(Some(0.0));
+    for sensor in &mut blank.sensors {
+        sensor.sigma = Some(Uncertain::Known(1.0));
+        sensor.correlation_time_s = None;
+        sensor.white = None;
+    }
+    blank
+}

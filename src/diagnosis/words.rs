@@ -1,0 +1,117 @@
+//! The verdict in sentences.
+
+use super::conclude::Findings;
+use super::output::{EffectResult, Output, Verdict};
+
+/// A probability as people read it.
+fn percent(probability: f64) -> String {
+    match probability {
+        p if p > 0.999 => "over 99.9 %".to_owned(),
+        p if p < 0.001 => "below 0.1 %".to_owned(),
+        p => format!("{:.1} %", 100.0 * p),
+    }
+}
+
+/// A p-value as people read it.
+fn p_value(p: f64) -> String {
+    if p < 1e-4 { format!("{p:.0e}") } else { format!("{p:.4}") }
+}
+
+/// The size of an effect: its first parameter.
+fn size(effect: &EffectResult) -> String {
+    let first = effect.amplitudes.iter().next();
+    first.map_or_else(String::new, |(name, amount)| {
+        format!("{name} {} ± {} {}", short(amount.value, 3), short(amount.sd, 2), amount.unit)
+    })
+}
+
+/// A number to some significant digits.
+fn short(value: f64, digits: usize) -> String {
+    let magnitude = value.abs();
+    if magnitude == 0.0 || !magnitude.is_finite() {
+        return format!("{value}");
+    }
+    let power = (crate::math::functions::ln(magnitude) / core::f64::consts::LN_10).floor();
+    if !(-4.0..6.0).contains(&power) {
+        return format!("{value:.*e}", digits - 1);
+    }
+    format!("{value:.*}", (digits as f64 - 1.0 - power).max(0.0) as usize)
+}
+
+fn fall([before, after]: [Option<f64>; 2]) -> Option<String> {
+    Some(format!("{before:.2} to {after:.2} K", before = before?, after = after?))
+}
+
+/// The sentences: how wrong, what is missing, how sure, what it does to the error, what else it could be.
+pub(super) fn verdict(output: &Output, findings: &Findings<'_>) -> Vec<String> {
+    let mut words = Vec::new();
+    let misfit = &output.misfit;
+    let mut error = format!(
+        "Tuned as far as its parameters allow, the model has a reduced chi-square of {:.2}",
+        misfit.reduced_chi2
+    );
+    if let Some(train) = misfit.rmse_k.train {
+        error.push_str(&format!(" and an RMSE of {train:.2} K on the fitted rows"));
+        if let Some(held_out) = misfit.rmse_k.held_out {
+            error.push_str(&format!(", {held_out:.2} K on the held-out rows"));
+        }
+    }
+    error.push_str(&format!(
+        "; a misfit as clear as this has the probability {} where nothing is missing.",
+        p_value(misfit.family_wise_p)
+    ));
+    words.push(error);
+    let selected: Vec<&EffectResult> =
+        output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id)).collect();
+    match output.verdict {
+        Verdict::Adequate => words.push(format!(
+            "Nothing is missing that these data could show: {} effects and {} pairs were tried.",
+            output.looked_at[0], output.looked_at[1]
+        )),
+        Verdict::Unexplained => words.push(format!(
+            "Something is missing, and none of {} effects, alone or in sets of up to {}, explains it: see the missing heat by node.",
+            output.looked_at[0],
+            findings.state.refits.iter().map(|refit| refit.effects.len()).max().unwrap_or(0)
+        )),
+        Verdict::Identified | Verdict::Ambiguous => {
+            for effect in &selected {
+                words.push(format!(
+                    "Missing: {} ({}), {}; probability {}, log Bayes factor {:.1}.",
+                    effect.title,
+                    effect.id,
+                    size(effect),
+                    percent(effect.probability),
+                    effect.log_bayes_factor
+                ));
+            }
+        }
+    }
+    if !selected.is_empty() {
+        let place = findings.selected;
+        let (before, after) = (&findings.state.refits[0], &findings.state.refits[place]);
+        let train = fall([before.rmse_train_k, after.rmse_train_k]);
+        let held_out = fall([before.rmse_held_out_k, after.rmse_held_out_k]);
+        if let Some(train) = train {
+            let held_out = held_out.map_or_else(String::new, |fall| format!(", on the held-out rows from {fall}"));
+            words.push(format!("With it the RMSE falls from {train}{held_out}."));
+        }
+    }
+    if output.verdict == Verdict::Ambiguous {
+        for (number, group) in findings.groups.iter().enumerate().filter(|(_, group)| group.len() > 1) {
+            let ids: Vec<String> = group
+                .iter()
+                .map(|&effect| format!("{} ({})", findings.id(effect), percent(findings.probability(effect))))
+                .collect();
+            words.push(format!("These data cannot tell apart (group {}): {}.", number + 1, ids.join(", ")));
+        }
+        if let Some(experiment) = &output.separating_experiment {
+            words.push(format!(
+                "A phase at the conditions stated below would tell {} apart with probability {}; repeating the best old phase with {}.",
+                experiment.between.join(" and "),
+                percent(experiment.probability),
+                percent(experiment.repeat_probability)
+            ));
+        }
+    }
+    words
+}

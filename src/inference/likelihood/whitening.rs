@@ -1,0 +1,93 @@
+//! The whitening `W` of a likelihood at given unknowns, for columns of one's own.
+
+use super::{Likelihood, Part};
+use crate::inference::cholesky;
+use crate::inference::noise::{Noise, Series};
+use crate::inference::target::Rejected;
+
+/// `W` with `W' W` the inverse covariance of the noise, prepared at one point.
+#[derive(Clone, Debug)]
+pub struct Whitening {
+    unknowns: Vec<f64>,
+    pub(super) blocks: Vec<Block>,
+}
+
+/// `W` of some residuals that follow one another.
+#[derive(Clone, Debug)]
+pub(super) enum Block {
+    /// Independent: standard deviations.
+    Scales { first: usize, sd: Vec<f64> },
+    /// `L` of the covariance.
+    Factor { first: usize, size: usize, factor: Vec<f64> },
+    /// A sensor over time.
+    Series { first: usize, times_s: Vec<f64>, noise: Noise },
+}
+
+impl Likelihood {
+    /// The whitening at given unknowns.
+    ///
+    /// # Errors
+    /// [`Rejected`] for a covariance that is not positive definite.
+    pub fn whitening(&self, unknowns: &[f64]) -> Result<Whitening, Rejected> {
+        let mut blocks = Vec::new();
+        for part in &self.parts {
+            match part {
+                Part::Steady(part) => part.whitening(unknowns, &mut blocks)?,
+                Part::Transient(part) => part.whitening(&mut blocks),
+            }
+        }
+        Ok(Whitening { unknowns: unknowns.to_vec(), blocks })
+    }
+
+    /// Which unknowns describe the noise: they move no prediction.
+    pub fn noise_unknowns(&self) -> Vec<bool> {
+        let mut is_noise = vec![false; self.unknowns.len()];
+        for part in &self.parts {
+            let sensors = match part {
+                Part::Steady(part) => part.sensors(),
+                Part::Transient(part) => part.sensors(),
+            };
+            for noise in sensors.iter().map(|sensor| &sensor.noise) {
+                let values = [Some(noise.sigma), noise.correlation_time_s, noise.white];
+                for place in values.into_iter().flatten().filter_map(|value| value.place()) {
+                    is_noise[place] = true;
+                }
+            }
+        }
+        is_noise
+    }
+}
+
+impl Whitening {
+    /// Replaces `d` by `W d`; one entry a residual, in the likelihood's order.
+    ///
+    /// # Errors
+    /// [`Rejected`] for a noise that is not above 0.
+    pub fn apply(&self, column: &mut [f64]) -> Result<(), Rejected> {
+        for block in &self.blocks {
+            match block {
+                Block::Scales { first, sd } => {
+                    for (value, sd) in column[*first..].iter_mut().zip(sd) {
+                        *value /= sd;
+                    }
+                }
+                Block::Factor { first, size, factor } => {
+                    cholesky::solve_lower(factor, &mut column[*first..*first + size]);
+                }
+                Block::Series { first, times_s, noise } => {
+                    let mut log_scales = vec![0.0; times_s.len()];
+                    let values = &mut column[*first..*first + times_s.len()];
+                    let mut series = Series {
+                        times_s,
+                        values,
+                        jacobian: &mut [],
+                        log_scales: &mut log_scales,
+                        scale_gradient: &mut [],
+                    };
+                    noise.whiten(&self.unknowns, &mut series)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}

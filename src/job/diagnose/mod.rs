@@ -1,0 +1,152 @@
+//! Which physics the model is missing: the diagnosis (`crate::diagnosis`) as stages of blocks.
+//!
+//! Stages: `screen` (one block), then rounds of `refit N` (sets of effects, some a block) and `extend N` (one block),
+//! then `conclude` (one block). What was found so far is carried from stage to stage in the blocks' inputs.
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::{Job, JobError, Step};
+use crate::diagnosis::{Diagnosis, Order, Output, Problem, Refit, Settings, State};
+use crate::random::StreamKey;
+
+const SCREEN: &str = "screen";
+const REFIT: &str = "refit";
+const EXTEND: &str = "extend";
+const CONCLUDE: &str = "conclude";
+/// Sets of a block.
+const BLOCK: usize = 4;
+
+/// What is asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spec {
+    /// Positions of the measurements.
+    pub data: Vec<usize>,
+    /// Positions of the parameters that are inferred.
+    pub parameters: Vec<usize>,
+    /// Names of the effects that are considered.
+    pub effects: Vec<String>,
+    /// Settings of the diagnosis.
+    pub settings: Settings,
+}
+
+/// A diagnosis, ready to run.
+#[derive(Debug)]
+pub struct Diagnose {
+    spec: Spec,
+    diagnosis: Diagnosis,
+}
+
+/// Input of a block of refits. All blocks of a stage carry what was found before.
+#[derive(Debug, Serialize, Deserialize)]
+struct RefitInput {
+    state: State,
+    orders: Vec<Order>,
+}
+
+impl Diagnose {
+    /// Prepares the job; `name` is its name in the pass, which its random streams are keyed by.
+    ///
+    /// # Errors
+    /// A believed model that no likelihood can be made of.
+    pub fn new(spec: Spec, problem: Problem, seed: u64, name: &str) -> Result<Self, JobError> {
+        problem.hypothesis(&[], 1.0).and_then(|believed| believed.likelihood(&problem)).map_err(failed)?;
+        let key = StreamKey::new(seed, name, "diagnose");
+        Ok(Self { diagnosis: Diagnosis::new(problem, spec.settings.clone(), key), spec })
+    }
+
+    fn next(&self, state: State) -> Result<Step, JobError> {
+        let orders = self.diagnosis.orders(&state);
+        if orders.is_empty() {
+            return Ok(Step::Blocks { stage: CONCLUDE.to_owned(), inputs: vec![to_bytes(&state)?] });
+        }
+        let stage = format!("{REFIT} {}", state.rounds);
+        let blocks =
+            orders.chunks(BLOCK).map(|orders| to_bytes(&RefitInput { state: state.clone(), orders: orders.to_vec() }));
+        Ok(Step::Blocks { stage, inputs: blocks.collect::<Result<_, _>>()? })
+    }
+}
+
+fn failed(reason: impl std::fmt::Display) -> JobError {
+    JobError::Failed(reason.to_string())
+}
+
+fn to_bytes<T: Serialize>(value: &T) -> Result<Vec<u8>, JobError> {
+    serde_json::to_vec(value).map_err(failed)
+}
+
+fn from_bytes<T: DeserializeOwned>(bytes: &[u8], stage: &str) -> Result<T, JobError> {
+    serde_json::from_slice(bytes).map_err(|e| JobError::Unreadable { stage: stage.to_owned(), reason: e.to_string() })
+}
+
+impl Job for Diagnose {
+    fn kind(&self) -> &'static str {
+        "diagnose"
+    }
+
+    fn algorithm_version(&self) -> u32 {
+        1
+    }
+
+    fn identity(&self) -> Value {
+        let problem = self.diagnosis.problem();
+        let data: Vec<Value> = problem.measurements.iter().map(|measurement| measurement.identity()).collect();
+        let errors: Vec<Value> =
+            problem.input_errors.iter().map(|error| json!({ "sigma": error.sigma, "bias": error.bias })).collect();
+        let effects: Vec<Value> = (self.spec.effects.iter())
+            .filter_map(|name| problem.catalogue.get(name))
+            .map(|effect| json!({ "name": effect.name, "file": effect.json }))
+            .collect();
+        let candidates: Vec<&str> = problem.candidates.iter().map(|candidate| candidate.id.as_str()).collect();
+        json!({
+            "parameters": self.spec.parameters,
+            "settings": self.spec.settings,
+            "effects": effects,
+            "candidates": candidates,
+            "model": problem.model.identity(),
+            "priors": problem.priors,
+            "input_errors": errors,
+            "data": data,
+        })
+    }
+
+    fn begin(&self) -> Result<Step, JobError> {
+        Ok(Step::Blocks { stage: SCREEN.to_owned(), inputs: vec![Vec::new()] })
+    }
+
+    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
+        match stage.split(' ').next() {
+            Some(SCREEN) => to_bytes(&self.diagnosis.screen().map_err(failed)?),
+            Some(REFIT) => {
+                let RefitInput { state, orders } = from_bytes(input, stage)?;
+                let refits: Vec<Result<Refit, String>> =
+                    orders.iter().map(|order| self.diagnosis.refit(&state, order)).collect();
+                to_bytes(&refits)
+            }
+            Some(EXTEND) => to_bytes(&self.diagnosis.extend(from_bytes(input, stage)?)),
+            Some(CONCLUDE) => to_bytes(&self.diagnosis.conclude(&from_bytes(input, stage)?)),
+            _ => Err(JobError::Unreadable { stage: stage.to_owned(), reason: "there is no such stage".to_owned() }),
+        }
+    }
+
+    fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
+        let first = outputs.first().map_or(&[][..], Vec::as_slice);
+        match stage.split(' ').next() {
+            Some(SCREEN | EXTEND) => self.next(from_bytes(first, stage)?),
+            Some(REFIT) => {
+                let input = inputs.first().map_or(&[][..], Vec::as_slice);
+                let mut state = from_bytes::<RefitInput>(input, stage)?.state;
+                for bytes in outputs {
+                    state.take(from_bytes(bytes, stage)?);
+                }
+                let stage = format!("{EXTEND} {}", state.rounds);
+                Ok(Step::Blocks { stage, inputs: vec![to_bytes(&state)?] })
+            }
+            _ => {
+                let output: Output = from_bytes(first, stage)?;
+                serde_json::to_value(output).map(Step::Done).map_err(failed)
+            }
+        }
+    }
+}

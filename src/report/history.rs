@@ -1,0 +1,168 @@
+//! The error of a study's passes, one after another: as delivered and tuned, on the readings for fitting and on those
+//! held out. Everything is taken from results of comparisons and calibrations.
+
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::job::calibrate;
+use crate::job::compare::{self, Deviation};
+use crate::study::Pass;
+
+/// A number of the readings for fitting and of those held out; `None` where there are none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Split {
+    /// Of the readings for fitting.
+    pub train: Option<f64>,
+    /// Of those held out.
+    pub held_out: Option<f64>,
+}
+
+/// A number of the model as delivered and as tuned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct States {
+    /// At the nominal parameters of the pass's model.
+    pub delivered: Split,
+    /// At those of the pass's calibration.
+    pub tuned: Split,
+}
+
+/// Numbers of readings in kelvin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Readings {
+    /// For fitting.
+    pub train: u64,
+    /// Held out.
+    pub held_out: u64,
+}
+
+/// A pass of a study.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct PassErrors {
+    /// Its file.
+    pub pass: String,
+    /// Its title.
+    pub title: String,
+    /// Its parent's file.
+    pub parent: Option<String>,
+    /// Ids of all effects that its model adopts.
+    pub adopted: Vec<String>,
+    /// Ids of those that its parent's does not.
+    pub added: Vec<String>,
+    /// Root mean square of measured minus predicted over sensors in kelvin, K.
+    pub rmse_k: States,
+    /// Mean of the same, K.
+    pub mean_k: States,
+    /// Share of readings within the limit for one reading.
+    pub within_limit: States,
+    /// That limit, K, where the criteria have one.
+    pub limit_k: Option<f64>,
+    /// Name of the criteria.
+    pub criteria: Option<String>,
+    /// Sum of squares of the whitened residuals at the most probable point over the degrees of freedom.
+    pub reduced_chi2: Option<f64>,
+    /// Natural logarithm of the calibration's evidence.
+    pub log_evidence: Option<f64>,
+    /// Its standard error.
+    pub log_evidence_sd: Option<f64>,
+    /// Whether the calibration's sampler converged.
+    pub converged: Option<bool>,
+    /// Numbers of readings.
+    pub readings: Readings,
+    /// The comparison, if the pass has a result of one.
+    pub comparison: Option<String>,
+    /// The calibration, likewise.
+    pub calibration: Option<String>,
+}
+
+impl PassErrors {
+    /// A pass with the results by which it is judged, each with its job's name; `parent` is the pass before it.
+    ///
+    /// # Errors
+    /// A result that does not have the form that this version writes.
+    pub fn new(
+        pass: &Pass,
+        parent: Option<&Pass>,
+        comparison: Option<(&str, &Value)>,
+        calibration: Option<(&str, &Value)>,
+    ) -> Result<Self, serde_json::Error> {
+        let adopted: Vec<String> = pass.adopted.iter().map(|effect| effect.id.clone()).collect();
+        let before: Vec<&String> = parent.iter().flat_map(|parent| &parent.adopted).map(|effect| &effect.id).collect();
+        let mut errors = Self {
+            pass: pass.file.clone(),
+            title: pass.title.clone(),
+            parent: pass.parents.first().cloned(),
+            added: adopted.iter().filter(|id| !before.contains(id)).cloned().collect(),
+            adopted,
+            ..Self::default()
+        };
+        if let Some((name, result)) = comparison {
+            errors.compared(&serde_json::from_value(result.clone())?);
+            errors.comparison = Some(name.to_owned());
+        }
+        if let Some((name, result)) = calibration {
+            let output: calibrate::Output = serde_json::from_value(result.clone())?;
+            errors.reduced_chi2 = output.reduced_chi_square();
+            errors.log_evidence = output.log_evidence.value;
+            errors.log_evidence_sd = output.log_evidence.sd;
+            errors.converged = Some(output.converged);
+            errors.calibration = Some(name.to_owned());
+        }
+        Ok(errors)
+    }
+
+    fn compared(&mut self, output: &compare::Output) {
+        self.criteria = Some(output.criteria.name.clone());
+        // Statistics over several sensors are of those in kelvin, where there are any.
+        if !output.sensors.iter().any(|sensor| sensor.unit == "K") {
+            return;
+        }
+        self.limit_k = output.criteria.each_k;
+        self.readings = Readings { train: output.train.count, held_out: output.held_out.count };
+        let nothing = Deviation::default();
+        let tuned = output.tuned.as_ref().map_or([&nothing, &nothing], |tuned| [&tuned.train, &tuned.held_out]);
+        let states = |pick: fn(&Deviation) -> f64| {
+            let of = |deviation: &Deviation| (deviation.count > 0).then(|| pick(deviation));
+            let split = |[train, held_out]: [&Deviation; 2]| Split { train: of(train), held_out: of(held_out) };
+            States { delivered: split([&output.train, &output.held_out]), tuned: split(tuned) }
+        };
+        self.rmse_k = states(|deviation| deviation.rmse);
+        self.mean_k = states(|deviation| deviation.mean);
+        if self.limit_k.is_some() {
+            self.within_limit = states(|deviation| deviation.within_limit);
+        }
+    }
+
+    /// Whether there is an error to be told.
+    pub fn is_measured(&self) -> bool {
+        let known = |split: &Split| split.train.is_some() || split.held_out.is_some();
+        known(&self.rmse_k.delivered) || known(&self.rmse_k.tuned)
+    }
+}
+
+/// The passes of a study, each after its parents.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct History {
+    /// The passes.
+    pub passes: Vec<PassErrors>,
+}
+
+impl History {
+    /// The passes whose error is known.
+    pub fn measured(&self) -> Vec<&PassErrors> {
+        self.passes.iter().filter(|pass| pass.is_measured()).collect()
+    }
+
+    /// The nearest ancestor of a pass whose error is known.
+    pub fn before(&self, pass: &PassErrors) -> Option<&PassErrors> {
+        let mut parent = pass.parent.as_deref();
+        // As many steps as there are passes: a circle ends too.
+        for _ in &self.passes {
+            let found = self.passes.iter().find(|other| Some(other.pass.as_str()) == parent)?;
+            if found.is_measured() {
+                return Some(found);
+            }
+            parent = found.parent.as_deref();
+        }
+        None
+    }
+}

@@ -1,0 +1,100 @@
+//! Figures of a diagnosis: how surely each effect, and where heat is missing.
+
+use crate::diagnosis::Verdict;
+use crate::diagnosis::output::Output;
+use crate::report::number::{percent, significant};
+use crate::report::page::{Block, Figure, slug};
+use crate::report::plot::{Axis, Bar, HeatMap, bar_chart, heat_map, palette};
+
+/// Effects in the bars.
+const MOST_BARS: usize = 8;
+/// Rows of the map.
+const MOST_ROWS: usize = 40;
+
+/// The figures of a job.
+pub(super) fn figures(job: &str, output: &Output) -> Vec<Block> {
+    [probabilities(job, output), heat(job, output)].into_iter().flatten().map(Block::Figure).collect()
+}
+
+fn probabilities(job: &str, output: &Output) -> Option<Figure> {
+    if output.verdict == Verdict::Adequate || output.effects.is_empty() {
+        return None;
+    }
+    let shown = output.effects.iter().take(MOST_BARS).filter(|effect| effect.probability >= 5e-4);
+    let mut bars: Vec<Bar> = shown
+        .map(|effect| Bar {
+            label: effect.id.clone(),
+            from: 0.0,
+            value: effect.probability,
+            interval: None,
+            text: percent(effect.probability, 1),
+            colour: if output.selected.contains(&effect.id) { palette::GREEN } else { palette::BLUE },
+        })
+        .collect();
+    for (label, value) in
+        [("nothing missing", output.probability_nothing), ("something else", output.probability_unexplained)]
+    {
+        bars.push(Bar {
+            label: label.to_owned(),
+            from: 0.0,
+            value,
+            interval: None,
+            text: percent(value, 1),
+            colour: palette::MUTED,
+        });
+    }
+    let axis = Axis::over("Probability", 0.0, 1.0);
+    Some(Figure {
+        id: slug(&format!("{job} probabilities")),
+        drawing: bar_chart(&axis, &bars, None),
+        caption: "Probability that each effect is missing; over all sets that it belongs to, so that they need not sum to one.".into(),
+        alternative: "Bars: probability of each effect".to_owned(),
+    })
+}
+
+fn heat(job: &str, output: &Output) -> Option<Figure> {
+    let mut nodes: Vec<&str> = Vec::new();
+    let mut rows: Vec<String> = Vec::new();
+    let name = |heat: &crate::diagnosis::output::Heat| match (&heat.phase, heat.time_s) {
+        (Some(phase), _) => phase.clone(),
+        (None, Some(time)) => format!("{} s", significant(time, 4)),
+        (None, None) => String::new(),
+    };
+    for heat in &output.heat {
+        if !nodes.contains(&heat.node.as_str()) {
+            nodes.push(&heat.node);
+        }
+        let row = name(heat);
+        if !rows.contains(&row) {
+            rows.push(row);
+        }
+    }
+    if rows.is_empty() {
+        return None;
+    }
+    let cell = |row: &String, node: &&str| {
+        let found = output.heat.iter().find(|heat| heat.node == **node && name(heat) == *row);
+        found.filter(|heat| heat.watts.abs() > heat.sd).map(|heat| heat.watts)
+    };
+    let map = HeatMap {
+        columns: nodes.iter().map(|node| (*node).to_owned()).collect(),
+        rows: rows
+            .iter()
+            .take(MOST_ROWS)
+            .map(|row| (row.clone(), false, nodes.iter().map(|node| cell(row, node)).collect()))
+            .collect(),
+        full_scale: 0.0,
+        legend: "missing heat [W]; positive: the model lacks heat in the node".to_owned(),
+        mark_label: String::new(),
+        decimals: 2,
+    };
+    Some(Figure {
+        id: slug(&format!("{job} missing heat")),
+        drawing: heat_map(&map),
+        caption:
+            "Heat that the tuned model lacks, by node and phase, whatever its cause; grey: less than its own standard \
+                  deviation."
+                .into(),
+        alternative: "Map of the missing heat by node and phase".to_owned(),
+    })
+}

@@ -1,0 +1,201 @@
+//! The error of the study's passes: what each added and what became of the error, on held-out readings above all.
+
+use crate::report::history::{History, PassErrors, Split, States};
+use crate::report::number::{NONE, fixed, percent, signed};
+use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
+use crate::report::plot::{PassCurves, pass_curves};
+use crate::report::view::PassReport;
+
+/// The section on the passes; not where fewer than two of them have measurements.
+pub fn build(report: &PassReport<'_>) -> Option<Section> {
+    let history = report.history.as_ref()?;
+    if history.measured().len() < 2 { None } else { section(history) }
+}
+
+/// The section, also for a single pass; not where nothing was measured.
+pub fn section(history: &History) -> Option<Section> {
+    let measured = history.measured();
+    let first = *measured.first()?;
+    let mut blocks = vec![Block::paragraph(
+        "Root mean square of measured minus predicted over all sensors in kelvin. As delivered: nominal parameters; tuned: the \
+         most probable parameters of the pass's calibration, which saw the readings for fitting alone.",
+    )];
+    blocks.push(Block::List(measured.iter().map(|pass| in_words(history, pass)).collect()));
+    blocks.push(Block::Table(table(&measured)));
+    let unmeasured: Vec<&PassErrors> = history.passes.iter().filter(|pass| !pass.is_measured()).collect();
+    if !unmeasured.is_empty() {
+        let mut text = Text::new("Without a comparison in kelvin: ");
+        for (position, pass) in unmeasured.iter().enumerate() {
+            text = text.plain(if position == 0 { "" } else { ", " }).code(&pass.pass);
+        }
+        blocks.push(Block::Paragraph(text.plain(".")));
+    }
+    if measured.iter().any(|pass| pass.converged == Some(false)) {
+        blocks.push(Block::callout(
+            Tone::Warning,
+            "A calibration did not converge; its tuned state is a point at which the model was run, its evidence is not to be trusted.",
+        ));
+    }
+    if measured.len() > 1 {
+        blocks.push(Block::Figure(figure(history, &measured, first)));
+    }
+    Some(Section { id: "history", title: "Error by pass".into(), blocks })
+}
+
+fn kelvin(value: f64) -> String {
+    format!("{}\u{A0}K", fixed(value, 2))
+}
+
+/// `RMSE held-out 3.70 K -> 1.90 K, for fitting 2.10 K -> 1.10 K`; as far as both are known.
+fn change(before: &Split, after: &Split) -> Option<String> {
+    let pairs = [("held-out", before.held_out, after.held_out), ("for fitting", before.train, after.train)];
+    let told: Vec<String> = pairs
+        .iter()
+        .filter_map(|(what, before, after)| Some(format!("{what} {} -> {}", kelvin((*before)?), kelvin((*after)?))))
+        .collect();
+    (!told.is_empty()).then(|| format!("RMSE {}", told.join(", ")))
+}
+
+/// Whether the error fell, on held-out readings where there are any.
+fn fell(before: &Split, after: &Split) -> Option<bool> {
+    let of = |split: &Split| split.held_out.or(split.train);
+    Some(of(after)? < of(before)?)
+}
+
+/// What a pass is and what became of the error, in a sentence.
+fn in_words(history: &History, pass: &PassErrors) -> Text {
+    let mut text = Text::default().code(&pass.pass);
+    let Some(before) = history.before(pass) else {
+        return match change(&pass.rmse_k.delivered, &pass.rmse_k.tuned) {
+            Some(change) => text.plain(format!(" as delivered -> tuned, without new physics: {change}.")),
+            None => {
+                let of = pass.rmse_k.delivered;
+                let value = of.held_out.or(of.train).map_or_else(|| NONE.to_owned(), kelvin);
+                let what = if of.held_out.is_some() { "held-out " } else { "" };
+                text.plain(format!(" as delivered: RMSE {what}{value}; it was not tuned."))
+            }
+        };
+    };
+    if pass.added.is_empty() {
+        text = text.plain(" adds no effect");
+    } else {
+        text = text.plain(" adds ");
+        for (position, id) in pass.added.iter().enumerate() {
+            text = text.plain(if position == 0 { "" } else { " and " }).code(id);
+        }
+    }
+    let states = |states: &States| [states.tuned, states.delivered];
+    let words = ["tuned", "as delivered"];
+    let pairs = states(&before.rmse_k).into_iter().zip(states(&pass.rmse_k)).zip(words);
+    let told =
+        pairs.filter_map(|((before, after), word)| Some((change(&before, &after)?, fell(&before, &after), word)));
+    let Some((change, fell, word)) = told.into_iter().next() else { return text.plain(": no error to compare.") };
+    text = text.plain(format!(": {change} ({word}, against ")).code(&before.pass).plain(")");
+    if before.readings != pass.readings {
+        return text.plain("; the readings are not the same.");
+    }
+    match fell {
+        Some(false) => text.plain("; ").strong("the error did not fall").plain("."),
+        _ => text.plain("."),
+    }
+}
+
+/// Two numbers side by side.
+fn pair(split: &Split, shown: &dyn Fn(f64) -> String) -> Cell {
+    let one = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), shown);
+    match (split.train, split.held_out) {
+        (None, None) => NONE.into(),
+        (train, None) => one(train).into(),
+        (train, held_out) => format!("{} / {}", one(train), one(held_out)).into(),
+    }
+}
+
+fn table(measured: &[&PassErrors]) -> Table {
+    // The tuned state where there is one.
+    let state = |pass: &PassErrors, states: &States| {
+        let is_tuned = pass.rmse_k.tuned != Split::default();
+        if is_tuned { states.tuned } else { states.delivered }
+    };
+    let rows = measured
+        .iter()
+        .map(|pass| {
+            let within = state(pass, &pass.within_limit);
+            let all = |split: &Split| [split.train, split.held_out].into_iter().flatten().all(|share| share >= 1.0);
+            let within_cell = Cell {
+                status: (within != Split::default()).then(|| if all(&within) { Status::Ok } else { Status::Caution }),
+                ..pair(&within, &|share| percent(share, 0))
+            };
+            let evidence = pass.log_evidence.map_or_else(|| NONE.to_owned(), |value| fixed(value, 2));
+            vec![
+                Cell::code(&pass.pass),
+                pair(&pass.rmse_k.delivered, &|value| fixed(value, 2)),
+                pair(&pass.rmse_k.tuned, &|value| fixed(value, 2)),
+                pair(&state(pass, &pass.mean_k), &|value| signed(value, 2)),
+                within_cell,
+                pass.reduced_chi2.map_or_else(|| NONE.to_owned(), |value| fixed(value, 2)).into(),
+                evidence.into(),
+            ]
+        })
+        .collect();
+    let limits: Vec<Option<f64>> = measured.iter().map(|pass| pass.limit_k).collect();
+    let limit = match limits.first() {
+        Some(Some(limit)) if limits.iter().all(|other| other == &limits[0]) => {
+            format!("Within {} K", crate::report::number::as_given(*limit))
+        }
+        _ => "Within limit".to_owned(),
+    };
+    Table {
+        caption: "Readings for fitting / held out. Mean deviation (measured minus predicted) and share within the limit are of the \
+                  tuned state where there is one. Evidence compares passes that fit the same readings."
+            .into(),
+        columns: vec![
+            Column::text("Pass"),
+            Column::number("RMSE as delivered", "K"),
+            Column::number("RMSE tuned", "K"),
+            Column::number("Mean", "K"),
+            Column::number(limit, ""),
+            Column::number("Reduced chi-square", ""),
+            Column::number("Log evidence", ""),
+        ],
+        rows,
+    }
+}
+
+fn figure(history: &History, measured: &[&PassErrors], first: &PassErrors) -> Figure {
+    let position = |pass: &PassErrors| measured.iter().position(|other| other.pass == pass.pass);
+    let steps = measured.iter().enumerate().filter_map(|(own, pass)| Some((position(history.before(pass)?)?, own)));
+    let steps: Vec<(usize, usize)> = steps.collect();
+    let has_effects = measured.iter().any(|pass| !pass.adopted.is_empty());
+    let of = |pick: fn(&Split) -> Option<f64>| {
+        let tuned = measured.iter().map(|pass| pick(&pass.rmse_k.tuned)).collect();
+        (pick(&first.rmse_k.delivered), pick(&first.rmse_k.tuned), tuned)
+    };
+    let data = PassCurves {
+        passes: measured.iter().map(|pass| pass.pass.trim_end_matches(".json").to_owned()).collect(),
+        steps,
+        held_out: of(|split| split.held_out),
+        train: of(|split| split.train),
+        tuned_label: if has_effects { "tuned with the effects" } else { "tuned" }.to_owned(),
+    };
+    let alternative = measured.iter().map(|pass| {
+        let tuned = pass.rmse_k.tuned;
+        let value = tuned.held_out.or(tuned.train).map_or_else(|| "none".to_owned(), kelvin);
+        format!("{} {value}", pass.pass)
+    });
+    let told = [("as delivered", first.rmse_k.delivered), ("tuned only", first.rmse_k.tuned)];
+    let told = told.map(|(what, split)| {
+        format!("{what} {}", split.held_out.or(split.train).map_or_else(|| "none".to_owned(), kelvin))
+    });
+    Figure {
+        id: "error-by-pass".into(),
+        drawing: pass_curves(&data),
+        caption: Text::new("Error by pass: as delivered and tuned only are those of ")
+            .code(&first.pass)
+            .plain("; each pass's own tuned state beside them."),
+        alternative: format!(
+            "Curves of the RMSE by pass, on held-out readings where there are any: {}; tuned: {}.",
+            told.join(", "),
+            alternative.collect::<Vec<_>>().join(", ")
+        ),
+    }
+}

@@ -1,0 +1,65 @@
+//! How the passes of a study stand to one another: by which jobs each is judged, and in which order they are told.
+
+use super::resolved::{JobSpec, Pass};
+
+/// The jobs by which a pass is judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct JudgedBy<'p> {
+    /// The comparison with its measurements.
+    pub comparison: &'p str,
+    /// The calibration whose tuned state the comparison shows, else the pass's first.
+    pub calibration: Option<&'p str>,
+}
+
+/// The jobs by which a pass is judged: its first comparison that shows a tuned state, else its first. `None` where the
+/// pass compares nothing.
+pub fn judged_by(pass: &Pass) -> Option<JudgedBy<'_>> {
+    let comparisons = || {
+        pass.jobs.iter().filter_map(|job| match &job.spec {
+            JobSpec::Compare(spec) => Some((job.name.as_str(), spec.calibration.as_deref())),
+            _ => None,
+        })
+    };
+    let (comparison, shown) = comparisons().find(|(_, shown)| shown.is_some()).or_else(|| comparisons().next())?;
+    let is_calibration = |spec: &JobSpec| matches!(spec, JobSpec::Calibrate(_));
+    let first = || pass.jobs.iter().find(|job| is_calibration(&job.spec)).map(|job| job.name.as_str());
+    Some(JudgedBy { comparison, calibration: shown.or_else(first) })
+}
+
+/// The order in which passes are told: each after its parents, else as given. A pass is its file and those of its
+/// parents, nearest first.
+pub fn order(passes: &[(&str, &[String])]) -> Vec<usize> {
+    let mut order: Vec<usize> = Vec::new();
+    while order.len() < passes.len() {
+        let waits = |position: usize| {
+            let (_, parents) = passes[position];
+            (0..passes.len()).any(|other| {
+                other != position && !order.contains(&other) && parents.iter().any(|parent| parent == passes[other].0)
+            })
+        };
+        let mut left = (0..passes.len()).filter(|position| !order.contains(position));
+        // A loaded pass has no circle of parents; were there one, its first member would be told first.
+        let Some(next) = left.clone().find(|&position| !waits(position)).or_else(|| left.next()) else { break };
+        order.push(next);
+    }
+    order
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parents_are_told_first_and_branches_in_order_of_file() {
+        let parents: Vec<Vec<String>> = [&["pass-3.json"][..], &["pass-3.json"], &[], &["pass-1.json", "pass-3.json"]]
+            .iter()
+            .map(|list| list.iter().map(|&name| name.to_owned()).collect())
+            .collect();
+        let files = ["pass-1.json", "pass-2.json", "pass-3.json", "pass-4.json"];
+        let passes: Vec<(&str, &[String])> = files.into_iter().zip(parents.iter().map(Vec::as_slice)).collect();
+        assert_eq!(order(&passes), [2, 0, 1, 3]);
+        let circle = [vec!["b".to_owned()], vec!["a".to_owned()]];
+        assert_eq!(order(&[("a", &circle[0]), ("b", &circle[1])]), [0, 1]);
+        assert!(order(&[]).is_empty());
+    }
+}

@@ -1,0 +1,276 @@
+//! Which effects of a diagnosis are adopted: those that it supports, or any with a word that says so.
+
+use std::sync::Arc;
+
+use crate::document::{Diagnostic, Diagnostics, Place, Source, Span, code, suggest};
+use crate::job::findings::{Experiment, Finding, Findings};
+
+/// Ids that a message lists.
+const MOST_LISTED: usize = 8;
+
+/// An experiment that tells rivals apart with less probability is little better than a coin, which has 0.5.
+const USEFUL: f64 = 0.6;
+
+/// What was asked for, as places that messages can point at.
+#[derive(Clone, Debug)]
+pub struct Asked {
+    source: Arc<Source>,
+    /// The command's own words, then each effect.
+    command: Span,
+    effects: Vec<(String, Span)>,
+}
+
+impl Asked {
+    /// The effects asked for, by id or by what stands for it; `command` is what stands before them.
+    pub fn new(command: &str, effects: &[String]) -> Self {
+        let mut text = command.to_owned();
+        let mut places = Vec::new();
+        for effect in effects {
+            text.push(' ');
+            places.push((effect.clone(), Span::new(text.len(), text.len() + effect.len())));
+            text.push_str(effect);
+        }
+        Self { source: Source::new("command line", text), command: Span::new(0, command.len()), effects: places }
+    }
+
+    /// The place of the command itself.
+    pub fn command(&self) -> Place {
+        Place::in_text(&self.source, self.command)
+    }
+
+    fn effects(&self) -> impl Iterator<Item = (&str, Place)> {
+        self.effects.iter().map(|(text, span)| (text.as_str(), Place::in_text(&self.source, *span)))
+    }
+}
+
+/// The effects to adopt: those asked for, or, where none are, those that the diagnosis selected.
+///
+/// # Errors
+/// What is not known, not unique or not supported; the last is let through where `forced`.
+pub fn choose<'f>(
+    findings: &'f Findings,
+    asked: &Asked,
+    job: &str,
+    forced: bool,
+) -> Result<Vec<&'f Finding>, Diagnostics> {
+    let mut diagnostics = Diagnostics::new();
+    let mut chosen: Vec<(&Finding, Place)> = Vec::new();
+    if asked.effects.is_empty() {
+        let selected: Vec<&Finding> = findings.selected.iter().filter_map(|id| findings.find(id)).collect();
+        if selected.is_empty() {
+            diagnostics.push(nothing_selected(findings, asked, job));
+        }
+        chosen.extend(selected.into_iter().map(|finding| (finding, asked.command())));
+    }
+    for (text, place) in asked.effects() {
+        let Some(finding) = find(findings, text, &place, job, &mut diagnostics) else { continue };
+        if !forced && !findings.supports(finding) {
+            diagnostics.push(refused(findings, finding, &place, job));
+        } else if !chosen.iter().any(|(other, _)| other.id == finding.id) {
+            chosen.push((finding, place));
+        }
+    }
+    if !forced {
+        for (position, (finding, place)) in chosen.iter().enumerate() {
+            let before = chosen[..position].iter().map(|(other, _)| *other);
+            if let Some(rival) = findings.confused_with(finding).find(|rival| before.clone().any(|b| b.id == rival.id))
+            {
+                diagnostics.push(rivals(findings, finding, rival, place));
+            }
+        }
+    }
+    if diagnostics.has_errors() {
+        Err(diagnostics)
+    } else {
+        Ok(chosen.into_iter().map(|(finding, _)| finding).collect())
+    }
+}
+
+/// The effect that a text stands for: its id, an id with the ends of its pair exchanged, or the only supported (else
+/// the only) one whose effect or beginning it is.
+fn find<'f>(
+    findings: &'f Findings,
+    text: &str,
+    place: &Place,
+    job: &str,
+    diagnostics: &mut Diagnostics,
+) -> Option<&'f Finding> {
+    let exchanged = |finding: &&Finding| {
+        matches!(finding.where_kind.as_str(), "nodes" | "sensors") && parts(&finding.id) == parts(text)
+    };
+    if let Some(found) = findings.find(text).or_else(|| findings.effects.iter().find(exchanged)) {
+        return Some(found);
+    }
+    let is_meant = |finding: &Finding| !text.is_empty() && (finding.effect == text || finding.id.starts_with(text));
+    let matching: Vec<&Finding> = findings.effects.iter().filter(|finding| is_meant(finding)).collect();
+    let is_selected = |finding: &&&Finding| findings.selected.contains(&finding.id);
+    let is_supported = |finding: &&&Finding| findings.supports(finding);
+    let narrowed: [Vec<&Finding>; 3] = [
+        matching.iter().filter(is_selected).copied().collect(),
+        matching.iter().filter(is_supported).copied().collect(),
+        matching,
+    ];
+    if let Some(only) = narrowed.iter().find_map(|list| if let [only] = list.as_slice() { Some(*only) } else { None }) {
+        return Some(only);
+    }
+    let [_, _, matching] = narrowed;
+    if !matching.is_empty() {
+        let message = format!("`{text}` stands for {} effects of diagnosis `{job}`", matching.len());
+        let listed = suggest::listed(matching.iter().map(|finding| finding.id.as_str()), MOST_LISTED);
+        diagnostics.push(Diagnostic::error(&code::ADOPT_UNKNOWN, place, message).expected("one of them").help(listed));
+        return None;
+    }
+    if let Some(unseen) = findings.unseen.iter().find(|unseen| unseen.id == text || parts(&unseen.id) == parts(text)) {
+        let why = if unseen.why.is_empty() { String::new() } else { format!(": {}", unseen.why) };
+        diagnostics.push(
+            Diagnostic::error(&code::ADOPT_REFUSED, place, format!("these data cannot see `{text}`{why}"))
+                .expected("an effect that the data can see")
+                .help("no diagnosis of these data supports it or speaks against it; to assume it all the same, write it under `adopt` in the pass file"),
+        );
+        return None;
+    }
+    let known = || findings.effects.iter().map(|finding| finding.id.as_str());
+    let help = match nearest(text, known()).as_slice() {
+        [] => format!("best first, it has {}", suggest::listed(known(), MOST_LISTED)),
+        near => format!("the nearest: {}", suggest::listed(near.iter().copied(), MOST_LISTED)),
+    };
+    diagnostics.push(
+        Diagnostic::error(&code::ADOPT_UNKNOWN, place, format!("diagnosis `{job}` has no effect `{text}`"))
+            .expected("an id as in `effects` of `bmv diagnose --json`, or its beginning")
+            .help(help),
+    );
+    None
+}
+
+/// Parts of an id; a pair's ends may stand in either order.
+fn parts(id: &str) -> Vec<&str> {
+    let mut parts: Vec<&str> = id.split(':').collect();
+    if let [_, places @ ..] = parts.as_mut_slice() {
+        places.sort_unstable();
+    }
+    parts
+}
+
+/// The nearest of some ids, nearest first.
+fn nearest<'a>(text: &str, known: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut left: Vec<&str> = known.collect();
+    let mut found = Vec::new();
+    while found.len() < 3
+        && let Some(near) = suggest::nearest(text, left.iter().copied())
+    {
+        left.retain(|other| *other != near);
+        found.push(near);
+    }
+    found
+}
+
+fn selected(findings: &Findings) -> String {
+    match findings.selected.as_slice() {
+        [] => "nothing".to_owned(),
+        ids => suggest::listed(ids.iter().map(String::as_str), MOST_LISTED),
+    }
+}
+
+/// Supported effects that are not selected.
+fn further(findings: &Findings) -> Vec<&str> {
+    let all = findings.effects.iter().filter(|finding| findings.supports(finding));
+    all.map(|finding| finding.id.as_str()).filter(|id| !findings.selected.iter().any(|own| own == id)).collect()
+}
+
+fn refused(findings: &Findings, finding: &Finding, place: &Place, job: &str) -> Diagnostic {
+    let verdict = &findings.verdict;
+    let further = further(findings);
+    let accepted = match (findings.selected.is_empty(), further.is_empty()) {
+        (true, true) => "nothing would be accepted".to_owned(),
+        (false, true) => format!("accepted: {}", selected(findings)),
+        (true, false) => format!("accepted: one of {}", suggest::listed(further, MOST_LISTED)),
+        (false, false) => {
+            let alike = suggest::listed(further, MOST_LISTED);
+            format!("accepted: {}, or what these data cannot tell from it: {alike}", selected(findings))
+        }
+    };
+    let probability = finding.probability.filter(|value| value.is_finite());
+    let stands = probability.map_or(String::new(), |value| format!(" (probability {value:.3})"));
+    Diagnostic::error(
+        &code::ADOPT_REFUSED,
+        place,
+        format!("diagnosis `{job}` does not support `{}`{stands}", finding.id),
+    )
+    .expected(format!("the verdict is `{verdict}`, selected is {}", selected(findings)))
+    .help(format!("{accepted}; --force adopts it all the same, and the new pass says so"))
+}
+
+fn rivals(findings: &Findings, finding: &Finding, rival: &Finding, place: &Place) -> Diagnostic {
+    let message =
+        format!("`{}` and `{}` explain the same misfit: these data cannot tell them apart", rival.id, finding.id);
+    let mut help = "adopt one of them, or both with --force".to_owned();
+    if let Some(experiment) = findings.separating_experiment.as_ref().and_then(experiment) {
+        help.push_str(&format!("; {experiment}"));
+    }
+    Diagnostic::error(&code::ADOPT_REFUSED, place, message).expected("one of the two").help(help)
+}
+
+fn nothing_selected(findings: &Findings, asked: &Asked, job: &str) -> Diagnostic {
+    let verdict = &findings.verdict;
+    let expected = match verdict.as_str() {
+        "adequate" => "these data need no further effect",
+        "unexplained" => "something is missing, and nothing of the catalogue explains it",
+        "ambiguous" => "several effects explain the data alike",
+        _ => "the diagnosis would adopt nothing",
+    };
+    let message = format!("diagnosis `{job}` selected nothing to adopt; its verdict is `{verdict}`");
+    let diagnostic = Diagnostic::error(&code::ADOPT_REFUSED, &asked.command(), message).expected(expected);
+    let further = further(findings);
+    if further.is_empty() {
+        return diagnostic.help("name an effect with --force to adopt it against the diagnosis");
+    }
+    let mut help = format!("name one of {}", suggest::listed(further, MOST_LISTED));
+    if let Some(experiment) = findings.separating_experiment.as_ref().and_then(experiment) {
+        help.push_str(&format!("; {experiment}"));
+    }
+    diagnostic.help(help)
+}
+
+/// What these data cannot tell apart, and what would: a line for each effect that has rivals.
+pub fn ambiguity(findings: &Findings, chosen: &[&Finding]) -> Vec<String> {
+    let mut lines = Vec::new();
+    for finding in chosen {
+        let alike: Vec<&str> = findings.confused_with(finding).map(|other| other.id.as_str()).collect();
+        if alike.is_empty() {
+            continue;
+        }
+        let listed = suggest::listed(alike, MOST_LISTED);
+        lines.push(format!("these data cannot tell `{}` from {listed}", finding.id));
+    }
+    if !lines.is_empty() {
+        lines.extend(findings.separating_experiment.as_ref().and_then(experiment));
+    }
+    lines
+}
+
+/// The separating experiment in words.
+fn experiment(experiment: &Experiment) -> Option<String> {
+    if experiment.conditions.is_empty() {
+        return None;
+    }
+    let value = |value: f64| crate::document::canonical::float(rounded(value)).unwrap_or_default();
+    let conditions = experiment.conditions.iter().map(|(name, condition)| {
+        let unit = if condition.unit == "1" { String::new() } else { format!(" {}", condition.unit) };
+        format!("{name} = {}{unit}", value(condition.value))
+    });
+    if experiment.probability.is_some_and(|probability| probability < USEFUL) {
+        return Some("no settable phase within the limits would tell them apart; measure where they differ".to_owned());
+    }
+    let mut text = format!("a phase at {} would tell them apart", conditions.collect::<Vec<_>>().join(", "));
+    if let Some(probability) = experiment.probability {
+        text.push_str(&format!(" with probability {probability:.2}"));
+    }
+    if let Some(repeated) = experiment.repeat_probability {
+        text.push_str(&format!(" (repeating a phase: {repeated:.2})"));
+    }
+    Some(text)
+}
+
+fn rounded(value: f64) -> f64 {
+    format!("{value:.4e}").parse().unwrap_or(value)
+}

@@ -1,0 +1,284 @@
+//! An adopted effect as a pass file has it: place, inputs, parameters with the catalogue's priors, and the reason in
+//! words.
+
+use std::fmt::Write as _;
+
+use crate::document::{Sense, suggest};
+use crate::effect::{Bound, Effect, EffectParameter};
+use crate::expression::Unit;
+use crate::job::findings::{Amplitude, Finding, Findings, Rmse};
+use crate::random::Distribution;
+use crate::thermal::Model;
+
+use super::text::Item;
+
+/// Rivals that a reason names.
+const MOST_RIVALS: usize = 6;
+
+/// Fields of a prior in the order in which they are written.
+const PRIOR_FIELDS: &[&str] = &["mean", "sd", "lower", "upper", "median", "factor"];
+
+/// What the effect's inputs stand for, in the order of its file. `None` where the finding's names are not the model's.
+pub fn bound(effect: &Effect, finding: &Finding, model: &Model) -> Option<Vec<Bound>> {
+    let inputs: Vec<_> = effect.form.inputs.iter().collect();
+    let find = |position: usize, name: &str| {
+        let input = model.inputs.iter().position(|input| input.name == name).map(Bound::Input);
+        let node = model.nodes.iter().position(|node| node.name == name).map(Bound::Node);
+        input.into_iter().chain(node).find(|&bound| inputs[position].value.fits(model, bound))
+    };
+    match (&finding.input, inputs.len()) {
+        (None, 0) => Some(Vec::new()),
+        // A node that a sensor's reading depends on is part of the sensor's place.
+        (None, 1) => Some(vec![find(0, finding.place.get(1)?)?]),
+        (Some(input), count) => split(input, count, &find),
+        (None, _) => None,
+    }
+}
+
+/// Names joined by `*`, a name for each input; a node's name may hold the sign itself.
+fn split(text: &str, count: usize, find: &dyn Fn(usize, &str) -> Option<Bound>) -> Option<Vec<Bound>> {
+    fn rest(
+        text: &str,
+        at: usize,
+        count: usize,
+        find: &dyn Fn(usize, &str) -> Option<Bound>,
+        so_far: &mut Vec<Bound>,
+    ) -> bool {
+        if at + 1 >= count {
+            return find(at, text).map(|bound| so_far.push(bound)).is_some();
+        }
+        text.match_indices('*').any(|(place, _)| {
+            let Some(bound) = find(at, &text[..place]) else { return false };
+            so_far.push(bound);
+            let fits = rest(&text[place + 1..], at + 1, count, find, so_far);
+            if !fits {
+                so_far.pop();
+            }
+            fits
+        })
+    }
+    let mut bound = Vec::new();
+    (count > 0 && rest(text, 0, count, find, &mut bound)).then_some(bound)
+}
+
+/// What stands under `effect`.
+pub fn usage(effect: &Effect, finding: &Finding, bound: &[Bound], model: &Model) -> Item {
+    let mut fields = vec![("where".to_owned(), place(finding))];
+    let is_in_place = finding.input.is_none();
+    if !bound.is_empty() && !is_in_place {
+        let names = effect.form.inputs.names().zip(bound);
+        let inputs = names.map(|(name, bound)| (name.to_owned(), Item::text(bound.name(model)))).collect();
+        fields.push(("inputs".to_owned(), Item::Object(inputs)));
+    }
+    let mut parameters: Vec<(String, Item)> = Vec::new();
+    for parameter in effect.parameters(model, bound) {
+        // A curve's knots are described together.
+        if !parameters.iter().any(|(name, _)| *name == parameter.written) {
+            let item = self::parameter(effect, &parameter, bound, model);
+            parameters.push((parameter.written, item));
+        }
+    }
+    if !parameters.is_empty() {
+        fields.push(("parameters".to_owned(), Item::Object(parameters)));
+    }
+    Item::one(&effect.name, Item::Object(fields))
+}
+
+fn place(finding: &Finding) -> Item {
+    match (finding.where_kind.as_str(), finding.place.as_slice()) {
+        ("group", [name]) => Item::one("group", Item::text(name)),
+        (_, [name]) => Item::text(name),
+        (_, names) => Item::List(names.iter().map(|name| Item::text(name)).collect()),
+    }
+}
+
+/// Unit, nominal value where the catalogue states one, and prior.
+fn parameter(effect: &Effect, parameter: &EffectParameter, bound: &[Bound], model: &Model) -> Item {
+    let mut fields = Vec::new();
+    let form = effect.form.parameters.get(&parameter.written).map(|entry| &entry.value);
+    let written = form.filter(|form| form.per.is_empty()).and_then(|form| form.unit.as_ref());
+    let own = |field: &str| effect.json.pointer(&format!("/parameters/{}/{field}", parameter.written));
+    if let (Some(written), Some(prior)) = (written, own("prior")) {
+        fields.push(("unit".to_owned(), Item::text(&written.unit.text)));
+        fields.extend(own("nominal").map(|nominal| ("nominal".to_owned(), catalogued(nominal))));
+        fields.push(("prior".to_owned(), catalogued(prior)));
+        return Item::Object(fields);
+    }
+    // The scale follows from what the effect's inputs stand for.
+    let unit = bound_unit(effect, parameter, bound, model);
+    fields.push(("unit".to_owned(), Item::text(&unit.text)));
+    if form.is_some_and(|form| form.nominal.is_some()) {
+        fields.push(("nominal".to_owned(), Item::number(rounded(in_unit(parameter.nominal, &unit, parameter.sense)))));
+    }
+    fields.push(("prior".to_owned(), distribution(&parameter.prior, &unit, parameter.sense)));
+    Item::Object(fields)
+}
+
+/// A value of the catalogue, as its file has it.
+fn catalogued(value: &serde_json::Value) -> Item {
+    use serde_json::Value;
+    match value {
+        Value::Array(items) => Item::List(items.iter().map(catalogued).collect()),
+        Value::Object(fields) => {
+            let mut fields: Vec<_> = fields.iter().map(|(name, value)| (name.clone(), catalogued(value))).collect();
+            fields.sort_by_key(|(name, _)| PRIOR_FIELDS.iter().position(|field| field == name));
+            Item::Object(fields)
+        }
+        Value::String(text) => Item::text(text),
+        Value::Number(number) => Item::number(number.as_f64().unwrap_or(f64::NAN)),
+        other => Item::Raw(other.to_string()),
+    }
+}
+
+/// The unit of a parameter that has an input's, or is divided by those of inputs: as they write it.
+fn bound_unit(effect: &Effect, parameter: &EffectParameter, bound: &[Bound], model: &Model) -> Unit {
+    let of = |input: &str| -> Option<Unit> {
+        let position = effect.form.inputs.iter().position(|entry| entry.name == input)?;
+        match *bound.get(position)? {
+            Bound::Node(_) => None,
+            Bound::Input(index) => Unit::parse(&model.inputs[index].unit).ok(),
+        }
+    };
+    let form = effect.form.parameters.get(&parameter.written).map(|entry| &entry.value);
+    let composed = form.and_then(|form| {
+        if let Some(like) = &form.unit_of {
+            return of(&like.value);
+        }
+        let mut below: Vec<(String, usize)> = Vec::new();
+        for input in &form.per {
+            let unit = of(&input.value)?;
+            let text = unit.difference_text();
+            match below.iter_mut().find(|(known, _)| known == text) {
+                Some((_, power)) => *power += 1,
+                None => below.push((text.to_owned(), 1)),
+            }
+        }
+        let simple = |text: &str| text.chars().all(char::is_alphabetic);
+        let below: Vec<String> = (below.iter().filter(|(text, _)| text != "1"))
+            .map(|(text, power)| match (simple(text), power) {
+                (true, 1) => text.clone(),
+                (true, power) => format!("{text}{power}"),
+                (false, power) => vec![format!("({text})"); *power].join(" "),
+            })
+            .collect();
+        let own = &form.unit.as_ref()?.unit.text;
+        let text = match below.as_slice() {
+            [] => own.clone(),
+            [one] if !one.contains(' ') => format!("{own}/{one}"),
+            several => format!("{own}/({})", several.join(" ")),
+        };
+        Unit::parse(&text).ok()
+    });
+    composed.filter(|unit| unit.dimension == parameter.unit.dimension).unwrap_or(Unit::si(parameter.unit.dimension))
+}
+
+/// A value of a unit.
+fn in_unit(si: f64, unit: &Unit, sense: Sense) -> f64 {
+    match sense {
+        Sense::Absolute => unit.from_si(si),
+        Sense::Difference => unit.difference_from_si(si),
+    }
+}
+
+/// To six significant digits, which an engineer can still read.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+/// A prior in a unit.
+fn distribution(prior: &Distribution, unit: &Unit, sense: Sense) -> Item {
+    let place = |si: f64| in_unit(si, unit, sense);
+    let width = |si: f64| Item::number(rounded(unit.difference_from_si(si)));
+    let single = |si: f64| Item::number(rounded(place(si)));
+    let list = |values: &[f64]| {
+        let exact: Vec<f64> = values.iter().map(|&si| place(si)).collect();
+        let short: Vec<f64> = exact.iter().map(|&value| rounded(value)).collect();
+        // Bounds that are closer than six digits tell are written in full.
+        let kept = |from: &f64, to: &f64| to - from > 0.999 * (exact[exact.len() - 1] - exact[0]);
+        let is_kept = exact.len() < 2 || kept(&short[0], &short[short.len() - 1]);
+        Item::List((if is_kept { short } else { exact }).into_iter().map(Item::number).collect())
+    };
+    match *prior {
+        Distribution::Fixed(value) => Item::one("fixed", single(value)),
+        Distribution::Uniform { lower, upper } => Item::one("uniform", list(&[lower, upper])),
+        Distribution::LogUniform { lower, upper } => Item::one("loguniform", list(&[lower, upper])),
+        Distribution::Triangular { lower, mode, upper } => Item::one("triangular", list(&[lower, mode, upper])),
+        Distribution::HalfNormal { scale } => Item::one("halfnormal", width(scale)),
+        Distribution::LogNormal { median, factor } => Item::one(
+            "lognormal",
+            Item::Object(vec![("median".to_owned(), single(median)), ("factor".to_owned(), Item::number(factor))]),
+        ),
+        Distribution::Normal { mean, sd, lower, upper } => {
+            let mut fields = vec![("mean".to_owned(), single(mean)), ("sd".to_owned(), width(sd))];
+            fields.extend(lower.map(|lower| ("lower".to_owned(), single(lower))));
+            fields.extend(upper.map(|upper| ("upper".to_owned(), single(upper))));
+            Item::one("normal", Item::Object(fields))
+        }
+    }
+}
+
+/// Why an effect is adopted, from the diagnosis.
+pub fn because(finding: &Finding, findings: &Findings, job: &str, pass: &str) -> String {
+    let mut text = String::new();
+    let verdict = &findings.verdict;
+    let known = |value: Option<f64>| value.filter(|value| value.is_finite());
+    if findings.supports(finding) {
+        let _ = write!(text, "diagnosis `{job}` of {pass}: {verdict}");
+    } else {
+        let selected = match findings.selected.as_slice() {
+            [] => "no effect".to_owned(),
+            ids => suggest::listed(ids.iter().map(String::as_str), MOST_RIVALS),
+        };
+        let _ = write!(
+            text,
+            "adopted against diagnosis `{job}` of {pass}, whose verdict is `{verdict}` and which selected {selected}"
+        );
+    }
+    if let Some(probability) = known(finding.probability) {
+        let _ = write!(text, "; probability {}", probability_text(probability));
+    }
+    if let Some(factor) = known(finding.log_bayes_factor) {
+        let _ = write!(text, ", log Bayes factor {factor:.1}");
+    }
+    for (name, amplitude) in &finding.amplitudes {
+        text.push_str(&amplitude_text(name, amplitude));
+    }
+    text.push_str(&rmse_text(&finding.rmse_k));
+    let rivals: Vec<&str> = findings.confused_with(finding).map(|other| other.id.as_str()).collect();
+    if !rivals.is_empty() {
+        let _ = write!(text, "; these data cannot tell it from {}", suggest::listed(rivals, MOST_RIVALS));
+    }
+    text
+}
+
+/// Three decimals; what is that near 1 says by how much it is not.
+pub fn probability_text(value: f64) -> String {
+    if value > 0.9995 { "above 0.999".to_owned() } else { format!("{value:.3}") }
+}
+
+fn amplitude_text(name: &str, amplitude: &Amplitude) -> String {
+    let Some(value) = amplitude.value.filter(|value| value.is_finite()) else { return String::new() };
+    let unit = if amplitude.unit == "1" { String::new() } else { format!(" {}", amplitude.unit) };
+    let sd = amplitude.sd.filter(|sd| sd.is_finite() && *sd > 0.0);
+    let sd = sd.map_or(String::new(), |sd| format!(" \u{B1} {}", significant(sd, 2)));
+    format!("; {} {}{sd}{unit}", name.replace('_', " "), significant(value, 3))
+}
+
+fn significant(value: f64, digits: usize) -> String {
+    let short: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
+    crate::document::canonical::float(short).unwrap_or_default()
+}
+
+/// `; RMSE 0.71 K -> 0.26 K, on held-out rows 0.83 K -> 0.27 K`, as far as it is known.
+fn rmse_text(rmse: &Rmse) -> String {
+    let pair = |pair: Option<[Option<f64>; 2]>| match pair {
+        Some([Some(before), Some(after)]) => Some(format!("{before:.2} K -> {after:.2} K")),
+        _ => None,
+    };
+    match (pair(rmse.train), pair(rmse.held_out)) {
+        (Some(train), Some(held_out)) => format!("; RMSE {train}, on held-out rows {held_out}"),
+        (Some(train), None) => format!("; RMSE {train}"),
+        (None, Some(held_out)) => format!("; RMSE on held-out rows {held_out}"),
+        (None, None) => String::new(),
+    }
+}

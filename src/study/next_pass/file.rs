@@ -1,0 +1,84 @@
+//! Where a next pass is written, and writing it: beside its parent, never over what is there unless that is said.
+
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use crate::document::{Diagnostic, Diagnostics, Place, code};
+use crate::study::discover::number;
+use crate::study::{Pass, load};
+
+/// The file of the next pass: `out`, or the first free `pass-N.json` behind the pass's own number.
+///
+/// # Errors
+/// An `out` outside the pass's folder, without `.json`, or one of the files that the next pass builds upon.
+pub fn destination(pass: &Pass, out: Option<&Path>, place: &Place) -> Result<PathBuf, Box<Diagnostic>> {
+    let Some(out) = out else {
+        let own = number(Path::new(&pass.file)).unwrap_or(0);
+        let mut paths = (own.saturating_add(1)..).map(|number| pass.folder.join(format!("pass-{number}.json")));
+        // A folder has fewer files than there are numbers.
+        return Ok(paths.find(|path| path.symlink_metadata().is_err()).unwrap_or_else(|| pass.folder.join(&pass.file)));
+    };
+    let wrong = |message: String, expected: String| {
+        Err(Box::new(Diagnostic::error(&code::ADOPT_FILE, place, message).expected(expected)))
+    };
+    let shown = out.display();
+    let name = out
+        .file_name()
+        .and_then(|name| name.to_str())
+        .filter(|name| name.ends_with(".json") && crate::document::name::is_label(name));
+    let inside = pass.folder.join(name.unwrap_or("pass-2.json"));
+    let Some(name) = name else {
+        return wrong(format!("`{shown}` is no name of a pass"), format!("such as `{}`", inside.display()));
+    };
+    let whole = |folder: &Path| {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        folder.canonicalize().ok()
+    };
+    let folder = out.parent().and_then(whole);
+    if folder.is_none() || folder != whole(&pass.folder) {
+        let message =
+            format!("`{shown}` does not lie in the folder of `{}`, which it would name as its parent", pass.file);
+        return wrong(message, format!("such as `{}`", inside.display()));
+    }
+    if name == pass.file || name == pass.model_file || pass.parents.iter().any(|parent| parent == name) {
+        return wrong(format!("the next pass builds upon `{name}`"), "another file".to_owned());
+    }
+    Ok(out.to_owned())
+}
+
+/// Writes the text of a pass, after it has been loaded from a file beside and found right.
+///
+/// # Errors
+/// What is wrong with it; a file that is there, unless `replace`; a refusal of the system.
+pub fn write(text: &str, path: &Path, replace: bool, place: &Place) -> Result<(), Diagnostics> {
+    let refused = |error: std::io::Error| {
+        let shown = path.display();
+        let diagnostic = if error.kind() == std::io::ErrorKind::AlreadyExists {
+            Diagnostic::error(&code::ADOPT_FILE, place, format!("`{shown}` is there already"))
+                .expected("a file that is not there")
+                .help("--force with --out replaces it")
+        } else {
+            Diagnostic::error(&code::ADOPT_FILE, place, format!("`{shown}` cannot be written: {error}"))
+        };
+        one(diagnostic)
+    };
+    if !replace && path.symlink_metadata().is_ok() {
+        return Err(refused(std::io::ErrorKind::AlreadyExists.into()));
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut tried = tempfile::Builder::new().prefix(".adopt-").suffix(".json").tempfile_in(folder).map_err(refused)?;
+    tried.write_all(text.as_bytes()).and_then(|()| tried.flush()).map_err(refused)?;
+    load(tried.path())?;
+    if replace {
+        return fs::write(path, text).map_err(refused);
+    }
+    let mut file = fs::File::create_new(path).map_err(refused)?;
+    file.write_all(text.as_bytes()).map_err(refused)
+}
+
+fn one(diagnostic: Diagnostic) -> Diagnostics {
+    let mut diagnostics = Diagnostics::new();
+    diagnostics.push(diagnostic);
+    diagnostics
+}

@@ -1,0 +1,199 @@
+//! The next pass: a pass with effects that a diagnosis found missing.
+//!
+//! Only what changes is written: the effects with their place, priors and reasons, and the parent's jobs, which are not
+//! inherited. Everything else follows from the parent. Adopting goes back to the original priors; the next pass is
+//! calibrated anew.
+
+mod choose;
+mod entry;
+mod file;
+mod name;
+mod text;
+
+pub use choose::{Asked, ambiguity};
+pub use entry::probability_text;
+pub use file::{destination, write};
+
+use std::path::Path;
+
+use crate::document::json::{self, Node};
+use crate::document::{Diagnostic, Diagnostics, code, suggest};
+use crate::effect::Catalogue;
+use crate::job::findings::{Finding, Findings};
+
+use super::discover::number;
+use super::folder::Folder;
+use super::inherit::folder_diagnostic_at;
+use super::pass::FORMAT;
+use super::resolve::effects;
+use super::resolved::Pass;
+use text::Item;
+
+/// A pass to be written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NextPass<'f> {
+    /// Its file's text.
+    pub text: String,
+    /// What it adopts, each with its name in the pass.
+    pub adopted: Vec<(String, &'f Finding)>,
+    /// Calibrations that list their parameters, to which those of the effects were added.
+    pub extended: Vec<String>,
+}
+
+/// The pass that adopts what was asked for, or what the diagnosis selected. `job` is the diagnosis's name in the pass;
+/// `forced` lets through what it does not support; `file` is the new pass's.
+///
+/// # Errors
+/// What is not known or not supported; a pass file or an effect that cannot be read.
+pub fn next_pass<'f>(
+    pass: &Pass,
+    job: &str,
+    findings: &'f Findings,
+    asked: &Asked,
+    forced: bool,
+    file: &Path,
+) -> Result<NextPass<'f>, Diagnostics> {
+    let chosen = choose::choose(findings, asked, job, forced)?;
+    let catalogue = effects(Some(&pass.folder))?;
+    let mut diagnostics = Diagnostics::new();
+    let Some(tree) = tree(pass, asked, &mut diagnostics) else { return Err(diagnostics) };
+    let mut adopted: Vec<Adoption<'f>> = Vec::new();
+    for finding in chosen {
+        match adopt(pass, job, findings, finding, &catalogue, &adopted) {
+            Some(adoption) => adopted.push(adoption),
+            None => {
+                let message = format!("`{}` does not fit this model with these effects", finding.id);
+                let diagnostic = Diagnostic::error(&code::ADOPT_UNKNOWN, &asked.command(), message)
+                    .expected("an effect of the catalogue, at a place of the model");
+                diagnostics.push(diagnostic.help("the diagnosis is of another version; run it again"));
+            }
+        }
+    }
+    if diagnostics.has_errors() {
+        return Err(diagnostics);
+    }
+    let parameters: Vec<&str> = adopted.iter().flat_map(|one| &one.parameters).map(String::as_str).collect();
+    let mut extended = Vec::new();
+    let names: Vec<&str> = adopted.iter().map(|one| one.name.as_str()).collect();
+    let document = Item::Object(vec![
+        ("format".to_owned(), Item::text(FORMAT)),
+        ("title".to_owned(), Item::text(&title(pass, &names, file))),
+        ("description".to_owned(), Item::text(&description(pass, job, &names))),
+        ("parent".to_owned(), Item::text(&pass.file)),
+        ("model".to_owned(), Item::text(&pass.model_file)),
+        ("adopt".to_owned(), Item::Object(adopted.iter().map(|one| (one.name.clone(), one.item.clone())).collect())),
+        ("jobs".to_owned(), jobs(tree.get("jobs"), &parameters, &mut extended)),
+    ]);
+    let adopted = adopted.into_iter().map(|one| (one.name, one.finding)).collect();
+    Ok(NextPass { text: document.document(), adopted, extended })
+}
+
+/// An effect with its entry.
+struct Adoption<'f> {
+    name: String,
+    finding: &'f Finding,
+    item: Item,
+    /// Names of its parameters that are not fixed.
+    parameters: Vec<String>,
+}
+
+/// The pass's own file as a tree.
+fn tree(pass: &Pass, asked: &Asked, diagnostics: &mut Diagnostics) -> Option<Node> {
+    let bytes = Folder::open(&pass.folder).and_then(|folder| folder.read(&pass.file));
+    match bytes {
+        Ok(bytes) => json::parse_bytes(&pass.folder.join(&pass.file).display().to_string(), &bytes, diagnostics),
+        Err(error) => {
+            diagnostics.push(folder_diagnostic_at(&error, &asked.command()));
+            None
+        }
+    }
+}
+
+fn adopt<'f>(
+    pass: &Pass,
+    job: &str,
+    findings: &Findings,
+    finding: &'f Finding,
+    catalogue: &Catalogue,
+    before: &[Adoption<'f>],
+) -> Option<Adoption<'f>> {
+    let model = &pass.model;
+    let effect = catalogue.get(&finding.effect)?;
+    let bound = entry::bound(effect, finding, model)?;
+    // Names of elements, nodes, parameters and inputs are made of it.
+    let taken = |name: &str| {
+        let below = |other: &str| other == name || other.strip_prefix(name).is_some_and(|rest| rest.starts_with('.'));
+        before.iter().any(|other| other.name == name)
+            || pass.adopted.iter().any(|other| other.name == name)
+            || model.elements.iter().any(|element| element.name == name)
+            || model.nodes.iter().any(|node| below(&node.name))
+            || model.quantities.iter().any(|quantity| quantity.name == name)
+            || model.parameters.iter().any(|parameter| below(&parameter.name))
+            || model.inputs.iter().any(|input| below(&input.name))
+    };
+    let name = name::name(finding, &taken);
+    let evidence = vec![("pass".to_owned(), Item::text(&pass.file)), ("job".to_owned(), Item::text(job))];
+    let item = Item::Object(vec![
+        ("effect".to_owned(), entry::usage(effect, finding, &bound, model)),
+        ("because".to_owned(), Item::text(&entry::because(finding, findings, job, &pass.file))),
+        ("evidence".to_owned(), Item::Object(evidence)),
+    ]);
+    let parameters = effect.parameters(model, &bound).into_iter().filter(|parameter| !parameter.prior.is_fixed());
+    let parameters = parameters.map(|parameter| format!("{name}.{}", parameter.name)).collect();
+    Some(Adoption { name, finding, item, parameters })
+}
+
+/// What is added to a title.
+fn with(names: &[&str]) -> String {
+    let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+    match names.split_last() {
+        None => String::new(),
+        Some((last, [])) => format!(", with {last}"),
+        Some((last, rest)) => format!(", with {} and {last}", rest.join(", ")),
+    }
+}
+
+/// The parent's title with all adopted effects; where it tells the pass's number, the new one.
+fn title(pass: &Pass, names: &[&str], file: &Path) -> String {
+    let before: Vec<&str> = pass.adopted.iter().map(|adopted| adopted.name.as_str()).collect();
+    let base = pass.title.strip_suffix(with(&before).as_str()).unwrap_or(&pass.title);
+    // A title that could not be stripped names the earlier effects in its own way.
+    let is_stripped = base.len() < pass.title.len();
+    let all: Vec<&str> = before.into_iter().filter(|_| is_stripped).chain(names.iter().copied()).collect();
+    let mut base = base.to_owned();
+    if let (Some(old), Some(new)) = (number(Path::new(&pass.file)), number(file)) {
+        let old = format!("pass {old}");
+        let is_whole = |at: &usize| !base[at + old.len()..].starts_with(|c: char| c.is_ascii_digit());
+        if let Some(at) = base.match_indices(old.as_str()).map(|(at, _)| at).find(is_whole) {
+            base.replace_range(at..at + old.len(), &format!("pass {new}"));
+        }
+    }
+    format!("{base}{}", with(&all))
+}
+
+fn description(pass: &Pass, job: &str, names: &[&str]) -> String {
+    let effects = suggest::listed(names.iter().copied(), names.len()).replace('`', "");
+    format!(
+        "{} with what its job {job} found missing: {effects}. All else is inherited; the parameters start from their original priors.",
+        pass.file
+    )
+}
+
+/// The parent's jobs as written; calibrations that list their parameters get those of the effects.
+fn jobs(own: Option<&Node>, parameters: &[&str], extended: &mut Vec<String>) -> Item {
+    let Item::Object(mut jobs) = own.map_or(Item::Object(Vec::new()), Item::of_node) else {
+        return Item::Object(Vec::new());
+    };
+    for (name, job) in &mut jobs {
+        let Item::Object(kinds) = job else { continue };
+        for (_, settings) in kinds.iter_mut().filter(|(kind, _)| kind == "calibrate") {
+            let Item::Object(settings) = settings else { continue };
+            for (_, list) in settings.iter_mut().filter(|(setting, _)| setting == "parameters") {
+                let Item::List(list) = list else { continue };
+                list.extend(parameters.iter().map(|parameter| Item::text(parameter)));
+                extended.push(name.clone());
+            }
+        }
+    }
+    Item::Object(jobs)
+}

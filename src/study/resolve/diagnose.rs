@@ -1,0 +1,59 @@
+//! Diagnoses: settings with their defaults, names looked up.
+
+use crate::diagnosis::Settings;
+use crate::document::{MapEntry, Spanned, code};
+use crate::job::diagnose::Spec;
+use crate::study::pass::job::{DiagnoseForm, JobForm};
+use crate::study::resolved::JobSpec;
+
+use super::calibrate::{data, number, parameters};
+use super::jobs::Offered;
+use super::scope::Scope;
+
+/// Most effects at once that can be asked for.
+const MOST: u64 = 6;
+
+/// Resolves the settings of a diagnosis.
+pub(super) fn diagnose(
+    scope: &mut Scope,
+    entry: &MapEntry<JobForm>,
+    form: &DiagnoseForm,
+    offered: &Offered,
+) -> Option<JobSpec> {
+    let before = scope.diagnostics.errors();
+    let (data, missing) = data(scope, entry, form.data.as_ref(), "diagnose", offered);
+    let parameters = parameters(scope, form.parameters.as_ref(), offered);
+    let defaults = Settings::default();
+    let most = number(scope, form.most.as_ref(), defaults.most, 1, MOST, "effects at once");
+    let false_alarm = form.false_alarm.as_ref().map_or(defaults.false_alarm, |written| {
+        if !(written.value >= 1e-9 && written.value <= 0.5) {
+            let message = format!("a probability of a false alarm of {}", written.value);
+            scope.error(&code::JOB_SETTING, &written.place, message, "a number from 1e-9 to 0.5");
+        }
+        written.value
+    });
+    check(scope, form.effects.iter().flatten().chain(&form.without), offered);
+    let without = |name: &str| form.without.iter().any(|other| other.value == name);
+    let chosen = |name: &&str| match &form.effects {
+        Some(names) => names.iter().any(|wanted| wanted.value == **name),
+        None => true,
+    };
+    let effects = offered.catalogue.names().filter(chosen).filter(|name| !without(name)).map(str::to_owned).collect();
+    if scope.diagnostics.errors() > before {
+        return None;
+    }
+    if !missing.is_empty() {
+        let command = offered.command.clone();
+        return Some(JobSpec::Waiting { kind: "diagnose", measurements: missing, command });
+    }
+    Some(JobSpec::Diagnose(Spec { data, parameters, effects, settings: Settings { most, false_alarm } }))
+}
+
+fn check<'a>(scope: &mut Scope, names: impl Iterator<Item = &'a Spanned<String>>, offered: &Offered) {
+    for name in names {
+        if offered.catalogue.get(&name.value).is_none() {
+            let known: Vec<&str> = offered.catalogue.names().collect();
+            scope.unknown(&code::UNKNOWN_EFFECT, "effect", &name.value, &name.place, &known);
+        }
+    }
+}

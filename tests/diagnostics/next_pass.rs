@@ -1,0 +1,341 @@
+//! The writer of a next pass: every effect of the catalogue at every kind of place, what is refused, what is written.
+
+use bmv::document::Diagnostics;
+use bmv::effect::{Bound, Candidate, Catalogue, GroupPlace, Site, candidates};
+use bmv::job::findings::Findings;
+use bmv::random::Distribution;
+use bmv::study::next_pass::{Asked, NextPass, destination, next_pass, write};
+use bmv::study::resolve::adopt::sensor_places;
+use serde_json::{Value, json};
+
+use crate::diagnostics::pass_study::Study;
+
+/// A cooled detector in a box on a plate, seeing a shroud: one of each kind of element, groups of each kind of member,
+/// inputs of several units.
+const MODEL: &str = r#"{"format": "bmv-network/1", "title": "All kinds",
+ "inputs": {"T_plate": {"unit": "degC", "nominal": 17, "range": [-20, 45]}, "T_shroud": {"unit": "K", "nominal": 120, "range": [90, 150]},
+            "Q": {"unit": "W", "nominal": 6, "range": [3, 9]}, "p": {"unit": "mbar", "nominal": 0.02, "range": [0.01, 0.03]},
+            "i": {"unit": "mA", "nominal": 800, "range": [400, 1200]}, "flux": {"unit": "W/m2", "nominal": 10, "range": [0, 1361.3]},
+            "share": {"unit": "%", "nominal": 50, "range": [0, 100]}, "free": {"unit": "s", "nominal": 3}},
+ "parameters": {"G": {"unit": "W/K", "nominal": 0.6, "prior": {"uniform": [0.3, 0.9]}}},
+ "nodes": {"plate": {"boundary": "T_plate"}, "shroud": {"boundary": "T_shroud"}, "box": {"capacity": 900}, "panel": {"capacity": 300},
+           "blanket": {}, "detector": {"capacity": 20}},
+ "conductors": {"bolts": {"between": ["box", "plate"], "conductance": "G"}, "strap": {"between": ["box", "panel"], "conductance": 0.25},
+                "leads": {"between": ["detector", "box"], "conductance": 0.01}},
+ "radiations": {"panel to shroud": {"between": ["panel", "shroud"], "exchange_area": 0.03},
+                "inside": {"between": ["box", "blanket"], "exchange_area": 0.002}, "outside": {"between": ["blanket", "shroud"], "exchange_area": 0.05}},
+ "loads": {"board": {"into": "box", "power": "Q"}},
+ "coolers": {"cooler": {"cold": "detector", "hot": "box", "current": "i", "seebeck": 4e-4, "resistance": 0.02, "conductance": 1.5e-3, "couples": [17]}},
+ "heaters": {"panel heater": {"into": "panel", "senses": "panel", "power": 3, "proportional": {"set_point": 265, "band": 20}}},
+ "groups": {"surfaces": {"nodes": {"box": 1, "panel": 0.5}}, "joints": {"conductors": ["bolts", "strap"]},
+            "layers": {"radiations": ["inside", "outside"]}, "powers": {"loads": ["board"]}, "bonded": {"sensors": ["TC box", "TC panel"]}}}
+"#;
+
+const PASS: &str = r#"{"format": "bmv-pass/1", "title": "Bench, pass 1: as delivered", "parent": null, "model": "model.json", "seed": 7,
+ "measurements": {
+   "balance": {"steady": {"file": "data/balance.csv", "sensors": {
+     "TC box": {"measures": "box", "sigma": {"value": 0.25, "unit": "K"}}, "TC panel": {"measures": "panel", "sigma": {"value": 0.25, "unit": "K"}},
+     "TC detector": {"measures": "detector", "sigma": {"value": 0.25, "unit": "K"}}}}},
+   "run": {"transient": {"file": "data/run.csv", "initial": {"temperatures": {"all": {"value": 17, "unit": "degC"}}},
+     "sensors": {"TC box": {"measures": "box", "sigma": {"value": 0.25, "unit": "K"}}}}}},
+ "jobs": {"tuned": {"calibrate": {"draws": 1e3, "parameters": ["G"]}}, "fit": {"compare": {"criteria": "precision-1k"}}, "missing": {"diagnose": {"false_alarm": 5e-3}}}}
+"#;
+
+const BALANCE: &str = "phase,Q [W],TC box [degC],TC panel [degC],TC detector [degC]\nP1,6,20,10,5\nP2,3,18,9,\n";
+const RUN: &str = "time [s],Q [W],TC box [degC]\n0,6,17\n60,6,18\n120,0,18.5\n";
+
+fn study() -> Study {
+    let study = Study::new();
+    study.put("model.json", MODEL).put("pass-1.json", PASS).put("data/balance.csv", BALANCE).put("data/run.csv", RUN);
+    study
+}
+
+fn groups(pass: &bmv::study::Pass) -> Vec<GroupPlace> {
+    let node = |name: &str| pass.model.nodes.iter().position(|node| node.name == name).expect("there");
+    let element = |name: &str| pass.model.elements.iter().position(|element| element.name == name).expect("there");
+    let sensors = sensor_places(pass.measurements.iter());
+    let bonded = sensors.into_iter().filter(|sensor| sensor.name != "TC detector").collect();
+    vec![
+        GroupPlace { name: "surfaces".into(), site: Site::Nodes(vec![(node("box"), 1.0), (node("panel"), 0.5)]) },
+        GroupPlace { name: "joints".into(), site: Site::Elements(vec![element("bolts"), element("strap")]) },
+        GroupPlace { name: "layers".into(), site: Site::Elements(vec![element("inside"), element("outside")]) },
+        GroupPlace { name: "powers".into(), site: Site::Elements(vec![element("board")]) },
+        GroupPlace { name: "bonded".into(), site: Site::Sensors(bonded) },
+    ]
+}
+
+/// A finding as `diagnose --json` gives it.
+fn finding(candidate: &Candidate) -> Value {
+    json!({"id": candidate.id, "effect": candidate.effect, "where": candidate.place, "where_kind": candidate.where_kind,
+        "input": candidate.input, "probability": 0.98, "log_bayes_factor": 41.2, "group": 1, "amplitudes": {},
+        "rmse_k": {"train": [0.71, 0.26], "held_out": [0.83, null]}})
+}
+
+fn findings(verdict: &str, effects: Vec<Value>, selected: &[&str]) -> Findings {
+    let whole = json!({"verdict": verdict, "effects": effects, "selected": selected,
+        "unseen": [{"id": "thermal-mass:box", "why": "steady data see no capacity"}],
+        "separating_experiment": {"between": [], "conditions": {"T_plate": {"value": 313.0, "unit": "K"}}, "probability": 0.97,
+            "repeat_probability": 0.6, "limits_ok": true}});
+    Findings::from_result("missing", &whole).expect("of that form")
+}
+
+fn close(one: f64, other: f64) -> bool {
+    // Six digits are written.
+    (one - other).abs() <= 1e-5 * one.abs().max(other.abs())
+}
+
+fn same_prior(one: &Distribution, other: &Distribution) -> bool {
+    [0.02, 0.5, 0.98].iter().all(|&share| close(one.quantile(share), other.quantile(share)))
+}
+
+#[test]
+fn every_effect_at_every_kind_of_place_is_written_and_read_again() {
+    let study = study();
+    let pass = study.load();
+    let catalogue = Catalogue::embedded(&mut Diagnostics::new());
+    let all = candidates(&pass.model, &groups(&pass), &sensor_places(pass.measurements.iter()), &catalogue);
+    let mut seen: Vec<(String, &str, String)> = Vec::new();
+    for candidate in &all {
+        // Once for each kind of place, and of what inputs stand for.
+        let bound = candidate.bound.iter().map(|bound| match bound {
+            Bound::Input(index) => pass.model.inputs[*index].unit.as_str(),
+            Bound::Node(_) => "node",
+        });
+        let kind = (candidate.effect.clone(), candidate.where_kind, bound.collect::<Vec<_>>().join("*"));
+        if seen.contains(&kind) || kind.2.matches('*').count() == 1 && seen.iter().filter(|k| k.0 == kind.0).count() > 6
+        {
+            continue;
+        }
+        let findings = findings("identified", vec![finding(candidate)], &[&candidate.id]);
+        let asked = Asked::new("bmv adopt pass-1.json", &[]);
+        let next = next_pass(&pass, "missing", &findings, &asked, false, &study.path("pass-2.json"))
+            .unwrap_or_else(|wrong| panic!("{}: {}", candidate.id, wrong.render(false, 9)));
+        study.put("pass-2.json", &next.text);
+        let read = bmv::study::load(&study.path("pass-2.json"));
+        let read = read.unwrap_or_else(|wrong| panic!("{}: {}\n{}", candidate.id, wrong.render(false, 9), next.text));
+        assert!(read.warnings.is_empty(), "{}: {}", candidate.id, read.warnings.render(false, 9));
+        let [adopted] = read.adopted.as_slice() else { panic!("{}: one effect", candidate.id) };
+        assert_eq!((&adopted.id, &adopted.name), (&candidate.id, &next.adopted[0].0));
+        let effect = catalogue.get(&candidate.effect).expect("there");
+        let expected = effect.parameters(&pass.model, &candidate.bound);
+        assert_eq!(adopted.parameters.len(), expected.len());
+        for (index, expected) in adopted.parameters.clone().zip(&expected) {
+            let parameter = &read.model.parameters[index];
+            assert!(same_prior(&read.priors[index], &expected.prior), "{}: {}", candidate.id, next.text);
+            assert!(close(parameter.nominal, expected.nominal), "{} {}", candidate.id, parameter.name);
+        }
+        assert_eq!(read.jobs.len(), pass.jobs.len());
+        seen.push(kind);
+    }
+    for effect in catalogue.effects() {
+        assert!(seen.iter().any(|kind| kind.0 == effect.name), "{}", effect.name);
+    }
+    let kinds: std::collections::BTreeSet<&str> = seen.iter().map(|kind| kind.1).collect();
+    for kind in [
+        "nodes",
+        "node",
+        "boundary",
+        "conductor",
+        "radiation",
+        "load",
+        "cooler",
+        "heater",
+        "sensor",
+        "sensors",
+        "group",
+    ] {
+        assert!(kinds.contains(kind), "{kind} among {kinds:?}");
+    }
+}
+
+fn harness(group: Option<u64>) -> Value {
+    json!({"id": "conductive-path:box:detector", "effect": "conductive-path", "where": ["box", "detector"], "where_kind": "nodes",
+        "input": null, "probability": 0.98, "log_bayes_factor": 41.2, "group": group,
+        "amplitudes": {"conductance": {"value": 0.0491, "sd": 0.00312, "unit": "W/K"}},
+        "rmse_k": {"train": [0.71, 0.26], "held_out": [0.83, 0.27]}})
+}
+
+fn other(id: &str, kind: &str, group: Option<u64>) -> Value {
+    let parts: Vec<&str> = id.split(':').collect();
+    json!({"id": id, "effect": parts[0], "where": parts[1..], "where_kind": kind, "probability": 0.01, "group": group})
+}
+
+fn adopt<'f>(study: &Study, findings: &'f Findings, effects: &[&str], forced: bool) -> Result<NextPass<'f>, String> {
+    let effects: Vec<String> = effects.iter().map(|&text| text.to_owned()).collect();
+    let asked = Asked::new("bmv adopt pass-1.json", &effects);
+    next_pass(&study.load(), "missing", findings, &asked, forced, &study.path("pass-2.json"))
+        .map_err(|wrong| wrong.render(false, 9))
+}
+
+#[test]
+fn the_file_is_readable_and_says_why() {
+    let study = study();
+    let effects = vec![
+        harness(Some(1)),
+        other("radiative-path:box:detector", "nodes", Some(1)),
+        other("joule-heating:box", "node", None),
+    ];
+    let found = findings("ambiguous", effects, &["conductive-path:box:detector"]);
+    let next = adopt(&study, &found, &[], false).expect("adopted");
+    assert_eq!(next.extended, ["tuned"]);
+    insta::assert_snapshot!(next.text, @r#"
+    {
+      "format": "bmv-pass/1",
+      "title": "Bench, pass 2: as delivered, with box-detector conductive path",
+      "description": "pass-1.json with what its job missing found missing: box-detector conductive path. All else is inherited; the parameters start from their original priors.",
+      "parent": "pass-1.json",
+      "model": "model.json",
+      "adopt": {
+        "box-detector conductive path": {
+          "effect": {"conductive-path": {
+            "where": ["box", "detector"],
+            "parameters": {"conductance": {"unit": "W/K", "prior": {"halfnormal": 0.1}}}
+          }},
+          "because": "diagnosis `missing` of pass-1.json: ambiguous; probability 0.980, log Bayes factor 41.2; conductance 0.0491 ± 0.0031 W/K; RMSE 0.71 K -> 0.26 K, on held-out rows 0.83 K -> 0.27 K; these data cannot tell it from `radiative-path:box:detector`",
+          "evidence": {"pass": "pass-1.json", "job": "missing"}
+        }
+      },
+      "jobs": {
+        "tuned": {"calibrate": {"draws": 1e3, "parameters": ["G", "box-detector conductive path.conductance"]}},
+        "fit": {"compare": {"criteria": "precision-1k"}},
+        "missing": {"diagnose": {"false_alarm": 5e-3}}
+      }
+    }
+    "#);
+    let lines = bmv::study::next_pass::ambiguity(&found, &[next.adopted[0].1]);
+    assert_eq!(
+        lines,
+        [
+            "these data cannot tell `conductive-path:box:detector` from `radiative-path:box:detector`",
+            "a phase at T_plate = 313 K would tell them apart with probability 0.97 (repeating a phase: 0.60)",
+        ]
+    );
+}
+
+#[test]
+fn an_experiment_that_is_no_better_than_a_coin_is_not_recommended() {
+    let whole = json!({"verdict": "ambiguous", "effects": [harness(Some(1)), other("hidden-node:box:detector", "nodes", Some(1))],
+        "selected": ["conductive-path:box:detector"], "separating_experiment": {"between": [], "predictions": {},
+        "conditions": {"T_plate": {"value": 313.0, "unit": "K"}}, "probability": 0.5, "repeat_probability": 0.5, "limits_ok": true}});
+    let found = Findings::from_result("missing", &whole).expect("of that form");
+    let lines = bmv::study::next_pass::ambiguity(&found, &[&found.effects[0]]);
+    assert_eq!(lines[1], "no settable phase within the limits would tell them apart; measure where they differ");
+}
+
+#[test]
+fn a_second_next_pass_goes_on_from_the_first() {
+    let study = study();
+    let found = findings("identified", vec![harness(None)], &["conductive-path:box:detector"]);
+    study.put("pass-2.json", &adopt(&study, &found, &[], false).expect("adopted").text);
+    let pass =
+        bmv::study::load(&study.path("pass-2.json")).unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 9)));
+    let effects = vec![other("heat-load:box", "node", None), harness(None)];
+    let found = findings("identified", effects, &["heat-load:box", "conductive-path:box:detector"]);
+    let asked = Asked::new("bmv adopt pass-2.json", &[]);
+    let next = next_pass(&pass, "missing", &found, &asked, false, &study.path("pass-3.json"));
+    let next = next.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 9)));
+    let names: Vec<&str> = next.adopted.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["box heat load", "box-detector conductive path 2"], "names are free");
+    let written: Value = serde_json::from_str(&next.text).expect("JSON");
+    let title = "Bench, pass 3: as delivered, with box-detector conductive path, box heat load and box-detector conductive path 2";
+    assert_eq!((&written["title"], &written["parent"]), (&json!(title), &json!("pass-2.json")));
+    study.put("pass-3.json", &next.text);
+    let third =
+        bmv::study::load(&study.path("pass-3.json")).unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 9)));
+    assert_eq!(third.adopted.len(), 3);
+}
+
+#[test]
+fn what_the_diagnosis_does_not_support_is_refused_with_what_it_does() {
+    let study = study();
+    let effects = || {
+        vec![
+            harness(Some(1)),
+            other("radiative-path:box:detector", "nodes", Some(1)),
+            other("heat-load:box", "node", Some(2)),
+            other("heat-load:panel", "node", None),
+        ]
+    };
+    let found = findings("ambiguous", effects(), &["conductive-path:box:detector"]);
+    let said = adopt(&study, &found, &["heat-load:box"], false).expect_err("refused");
+    insta::assert_snapshot!(said, @r#"
+    error[adopt-refused]: diagnosis `missing` does not support `heat-load:box` (probability 0.010)
+     --> command line:1:23
+      |
+    1 | bmv adopt pass-1.json heat-load:box
+      |                       ^^^^^^^^^^^^^ the verdict is `ambiguous`, selected is `conductive-path:box:detector`
+      |
+      = help: accepted: `conductive-path:box:detector`, or what these data cannot tell from it: `radiative-path:box:detector`; --force adopts it all the same, and the new pass says so
+    "#);
+    let forced = adopt(&study, &found, &["heat-load:box"], true).expect("forced");
+    assert!(
+        forced.text.contains("adopted against diagnosis `missing` of pass-1.json, whose verdict is `ambiguous`"),
+        "{}",
+        forced.text
+    );
+    // A member of the group, by its effect's name alone, by the beginning of its id, with the ends exchanged.
+    for text in ["radiative-path", "radiative-path:b", "radiative-path:detector:box"] {
+        let next = adopt(&study, &found, &[text], false).unwrap_or_else(|said| panic!("{said}"));
+        assert_eq!(next.adopted[0].1.id, "radiative-path:box:detector");
+    }
+    let both = ["conductive-path", "radiative-path"];
+    let said = adopt(&study, &found, &both, false).expect_err("rivals");
+    assert!(
+        said.contains("these data cannot tell them apart") && said.contains("a phase at T_plate = 313 K"),
+        "{said}"
+    );
+    assert_eq!(adopt(&study, &found, &both, true).expect("forced").adopted.len(), 2);
+    for (text, part) in [
+        ("heat-load", "stands for 2 effects of diagnosis `missing`"),
+        ("heat-laod:box", "the nearest: `heat-load:box`"),
+        ("thermal-mass:box", "these data cannot see `thermal-mass:box`: steady data see no capacity"),
+        ("", "diagnosis `missing` has no effect ``"),
+    ] {
+        let said = adopt(&study, &found, &[text], false).expect_err("refused");
+        assert!(said.contains(part), "{text}: {said}");
+    }
+    for (verdict, part) in [
+        ("adequate", "these data need no further effect"),
+        ("unexplained", "nothing of the catalogue explains it"),
+        ("ambiguous", "name one of `conductive-path:box:detector` and `radiative-path:box:detector`"),
+    ] {
+        let found = findings(verdict, effects(), &[]);
+        let said = adopt(&study, &found, &[], false).expect_err("nothing selected");
+        assert!(said.contains(part), "{said}");
+        assert_eq!(adopt(&study, &found, &["conductive-path"], false).is_ok(), verdict == "ambiguous");
+    }
+}
+
+#[test]
+fn a_next_pass_lies_beside_its_parent_and_replaces_nothing_unasked() {
+    let study = study();
+    let pass = study.load();
+    let asked = Asked::new("bmv adopt pass-1.json", &[]);
+    let at = |out: Option<&str>| {
+        let out = out.map(|name| study.path(name));
+        destination(&pass, out.as_deref(), &asked.command()).map_err(|wrong| wrong.message)
+    };
+    assert_eq!(at(None), Ok(study.path("pass-2.json")));
+    study.put("pass-2.json", "mine").put("pass-4.json", "mine");
+    assert_eq!(at(None), Ok(study.path("pass-3.json")), "the first free number");
+    assert_eq!(at(Some("pass-9.json")), Ok(study.path("pass-9.json")));
+    for wrong in ["pass-1.json", "model.json", "data/pass-2.json", "pass-2", "none/pass-2.json", "../pass-2.json"] {
+        assert!(at(Some(wrong)).is_err(), "{wrong}");
+    }
+    let found = findings("identified", vec![harness(None)], &["conductive-path:box:detector"]);
+    let text = adopt(&study, &found, &[], false).expect("adopted").text;
+    let (second, third) = (study.path("pass-2.json"), study.path("pass-3.json"));
+    assert!(write(&text, &second, false, &asked.command()).is_err());
+    assert_eq!(std::fs::read_to_string(&second).expect("readable"), "mine");
+    assert!(
+        write(&text, &second, true, &asked.command()).is_ok() && write(&text, &third, false, &asked.command()).is_ok()
+    );
+    // What does not load is not written.
+    let broken = text.replace("conductive-path\": {", "conductive-pat\": {");
+    let wrong = write(&broken, &study.path("pass-5.json"), false, &asked.command()).expect_err("unknown");
+    assert!(wrong.render(false, 9).contains("unknown effect `conductive-pat`"));
+    let mut files: Vec<_> =
+        std::fs::read_dir(study.path("")).expect("readable").flatten().map(|file| file.file_name()).collect();
+    files.sort();
+    assert_eq!(files, ["data", "model.json", "pass-1.json", "pass-2.json", "pass-3.json", "pass-4.json"]);
+}

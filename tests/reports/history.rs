@@ -1,0 +1,98 @@
+//! The section on the error of a study's passes.
+
+use bmv::report::history::{History, PassErrors, Readings, Split, States};
+use bmv::report::render;
+
+use super::rendering::assert_well_formed;
+use super::samples::steady;
+
+fn split(train: f64, held_out: f64) -> Split {
+    Split { train: Some(train), held_out: Some(held_out) }
+}
+
+fn pass(file: &str, parent: Option<&str>, added: &[&str], delivered: Split, tuned: Split) -> PassErrors {
+    PassErrors {
+        pass: file.into(),
+        parent: parent.map(str::to_owned),
+        adopted: added.iter().map(|&id| id.into()).collect(),
+        added: added.iter().map(|&id| id.into()).collect(),
+        rmse_k: States { delivered, tuned },
+        mean_k: States { delivered: split(0.4, 0.5), tuned: split(-0.01, 0.02) },
+        within_limit: States { delivered: split(0.5, 0.4), tuned: split(1.0, 0.95) },
+        limit_k: Some(3.0),
+        reduced_chi2: Some(1.25),
+        log_evidence: Some(-31.24),
+        log_evidence_sd: Some(0.05),
+        converged: Some(true),
+        readings: Readings { train: 100, held_out: 40 },
+        comparison: Some("fit".into()),
+        ..PassErrors::default()
+    }
+}
+
+fn history() -> History {
+    let none = Split::default();
+    History {
+        passes: vec![
+            PassErrors { pass: "pass-1.json".into(), ..PassErrors::default() },
+            pass("pass-2.json", Some("pass-1.json"), &[], split(3.1, 3.7), split(1.6, 1.9)),
+            pass("pass-3.json", Some("pass-2.json"), &["sink-offset:<plate>"], split(3.0, 3.6), split(0.26, 0.3)),
+            pass("pass-4.json", Some("pass-2.json"), &["heat-load:box"], split(3.0, 3.6), split(1.5, 2.0)),
+            pass("pass-5.json", Some("pass-3.json"), &[], split(2.0, 2.6), none),
+        ],
+    }
+}
+
+#[test]
+fn the_fall_is_told_in_words_numbers_and_three_curves() {
+    let sample = steady();
+    let mut report = sample.report();
+    report.history = Some(history());
+    let rendered = render(&report).expect("renders");
+    let section = rendered.markdown.split("<a id=\"history\">").nth(1).expect("the section");
+    let section = section.split("<a id=").next().expect("its end");
+    let words = section.replace('\u{A0}', " ");
+    for text in [
+        "`pass-2.json` as delivered -> tuned, without new physics: RMSE held-out 3.70 K -> 1.90 K, for fitting 3.10 K -> 1.60 K.",
+        "adds `sink-offset:<plate>`: RMSE held-out 1.90 K -> 0.30 K, for fitting 1.60 K -> 0.26 K (tuned, against `pass-2.json`).",
+        "held-out 1.90 K -> 2.00 K",
+        "**the error did not fall**",
+        "`pass-5.json` adds no effect: RMSE held-out 3.60 K -> 2.60 K, for fitting 3.00 K -> 2.00 K (as delivered, against `pass-3.json`).",
+        "Without a comparison in kelvin: `pass-1.json`.",
+        "| `pass-3.json` | 3.00 / 3.60 | 0.26 / 0.30 |",
+        "as delivered 3.70 K, tuned only 1.90 K; tuned: pass-2.json 1.90 K, pass-3.json 0.30 K",
+    ] {
+        let plain = words
+            .replace("\\-", "-")
+            .replace("-\\>", "->")
+            .replace("&lt;", "<")
+            .replace("&gt;", ">")
+            .replace("\\<", "<")
+            .replace("\\>", ">");
+        assert!(plain.contains(text), "{text} in {plain}");
+    }
+    let (name, svg) = rendered.figures.iter().find(|figure| figure.0.contains("error-by-pass")).expect("the figure");
+    assert_well_formed(svg);
+    for label in [
+        "as delivered (pass-2)",
+        "tuned only (pass-2)",
+        "tuned with the effects",
+        "pass-5",
+        "RMSE held-out [K]",
+        "RMSE for fitting [K]",
+    ] {
+        assert!(svg.contains(label), "{label} in {name}");
+    }
+    assert!(!rendered.html.contains("sink-offset:<plate>"), "texts of a study are escaped");
+    assert_eq!(render(&report).expect("renders"), rendered);
+}
+
+#[test]
+fn one_pass_is_no_history() {
+    let sample = steady();
+    let mut report = sample.report();
+    let mut passes = history().passes;
+    passes.truncate(2);
+    report.history = Some(History { passes });
+    assert!(!render(&report).expect("renders").markdown.contains("<a id=\"history\">"));
+}
