@@ -219,7 +219,8 @@ impl Diagnosis {
             start.extend(own.iter().map(|(name, value)| (name.clone(), *value)));
             start
         });
-        let begin = Begin { starts: starts.collect(), from_prior: 0, scale: 1.0 };
+        // The believed model may be bent far from where its parameters are once the effect is there.
+        let begin = Begin { starts: starts.collect(), from_prior: 1, scale: 1.0 };
         let names = order.effects.iter().map(|&effect| self.problem.candidates[effect].id.as_str());
         let names: Vec<&str> = names.collect();
         problem.refit(&order.effects, &begin, &self.key).map_err(|why| format!("{}: {why}", names.join(" + ")))

@@ -193,6 +193,8 @@ fn bindings(effect: &Effect, model: &Model, nodes: &[usize]) -> Vec<Vec<Bound>> 
             .chain(nodes.iter().copied().map(Bound::Node))
             .filter(|&bound| entry.value.fits(model, bound))
             .collect();
+        let of_sensor = effect.places.contains(&PlaceKind::Sensor);
+        let choices = without_doubles(model, &choices, of_sensor);
         let longer = all.iter().flat_map(|before| {
             let free = choices.iter().filter(|choice| !before.contains(choice));
             free.map(|&choice| before.iter().copied().chain([choice]).collect())
@@ -207,6 +209,25 @@ fn bindings(effect: &Effect, model: &Model, nodes: &[usize]) -> Vec<Vec<Bound>> 
         all.retain(|pair| pair.windows(2).all(|two| place(&two[0]) < place(&two[1])));
     }
     all
+}
+
+/// Choices without those that are the same twice: a boundary whose temperature is an input, and that input. A sensor sees
+/// the node, everything else the input.
+fn without_doubles(model: &Model, choices: &[Bound], of_sensor: bool) -> Vec<Bound> {
+    let same = |node: usize, input: usize| match model.nodes[node].kind {
+        NodeKind::Boundary { temperature } => {
+            model.graph.term(temperature) == crate::expression::Term::Symbol(Bound::Input(input).symbol())
+        }
+        NodeKind::Diffusion { .. } | NodeKind::Arithmetic => false,
+    };
+    let is_double = |choice: &Bound| {
+        choices.iter().any(|other| match (*choice, *other) {
+            (Bound::Input(input), Bound::Node(node)) => of_sensor && same(node, input),
+            (Bound::Node(node), Bound::Input(input)) => !of_sensor && same(node, input),
+            _ => false,
+        })
+    };
+    choices.iter().copied().filter(|choice| !is_double(choice)).collect()
 }
 
 impl EffectInputForm {
