@@ -271,6 +271,9 @@ impl Laplace {
 fn floor_eigenvalues(curvature: &mut [f64], best: &Minimum, bounds: &Bounds, free: &[usize]) {
     const LEAST: f64 = 1e-4;
     let k = free.len();
+    if k == 0 {
+        return;
+    }
     let widths: Vec<f64> = free.iter().map(|&i| bounds.upper[i] - bounds.lower[i]).collect();
     let scales: Vec<f64> = (0..k)
         .map(|a| {
