@@ -22,6 +22,10 @@ const MOST_PAIRS: usize = 300;
 const MOST_PARTNERS: usize = 12;
 /// Single-column directions among which pairs are sought.
 const MOST_IN_PAIRS: usize = 1500;
+/// Entries of all directions above which not all are held.
+const MOST_ENTRIES: usize = 40_000_000;
+/// Directions that are held then.
+const MOST_KEPT: usize = 3000;
 /// Draws of the family-wise probability.
 const DRAWS: usize = 1000;
 /// Rounds in which the noise is settled.
@@ -93,6 +97,46 @@ impl Scored {
         Self { prepared, directions, scores }
     }
 
+    /// Scores all directions at a fit. Where they are too many to be held, only the best are kept; the number of the others
+    /// stands last.
+    fn best(
+        problem: &Problem,
+        likelihood: &Likelihood,
+        unknowns: &[f64],
+        linear: &Linear,
+    ) -> Result<(Self, Vec<signature::Unseen>, u64), String> {
+        let keep = if problem.candidates.len() * linear.rows > MOST_ENTRIES { MOST_KEPT } else { usize::MAX };
+        let mut scored = Self { prepared: Prepared::new(linear), directions: Vec::new(), scores: Vec::new() };
+        let mut left_out = 0;
+        let mut give = |direction: Direction| {
+            let score = scored.prepared.score(&direction);
+            scored.directions.push(direction);
+            scored.scores.push(score);
+            if scored.directions.len() >= keep.saturating_mul(2) {
+                left_out += scored.keep(keep);
+            }
+        };
+        let unseen = signature::for_each_direction(problem, likelihood, unknowns, &mut give);
+        let unseen = unseen.map_err(|error| error.to_string())?;
+        left_out += scored.keep(keep);
+        Ok((scored, unseen, left_out))
+    }
+
+    /// Keeps the best directions, in their order, and gives the number of the others.
+    fn keep(&mut self, count: usize) -> u64 {
+        let before = self.directions.len();
+        if before <= count {
+            return 0;
+        }
+        let mut order: Vec<usize> = (0..before).collect();
+        order.sort_by(|&a, &b| self.fall(b).total_cmp(&self.fall(a)).then(a.cmp(&b)));
+        order.truncate(count);
+        order.sort_unstable();
+        self.directions = order.iter().map(|&place| std::mem::take(&mut self.directions[place])).collect();
+        self.scores = order.iter().map(|&place| self.scores[place].clone()).collect();
+        (before - count) as u64
+    }
+
     /// What orders directions: the fall of the sum of squares, less two for each freedom beyond the first.
     fn fall(&self, position: usize) -> f64 {
         let score = &self.scores[position];
@@ -127,15 +171,16 @@ impl Diagnosis {
     pub(super) fn screen_problem(&self, problem: &Problem, refit: &Refit, whole: bool) -> Result<Screening, String> {
         let likelihood = self.likelihood(problem)?;
         let linear = signature::linearise(&likelihood, &refit.unknowns).map_err(|e| e.to_string())?;
-        let (directions, unseen) =
-            signature::directions(problem, &likelihood, &refit.unknowns).map_err(|e| e.to_string())?;
-        let scored = Scored::new(&linear, directions);
+        let (scored, unseen, left_out) = Scored::best(problem, &likelihood, &refit.unknowns, &linear)?;
         let (groups, names) = groups(problem, &likelihood);
         let estimated = self.estimates_sigma();
         let extras = Extras { groups: &groups, bounds: true, priors: true, omnibus: estimated.is_none() };
         let family = Family::new(&scored.prepared, &scored.directions, &scored.scores, &extras, estimated);
         let sampling = Sampling { key: *self.key(), draws: DRAWS };
         let judged = family.test(&sampling);
+        // What was left out for its size was tested too: all of them are paid for (Bonferroni).
+        let all = (judged.members.len() as u64 + left_out) as f64;
+        let p = if left_out > 0 { judged.p.max(judged.smallest_p * all) } else { judged.p }.clamp(0.0, 1.0);
         let mut tests: Vec<FamilyTest> = Vec::new();
         for member in &judged.members {
             let (name, at) = match member.kind {
@@ -157,7 +202,7 @@ impl Diagnosis {
             leads: self.leads(problem, &scored),
             pairs: Vec::new(),
             pairs_screened: 0,
-            family: FamilySummary { p: judged.p.clamp(0.0, 1.0), tests },
+            family: FamilySummary { p, tests },
             unseen: unseen.into_iter().map(|one| (one.candidate, one.reason)).collect(),
             detectable: Vec::new(),
         };
