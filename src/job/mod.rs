@@ -4,6 +4,8 @@
 pub mod calibrate;
 pub mod compare;
 pub mod conventional;
+pub mod handed_on;
+pub mod predict;
 pub mod propagate;
 pub mod requirement;
 
