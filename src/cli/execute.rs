@@ -44,6 +44,8 @@ impl Executed {
             Status::Interrupted
         } else if self.summary.failures() > 0 {
             Status::JobFailed
+        } else if self.passes.iter().any(|pass| !pass.refused.is_empty()) {
+            Status::WrongInput
         } else if self.passes.iter().flat_map(|pass| self.results(pass)).any(|(_, job)| !is_converged(job)) {
             Status::NotConverged
         } else {
@@ -79,6 +81,7 @@ pub fn execute(
                 wanted(node.task.kind(), &node.name)
             })
         });
+        pass.refused.retain(|(kind, name)| wanted(kind, name));
     }
     let only: BTreeSet<String> = passes.iter().flat_map(|pass| pass.jobs.iter().cloned()).collect();
     let settings = Settings { only: Some(only), ..options.settings() };

@@ -113,6 +113,21 @@ impl HandedOn {
         }
     }
 
+    /// The same of some of its parameters, by their places.
+    pub fn with(&self, places: &[usize]) -> Self {
+        Self {
+            parameters: places.iter().map(|&place| self.parameters[place]).collect(),
+            names: places.iter().map(|&place| self.names[place].clone()).collect(),
+            draws: self.draws.iter().map(|draw| places.iter().map(|&place| draw[place]).collect()).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// The same before it is filled.
+    pub fn with_no_draws(&self) -> Self {
+        Self { draws: Vec::new(), ..self.clone() }
+    }
+
     /// The draws of one parameter, by its place in `parameters`.
     pub fn column(&self, place: usize) -> Vec<f64> {
         self.draws.iter().map(|draw| draw[place]).collect()

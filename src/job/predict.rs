@@ -14,17 +14,6 @@ use super::{Job, JobError, Step};
 const PRIOR: &str = "prior ";
 const POSTERIOR: &str = "posterior ";
 
-/// Resolved settings.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Spec {
-    /// File of the pass within the study whose calibration it is; `None`: this pass's own.
-    pub pass: Option<String>,
-    /// The calibration.
-    pub job: String,
-    /// What is asked.
-    pub propagate: propagate::Spec,
-}
-
 /// A prediction, ready to run.
 #[derive(Debug)]
 pub struct Predict {
@@ -69,6 +58,14 @@ impl Predict {
             }
         }
     }
+}
+
+/// The document of `show --json`: that of the propagation with the posterior, and under `prior` the same with the priors.
+pub fn view(output: &Output) -> Value {
+    let mut document = propagate::view(&output.posterior);
+    document["converged"] = json!(output.converged);
+    document["prior"] = propagate::view(&output.prior);
+    document
 }
 
 fn unreadable(stage: &str, reason: impl ToString) -> JobError {

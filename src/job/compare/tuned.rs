@@ -21,12 +21,14 @@ const FAR: f64 = 12.0;
 pub struct Tuned {
     job: String,
     values: Vec<(String, f64)>,
+    converged: bool,
 }
 
 /// The part of a calibration's result that is used.
 #[derive(Deserialize)]
 struct Calibrated {
     tuned: Vec<(String, f64)>,
+    converged: bool,
 }
 
 impl Tuned {
@@ -37,7 +39,12 @@ impl Tuned {
     pub fn from_result(job: &str, result: &Value) -> Result<Self, JobError> {
         let found = Calibrated::deserialize(result)
             .map_err(|error| JobError::Failed(format!("the result of `{job}` has no tuned state: {error}")))?;
-        Ok(Self { job: job.to_owned(), values: found.tuned })
+        Ok(Self { job: job.to_owned(), values: found.tuned, converged: found.converged })
+    }
+
+    /// Whether the calibration's chains converged.
+    pub(super) fn converged(&self) -> bool {
+        self.converged
     }
 
     fn find(&self, name: &str) -> Option<f64> {
