@@ -37,7 +37,9 @@ pub enum JointPriorError {
     #[error(transparent)]
     Transform(#[from] TransformError),
     /// Too few draws.
-    #[error("{effective:.0} effective draws of {parameters} parameters are too few for a covariance; give at least {least:.0}")]
+    #[error(
+        "{effective:.0} effective draws of {parameters} parameters are too few for a covariance; give at least {least:.0}"
+    )]
     TooFew {
         /// Effective number of draws.
         effective: f64,
@@ -106,7 +108,8 @@ impl JointPrior {
         let scores = (0..n)
             .map(|i| Score::new(&base[i], draws.iter().map(|draw| draw[i])))
             .collect::<Result<Vec<Score>, _>>()?;
-        let z: Vec<Vec<f64>> = scores.iter().enumerate().map(|(i, s)| draws.iter().map(|d| s.of(d[i])).collect()).collect();
+        let z: Vec<Vec<f64>> =
+            scores.iter().enumerate().map(|(i, s)| draws.iter().map(|d| s.of(d[i])).collect()).collect();
         let count = draws.len() as f64;
         let mean: Vec<f64> = z.iter().map(|own| own.iter().sum::<f64>() / count).collect();
         let mut factor = vec![0.0; n * n];
@@ -208,7 +211,8 @@ fn judge(
             largest = largest.max(deviation.abs());
             if worst.as_ref().is_none_or(|(known, _)| excess > *known) {
                 let percent = 100.0 * share;
-                let text = format!("the {percent} % quantile of `{}` is off by {deviation:.2} standard deviations", names[i]);
+                let text =
+                    format!("the {percent} % quantile of `{}` is off by {deviation:.2} standard deviations", names[i]);
                 worst = Some((excess, text));
             }
         }
@@ -243,7 +247,13 @@ fn judge(
     }
 }
 
-fn note(excess: f64, [doubtful, wrong]: [f64; 2], text: String, doubts: &mut Vec<String>, refused: &mut Option<String>) {
+fn note(
+    excess: f64,
+    [doubtful, wrong]: [f64; 2],
+    text: String,
+    doubts: &mut Vec<String>,
+    refused: &mut Option<String>,
+) {
     if !(excess <= wrong) {
         refused.get_or_insert(text);
     } else if excess > doubtful {

@@ -88,7 +88,8 @@ impl HandedOn {
             // Where it has no value the draws do not vary: nothing is known of their number.
             effective = own.into_iter().flatten().fold(effective, |least, ess| least.min(ess.unwrap_or(1.0)));
         }
-        let draw = |all: &Vec<f64>| columns.iter().map(|&column| all.get(column).copied()).collect::<Option<Vec<f64>>>();
+        let draw =
+            |all: &Vec<f64>| columns.iter().map(|&column| all.get(column).copied()).collect::<Option<Vec<f64>>>();
         let draws = found.draws.values.iter().map(draw).collect::<Option<Vec<_>>>();
         let draws = draws.ok_or_else(|| failed("a draw is too short".to_owned()))?;
         if draws.is_empty() || draws.iter().flatten().any(|value| !value.is_finite()) {

@@ -69,11 +69,8 @@ struct Shared<'p> {
 /// The name of a job that cannot be made from its definition, with the reason: a network without a path to a boundary,
 /// a nominal case that does not solve.
 pub fn ready(pass: &Pass) -> Result<Vec<(String, Readiness)>, (String, JobError)> {
-    let shared = Shared {
-        pass,
-        model: Arc::new(pass.model.clone()),
-        measurements: Arc::new(pass.measurements.clone()),
-    };
+    let shared =
+        Shared { pass, model: Arc::new(pass.model.clone()), measurements: Arc::new(pass.measurements.clone()) };
     let jobs = pass.jobs.iter().map(|named| {
         let job = match blocked(pass, &named.name) {
             Some(reason) => Ok(Readiness::NotRun(reason)),
@@ -99,7 +96,10 @@ pub fn blocked(pass: &Pass, name: &str) -> Option<String> {
         JobSpec::Predict(spec) => {
             let own = match &spec.posterior.from {
                 Some(from) if from.file == pass.file => blocked(pass, &from.job).map(|reason| {
-                    format!("it builds on the posterior of {}, which does not run: {reason}", spec.posterior.draws.source)
+                    format!(
+                        "it builds on the posterior of {}, which does not run: {reason}",
+                        spec.posterior.draws.source
+                    )
                 }),
                 _ => of(&spec.posterior),
             };

@@ -3,4 +3,5 @@
 mod campaigns;
 mod documents;
 mod frame;
-mod studies;
+mod hand_on;
+pub mod studies;

@@ -21,5 +21,6 @@ fn rendered(text: &str) -> String {
 mod pass_adopt;
 mod pass_data;
 mod pass_entries;
+mod pass_hand_on;
 mod pass_load;
 mod pass_study;

@@ -225,6 +225,7 @@ pub struct UsedData {
     /// Readings fitted.
     pub readings: u64,
     /// Rows fitted, each with the SHA-256 of its readings.
+    #[serde(default)]
     pub rows: Vec<(String, String)>,
 }
 

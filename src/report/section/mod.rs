@@ -6,6 +6,7 @@ mod calibration;
 mod comparison;
 mod data;
 mod network;
+mod prediction;
 pub mod problem;
 pub mod propagation;
 mod provenance;
@@ -19,7 +20,7 @@ use super::view::PassReport;
 pub type Build = fn(&PassReport<'_>) -> Option<Section>;
 
 /// The sections that show results of jobs, in the order of the report.
-pub const RESULTS: &[Build] = &[propagation::build, sizing::build, comparison::build];
+pub const RESULTS: &[Build] = &[propagation::build, sizing::build, comparison::build, prediction::build];
 
 /// The summary alone.
 pub const SUMMARY: Build = summary::build;
@@ -37,6 +38,7 @@ pub const SECTIONS: &[Build] = &[
     sizing::build,
     comparison::build,
     calibration::build,
+    prediction::build,
     data::build,
     provenance::build,
 ];

@@ -10,12 +10,7 @@ use crate::study::resolved::{JobSpec, NamedJob, Refused};
 use super::scope::Scope;
 
 /// The calibrations that a sensor without `sigma` keeps from running.
-pub(super) fn refused(
-    scope: &Scope,
-    jobs: &[NamedJob],
-    form: &PassForm,
-    measurements: &[Measurement],
-) -> Vec<Refused> {
+pub(super) fn refused(scope: &Scope, jobs: &[NamedJob], form: &PassForm, measurements: &[Measurement]) -> Vec<Refused> {
     let mut refused = Vec::new();
     for job in jobs {
         let JobSpec::Calibrate(spec) = &job.spec else { continue };
@@ -25,7 +20,9 @@ pub(super) fn refused(
                 // Nothing is asked of a sensor without a reading to fit.
                 let used = rows.iter().any(|row| row.readings.iter().any(|(name, _)| *name == sensor.name));
                 let entry = form.measurements.get(&measurement.name).map(|entry| sensors(&entry.value));
-                let Some(entry) = entry.and_then(|sensors| sensors.get(&sensor.name)).filter(|_| used) else { continue };
+                let Some(entry) = entry.and_then(|sensors| sensors.get(&sensor.name)).filter(|_| used) else {
+                    continue;
+                };
                 let unit = &scope.resolved.model.quantities[sensor.quantity].unit;
                 let message = format!(
                     "sensor `{}` of `{}` has no `sigma`: `{}` needs its noise and does not run",

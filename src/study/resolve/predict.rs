@@ -31,7 +31,8 @@ pub(super) fn predict(
 ) -> Option<JobSpec> {
     let before = scope.diagnostics.errors();
     if let Some(with) = &form.with {
-        let message = "this version predicts with the posterior alone: `with` (a discrepancy, effects) is not there yet";
+        let message =
+            "this version predicts with the posterior alone: `with` (a discrepancy, effects) is not there yet";
         scope.error(&code::JOB_SETTING, &with.place, message, "leave it out; effects are adopted by the pass");
     }
     let asked = PropagateForm {
@@ -117,10 +118,8 @@ fn own_calibration(
     written: Option<(&str, &Place)>,
     forms: &Map<JobForm>,
 ) -> Option<(String, Place)> {
-    let calibrations: Vec<&str> = (forms.iter())
-        .filter(|job| matches!(job.value, JobForm::Calibrate(_)))
-        .map(|job| job.name.as_str())
-        .collect();
+    let calibrations: Vec<&str> =
+        (forms.iter()).filter(|job| matches!(job.value, JobForm::Calibrate(_))).map(|job| job.name.as_str()).collect();
     match written {
         Some((name, place)) if calibrations.contains(&name) => Some((name.to_owned(), place.clone())),
         Some((name, place)) => {
@@ -137,7 +136,8 @@ fn own_calibration(
             [only] => Some(((*only).to_owned(), entry.name_place.clone())),
             several => {
                 let count = several.len();
-                let message = format!("`{}` does not say `from` which calibration, and the pass has {count}", entry.name);
+                let message =
+                    format!("`{}` does not say `from` which calibration, and the pass has {count}", entry.name);
                 let expected = match several {
                     [] => "\"from\": {\"pass\": \"pass-1.json\", \"job\": ...}".to_owned(),
                     several => format!("\"from\": one of {}", several.join(", ")),

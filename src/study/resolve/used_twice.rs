@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::document::{Diagnostic, Node, Map, MapEntry, Value, code, suggest};
+use crate::document::{Diagnostic, Map, MapEntry, Node, Value, code, suggest};
 use crate::inference::measurement::{Measurement, Rows};
 use crate::inference::rows::used_rows;
 use crate::study::pass::job::JobForm;
