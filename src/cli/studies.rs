@@ -65,7 +65,7 @@ impl Task for After {
     }
 
     fn identity(&self) -> Value {
-        self.0.job().identity()
+        self.0.identity()
     }
 
     fn prepare(&self, upstream: &[Arc<Value>]) -> Result<Arc<dyn Job>, JobError> {
@@ -340,6 +340,16 @@ fn input_files(pass: &Pass) -> Vec<(&'static str, String)> {
     for measurement in &pass.measurements {
         if !files.iter().any(|(_, file)| *file == measurement.file) {
             files.push(("data", measurement.file.clone()));
+        }
+    }
+    for own in pass.handed_on.iter().filter(|own| own.draws.sha256.is_some()) {
+        files.push(("draws", own.draws.source.trim_matches('`').to_owned()));
+    }
+    for upstream in &pass.upstream {
+        for (role, file) in input_files(upstream) {
+            if !files.iter().any(|(_, known)| *known == file) {
+                files.push((if role == "pass" { "pass whose posterior is used" } else { role }, file));
+            }
         }
     }
     files

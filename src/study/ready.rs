@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::inference::likelihood::InputError;
 use crate::inference::measurement::Measurement;
@@ -38,13 +38,23 @@ pub struct Deferred {
     pub from: Vec<Upstream>,
     /// The job as far as it is known before.
     known: Arc<dyn Job>,
+    /// What decides the result beside the job's own identity and the calibrations.
+    beside: Option<Value>,
     prepare: Prepare,
 }
 
 impl Deferred {
-    /// The job as far as it is known before: kind, version and identity, beside the calibrations.
+    /// The job as far as it is known before: kind and version.
     pub fn job(&self) -> &dyn Job {
         self.known.as_ref()
+    }
+
+    /// Everything that decides the result, beside the calibrations.
+    pub fn identity(&self) -> Value {
+        match &self.beside {
+            None => self.known.identity(),
+            Some(beside) => json!({ "job": self.known.identity(), "handed_on": beside }),
+        }
     }
 
     /// Makes the job ready; `results` are those of [`Deferred::from`], in that order.
@@ -167,7 +177,7 @@ fn after(draws: &[&[HandedOnPrior]], known: Arc<dyn Job>, prepare: Prepare) -> R
     if from.is_empty() {
         return prepare(&[]).map(Readiness::Ready);
     }
-    Ok(Readiness::After(Box::new(Deferred { from, known, prepare })))
+    Ok(Readiness::After(Box::new(Deferred { from, known, beside: None, prepare })))
 }
 
 impl Shared<'_> {
@@ -246,11 +256,17 @@ impl Shared<'_> {
             Conventional::new(spec.clone(), Arc::clone(&model), priors)
         };
         let known: Arc<dyn Job> = Arc::new(make(&[])?);
+        // The job itself knows intervals only: whose they are must be told.
+        let beside: Value = draws.iter().map(|own| own.draws.identity()).collect();
         let own = draws.clone();
         let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Job>, JobError> {
             Ok(Arc::new(make(&filled(&own, &mut results.iter())?)?))
         };
-        after(&[&draws], known, Box::new(prepare))
+        let mut readiness = after(&[&draws], known, Box::new(prepare))?;
+        if let Readiness::After(deferred) = &mut readiness {
+            deferred.beside = Some(beside);
+        }
+        Ok(readiness)
     }
 
     fn calibration(&self, name: &str, spec: &calibrate::Spec) -> Result<Readiness, JobError> {
@@ -287,7 +303,7 @@ impl Shared<'_> {
             let result = results.first().ok_or_else(|| JobError::Failed("a result is not there".to_owned()))?;
             Ok(Arc::new(make()?.with_tuned(Tuned::from_result(&name, result)?)))
         };
-        Ok(Readiness::After(Box::new(Deferred { from, known, prepare: Box::new(prepare) })))
+        Ok(Readiness::After(Box::new(Deferred { from, known, beside: None, prepare: Box::new(prepare) })))
     }
 }
 

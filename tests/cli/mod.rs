@@ -4,4 +4,4 @@ mod campaigns;
 mod documents;
 mod frame;
 mod hand_on;
-pub mod studies;
+mod studies;

@@ -35,7 +35,7 @@ fn the_same_rows_are_refused_and_named() {
         let said = handed_on(&format!(r#""jobs": {{"again": {job}}}"#)).said("pass-2.json");
         for part in [
             "error[data-used-twice]",
-            "on readings that stand behind its prior: phase P1 of `balance` were in `tuned` of `pass-1.json`",
+            "on readings that stand behind its prior: `tuned` of `pass-1.json` was fitted to phase P1 of `balance`",
             "study/pass-2.json:3:11",
             "the posterior of `tuned` of `pass-1.json`",
             "\"held_out\": {\"phases\": [...]}",
@@ -72,8 +72,8 @@ fn data_behind_a_posterior_s_own_prior_count_too() {
         ),
     );
     let said = study.said("pass-3.json");
-    assert!(said.contains("phase P1 of `balance` were in `tuned` of `pass-1.json`"), "{said}");
-    assert!(said.contains("phase P2 of `balance` were in `again` of `pass-2.json`"), "{said}");
+    assert!(said.contains("`tuned` of `pass-1.json` was fitted to phase P1 of `balance`"), "{said}");
+    assert!(said.contains("`again` of `pass-2.json` was fitted to phase P2 of `balance`"), "{said}");
 }
 
 #[test]

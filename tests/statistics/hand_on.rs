@@ -82,13 +82,19 @@ fn run(job: &dyn Job) -> Result<Value, JobError> {
 }
 
 /// Results of the jobs of passes, by file and name, each after those that it needs.
-struct Results<'s> {
+pub struct Results<'s> {
     study: &'s Path,
     known: BTreeMap<(String, String), Arc<Value>>,
 }
 
-impl Results<'_> {
-    fn of(&mut self, file: &str, job: &str) -> Arc<Value> {
+impl<'s> Results<'s> {
+    /// Nothing has run yet.
+    pub fn of_study(study: &'s Path) -> Self {
+        Self { study, known: BTreeMap::new() }
+    }
+
+    /// The result of a job of a pass.
+    pub fn of(&mut self, file: &str, job: &str) -> Arc<Value> {
         if let Some(known) = self.known.get(&(file.to_owned(), job.to_owned())) {
             return Arc::clone(known);
         }
@@ -98,7 +104,7 @@ impl Results<'_> {
             Readiness::Ready(job) => job,
             Readiness::After(deferred) => {
                 let upstream: Vec<_> = deferred.from.iter().map(|from| self.of(&from.file, &from.job)).collect();
-                let known = deferred.job().identity();
+                let known = deferred.identity();
                 let job = deferred.prepare(&upstream).unwrap();
                 assert_eq!(job.identity(), known, "known before the upstream ran");
                 job
@@ -149,7 +155,7 @@ fn agrees(output: &calibrate::Output, mean: &DVector<f64>, covariance: &DMatrix<
 #[test]
 fn data_one_after_the_other_are_all_data_at_once() {
     let root = study();
-    let mut results = Results { study: root.path(), known: BTreeMap::new() };
+    let mut results = Results::of_study(root.path());
     let mut fit =
         |file: &str| -> calibrate::Output { serde_json::from_value((*results.of(file, "fit")).clone()).unwrap() };
     let (first, second, whole) = (fit("pass-1.json"), fit("pass-2.json"), fit("pass-3.json"));
@@ -186,7 +192,7 @@ fn data_one_after_the_other_are_all_data_at_once() {
 #[test]
 fn a_propagation_keeps_the_draws_correlations() {
     let root = study();
-    let mut results = Results { study: root.path(), known: BTreeMap::new() };
+    let mut results = Results::of_study(root.path());
     let output: propagate::Output = serde_json::from_value((*results.of("pass-2.json", "spread")).clone()).unwrap();
     let (mean, covariance) = prior();
     let (mean, covariance, _) = exact(&mean, &covariance, &FIRST);
@@ -208,7 +214,7 @@ fn a_propagation_keeps_the_draws_correlations() {
 #[test]
 fn a_prediction_is_the_propagation_of_posterior_and_prior() {
     let root = study();
-    let mut results = Results { study: root.path(), known: BTreeMap::new() };
+    let mut results = Results::of_study(root.path());
     let output: predict::Output = serde_json::from_value((*results.of("pass-2.json", "carried")).clone()).unwrap();
     let (mean, covariance) = prior();
     let (posterior, spread, _) = exact(&mean, &covariance, &FIRST);

@@ -4,6 +4,6 @@ mod calibrate;
 mod calibration;
 mod estimators;
 mod evidence;
-mod hand_on;
+pub mod hand_on;
 pub mod models;
 pub mod samplers;

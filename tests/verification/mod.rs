@@ -12,5 +12,6 @@ pub mod network8_data;
 mod orbit;
 mod radiator;
 mod solar_monitor;
+mod solar_monitor_flight;
 mod steady;
 mod transient;

@@ -76,7 +76,7 @@ fn job<'h>(
                 let (job, file) = (&behind.calibration.job, &behind.calibration.file);
                 let parameters = suggest::listed(own.draws.names.iter().map(String::as_str), NAMED);
                 let message = format!(
-                    "`{}` {does} on readings that stand behind its prior: {} of `{}` were in `{job}` of `{file}`",
+                    "`{}` {does} on readings that stand behind its prior: `{job}` of `{file}` was fitted to {} of `{}`",
                     entry.name,
                     rows(&twice, steady),
                     measurement.name
