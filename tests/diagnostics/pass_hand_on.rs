@@ -135,7 +135,7 @@ fn files_of_draws() {
     for (text, part) in [
         ("G [W/K]\n0.4\n", "has 1 draws"),
         ("H [W/K]\n0.4\n0.5\n", "has no column `G`"),
-        ("G [K]\n0.4\n0.5\n", "W/K"),
+        ("G [K]\n0.4\n0.5\n", "study/data/draws.csv:1:1"),
         ("G [W/K]\n0.4\n\n0.5\nx\n", "table-cell"),
     ] {
         study.put("data/draws.csv", text);

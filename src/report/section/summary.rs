@@ -17,6 +17,15 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
     let mut statements = Vec::new();
     let mut verdicts = Vec::new();
+    // What a calibrated model is for goes before how well it fits.
+    for (_, output) in report.predictions() {
+        let (about_requirements, _) = of_propagation(report, &output.posterior);
+        statements.extend(about_requirements.into_iter().map(|own| Statement {
+            label: own.label.replacen("Probability,", "Probability after calibration,", 1),
+            ..own
+        }));
+        statements.extend(of_prediction(output));
+    }
     for (_, output) in report.comparisons() {
         statements.extend(of_comparison(report, output));
         verdicts.push(verdict_of_comparison(output));
@@ -27,14 +36,6 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         let (about_requirements, about_quantities) = of_propagation(report, output);
         statements.extend(about_requirements);
         distributions.extend(about_quantities);
-    }
-    for (_, output) in report.predictions() {
-        let (about_requirements, _) = of_propagation(report, &output.posterior);
-        statements.extend(about_requirements.into_iter().map(|own| Statement {
-            label: own.label.replacen("Probability,", "Probability after calibration,", 1),
-            ..own
-        }));
-        statements.extend(of_prediction(output));
     }
     for (_, output) in report.conventionals() {
         statements.extend(of_sizes(report, output));
