@@ -182,7 +182,7 @@ impl<T: Target> Informed<T> {
                     .filter(|share| share.weight.abs() > NOTICEABLE)
                     .collect();
                 shares.sort_by(|a, b| b.weight.abs().total_cmp(&a.weight.abs()));
-                (!shares.is_empty()).then(|| Finding::FlatDirection { information: *information, shares })
+                (!shares.is_empty()).then_some(Finding::FlatDirection { information: *information, shares })
             }
             // Products and sums of whitened coordinates say nothing about parameters.
             Finding::OnlyTogether { first, second, .. } if is_joint(*first) || is_joint(*second) => None,

@@ -29,7 +29,7 @@ written_choice! {
         /// The model's discrepancy as a function.
         "discrepancy" => Discrepancy(Node),
         /// Flight prediction.
-        "predict" => Predict(PredictForm),
+        "predict" => Predict(Box<PredictForm>),
         /// Stacked worst cases with margins by rule.
         "conventional" => Conventional(ConventionalForm),
     }
