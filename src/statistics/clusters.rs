@@ -91,7 +91,7 @@ mod tests {
     #[test]
     fn what_cannot_be_told_counts_as_one_a_cluster() {
         let clusters = Clusters { of: vec![0, 0, 1, 1], count: 2, effective: 2.0 };
-        assert_eq!(effective_samples(&[clusters.clone()], &[1.0; 4]), 2.0);
+        assert_eq!(effective_samples(std::slice::from_ref(&clusters), &[1.0; 4]), 2.0);
         assert_eq!(effective_samples(&[], &[1.0; 4]), 4.0);
         // Clusters that say nothing.
         assert!(effective_samples(&[clusters], &[1.0, -1.0, 1.0, -1.0]) > 3.9);
