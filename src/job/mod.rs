@@ -6,6 +6,8 @@ pub mod compare;
 pub mod conventional;
 pub mod diagnose;
 pub mod findings;
+pub mod handed_on;
+pub mod predict;
 pub mod propagate;
 pub mod requirement;
 

@@ -1,6 +1,6 @@
 //! What came out of a job, in a line or two.
 
-use crate::job::{calibrate, compare, conventional, propagate};
+use crate::job::{calibrate, compare, conventional, predict, propagate};
 
 use super::number::{self, Shown};
 use super::page::Status;
@@ -14,6 +14,7 @@ const MOST_FINDINGS: usize = 2;
 pub fn headlines(job: &JobEntry) -> Vec<String> {
     match &job.result {
         JobResult::Propagate(output) => of_propagation(output),
+        JobResult::Predict(output) => of_prediction(output),
         JobResult::Conventional(output) => of_sizes(output),
         JobResult::Compare(output) => of_comparison(output),
         JobResult::Calibrate(output) => of_calibration(output),
@@ -75,6 +76,22 @@ fn of_propagation(output: &propagate::Output) -> Vec<String> {
         if case.failed > 0 {
             lines.push(format!("{} of {} samples have no solution{place}", case.failed, output.samples));
         }
+    }
+    lines
+}
+
+/// With the posterior, and where the design reached what is required with the priors.
+fn of_prediction(output: &predict::Output) -> Vec<String> {
+    let mut lines = of_propagation(&output.posterior);
+    let design = Shown::written(&output.posterior.design_unit);
+    if let Some(name) = &output.posterior.design_variable {
+        for own in &output.prior.reached {
+            let value = own.design_value.map_or_else(|| format!("no {name} of the sweep"), |value| design.text(value));
+            lines.push(format!("with the priors, {} in {}: {value} reaches it", own.requirement, own.environment));
+        }
+    }
+    if !output.converged {
+        lines.push("the chains behind the posterior did NOT converge".to_owned());
     }
     lines
 }

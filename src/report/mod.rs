@@ -83,6 +83,7 @@ pub fn page(report: &PassReport<'_>) -> Page {
 pub fn results_schema() -> Value {
     json!({
         "propagate": schemars::schema_for!(crate::job::propagate::Output),
+        "predict": schemars::schema_for!(crate::job::predict::Output),
         "conventional": schemars::schema_for!(crate::job::conventional::Output),
         "compare": schemars::schema_for!(crate::job::compare::Output),
         "calibrate": schemars::schema_for!(crate::job::calibrate::Output),
@@ -99,6 +100,7 @@ fn results_json(report: &PassReport<'_>) -> Result<String, serde_json::Error> {
     for job in &report.results {
         let output = match &job.result {
             JobResult::Propagate(output) => value(output)?,
+            JobResult::Predict(output) => value(output)?,
             JobResult::Conventional(output) => value(output)?,
             JobResult::Compare(output) => value(output)?,
             JobResult::Calibrate(output) => value(output)?,

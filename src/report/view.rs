@@ -3,7 +3,7 @@
 use crate::diagnosis;
 use crate::inference::measurement::{Measurement, Rows, Sensor};
 use crate::job::requirement::{Environment, Requirement};
-use crate::job::{calibrate, compare, conventional, propagate};
+use crate::job::{calibrate, compare, conventional, predict, propagate};
 use crate::random::Distribution;
 use crate::thermal::{Model, Quantity};
 
@@ -45,6 +45,8 @@ pub struct FileHash {
 pub enum JobResult {
     /// Uncertainty propagation.
     Propagate(propagate::Output),
+    /// A calibration carried to environments.
+    Predict(Box<predict::Output>),
     /// The conventional way.
     Conventional(conventional::Output),
     /// Model against measurements.
@@ -85,6 +87,8 @@ pub struct PassReport<'a> {
     pub model: &'a Model,
     /// Priors by parameter name; a parameter without one is fixed at its nominal value.
     pub priors: Vec<Prior>,
+    /// Parameters whose prior is draws, with where these come from.
+    pub handed_on: Vec<(String, String)>,
     /// Requirements.
     pub requirements: Vec<Requirement>,
     /// Environments.
@@ -114,6 +118,14 @@ impl PassReport<'_> {
     pub fn propagations(&self) -> impl Iterator<Item = (&str, &propagate::Output)> {
         self.results.iter().filter_map(|job| match &job.result {
             JobResult::Propagate(output) => Some((job.name.as_str(), output)),
+            _ => None,
+        })
+    }
+
+    /// Predictions with their jobs' names.
+    pub fn predictions(&self) -> impl Iterator<Item = (&str, &predict::Output)> {
+        self.results.iter().filter_map(|job| match &job.result {
+            JobResult::Predict(output) => Some((job.name.as_str(), &**output)),
             _ => None,
         })
     }

@@ -3,6 +3,7 @@
 
 pub mod autocorrelation;
 pub mod chain_diagnostics;
+pub mod clusters;
 pub mod histogram;
 pub mod interval;
 pub mod kolmogorov;

@@ -2,6 +2,8 @@
 
 use bmv::job::calibrate::KeptDraws;
 use bmv::job::compare::Deviation;
+use bmv::job::handed_on::HandedOnSummary;
+use bmv::job::{predict, propagate};
 use bmv::report::plot::{
     Along, Axis, Bar, Chart, Diagram, HeatMap, History, Layer, Limit, Mark, NodeShape, Path, Shade, Source, Strip,
     Stroke,
@@ -14,6 +16,26 @@ use super::rendering::{assert_well_formed, rendered};
 use super::samples::{Sample, radiator, steady, transient};
 
 const HOSTILE: &str = "<img src=x onerror=alert(1)>|`a`[b](javascript:c)\"'&\\";
+
+/// The radiator with its propagation as a prediction.
+fn predicted() -> Sample {
+    let mut sample = radiator();
+    for job in &mut sample.results {
+        if let JobResult::Propagate(output) = &job.result {
+            let handed_on = HandedOnSummary {
+                source: "`tuned` of `pass-1.json`".into(),
+                parameters: vec!["eps".into()],
+                draws: 1000,
+                effective: 800.0,
+                converged: false,
+            };
+            let posterior = propagate::Output { handed_on: vec![handed_on], ..output.clone() };
+            let output = predict::Output { converged: false, prior: output.clone(), posterior };
+            job.result = JobResult::Predict(Box::new(output));
+        }
+    }
+    sample
+}
 
 /// The sample with every name that a study chooses replaced.
 fn poisoned(mut sample: Sample) -> Sample {
@@ -64,6 +86,15 @@ fn poisoned(mut sample: Sample) -> Sample {
                     }
                 }
             }
+            JobResult::Predict(output) => {
+                output.posterior.design_variable = Some(name());
+                output.posterior.handed_on[0].source = name();
+                output.posterior.handed_on[0].parameters = vec![name()];
+                for case in output.posterior.cases.iter_mut().chain(&mut output.prior.cases) {
+                    case.environment = name();
+                    case.quantities.iter_mut().for_each(|q| q.name = name());
+                }
+            }
             JobResult::Conventional(output) => {
                 output.design_variable = name();
                 for size in &mut output.sizes {
@@ -94,7 +125,7 @@ fn poisoned(mut sample: Sample) -> Sample {
 
 #[test]
 fn hostile_names_are_text_everywhere() {
-    for sample in [radiator(), transient(), steady()] {
+    for sample in [radiator(), transient(), steady(), predicted()] {
         let sample = poisoned(sample);
         let mut view: PassReport<'_> = sample.report();
         view.description = HOSTILE.into();
@@ -183,7 +214,7 @@ fn pages_without_results_are_pages() {
 
 #[test]
 fn empty_and_broken_outputs_are_reported_not_fatal() {
-    for mut sample in [radiator(), transient(), steady(), calibrated()] {
+    for mut sample in [radiator(), transient(), steady(), calibrated(), predicted()] {
         for job in &mut sample.results {
             match &mut job.result {
                 JobResult::Compare(output) => {
@@ -201,6 +232,15 @@ fn empty_and_broken_outputs_are_reported_not_fatal() {
                         q.quantiles.clear();
                     }
                     output.reached[0].design_value = None;
+                }
+                JobResult::Predict(output) => {
+                    output.prior.cases.clear();
+                    output.posterior.cases.truncate(3);
+                    output.posterior.reached.clear();
+                    for q in output.posterior.cases.iter_mut().flat_map(|c| &mut c.quantities) {
+                        q.mean = f64::NAN;
+                        q.quantiles.clear();
+                    }
                 }
                 JobResult::Conventional(output) => {
                     for size in &mut output.sizes {

@@ -13,5 +13,6 @@ mod orbit;
 mod radiator;
 mod signature;
 mod solar_monitor;
+mod solar_monitor_flight;
 mod steady;
 mod transient;

@@ -18,6 +18,7 @@ use super::target::{LeastSquares, Rejected, Target};
 use super::unknown::{Unknowns, Value};
 use crate::random::Distribution;
 use crate::thermal::{self, Network, NetworkError};
+pub(super) use build::is_used;
 use steady::SteadyPart;
 use transient::TransientPart;
 

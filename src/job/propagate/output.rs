@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::job::handed_on::HandedOnSummary;
 use crate::job::requirement::{Environment, Requirement};
 
 /// How the priors are sampled.
@@ -231,4 +232,10 @@ pub struct Output {
     pub cases: Vec<Case>,
     /// Where the required probabilities are reached.
     pub reached: Vec<Reached>,
+    /// Draws that stood in for priors; errors and intervals are from the number of draws that these are worth.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub handed_on: Vec<HandedOnSummary>,
+    /// Whether the chains behind those draws converged; left out without any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub converged: Option<bool>,
 }

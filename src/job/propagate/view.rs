@@ -11,12 +11,13 @@ const ALL: &str = "all";
 ///
 /// `quantities`, `probability` and `failed` are of the nominal design in the first environment, which `environment`
 /// names; `cases` has the same for every environment and design value, the nominal design (`design_value` null) first.
+/// With draws in place of priors, `handed_on` says which, and `converged` whether their chains did.
 /// `probability` always has `all`, also where there is but one requirement.
 pub fn view(output: &Output) -> Value {
     let cases: Vec<Value> = output.cases.iter().map(case).collect();
     let first = cases.first();
     let of_first = |name: &str| first.map_or(Value::Null, |case| case[name].clone());
-    json!({
+    let mut document = json!({
         "environment": of_first("environment"),
         "quantities": of_first("quantities"),
         "probability": of_first("probability"),
@@ -27,7 +28,12 @@ pub fn view(output: &Output) -> Value {
         "design_written_unit": output.design_unit,
         "cases": cases,
         "reached": output.reached,
-    })
+    });
+    if !output.handed_on.is_empty() {
+        document["handed_on"] = json!(output.handed_on);
+        document["converged"] = json!(output.converged);
+    }
+    document
 }
 
 fn case(case: &Case) -> Value {
@@ -136,6 +142,8 @@ mod tests {
             design_unit: "m2".into(),
             cases: vec![case("hot", None, 2), case("hot", Some(0.3), 5)],
             reached: vec![],
+            handed_on: vec![],
+            converged: None,
         }
     }
 

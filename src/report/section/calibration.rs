@@ -78,9 +78,18 @@ fn parameters(output: &Output) -> Block {
         };
         let fails = own.rhat.is_none_or(|value| value >= 1.01);
         let few = own.ess_bulk.is_none_or(|ess| ess < 400.0) || own.ess_tail.is_none_or(|ess| ess < 400.0);
+        let prior = match &own.handed_on {
+            Some(prior) => format!(
+                "{} \u{00B1} {}, draws of {}",
+                to(prior.mean, prior.sd),
+                significant(prior.sd, 2),
+                prior.source.replace('`', "")
+            ),
+            None => prior_words(&own.prior, &Shown::written(&own.unit)),
+        };
         vec![
             Cell::code(name),
-            prior_words(&own.prior, &Shown::written(&own.unit)).into(),
+            prior.into(),
             to(own.mean, own.sd).into(),
             significant(own.sd, 2).into(),
             format!("{} to {}", to(own.q025, own.sd), to(own.q975, own.sd)).into(),

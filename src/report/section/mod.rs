@@ -8,6 +8,7 @@ mod data;
 mod diagnosis;
 mod history;
 mod network;
+mod prediction;
 pub mod problem;
 pub mod propagation;
 mod provenance;
@@ -22,7 +23,8 @@ use super::view::PassReport;
 pub type Build = fn(&PassReport<'_>) -> Option<Section>;
 
 /// The sections that show results of jobs, in the order of the report.
-pub const RESULTS: &[Build] = &[propagation::build, sizing::build, comparison::build, diagnosis::build];
+pub const RESULTS: &[Build] =
+    &[propagation::build, sizing::build, comparison::build, diagnosis::build, prediction::build];
 
 /// The summary alone.
 pub const SUMMARY: Build = summary::build;
@@ -50,6 +52,7 @@ pub const SECTIONS: &[Build] = &[
     calibration::build,
     diagnosis::build,
     history::build,
+    prediction::build,
     data::build,
     provenance::build,
 ];

@@ -59,7 +59,7 @@ pub fn nominal_cases(output: &Output) -> impl Iterator<Item = &Case> {
     output.cases.iter().filter(move |c| !has_nominal || c.design_value.is_none())
 }
 
-fn failures(output: &Output) -> Vec<Block> {
+pub(super) fn failures(output: &Output) -> Vec<Block> {
     let failed: u64 = output.cases.iter().map(|c| c.failed).sum();
     if failed == 0 {
         return Vec::new();
@@ -152,7 +152,7 @@ fn requirements(report: &PassReport<'_>, output: &Output) -> Block {
 }
 
 /// Environments in the order of the cases.
-fn environments(output: &Output) -> Vec<&str> {
+pub(super) fn environments(output: &Output) -> Vec<&str> {
     let mut out: Vec<&str> = Vec::new();
     for case in &output.cases {
         if !out.contains(&case.environment.as_str()) {
@@ -258,7 +258,7 @@ fn sweep_table(output: &Output) -> Option<Block> {
     Some(Block::Details("Table of the sweep".into(), vec![Block::Table(Table { caption, columns, rows })]))
 }
 
-fn quantile(distributed: &Distributed, probability: f64) -> f64 {
+pub(super) fn quantile(distributed: &Distributed, probability: f64) -> f64 {
     distributed.quantiles.iter().find(|q| (q.probability - probability).abs() < 1e-9).map_or(f64::NAN, |q| q.value)
 }
 
@@ -343,7 +343,7 @@ pub(super) fn histogram(case: &Case, q: &Distributed, job: &str) -> Figure {
     }
 }
 
-fn cumulative(case: &Case, q: &Distributed, job: &str) -> Figure {
+pub(super) fn cumulative(case: &Case, q: &Distributed, job: &str) -> Figure {
     let shown = Shown::quantity(&q.unit, q.is_temperature);
     let count = q.cdf.len().max(1) as f64;
     let points = q.cdf.iter().enumerate().map(|(i, &v)| (shown.value(v), (i as f64 + 0.5) / count)).collect();
@@ -364,7 +364,7 @@ fn cumulative(case: &Case, q: &Distributed, job: &str) -> Figure {
     }
 }
 
-fn joint(report: &PassReport<'_>, case: &Case, j: &Joint, job: &str) -> Figure {
+pub(super) fn joint(report: &PassReport<'_>, case: &Case, j: &Joint, job: &str) -> Figure {
     let (x, y) = (report.quantity_shown(&j.x, &j.units[0]), report.quantity_shown(&j.y, &j.units[1]));
     let line = |value: fn(&crate::job::propagate::Conditional) -> f64| -> Vec<(f64, f64)> {
         j.conditional.iter().map(|c| (x.value(c.x), y.value(value(c)))).collect()

@@ -2,6 +2,7 @@
 
 use serde_json::json;
 
+use crate::document::prior::PosteriorForm;
 use crate::document::written::wrong_type;
 use crate::document::{
     Amount, Diagnostics, Map, NameOr, Node, Schemas, Spanned, Value, Written, written_choice, written_struct,
@@ -28,7 +29,7 @@ written_choice! {
         /// The model's discrepancy as a function.
         "discrepancy" => Discrepancy(Node),
         /// Flight prediction.
-        "predict" => Predict(Node),
+        "predict" => Predict(Box<PredictForm>),
         /// Stacked worst cases with margins by rule.
         "conventional" => Conventional(ConventionalForm),
     }
@@ -53,6 +54,33 @@ written_struct! {
         default(Vec::new()) joint: Vec<[Spanned<String>; 2]>,
         /// Largest share of failed samples that is tolerated, 0.01 where it is left out.
         optional failure_limit: Spanned<f64>,
+    }
+}
+
+written_struct! {
+    /// Settings of `predict`.
+    pub struct PredictForm: "settings of `predict`" {
+        /// The `calibrate` job whose posterior is carried: one of this pass by its name, or `{"pass": ..., "job": ...}`. The
+        /// pass's only one where it is left out.
+        optional from: NameOr<Spanned<PosteriorForm>>,
+        /// Quantities, as in `propagate`.
+        optional quantities: Vec<Spanned<String>>,
+        /// Number of samples, 4096 where it is left out.
+        optional samples: Spanned<u64>,
+        /// How the sample space is covered, `sobol` where it is left out.
+        optional sampling: SamplingForm,
+        /// Environments; all of the pass, else `nominal` with the inputs' nominal values.
+        optional environments: Vec<Spanned<String>>,
+        /// Requirements; all of the pass where they are left out.
+        optional requirements: Vec<Spanned<String>>,
+        /// A design variable with its values.
+        optional sweep: Spanned<Map<SweepForm>>,
+        /// Pairs of quantities whose joint distribution is wanted.
+        default(Vec::new()) joint: Vec<[Spanned<String>; 2]>,
+        /// Largest share of failed samples that is tolerated, 0.01 where it is left out.
+        optional failure_limit: Spanned<f64>,
+        /// What is added to the model: a discrepancy, effects. This version refuses it.
+        optional with: Node,
     }
 }
 

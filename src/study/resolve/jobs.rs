@@ -14,8 +14,9 @@ use crate::study::pass::job::{
     CompareForm, ConventionalForm, JobForm, PropagateForm, RangeForm, SamplingForm, SweepForm,
 };
 use crate::study::profile;
-use crate::study::resolved::{JobSpec, NamedJob};
+use crate::study::resolved::{HandedOnPrior, JobSpec, NamedJob};
 
+use super::handed_on::Upstreams;
 use super::scope::Scope;
 
 /// Samples where a job says nothing.
@@ -31,8 +32,12 @@ const NOMINAL: &str = "nominal";
 
 /// What jobs of a pass can name.
 pub struct Offered<'a> {
+    /// File of the pass within the study.
+    pub file: &'a str,
     /// The priors, SI.
     pub priors: &'a [Distribution],
+    /// Draws that stand in for some of them.
+    pub handed_on: &'a [HandedOnPrior],
     /// Requirements.
     pub requirements: &'a [Requirement],
     /// Environments.
@@ -54,24 +59,39 @@ pub struct Offered<'a> {
 }
 
 /// Resolves the jobs in the order of the file.
-pub fn jobs(scope: &mut Scope, forms: &Map<JobForm>, offered: &Offered) -> Vec<NamedJob> {
-    let mut jobs = Vec::new();
+pub(super) fn jobs(
+    scope: &mut Scope,
+    forms: &Map<JobForm>,
+    offered: &Offered,
+    upstreams: &mut Upstreams,
+) -> Vec<NamedJob> {
+    let mut specs: Vec<Option<JobSpec>> = Vec::new();
     for entry in forms {
-        let spec = match &entry.value {
+        specs.push(match &entry.value {
             JobForm::Propagate(form) => propagate(scope, form, offered).map(JobSpec::Propagate),
             JobForm::Conventional(form) => conventional(scope, entry, form, offered).map(JobSpec::Conventional),
             JobForm::Compare(form) => compare(scope, entry, form, forms, offered),
             JobForm::Diagnose(form) => super::diagnose::diagnose(scope, entry, form, offered),
             JobForm::Calibrate(form) => super::calibrate::calibrate(scope, entry, form, offered),
+            // After the calibrations of the pass, wherever these stand.
+            JobForm::Predict(_) => None,
             JobForm::Sensitivity(settings)
             | JobForm::Goal(settings)
             | JobForm::Design(settings)
-            | JobForm::Discrepancy(settings)
-            | JobForm::Predict(settings) => not_yet(scope, entry.value.kind(), settings, offered),
-        };
-        jobs.extend(spec.map(|spec| NamedJob { name: entry.name.clone(), spec }));
+            | JobForm::Discrepancy(settings) => not_yet(scope, entry.value.kind(), settings, offered),
+        });
     }
-    jobs
+    let named = |specs: &[Option<JobSpec>]| -> Vec<NamedJob> {
+        let all = forms.iter().zip(specs);
+        all.filter_map(|(entry, spec)| Some(NamedJob { name: entry.name.clone(), spec: spec.clone()? })).collect()
+    };
+    let known = named(&specs);
+    for (entry, spec) in forms.iter().zip(&mut specs) {
+        if let JobForm::Predict(form) = &entry.value {
+            *spec = super::predict::predict(scope, entry, form, offered, upstreams, (&known, forms));
+        }
+    }
+    named(&specs)
 }
 
 /// The comparison at nominal parameters that a pass with measurements gets though no job asks for one.
@@ -149,7 +169,7 @@ fn requirements(scope: &mut Scope, names: Option<&Vec<Spanned<String>>>, offered
     list
 }
 
-fn propagate(scope: &mut Scope, form: &PropagateForm, offered: &Offered) -> Option<propagate::Spec> {
+pub(super) fn propagate(scope: &mut Scope, form: &PropagateForm, offered: &Offered) -> Option<propagate::Spec> {
     let before = scope.diagnostics.errors();
     let environments = environments(scope, form.environments.as_ref(), offered);
     let requirements = requirements(scope, form.requirements.as_ref(), offered);
