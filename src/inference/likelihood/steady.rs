@@ -285,14 +285,7 @@ impl SteadyPart {
     }
 
     /// Weights of the readings in the gradient, `w = W' r` of the whitening `W`: the gradient is `sum w d(f + bias)`.
-    fn weigh(
-        &self,
-        phase: &Phase,
-        memory: &mut Memory,
-        lanes: &mut SteadyLanes,
-        lane: usize,
-        gradient: &mut [f64],
-    ) {
+    fn weigh(&self, phase: &Phase, memory: &mut Memory, lanes: &mut SteadyLanes, lane: usize, gradient: &mut [f64]) {
         let k = phase.readings.len();
         let residuals = &memory.residuals[phase.first..phase.first + k];
         let split = memory.factor.len() - k;

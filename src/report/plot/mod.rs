@@ -11,6 +11,7 @@ mod heat_map;
 mod history;
 mod layout;
 mod network;
+mod pairs;
 pub mod palette;
 mod strip;
 
@@ -21,4 +22,5 @@ pub use chart::{Along, Chart, Layer, Limit, Mark, Shade, Stroke};
 pub use heat_map::{HeatMap, heat_map};
 pub use history::{History, history};
 pub use network::{Diagram, NodeShape, Path, Source, network};
+pub use pairs::{PairAxis, pairs};
 pub use strip::{Strip, residual_strips};
