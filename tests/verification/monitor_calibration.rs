@@ -30,11 +30,8 @@ fn measurement(pass: &Pass, noise: bool) -> Measurement {
         .flat_map(|row| {
             let truth = chamber(pass, phases()[row]).0;
             let stored = &data.readings[row * width..row * width + 3];
-            let own: Vec<_> = nodes.iter().zip(stored).map(
-                |(&node, reading)| {
-                    if noise { *reading } else { Some(truth[node] + ZERO_C) }
-                },
-            );
+            let own = nodes.iter().zip(stored);
+            let own = own.map(|(&node, reading)| if noise { *reading } else { Some(truth[node] + ZERO_C) });
             own.collect::<Vec<_>>()
         })
         .collect();

@@ -5,6 +5,8 @@ use super::axis::{Scale, range_of, widened};
 use super::canvas::{Anchor, Drawing, Lettering, SMALL, TEXT, WIDTH, draw, fitted};
 use super::palette::{BLUE, INK, MUTED, SKY, VERMILION};
 
+/// Points of all clouds together, and most of one.
+const POINTS: (usize, usize) = (1800, 300);
 /// Bins of a histogram.
 const BINS: usize = 16;
 
@@ -19,9 +21,11 @@ pub struct PairAxis {
     pub marked: Option<f64>,
 }
 
-/// Draws the plot. Ticks stand at the left of the lowest row's clouds and under every column.
+/// Draws the plot; clouds have an even choice of the draws. Ticks stand at the left of the lowest row's clouds and under every column.
 pub fn pairs(unknowns: &[PairAxis]) -> Drawing {
     let count = unknowns.len().max(1);
+    let most = (POINTS.0 / (count * (count - 1) / 2).max(1)).min(POINTS.1);
+    let every = unknowns.first().map_or(1, |own| own.draws.len().div_ceil(most)).max(1);
     let (left, top, gap, foot) = (150.0, 10.0, 22.0, 110.0);
     let cell = (f64::from(WIDTH) - left - 12.0 - gap * (count - 1) as f64) / count as f64;
     // Few unknowns need no square cells as large as the page.
@@ -40,7 +44,7 @@ pub fn pairs(unknowns: &[PairAxis]) -> Drawing {
             for (column, horizontal) in unknowns.iter().enumerate().take(row + 1) {
                 let (x0, y0) = corner(row, column);
                 let (x1, y1) = (x0 + cell, y0 + tall);
-                let across = Scale::new(ranges[column], (x0, x1), 2);
+                let across = Scale::new(ranges[column], (x0, x1), 3);
                 if row == column {
                     let mut bins = [0_u32; BINS];
                     for &value in horizontal.draws.iter().filter(|value| value.is_finite()) {
@@ -62,8 +66,8 @@ pub fn pairs(unknowns: &[PairAxis]) -> Drawing {
                         Lettering::new(TEXT, INK).at(Anchor::Middle),
                     );
                 } else {
-                    let along = Scale::new(ranges[row], (y1, y0), 2);
-                    for (&x, &y) in horizontal.draws.iter().zip(&vertical.draws) {
+                    let along = Scale::new(ranges[row], (y1, y0), 3);
+                    for (&x, &y) in horizontal.draws.iter().zip(&vertical.draws).step_by(every) {
                         canvas.disc((across.at(x), along.at(y)), 4, BLUE, 0.35);
                     }
                     if let (Some(x), Some(y)) = (horizontal.marked, vertical.marked) {

@@ -9,8 +9,6 @@ use crate::report::plot::{Axis, Chart, HeatMap, Layer, Mark, PairAxis, Shade, St
 const TRACES: usize = 3;
 /// Unknowns drawn against one another: those in the strongest correlations.
 const PAIRS: usize = 6;
-/// Draws in such a figure.
-const POINTS: usize = 300;
 /// Bins of a rank plot.
 const RANK_BINS: usize = 16;
 
@@ -53,14 +51,13 @@ fn pair_plot(job: &str, output: &Output) -> Option<Figure> {
     chosen.sort_by(|&a, &b| strongest(b).total_cmp(&strongest(a)));
     chosen.truncate(PAIRS);
     chosen.sort_unstable();
-    let every = output.draws.values.len().div_ceil(POINTS);
     let unknowns: Vec<PairAxis> = chosen
         .iter()
         .map(|&place| {
             let name = &output.order[place];
             let own = output.parameters.get(name);
             let shown = Shown::written(own.map_or("", |own| own.unit.as_str()));
-            let draws = output.draws.values.iter().step_by(every);
+            let draws = output.draws.values.iter();
             PairAxis {
                 title: shown.title(name),
                 draws: draws.map(|draw| draw.get(place).map_or(f64::NAN, |value| shown.value(*value))).collect(),
@@ -79,9 +76,8 @@ fn pair_plot(job: &str, output: &Output) -> Option<Figure> {
         id: format!("{job}-pairs"),
         drawing: pairs(&unknowns),
         caption: format!(
-            "The posterior: each unknown's histogram and pairs of unknowns, {} of the kept draws; the cross is the most \
-             probable point.{rest}",
-            unknowns.first().map_or(0, |own| own.draws.len())
+            "The posterior: each unknown's histogram, and draws of pairs of unknowns; the cross is the most probable \
+             point.{rest}"
         )
         .into(),
         alternative: format!("Pair plot of the posterior draws of {} unknowns.", unknowns.len()),
