@@ -5,5 +5,6 @@ mod calibration;
 mod estimators;
 mod evidence;
 pub mod hand_on;
+mod job_calibration;
 pub mod models;
 pub mod samplers;

@@ -1,16 +1,17 @@
 //! Numerics against analytic results, published values and golden numbers.
 
-mod build;
+pub mod build;
 mod comparison;
 mod derivatives;
 mod effects;
 mod elements;
 mod flux;
 mod likelihood;
+mod monitor_calibration;
 mod monitor_campaign;
 pub mod network8_data;
 mod orbit;
-mod radiator;
+pub mod radiator;
 mod signature;
 mod solar_monitor;
 mod solar_monitor_flight;

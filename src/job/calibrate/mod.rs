@@ -8,6 +8,7 @@
 mod block;
 mod output;
 mod predictive;
+mod scores;
 mod summary;
 mod words;
 
@@ -16,8 +17,8 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 pub use output::{
-    Coverage, CrossValidation, Evidence, HandedOnPrior, KeptDraws, MostProbable, Output, ParameterSummary,
-    PredictiveRow, Sampler, SensorPredictive, Spec, Spent, UsedData,
+    Coverage, CrossValidation, Evidence, HandedOnPrior, HeldOutScore, KeptDraws, MostProbable, Output,
+    ParameterSummary, PhaseScore, PredictiveRow, Sampler, SensorPredictive, Spec, Spent, UsedData,
 };
 
 use super::handed_on::HandedOn;
@@ -35,7 +36,7 @@ use crate::inference::nuts::{self, NutsSettings};
 use crate::inference::point_estimate::{self, PointEstimate, PointSettings};
 use crate::inference::posterior::{Posterior, Work};
 use crate::inference::prediction::Predictor;
-use crate::inference::psis;
+use crate::inference::psis::{self, LeaveOneOut};
 use crate::inference::rows::used_rows;
 use crate::inference::smc::{self, Island, SmcSettings};
 use crate::inference::target::{LeastSquares, Target};
@@ -206,7 +207,8 @@ impl Calibrate {
                     metropolis::sample(&target, &settings, &self.key, index, Some(&start))
                 }
                 Sampler::Nuts | Sampler::Smc => {
-                    let settings = NutsSettings { warm_up, draws, ..NutsSettings::default() };
+                    let covariance = Some(input.estimate.covariance.clone());
+                    let settings = NutsSettings { warm_up, draws, covariance, ..NutsSettings::default() };
                     nuts::sample(&target, &settings, &self.key, index, Some(&start))
                 }
             }
@@ -236,10 +238,10 @@ impl Calibrate {
         let estimate = self.target.estimate(&from_bytes::<SampleInput>(first, stage)?.estimate);
         let (mut chains, mut islands, mut importance) = (Vec::<Chain>::new(), Vec::<Island>::new(), None);
         for bytes in outputs {
-            match from_bytes(bytes, stage)? {
+            match SampleOutput::from_bytes(bytes, stage)? {
                 SampleOutput::Chain(chain) => chains.push(self.target.chain(&chain)),
                 SampleOutput::Island(island) => {
-                    islands.push(Island { chain: self.target.chain(&island.chain), ..*island })
+                    islands.push(Island { chain: self.target.chain(&island.chain), ..*island });
                 }
                 SampleOutput::Evidence(found) => importance = found,
             }
@@ -367,6 +369,9 @@ impl Calibrate {
             predictive: Vec::new(),
             p_value: None,
             leave_one_out: None,
+            leave_one_phase_out: None,
+            phases: Vec::new(),
+            held_out: None,
             data: data.collect(),
             spent: Spent {
                 likelihoods: work.likelihoods,
@@ -518,14 +523,21 @@ impl Calibrate {
             .map(|&squares| chi_square_sf(squares, readings as f64))
             .collect();
         output.p_value = (!tails.is_empty()).then(|| tails.iter().sum::<f64>() / tails.len() as f64);
+        let pointwise = &posterior.predicted.pointwise;
         let good = psis::greatest_good_shape(posterior.values.len());
-        output.leave_one_out =
-            psis::leave_one_out(&posterior.predicted.pointwise, readings, 1.0).map(|found| CrossValidation {
-                expected_log_density: found.expected_log_density,
-                standard_error: found.standard_error,
-                effective_parameters: found.effective_parameters,
-                unreliable: found.pareto_k.iter().filter(|k| !(**k <= good)).count() as u64,
-            });
+        let validated = |found: &LeaveOneOut| CrossValidation {
+            expected_log_density: found.expected_log_density,
+            standard_error: found.standard_error,
+            effective_parameters: found.effective_parameters,
+            unreliable: found.pareto_k.iter().filter(|k| !(**k <= good)).count() as u64,
+        };
+        output.leave_one_out = psis::leave_one_out(pointwise, readings, 1.0).as_ref().map(validated);
+        let measurements = self.measurements();
+        let (groups, summed) = scores::by_phase(&measurements, self.likelihood().data(), pointwise);
+        let left_out = psis::leave_one_out(&summed, groups.len(), 1.0);
+        output.leave_one_phase_out = left_out.as_ref().map(validated);
+        output.phases = scores::phases(&measurements, &groups, left_out.as_ref(), good, &output.order, &posterior);
+        output.held_out = scores::held_out(&output.phases);
         serde_json::to_value(*output).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
     }
 }
@@ -575,7 +587,7 @@ impl Job for Calibrate {
                 let found = point_estimate::estimate(&self.target, &settings, &key, &[]);
                 to_bytes(&found.map_err(|e| JobError::Failed(e.to_string()))?)
             }
-            SAMPLE => to_bytes(&self.sample(from_bytes(input, stage)?)?),
+            SAMPLE => self.sample(from_bytes(input, stage)?)?.into_bytes(),
             PREDICT => match from_bytes(input, stage)? {
                 PredictInput::Draws { prior, draws } => Ok(self.predict(prior, &draws).to_bytes()),
                 PredictInput::Carry(_) => Ok(Vec::new()),

@@ -215,6 +215,37 @@ pub struct CrossValidation {
     pub unreliable: u64,
 }
 
+/// How well a steady phase was predicted by what the others said.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct PhaseScore {
+    /// Measurement.
+    pub measurement: String,
+    /// Phase.
+    pub phase: String,
+    /// Readings scored together.
+    pub readings: u64,
+    /// Log of their joint predictive density, SI: of a phase held out given all that was fitted, of one that was
+    /// fitted given the others (Pareto-smoothed importance sampling).
+    pub log_density: f64,
+    /// Held out of the fit.
+    pub held_out: bool,
+    /// Whether the importance weights can be trusted; always for a phase held out.
+    pub reliable: bool,
+}
+
+/// Predictive density of the phases held out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct HeldOutScore {
+    /// Sum over the phases.
+    pub log_density: f64,
+    /// Its standard error, from the scatter over the phases; `null` for one phase.
+    pub standard_error: Option<f64>,
+    /// Phases.
+    pub phases: u64,
+    /// Readings.
+    pub readings: u64,
+}
+
 /// Rows of the data behind a posterior.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct UsedData {
@@ -283,6 +314,15 @@ pub struct Output {
     pub p_value: Option<f64>,
     /// Leave-one-out cross-validation.
     pub leave_one_out: Option<CrossValidation>,
+    /// The same with whole steady phases left out; nothing without steady phases.
+    #[serde(default)]
+    pub leave_one_phase_out: Option<CrossValidation>,
+    /// Every steady phase's score.
+    #[serde(default)]
+    pub phases: Vec<PhaseScore>,
+    /// Score of the steady phases held out; nothing without such.
+    #[serde(default)]
+    pub held_out: Option<HeldOutScore>,
     /// Data behind the posterior.
     pub data: Vec<UsedData>,
     /// Posteriors that stand in for priors.
