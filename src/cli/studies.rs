@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::execute::Executed;
 use super::output::escaped;
 use super::status::Failure;
-use crate::job::{Job, JobError, compare, propagate};
+use crate::job::{Job, JobError, compare, propagate, sensitivity};
 use crate::report::assemble::{FinishedJob, Surroundings, assemble};
 use crate::report::{self, FileHash, JobEntry, JobResult, PassReport};
 use crate::runner::manifest::Manifest;
@@ -218,6 +218,10 @@ pub fn document(job: &JobEntry, with_rows: bool) -> Result<Value, Failure> {
         JobResult::Propagate(output) => Ok(propagate::view(output)),
         JobResult::Compare(output) => Ok(compare::view(output, with_rows)),
         JobResult::Calibrate(output) => {
+            serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
+        }
+        JobResult::Sensitivity(output) => Ok(sensitivity::view(output)),
+        JobResult::Goal(output) => {
             serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
         }
         JobResult::Conventional(output) => {

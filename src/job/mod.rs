@@ -4,8 +4,10 @@
 pub mod calibrate;
 pub mod compare;
 pub mod conventional;
+pub mod goal;
 pub mod propagate;
 pub mod requirement;
+pub mod sensitivity;
 
 use thiserror::Error;
 

@@ -2,7 +2,7 @@
 
 use crate::inference::measurement::{Measurement, Rows, Sensor};
 use crate::job::requirement::{Environment, Requirement};
-use crate::job::{calibrate, compare, conventional, propagate};
+use crate::job::{calibrate, compare, conventional, goal, propagate, sensitivity};
 use crate::random::Distribution;
 use crate::thermal::{Model, Quantity};
 
@@ -49,6 +49,10 @@ pub enum JobResult {
     Compare(compare::Output),
     /// Parameters from measurements.
     Calibrate(Box<calibrate::Output>),
+    /// Which parameters matter.
+    Sensitivity(sensitivity::Output),
+    /// Which parameter must be known how well.
+    Goal(Box<goal::Output>),
 }
 
 /// A job with its output.
@@ -132,6 +136,22 @@ impl PassReport<'_> {
     pub fn calibrations(&self) -> impl Iterator<Item = (&str, &calibrate::Output)> {
         self.results.iter().filter_map(|job| match &job.result {
             JobResult::Calibrate(output) => Some((job.name.as_str(), &**output)),
+            _ => None,
+        })
+    }
+
+    /// Sensitivity analyses with their jobs' names.
+    pub fn sensitivities(&self) -> impl Iterator<Item = (&str, &sensitivity::Output)> {
+        self.results.iter().filter_map(|job| match &job.result {
+            JobResult::Sensitivity(output) => Some((job.name.as_str(), output)),
+            _ => None,
+        })
+    }
+
+    /// Goal settings with their jobs' names.
+    pub fn goals(&self) -> impl Iterator<Item = (&str, &goal::Output)> {
+        self.results.iter().filter_map(|job| match &job.result {
+            JobResult::Goal(output) => Some((job.name.as_str(), &**output)),
             _ => None,
         })
     }

@@ -9,7 +9,9 @@ use crate::inference::measurement::Measurement;
 use crate::job::calibrate::{Calibrate, Inputs};
 use crate::job::compare::{self, Compare, Tuned};
 use crate::job::conventional::Conventional;
+use crate::job::goal::Goal;
 use crate::job::propagate::Propagate;
+use crate::job::sensitivity::Sensitivity;
 use crate::job::{Job, JobError};
 use crate::thermal::Model;
 
@@ -86,6 +88,14 @@ pub fn ready(pass: &Pass) -> Result<Vec<(String, Readiness)>, (String, JobError)
                         input_errors: input_errors(pass),
                     };
                     Calibrate::new(spec.clone(), inputs, pass.seed, &named.name)
+                        .map(|job| Readiness::Ready(Arc::new(job)))
+                }
+                JobSpec::Sensitivity(spec) => {
+                    Sensitivity::new(spec.clone(), Arc::clone(&model), pass.priors.clone(), pass.seed, &named.name)
+                        .map(|job| Readiness::Ready(Arc::new(job)))
+                }
+                JobSpec::Goal(spec) => {
+                    Goal::new(spec.clone(), Arc::clone(&model), pass.priors.clone(), pass.seed, &named.name)
                         .map(|job| Readiness::Ready(Arc::new(job)))
                 }
                 JobSpec::Waiting { measurements, command, .. } => Ok(Readiness::NotRun(format!(

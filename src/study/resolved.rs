@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::document::Diagnostics;
 use crate::inference::measurement::Measurement;
 use crate::job::requirement::{Environment, Requirement};
-use crate::job::{calibrate, compare, conventional, propagate};
+use crate::job::{calibrate, compare, conventional, goal, propagate, sensitivity};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
@@ -83,6 +83,10 @@ pub enum JobSpec {
     Calibrate(calibrate::Spec),
     /// Stacked worst cases with margins.
     Conventional(conventional::Spec),
+    /// Which parameters matter.
+    Sensitivity(sensitivity::Spec),
+    /// Which parameter must be known how well.
+    Goal(goal::Spec),
     /// Waits for pinned data.
     Waiting {
         /// The kind.
@@ -111,6 +115,8 @@ impl JobSpec {
             Self::Compare(_) => "compare",
             Self::Calibrate(_) => "calibrate",
             Self::Conventional(_) => "conventional",
+            Self::Sensitivity(_) => "sensitivity",
+            Self::Goal(_) => "goal",
             Self::Waiting { kind, .. } | Self::NotYet { kind, .. } => kind,
         }
     }

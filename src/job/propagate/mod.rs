@@ -6,7 +6,7 @@
 
 mod block;
 mod output;
-mod reached;
+pub(super) mod reached;
 mod summary;
 mod view;
 

@@ -5,10 +5,12 @@ mod adopted;
 mod calibration;
 mod comparison;
 mod data;
+pub mod goal;
 mod network;
 pub mod problem;
 pub mod propagation;
 mod provenance;
+pub mod sensitivity;
 mod sizing;
 mod summary;
 
@@ -19,7 +21,7 @@ use super::view::PassReport;
 pub type Build = fn(&PassReport<'_>) -> Option<Section>;
 
 /// The sections that show results of jobs, in the order of the report.
-pub const RESULTS: &[Build] = &[propagation::build, sizing::build, comparison::build];
+pub const RESULTS: &[Build] = &[propagation::build, sensitivity::build, goal::build, sizing::build, comparison::build];
 
 /// The summary alone.
 pub const SUMMARY: Build = summary::build;
@@ -34,6 +36,8 @@ pub const SECTIONS: &[Build] = &[
     adopted::build,
     network::build,
     propagation::build,
+    sensitivity::build,
+    goal::build,
     sizing::build,
     comparison::build,
     calibration::build,

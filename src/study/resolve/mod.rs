@@ -6,10 +6,12 @@ mod adopt_place;
 mod calibrate;
 pub mod changes;
 pub mod data;
+mod goal;
 pub mod jobs;
 pub mod measurement;
 pub mod requirement;
 pub mod scope;
+mod sensitivity;
 pub mod steady;
 pub mod transient;
 
