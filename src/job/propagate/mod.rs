@@ -5,6 +5,7 @@
 //! sampling. A sample is one row of a point set, each uncertain parameter one quantile of it.
 
 mod block;
+mod main_effects;
 mod output;
 pub(super) mod reached;
 mod summary;
@@ -18,8 +19,8 @@ use crate::random::{Distribution, PointKind, Points, StreamKey};
 use crate::thermal::{Batch, Model, Network, Start};
 
 pub use output::{
-    Case, Conditional, Distributed, FailedSample, Joint, Met, Output, Probability, Quantile, Reached, Sampling, Spec,
-    Sweep, Variable,
+    Case, Conditional, Distributed, FailedSample, Joint, MainEffect, Met, Output, Probability, Quantile, Reached,
+    Sampling, Spec, Sweep, Variable,
 };
 pub use view::view;
 
@@ -218,7 +219,7 @@ impl Job for Propagate {
     }
 
     fn algorithm_version(&self) -> u32 {
-        2
+        3
     }
 
     fn identity(&self) -> Value {
@@ -279,7 +280,7 @@ impl Job for Propagate {
                     100.0 * self.spec.failure_limit
                 )));
             }
-            cases.push(summary::case(
+            let mut summary = summary::case(
                 &self.spec,
                 &self.model,
                 self.case_name(case),
@@ -287,7 +288,11 @@ impl Job for Propagate {
                 &self.nominal[case],
                 failed,
                 failures,
-            ));
+            );
+            if self.design(case).is_none() {
+                summary.main_effects = self.main_effects(&values);
+            }
+            cases.push(summary);
         }
         let reached = self.reached(&cases);
         let output = Output {

@@ -48,6 +48,7 @@ pub fn case(
         quantities,
         requirements: requirements(spec, model, values),
         joint,
+        main_effects: Vec::new(),
         failed,
         failures,
     }
