@@ -4,3 +4,4 @@ mod calibration;
 mod hostile;
 mod rendering;
 mod samples;
+mod sensitivity;
