@@ -22,4 +22,5 @@ mod pass_adopt;
 mod pass_data;
 mod pass_entries;
 mod pass_load;
+mod pass_sensitivity;
 mod pass_study;
