@@ -65,7 +65,7 @@ fn goals() -> goal::Output {
 }
 
 /// A sample with both jobs.
-fn with(failed: bool) -> Sample {
+pub fn with(failed: bool) -> Sample {
     let mut sample = radiator();
     for (name, kind, result) in [
         ("effects", "sensitivity", JobResult::Sensitivity(effects(failed))),

@@ -35,7 +35,7 @@ fn analysed(pass: &Pass, spec: Spec, priors: Vec<Distribution>, seed: u64) -> Ou
 /// Exact main and total effects.
 fn exact(function: &str) -> [Vec<f64>; 2] {
     if function == "ishigami" {
-        let pi4 = 97.409_091_034_002_44;
+        let pi4: f64 = 97.409_091_034_002_44;
         let (one, two, thirteen) = (
             0.5 * (1.0 + 0.1 * pi4 / 5.0) * (1.0 + 0.1 * pi4 / 5.0),
             49.0 / 8.0,

@@ -30,8 +30,8 @@ pub fn advice(output: &Output) -> Advice {
         }
     } else {
         reasons.push(format!(
-            "the given design meets all requirements with a probability of {:.4} (95 %: {:.4} to {:.4}), {} is required; `{}` \
-             in environment `{}` drives",
+            "the given design meets all requirements with a probability of {:.4} (95 %: {:.4} to {:.4}), {} is required; {} \
+             in environment {} drives",
             probability.value,
             probability.lower,
             probability.upper,
@@ -88,7 +88,7 @@ fn missed(output: &Output, reasons: &mut Vec<String>) -> Next {
     Next::Redesign
 }
 
-/// `a`, `a` and `b`.
+/// a, a and b.
 fn together(names: &[String]) -> String {
-    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(" and ")
+    names.join(" and ")
 }
