@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::execute::{Executed, is_judge};
 use super::output::escaped;
 use super::status::Failure;
-use crate::job::{Job, JobError, compare, predict, propagate};
+use crate::job::{Job, JobError, compare, predict, propagate, sensitivity};
 use crate::report::assemble::{FinishedJob, Surroundings, assemble};
 use crate::report::{self, FileHash, History, JobEntry, JobResult, PassErrors, PassReport};
 use crate::runner::manifest::Manifest;
@@ -376,6 +376,10 @@ pub fn document(job: &JobEntry, with_rows: bool) -> Result<Value, Failure> {
             serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
         }
         JobResult::Diagnose(output) => {
+            serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
+        }
+        JobResult::Sensitivity(output) => Ok(sensitivity::view(output)),
+        JobResult::Goal(output) => {
             serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
         }
         JobResult::Conventional(output) => {

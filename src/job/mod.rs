@@ -6,10 +6,12 @@ pub mod compare;
 pub mod conventional;
 pub mod diagnose;
 pub mod findings;
+pub mod goal;
 pub mod handed_on;
 pub mod predict;
 pub mod propagate;
 pub mod requirement;
+pub mod sensitivity;
 
 use thiserror::Error;
 

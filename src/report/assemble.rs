@@ -58,6 +58,8 @@ fn result(job: &FinishedJob<'_>) -> Result<Option<JobResult>, ResultError> {
         "compare" => serde_json::from_value(job.result.clone()).map(JobResult::Compare),
         "diagnose" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Diagnose(Box::new(output))),
         "calibrate" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Calibrate(Box::new(output))),
+        "sensitivity" => serde_json::from_value(job.result.clone()).map(JobResult::Sensitivity),
+        "goal" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Goal(Box::new(output))),
         _ => return Ok(None),
     };
     parsed.map(Some).map_err(|source| ResultError { job: job.name.to_owned(), source })

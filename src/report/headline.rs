@@ -1,12 +1,16 @@
 //! What came out of a job, in a line or two.
 
-use crate::job::{calibrate, compare, conventional, predict, propagate};
+use crate::job::{calibrate, compare, conventional, goal, predict, propagate, sensitivity};
 
 use super::number::{self, Shown};
 use super::page::Status;
+use super::section::goal as goal_section;
 use super::section::propagation;
+use super::section::sensitivity as sensitivity_section;
 use super::view::{JobEntry, JobResult};
 
+/// Parameters of a sensitivity analysis that are told.
+const MOST_LEADING: usize = 3;
 /// Findings of a comparison that are told.
 const MOST_FINDINGS: usize = 2;
 
@@ -19,6 +23,8 @@ pub fn headlines(job: &JobEntry) -> Vec<String> {
         JobResult::Compare(output) => of_comparison(output),
         JobResult::Calibrate(output) => of_calibration(output),
         JobResult::Diagnose(output) => output.words.clone(),
+        JobResult::Sensitivity(output) => of_sensitivity(output),
+        JobResult::Goal(output) => of_goal(output),
     }
 }
 
@@ -34,6 +40,45 @@ fn of_calibration(output: &calibrate::Output) -> Vec<String> {
         lines.extend(output.objections.iter().take(MOST_FINDINGS).cloned());
     }
     lines.extend(output.findings.iter().take(MOST_FINDINGS).cloned());
+    lines
+}
+
+/// The leading parameters of each quantity.
+fn of_sensitivity(output: &sensitivity::Output) -> Vec<String> {
+    let mut lines = Vec::new();
+    for case in &output.cases {
+        let place = if output.cases.len() == 1 { String::new() } else { format!(" in {}", case.environment) };
+        for quantity in &case.quantities {
+            let Some(sobol) = &quantity.sobol else {
+                lines.extend(quantity.is_constant.then(|| format!("{} does not vary{place}", quantity.name)));
+                continue;
+            };
+            let leading: Vec<String> = sensitivity_section::by_total(sobol)
+                .into_iter()
+                .take(MOST_LEADING)
+                .map(|at| {
+                    let total = number::percent(sobol.total[at].estimate.value, 0);
+                    format!("{} {total}", output.parameters[at].name)
+                })
+                .collect();
+            lines.push(format!("{}: total effects {}{place}", quantity.name, leading.join(", ")));
+        }
+        if case.failed > 0 {
+            let (failed, solves, rows) = (case.failed, case.solves, case.rows_left_out);
+            lines.push(format!("{failed} of {solves} solves failed, {rows} rows are left out{place}"));
+        }
+    }
+    lines.extend(output.precision.filter(|precision| !precision.is_reached).map(|precision| {
+        let (widest, asked) = (number::significant(precision.widest, 2), number::significant(precision.asked, 2));
+        format!("the precision asked for is NOT reached: the widest interval is {widest}, asked for {asked}")
+    }));
+    lines
+}
+
+/// What to do next, and why.
+fn of_goal(output: &goal::Output) -> Vec<String> {
+    let mut lines = vec![format!("next: {}", goal_section::next_words(output.advice.next))];
+    lines.extend(goal_section::reasons(output));
     lines
 }
 

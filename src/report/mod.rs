@@ -86,6 +86,8 @@ pub fn results_schema() -> Value {
         "predict": schemars::schema_for!(crate::job::predict::Output),
         "conventional": schemars::schema_for!(crate::job::conventional::Output),
         "compare": schemars::schema_for!(crate::job::compare::Output),
+        "sensitivity": schemars::schema_for!(crate::job::sensitivity::Output),
+        "goal": schemars::schema_for!(crate::job::goal::Output),
         "calibrate": schemars::schema_for!(crate::job::calibrate::Output),
         "diagnose": schemars::schema_for!(crate::diagnosis::Output),
     })
@@ -105,6 +107,8 @@ fn results_json(report: &PassReport<'_>) -> Result<String, serde_json::Error> {
             JobResult::Compare(output) => value(output)?,
             JobResult::Calibrate(output) => value(output)?,
             JobResult::Diagnose(output) => value(output)?,
+            JobResult::Sensitivity(output) => value(output)?,
+            JobResult::Goal(output) => value(output)?,
         };
         jobs.insert(job.name.clone(), json!({ "kind": job.kind, "key": job.key, "output": output }));
     }

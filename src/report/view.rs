@@ -3,7 +3,7 @@
 use crate::diagnosis;
 use crate::inference::measurement::{Measurement, Rows, Sensor};
 use crate::job::requirement::{Environment, Requirement};
-use crate::job::{calibrate, compare, conventional, predict, propagate};
+use crate::job::{calibrate, compare, conventional, goal, predict, propagate, sensitivity};
 use crate::random::Distribution;
 use crate::thermal::{Model, Quantity};
 
@@ -55,6 +55,10 @@ pub enum JobResult {
     Calibrate(Box<calibrate::Output>),
     /// Which physics is missing.
     Diagnose(Box<diagnosis::Output>),
+    /// Which parameters matter.
+    Sensitivity(sensitivity::Output),
+    /// Which parameter must be known how well.
+    Goal(Box<goal::Output>),
 }
 
 /// A job with its output.
@@ -158,6 +162,22 @@ impl PassReport<'_> {
     pub fn diagnoses(&self) -> impl Iterator<Item = (&str, &diagnosis::Output)> {
         self.results.iter().filter_map(|job| match &job.result {
             JobResult::Diagnose(output) => Some((job.name.as_str(), &**output)),
+            _ => None,
+        })
+    }
+
+    /// Sensitivity analyses with their jobs' names.
+    pub fn sensitivities(&self) -> impl Iterator<Item = (&str, &sensitivity::Output)> {
+        self.results.iter().filter_map(|job| match &job.result {
+            JobResult::Sensitivity(output) => Some((job.name.as_str(), output)),
+            _ => None,
+        })
+    }
+
+    /// Goal settings with their jobs' names.
+    pub fn goals(&self) -> impl Iterator<Item = (&str, &goal::Output)> {
+        self.results.iter().filter_map(|job| match &job.result {
+            JobResult::Goal(output) => Some((job.name.as_str(), &**output)),
             _ => None,
         })
     }

@@ -13,9 +13,11 @@ use crate::job::calibrate::{self, Calibrate, Inputs};
 use crate::job::compare::{self, Compare, Tuned};
 use crate::job::conventional::{self, Conventional};
 use crate::job::diagnose::{self, Diagnose};
+use crate::job::goal::Goal;
 use crate::job::handed_on::HandedOn;
 use crate::job::predict::Predict;
 use crate::job::propagate::{self, Propagate};
+use crate::job::sensitivity::Sensitivity;
 use crate::job::{Job, JobError};
 use crate::random::Distribution;
 use crate::thermal::Model;
@@ -118,6 +120,13 @@ pub fn blocked(pass: &Pass, name: &str) -> Option<String> {
                 own.draws.source
             )
         }),
+        JobSpec::Sensitivity(_) | JobSpec::Goal(_) => pass.handed_on.first().map(|own| {
+            format!(
+                "it takes independent distributions as priors, and {} has the draws of {}",
+                suggest::listed(own.draws.names.iter().map(String::as_str), NAMED),
+                own.draws.source
+            )
+        }),
         JobSpec::Predict(spec) => {
             let own = match &spec.posterior.from {
                 Some(from) if from.file == pass.file => blocked(pass, &from.job).map(|reason| {
@@ -204,6 +213,15 @@ impl Shared<'_> {
             JobSpec::Compare(spec) => self.comparison(spec),
             JobSpec::Calibrate(spec) => self.calibration(name, spec),
             JobSpec::Diagnose(spec) => self.diagnosis(name, spec),
+            JobSpec::Sensitivity(spec) => {
+                let (model, priors) = (Arc::clone(&self.model), self.pass.priors.clone());
+                let job = Sensitivity::new(spec.clone(), model, priors, self.pass.seed, name)?;
+                Ok(Readiness::Ready(Arc::new(job)))
+            }
+            JobSpec::Goal(spec) => {
+                let (model, priors) = (Arc::clone(&self.model), self.pass.priors.clone());
+                Ok(Readiness::Ready(Arc::new(Goal::new(spec.clone(), model, priors, self.pass.seed, name)?)))
+            }
             // Blocked, with the reason.
             JobSpec::Waiting { .. } | JobSpec::NotYet { .. } => Ok(Readiness::NotRun(String::new())),
         }

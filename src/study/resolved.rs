@@ -9,7 +9,7 @@ use crate::inference::measurement::Measurement;
 use crate::inference::rows::UsedRow;
 use crate::job::handed_on::HandedOn;
 use crate::job::requirement::{Environment, Requirement};
-use crate::job::{calibrate, compare, conventional, diagnose, propagate};
+use crate::job::{calibrate, compare, conventional, diagnose, goal, propagate, sensitivity};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
@@ -158,6 +158,10 @@ pub enum JobSpec {
     Predict(Box<Prediction>),
     /// Stacked worst cases with margins.
     Conventional(conventional::Spec),
+    /// Which parameters matter.
+    Sensitivity(sensitivity::Spec),
+    /// Which parameter must be known how well.
+    Goal(goal::Spec),
     /// Waits for pinned data.
     Waiting {
         /// The kind.
@@ -188,6 +192,8 @@ impl JobSpec {
             Self::Diagnose(_) => "diagnose",
             Self::Predict(_) => "predict",
             Self::Conventional(_) => "conventional",
+            Self::Sensitivity(_) => "sensitivity",
+            Self::Goal(_) => "goal",
             Self::Waiting { kind, .. } | Self::NotYet { kind, .. } => kind,
         }
     }

@@ -72,6 +72,18 @@ impl<const N: usize> Batch<N> {
         self.temperatures[node][lane]
     }
 
+    /// Temperatures of all nodes in every lane, K, boundaries included.
+    pub fn temperatures(&self) -> &[[f64; N]] {
+        &self.temperatures
+    }
+
+    /// Replaces the temperatures of all nodes in every lane, from which [`Start::Current`] starts.
+    pub fn set_temperatures(&mut self, temperatures: &[[f64; N]]) {
+        for (own, given) in self.temperatures.iter_mut().zip(temperatures) {
+            *own = *given;
+        }
+    }
+
     /// A quantity in a lane, SI. Not a number where the lane's solve failed.
     pub fn quantity(&self, network: &Network, lane: usize, index: usize) -> f64 {
         if self.outcomes[lane].is_err() {

@@ -24,4 +24,5 @@ mod pass_data;
 mod pass_entries;
 mod pass_hand_on;
 mod pass_load;
+mod pass_sensitivity;
 mod pass_study;

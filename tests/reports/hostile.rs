@@ -14,6 +14,7 @@ use bmv::report::{JobResult, PassReport};
 use super::calibration::calibrated;
 use super::rendering::{assert_well_formed, rendered};
 use super::samples::{Sample, radiator, steady, transient};
+use super::sensitivity::with;
 
 const HOSTILE: &str = "<img src=x onerror=alert(1)>|`a`[b](javascript:c)\"'&\\";
 
@@ -118,6 +119,20 @@ fn poisoned(mut sample: Sample) -> Sample {
                     effect.title = name();
                 }
             }
+            JobResult::Sensitivity(output) => {
+                output.parameters.iter_mut().for_each(|parameter| parameter.name = name());
+                for case in &mut output.cases {
+                    case.environment = name();
+                    case.quantities.iter_mut().for_each(|quantity| quantity.name = name());
+                    case.failures.iter_mut().for_each(|failure| failure.reason = name());
+                }
+            }
+            JobResult::Goal(output) => {
+                output.design_variable = Some(name());
+                output.advice.reasons.push(name());
+                output.leading.iter_mut().for_each(|leading| leading.parameter = name());
+                output.knowledge.iter_mut().for_each(|knowledge| knowledge.parameters = vec![name()]);
+            }
         }
     }
     sample
@@ -125,7 +140,7 @@ fn poisoned(mut sample: Sample) -> Sample {
 
 #[test]
 fn hostile_names_are_text_everywhere() {
-    for sample in [radiator(), transient(), steady(), predicted()] {
+    for sample in [radiator(), transient(), steady(), predicted(), with(true)] {
         let sample = poisoned(sample);
         let mut view: PassReport<'_> = sample.report();
         view.description = HOSTILE.into();
@@ -214,7 +229,7 @@ fn pages_without_results_are_pages() {
 
 #[test]
 fn empty_and_broken_outputs_are_reported_not_fatal() {
-    for mut sample in [radiator(), transient(), steady(), calibrated(), predicted()] {
+    for mut sample in [radiator(), transient(), steady(), calibrated(), predicted(), with(true)] {
         for job in &mut sample.results {
             match &mut job.result {
                 JobResult::Compare(output) => {
@@ -265,6 +280,22 @@ fn empty_and_broken_outputs_are_reported_not_fatal() {
                     for heat in &mut output.heat {
                         heat.watts = f64::NAN;
                     }
+                }
+                JobResult::Sensitivity(output) => {
+                    for quantity in output.cases.iter_mut().flat_map(|c| &mut c.quantities) {
+                        quantity.local.iter_mut().for_each(|local| local.scaled_by_sd = None);
+                        quantity.morris.clear();
+                        quantity.scatter = None;
+                        for index in quantity.sobol.iter_mut().flat_map(|sobol| &mut sobol.total) {
+                            index.estimate.value = f64::NAN;
+                        }
+                    }
+                }
+                JobResult::Goal(output) => {
+                    output.knowledge.clear();
+                    output.target = None;
+                    output.truths = None;
+                    output.leading.clear();
                 }
             }
         }

@@ -172,6 +172,7 @@ pub fn radiator() -> Sample {
             quantities: vec![distributed("T", 302.06 + shift, 4.19, 301.98 + shift, "K", true)],
             requirements: vec![met("temperature", "T", p)],
             joint: if design_value.is_none() { vec![joint()] } else { vec![] },
+            main_effects: Vec::new(),
             failed: 0,
             failures: vec![],
         }

@@ -548,7 +548,7 @@ impl Job for Calibrate {
     }
 
     fn algorithm_version(&self) -> u32 {
-        2
+        3
     }
 
     fn identity(&self) -> Value {

@@ -10,8 +10,9 @@
 //! anyway; what the number of draws leaves open stands in the intervals instead (`statistics::clusters`).
 
 mod block;
+mod main_effects;
 mod output;
-mod reached;
+pub(super) mod reached;
 mod summary;
 mod view;
 
@@ -24,8 +25,8 @@ use crate::statistics::clusters::Clusters;
 use crate::thermal::{Batch, Model, Network, Start};
 
 pub use output::{
-    Case, Conditional, Distributed, FailedSample, Joint, Met, Output, Probability, Quantile, Reached, Sampling, Spec,
-    Sweep, Variable,
+    Case, Conditional, Distributed, FailedSample, Joint, MainEffect, Met, Output, Probability, Quantile, Reached,
+    Sampling, Spec, Sweep, Variable,
 };
 pub use view::view;
 
@@ -287,7 +288,7 @@ impl Job for Propagate {
     }
 
     fn algorithm_version(&self) -> u32 {
-        2
+        3
     }
 
     fn identity(&self) -> Value {
@@ -356,7 +357,7 @@ impl Job for Propagate {
                     100.0 * self.spec.failure_limit
                 )));
             }
-            cases.push(summary::case(
+            let mut summary = summary::case(
                 &self.spec,
                 &self.model,
                 self.case_name(case),
@@ -365,7 +366,12 @@ impl Job for Propagate {
                 &self.nominal[case],
                 failed,
                 failures,
-            ));
+            );
+            // Parameters that share draws have no effects of their own.
+            if self.design(case).is_none() && self.handed_on.is_empty() {
+                summary.main_effects = self.main_effects(&values);
+            }
+            cases.push(summary);
         }
         let reached = self.reached(&cases);
         let output = Output {

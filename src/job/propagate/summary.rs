@@ -55,6 +55,7 @@ pub fn case(
         quantities,
         requirements: requirements(spec, model, values, clusters),
         joint,
+        main_effects: Vec::new(),
         failed,
         failures,
     }

@@ -21,6 +21,7 @@ pub fn view(output: &Output) -> Value {
         "environment": of_first("environment"),
         "quantities": of_first("quantities"),
         "probability": of_first("probability"),
+        "main": of_first("main"),
         "samples": output.samples,
         "failed": of_first("failed"),
         "sampling": output.sampling,
@@ -51,7 +52,18 @@ fn case(case: &Case) -> Value {
         "failed": case.failed,
         "failures": case.failures,
         "joint": case.joint,
+        "main": main_effects(case),
     })
+}
+
+/// Main effects by quantity then parameter.
+fn main_effects(case: &Case) -> Value {
+    let mut main: Map<String, Value> = Map::new();
+    for effect in &case.main_effects {
+        let entry = main.entry(effect.quantity.clone()).or_insert_with(|| json!({}));
+        entry[effect.parameter.as_str()] = json!(effect.estimate);
+    }
+    Value::Object(main)
 }
 
 fn requirement(met: &Met) -> Value {
@@ -132,6 +144,7 @@ mod tests {
             quantities: vec![quantity.clone()],
             requirements: requirements.clone(),
             joint: vec![],
+            main_effects: vec![],
             failed,
             failures: vec![],
         };

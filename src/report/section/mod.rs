@@ -6,12 +6,14 @@ mod calibration;
 mod comparison;
 mod data;
 mod diagnosis;
+pub mod goal;
 mod history;
 mod network;
 mod prediction;
 pub mod problem;
 pub mod propagation;
 mod provenance;
+pub mod sensitivity;
 mod sizing;
 mod summary;
 
@@ -23,8 +25,15 @@ use super::view::PassReport;
 pub type Build = fn(&PassReport<'_>) -> Option<Section>;
 
 /// The sections that show results of jobs, in the order of the report.
-pub const RESULTS: &[Build] =
-    &[propagation::build, sizing::build, comparison::build, diagnosis::build, prediction::build];
+pub const RESULTS: &[Build] = &[
+    propagation::build,
+    sensitivity::build,
+    goal::build,
+    sizing::build,
+    comparison::build,
+    diagnosis::build,
+    prediction::build,
+];
 
 /// The summary alone.
 pub const SUMMARY: Build = summary::build;
@@ -47,6 +56,8 @@ pub const SECTIONS: &[Build] = &[
     adopted::build,
     network::build,
     propagation::build,
+    sensitivity::build,
+    goal::build,
     sizing::build,
     comparison::build,
     calibration::build,

@@ -10,6 +10,8 @@ use super::problem::limits;
 
 /// Figures of distributions that stand open; the others are folded away.
 const OPEN_FIGURES: usize = 2;
+/// Parameters told of each quantity.
+const MOST_MAIN_EFFECTS: usize = 4;
 
 /// The section on propagation; not without such a job.
 pub fn build(report: &PassReport<'_>) -> Option<Section> {
@@ -27,6 +29,7 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.extend(probability_figures(output, name).into_iter().filter(is_new).map(Block::Figure));
         blocks.extend(sweep_table(output));
         blocks.push(distributions(output));
+        blocks.extend(main_effects(output));
         let mut figures = Vec::new();
         for case in nominal_cases(output) {
             figures.extend(case.quantities.iter().flat_map(|q| [histogram(case, q, name), cumulative(case, q, name)]));
@@ -291,6 +294,41 @@ fn distributions(output: &Output) -> Block {
         columns,
         rows,
     })
+}
+
+/// The leading parameters of each quantity by the same samples.
+fn main_effects(output: &Output) -> Option<Block> {
+    let mut rows = Vec::new();
+    for case in nominal_cases(output) {
+        for quantity in &case.quantities {
+            let mut effects: Vec<_> = case.main_effects.iter().filter(|e| e.quantity == quantity.name).collect();
+            effects.sort_by(|a, b| b.estimate.value.total_cmp(&a.estimate.value));
+            rows.extend(effects.iter().take(MOST_MAIN_EFFECTS).map(|effect| {
+                vec![
+                    Cell::code(&case.environment),
+                    Cell::code(&effect.quantity),
+                    Cell::code(&effect.parameter),
+                    super::sensitivity::estimate_text(&effect.estimate).into(),
+                ]
+            }));
+        }
+    }
+    if rows.is_empty() {
+        return None;
+    }
+    let table = Table {
+        caption: "Shares of the variance that would go if a parameter were known, by classes of the parameter among the same samples, \
+                  with 95 % intervals; the leading parameters of each quantity."
+            .into(),
+        columns: vec![
+            Column::text("Environment"),
+            Column::text("Quantity"),
+            Column::text("Parameter"),
+            Column::number("Main effect", ""),
+        ],
+        rows,
+    };
+    Some(Block::Details("Main effects from the same samples".into(), vec![Block::Table(table)]))
 }
 
 /// Markers of the limits that apply to a quantity and of its nominal value.

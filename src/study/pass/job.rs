@@ -15,9 +15,9 @@ written_choice! {
         /// Propagation of the parameters' uncertainty.
         "propagate" => Propagate(PropagateForm),
         /// Which parameters matter.
-        "sensitivity" => Sensitivity(Node),
+        "sensitivity" => Sensitivity(SensitivityForm),
         /// Which parameter must be known how well.
-        "goal" => Goal(Node),
+        "goal" => Goal(GoalForm),
         /// The experiment that teaches most.
         "design" => Design(Node),
         /// Parameters from measurements.
@@ -81,6 +81,66 @@ written_struct! {
         optional failure_limit: Spanned<f64>,
         /// What is added to the model: a discrepancy, effects. This version refuses it.
         optional with: Node,
+    }
+}
+
+written_struct! {
+    /// Settings of `sensitivity`.
+    pub struct SensitivityForm: "settings of `sensitivity`" {
+        /// Quantities; those of the pass's requirements, else all named ones, else all nodes.
+        optional quantities: Vec<Spanned<String>>,
+        /// What is computed; all of it where it is left out.
+        optional methods: Vec<MethodForm>,
+        /// Base points of each scramble, a power of two, 4096 where it is left out; the most that are taken where a
+        /// precision is asked for.
+        optional samples: Spanned<u64>,
+        /// Independent scrambles of the Sobol points, 8 where it is left out.
+        optional scrambles: Spanned<u64>,
+        /// Whether effects of pairs are computed too, which doubles the solves.
+        default(false) second_order: bool,
+        /// The widest interval of a main or total effect that is good enough.
+        optional precision: Spanned<f64>,
+        /// Trajectories of `morris`, 64 where it is left out.
+        optional trajectories: Spanned<u64>,
+        /// Environments; all of the pass, else `nominal` with the inputs' nominal values.
+        optional environments: Vec<Spanned<String>>,
+        /// Largest share of failed solves that is tolerated, 0.01 where it is left out.
+        optional failure_limit: Spanned<f64>,
+    }
+}
+
+written_words! {
+    /// A way to tell which parameters matter.
+    pub enum MethodForm: "a method" {
+        /// Exact derivatives at the nominal parameters.
+        "local" => Local,
+        /// Elementary effects.
+        "morris" => Morris,
+        /// Shares of the variance.
+        "sobol" => Sobol,
+        /// Bounds of the total effects by mean squared derivatives.
+        "derivative" => Derivative,
+    }
+}
+
+written_struct! {
+    /// Settings of `goal`.
+    pub struct GoalForm: "settings of `goal`" {
+        /// Requirements; all of the pass where they are left out.
+        optional requirements: Vec<Spanned<String>>,
+        /// Parameters whose knowledge is sharpened, in this order; those with the largest main effects where they are left out.
+        optional parameters: Vec<Spanned<String>>,
+        /// A design variable whose reachable value is sought: a name, or a name with `from` and `to`. The pass's one entry under
+        /// `design` where it is left out, else none.
+        optional design_variable: NameOr<Spanned<Map<RangeForm>>>,
+        /// Environments, in all of which the requirements must be met; all of the pass, else `nominal`.
+        optional environments: Vec<Spanned<String>>,
+        /// Number of samples, 4096 where it is left out.
+        optional samples: Spanned<u64>,
+        /// Standard deviation of the model's discrepancy by quantity, as a validation experiment found it.
+        default(Map::default()) discrepancy: Map<Amount>,
+        /// Largest share of failed solves that is tolerated, 0.01 where it is left out.
+        optional failure_limit: Spanned<f64>,
     }
 }
 

@@ -75,10 +75,13 @@ pub(super) fn jobs(
             JobForm::Calibrate(form) => super::calibrate::calibrate(scope, entry, form, offered),
             // After the calibrations of the pass, wherever these stand.
             JobForm::Predict(_) => None,
-            JobForm::Sensitivity(settings)
-            | JobForm::Goal(settings)
-            | JobForm::Design(settings)
-            | JobForm::Discrepancy(settings) => not_yet(scope, entry.value.kind(), settings, offered),
+            JobForm::Sensitivity(form) => {
+                super::sensitivity::sensitivity(scope, form, offered).map(JobSpec::Sensitivity)
+            }
+            JobForm::Goal(form) => super::goal::goal(scope, entry, form, offered).map(JobSpec::Goal),
+            JobForm::Design(settings) | JobForm::Discrepancy(settings) => {
+                not_yet(scope, entry.value.kind(), settings, offered)
+            }
         });
     }
     let named = |specs: &[Option<JobSpec>]| -> Vec<NamedJob> {
@@ -132,7 +135,11 @@ pub(super) fn measurement(scope: &mut Scope, name: &str, place: &Place, offered:
     found
 }
 
-fn environments(scope: &mut Scope, names: Option<&Vec<Spanned<String>>>, offered: &Offered) -> Vec<Environment> {
+pub(super) fn environments(
+    scope: &mut Scope,
+    names: Option<&Vec<Spanned<String>>>,
+    offered: &Offered,
+) -> Vec<Environment> {
     let nominal = || Environment { name: NOMINAL.to_owned(), inputs: scope.nominal_inputs() };
     let Some(names) = names.filter(|names| !names.is_empty()) else {
         return if offered.environments.is_empty() { vec![nominal()] } else { offered.environments.to_vec() };
@@ -154,7 +161,11 @@ fn environments(scope: &mut Scope, names: Option<&Vec<Spanned<String>>>, offered
     list
 }
 
-fn requirements(scope: &mut Scope, names: Option<&Vec<Spanned<String>>>, offered: &Offered) -> Vec<Requirement> {
+pub(super) fn requirements(
+    scope: &mut Scope,
+    names: Option<&Vec<Spanned<String>>>,
+    offered: &Offered,
+) -> Vec<Requirement> {
     let Some(names) = names else { return offered.requirements.to_vec() };
     let mut list = Vec::new();
     for name in names {
@@ -173,8 +184,39 @@ pub(super) fn propagate(scope: &mut Scope, form: &PropagateForm, offered: &Offer
     let before = scope.diagnostics.errors();
     let environments = environments(scope, form.environments.as_ref(), offered);
     let requirements = requirements(scope, form.requirements.as_ref(), offered);
+    let mut quantities = quantities(scope, form.quantities.as_ref(), &requirements, offered);
+    let mut joint = Vec::new();
+    for pair in &form.joint {
+        let (x, y) = (scope.quantity(&pair[0]), scope.quantity(&pair[1]));
+        if let (Some(x), Some(y)) = (x, y) {
+            push_new(&mut quantities, x);
+            push_new(&mut quantities, y);
+            let position = |index: usize| quantities.iter().position(|other| *other == index).unwrap_or(0);
+            joint.push([position(x), position(y)]);
+        }
+    }
+    let sampling = match form.sampling {
+        None | Some(SamplingForm::Sobol) => Sampling::Sobol,
+        Some(SamplingForm::LatinHypercube) => Sampling::LatinHypercube,
+        Some(SamplingForm::MonteCarlo) => Sampling::MonteCarlo,
+    };
+    let samples = samples(scope, form.samples.as_ref(), sampling);
+    let failure_limit = failure_limit(scope, form.failure_limit.as_ref());
+    let sweep = form.sweep.as_ref().and_then(|form| sweep(scope, form));
+    let spec =
+        propagate::Spec { quantities, samples, sampling, environments, sweep, joint, requirements, failure_limit };
+    (scope.diagnostics.errors() == before).then_some(spec)
+}
+
+/// The quantities asked for, those of the requirements among them; all named ones where there are neither, else all nodes.
+pub(super) fn quantities(
+    scope: &mut Scope,
+    names: Option<&Vec<Spanned<String>>>,
+    requirements: &[Requirement],
+    offered: &Offered,
+) -> Vec<usize> {
     let mut quantities: Vec<usize> = Vec::new();
-    match &form.quantities {
+    match names {
         Some(names) => {
             for name in names {
                 if let Some(index) = scope.quantity(name) {
@@ -193,36 +235,10 @@ pub(super) fn propagate(scope: &mut Scope, form: &PropagateForm, offered: &Offer
         }
         None => {}
     }
-    for requirement in &requirements {
+    for requirement in requirements {
         push_new(&mut quantities, requirement.quantity);
     }
-    let mut joint = Vec::new();
-    for pair in &form.joint {
-        let (x, y) = (scope.quantity(&pair[0]), scope.quantity(&pair[1]));
-        if let (Some(x), Some(y)) = (x, y) {
-            push_new(&mut quantities, x);
-            push_new(&mut quantities, y);
-            let position = |index: usize| quantities.iter().position(|other| *other == index).unwrap_or(0);
-            joint.push([position(x), position(y)]);
-        }
-    }
-    let sampling = match form.sampling {
-        None | Some(SamplingForm::Sobol) => Sampling::Sobol,
-        Some(SamplingForm::LatinHypercube) => Sampling::LatinHypercube,
-        Some(SamplingForm::MonteCarlo) => Sampling::MonteCarlo,
-    };
-    let samples = samples(scope, form.samples.as_ref(), sampling);
-    let failure_limit = form.failure_limit.as_ref().map_or(FAILURE_LIMIT, |limit| {
-        if !(0.0..=1.0).contains(&limit.value) {
-            let message = format!("a failure limit of {}", limit.value);
-            scope.error(&code::JOB_SETTING, &limit.place, message, "a share from 0 to 1");
-        }
-        limit.value
-    });
-    let sweep = form.sweep.as_ref().and_then(|form| sweep(scope, form));
-    let spec =
-        propagate::Spec { quantities, samples, sampling, environments, sweep, joint, requirements, failure_limit };
-    (scope.diagnostics.errors() == before).then_some(spec)
+    quantities
 }
 
 pub(super) fn push_new(list: &mut Vec<usize>, index: usize) {
@@ -231,7 +247,18 @@ pub(super) fn push_new(list: &mut Vec<usize>, index: usize) {
     }
 }
 
-fn samples(scope: &mut Scope, written: Option<&Spanned<u64>>, sampling: Sampling) -> u64 {
+/// The largest share of failed solves that is tolerated.
+pub(super) fn failure_limit(scope: &mut Scope, written: Option<&Spanned<f64>>) -> f64 {
+    let Some(limit) = written else { return FAILURE_LIMIT };
+    if !(0.0..=1.0).contains(&limit.value) {
+        let message = format!("a failure limit of {}", limit.value);
+        scope.error(&code::JOB_SETTING, &limit.place, message, "a share from 0 to 1");
+    }
+    limit.value
+}
+
+/// The number of samples; Sobol points are rounded up to a power of two, with a warning.
+pub(super) fn samples(scope: &mut Scope, written: Option<&Spanned<u64>>, sampling: Sampling) -> u64 {
     let Some(Spanned { value, place }) = written else { return SAMPLES };
     if !(2..=MOST_SAMPLES).contains(value) {
         let expected = format!("an integer from 2 to {MOST_SAMPLES}");
@@ -330,7 +357,7 @@ fn conventional(
         let message = format!("`{}` has no requirement to size for", entry.name);
         scope.error(&code::JOB_REFERENCE, &entry.name_place, message, "at least one entry under `requirements`");
     }
-    let design = design_variable(scope, entry, form, offered);
+    let design = design_variable(scope, entry, form.design_variable.as_ref(), offered);
     let heat_loads = heat_loads(scope, form.heat_loads.as_ref(), design.as_ref().map(|design| design.variable));
     let design = design?;
     let spec = conventional::Spec { rules, environments, requirements, design, heat_loads };
@@ -338,13 +365,13 @@ fn conventional(
 }
 
 /// What is sized, with the ends of its range.
-fn design_variable(
+pub(super) fn design_variable(
     scope: &mut Scope,
     entry: &MapEntry<JobForm>,
-    form: &ConventionalForm,
+    written: Option<&NameOr<Spanned<Map<RangeForm>>>>,
     offered: &Offered,
 ) -> Option<Sweep> {
-    match &form.design_variable {
+    match written {
         Some(NameOr::Other(map)) => match map.value.iter().collect::<Vec<_>>().as_slice() {
             [one] => design_range(scope, one),
             several => {
