@@ -7,6 +7,7 @@ pub mod cholesky;
 pub mod convergence;
 pub mod identifiability;
 pub mod importance;
+pub mod information;
 pub mod lag;
 pub mod likelihood;
 pub mod measurement;
