@@ -220,6 +220,9 @@ pub fn document(job: &JobEntry, with_rows: bool) -> Result<Value, Failure> {
         JobResult::Calibrate(output) => {
             serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
         }
+        JobResult::Design(output) => {
+            serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
+        }
         JobResult::Conventional(output) => {
             serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
         }

@@ -53,6 +53,7 @@ fn result(job: &FinishedJob<'_>) -> Result<Option<JobResult>, ResultError> {
         "conventional" => serde_json::from_value(job.result.clone()).map(JobResult::Conventional),
         "compare" => serde_json::from_value(job.result.clone()).map(JobResult::Compare),
         "calibrate" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Calibrate(Box::new(output))),
+        "design" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Design(Box::new(output))),
         _ => return Ok(None),
     };
     parsed.map(Some).map_err(|source| ResultError { job: job.name.to_owned(), source })

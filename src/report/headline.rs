@@ -1,6 +1,6 @@
 //! What came out of a job, in a line or two.
 
-use crate::job::{calibrate, compare, conventional, propagate};
+use crate::job::{calibrate, compare, conventional, design, propagate};
 
 use super::number::{self, Shown};
 use super::page::Status;
@@ -17,6 +17,7 @@ pub fn headlines(job: &JobEntry) -> Vec<String> {
         JobResult::Conventional(output) => of_sizes(output),
         JobResult::Compare(output) => of_comparison(output),
         JobResult::Calibrate(output) => of_calibration(output),
+        JobResult::Design(output) => of_design(output),
     }
 }
 
@@ -30,6 +31,18 @@ fn of_calibration(output: &calibrate::Output) -> Vec<String> {
     } else {
         lines.push(format!("{} did NOT converge", output.sampler));
         lines.extend(output.objections.iter().take(MOST_FINDINGS).cloned());
+    }
+    lines.extend(output.findings.iter().take(MOST_FINDINGS).cloned());
+    lines
+}
+
+/// The best candidate, and what must be said of it.
+fn of_design(output: &design::Output) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(best) = &output.best {
+        let conditions = super::section::design::conditions(output, best.candidate);
+        let value = number::with_error(best.information_nats, best.se);
+        lines.push(format!("{conditions} tells most about {}: {value} nats expected", output.learn.join(", ")));
     }
     lines.extend(output.findings.iter().take(MOST_FINDINGS).cloned());
     lines

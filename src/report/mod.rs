@@ -84,6 +84,7 @@ pub fn results_schema() -> Value {
         "conventional": schemars::schema_for!(crate::job::conventional::Output),
         "compare": schemars::schema_for!(crate::job::compare::Output),
         "calibrate": schemars::schema_for!(crate::job::calibrate::Output),
+        "design": schemars::schema_for!(crate::job::design::Output),
     })
 }
 
@@ -99,6 +100,7 @@ fn results_json(report: &PassReport<'_>) -> Result<String, serde_json::Error> {
             JobResult::Conventional(output) => value(output)?,
             JobResult::Compare(output) => value(output)?,
             JobResult::Calibrate(output) => value(output)?,
+            JobResult::Design(output) => value(output)?,
         };
         jobs.insert(job.name.clone(), json!({ "kind": job.kind, "key": job.key, "output": output }));
     }

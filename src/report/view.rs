@@ -2,7 +2,7 @@
 
 use crate::inference::measurement::{Measurement, Rows, Sensor};
 use crate::job::requirement::{Environment, Requirement};
-use crate::job::{calibrate, compare, conventional, propagate};
+use crate::job::{calibrate, compare, conventional, design, propagate};
 use crate::random::Distribution;
 use crate::thermal::{Model, Quantity};
 
@@ -49,6 +49,8 @@ pub enum JobResult {
     Compare(compare::Output),
     /// Parameters from measurements.
     Calibrate(Box<calibrate::Output>),
+    /// The experiment that teaches most.
+    Design(Box<design::Output>),
 }
 
 /// A job with its output.
@@ -132,6 +134,14 @@ impl PassReport<'_> {
     pub fn calibrations(&self) -> impl Iterator<Item = (&str, &calibrate::Output)> {
         self.results.iter().filter_map(|job| match &job.result {
             JobResult::Calibrate(output) => Some((job.name.as_str(), &**output)),
+            _ => None,
+        })
+    }
+
+    /// Designs of experiments with their jobs' names.
+    pub fn designs(&self) -> impl Iterator<Item = (&str, &design::Output)> {
+        self.results.iter().filter_map(|job| match &job.result {
+            JobResult::Design(output) => Some((job.name.as_str(), &**output)),
             _ => None,
         })
     }

@@ -9,6 +9,7 @@ use crate::inference::measurement::Measurement;
 use crate::job::calibrate::{Calibrate, Inputs};
 use crate::job::compare::{self, Compare, Tuned};
 use crate::job::conventional::Conventional;
+use crate::job::design::Design;
 use crate::job::propagate::Propagate;
 use crate::job::{Job, JobError};
 use crate::thermal::Model;
@@ -86,6 +87,10 @@ pub fn ready(pass: &Pass) -> Result<Vec<(String, Readiness)>, (String, JobError)
                         input_errors: input_errors(pass),
                     };
                     Calibrate::new(spec.clone(), inputs, pass.seed, &named.name)
+                        .map(|job| Readiness::Ready(Arc::new(job)))
+                }
+                JobSpec::Design(spec) => {
+                    Design::new(spec.clone(), Arc::clone(&model), pass.priors.clone(), pass.seed, &named.name)
                         .map(|job| Readiness::Ready(Arc::new(job)))
                 }
                 JobSpec::Waiting { measurements, command, .. } => Ok(Readiness::NotRun(format!(

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::document::Diagnostics;
 use crate::inference::measurement::Measurement;
 use crate::job::requirement::{Environment, Requirement};
-use crate::job::{calibrate, compare, conventional, propagate};
+use crate::job::{calibrate, compare, conventional, design, propagate};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
@@ -83,6 +83,8 @@ pub enum JobSpec {
     Calibrate(calibrate::Spec),
     /// Stacked worst cases with margins.
     Conventional(conventional::Spec),
+    /// The experiment that teaches most.
+    Design(design::Spec),
     /// Waits for pinned data.
     Waiting {
         /// The kind.
@@ -111,6 +113,7 @@ impl JobSpec {
             Self::Compare(_) => "compare",
             Self::Calibrate(_) => "calibrate",
             Self::Conventional(_) => "conventional",
+            Self::Design(_) => "design",
             Self::Waiting { kind, .. } | Self::NotYet { kind, .. } => kind,
         }
     }

@@ -5,6 +5,7 @@ mod adopted;
 mod calibration;
 mod comparison;
 mod data;
+pub mod design;
 mod network;
 pub mod problem;
 pub mod propagation;
@@ -19,7 +20,7 @@ use super::view::PassReport;
 pub type Build = fn(&PassReport<'_>) -> Option<Section>;
 
 /// The sections that show results of jobs, in the order of the report.
-pub const RESULTS: &[Build] = &[propagation::build, sizing::build, comparison::build];
+pub const RESULTS: &[Build] = &[propagation::build, sizing::build, design::build, comparison::build];
 
 /// The summary alone.
 pub const SUMMARY: Build = summary::build;
@@ -35,6 +36,7 @@ pub const SECTIONS: &[Build] = &[
     network::build,
     propagation::build,
     sizing::build,
+    design::build,
     comparison::build,
     calibration::build,
     data::build,

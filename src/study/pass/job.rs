@@ -2,6 +2,7 @@
 
 use serde_json::json;
 
+use super::design::DesignForm;
 use crate::document::written::wrong_type;
 use crate::document::{
     Amount, Diagnostics, Map, NameOr, Node, Schemas, Spanned, Value, Written, written_choice, written_struct,
@@ -18,7 +19,7 @@ written_choice! {
         /// Which parameter must be known how well.
         "goal" => Goal(Node),
         /// The experiment that teaches most.
-        "design" => Design(Node),
+        "design" => Design(Box<DesignForm>),
         /// Parameters from measurements.
         "calibrate" => Calibrate(CalibrateForm),
         /// Model against measurements.

@@ -3,6 +3,7 @@
 use crate::document::prior::support;
 use crate::document::{Amount, Diagnostic, Map, MapEntry, NameOr, Node, Place, Sense, Spanned, Value, code};
 use crate::expression::Dimension;
+use crate::inference::measurement::Measurement;
 use crate::job::compare::{self, Criteria};
 use crate::job::conventional::{self, Rule};
 use crate::job::propagate::{self, Sampling, Sweep, Variable};
@@ -38,6 +39,10 @@ pub struct Offered<'a> {
     pub environments: &'a [Environment],
     /// Measurements by name, with their position in the list; `None` where pinned data are missing.
     pub measurements: &'a [(String, Option<usize>)],
+    /// The measurements that are there.
+    pub data: &'a [Measurement],
+    /// Inputs whose range is that of the data.
+    pub ranges_from_data: &'a [String],
     /// Margin rules.
     pub rules: &'a [Rule],
     /// Criteria profiles.
@@ -59,9 +64,9 @@ pub fn jobs(scope: &mut Scope, forms: &Map<JobForm>, offered: &Offered) -> Vec<N
             JobForm::Conventional(form) => conventional(scope, entry, form, offered).map(JobSpec::Conventional),
             JobForm::Compare(form) => compare(scope, entry, form, forms, offered),
             JobForm::Calibrate(form) => super::calibrate::calibrate(scope, entry, form, offered),
+            JobForm::Design(form) => super::design::design(scope, entry, form, offered).map(JobSpec::Design),
             JobForm::Sensitivity(settings)
             | JobForm::Goal(settings)
-            | JobForm::Design(settings)
             | JobForm::Diagnose(settings)
             | JobForm::Discrepancy(settings)
             | JobForm::Predict(settings) => not_yet(scope, entry.value.kind(), settings, offered),
@@ -109,7 +114,11 @@ pub(super) fn measurement(scope: &mut Scope, name: &str, place: &Place, offered:
     found
 }
 
-fn environments(scope: &mut Scope, names: Option<&Vec<Spanned<String>>>, offered: &Offered) -> Vec<Environment> {
+pub(super) fn environments(
+    scope: &mut Scope,
+    names: Option<&Vec<Spanned<String>>>,
+    offered: &Offered,
+) -> Vec<Environment> {
     let nominal = || Environment { name: NOMINAL.to_owned(), inputs: scope.nominal_inputs() };
     let Some(names) = names.filter(|names| !names.is_empty()) else {
         return if offered.environments.is_empty() { vec![nominal()] } else { offered.environments.to_vec() };
@@ -231,6 +240,17 @@ fn value(scope: &mut Scope, amount: &Amount, scale: &Scale) -> Option<f64> {
     scale.si(amount, Sense::Absolute, scope.diagnostics)
 }
 
+/// Equally spaced values, both ends exact; at least two.
+pub(super) fn spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
+    let last = (count - 1) as f64;
+    (0..count)
+        .map(|index| {
+            let share = index as f64 / last;
+            from * (1.0 - share) + to * share
+        })
+        .collect()
+}
+
 fn sweep(scope: &mut Scope, form: &Spanned<Map<SweepForm>>) -> Option<Sweep> {
     let entry = match form.value.iter().collect::<Vec<_>>().as_slice() {
         [one] => *one,
@@ -254,14 +274,7 @@ fn sweep(scope: &mut Scope, form: &Spanned<Map<SweepForm>>) -> Option<Sweep> {
                 scope.error(&code::SWEEP, &steps.steps.place, message, &format!("from 2 to {MOST_STEPS} values"));
                 return None;
             }
-            let last = (count - 1) as f64;
-            (0..count)
-                .map(|index| {
-                    // Both ends exact.
-                    let share = index as f64 / last;
-                    from * (1.0 - share) + to * share
-                })
-                .collect()
+            spaced(from, to, count)
         }
     };
     let rises = values.windows(2).all(|pair| pair[0] < pair[1]);

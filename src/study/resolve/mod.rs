@@ -6,6 +6,7 @@ mod adopt_place;
 mod calibrate;
 pub mod changes;
 pub mod data;
+mod design;
 pub mod jobs;
 pub mod measurement;
 pub mod requirement;
@@ -230,6 +231,8 @@ fn resolve(
         requirements: &requirements,
         environments: &environments,
         measurements: &positions,
+        data: &measurements,
+        ranges_from_data: &ranges_from_data,
         rules: &rules.into_iter().map(|(rule, _)| rule).collect::<Vec<_>>(),
         profiles: &profiles.into_iter().map(|(profile, _)| profile).collect::<Vec<_>>(),
         design: &form.design,
