@@ -3,6 +3,7 @@
 mod build;
 mod comparison;
 mod derivatives;
+mod design;
 mod effects;
 mod elements;
 mod flux;
@@ -11,6 +12,7 @@ mod monitor_campaign;
 pub mod network8_data;
 mod orbit;
 mod radiator;
+mod radiator_campaign;
 mod solar_monitor;
 mod steady;
 mod transient;

@@ -54,6 +54,23 @@ impl Mixture {
         &self.mean
     }
 
+    /// The same normal approximation round another point.
+    pub fn centred(mut self, at: &[f64]) -> Self {
+        self.mean.copy_from_slice(at);
+        self
+    }
+
+    /// Squared distance of a point from the mean, in standard deviations of the normal approximation.
+    pub fn distance_squared(&self, at: &[f64]) -> f64 {
+        let n = at.len();
+        (0..n)
+            .map(|column| {
+                let sum: f64 = (column..n).map(|row| self.factor[row * n + column] * (at[row] - self.mean[row])).sum();
+                sum * sum
+            })
+            .sum()
+    }
+
     /// Factor of its precision.
     pub fn precision_factor(&self) -> &[f64] {
         &self.factor
@@ -69,19 +86,10 @@ impl Mixture {
         }
     }
 
-    /// Logarithm of prior over proposal at a draw, out of `draws`; `room` is as long as the draw.
-    pub fn log_weight(&self, draw: &[f64], draws: usize, room: &mut [f64]) -> f64 {
-        let n = draw.len();
+    /// Logarithm of prior over proposal at a draw, out of `draws`.
+    pub fn log_weight(&self, draw: &[f64], draws: usize) -> f64 {
         let of_prior = draws.div_ceil(PRIOR_EVERY) as f64 / draws as f64;
-        for (slot, (value, mean)) in room.iter_mut().zip(draw.iter().zip(&self.mean)) {
-            *slot = value - mean;
-        }
-        // |L' (u - m)|^2
-        let mut square = 0.0;
-        for column in 0..n {
-            let sum: f64 = (column..n).map(|row| self.factor[row * n + column] * room[row]).sum();
-            square += sum * sum;
-        }
+        let square = self.distance_squared(draw);
         let prior = -0.5 * draw.iter().map(|value| value * value).sum::<f64>();
         // ln(p / (a p + (1 - a) q)), by q / p.
         let ratio = self.half_log_determinant - 0.5 * square - prior + ln(1.0 - of_prior) - ln(of_prior);
@@ -115,7 +123,7 @@ mod tests {
             mixture.place(index, &mut draw);
             let apart = |reading: usize| z[reading] - (0..3).map(|k| j[reading * 3 + k] * draw[k]).sum::<f64>();
             let log = -0.5 * (apart(0) * apart(0) + apart(1) * apart(1));
-            let term = exp(log + mixture.log_weight(&draw, draws, &mut [0.0; 3]) - exact);
+            let term = exp(log + mixture.log_weight(&draw, draws) - exact);
             sum += term;
             squares += term * term;
         }

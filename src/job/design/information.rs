@@ -12,6 +12,12 @@ use crate::math::special::normal_quantile;
 
 /// Effective inner samples below which an average is poor.
 const FEW: f64 = 10.0;
+/// Most steps towards the most probable point of an outer sample.
+const MOST_STEPS: usize = 8;
+/// Squared distance from it, in standard deviations, that is near enough for a proposal.
+const CLOSE: f64 = 0.02;
+/// Smallest share of a step that is tried.
+const LEAST_SHARE: f64 = 0.02;
 
 /// What is asked of a set of readings.
 pub(super) struct Question<'a> {
@@ -48,7 +54,6 @@ struct Work {
     drawn: Vec<f64>,
     point: Vec<f64>,
     terms: Vec<f64>,
-    spare: Vec<f64>,
 }
 
 impl Question<'_> {
@@ -84,7 +89,6 @@ impl Question<'_> {
             drawn: vec![0.0; self.draws * sensors],
             point: vec![0.0; channels],
             terms: vec![0.0; self.draws],
-            spare: vec![0.0; unknowns],
         }
     }
 
@@ -193,7 +197,7 @@ impl Question<'_> {
         for (index, draw) in draws.chunks_exact_mut(unknowns).enumerate() {
             draw[..first].copy_from_slice(&coordinates[..first]);
             mixture.place(index, &mut draw[first..]);
-            work.terms[index] = mixture.log_weight(&draw[first..], self.draws, &mut work.spare);
+            work.terms[index] = mixture.log_weight(&draw[first..], self.draws);
         }
         for (draw, values) in draws.chunks_exact(unknowns).zip(work.values.chunks_exact_mut(unknowns)) {
             self.plant.values(draw, values);
@@ -225,31 +229,61 @@ impl Question<'_> {
         Some(found)
     }
 
-    /// Normal approximation of the posterior of the unknowns from `first` on: linearised at the true values, then once
-    /// more at its mean.
+    /// Normal approximation at the most probable point of the unknowns from `first` on: Gauss-Newton steps from the true
+    /// values, halved where the density falls. Near a bound of a prior the coordinates are far from linear.
     fn approximation(&self, first: usize, coordinates: &[f64], readings: &[f64], work: &mut Work) -> Option<Mixture> {
         let mut at = coordinates.to_vec();
-        let mut found = None;
-        for _ in 0..2 {
-            if !self.linearise(&at, work) {
-                break;
+        let mut value = self.misfit(first, &at, readings, work)?;
+        let mut trial = at.clone();
+        for _ in 0..MOST_STEPS {
+            let mixture = self.linear_posterior(first, &at, work)?;
+            let step: Vec<f64> = mixture.mean().iter().zip(&at[first..]).map(|(mean, own)| mean - own).collect();
+            if mixture.distance_squared(&at[first..]) < CLOSE {
+                return Some(mixture.centred(&at[first..]));
             }
-            for (slot, (reading, own)) in work.residuals.iter_mut().zip(readings.iter().zip(&work.prediction)) {
-                *slot = reading - own;
-            }
-            work.columns.clear();
-            for row in work.jacobian.chunks_exact(self.samples.unknowns) {
-                work.columns.extend_from_slice(&row[first..]);
-            }
-            match Mixture::linearised(&work.columns, &work.residuals, &at[first..]) {
-                Ok(mixture) => {
-                    at[first..].copy_from_slice(mixture.mean());
-                    found = Some(mixture);
+            let (mut share, mut accepted) = (1.0, false);
+            while share > LEAST_SHARE {
+                for (slot, (own, step)) in trial[first..].iter_mut().zip(at[first..].iter().zip(&step)) {
+                    *slot = own + share * step;
                 }
-                Err(_) => break,
+                if let Some(new) = self.misfit(first, &trial, readings, work)
+                    && new < value
+                {
+                    at.copy_from_slice(&trial);
+                    value = new;
+                    accepted = true;
+                    break;
+                }
+                share *= 0.5;
+            }
+            if !accepted {
+                // The last trial has left its derivatives behind.
+                return Some(mixture.centred(&at[first..]));
             }
         }
-        found
+        Some(self.linear_posterior(first, &at, work)?.centred(&at[first..]))
+    }
+
+    /// Half the sum of squares of prior and readings, with the linearisation there.
+    fn misfit(&self, first: usize, at: &[f64], readings: &[f64], work: &mut Work) -> Option<f64> {
+        if !self.linearise(at, work) {
+            return None;
+        }
+        let mut sum = 0.5 * at[first..].iter().map(|u| u * u).sum::<f64>();
+        for (slot, (reading, own)) in work.residuals.iter_mut().zip(readings.iter().zip(&work.prediction)) {
+            *slot = reading - own;
+            sum += 0.5 * *slot * *slot;
+        }
+        Some(sum)
+    }
+
+    /// The posterior of the model that was linearised last.
+    fn linear_posterior(&self, first: usize, at: &[f64], work: &mut Work) -> Option<Mixture> {
+        work.columns.clear();
+        for row in work.jacobian.chunks_exact(self.samples.unknowns) {
+            work.columns.extend_from_slice(&row[first..]);
+        }
+        Mixture::linearised(&work.columns, &work.residuals, &at[first..]).ok()
     }
 
     /// Whitened predictions and derivatives of all phases at coordinates.

@@ -21,6 +21,8 @@ written_struct! {
         required conditions: Spanned<ConditionsForm>,
         /// The environment in which the other inputs are; nominal values where it is left out.
         optional environment: Spanned<String>,
+        /// Constant values of further inputs over those of the environment.
+        default(Map::default()) inputs: Map<Amount>,
         /// Sensors of the pass's measurements by name, or an object of sensors; all of the pass where they are left out.
         optional sensors: Spanned<SensorsForm>,
         /// How many of the sensors are wanted: they are chosen one after the other at the best candidate.

@@ -58,6 +58,15 @@ pub(super) fn design(
         Some(name) => environments(scope, Some(&vec![name.clone()]), offered).first().map(|own| own.inputs.clone()),
         None => Some(scope.nominal_inputs()),
     };
+    let base = base.map(|mut base| {
+        for entry in &form.inputs {
+            let Some(input) = scope.known_input(&entry.name, &entry.name_place) else { continue };
+            if let Some(value) = scope.input_value(input, &entry.value) {
+                base[input] = value;
+            }
+        }
+        base
+    });
     let conditions = base.and_then(|base| conditions(scope, &form.conditions, &base, offered));
     let sensors = sensors(scope, entry, form.sensors.as_ref(), offered);
     let choose_sensors = form.choose_sensors.as_ref().map(|wanted| {
