@@ -236,7 +236,8 @@ fn candidates(output: &Output) -> Vec<Block> {
         let is_best = best.is_some_and(|best| best.candidate == index);
         let is_rival = best.is_some_and(|best| best.rivals.contains(&index));
         row.push(match &own.because {
-            Some(because) => Cell::marked(because.clone(), Status::Fail),
+            // The probability stands in a column of its own.
+            Some(because) => Cell::marked(because.split(" with ").next().unwrap_or(because).to_owned(), Status::Fail),
             None if own.sees_nothing => Cell::marked("sees nothing", Status::Caution),
             None if is_best => Cell::marked("best", Status::Ok),
             None if is_rival => "not told from the best".into(),
