@@ -382,6 +382,9 @@ pub fn document(job: &JobEntry, with_rows: bool) -> Result<Value, Failure> {
         JobResult::Goal(output) => {
             serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
         }
+        JobResult::Design(output) => {
+            serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
+        }
         JobResult::Conventional(output) => {
             serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
         }

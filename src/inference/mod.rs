@@ -7,6 +7,7 @@ pub mod cholesky;
 pub mod convergence;
 pub mod identifiability;
 pub mod importance;
+pub mod information;
 pub mod informed;
 pub mod joint_prior;
 pub mod lag;

@@ -4,6 +4,7 @@
 pub mod calibrate;
 pub mod compare;
 pub mod conventional;
+pub mod design;
 pub mod diagnose;
 pub mod findings;
 pub mod goal;

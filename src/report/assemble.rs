@@ -60,6 +60,7 @@ fn result(job: &FinishedJob<'_>) -> Result<Option<JobResult>, ResultError> {
         "calibrate" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Calibrate(Box::new(output))),
         "sensitivity" => serde_json::from_value(job.result.clone()).map(JobResult::Sensitivity),
         "goal" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Goal(Box::new(output))),
+        "design" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Design(Box::new(output))),
         _ => return Ok(None),
     };
     parsed.map(Some).map_err(|source| ResultError { job: job.name.to_owned(), source })

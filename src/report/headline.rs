@@ -1,6 +1,6 @@
 //! What came out of a job, in a line or two.
 
-use crate::job::{calibrate, compare, conventional, goal, predict, propagate, sensitivity};
+use crate::job::{calibrate, compare, conventional, design, goal, predict, propagate, sensitivity};
 
 use super::number::{self, Shown};
 use super::page::Status;
@@ -25,6 +25,7 @@ pub fn headlines(job: &JobEntry) -> Vec<String> {
         JobResult::Diagnose(output) => output.words.clone(),
         JobResult::Sensitivity(output) => of_sensitivity(output),
         JobResult::Goal(output) => of_goal(output),
+        JobResult::Design(output) => of_design(output),
     }
 }
 
@@ -79,6 +80,18 @@ fn of_sensitivity(output: &sensitivity::Output) -> Vec<String> {
 fn of_goal(output: &goal::Output) -> Vec<String> {
     let mut lines = vec![format!("next: {}", goal_section::next_words(output.advice.next))];
     lines.extend(goal_section::reasons(output));
+    lines
+}
+
+/// The best candidate, and what must be said of it.
+fn of_design(output: &design::Output) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(best) = &output.best {
+        let conditions = super::section::design::conditions(output, best.candidate);
+        let value = number::with_error(best.information_nats, best.se);
+        lines.push(format!("{conditions} tells most about {}: {value} nats expected", output.learn.join(", ")));
+    }
+    lines.extend(output.findings.iter().take(MOST_FINDINGS).cloned());
     lines
 }
 

@@ -90,6 +90,7 @@ pub fn results_schema() -> Value {
         "goal": schemars::schema_for!(crate::job::goal::Output),
         "calibrate": schemars::schema_for!(crate::job::calibrate::Output),
         "diagnose": schemars::schema_for!(crate::diagnosis::Output),
+        "design": schemars::schema_for!(crate::job::design::Output),
     })
 }
 
@@ -109,6 +110,7 @@ fn results_json(report: &PassReport<'_>) -> Result<String, serde_json::Error> {
             JobResult::Diagnose(output) => value(output)?,
             JobResult::Sensitivity(output) => value(output)?,
             JobResult::Goal(output) => value(output)?,
+            JobResult::Design(output) => value(output)?,
         };
         jobs.insert(job.name.clone(), json!({ "kind": job.kind, "key": job.key, "output": output }));
     }

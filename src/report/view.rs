@@ -3,7 +3,7 @@
 use crate::diagnosis;
 use crate::inference::measurement::{Measurement, Rows, Sensor};
 use crate::job::requirement::{Environment, Requirement};
-use crate::job::{calibrate, compare, conventional, goal, predict, propagate, sensitivity};
+use crate::job::{calibrate, compare, conventional, design, goal, predict, propagate, sensitivity};
 use crate::random::Distribution;
 use crate::thermal::{Model, Quantity};
 
@@ -59,6 +59,8 @@ pub enum JobResult {
     Sensitivity(sensitivity::Output),
     /// Which parameter must be known how well.
     Goal(Box<goal::Output>),
+    /// The experiment that teaches most.
+    Design(Box<design::Output>),
 }
 
 /// A job with its output.
@@ -178,6 +180,14 @@ impl PassReport<'_> {
     pub fn goals(&self) -> impl Iterator<Item = (&str, &goal::Output)> {
         self.results.iter().filter_map(|job| match &job.result {
             JobResult::Goal(output) => Some((job.name.as_str(), &**output)),
+            _ => None,
+        })
+    }
+
+    /// Designs of experiments with their jobs' names.
+    pub fn designs(&self) -> impl Iterator<Item = (&str, &design::Output)> {
+        self.results.iter().filter_map(|job| match &job.result {
+            JobResult::Design(output) => Some((job.name.as_str(), &**output)),
             _ => None,
         })
     }

@@ -12,6 +12,7 @@ use crate::inference::measurement::Measurement;
 use crate::job::calibrate::{self, Calibrate, Inputs};
 use crate::job::compare::{self, Compare, Tuned};
 use crate::job::conventional::{self, Conventional};
+use crate::job::design::Design;
 use crate::job::diagnose::{self, Diagnose};
 use crate::job::goal::Goal;
 use crate::job::handed_on::HandedOn;
@@ -120,7 +121,7 @@ pub fn blocked(pass: &Pass, name: &str) -> Option<String> {
                 own.draws.source
             )
         }),
-        JobSpec::Sensitivity(_) | JobSpec::Goal(_) => pass.handed_on.first().map(|own| {
+        JobSpec::Sensitivity(_) | JobSpec::Goal(_) | JobSpec::Design(_) => pass.handed_on.first().map(|own| {
             format!(
                 "it takes independent distributions as priors, and {} has the draws of {}",
                 suggest::listed(own.draws.names.iter().map(String::as_str), NAMED),
@@ -217,6 +218,10 @@ impl Shared<'_> {
                 let (model, priors) = (Arc::clone(&self.model), self.pass.priors.clone());
                 let job = Sensitivity::new(spec.clone(), model, priors, self.pass.seed, name)?;
                 Ok(Readiness::Ready(Arc::new(job)))
+            }
+            JobSpec::Design(spec) => {
+                let (model, priors) = (Arc::clone(&self.model), self.pass.priors.clone());
+                Ok(Readiness::Ready(Arc::new(Design::new(spec.clone(), model, priors, self.pass.seed, name)?)))
             }
             JobSpec::Goal(spec) => {
                 let (model, priors) = (Arc::clone(&self.model), self.pass.priors.clone());

@@ -9,7 +9,7 @@ use crate::inference::measurement::Measurement;
 use crate::inference::rows::UsedRow;
 use crate::job::handed_on::HandedOn;
 use crate::job::requirement::{Environment, Requirement};
-use crate::job::{calibrate, compare, conventional, diagnose, goal, propagate, sensitivity};
+use crate::job::{calibrate, compare, conventional, design, diagnose, goal, propagate, sensitivity};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
@@ -162,6 +162,8 @@ pub enum JobSpec {
     Sensitivity(sensitivity::Spec),
     /// Which parameter must be known how well.
     Goal(goal::Spec),
+    /// The experiment that teaches most.
+    Design(design::Spec),
     /// Waits for pinned data.
     Waiting {
         /// The kind.
@@ -194,6 +196,7 @@ impl JobSpec {
             Self::Conventional(_) => "conventional",
             Self::Sensitivity(_) => "sensitivity",
             Self::Goal(_) => "goal",
+            Self::Design(_) => "design",
             Self::Waiting { kind, .. } | Self::NotYet { kind, .. } => kind,
         }
     }

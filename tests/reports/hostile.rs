@@ -103,6 +103,14 @@ fn poisoned(mut sample: Sample) -> Sample {
                     size.requirement = name();
                 }
             }
+            JobResult::Design(output) => {
+                output.learn = vec![name()];
+                output.nuisance = vec![name()];
+                output.findings.push(name());
+                for sensor in &mut output.sensors {
+                    sensor.name = name();
+                }
+            }
             JobResult::Calibrate(output) => {
                 output.sampler = name();
                 output.objections.push(name());
@@ -262,6 +270,10 @@ fn empty_and_broken_outputs_are_reported_not_fatal() {
                         size.size = None;
                         size.margin = f64::NAN;
                     }
+                }
+                JobResult::Design(output) => {
+                    output.candidates.clear();
+                    output.correlations.clear();
                 }
                 JobResult::Calibrate(output) => {
                     output.draws = KeptDraws::default();

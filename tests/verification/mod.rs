@@ -3,6 +3,7 @@
 pub mod build;
 mod comparison;
 mod derivatives;
+mod design;
 mod effects;
 mod elements;
 mod flux;
@@ -13,6 +14,7 @@ mod monitor_campaign;
 pub mod network8_data;
 mod orbit;
 pub mod radiator;
+mod radiator_campaign;
 pub mod sensitivity;
 mod signature;
 mod solar_monitor;

@@ -66,6 +66,12 @@ codes! { PASS_CODES:
     SWEEP = "sweep", "a design variable without usable values",
         "A design variable is one parameter or input with a list of at least one value, or `from`, `to` and `steps`. Bare numbers are in the unit of the parameter or input.",
         "wrong: {\"A\": {\"from\": 0.3, \"to\": 0.3, \"steps\": 9}}\nright: {\"A\": {\"from\": 0.28, \"to\": 0.36, \"steps\": 9}}";
+    DESIGN_CONDITIONS = "design-conditions", "conditions of an experiment that cannot be set",
+        "A design of experiments varies inputs that a test can set, within their stated ranges: a grid with `from`, `to` and `steps` or a list of values for each, or a list of phases. Every candidate stands once.",
+        "wrong: \"conditions\": {\"W\": {\"from\": 5, \"to\": 250, \"steps\": 5}} for a heater of 0 to 25 W\nright: \"conditions\": {\"W\": {\"from\": 5, \"to\": 25, \"steps\": 5}}";
+    DESIGN_SENSOR = "design-sensor", "a sensor of an experiment that cannot be used",
+        "What an experiment tells depends on the noise of its sensors: each has a `sigma`, from the pass's measurements or in the job, and stands once. Two sensors at one place have two names.",
+        "wrong: \"sensors\": [\"housing\", \"housing\"]\nright: \"sensors\": {\"housing\": {\"measures\": \"housing\", \"sigma\": {\"value\": 0.25, \"unit\": \"K\"}}}";
     ROUNDED_SAMPLES = "samples-rounded", "a number of Sobol points that is no power of two",
         "Scrambled Sobol points are balanced only in blocks whose size is a power of two. The number of samples is rounded up to the next one.",
         "rounded: \"samples\": 5000 becomes 8192\nright: \"samples\": 8192";

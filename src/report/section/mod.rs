@@ -5,6 +5,7 @@ mod adopted;
 mod calibration;
 mod comparison;
 mod data;
+pub mod design;
 mod diagnosis;
 pub mod goal;
 mod history;
@@ -30,6 +31,7 @@ pub const RESULTS: &[Build] = &[
     sensitivity::build,
     goal::build,
     sizing::build,
+    design::build,
     comparison::build,
     diagnosis::build,
     prediction::build,
@@ -59,6 +61,7 @@ pub const SECTIONS: &[Build] = &[
     sensitivity::build,
     goal::build,
     sizing::build,
+    design::build,
     comparison::build,
     calibration::build,
     diagnosis::build,

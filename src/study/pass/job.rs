@@ -2,6 +2,7 @@
 
 use serde_json::json;
 
+use super::design::DesignForm;
 use crate::document::prior::PosteriorForm;
 use crate::document::written::wrong_type;
 use crate::document::{
@@ -19,7 +20,7 @@ written_choice! {
         /// Which parameter must be known how well.
         "goal" => Goal(GoalForm),
         /// The experiment that teaches most.
-        "design" => Design(Node),
+        "design" => Design(Box<DesignForm>),
         /// Parameters from measurements.
         "calibrate" => Calibrate(CalibrateForm),
         /// Model against measurements.

@@ -4,6 +4,7 @@ use crate::document::prior::support;
 use crate::document::{Amount, Diagnostic, Map, MapEntry, NameOr, Node, Place, Sense, Spanned, Value, code};
 use crate::effect::Catalogue;
 use crate::expression::Dimension;
+use crate::inference::measurement::Measurement;
 use crate::job::compare::{self, Criteria};
 use crate::job::conventional::{self, Rule};
 use crate::job::propagate::{self, Sampling, Sweep, Variable};
@@ -44,6 +45,10 @@ pub struct Offered<'a> {
     pub environments: &'a [Environment],
     /// Measurements by name, with their position in the list; `None` where pinned data are missing.
     pub measurements: &'a [(String, Option<usize>)],
+    /// The measurements that are there.
+    pub data: &'a [Measurement],
+    /// Inputs whose range is that of the data.
+    pub ranges_from_data: &'a [String],
     /// Margin rules.
     pub rules: &'a [Rule],
     /// Criteria profiles.
@@ -79,9 +84,8 @@ pub(super) fn jobs(
                 super::sensitivity::sensitivity(scope, form, offered).map(JobSpec::Sensitivity)
             }
             JobForm::Goal(form) => super::goal::goal(scope, entry, form, offered).map(JobSpec::Goal),
-            JobForm::Design(settings) | JobForm::Discrepancy(settings) => {
-                not_yet(scope, entry.value.kind(), settings, offered)
-            }
+            JobForm::Design(form) => super::design::design(scope, entry, form, offered).map(JobSpec::Design),
+            JobForm::Discrepancy(settings) => not_yet(scope, entry.value.kind(), settings, offered),
         });
     }
     let named = |specs: &[Option<JobSpec>]| -> Vec<NamedJob> {
@@ -281,6 +285,17 @@ fn value(scope: &mut Scope, amount: &Amount, scale: &Scale) -> Option<f64> {
     scale.si(amount, Sense::Absolute, scope.diagnostics)
 }
 
+/// Equally spaced values, both ends exact; at least two.
+pub(super) fn spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
+    let last = (count - 1) as f64;
+    (0..count)
+        .map(|index| {
+            let share = index as f64 / last;
+            from * (1.0 - share) + to * share
+        })
+        .collect()
+}
+
 fn sweep(scope: &mut Scope, form: &Spanned<Map<SweepForm>>) -> Option<Sweep> {
     let entry = match form.value.iter().collect::<Vec<_>>().as_slice() {
         [one] => *one,
@@ -304,14 +319,7 @@ fn sweep(scope: &mut Scope, form: &Spanned<Map<SweepForm>>) -> Option<Sweep> {
                 scope.error(&code::SWEEP, &steps.steps.place, message, &format!("from 2 to {MOST_STEPS} values"));
                 return None;
             }
-            let last = (count - 1) as f64;
-            (0..count)
-                .map(|index| {
-                    // Both ends exact.
-                    let share = index as f64 / last;
-                    from * (1.0 - share) + to * share
-                })
-                .collect()
+            spaced(from, to, count)
         }
     };
     let rises = values.windows(2).all(|pair| pair[0] < pair[1]);

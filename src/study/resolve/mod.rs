@@ -6,6 +6,7 @@ mod adopt_place;
 mod calibrate;
 pub mod changes;
 pub mod data;
+mod design;
 mod diagnose;
 mod goal;
 mod handed_on;
@@ -282,6 +283,8 @@ fn resolve(
         requirements: &requirements,
         environments: &environments,
         measurements: &positions,
+        data: &measurements,
+        ranges_from_data: &ranges_from_data,
         rules: &rules.into_iter().map(|(rule, _)| rule).collect::<Vec<_>>(),
         profiles: &profiles.into_iter().map(|(profile, _)| profile).collect::<Vec<_>>(),
         design: &form.design,

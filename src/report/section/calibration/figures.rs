@@ -104,6 +104,7 @@ fn correlations(job: &str, output: &Output) -> Option<Figure> {
         full_scale: 1.0,
         legend: "Posterior correlation".into(),
         decimals: 2,
+        is_unsigned: false,
         ..HeatMap::default()
     };
     Some(Figure {
