@@ -11,7 +11,7 @@ use super::view::{JobEntry, JobResult};
 
 /// Parameters of a sensitivity analysis that are told.
 const MOST_LEADING: usize = 3;
-/// Findings of a comparison that are told.
+/// Findings of a comparison and reasons of an advice that are told.
 const MOST_FINDINGS: usize = 2;
 
 /// The outcome of a job, a line each.
@@ -79,7 +79,7 @@ fn of_sensitivity(output: &sensitivity::Output) -> Vec<String> {
 /// What to do next, and why.
 fn of_goal(output: &goal::Output) -> Vec<String> {
     let mut lines = vec![format!("next: {}", goal_section::next_words(output.advice.next))];
-    lines.extend(goal_section::reasons(output));
+    lines.extend(output.advice.reasons.iter().take(MOST_FINDINGS).cloned());
     lines
 }
 
