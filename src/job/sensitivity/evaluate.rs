@@ -39,7 +39,7 @@ impl<'j> Evaluator<'j> {
     pub fn solve(&mut self, from: Option<&[Lanes]>) {
         match from {
             Some(temperatures) => {
-                self.batch.set_temperatures(temperatures);
+                self.batch.set_all_temperatures(temperatures);
                 self.job.network.solve_steady_batch(&mut self.batch, Start::Current);
             }
             None => {
