@@ -9,6 +9,7 @@ pub mod diagnose;
 pub mod findings;
 pub mod goal;
 pub mod handed_on;
+pub mod lab;
 pub mod predict;
 pub mod propagate;
 pub mod requirement;

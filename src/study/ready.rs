@@ -116,7 +116,8 @@ pub fn blocked(pass: &Pass, name: &str) -> Option<String> {
         JobSpec::Calibrate(spec) => priors_of(pass, &spec.parameters).iter().find_map(of),
         JobSpec::Diagnose(spec) => priors_of(pass, &spec.parameters).first().map(|own| {
             format!(
-                "a diagnosis takes distributions as priors, and {} has that of {}; name the other `parameters`, or diagnose from the priors that it began with",
+                "a diagnosis takes distributions as priors, and {} has the draws of {}; name other `parameters`, or \
+                 give the prior that they began with",
                 suggest::listed(own.draws.names.iter().map(String::as_str), NAMED),
                 own.draws.source
             )
@@ -365,7 +366,7 @@ impl Shared<'_> {
 }
 
 /// Own errors of the inputs; a prior from draws was refused when the pass was read.
-fn input_errors(pass: &Pass) -> Vec<InputError> {
+pub(super) fn input_errors(pass: &Pass) -> Vec<InputError> {
     let bias = |prior: &Option<Prior>| match prior {
         Some(Prior::Distribution(distribution)) => Some(*distribution),
         _ => None,

@@ -6,5 +6,6 @@ mod estimators;
 mod evidence;
 pub mod hand_on;
 mod job_calibration;
+mod laboratory;
 pub mod models;
 pub mod samplers;
