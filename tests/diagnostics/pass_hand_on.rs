@@ -47,6 +47,17 @@ fn the_same_rows_are_refused_and_named() {
 }
 
 #[test]
+fn what_takes_distributions_does_not_run_with_draws() {
+    for job in [r#"{"diagnose": {}}"#, r#"{"sensitivity": {}}"#] {
+        let study = handed_on(&format!(r#"{} "jobs": {{"next": {job}}}"#, held_out(r#""P1""#)));
+        let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
+        let jobs = ready(&pass).expect("ready");
+        let Readiness::NotRun(reason) = &jobs[0].1 else { panic!("{job} runs with the original prior") };
+        assert!(reason.contains("`G` has the draws of `tuned` of `pass-1.json`"), "{reason}");
+    }
+}
+
+#[test]
 fn other_rows_of_the_same_file_are_allowed() {
     let study = handed_on(&format!(r#"{} "jobs": {{"again": {{"calibrate": {{}}}}}}"#, held_out(r#""P1""#)));
     let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
