@@ -1,20 +1,26 @@
 //! Speed of inference: likelihood and gradient of the electronics box of 8 nodes and of the X-ray monitor (43 steady
-//! phases each), and effective draws a second of the box.
+//! phases each), and effective draws a second of the box, in memory and of the whole program.
+//!
+//! `BMV_PEERS` names a folder with `c_calibrate.py`, the same calibration with tools in Python, and `BMV_PYTHON` the
+//! interpreter: then these run in turn with the program, process start counted.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use std::hint::black_box;
 use std::path::Path;
+use std::process::Command;
 use std::time::Instant;
 
 use bmv::inference::chains::Chains;
 use bmv::inference::convergence::{ConvergenceLimits, judge};
 use bmv::inference::likelihood::{Definition, Likelihood};
+use bmv::inference::measurement::Rows;
 use bmv::inference::nuts::{self, NutsSettings};
 use bmv::inference::target::Target;
 use bmv::random::StreamKey;
-use bmv::study::JobSpec;
 use criterion::{Criterion, criterion_group, criterion_main};
 
+#[path = "support/box_study.rs"]
+mod box_study;
 #[path = "../tests/verification/build.rs"]
 #[allow(dead_code)]
 mod build;
@@ -22,19 +28,24 @@ mod build;
 #[allow(dead_code)]
 mod network8_data;
 
-/// The likelihood of a pass's first calibration, or of all its parameters and data.
-fn of_pass(path: &Path) -> Option<Likelihood> {
-    let pass = bmv::study::load(path).ok()?;
-    let spec = pass.jobs.iter().find_map(|job| match &job.spec {
-        JobSpec::Calibrate(spec) => Some(spec.clone()),
-        _ => None,
-    });
-    let free = (0..pass.priors.len()).filter(|&i| !pass.priors[i].is_fixed()).collect();
-    let parameters = spec.map_or(free, |spec| spec.parameters);
-    let measurements: Vec<_> = pass.measurements.iter().collect();
+/// The likelihood of the monitor with all 43 phases: of these parameters, or of all uncertain ones.
+fn monitor(parameters: Option<&[&str]>) -> Option<Likelihood> {
+    let pass = bmv::study::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/sxm/pass-3.json")).ok()?;
+    let chosen: Vec<usize> = (0..pass.priors.len())
+        .filter(|&i| match parameters {
+            Some(names) => names.contains(&pass.model.parameters[i].name.as_str()),
+            None => !pass.priors[i].is_fixed(),
+        })
+        .collect();
+    let mut measurements = pass.measurements.clone();
+    for measurement in &mut measurements {
+        if let Rows::Steady(phases) = &mut measurement.rows {
+            phases.iter_mut().for_each(|phase| phase.held_out = false);
+        }
+    }
+    let measurements: Vec<_> = measurements.iter().collect();
     let (model, priors) = (&pass.model, pass.priors.as_slice());
-    let definition =
-        Definition { model, priors, parameters: &parameters, measurements: &measurements, input_errors: &[] };
+    let definition = Definition { model, priors, parameters: &chosen, measurements: &measurements, input_errors: &[] };
     Likelihood::new(&definition).ok()
 }
 
@@ -64,15 +75,14 @@ fn evaluate(c: &mut Criterion, name: &str, target: &Likelihood) {
 
 fn likelihoods(c: &mut Criterion) {
     evaluate(c, "box of 8 nodes", &network8_data::likelihood());
-    for pass in ["studies/sxm/pass-2.json", "studies/sxm/pass-3.json"] {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(pass);
-        if let Some(target) = path.exists().then(|| of_pass(&path)).flatten() {
-            evaluate(c, pass, &target);
+    for parameters in [Some(&["Gh", "Gsub", "Gb"][..]), None] {
+        if let Some(target) = monitor(parameters) {
+            evaluate(c, "X-ray monitor", &target);
         }
     }
 }
 
-fn effective_draws(_: &mut Criterion) {
+fn in_memory(_: &mut Criterion) {
     let target = network8_data::likelihood();
     let key = StreamKey::new(1, "bench", "nuts");
     let began = Instant::now();
@@ -91,5 +101,73 @@ fn effective_draws(_: &mut Criterion) {
     );
 }
 
-criterion_group!(benches, likelihoods, effective_draws);
+/// Seconds of a command, process start counted, and its output.
+fn timed(command: &mut Command) -> (f64, String) {
+    let began = Instant::now();
+    let output = command.output().unwrap();
+    let seconds = began.elapsed().as_secs_f64();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    (seconds, String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// The whole program on a study folder with an empty cache: seconds, and least bulk effective sample size.
+fn program(sampler: &str, warmup: u64, draws: u64, repeat: u64) -> (f64, f64) {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("box-{sampler}-{draws}-{repeat}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    box_study::write(&folder, sampler, 4, warmup, draws).unwrap();
+    let program = env!("CARGO_BIN_EXE_bmv");
+    let cache = folder.join("cache");
+    let (seconds, _) = timed(Command::new(program).args(["run", "--threads", "2", "--cache"]).arg(&cache).arg(&folder));
+    let show = ["show", "--json", "--cache"];
+    let (_, shown) = timed(Command::new(program).args(show).arg(&cache).arg(folder.join("pass-1.json")).arg("tuned"));
+    let shown: serde_json::Value = serde_json::from_str(&shown).unwrap();
+    let least = least_ess(&shown).unwrap();
+    let _ = std::fs::remove_dir_all(&folder);
+    (seconds, least)
+}
+
+/// The least `ess_bulk` anywhere in a result.
+fn least_ess(value: &serde_json::Value) -> Option<f64> {
+    let smaller = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
+    match value {
+        serde_json::Value::Object(map) => {
+            map.iter().fold(map.get("ess_bulk").and_then(|ess| ess.as_f64()), |least, (_, inner)| {
+                smaller(least, least_ess(inner))
+            })
+        }
+        serde_json::Value::Array(list) => list.iter().fold(None, |least, inner| smaller(least, least_ess(inner))),
+        _ => None,
+    }
+}
+
+fn whole_program(_: &mut Criterion) {
+    for (sampler, warmup, draws) in
+        [("nuts", 0, 1000), ("nuts", 0, 10_000), ("adaptive-metropolis", 0, 50_000), ("smc", 0, 4000)]
+    {
+        let mut runs: Vec<(f64, f64)> = (0..5).map(|repeat| program(sampler, warmup, draws, repeat)).collect();
+        runs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (seconds, least) = runs[2];
+        println!(
+            "box of 8 nodes, bmv run, {sampler}, 4 x {draws}: median of 5 runs {seconds:.2} s, least bulk ESS {least:.0}, \
+             {:.0} effective draws a second",
+            least / seconds
+        );
+    }
+    let Some(peers) = std::env::var_os("BMV_PEERS") else { return };
+    let python = std::env::var_os("BMV_PYTHON").unwrap_or_else(|| "python3".into());
+    for peer in ["am", "emcee", "nuts"] {
+        let mut command = Command::new(&python);
+        command.current_dir(&peers).env("OMP_NUM_THREADS", "2").args(["c_calibrate.py", peer]);
+        let (seconds, line) = timed(&mut command);
+        let result: serde_json::Value = serde_json::from_str(line.trim()).unwrap();
+        let least = result["ess_bulk_min"].as_f64().unwrap();
+        println!("{}: {seconds:.2} s, least bulk ESS {least:.0}, {:.0} a second", result["peer"], least / seconds);
+        if let Some(compiled) = result["warmup_plus_compile_s"].as_f64() {
+            let sampling = result["wall_s"].as_f64().unwrap() - compiled;
+            println!("    without warm-up and compilation: {sampling:.2} s, {:.0} a second", least / sampling);
+        }
+    }
+}
+
+criterion_group!(benches, likelihoods, in_memory, whole_program);
 criterion_main!(benches);

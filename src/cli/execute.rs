@@ -49,6 +49,8 @@ impl Executed {
             Status::Interrupted
         } else if self.summary.failures() > 0 {
             Status::JobFailed
+        } else if self.passes.iter().any(|pass| !pass.refused.is_empty()) {
+            Status::WrongInput
         } else if self.passes.iter().flat_map(|pass| self.results(pass)).any(|(_, job)| !is_converged(job)) {
             Status::NotConverged
         } else {
@@ -107,6 +109,7 @@ pub fn execute_loaded(
                 wanted(&definition, node.task.kind(), &node.name)
             })
         });
+        pass.refused.retain(|(kind, name)| wanted(&definition, kind, name));
     };
     for pass in &mut passes {
         retain(pass, &wanted);

@@ -8,13 +8,14 @@ use serde_json::Value;
 use super::execute::{Executed, is_judge};
 use super::output::escaped;
 use super::status::Failure;
-use crate::job::{Job, JobError, compare, propagate};
+use crate::job::{Job, JobError, compare, predict, propagate, sensitivity};
 use crate::report::assemble::{FinishedJob, Surroundings, assemble};
 use crate::report::{self, FileHash, History, JobEntry, JobResult, PassErrors, PassReport};
 use crate::runner::manifest::Manifest;
 use crate::runner::{ENGINE_VERSION, Node, Ready, Task};
 use crate::study::pinned::{self, Obtained, State};
 use crate::study::ready::{Deferred, Readiness};
+use crate::study::resolved::Upstream;
 use crate::study::{self, Folder, Pass, discover};
 
 /// Diagnostics printed of one file.
@@ -33,6 +34,8 @@ pub struct LoadedPass {
     pub jobs: Vec<String>,
     /// Jobs that do not run now, each with its reason.
     pub not_run: Vec<String>,
+    /// Kind and name of the jobs that do not run as they are written.
+    pub refused: Vec<(String, String)>,
     /// The pass.
     pub pass: Arc<Pass>,
 }
@@ -49,7 +52,7 @@ pub struct Loaded {
     pub notes: Vec<String>,
 }
 
-/// A job that waits for another's result.
+/// A job that waits for results of others.
 struct After(Box<Deferred>);
 
 impl Task for After {
@@ -62,12 +65,11 @@ impl Task for After {
     }
 
     fn identity(&self) -> Value {
-        self.0.job().identity()
+        self.0.identity()
     }
 
     fn prepare(&self, upstream: &[Arc<Value>]) -> Result<Arc<dyn Job>, JobError> {
-        let result = upstream.first().ok_or_else(|| JobError::Failed("a result is not there".to_owned()))?;
-        self.0.prepare(result)
+        self.0.prepare(upstream)
     }
 }
 
@@ -98,48 +100,112 @@ fn passes(paths: &[PathBuf], coloured: bool) -> Result<Vec<(PathBuf, PathBuf, Pa
     if wrong.is_empty() { Ok(loaded) } else { Err(Failure::input(wrong.join("\n"))) }
 }
 
-/// Loads the passes found under these paths.
+/// The id of a job of a pass.
+fn id(shown: &str, job: &str) -> String {
+    format!("{shown}:{job}")
+}
+
+/// The path of a pass of a study, as people see it.
+fn shown(folder: &Path, file: &str) -> String {
+    folder.join(file).display().to_string()
+}
+
+/// A job as the runner is given it, and the jobs of other passes that it needs (file, name); nothing where it does not run.
+fn node(shown_pass: &str, pass: &Pass, name: String, readiness: Readiness) -> Option<(Node, Vec<(String, String)>)> {
+    let (from, task): (Vec<Upstream>, Box<dyn Task>) = match readiness {
+        Readiness::Ready(job) => (Vec::new(), Box::new(Ready(job))),
+        Readiness::After(deferred) => (deferred.from.clone(), Box::new(After(deferred))),
+        Readiness::NotRun(_) => return None,
+    };
+    let is_own = |upstream: &&Upstream| upstream.file == pass.file;
+    let ids = from.iter().map(|upstream| {
+        if is_own(&upstream) {
+            id(shown_pass, &upstream.job)
+        } else {
+            id(&shown(&pass.folder, &upstream.file), &upstream.job)
+        }
+    });
+    let others = from.iter().map(|upstream| (upstream.file.clone(), upstream.job.clone())).collect();
+    let node = Node { id: id(shown_pass, &name), name, seed: pass.seed, from: ids.collect(), task };
+    Some((node, others))
+}
+
+/// Adds the jobs of other passes that a pass's jobs need, and those that these need.
+fn add_upstream(nodes: &mut Vec<Node>, pass: &Pass, needed: Vec<(String, String)>) -> Result<(), Failure> {
+    for other in &pass.upstream {
+        let wanted: Vec<&String> = needed.iter().filter(|(file, _)| *file == other.file).map(|(_, job)| job).collect();
+        let shown_pass = shown(&other.folder, &other.file);
+        let is_there = |nodes: &[Node], job: &str| nodes.iter().any(|node| node.id == id(&shown_pass, job));
+        if wanted.iter().all(|job| is_there(nodes, job)) {
+            continue;
+        }
+        let jobs = ready(&shown_pass, other)?;
+        let mut further = Vec::new();
+        for (name, readiness) in jobs {
+            if wanted.contains(&&name)
+                && !is_there(nodes, &name)
+                && let Some((node, needed)) = node(&shown_pass, other, name, readiness)
+            {
+                nodes.push(node);
+                further.extend(needed);
+            }
+        }
+        add_upstream(nodes, other, further)?;
+    }
+    Ok(())
+}
+
+fn ready(shown: &str, pass: &Pass) -> Result<Vec<(String, Readiness)>, Failure> {
+    crate::study::ready(pass).map_err(|(job, error)| Failure::input(format!("{shown}: job `{job}`: {error}")))
+}
+
+/// Loads the passes found under these paths, and the jobs of other passes of their studies that their jobs need.
 ///
 /// # Errors
 /// What is wrong with the files, rendered at its place.
 pub fn load(paths: &[PathBuf], coloured: bool) -> Result<Loaded, Failure> {
     let mut all = Loaded::default();
+    let mut needed = Vec::new();
     for (study, path, pass) in passes(paths, coloured)? {
         let shown = path.display().to_string();
         if !pass.warnings.is_empty() {
             all.notes.push(pass.warnings.render(coloured, MOST_DIAGNOSTICS));
         }
-        let jobs = crate::study::ready(&pass)
-            .map_err(|(job, error)| Failure::input(format!("{shown}: job `{job}`: {error}")))?;
+        let jobs = ready(&shown, &pass)?;
         let mut entry = LoadedPass {
             file: pass.file.clone(),
             jobs: Vec::new(),
             not_run: Vec::new(),
+            refused: Vec::new(),
             pass: Arc::new(pass),
             shown: shown.clone(),
             study,
         };
+        let pass = Arc::clone(&entry.pass);
+        all.notes.extend(pass.refused.iter().map(|refused| refused.diagnostic.render(coloured)));
+        let mut own_needed = Vec::new();
         for (name, readiness) in jobs {
-            match readiness {
-                Readiness::Ready(job) => {
-                    let id = format!("{shown}:{name}");
-                    entry.jobs.push(id.clone());
-                    let node = Node { id, name, seed: entry.pass.seed, from: Vec::new(), task: Box::new(Ready(job)) };
-                    all.nodes.push(node);
-                }
-                Readiness::After(deferred) => {
-                    let id = format!("{shown}:{name}");
-                    entry.jobs.push(id.clone());
-                    let from = vec![format!("{shown}:{}", deferred.calibration)];
-                    all.nodes.push(Node { id, name, seed: entry.pass.seed, from, task: Box::new(After(deferred)) });
-                }
-                Readiness::NotRun(reason) => {
+            if let Readiness::NotRun(reason) = &readiness {
+                entry.not_run.push(format!("Job {name} did not run: {reason}."));
+                if pass.refused.iter().any(|refused| refused.job == name) {
+                    let kind = pass.jobs.iter().find(|job| job.name == name).map_or("", |job| job.spec.kind());
+                    entry.refused.push((kind.to_owned(), name));
+                } else {
                     all.notes.push(format!("{shown}: job `{name}` does not run: {reason}"));
-                    entry.not_run.push(format!("Job {name} did not run: {reason}."));
                 }
+                continue;
+            }
+            if let Some((node, needed)) = node(&shown, &pass, name, readiness) {
+                entry.jobs.push(node.id.clone());
+                all.nodes.push(node);
+                own_needed.extend(needed);
             }
         }
+        needed.push((pass, own_needed));
         all.passes.push(entry);
+    }
+    for (pass, needed) in needed {
+        add_upstream(&mut all.nodes, &pass, needed)?;
     }
     Ok(all)
 }
@@ -304,11 +370,19 @@ pub fn without_rows(report: &mut PassReport<'_>) {
 pub fn document(job: &JobEntry, with_rows: bool) -> Result<Value, Failure> {
     match &job.result {
         JobResult::Propagate(output) => Ok(propagate::view(output)),
+        JobResult::Predict(output) => Ok(predict::view(output)),
         JobResult::Compare(output) => Ok(compare::view(output, with_rows)),
         JobResult::Calibrate(output) => {
             serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
         }
         JobResult::Diagnose(output) => {
+            serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
+        }
+        JobResult::Sensitivity(output) => Ok(sensitivity::view(output)),
+        JobResult::Goal(output) => {
+            serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
+        }
+        JobResult::Design(output) => {
             serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
         }
         JobResult::Conventional(output) => {
@@ -331,7 +405,8 @@ pub fn render(pass: &LoadedPass, executed: &Executed, out: &Path) -> Result<Opti
     let mut manifest = Manifest::new(&command);
     let mut files = Vec::new();
     let lineage = lineage(pass, executed);
-    for (role, file) in input_files(&lineage) {
+    let written: Vec<&Pass> = lineage.iter().map(|loaded| loaded.pass.as_ref()).collect();
+    for (role, file) in input_files(&written) {
         let path = pass.study.join(&file);
         let record = crate::runner::manifest::hash_file(&path).map_err(|error| failed(error.to_string()))?;
         files.push(FileHash { path: file, sha256: record.sha256.as_str().to_owned(), role: role.to_owned() });
@@ -367,16 +442,24 @@ fn study_name(folder: &Path) -> String {
 }
 
 /// Files of the study that a pass and its parents are made of, with their roles; the pass stands last.
-fn input_files(lineage: &[&LoadedPass]) -> Vec<(&'static str, String)> {
+fn input_files(lineage: &[&Pass]) -> Vec<(&'static str, String)> {
     let mut files: Vec<(&'static str, String)> = Vec::new();
-    for loaded in lineage.iter().rev() {
-        let pass = &loaded.pass;
+    for pass in lineage.iter().rev() {
         let mut own = vec![("model", pass.model_file.clone())];
         let is_first = files.is_empty();
         own.extend(is_first.then(|| ("pass", pass.file.clone())));
         own.extend(pass.parents.iter().map(|parent| ("parent pass", parent.clone())));
         own.extend(pass.adopted.iter().filter_map(|adopted| Some(("effect", adopted.file.clone()?))));
         own.extend(pass.measurements.iter().map(|measurement| ("data", measurement.file.clone())));
+        let draws = pass.handed_on.iter().filter(|own| own.draws.sha256.is_some());
+        own.extend(draws.map(|own| ("draws", own.draws.source.trim_matches('`').to_owned())));
+        for upstream in &pass.upstream {
+            let behind = input_files(&[upstream]).into_iter();
+            own.extend(behind.map(|(role, file)| match role {
+                "pass" => ("pass whose posterior is used", file),
+                role => (role, file),
+            }));
+        }
         for (role, file) in own {
             if !files.iter().any(|(_, known)| *known == file) {
                 files.push((role, file));

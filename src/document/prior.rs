@@ -101,6 +101,15 @@ impl Prior {
             Self::Posterior { .. } | Self::Draws { .. } => None,
         }
     }
+
+    /// Where draws come from, in words; `None` for a distribution.
+    pub fn draws_words(&self) -> Option<String> {
+        match self {
+            Self::Distribution(_) => None,
+            Self::Posterior { pass, job, .. } => Some(format!("`{job}` of `{pass}`")),
+            Self::Draws { file, .. } => Some(format!("`{file}`")),
+        }
+    }
 }
 
 /// Smallest and largest value with a density, SI.

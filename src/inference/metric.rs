@@ -34,9 +34,29 @@ impl Metric {
         }
     }
 
-    /// Takes the covariance of a window of draws, shrunk towards 1e-3 of the unit matrix with the weight of five draws
-    /// (as Stan does). An estimate without a factor leaves the metric as it was.
-    pub fn learn(&mut self, window: &RunningCovariance) {
+    /// The metric of a covariance, n x n; `None` where it has no factor.
+    pub fn of(covariance: &[f64], dimension: usize, dense: bool) -> Option<Self> {
+        let mut factor = covariance.to_vec();
+        cholesky::factor(&mut factor, dimension).ok()?;
+        Some(if dense {
+            Self::Dense { covariance: covariance.to_vec(), factor }
+        } else {
+            Self::Diagonal((0..dimension).map(|i| covariance[i * dimension + i]).collect())
+        })
+    }
+
+    /// Entry of the covariance.
+    fn entry(&self, i: usize, j: usize, dimension: usize) -> f64 {
+        match self {
+            Self::Diagonal(variances) if i == j => variances[i],
+            Self::Diagonal(_) => 0.0,
+            Self::Dense { covariance, .. } => covariance[i * dimension + j],
+        }
+    }
+
+    /// Takes the covariance of a window of draws, shrunk with the weight of five draws towards what was known before: a
+    /// covariance, else 1e-3 of the unit matrix (as Stan does). An estimate without a factor leaves the metric as it was.
+    pub fn learn(&mut self, window: &RunningCovariance, known: Option<&Self>) {
         let count = window.count() as f64;
         if count < 2.0 {
             return;
@@ -48,7 +68,10 @@ impl Metric {
             *value *= count / (count + 5.0);
         }
         for i in 0..dimension {
-            estimate[i * dimension + i] += 1e-3 * 5.0 / (count + 5.0);
+            for j in 0..dimension {
+                let before = known.map_or(if i == j { 1e-3 } else { 0.0 }, |known| known.entry(i, j, dimension));
+                estimate[i * dimension + j] += before * 5.0 / (count + 5.0);
+            }
         }
         match self {
             Self::Diagonal(variances) => {
@@ -117,7 +140,7 @@ mod tests {
             let t = f64::from(i) / 10.0;
             window.add(&[t % 1.7, (t % 1.7) * 0.5 + (t % 0.9)]);
         }
-        metric.learn(&window);
+        metric.learn(&window, None);
         let mut stream = StreamKey::new(1, "metric", "test").stream(0);
         let (mut p, mut v, mut sum) = ([0.0; 2], [0.0; 2], 0.0);
         let draws = 20_000;

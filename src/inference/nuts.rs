@@ -17,6 +17,8 @@ use crate::random::{Stream, StreamKey};
 
 /// Coordinates beyond this, in units of the priors' spreads, mean that a trajectory has run away.
 const FAR: f64 = 1e3;
+/// Greatest variance of a coordinate with which a metric begins.
+const WIDEST: f64 = 4.0;
 
 /// Settings of the No-U-Turn sampler.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,6 +35,9 @@ pub struct NutsSettings {
     pub divergence_energy: f64,
     /// Greatest dimension for which the whole covariance is learnt; above it, variances only.
     pub dense_up_to: usize,
+    /// Covariance of the parameters, SI, n x n, with which the metric begins and towards which it is shrunk; parameters
+    /// with variance 0 begin with the spread of the coordinates. Spares the warm-up long trajectories.
+    pub covariance: Option<Vec<f64>>,
 }
 
 impl Default for NutsSettings {
@@ -44,6 +49,7 @@ impl Default for NutsSettings {
             greatest_depth: 10,
             divergence_energy: 1000.0,
             dense_up_to: 50,
+            covariance: None,
         }
     }
 }
@@ -78,10 +84,13 @@ pub fn sample<T: Target>(
     let start = start_point(&posterior, &mut evaluator, &mut stream, start, true)?;
     let dimension = posterior.dimension();
     let current = Point { coordinates: start.coordinates, gradient: start.gradient, density: start.density };
+    let dense = dimension <= settings.dense_up_to;
+    let known = settings.covariance.as_ref().filter(|covariance| covariance.len() == dimension * dimension);
+    let known = known.and_then(|c| Metric::of(&in_coordinates(c, &posterior, &current.coordinates), dimension, dense));
     let mut sampler = Sampler {
         evaluator,
         stream,
-        metric: Metric::unit(dimension, dimension <= settings.dense_up_to),
+        metric: known.clone().unwrap_or_else(|| Metric::unit(dimension, dense)),
         step: 1.0,
         divergence_energy: settings.divergence_energy,
         moving: current.clone(),
@@ -106,7 +115,7 @@ pub fn sample<T: Target>(
             window.add(&trajectory.sample.coordinates);
         }
         if windows.ends(transition) {
-            sampler.metric.learn(&window);
+            sampler.metric.learn(&window, known.as_ref());
             window.reset();
             sampler.step = sampler.reasonable_step(&trajectory.sample);
             averaging = DualAveraging::new(sampler.step, settings.acceptance);
@@ -125,6 +134,28 @@ pub fn sample<T: Target>(
     result.moves.step_size = Some(sampler.step);
     result.work = sampler.evaluator.work.clone();
     Ok(result)
+}
+
+/// A covariance of the parameters, SI, as one of the coordinates at a point, to first order. Variances of 0 become 1,
+/// those above [`WIDEST`] fall to it: a normal approximation that wide says only that the data say nothing.
+fn in_coordinates<T: Target>(covariance: &[f64], posterior: &Posterior<'_, T>, at: &[f64]) -> Vec<f64> {
+    let n = at.len();
+    let slopes: Vec<f64> = posterior.transforms().iter().zip(at).map(|(transform, &z)| transform.at(z).slope).collect();
+    let variance = |i: usize| covariance[i * n + i] / (slopes[i] * slopes[i]);
+    let cut: Vec<f64> = (0..n).map(|i| (WIDEST / variance(i)).sqrt().min(1.0)).collect();
+    let mut own = vec![0.0; n * n];
+    for i in 0..n {
+        for j in 0..n {
+            own[i * n + j] = covariance[i * n + j] / (slopes[i] * slopes[j]) * cut[i] * cut[j];
+        }
+        if !(variance(i) > 0.0) {
+            for j in 0..n {
+                (own[i * n + j], own[j * n + i]) = (0.0, 0.0);
+            }
+            own[i * n + i] = 1.0;
+        }
+    }
+    own
 }
 
 /// A state without its momentum.

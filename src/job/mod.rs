@@ -4,11 +4,16 @@
 pub mod calibrate;
 pub mod compare;
 pub mod conventional;
+pub mod design;
 pub mod diagnose;
 pub mod findings;
+pub mod goal;
+pub mod handed_on;
 pub mod lab;
+pub mod predict;
 pub mod propagate;
 pub mod requirement;
+pub mod sensitivity;
 
 use thiserror::Error;
 

@@ -53,10 +53,14 @@ pub struct Surroundings {
 fn result(job: &FinishedJob<'_>) -> Result<Option<JobResult>, ResultError> {
     let parsed = match job.kind {
         "propagate" => serde_json::from_value(job.result.clone()).map(JobResult::Propagate),
+        "predict" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Predict(Box::new(output))),
         "conventional" => serde_json::from_value(job.result.clone()).map(JobResult::Conventional),
         "compare" => serde_json::from_value(job.result.clone()).map(JobResult::Compare),
         "diagnose" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Diagnose(Box::new(output))),
         "calibrate" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Calibrate(Box::new(output))),
+        "sensitivity" => serde_json::from_value(job.result.clone()).map(JobResult::Sensitivity),
+        "goal" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Goal(Box::new(output))),
+        "design" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Design(Box::new(output))),
         _ => return Ok(None),
     };
     parsed.map(Some).map_err(|source| ResultError { job: job.name.to_owned(), source })
@@ -65,7 +69,11 @@ fn result(job: &FinishedJob<'_>) -> Result<Option<JobResult>, ResultError> {
 /// A parameter before (0) or after (1) a change, in words and in its own unit.
 fn state(change: &crate::study::ParameterChange, which: usize) -> String {
     let shown = Shown::written(&change.unit);
-    format!("nominal {}, prior {}", shown.text(change.nominal[which]), prior_words(&change.prior[which], &shown))
+    let prior = match (&change.draws, which) {
+        (Some(source), 1) => format!("draws of {}", source.replace('`', "")),
+        _ => prior_words(&change.prior[which], &shown),
+    };
+    format!("nominal {}, prior {prior}", shown.text(change.nominal[which]))
 }
 
 /// The report's view of a pass.
@@ -97,6 +105,10 @@ pub fn assemble<'p>(
         reconstructed: pass.reconstructed.clone(),
         model: &pass.model,
         priors: names.zip(pass.priors.iter().copied()).collect(),
+        handed_on: (pass.handed_on.iter())
+            .flat_map(|own| own.draws.parameters.iter().map(|&index| (index, own.draws.source.clone())))
+            .map(|(index, source)| (pass.model.parameters[index].name.clone(), source))
+            .collect(),
         requirements: pass.requirements.clone(),
         environments: pass.environments.clone(),
         measurements: &pass.measurements,

@@ -1,23 +1,31 @@
 //! What came out of a job, in a line or two.
 
-use crate::job::{calibrate, compare, conventional, propagate};
+use crate::job::{calibrate, compare, conventional, design, goal, predict, propagate, sensitivity};
 
 use super::number::{self, Shown};
 use super::page::Status;
+use super::section::goal as goal_section;
 use super::section::propagation;
+use super::section::sensitivity as sensitivity_section;
 use super::view::{JobEntry, JobResult};
 
-/// Findings of a comparison that are told.
+/// Parameters of a sensitivity analysis that are told.
+const MOST_LEADING: usize = 3;
+/// Findings of a comparison and reasons of an advice that are told.
 const MOST_FINDINGS: usize = 2;
 
 /// The outcome of a job, a line each.
 pub fn headlines(job: &JobEntry) -> Vec<String> {
     match &job.result {
         JobResult::Propagate(output) => of_propagation(output),
+        JobResult::Predict(output) => of_prediction(output),
         JobResult::Conventional(output) => of_sizes(output),
         JobResult::Compare(output) => of_comparison(output),
         JobResult::Calibrate(output) => of_calibration(output),
         JobResult::Diagnose(output) => output.words.clone(),
+        JobResult::Sensitivity(output) => of_sensitivity(output),
+        JobResult::Goal(output) => of_goal(output),
+        JobResult::Design(output) => of_design(output),
     }
 }
 
@@ -31,6 +39,57 @@ fn of_calibration(output: &calibrate::Output) -> Vec<String> {
     } else {
         lines.push(format!("{} did NOT converge", output.sampler));
         lines.extend(output.objections.iter().take(MOST_FINDINGS).cloned());
+    }
+    lines.extend(output.findings.iter().take(MOST_FINDINGS).cloned());
+    lines
+}
+
+/// The leading parameters of each quantity.
+fn of_sensitivity(output: &sensitivity::Output) -> Vec<String> {
+    let mut lines = Vec::new();
+    for case in &output.cases {
+        let place = if output.cases.len() == 1 { String::new() } else { format!(" in {}", case.environment) };
+        for quantity in &case.quantities {
+            let Some(sobol) = &quantity.sobol else {
+                lines.extend(quantity.is_constant.then(|| format!("{} does not vary{place}", quantity.name)));
+                continue;
+            };
+            let leading: Vec<String> = sensitivity_section::by_total(sobol)
+                .into_iter()
+                .take(MOST_LEADING)
+                .map(|at| {
+                    let total = number::percent(sobol.total[at].estimate.value, 0);
+                    format!("{} {total}", output.parameters[at].name)
+                })
+                .collect();
+            lines.push(format!("{}: total effects {}{place}", quantity.name, leading.join(", ")));
+        }
+        if case.failed > 0 {
+            let (failed, solves, rows) = (case.failed, case.solves, case.rows_left_out);
+            lines.push(format!("{failed} of {solves} solves failed, {rows} rows are left out{place}"));
+        }
+    }
+    lines.extend(output.precision.filter(|precision| !precision.is_reached).map(|precision| {
+        let (widest, asked) = (number::significant(precision.widest, 2), number::significant(precision.asked, 2));
+        format!("the precision asked for is NOT reached: the widest interval is {widest}, asked for {asked}")
+    }));
+    lines
+}
+
+/// What to do next, and why.
+fn of_goal(output: &goal::Output) -> Vec<String> {
+    let mut lines = vec![format!("next: {}", goal_section::next_words(output.advice.next))];
+    lines.extend(output.advice.reasons.iter().take(MOST_FINDINGS).cloned());
+    lines
+}
+
+/// The best candidate, and what must be said of it.
+fn of_design(output: &design::Output) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(best) = &output.best {
+        let conditions = super::section::design::conditions(output, best.candidate);
+        let value = number::with_error(best.information_nats, best.se);
+        lines.push(format!("{conditions} tells most about {}: {value} nats expected", output.learn.join(", ")));
     }
     lines.extend(output.findings.iter().take(MOST_FINDINGS).cloned());
     lines
@@ -75,6 +134,22 @@ fn of_propagation(output: &propagate::Output) -> Vec<String> {
         if case.failed > 0 {
             lines.push(format!("{} of {} samples have no solution{place}", case.failed, output.samples));
         }
+    }
+    lines
+}
+
+/// With the posterior, and where the design reached what is required with the priors.
+fn of_prediction(output: &predict::Output) -> Vec<String> {
+    let mut lines = of_propagation(&output.posterior);
+    let design = Shown::written(&output.posterior.design_unit);
+    if let Some(name) = &output.posterior.design_variable {
+        for own in &output.prior.reached {
+            let value = own.design_value.map_or_else(|| format!("no {name} of the sweep"), |value| design.text(value));
+            lines.push(format!("with the priors, {} in {}: {value} reaches it", own.requirement, own.environment));
+        }
+    }
+    if !output.converged {
+        lines.push("the chains behind the posterior did NOT converge".to_owned());
     }
     lines
 }

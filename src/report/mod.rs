@@ -83,10 +83,14 @@ pub fn page(report: &PassReport<'_>) -> Page {
 pub fn results_schema() -> Value {
     json!({
         "propagate": schemars::schema_for!(crate::job::propagate::Output),
+        "predict": schemars::schema_for!(crate::job::predict::Output),
         "conventional": schemars::schema_for!(crate::job::conventional::Output),
         "compare": schemars::schema_for!(crate::job::compare::Output),
+        "sensitivity": schemars::schema_for!(crate::job::sensitivity::Output),
+        "goal": schemars::schema_for!(crate::job::goal::Output),
         "calibrate": schemars::schema_for!(crate::job::calibrate::Output),
         "diagnose": schemars::schema_for!(crate::diagnosis::Output),
+        "design": schemars::schema_for!(crate::job::design::Output),
     })
 }
 
@@ -99,10 +103,14 @@ fn results_json(report: &PassReport<'_>) -> Result<String, serde_json::Error> {
     for job in &report.results {
         let output = match &job.result {
             JobResult::Propagate(output) => value(output)?,
+            JobResult::Predict(output) => value(output)?,
             JobResult::Conventional(output) => value(output)?,
             JobResult::Compare(output) => value(output)?,
             JobResult::Calibrate(output) => value(output)?,
             JobResult::Diagnose(output) => value(output)?,
+            JobResult::Sensitivity(output) => value(output)?,
+            JobResult::Goal(output) => value(output)?,
+            JobResult::Design(output) => value(output)?,
         };
         jobs.insert(job.name.clone(), json!({ "kind": job.kind, "key": job.key, "output": output }));
     }

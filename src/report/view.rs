@@ -3,7 +3,7 @@
 use crate::diagnosis;
 use crate::inference::measurement::{Measurement, Rows, Sensor};
 use crate::job::requirement::{Environment, Requirement};
-use crate::job::{calibrate, compare, conventional, propagate};
+use crate::job::{calibrate, compare, conventional, design, goal, predict, propagate, sensitivity};
 use crate::random::Distribution;
 use crate::thermal::{Model, Quantity};
 
@@ -45,6 +45,8 @@ pub struct FileHash {
 pub enum JobResult {
     /// Uncertainty propagation.
     Propagate(propagate::Output),
+    /// A calibration carried to environments.
+    Predict(Box<predict::Output>),
     /// The conventional way.
     Conventional(conventional::Output),
     /// Model against measurements.
@@ -53,6 +55,12 @@ pub enum JobResult {
     Calibrate(Box<calibrate::Output>),
     /// Which physics is missing.
     Diagnose(Box<diagnosis::Output>),
+    /// Which parameters matter.
+    Sensitivity(sensitivity::Output),
+    /// Which parameter must be known how well.
+    Goal(Box<goal::Output>),
+    /// The experiment that teaches most.
+    Design(Box<design::Output>),
 }
 
 /// A job with its output.
@@ -85,6 +93,8 @@ pub struct PassReport<'a> {
     pub model: &'a Model,
     /// Priors by parameter name; a parameter without one is fixed at its nominal value.
     pub priors: Vec<Prior>,
+    /// Parameters whose prior is draws, with where these come from.
+    pub handed_on: Vec<(String, String)>,
     /// Requirements.
     pub requirements: Vec<Requirement>,
     /// Environments.
@@ -118,6 +128,14 @@ impl PassReport<'_> {
         })
     }
 
+    /// Predictions with their jobs' names.
+    pub fn predictions(&self) -> impl Iterator<Item = (&str, &predict::Output)> {
+        self.results.iter().filter_map(|job| match &job.result {
+            JobResult::Predict(output) => Some((job.name.as_str(), &**output)),
+            _ => None,
+        })
+    }
+
     /// Conventional analyses with their jobs' names.
     pub fn conventionals(&self) -> impl Iterator<Item = (&str, &conventional::Output)> {
         self.results.iter().filter_map(|job| match &job.result {
@@ -146,6 +164,30 @@ impl PassReport<'_> {
     pub fn diagnoses(&self) -> impl Iterator<Item = (&str, &diagnosis::Output)> {
         self.results.iter().filter_map(|job| match &job.result {
             JobResult::Diagnose(output) => Some((job.name.as_str(), &**output)),
+            _ => None,
+        })
+    }
+
+    /// Sensitivity analyses with their jobs' names.
+    pub fn sensitivities(&self) -> impl Iterator<Item = (&str, &sensitivity::Output)> {
+        self.results.iter().filter_map(|job| match &job.result {
+            JobResult::Sensitivity(output) => Some((job.name.as_str(), output)),
+            _ => None,
+        })
+    }
+
+    /// Goal settings with their jobs' names.
+    pub fn goals(&self) -> impl Iterator<Item = (&str, &goal::Output)> {
+        self.results.iter().filter_map(|job| match &job.result {
+            JobResult::Goal(output) => Some((job.name.as_str(), &**output)),
+            _ => None,
+        })
+    }
+
+    /// Designs of experiments with their jobs' names.
+    pub fn designs(&self) -> impl Iterator<Item = (&str, &design::Output)> {
+        self.results.iter().filter_map(|job| match &job.result {
+            JobResult::Design(output) => Some((job.name.as_str(), &**output)),
             _ => None,
         })
     }

@@ -35,6 +35,22 @@ impl Interval {
         }
     }
 
+    /// Wilson's interval around a share of weighted or clustered trials that are worth `effective` independent ones
+    /// (above 0); 0..1 without trials.
+    pub fn wilson_effective(share: f64, effective: f64, confidence: f64) -> Self {
+        if !(effective > 0.0) {
+            return Self { lower: 0.0, upper: 1.0 };
+        }
+        let z = two_sided(confidence);
+        let square = z * z / effective;
+        let middle = share + 0.5 * square;
+        let reach = z * sqrt(share * (1.0 - share) / effective + 0.25 * square / effective);
+        Self {
+            lower: if share <= 0.0 { 0.0 } else { (middle - reach) / (1.0 + square) },
+            upper: if share >= 1.0 { 1.0 } else { (middle + reach) / (1.0 + square) },
+        }
+    }
+
     /// Clopper and Pearson's (1934) interval, whose coverage is never below the confidence; 0..1 without trials.
     pub fn clopper_pearson(successes: u64, trials: u64, confidence: f64) -> Self {
         let tail = 0.5 * (1.0 - confidence);

@@ -2,62 +2,86 @@
 
 use std::sync::Arc;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::diagnosis::Problem;
+use crate::document::suggest;
 use crate::effect::candidates;
 use crate::inference::likelihood::InputError;
 use crate::inference::measurement::Measurement;
-use crate::job::calibrate::{Calibrate, Inputs};
+use crate::job::calibrate::{self, Calibrate, Inputs};
 use crate::job::compare::{self, Compare, Tuned};
-use crate::job::conventional::Conventional;
+use crate::job::conventional::{self, Conventional};
+use crate::job::design::Design;
 use crate::job::diagnose::{self, Diagnose};
-use crate::job::propagate::Propagate;
+use crate::job::goal::Goal;
+use crate::job::handed_on::HandedOn;
+use crate::job::predict::Predict;
+use crate::job::propagate::{self, Propagate};
+use crate::job::sensitivity::Sensitivity;
 use crate::job::{Job, JobError};
+use crate::random::Distribution;
 use crate::thermal::Model;
 
 use super::model::Prior;
 use super::resolve::sensor_places;
-use super::resolved::{JobSpec, Pass};
+use super::resolved::{HandedOnPrior, JobSpec, Pass, Prediction, Upstream};
+
+/// Parameters named in a message.
+const NAMED: usize = 12;
 
 /// A pass's job: ready, or why it does not run now.
 pub enum Readiness {
     /// It can run.
     Ready(Arc<dyn Job>),
-    /// It can run when another job of the pass has its result.
+    /// It can run when calibrations of the study have their results.
     After(Box<Deferred>),
     /// It does not run; the reason in a line.
     NotRun(String),
 }
 
-/// A comparison that waits for the calibration whose tuned state it shows.
+/// Makes a job from the results that it waits for.
+type Prepare = Box<dyn Fn(&[Arc<Value>]) -> Result<Arc<dyn Job>, JobError> + Send + Sync>;
+
+/// A job that waits for calibrations.
 pub struct Deferred {
-    /// Name of the calibration in the pass.
-    pub calibration: String,
-    /// The comparison without it.
-    comparison: Compare,
-    spec: compare::Spec,
-    model: Arc<Model>,
-    measurements: Arc<Vec<Measurement>>,
-    nominal: Vec<f64>,
+    /// The calibrations.
+    pub from: Vec<Upstream>,
+    /// The job as far as it is known before.
+    known: Arc<dyn Job>,
+    /// What decides the result beside the job's own identity and the calibrations.
+    beside: Option<Value>,
+    prepare: Prepare,
 }
 
 impl Deferred {
-    /// The job as far as it is known before.
+    /// The job as far as it is known before: kind and version.
     pub fn job(&self) -> &dyn Job {
-        &self.comparison
+        self.known.as_ref()
     }
 
-    /// Makes the job ready.
+    /// Everything that decides the result, beside the calibrations.
+    pub fn identity(&self) -> Value {
+        match &self.beside {
+            None => self.known.identity(),
+            Some(beside) => json!({ "job": self.known.identity(), "handed_on": beside }),
+        }
+    }
+
+    /// Makes the job ready; `results` are those of [`Deferred::from`], in that order.
     ///
     /// # Errors
-    /// A result of the calibration that holds no tuned state.
-    pub fn prepare(&self, result: &Value) -> Result<Arc<dyn Job>, JobError> {
-        let tuned = Tuned::from_result(&self.calibration, result)?;
-        let (model, measurements) = (Arc::clone(&self.model), Arc::clone(&self.measurements));
-        let comparison = Compare::new(self.spec.clone(), model, measurements, self.nominal.clone())?;
-        Ok(Arc::new(comparison.with_tuned(tuned)))
+    /// Results that do not have what the job needs, draws that no density describes.
+    pub fn prepare(&self, results: &[Arc<Value>]) -> Result<Arc<dyn Job>, JobError> {
+        (self.prepare)(results)
     }
+}
+
+/// What the jobs of a pass share.
+struct Shared<'p> {
+    pass: &'p Pass,
+    model: Arc<Model>,
+    measurements: Arc<Vec<Measurement>>,
 }
 
 /// The jobs of a pass in order, each by its name.
@@ -66,90 +90,279 @@ impl Deferred {
 /// The name of a job that cannot be made from its definition, with the reason: a network without a path to a boundary,
 /// a nominal case that does not solve.
 pub fn ready(pass: &Pass) -> Result<Vec<(String, Readiness)>, (String, JobError)> {
-    let model = Arc::new(pass.model.clone());
-    let measurements = Arc::new(pass.measurements.clone());
-    pass.jobs
-        .iter()
-        .map(|named| {
-            let job: Result<Readiness, JobError> = match &named.spec {
-                JobSpec::Propagate(spec) => {
-                    Propagate::new(spec.clone(), Arc::clone(&model), pass.priors.clone(), pass.seed, &named.name)
-                        .map(|job| Readiness::Ready(Arc::new(job)))
-                }
-                JobSpec::Conventional(spec) => Conventional::new(spec.clone(), Arc::clone(&model), pass.priors.clone())
-                    .map(|job| Readiness::Ready(Arc::new(job))),
-                JobSpec::Compare(spec) => {
-                    let nominal: Vec<f64> = pass.model.parameters.iter().map(|parameter| parameter.nominal).collect();
-                    comparison(spec, &model, &measurements, nominal, pass)
-                }
-                JobSpec::Calibrate(spec) => {
-                    let inputs = Inputs {
-                        model: Arc::clone(&model),
-                        priors: pass.priors.clone(),
-                        measurements: Arc::clone(&measurements),
-                        input_errors: input_errors(pass),
-                    };
-                    Calibrate::new(spec.clone(), inputs, pass.seed, &named.name)
-                        .map(|job| Readiness::Ready(Arc::new(job)))
-                }
-                JobSpec::Diagnose(spec) => {
-                    diagnosis(spec, &model, &measurements, pass, &named.name).map(|job| Readiness::Ready(Arc::new(job)))
-                }
-                JobSpec::Waiting { measurements, command, .. } => Ok(Readiness::NotRun(format!(
-                    "the data of {} are not here; bring them with `{command}`",
-                    measurements.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
-                ))),
-                JobSpec::NotYet { reason, .. } => Ok(Readiness::NotRun(reason.clone())),
-            };
-            job.map(|job| (named.name.clone(), job)).map_err(|error| (named.name.clone(), error))
-        })
-        .collect()
+    let shared =
+        Shared { pass, model: Arc::new(pass.model.clone()), measurements: Arc::new(pass.measurements.clone()) };
+    let jobs = pass.jobs.iter().map(|named| {
+        let job = match blocked(pass, &named.name) {
+            Some(reason) => Ok(Readiness::NotRun(reason)),
+            None => shared.job(&named.name, &named.spec),
+        };
+        job.map(|job| (named.name.clone(), job)).map_err(|error| (named.name.clone(), error))
+    });
+    jobs.collect()
 }
 
-fn diagnosis(
-    spec: &diagnose::Spec,
-    model: &Arc<Model>,
-    measurements: &[Measurement],
-    pass: &Pass,
-    name: &str,
-) -> Result<Diagnose, JobError> {
-    let chosen: Vec<Measurement> = spec.data.iter().map(|&index| measurements[index].clone()).collect();
-    let sensors = sensor_places(chosen.iter());
-    let mut candidates = candidates(model, &pass.groups, &sensors, &pass.catalogue);
-    candidates.retain(|candidate| spec.effects.contains(&candidate.effect));
-    let problem = Problem {
-        model: Arc::clone(model),
-        priors: pass.priors.clone(),
-        parameters: spec.parameters.clone(),
-        measurements: chosen,
-        input_errors: input_errors(pass),
-        catalogue: Arc::clone(&pass.catalogue),
-        candidates,
-    };
-    Diagnose::new(spec.clone(), problem, pass.seed, name)
-}
-
-fn comparison(
-    spec: &compare::Spec,
-    model: &Arc<Model>,
-    measurements: &Arc<Vec<Measurement>>,
-    nominal: Vec<f64>,
-    pass: &Pass,
-) -> Result<Readiness, JobError> {
-    let job = Compare::new(spec.clone(), Arc::clone(model), Arc::clone(measurements), nominal.clone())?;
-    let Some(name) = &spec.calibration else { return Ok(Readiness::Ready(Arc::new(job))) };
-    let runs = pass.jobs.iter().any(|other| other.name == *name && matches!(other.spec, JobSpec::Calibrate(_)));
-    if !runs {
-        return Ok(Readiness::NotRun(format!("it shows the tuned state of `{name}`, which does not run")));
+/// Why a job of a pass does not run now; `None` where it does.
+pub fn blocked(pass: &Pass, name: &str) -> Option<String> {
+    if let Some(refused) = pass.refused.iter().find(|refused| refused.job == name) {
+        return Some(refused.diagnostic.message.clone());
     }
-    Ok(Readiness::After(Box::new(Deferred {
-        calibration: name.clone(),
-        comparison: job,
-        spec: spec.clone(),
-        model: Arc::clone(model),
-        measurements: Arc::clone(measurements),
-        nominal,
-    })))
+    let of = |own: &HandedOnPrior| {
+        let reason = own.blocked.as_ref()?;
+        Some(format!("it builds on the posterior of {}, which does not run: {reason}", own.draws.source))
+    };
+    match &pass.jobs.iter().find(|job| job.name == name)?.spec {
+        JobSpec::Propagate(_) | JobSpec::Conventional(_) => pass.handed_on.iter().find_map(of),
+        JobSpec::Calibrate(spec) => priors_of(pass, &spec.parameters).iter().find_map(of),
+        JobSpec::Diagnose(spec) => priors_of(pass, &spec.parameters).first().map(|own| {
+            format!(
+                "a diagnosis takes distributions as priors, and {} has the draws of {}; name other `parameters`, or \
+                 give the prior that they began with",
+                suggest::listed(own.draws.names.iter().map(String::as_str), NAMED),
+                own.draws.source
+            )
+        }),
+        JobSpec::Sensitivity(_) | JobSpec::Goal(_) | JobSpec::Design(_) => pass.handed_on.first().map(|own| {
+            format!(
+                "it takes independent distributions as priors, and {} has the draws of {}",
+                suggest::listed(own.draws.names.iter().map(String::as_str), NAMED),
+                own.draws.source
+            )
+        }),
+        JobSpec::Predict(spec) => {
+            let own = match &spec.posterior.from {
+                Some(from) if from.file == pass.file => blocked(pass, &from.job).map(|reason| {
+                    format!(
+                        "it builds on the posterior of {}, which does not run: {reason}",
+                        spec.posterior.draws.source
+                    )
+                }),
+                _ => of(&spec.posterior),
+            };
+            own.or_else(|| rest(pass, spec).iter().find_map(of)).or_else(|| spec.handed_on.iter().find_map(of))
+        }
+        // A sensor without noise keeps a calibration from running, not the comparison that would show it.
+        JobSpec::Compare(spec) => {
+            let calibration = spec.calibration.as_ref().filter(|name| !is_refused(pass, name))?;
+            let runs = |name: &str| {
+                pass.jobs.iter().any(|other| other.name == name && matches!(other.spec, JobSpec::Calibrate(_)))
+            };
+            (!runs(calibration) || blocked(pass, calibration).is_some())
+                .then(|| format!("it shows the tuned state of `{calibration}`, which does not run"))
+        }
+        JobSpec::Waiting { measurements, command, .. } => Some(format!(
+            "the data of {} are not here; bring them with `{command}`",
+            measurements.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+        )),
+        JobSpec::NotYet { reason, .. } => Some(reason.clone()),
+    }
+}
+
+fn is_refused(pass: &Pass, job: &str) -> bool {
+    pass.refused.iter().any(|refused| refused.job == job)
+}
+
+/// Draws that stand in for priors of the parameters that a calibration or a diagnosis infers.
+fn priors_of(pass: &Pass, parameters: &[usize]) -> Vec<HandedOnPrior> {
+    let used = |own: &&HandedOnPrior| own.draws.parameters.iter().any(|index| parameters.contains(index));
+    pass.handed_on.iter().filter(used).cloned().collect()
+}
+
+/// Draws that stand in for priors of the parameters that a prediction's calibration did not infer.
+fn rest(pass: &Pass, spec: &Prediction) -> Vec<HandedOnPrior> {
+    let mut rest = Vec::new();
+    for own in &pass.handed_on {
+        let kept: Vec<usize> = (0..own.draws.parameters.len())
+            .filter(|&place| !spec.posterior.draws.parameters.contains(&own.draws.parameters[place]))
+            .collect();
+        if !kept.is_empty() {
+            rest.push(HandedOnPrior { draws: own.draws.with(&kept), ..own.clone() });
+        }
+    }
+    rest
+}
+
+/// The draws, those of calibrations from their results; takes as many results as there are calibrations.
+fn filled(draws: &[HandedOnPrior], results: &mut std::slice::Iter<'_, Arc<Value>>) -> Result<Vec<HandedOn>, JobError> {
+    let missing = || JobError::Failed("a result is not there".to_owned());
+    let fill = |own: &HandedOnPrior| match own.from {
+        None => Ok(own.draws.clone()),
+        Some(_) => own.draws.filled(results.next().ok_or_else(missing)?),
+    };
+    draws.iter().map(fill).collect()
+}
+
+/// The draws as far as they are known before.
+fn unfilled(draws: &[HandedOnPrior]) -> Vec<HandedOn> {
+    draws.iter().map(|own| own.draws.clone()).collect()
+}
+
+/// A job that waits for the calibrations behind these draws; ready at once where they are of none.
+fn after(draws: &[&[HandedOnPrior]], known: Arc<dyn Job>, prepare: Prepare) -> Result<Readiness, JobError> {
+    let from: Vec<Upstream> = draws.iter().flat_map(|list| list.iter()).filter_map(|own| own.from.clone()).collect();
+    if from.is_empty() {
+        return prepare(&[]).map(Readiness::Ready);
+    }
+    Ok(Readiness::After(Box::new(Deferred { from, known, beside: None, prepare })))
+}
+
+impl Shared<'_> {
+    fn job(&self, name: &str, spec: &JobSpec) -> Result<Readiness, JobError> {
+        match spec {
+            JobSpec::Propagate(spec) => self.propagation(name, spec),
+            JobSpec::Predict(spec) => self.prediction(name, spec),
+            JobSpec::Conventional(spec) => self.conventional(spec),
+            JobSpec::Compare(spec) => self.comparison(spec),
+            JobSpec::Calibrate(spec) => self.calibration(name, spec),
+            JobSpec::Diagnose(spec) => self.diagnosis(name, spec),
+            JobSpec::Sensitivity(spec) => {
+                let (model, priors) = (Arc::clone(&self.model), self.pass.priors.clone());
+                let job = Sensitivity::new(spec.clone(), model, priors, self.pass.seed, name)?;
+                Ok(Readiness::Ready(Arc::new(job)))
+            }
+            JobSpec::Design(spec) => {
+                let (model, priors) = (Arc::clone(&self.model), self.pass.priors.clone());
+                Ok(Readiness::Ready(Arc::new(Design::new(spec.clone(), model, priors, self.pass.seed, name)?)))
+            }
+            JobSpec::Goal(spec) => {
+                let (model, priors) = (Arc::clone(&self.model), self.pass.priors.clone());
+                Ok(Readiness::Ready(Arc::new(Goal::new(spec.clone(), model, priors, self.pass.seed, name)?)))
+            }
+            // Blocked, with the reason.
+            JobSpec::Waiting { .. } | JobSpec::NotYet { .. } => Ok(Readiness::NotRun(String::new())),
+        }
+    }
+
+    /// A propagation with these priors, draws not yet in their place.
+    fn propagate(
+        &self,
+        name: &str,
+        spec: &propagate::Spec,
+        priors: &[Distribution],
+    ) -> impl Fn() -> Result<Propagate, JobError> + Send + Sync + use<> {
+        let (spec, model, priors) = (spec.clone(), Arc::clone(&self.model), priors.to_vec());
+        let (seed, name) = (self.pass.seed, name.to_owned());
+        move || Propagate::new(spec.clone(), Arc::clone(&model), priors.clone(), seed, &name)
+    }
+
+    fn propagation(&self, name: &str, spec: &propagate::Spec) -> Result<Readiness, JobError> {
+        let draws = self.pass.handed_on.clone();
+        let make = self.propagate(name, spec, &self.pass.priors);
+        let known = make()?.with_handed_on(unfilled(&draws));
+        if draws.is_empty() {
+            return Ok(Readiness::Ready(Arc::new(known)));
+        }
+        let own = draws.clone();
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Job>, JobError> {
+            Ok(Arc::new(make()?.with_handed_on(filled(&own, &mut results.iter())?)))
+        };
+        after(&[&draws], Arc::new(known), Box::new(prepare))
+    }
+
+    fn prediction(&self, name: &str, spec: &Prediction) -> Result<Readiness, JobError> {
+        let mut priors = self.pass.priors.clone();
+        for &(index, prior) in &spec.priors {
+            priors[index] = prior;
+        }
+        let make = self.propagate(name, &spec.propagate, &priors);
+        let (own, before, rest) = (vec![spec.posterior.clone()], spec.handed_on.clone(), rest(self.pass, spec));
+        let join = |first: Vec<HandedOn>, rest: &[HandedOn]| first.into_iter().chain(rest.iter().cloned()).collect();
+        let others = unfilled(&rest);
+        let prior = make()?.with_handed_on(join(unfilled(&before), &others));
+        let known = Predict::new(prior, make()?.with_handed_on(join(unfilled(&own), &others)));
+        let draws = [own.clone(), before.clone(), rest.clone()];
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Job>, JobError> {
+            let mut results = results.iter();
+            let own = filled(&own, &mut results)?;
+            let before = filled(&before, &mut results)?;
+            let others = filled(&rest, &mut results)?;
+            let prior = make()?.with_handed_on(join(before, &others));
+            Ok(Arc::new(Predict::new(prior, make()?.with_handed_on(join(own, &others)))))
+        };
+        after(&[&draws[0], &draws[1], &draws[2]], Arc::new(known), Box::new(prepare))
+    }
+
+    /// Worst cases are stacked from the ends of the draws' intervals of three standard deviations.
+    fn conventional(&self, spec: &conventional::Spec) -> Result<Readiness, JobError> {
+        let draws = self.pass.handed_on.clone();
+        let (spec, model, priors) = (spec.clone(), Arc::clone(&self.model), self.pass.priors.clone());
+        let make = move |draws: &[HandedOn]| {
+            let mut priors = priors.clone();
+            for own in draws.iter().filter(|own| !own.draws.is_empty()) {
+                for (place, &parameter) in own.parameters.iter().enumerate() {
+                    priors[parameter] = own.interval(place);
+                }
+            }
+            Conventional::new(spec.clone(), Arc::clone(&model), priors)
+        };
+        let known: Arc<dyn Job> = Arc::new(make(&[])?);
+        // The job itself knows intervals only: whose they are must be told.
+        let beside: Value = draws.iter().map(|own| own.draws.identity()).collect();
+        let own = draws.clone();
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Job>, JobError> {
+            Ok(Arc::new(make(&filled(&own, &mut results.iter())?)?))
+        };
+        let mut readiness = after(&[&draws], known, Box::new(prepare))?;
+        if let Readiness::After(deferred) = &mut readiness {
+            deferred.beside = Some(beside);
+        }
+        Ok(readiness)
+    }
+
+    fn calibration(&self, name: &str, spec: &calibrate::Spec) -> Result<Readiness, JobError> {
+        let draws = priors_of(self.pass, &spec.parameters);
+        let inputs = Inputs {
+            model: Arc::clone(&self.model),
+            priors: self.pass.priors.clone(),
+            measurements: Arc::clone(&self.measurements),
+            input_errors: input_errors(self.pass),
+        };
+        let known = Calibrate::new(spec.clone(), inputs.clone(), self.pass.seed, name)?;
+        if draws.is_empty() {
+            return Ok(Readiness::Ready(Arc::new(known)));
+        }
+        let known = known.with_handed_on(unfilled(&draws).into_iter().map(|own| own.with_no_draws()).collect())?;
+        let (own, spec, seed, name) = (draws.clone(), spec.clone(), self.pass.seed, name.to_owned());
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Job>, JobError> {
+            let job = Calibrate::new(spec.clone(), inputs.clone(), seed, &name)?;
+            Ok(Arc::new(job.with_handed_on(filled(&own, &mut results.iter())?)?))
+        };
+        after(&[&draws], Arc::new(known), Box::new(prepare))
+    }
+
+    fn diagnosis(&self, name: &str, spec: &diagnose::Spec) -> Result<Readiness, JobError> {
+        let pass = self.pass;
+        let chosen: Vec<Measurement> = spec.data.iter().map(|&index| self.measurements[index].clone()).collect();
+        let sensors = sensor_places(chosen.iter());
+        let mut candidates = candidates(&self.model, &pass.groups, &sensors, &pass.catalogue);
+        candidates.retain(|candidate| spec.effects.contains(&candidate.effect));
+        let problem = Problem {
+            model: Arc::clone(&self.model),
+            priors: pass.priors.clone(),
+            parameters: spec.parameters.clone(),
+            measurements: chosen,
+            input_errors: input_errors(pass),
+            catalogue: Arc::clone(&pass.catalogue),
+            candidates,
+        };
+        Ok(Readiness::Ready(Arc::new(Diagnose::new(spec.clone(), problem, pass.seed, name)?)))
+    }
+
+    fn comparison(&self, spec: &compare::Spec) -> Result<Readiness, JobError> {
+        let nominal: Vec<f64> = self.pass.model.parameters.iter().map(|parameter| parameter.nominal).collect();
+        let shown = spec.calibration.clone().filter(|name| !is_refused(self.pass, name));
+        let spec = compare::Spec { calibration: shown.clone(), ..spec.clone() };
+        let (model, measurements) = (Arc::clone(&self.model), Arc::clone(&self.measurements));
+        let make = move || Compare::new(spec.clone(), Arc::clone(&model), Arc::clone(&measurements), nominal.clone());
+        let known: Arc<dyn Job> = Arc::new(make()?);
+        let Some(name) = shown else { return Ok(Readiness::Ready(known)) };
+        let from = vec![Upstream { file: self.pass.file.clone(), job: name.clone() }];
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Job>, JobError> {
+            let result = results.first().ok_or_else(|| JobError::Failed("a result is not there".to_owned()))?;
+            Ok(Arc::new(make()?.with_tuned(Tuned::from_result(&name, result)?)))
+        };
+        Ok(Readiness::After(Box::new(Deferred { from, known, beside: None, prepare: Box::new(prepare) })))
+    }
 }
 
 /// Own errors of the inputs; a prior from draws was refused when the pass was read.

@@ -3,11 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::document::Diagnostics;
+use crate::document::{Diagnostic, Diagnostics, Place};
 use crate::effect::{Catalogue, GroupPlace};
 use crate::inference::measurement::Measurement;
+use crate::inference::rows::UsedRow;
+use crate::job::handed_on::HandedOn;
 use crate::job::requirement::{Environment, Requirement};
-use crate::job::{calibrate, compare, conventional, diagnose, propagate};
+use crate::job::{calibrate, compare, conventional, design, diagnose, goal, propagate, sensitivity};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
@@ -37,8 +39,12 @@ pub struct Pass {
     pub seed: u64,
     /// The model.
     pub model: Model,
-    /// The parameters' priors, SI, in the model's order.
+    /// The parameters' priors, SI, in the model's order; of a posterior handed on the original prior.
     pub priors: Vec<Distribution>,
+    /// Draws that stand in for priors.
+    pub handed_on: Vec<HandedOnPrior>,
+    /// The passes whose calibrations are used.
+    pub upstream: Vec<Arc<Pass>>,
     /// Own errors of the inputs, in the model's order.
     pub input_errors: Vec<InputError>,
     /// Requirements in the order of the file.
@@ -55,6 +61,8 @@ pub struct Pass {
     pub groups: Vec<GroupPlace>,
     /// Physical effects: the program's and the study's own.
     pub catalogue: Arc<Catalogue>,
+    /// Jobs that do not run as they are written, though the others do.
+    pub refused: Vec<Refused>,
     /// What the pass changes in the model.
     pub changes: Vec<ParameterChange>,
     /// Effects that the pass adopts, in the order of the file.
@@ -67,6 +75,63 @@ pub struct Pass {
     pub missing: Vec<Pinned>,
     /// Warnings.
     pub warnings: Diagnostics,
+}
+
+/// A calibration of a study.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Upstream {
+    /// File of its pass within the study.
+    pub file: String,
+    /// Its name.
+    pub job: String,
+}
+
+/// Draws that stand in for the priors of some parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HandedOnPrior {
+    /// The draws; a calibration's are not there before it ran.
+    pub draws: HandedOn,
+    /// The calibration that gives them; `None` for a file.
+    pub from: Option<Upstream>,
+    /// Why it does not run now.
+    pub blocked: Option<String>,
+    /// The readings that it was had from, those behind its own priors with them.
+    pub behind: Vec<DataBehind>,
+    /// Where the study asks for it.
+    pub place: Place,
+}
+
+/// Readings behind a posterior.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DataBehind {
+    /// The calibration.
+    pub calibration: Upstream,
+    /// The measurement there.
+    pub measurement: String,
+    /// Rows.
+    pub rows: Vec<UsedRow>,
+}
+
+/// A job that does not run as it is written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refused {
+    /// The job.
+    pub job: String,
+    /// Why, at its place, with what to write instead.
+    pub diagnostic: Diagnostic,
+}
+
+/// A prediction with the posterior of a calibration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prediction {
+    /// What is asked.
+    pub propagate: propagate::Spec,
+    /// The posterior.
+    pub posterior: HandedOnPrior,
+    /// The priors that the calibration began with: position in the model's list, prior (SI).
+    pub priors: Vec<(usize, Distribution)>,
+    /// Draws that stood in for some of them.
+    pub handed_on: Vec<HandedOnPrior>,
 }
 
 /// A job with its name.
@@ -89,8 +154,16 @@ pub enum JobSpec {
     Calibrate(calibrate::Spec),
     /// Which physical effect is missing.
     Diagnose(diagnose::Spec),
+    /// A calibration carried to environments.
+    Predict(Box<Prediction>),
     /// Stacked worst cases with margins.
     Conventional(conventional::Spec),
+    /// Which parameters matter.
+    Sensitivity(sensitivity::Spec),
+    /// Which parameter must be known how well.
+    Goal(goal::Spec),
+    /// The experiment that teaches most.
+    Design(design::Spec),
     /// Waits for pinned data.
     Waiting {
         /// The kind.
@@ -119,7 +192,11 @@ impl JobSpec {
             Self::Compare(_) => "compare",
             Self::Calibrate(_) => "calibrate",
             Self::Diagnose(_) => "diagnose",
+            Self::Predict(_) => "predict",
             Self::Conventional(_) => "conventional",
+            Self::Sensitivity(_) => "sensitivity",
+            Self::Goal(_) => "goal",
+            Self::Design(_) => "design",
             Self::Waiting { kind, .. } | Self::NotYet { kind, .. } => kind,
         }
     }
@@ -178,6 +255,8 @@ pub struct ParameterChange {
     pub nominal: [f64; 2],
     /// Prior, SI, before and after.
     pub prior: [Distribution; 2],
+    /// Where the prior comes from after the change, if it is draws.
+    pub draws: Option<String>,
     /// Why; empty where only texts change.
     pub because: String,
 }

@@ -12,15 +12,17 @@ use super::steady::{Start, SteadyError};
 /// Room for `N` samples.
 #[derive(Clone, Debug)]
 pub struct Batch<const N: usize> {
-    state: State<[f64; N]>,
-    linear: Linear<[f64; N]>,
+    pub(super) state: State<[f64; N]>,
+    pub(super) linear: Linear<[f64; N]>,
     status: [LaneStatus; N],
     last_step: [f64; N],
-    outcomes: Vec<Result<SteadyStats, SteadyError>>,
+    pub(super) outcomes: Vec<Result<SteadyStats, SteadyError>>,
     /// For lanes that the plain method loses.
-    alone: Workspace,
+    pub(super) alone: Workspace,
     /// Lanes written so far hold the solution.
     temperatures: Vec<[f64; N]>,
+    /// Whether what follows from the parameters must be computed again.
+    stale_parameters: bool,
 }
 
 impl<const N: usize> Batch<N> {
@@ -29,22 +31,33 @@ impl<const N: usize> Batch<N> {
         for (slot, &value) in self.state.file[..network.steady.parameters].iter_mut().zip(values) {
             slot[lane] = value;
         }
+        self.stale_parameters = true;
     }
 
     /// Sets one parameter of a lane, SI.
     pub fn set_parameter(&mut self, lane: usize, parameter: usize, value: f64) {
         self.state.file[parameter][lane] = value;
+        self.stale_parameters = true;
     }
 
     /// Sets one parameter of every lane, SI.
     pub fn set_parameter_lanes(&mut self, parameter: usize, values: [f64; N]) {
         self.state.file[parameter] = values;
+        self.stale_parameters = true;
     }
 
     /// Sets all inputs of a lane, SI.
     pub fn set_inputs(&mut self, network: &Network, lane: usize, values: &[f64]) {
         let range = network.steady.parameters..network.steady.time();
         for (slot, &value) in self.state.file[range].iter_mut().zip(values) {
+            slot[lane] = value;
+        }
+    }
+
+    /// Sets the temperatures of all nodes from which a lane's next solve from [`Start::Current`] begins, K (boundaries'
+    /// entries are ignored).
+    pub fn set_temperatures(&mut self, lane: usize, values: &[f64]) {
+        for (slot, &value) in self.temperatures.iter_mut().zip(values) {
             slot[lane] = value;
         }
     }
@@ -57,6 +70,18 @@ impl<const N: usize> Batch<N> {
     /// Temperature of a node in a lane, K.
     pub fn temperature(&self, lane: usize, node: usize) -> f64 {
         self.temperatures[node][lane]
+    }
+
+    /// Temperatures of all nodes in every lane, K, boundaries included.
+    pub fn temperatures(&self) -> &[[f64; N]] {
+        &self.temperatures
+    }
+
+    /// Replaces the temperatures of all nodes in every lane, from which [`Start::Current`] starts.
+    pub fn set_all_temperatures(&mut self, temperatures: &[[f64; N]]) {
+        for (own, given) in self.temperatures.iter_mut().zip(temperatures) {
+            *own = *given;
+        }
     }
 
     /// A quantity in a lane, SI. Not a number where the lane's solve failed.
@@ -79,6 +104,7 @@ impl Network {
             outcomes: vec![Ok(SteadyStats::default()); N],
             alone: self.workspace(),
             temperatures: vec![[0.0; N]; self.nodes.len()],
+            stale_parameters: true,
         };
         for lane in 0..N {
             batch.set_parameters(self, lane, &self.nominal_parameters);
@@ -97,7 +123,11 @@ impl Network {
             equations.program.run(segment::QUANTITY, &mut batch.state.file);
             return;
         }
-        for part in [segment::PARAMETERS, segment::INPUTS, segment::INSTANT, segment::BOUNDARY] {
+        if batch.stale_parameters {
+            equations.program.run(segment::PARAMETERS, &mut batch.state.file);
+            batch.stale_parameters = false;
+        }
+        for part in [segment::INPUTS, segment::INSTANT, segment::BOUNDARY] {
             equations.program.run(part, &mut batch.state.file);
         }
         for &(node, register) in &equations.boundaries {
@@ -122,12 +152,13 @@ impl Network {
             batch.status[lane] = if possible { LaneStatus::Running } else { LaneStatus::Lost };
         }
         newton::solve(equations, &mut batch.state, &mut batch.linear, &mut batch.status, &mut batch.last_step);
-        for (position, &node) in equations.unknowns.iter().enumerate() {
-            batch.temperatures[node] = batch.state.file[first + position];
-        }
         for lane in 0..N {
             match batch.status[lane] {
                 LaneStatus::Converged(iterations) => {
+                    // A lane that was lost still needs where it began.
+                    for (position, &node) in equations.unknowns.iter().enumerate() {
+                        batch.temperatures[node][lane] = batch.state.file[first + position][lane];
+                    }
                     batch.outcomes[lane] = Ok(SteadyStats {
                         iterations,
                         factorisations: iterations,

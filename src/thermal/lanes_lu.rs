@@ -23,7 +23,16 @@ impl<V: Lanes> LanesLu<V> {
         let n = self.size;
         for k in 0..n {
             let mut same = true;
-            for lane in 0..V::COUNT {
+            // The common case at once for all lanes: the diagonal is the largest.
+            let mut largest = V::splat(0.0);
+            for row in k + 1..n {
+                largest = largest.zip(self.matrix[row * n + k], |a, b| if b.abs() > a { b.abs() } else { a });
+            }
+            let kept = (0..V::COUNT).all(|lane| largest.lane(lane) <= self.matrix[k * n + k].lane(lane).abs());
+            if kept {
+                self.pivots[k * V::COUNT..(k + 1) * V::COUNT].fill(k);
+            }
+            for lane in (0..V::COUNT).filter(|_| !kept) {
                 let mut best = k;
                 let mut size = self.matrix[k * n + k].lane(lane).abs();
                 for row in k + 1..n {
@@ -35,7 +44,9 @@ impl<V: Lanes> LanesLu<V> {
                 self.pivots[k * V::COUNT + lane] = best;
                 same &= best == self.pivots[k * V::COUNT];
             }
-            self.exchange_rows(k, same);
+            if !kept {
+                self.exchange_rows(k, same);
+            }
             let (above, below) = self.matrix.split_at_mut((k + 1) * n);
             let pivot_row = &above[k * n..];
             let pivot = pivot_row[k];
@@ -77,8 +88,8 @@ impl<V: Lanes> LanesLu<V> {
     pub fn solve(&self, rhs: &mut [V]) {
         let n = self.size;
         for k in 0..n {
-            for lane in 0..V::COUNT {
-                let other = self.pivots[k * V::COUNT + lane];
+            let pivots = &self.pivots[k * V::COUNT..(k + 1) * V::COUNT];
+            for (lane, &other) in pivots.iter().enumerate() {
                 if other != k {
                     let (a, b) = (rhs[k].lane(lane), rhs[other].lane(lane));
                     rhs[k].set_lane(lane, b);

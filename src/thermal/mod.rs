@@ -2,6 +2,7 @@
 
 mod balance;
 pub mod batch;
+mod batch_tangent;
 mod connectivity;
 pub mod element;
 mod equations;

@@ -46,19 +46,30 @@ pub struct SteadyStats {
     pub residual_evaluations: u32,
 }
 
-/// Whether every balance of a lane closes. Runs the sizes' segment once where they matter.
-pub(super) fn closes<V: Lanes>(equations: &Equations, file: &mut [V], lane: usize, sizes_ready: &mut bool) -> bool {
-    let mut worst: f64 = 0.0;
+/// The largest imbalance of each lane, W; not a number where a balance is none.
+fn worst<V: Lanes>(equations: &Equations, file: &[V]) -> V {
+    let mut worst = V::splat(0.0);
     for register in &equations.residual {
-        let value = file[register.index()].lane(lane).abs();
-        // Written so that a NaN counts as open.
-        if !(value <= worst) {
-            worst = value;
-        }
+        // A number that is none stays.
+        let larger = |a: f64, b: f64| if b.abs() <= a || a.is_nan() { a } else { b.abs() };
+        worst = worst.zip(file[register.index()], larger);
     }
+    worst
+}
+
+/// Whether every balance of a lane closes, of which the largest is given. Runs the sizes' segment once where they
+/// matter.
+fn closes_with<V: Lanes>(
+    equations: &Equations,
+    file: &mut [V],
+    lane: usize,
+    worst: f64,
+    sizes_ready: &mut bool,
+) -> bool {
     if worst <= CLOSURE_W {
         return true;
     }
+    // Written so that no number counts as open.
     if !(worst <= SIZE_MATTERS_BELOW_W) {
         return false;
     }
@@ -72,25 +83,38 @@ pub(super) fn closes<V: Lanes>(equations: &Equations, file: &mut [V], lane: usiz
     })
 }
 
-/// Moves a lane's temperatures by its step, shortened; returns the largest change in K, `None` if it is not finite.
-pub(super) fn advance<V: Lanes>(equations: &Equations, state: &mut State<V>, lane: usize) -> Option<f64> {
+/// Whether every balance of a single network closes.
+pub(super) fn closes(equations: &Equations, file: &mut [f64]) -> bool {
+    let worst = worst(equations, file);
+    closes_with(equations, file, 0, worst, &mut false)
+}
+
+/// Moves temperatures by their steps, shortened lane by lane; returns the largest change of each lane in K. A lane with
+/// a step that is not finite does not move and has no number.
+pub(super) fn advance<V: Lanes>(equations: &Equations, state: &mut State<V>) -> V {
     let temperatures = &mut state.file[equations.temperatures()];
-    let mut excess: f64 = 1.0;
+    let (mut excess, mut finite) = (V::splat(1.0), V::splat(0.0));
     for (temperature, step) in temperatures.iter().zip(&state.step) {
-        let (temperature, step) = (temperature.lane(lane), step.lane(lane));
-        if !step.is_finite() {
-            return None;
-        }
-        excess = excess.max(step.abs() / (STEP_K + STEP_SHARE * temperature));
+        // Zero, or no number for a step that is infinite or none.
+        finite = finite.zip(*step, |a, b| a + b * 0.0);
+        let share = step.zip(*temperature, |step, temperature| step.abs() / (STEP_K + STEP_SHARE * temperature));
+        excess = excess.zip(share, f64::max);
     }
-    let mut largest: f64 = 0.0;
+    let mut largest = finite;
+    let whole = (0..V::COUNT).all(|lane| finite.lane(lane) == 0.0);
     for (temperature, step) in temperatures.iter_mut().zip(&state.step) {
-        let old = temperature.lane(lane);
-        let new = (old + step.lane(lane) / excess).max(FLOOR_SHARE * old);
-        largest = largest.max((new - old).abs());
-        temperature.set_lane(lane, new);
+        let old = *temperature;
+        let mut new = old.zip(step.zip(excess, |a, b| a / b), |a, b| a + b).zip(old, |a, b| a.max(FLOOR_SHARE * b));
+        if !whole {
+            for lane in (0..V::COUNT).filter(|&lane| finite.lane(lane) != 0.0) {
+                new.set_lane(lane, old.lane(lane));
+            }
+        }
+        // A lane without a number keeps none.
+        largest = largest.zip(new.zip(old, |a, b| (a - b).abs()), |a, b| if b > a { b } else { a });
+        *temperature = new;
     }
-    Some(largest)
+    largest
 }
 
 /// Solves all running lanes from the temperatures in the file. Ends with the residual evaluated at the result.
@@ -106,21 +130,24 @@ pub(super) fn solve<V: Lanes>(
     loop {
         equations.program.run(segment::RESIDUAL, &mut state.file);
         stats.residual_evaluations += 1;
-        let mut running = false;
+        let mut running = 0;
         let mut sizes_ready = false;
+        let worst = worst(equations, &state.file);
         for lane in 0..V::COUNT {
             if status[lane] != LaneStatus::Running {
                 continue;
             }
-            if last_step[lane] <= LAST_STEP_K && closes(equations, &mut state.file, lane, &mut sizes_ready) {
+            if last_step[lane] <= LAST_STEP_K
+                && closes_with(equations, &mut state.file, lane, worst.lane(lane), &mut sizes_ready)
+            {
                 status[lane] = LaneStatus::Converged(stats.iterations);
             } else if stats.iterations >= ITERATIONS {
                 status[lane] = LaneStatus::Lost;
             } else {
-                running = true;
+                running += 1;
             }
         }
-        if !running {
+        if running == 0 {
             return stats;
         }
         equations.program.run(segment::JACOBIAN, &mut state.file);
@@ -132,11 +159,17 @@ pub(super) fn solve<V: Lanes>(
         linear.solve(&mut state.step);
         stats.iterations += 1;
         stats.factorisations += 1;
-        for lane in 0..V::COUNT {
-            if status[lane] == LaneStatus::Running {
-                match advance(equations, state, lane) {
-                    Some(largest) => last_step[lane] = largest,
-                    None => status[lane] = LaneStatus::Lost,
+        if running < V::COUNT {
+            for lane in (0..V::COUNT).filter(|&lane| status[lane] != LaneStatus::Running) {
+                state.step.iter_mut().for_each(|step| step.set_lane(lane, 0.0));
+            }
+        }
+        let largest = advance(equations, state);
+        for (lane, status) in status.iter_mut().enumerate() {
+            if *status == LaneStatus::Running {
+                last_step[lane] = largest.lane(lane);
+                if last_step[lane].is_nan() {
+                    *status = LaneStatus::Lost;
                 }
             }
         }

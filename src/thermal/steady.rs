@@ -144,8 +144,7 @@ impl Network {
         for _ in 0..CONTINUATION_ITERATIONS {
             equations.program.run(segment::RESIDUAL, &mut state.file);
             stats.residual_evaluations += 1;
-            let mut sizes_ready = false;
-            if last_step <= 1e-4 && weight < 1e-6 && newton::closes(equations, &mut state.file, 0, &mut sizes_ready) {
+            if last_step <= 1e-4 && weight < 1e-6 && newton::closes(equations, &mut state.file) {
                 return Ok(());
             }
             let size: f64 = equations.residual.iter().map(|r| state.file[r.index()].abs()).sum();
@@ -169,9 +168,9 @@ impl Network {
             workspace.linear.solve(&mut state.step);
             stats.iterations += 1;
             stats.factorisations += 1;
-            match newton::advance(equations, state, 0) {
-                Some(largest) => last_step = largest,
-                None => return Err(self.singular(workspace)),
+            last_step = newton::advance(equations, state);
+            if last_step.is_nan() {
+                return Err(self.singular(workspace));
             }
         }
         let (node, imbalance_w) = self.worst(workspace);

@@ -103,6 +103,37 @@ impl Network {
         Ok(())
     }
 
+    /// Derivatives of `sum of weights times quantities` at the solution with respect to the differentiated symbols, SI:
+    /// one solve by the adjoint, `J' l = sum w dq/dT`. `weights` has a number a quantity, `out` one a symbol.
+    ///
+    /// # Errors
+    /// [`UnsolvedError`] without a solution for the present parameters and inputs.
+    pub fn quantity_gradient(
+        &self,
+        workspace: &mut Workspace,
+        weights: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), UnsolvedError> {
+        self.factor_at_solution(workspace)?;
+        out.fill(0.0);
+        let (file, step) = (&workspace.state.file, &mut workspace.state.step);
+        for entry in &self.steady.quantity_symbol {
+            out[entry.column] += weights[entry.row] * file[entry.register.index()];
+        }
+        if self.steady.size() == 0 {
+            return Ok(());
+        }
+        step.fill(0.0);
+        for entry in &self.steady.quantity_temperature {
+            step[entry.column] += weights[entry.row] * file[entry.register.index()];
+        }
+        workspace.linear.solve_transposed(step);
+        for entry in &self.steady.residual_tangent {
+            out[entry.column] -= step[entry.row] * file[entry.register.index()];
+        }
+        Ok(())
+    }
+
     /// Adds the part through the temperatures by the adjoint, a solve a quantity.
     fn quantity_rows(&self, workspace: &mut Workspace, out: &mut [f64]) {
         let columns = self.differentiate.len();

@@ -60,3 +60,25 @@ fn propagate_gives_quantities_and_probabilities_by_name() {
     let all = document(&["show", "plate", "--json"]);
     assert_eq!(all["prior"], found);
 }
+
+#[test]
+fn sensitivity_gives_indices_by_quantity_and_parameter() {
+    let root = plate();
+    let file = root.path().join("plate/pass-1.json");
+    let mut pass: Value = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
+    pass["jobs"]["effects"] = json!({"sensitivity": {"samples": 64}});
+    std::fs::write(&file, pass.to_string()).unwrap();
+    let found: Value =
+        serde_json::from_str(&printed(root.path(), &["show", "plate", "effects", "--json"])).expect("one document");
+    // The conductance alone is uncertain: all of the variance is its own.
+    for kind in ["main", "total"] {
+        let index = &found[kind]["plate temperature"]["G"];
+        assert!((index["value"].as_f64().unwrap() - 1.0).abs() < 0.05, "{kind}: {index}");
+        assert!(
+            index["lower"].as_f64() <= index["value"].as_f64() && index["value"].as_f64() <= index["upper"].as_f64()
+        );
+    }
+    // 293.15 K + 10 W / G: -10 / 0.25.
+    near(&found["local"]["plate temperature"]["G"]["derivative"], -40.0);
+    assert_eq!((&found["samples"], &found["scrambles"], &found["failed"]), (&json!(64), &json!(8), &json!(0)));
+}

@@ -3,5 +3,6 @@
 mod campaigns;
 mod documents;
 mod frame;
+mod hand_on;
 mod history;
 mod studies;

@@ -22,5 +22,7 @@ mod next_pass;
 mod pass_adopt;
 mod pass_data;
 mod pass_entries;
+mod pass_hand_on;
 mod pass_load;
+mod pass_sensitivity;
 mod pass_study;

@@ -119,11 +119,11 @@ fn a_posterior_prior() {
         r#"{"posterior": {"pass": "pass-0.json", "job": "tuned"}}"#,
     );
     insta::assert_snapshot!(study.said("pass-1.json"), @r##"
-    error[prior-not-read]: this version cannot yet take the prior of `G` from draws
+    error[file-missing]: the file `pass-0.json` does not exist in the study's folder
      --> study/pass-1.json:2:46
       |
     2 |  "parameters": {"G": {"prior": {"posterior": {"pass": "pass-0.json", "job": "tuned"}}, "because": "torque not recorded"}},
-      |                                              ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^ a distribution
+      |                                              ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
       |
       = note: at $.parameters.G.prior.posterior
     "##);

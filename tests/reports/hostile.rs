@@ -2,6 +2,8 @@
 
 use bmv::job::calibrate::KeptDraws;
 use bmv::job::compare::Deviation;
+use bmv::job::handed_on::HandedOnSummary;
+use bmv::job::{predict, propagate};
 use bmv::report::plot::{
     Along, Axis, Bar, Chart, Diagram, HeatMap, History, Layer, Limit, Mark, NodeShape, Path, Shade, Source, Strip,
     Stroke,
@@ -12,8 +14,29 @@ use bmv::report::{JobResult, PassReport};
 use super::calibration::calibrated;
 use super::rendering::{assert_well_formed, rendered};
 use super::samples::{Sample, radiator, steady, transient};
+use super::sensitivity::with;
 
 const HOSTILE: &str = "<img src=x onerror=alert(1)>|`a`[b](javascript:c)\"'&\\";
+
+/// The radiator with its propagation as a prediction.
+fn predicted() -> Sample {
+    let mut sample = radiator();
+    for job in &mut sample.results {
+        if let JobResult::Propagate(output) = &job.result {
+            let handed_on = HandedOnSummary {
+                source: "`tuned` of `pass-1.json`".into(),
+                parameters: vec!["eps".into()],
+                draws: 1000,
+                effective: 800.0,
+                converged: false,
+            };
+            let posterior = propagate::Output { handed_on: vec![handed_on], ..output.clone() };
+            let output = predict::Output { converged: false, prior: output.clone(), posterior };
+            job.result = JobResult::Predict(Box::new(output));
+        }
+    }
+    sample
+}
 
 /// The sample with every name that a study chooses replaced.
 fn poisoned(mut sample: Sample) -> Sample {
@@ -64,11 +87,28 @@ fn poisoned(mut sample: Sample) -> Sample {
                     }
                 }
             }
+            JobResult::Predict(output) => {
+                output.posterior.design_variable = Some(name());
+                output.posterior.handed_on[0].source = name();
+                output.posterior.handed_on[0].parameters = vec![name()];
+                for case in output.posterior.cases.iter_mut().chain(&mut output.prior.cases) {
+                    case.environment = name();
+                    case.quantities.iter_mut().for_each(|q| q.name = name());
+                }
+            }
             JobResult::Conventional(output) => {
                 output.design_variable = name();
                 for size in &mut output.sizes {
                     size.rule.title = name();
                     size.requirement = name();
+                }
+            }
+            JobResult::Design(output) => {
+                output.learn = vec![name()];
+                output.nuisance = vec![name()];
+                output.findings.push(name());
+                for sensor in &mut output.sensors {
+                    sensor.name = name();
                 }
             }
             JobResult::Calibrate(output) => {
@@ -87,6 +127,20 @@ fn poisoned(mut sample: Sample) -> Sample {
                     effect.title = name();
                 }
             }
+            JobResult::Sensitivity(output) => {
+                output.parameters.iter_mut().for_each(|parameter| parameter.name = name());
+                for case in &mut output.cases {
+                    case.environment = name();
+                    case.quantities.iter_mut().for_each(|quantity| quantity.name = name());
+                    case.failures.iter_mut().for_each(|failure| failure.reason = name());
+                }
+            }
+            JobResult::Goal(output) => {
+                output.design_variable = Some(name());
+                output.advice.reasons.push(name());
+                output.leading.iter_mut().for_each(|leading| leading.parameter = name());
+                output.knowledge.iter_mut().for_each(|knowledge| knowledge.parameters = vec![name()]);
+            }
         }
     }
     sample
@@ -94,7 +148,7 @@ fn poisoned(mut sample: Sample) -> Sample {
 
 #[test]
 fn hostile_names_are_text_everywhere() {
-    for sample in [radiator(), transient(), steady()] {
+    for sample in [radiator(), transient(), steady(), predicted(), with(true)] {
         let sample = poisoned(sample);
         let mut view: PassReport<'_> = sample.report();
         view.description = HOSTILE.into();
@@ -183,7 +237,7 @@ fn pages_without_results_are_pages() {
 
 #[test]
 fn empty_and_broken_outputs_are_reported_not_fatal() {
-    for mut sample in [radiator(), transient(), steady(), calibrated()] {
+    for mut sample in [radiator(), transient(), steady(), calibrated(), predicted(), with(true)] {
         for job in &mut sample.results {
             match &mut job.result {
                 JobResult::Compare(output) => {
@@ -202,11 +256,24 @@ fn empty_and_broken_outputs_are_reported_not_fatal() {
                     }
                     output.reached[0].design_value = None;
                 }
+                JobResult::Predict(output) => {
+                    output.prior.cases.clear();
+                    output.posterior.cases.truncate(3);
+                    output.posterior.reached.clear();
+                    for q in output.posterior.cases.iter_mut().flat_map(|c| &mut c.quantities) {
+                        q.mean = f64::NAN;
+                        q.quantiles.clear();
+                    }
+                }
                 JobResult::Conventional(output) => {
                     for size in &mut output.sizes {
                         size.size = None;
                         size.margin = f64::NAN;
                     }
+                }
+                JobResult::Design(output) => {
+                    output.candidates.clear();
+                    output.correlations.clear();
                 }
                 JobResult::Calibrate(output) => {
                     output.draws = KeptDraws::default();
@@ -225,6 +292,22 @@ fn empty_and_broken_outputs_are_reported_not_fatal() {
                     for heat in &mut output.heat {
                         heat.watts = f64::NAN;
                     }
+                }
+                JobResult::Sensitivity(output) => {
+                    for quantity in output.cases.iter_mut().flat_map(|c| &mut c.quantities) {
+                        quantity.local.iter_mut().for_each(|local| local.scaled_by_sd = None);
+                        quantity.morris.clear();
+                        quantity.scatter = None;
+                        for index in quantity.sobol.iter_mut().flat_map(|sobol| &mut sobol.total) {
+                            index.estimate.value = f64::NAN;
+                        }
+                    }
+                }
+                JobResult::Goal(output) => {
+                    output.knowledge.clear();
+                    output.target = None;
+                    output.truths = None;
+                    output.leading.clear();
                 }
             }
         }

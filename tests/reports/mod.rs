@@ -5,3 +5,4 @@ mod history;
 mod hostile;
 mod rendering;
 mod samples;
+mod sensitivity;

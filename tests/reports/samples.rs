@@ -38,6 +38,7 @@ impl Sample {
             reconstructed: self.reconstructed.clone(),
             model: &self.model,
             priors: self.priors.clone(),
+            handed_on: vec![],
             requirements: self.requirements.clone(),
             environments: self.environments.clone(),
             measurements: &self.measurements,
@@ -171,6 +172,7 @@ pub fn radiator() -> Sample {
             quantities: vec![distributed("T", 302.06 + shift, 4.19, 301.98 + shift, "K", true)],
             requirements: vec![met("temperature", "T", p)],
             joint: if design_value.is_none() { vec![joint()] } else { vec![] },
+            main_effects: Vec::new(),
             failed: 0,
             failures: vec![],
         }
@@ -190,6 +192,8 @@ pub fn radiator() -> Sample {
             design_value: Some(0.3144),
             interval: Some([0.3131, 0.3158]),
         }],
+        handed_on: vec![],
+        converged: None,
     };
     let rule = |name: &str, margin, title: &str| Rule {
         name: name.into(),
@@ -390,6 +394,7 @@ fn compared(rows: Vec<Row>, sigma: f64, fails: Vec<String>) -> compare::Output {
         failed: vec![],
         unused_columns: vec![],
         tuned: None,
+        converged: None,
         train,
         held_out,
         rows,

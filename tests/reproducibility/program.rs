@@ -28,6 +28,10 @@ impl Studies {
         fs::copy(source.join("model.json"), radiator.join("model.json")).unwrap();
         fs::copy(source.join("pass-1.json"), radiator.join("pass-1.json")).unwrap();
         studies.change_job(|job| job["samples"] = json!(samples));
+        studies.change_pass(|pass| {
+            pass["jobs"]["effects"]["sensitivity"]["samples"] = json!(128);
+            pass["jobs"]["goal"]["goal"]["samples"] = json!(128);
+        });
         studies.write_cooling();
         studies
     }

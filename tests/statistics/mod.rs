@@ -4,6 +4,8 @@ mod calibrate;
 mod calibration;
 mod estimators;
 mod evidence;
+pub mod hand_on;
+mod job_calibration;
 mod laboratory;
 pub mod models;
 pub mod samplers;

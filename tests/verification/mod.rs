@@ -1,17 +1,23 @@
 //! Numerics against analytic results, published values and golden numbers.
 
-mod build;
+pub mod build;
 mod comparison;
 mod derivatives;
+mod design;
 mod effects;
 mod elements;
 mod flux;
+mod goal;
 mod likelihood;
+mod monitor_calibration;
 mod monitor_campaign;
 pub mod network8_data;
 mod orbit;
-mod radiator;
+pub mod radiator;
+mod radiator_campaign;
+pub mod sensitivity;
 mod signature;
 mod solar_monitor;
+mod solar_monitor_flight;
 mod steady;
 mod transient;

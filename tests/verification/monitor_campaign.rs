@@ -13,11 +13,11 @@ use bmv::thermal::{Network, Start};
 
 use super::radiator::{propagation, run};
 
-const ZERO_C: f64 = 273.15;
+pub const ZERO_C: f64 = 273.15;
 /// Seed of the noise.
 const SEED: u64 = 43;
 /// The joints as they truly are in the synthetic campaign; all else nominal.
-const TRUTH: [(&str, f64); 3] = [("Gh", 0.40), ("Gsub", 0.25), ("Gb", 0.35)];
+pub const TRUTH: [(&str, f64); 3] = [("Gh", 0.40), ("Gsub", 0.25), ("Gb", 0.35)];
 /// Columns of the campaign: node and standard deviation of its sensor.
 const SENSORS: [(&str, f64); 5] =
     [("sdd_hsg", 0.25), ("sxm_hsg", 0.25), ("bracket", 0.25), ("preamp", 0.25), ("sdd", 0.5)];
@@ -26,7 +26,7 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/sxm")
 }
 
-fn study(pass: &str) -> Pass {
+pub fn study(pass: &str) -> Pass {
     let Ok(pass) = bmv::study::load(&folder().join(pass)) else { panic!("{pass} loads") };
     assert!(pass.reconstructed.as_ref().is_some_and(|text| text.contains("reconstructed")));
     pass
@@ -51,7 +51,7 @@ fn solved(pass: &Pass, truth: &[(&str, f64)], inputs: [(&str, f64); 4]) -> (Vec<
 }
 
 /// Voltage and deck temperature in degC of each phase.
-fn phases() -> Vec<(f64, f64)> {
+pub fn phases() -> Vec<(f64, f64)> {
     let mut out = Vec::new();
     for voltage in [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0] {
         out.extend([0.0, 10.0, 20.0, 30.0, 40.0, 50.0].map(|deck| (voltage, deck)));
@@ -60,7 +60,7 @@ fn phases() -> Vec<(f64, f64)> {
     out
 }
 
-fn chamber(pass: &Pass, (voltage, deck_c): (f64, f64)) -> (Vec<f64>, f64) {
+pub fn chamber(pass: &Pass, (voltage, deck_c): (f64, f64)) -> (Vec<f64>, f64) {
     let inputs = [("T_orex", deck_c + ZERO_C), ("V", voltage), ("q_sun", 0.0), ("T_sky", 150.0)];
     solved(pass, &TRUTH, inputs)
 }

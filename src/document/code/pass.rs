@@ -66,6 +66,12 @@ codes! { PASS_CODES:
     SWEEP = "sweep", "a design variable without usable values",
         "A design variable is one parameter or input with a list of at least one value, or `from`, `to` and `steps`. Bare numbers are in the unit of the parameter or input.",
         "wrong: {\"A\": {\"from\": 0.3, \"to\": 0.3, \"steps\": 9}}\nright: {\"A\": {\"from\": 0.28, \"to\": 0.36, \"steps\": 9}}";
+    DESIGN_CONDITIONS = "design-conditions", "conditions of an experiment that cannot be set",
+        "A design of experiments varies inputs that a test can set, within their stated ranges: a grid with `from`, `to` and `steps` or a list of values for each, or a list of phases. Every candidate stands once.",
+        "wrong: \"conditions\": {\"W\": {\"from\": 5, \"to\": 250, \"steps\": 5}} for a heater of 0 to 25 W\nright: \"conditions\": {\"W\": {\"from\": 5, \"to\": 25, \"steps\": 5}}";
+    DESIGN_SENSOR = "design-sensor", "a sensor of an experiment that cannot be used",
+        "What an experiment tells depends on the noise of its sensors: each has a `sigma`, from the pass's measurements or in the job, and stands once. Two sensors at one place have two names.",
+        "wrong: \"sensors\": [\"housing\", \"housing\"]\nright: \"sensors\": {\"housing\": {\"measures\": \"housing\", \"sigma\": {\"value\": 0.25, \"unit\": \"K\"}}}";
     ROUNDED_SAMPLES = "samples-rounded", "a number of Sobol points that is no power of two",
         "Scrambled Sobol points are balanced only in blocks whose size is a power of two. The number of samples is rounded up to the next one.",
         "rounded: \"samples\": 5000 becomes 8192\nright: \"samples\": 8192";
@@ -81,9 +87,6 @@ codes! { PASS_CODES:
     NOTHING_TO_REMOVE = "nothing-to-remove", "a removal of what no parent has",
         "In a pass, `null` in place of a named entry removes the entry that a parent pass has under this name. Where no parent has it, the name is probably misspelt, and the entry that was meant would stay.",
         "wrong: \"requirements\": {\"detektor\": null}\nright: \"requirements\": {\"detector\": null}";
-    PRIOR_NOT_READ = "prior-not-read", "a prior from draws, which this version cannot use",
-        "The prior is a posterior of an earlier pass or a file of draws. This version knows the form but cannot yet propagate or fit with it; running with anything else in its place would give the results of another study.",
-        "wrong, with this version: {\"posterior\": {\"pass\": \"pass-1.json\", \"job\": \"tuned\"}}\nright: {\"normal\": {\"mean\": 0.4, \"sd\": 0.02}}";
     ADOPT_UNKNOWN = "adopt-unknown", "an effect that a diagnosis does not have, or that is not unique",
         "`bmv adopt` names effects as `effects` of `bmv diagnose --json` does, effect and place joined by colons. The name of the effect alone, or the beginning of an id, is enough where it stands for one: first among those that the diagnosis selected, then among those that it supports.",
         "wrong: bmv adopt pass-1.json conduction:board\nright: bmv adopt pass-1.json conductive-path:baseplate:board";
@@ -93,4 +96,22 @@ codes! { PASS_CODES:
     ADOPT_FILE = "adopt-file", "a file into which no next pass can be written",
         "A next pass names its parent by its file, so it lies in the same folder, and its name ends with `.json`. A file that is there is replaced only if `--out` names it and `--force` is given; a pass is never written over itself, its parents or its model.",
         "wrong: --out elsewhere/pass-2.json\nright: --out studies/bench/pass-2.json";
+    PRIOR_NOT_READ = "prior-not-read", "draws where they cannot be a prior",
+        "A posterior of an earlier calibration, or a file of draws, can be the prior of a parameter. What is inferred of the data beside the parameters (a sensor's noise, bias or lag, a start temperature, an input's bias) belongs to one measurement, and takes a distribution.",
+        "wrong: \"sigma\": {\"prior\": {\"posterior\": {\"pass\": \"pass-1.json\", \"job\": \"tuned\"}}}\nright: \"sigma\": {\"prior\": {\"lognormal\": {\"median\": 0.2, \"factor\": 1.5}}, \"unit\": \"K\"}";
+    POSTERIOR = "posterior-prior", "a posterior that cannot be taken from where it is asked for",
+        "A posterior is handed on by the file of a pass and the name of a `calibrate` job in it that inferred the parameter. A pass takes no posterior of its own, nor one that is built upon its own: such priors would contain the data that they are confronted with.",
+        "wrong: {\"posterior\": {\"pass\": \"pass-1.json\", \"job\": \"delivered\"}}, a comparison\nright: {\"posterior\": {\"pass\": \"pass-1.json\", \"job\": \"tuned\"}}, a calibration";
+    DRAWS_FILE = "draws-file", "a file of draws that cannot be used",
+        "A file of draws is a CSV with a column for each parameter that takes its prior from it, headed by the parameter's name and perhaps its unit, `G_h [W/K]`, and a line a draw. The draws of a line belong together; at least two lines are needed.",
+        "right: Gh [W/K],Gb [W/K] and then 0.383,0.359 and so on";
+    DATA_USED_TWICE = "data-used-twice", "data that already stand behind the prior",
+        "A posterior handed on as a prior contains what its calibration learned from its readings. Fitting the same readings again counts them twice: the result looks more certain than the data allow. Rows that were held out then may be used now; to use the same rows, go back to the original priors and calibrate on all data at once.",
+        "wrong: a prior from `tuned` of `pass-1.json`, and `calibrate` on the phases that `tuned` had\nright: \"held_out\" for those phases, or the parameter's original prior";
+    NO_SIGMA = "no-sigma", "a sensor without noise in a calibration",
+        "How closely a model must follow a reading is decided by the noise of its sensor. A comparison works without it, a calibration does not: it needs the standard deviation as a value, or a prior under which it is inferred.",
+        "wrong: \"panel\": {\"measures\": \"panel\"}\nright: \"panel\": {\"measures\": \"panel\", \"sigma\": {\"value\": 0.25, \"unit\": \"K\"}}";
+    PREDICTION = "prediction", "a prediction that has nothing to predict with",
+        "A `predict` job carries the posterior of a `calibrate` job, of this pass or of another, to environments. `from` names it: a job of this pass, or {\"pass\": ..., \"job\": ...}. Where the pass has one calibration, that is taken.",
+        "right: {\"predict\": {\"from\": {\"pass\": \"pass-3.json\", \"job\": \"relaxed\"}}}";
 }

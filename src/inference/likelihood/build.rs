@@ -160,6 +160,6 @@ fn sensors(
 }
 
 /// Whether a reading takes part in the fit.
-pub(super) fn is_used(measurement: &Measurement, row: usize, sensor: usize) -> bool {
+pub(in crate::inference) fn is_used(measurement: &Measurement, row: usize, sensor: usize) -> bool {
     !measurement.held_out(row) && !measurement.ignored(row) && measurement.reading(row, sensor).is_some()
 }

@@ -18,7 +18,8 @@ use super::target::{LeastSquares, Rejected, Target};
 use super::unknown::{Unknowns, Value};
 use crate::random::Distribution;
 use crate::thermal::{self, Network, NetworkError};
-use steady::SteadyPart;
+pub(super) use build::is_used;
+use steady::{SteadyLanes, SteadyPart};
 use transient::TransientPart;
 
 pub use whitening::Whitening;
@@ -154,14 +155,24 @@ pub struct Likelihood {
     data: Vec<Datum>,
 }
 
+/// What an evaluation leaves in the memory beside residuals and scales.
+enum Wanted<'a> {
+    Values,
+    /// Derivatives of the residuals and of the scales.
+    Jacobian,
+    /// Adds the derivatives of the log likelihood; costs one adjoint solve a phase.
+    Gradient(&'a mut [f64]),
+}
+
 /// Memory of one chain.
 #[derive(Clone, Debug)]
 pub struct Memory {
-    network: thermal::Workspace,
     parameters: Vec<f64>,
     inputs: Vec<f64>,
     start: Vec<f64>,
-    tangent: Vec<f64>,
+    /// Where there are steady phases.
+    lanes: Option<Box<SteadyLanes>>,
+    /// A factor, then a column.
     factor: Vec<f64>,
     residuals: Vec<f64>,
     jacobian: Vec<f64>,
@@ -225,12 +236,13 @@ impl Likelihood {
     pub fn steady_states(&self, unknowns: &[f64]) -> Result<Vec<SteadyState>, Rejected> {
         let mut memory = self.workspace();
         let full = self.full_parameters(unknowns);
-        self.network.set_parameters(&mut memory.network, &full);
-        self.network.set_time(&mut memory.network, 0.0);
+        let mut network = self.network.workspace();
+        self.network.set_parameters(&mut network, &full);
+        self.network.set_time(&mut network, 0.0);
         let mut states = Vec::new();
         for part in &self.parts {
             if let Part::Steady(part) = part {
-                part.states(self, unknowns, &mut memory, &mut states)?;
+                part.states(self, unknowns, &mut network, &mut memory, &mut states)?;
             }
         }
         Ok(states)
@@ -242,26 +254,42 @@ impl Likelihood {
     /// # Errors
     /// As [`Target::log_likelihood`].
     pub fn pointwise(&self, unknowns: &[f64], memory: &mut Memory, out: &mut [f64]) -> Result<f64, Rejected> {
-        self.evaluate(unknowns, memory, false)?;
+        self.evaluate(unknowns, memory, &mut Wanted::Values)?;
         for (out, (r, scale)) in out.iter_mut().zip(memory.residuals.iter().zip(&memory.log_scales)) {
             *out = scale - HALF_LN_TAU - 0.5 * r * r;
         }
         Ok(memory.residuals.iter().map(|r| r * r).sum())
     }
 
-    /// Fills the memory's residuals and scales, and their derivatives where wanted; returns the offset.
-    fn evaluate(&self, unknowns: &[f64], memory: &mut Memory, slopes: bool) -> Result<f64, Rejected> {
+    /// Fills the memory's residuals and scales, and what is wanted besides; returns the offset.
+    fn evaluate(&self, unknowns: &[f64], memory: &mut Memory, wanted: &mut Wanted<'_>) -> Result<f64, Rejected> {
         for (&position, value) in self.parameters.iter().zip(unknowns) {
             memory.parameters[position] = *value;
         }
-        if slopes {
+        if !matches!(wanted, Wanted::Values) {
             memory.jacobian.fill(0.0);
             memory.scale_gradient.fill(0.0);
         }
         for part in &self.parts {
             match part {
-                Part::Steady(part) => part.evaluate(self, unknowns, memory, slopes)?,
-                Part::Transient(part) => part.evaluate(self, unknowns, memory, slopes)?,
+                Part::Steady(part) => part.evaluate(self, unknowns, memory, wanted)?,
+                Part::Transient(part) => {
+                    part.evaluate(self, unknowns, memory, !matches!(wanted, Wanted::Values))?;
+                    if let Wanted::Gradient(gradient) = wanted {
+                        let n = gradient.len();
+                        for at in part.residuals() {
+                            let row = &memory.jacobian[at * n..(at + 1) * n];
+                            for (g, slope) in gradient.iter_mut().zip(row) {
+                                *g -= memory.residuals[at] * slope;
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        if let Wanted::Gradient(gradient) = wanted {
+            for (g, slope) in gradient.iter_mut().zip(&memory.scale_gradient) {
+                *g += slope;
             }
         }
         let scales: f64 = memory.log_scales.iter().sum();
@@ -288,11 +316,11 @@ impl Target for Likelihood {
         });
         let widest = widest.max().unwrap_or(0);
         Memory {
-            network: self.network.workspace(),
             parameters: self.base.clone(),
             inputs: self.network.nominal_inputs().to_vec(),
             start: vec![0.0; self.network.nodes()],
-            tangent: vec![0.0; self.network.quantities() * self.columns.len()],
+            lanes: (self.parts.iter().any(|part| matches!(part, Part::Steady(_))))
+                .then(|| Box::new(SteadyLanes::new(&self.network))),
             factor: vec![0.0; widest * (widest + 1)],
             residuals: vec![0.0; rows],
             jacobian: vec![0.0; rows * n],
@@ -302,7 +330,7 @@ impl Target for Likelihood {
     }
 
     fn log_likelihood(&self, parameters: &[f64], memory: &mut Memory) -> Result<f64, Rejected> {
-        let offset = self.evaluate(parameters, memory, false)?;
+        let offset = self.evaluate(parameters, memory, &mut Wanted::Values)?;
         Ok(offset - 0.5 * memory.residuals.iter().map(|r| r * r).sum::<f64>())
     }
 
@@ -312,13 +340,8 @@ impl Target for Likelihood {
         memory: &mut Memory,
         gradient: &mut [f64],
     ) -> Result<f64, Rejected> {
-        let offset = self.evaluate(parameters, memory, true)?;
-        gradient.copy_from_slice(&memory.scale_gradient);
-        for (row, r) in memory.jacobian.chunks_exact(gradient.len()).zip(&memory.residuals) {
-            for (g, slope) in gradient.iter_mut().zip(row) {
-                *g -= r * slope;
-            }
-        }
+        gradient.fill(0.0);
+        let offset = self.evaluate(parameters, memory, &mut Wanted::Gradient(gradient))?;
         Ok(offset - 0.5 * memory.residuals.iter().map(|r| r * r).sum::<f64>())
     }
 }
@@ -329,7 +352,7 @@ impl LeastSquares for Likelihood {
     }
 
     fn residuals(&self, parameters: &[f64], memory: &mut Memory, residuals: &mut [f64]) -> Result<f64, Rejected> {
-        let offset = self.evaluate(parameters, memory, false)?;
+        let offset = self.evaluate(parameters, memory, &mut Wanted::Values)?;
         residuals.copy_from_slice(&memory.residuals);
         Ok(offset)
     }
@@ -342,7 +365,7 @@ impl LeastSquares for Likelihood {
         jacobian: &mut [f64],
         offset_gradient: &mut [f64],
     ) -> Result<f64, Rejected> {
-        let offset = self.evaluate(parameters, memory, true)?;
+        let offset = self.evaluate(parameters, memory, &mut Wanted::Jacobian)?;
         residuals.copy_from_slice(&memory.residuals);
         jacobian.copy_from_slice(&memory.jacobian);
         offset_gradient.copy_from_slice(&memory.scale_gradient);

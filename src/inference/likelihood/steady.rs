@@ -2,12 +2,15 @@
 
 use super::build::is_used;
 use super::whitening::Block;
-use super::{Datum, Likelihood, LikelihoodError, Memory, SensorPart, SteadyState};
+use super::{Datum, Likelihood, LikelihoodError, Memory, SensorPart, SteadyState, Wanted};
 use crate::inference::cholesky;
 use crate::inference::measurement::{Measurement, Rows};
 use crate::inference::target::Rejected;
 use crate::math::functions::ln;
-use crate::thermal::{Network, Start, SteadyError};
+use crate::thermal::{Batch, Network, Start, SteadyError, Workspace};
+
+/// Phases solved side by side; a phase has the same bits in any company.
+const LANES: usize = 8;
 
 /// A predicted start stays within this share of the reference's temperature.
 const REACH: f64 = 0.25;
@@ -32,6 +35,33 @@ struct Phase {
     covariance: Option<Vec<f64>>,
     /// Where solves start.
     reference: Option<Reference>,
+}
+
+/// Room for phases side by side.
+#[derive(Clone, Debug)]
+pub(super) struct SteadyLanes {
+    batch: Batch<LANES>,
+    /// `quantities x symbols`.
+    tangent: Vec<[f64; LANES]>,
+    /// Of each quantity in the gradient.
+    weights: Vec<[f64; LANES]>,
+    /// Of each symbol.
+    slopes: Vec<[f64; LANES]>,
+    /// Standard deviation of each sensor's noise, and its logarithm.
+    noise: Vec<(f64, f64)>,
+}
+
+impl SteadyLanes {
+    pub fn new(network: &Network) -> Self {
+        let (quantities, symbols) = (network.quantities(), network.differentiated().len());
+        Self {
+            batch: network.batch(),
+            tangent: vec![[0.0; LANES]; quantities * symbols],
+            weights: vec![[0.0; LANES]; quantities],
+            slopes: vec![[0.0; LANES]; symbols],
+            noise: Vec::new(),
+        }
+    }
 }
 
 /// A solution, from which others start.
@@ -108,39 +138,41 @@ impl SteadyPart {
         Ok(())
     }
 
-    /// Appends the state of each phase; the memory's network has the parameters.
+    /// Appends the state of each phase; the workspace has the parameters.
     pub fn states(
         &self,
         likelihood: &Likelihood,
         unknowns: &[f64],
+        workspace: &mut Workspace,
         memory: &mut Memory,
         states: &mut Vec<SteadyState>,
     ) -> Result<(), Rejected> {
         let network = &likelihood.network;
         for phase in &self.phases {
-            self.solve(phase, likelihood, unknowns, memory)?;
+            self.solve_one(phase, likelihood, unknowns, workspace, memory)?;
             let quantities: Vec<usize> =
                 phase.readings.iter().map(|&(sensor, _)| self.sensors[sensor].quantity).collect();
             let mut adjoint = vec![0.0; quantities.len() * network.nodes()];
             network
-                .quantity_adjoint(&mut memory.network, &quantities, &mut adjoint)
+                .quantity_adjoint(workspace, &quantities, &mut adjoint)
                 .map_err(|_| Rejected::new("derivatives of a steady state are not there"))?;
             states.push(SteadyState {
                 first: phase.first,
                 inputs: memory.inputs.clone(),
-                temperatures: memory.network.temperatures().to_vec(),
+                temperatures: workspace.temperatures().to_vec(),
                 adjoint,
             });
         }
         Ok(())
     }
 
-    /// Solves a phase.
-    fn solve(
+    /// Solves a phase by itself.
+    fn solve_one(
         &self,
         phase: &Phase,
         likelihood: &Likelihood,
         unknowns: &[f64],
+        workspace: &mut Workspace,
         memory: &mut Memory,
     ) -> Result<(), Rejected> {
         let network = &likelihood.network;
@@ -148,7 +180,7 @@ impl SteadyPart {
         for &(input, place) in &likelihood.biases {
             memory.inputs[input] += unknowns[place];
         }
-        network.set_inputs(&mut memory.network, &memory.inputs);
+        network.set_inputs(workspace, &memory.inputs);
         let start = match &phase.reference {
             Some(reference) => {
                 reference.predict(&likelihood.columns, unknowns, &mut memory.start);
@@ -156,7 +188,7 @@ impl SteadyPart {
             }
             None => Start::Default,
         };
-        match network.solve_steady(&mut memory.network, start) {
+        match network.solve_steady(workspace, start) {
             Ok(_) => Ok(()),
             Err(error) => Err(self.rejected(phase, &error)),
         }
@@ -202,25 +234,83 @@ impl SteadyPart {
         }
     }
 
+    /// Solves the phases, [`LANES`] of them side by side, and fills in their residuals and scales, with derivatives
+    /// where wanted.
     pub fn evaluate(
         &self,
         likelihood: &Likelihood,
         unknowns: &[f64],
         memory: &mut Memory,
-        slopes: bool,
+        wanted: &mut Wanted<'_>,
     ) -> Result<(), Rejected> {
         let network = &likelihood.network;
-        network.set_parameters(&mut memory.network, &memory.parameters);
-        network.set_time(&mut memory.network, 0.0);
-        for phase in &self.phases {
-            self.solve(phase, likelihood, unknowns, memory)?;
-            if slopes && network.quantity_tangent(&mut memory.network, &mut memory.tangent).is_err() {
-                return Err(Rejected::new("derivatives of a steady state are not there"));
+        let Some(mut lanes) = memory.lanes.take() else { return Ok(()) };
+        for lane in 0..LANES {
+            lanes.batch.set_parameters(network, lane, &memory.parameters);
+        }
+        lanes.noise.clear();
+        lanes.noise.extend(self.sensors.iter().map(|sensor| {
+            let sd = sensor.noise.total(unknowns);
+            (sd, ln(sd))
+        }));
+        let done = self.phases.chunks(LANES).try_for_each(|phases| {
+            self.solve(likelihood, phases, unknowns, memory, &mut lanes)?;
+            if let Wanted::Jacobian = wanted {
+                network.quantity_tangent_batch(&mut lanes.batch, &mut lanes.tangent);
             }
-            self.differences(likelihood, phase, unknowns, memory, slopes);
-            match &phase.covariance {
-                None => self.scale(phase, unknowns, memory, slopes),
-                Some(covariance) => self.decorrelate(phase, covariance, unknowns, memory, slopes)?,
+            lanes.weights.fill([0.0; LANES]);
+            for (lane, phase) in phases.iter().enumerate() {
+                self.differences(likelihood, phase, unknowns, memory, &lanes, lane, wanted);
+                match &phase.covariance {
+                    None => self.scale(phase, unknowns, memory, &lanes.noise, wanted),
+                    Some(covariance) => self.decorrelate(phase, covariance, unknowns, memory, wanted)?,
+                }
+                if let Wanted::Gradient(gradient) = wanted {
+                    self.weigh(phase, memory, &mut lanes, lane, gradient);
+                }
+            }
+            if let Wanted::Gradient(gradient) = wanted {
+                network.quantity_gradient_batch(&mut lanes.batch, &lanes.weights, &mut lanes.slopes);
+                for (&place, slopes) in likelihood.columns.iter().zip(&lanes.slopes) {
+                    for slope in &slopes[..phases.len()] {
+                        gradient[place] += slope;
+                    }
+                }
+            }
+            Ok(())
+        });
+        memory.lanes = Some(lanes);
+        done
+    }
+
+    /// Solves phases side by side.
+    fn solve(
+        &self,
+        likelihood: &Likelihood,
+        phases: &[Phase],
+        unknowns: &[f64],
+        memory: &mut Memory,
+        lanes: &mut SteadyLanes,
+    ) -> Result<(), Rejected> {
+        for lane in 0..LANES {
+            // What is left over does the last phase's work again.
+            let Some(phase) = phases.get(lane).or(phases.last()) else { continue };
+            memory.inputs.copy_from_slice(&phase.inputs);
+            for &(input, place) in &likelihood.biases {
+                memory.inputs[input] += unknowns[place];
+            }
+            lanes.batch.set_inputs(&likelihood.network, lane, &memory.inputs);
+            match &phase.reference {
+                Some(reference) => reference.predict(&likelihood.columns, unknowns, &mut memory.start),
+                // The solver replaces what is no temperature by its own default.
+                None => memory.start.fill(f64::NAN),
+            }
+            lanes.batch.set_temperatures(lane, &memory.start);
+        }
+        likelihood.network.solve_steady_batch(&mut lanes.batch, Start::Current);
+        for (lane, phase) in phases.iter().enumerate() {
+            if let Err(error) = lanes.batch.outcome(lane) {
+                return Err(self.rejected(phase, error));
             }
         }
         Ok(())
@@ -239,19 +329,29 @@ impl SteadyPart {
     }
 
     /// Reading minus prediction, and its derivatives.
-    fn differences(&self, likelihood: &Likelihood, phase: &Phase, unknowns: &[f64], memory: &mut Memory, slopes: bool) {
+    #[allow(clippy::too_many_arguments)]
+    fn differences(
+        &self,
+        likelihood: &Likelihood,
+        phase: &Phase,
+        unknowns: &[f64],
+        memory: &mut Memory,
+        lanes: &SteadyLanes,
+        lane: usize,
+        wanted: &Wanted<'_>,
+    ) {
         let (n, columns) = (unknowns.len(), likelihood.columns.len());
         for (position, &(sensor, reading)) in phase.readings.iter().enumerate() {
             let sensor = &self.sensors[sensor];
             let at = phase.first + position;
-            let predicted = likelihood.network.quantity(&memory.network, sensor.quantity);
+            let predicted = lanes.batch.quantity(&likelihood.network, lane, sensor.quantity);
             let bias = sensor.bias.map_or(0.0, |bias| bias.at(unknowns));
             memory.residuals[at] = reading - predicted - bias;
-            if slopes {
+            if let Wanted::Jacobian = wanted {
                 let row = &mut memory.jacobian[at * n..(at + 1) * n];
-                let tangent = &memory.tangent[sensor.quantity * columns..(sensor.quantity + 1) * columns];
+                let tangent = &lanes.tangent[sensor.quantity * columns..(sensor.quantity + 1) * columns];
                 for (&place, slope) in likelihood.columns.iter().zip(tangent) {
-                    row[place] = -slope;
+                    row[place] = -slope[lane];
                 }
                 if let Some(place) = sensor.bias.and_then(|bias| bias.place()) {
                     row[place] -= 1.0;
@@ -260,23 +360,62 @@ impl SteadyPart {
         }
     }
 
+    /// Weights of the readings in the gradient, `w = W' r` of the whitening `W`: the gradient is `sum w d(f + bias)`.
+    fn weigh(&self, phase: &Phase, memory: &mut Memory, lanes: &mut SteadyLanes, lane: usize, gradient: &mut [f64]) {
+        let k = phase.readings.len();
+        let residuals = &memory.residuals[phase.first..phase.first + k];
+        let split = memory.factor.len() - k;
+        let (factor, weights) = memory.factor.split_at_mut(split);
+        weights.copy_from_slice(residuals);
+        if phase.covariance.is_some() {
+            cholesky::solve_lower_transposed(&factor[..k * k], weights);
+        } else {
+            for (weight, &(sensor, _)) in weights.iter_mut().zip(&phase.readings) {
+                *weight /= lanes.noise[sensor].0;
+            }
+        }
+        for (weight, &(sensor, _)) in weights.iter().zip(&phase.readings) {
+            let sensor = &self.sensors[sensor];
+            lanes.weights[sensor.quantity][lane] += weight;
+            if let Some(place) = sensor.bias.and_then(|bias| bias.place()) {
+                gradient[place] += weight;
+            }
+        }
+    }
+
     /// Independent noise: divides by each sensor's standard deviation.
-    fn scale(&self, phase: &Phase, unknowns: &[f64], memory: &mut Memory, slopes: bool) {
+    fn scale(
+        &self,
+        phase: &Phase,
+        unknowns: &[f64],
+        memory: &mut Memory,
+        deviations: &[(f64, f64)],
+        wanted: &mut Wanted<'_>,
+    ) {
         let n = unknowns.len();
         for (position, &(sensor, _)) in phase.readings.iter().enumerate() {
             let noise = &self.sensors[sensor].noise;
             let at = phase.first + position;
-            let sd = noise.total(unknowns);
+            let (sd, log_sd) = deviations[sensor];
             memory.residuals[at] /= sd;
-            memory.log_scales[at] = -ln(sd);
-            if slopes {
-                let row = &mut memory.jacobian[at * n..(at + 1) * n];
-                for value in row.iter_mut() {
-                    *value /= sd;
+            memory.log_scales[at] = -log_sd;
+            let residual = memory.residuals[at];
+            match wanted {
+                Wanted::Values => {}
+                Wanted::Jacobian => {
+                    let row = &mut memory.jacobian[at * n..(at + 1) * n];
+                    for value in row.iter_mut() {
+                        *value /= sd;
+                    }
+                    for (place, slope) in noise.total_slopes(unknowns).into_iter().flatten() {
+                        row[place] -= residual * slope / sd;
+                        memory.scale_gradient[place] -= slope / sd;
+                    }
                 }
-                for (place, slope) in noise.total_slopes(unknowns).into_iter().flatten() {
-                    row[place] -= memory.residuals[at] * slope / sd;
-                    memory.scale_gradient[place] -= slope / sd;
+                Wanted::Gradient(gradient) => {
+                    for (place, slope) in noise.total_slopes(unknowns).into_iter().flatten() {
+                        gradient[place] += (residual * residual - 1.0) * slope / sd;
+                    }
                 }
             }
         }
@@ -291,7 +430,7 @@ impl SteadyPart {
         covariance: &[f64],
         unknowns: &[f64],
         memory: &mut Memory,
-        slopes: bool,
+        wanted: &mut Wanted<'_>,
     ) -> Result<(), Rejected> {
         let (k, n, first) = (phase.readings.len(), unknowns.len(), phase.first);
         let split = memory.factor.len() - k;
@@ -308,16 +447,19 @@ impl SteadyPart {
         for position in 0..k {
             memory.log_scales[first + position] = -ln(factor[position * k + position]);
         }
-        if !slopes {
-            return Ok(());
-        }
-        for place in 0..n {
-            for position in 0..k {
-                column[position] = memory.jacobian[(first + position) * n + place];
-            }
-            cholesky::solve_lower(factor, column);
-            for position in 0..k {
-                memory.jacobian[(first + position) * n + place] = column[position];
+        match wanted {
+            Wanted::Values => return Ok(()),
+            Wanted::Gradient(_) => {}
+            Wanted::Jacobian => {
+                for place in 0..n {
+                    for position in 0..k {
+                        column[position] = memory.jacobian[(first + position) * n + place];
+                    }
+                    cholesky::solve_lower(factor, column);
+                    for position in 0..k {
+                        memory.jacobian[(first + position) * n + place] = column[position];
+                    }
+                }
             }
         }
         for (position, &(sensor, _)) in phase.readings.iter().enumerate() {
@@ -330,8 +472,14 @@ impl SteadyPart {
                 let mut before = 0.0;
                 for row in 0..k {
                     let own = column[row] * residuals[row];
-                    memory.jacobian[(first + row) * n + place] -= weight * column[row] * (before + 0.5 * own);
-                    memory.scale_gradient[place] -= 0.5 * weight * column[row] * column[row];
+                    let slope = -weight * column[row] * (before + 0.5 * own);
+                    let scale_slope = -0.5 * weight * column[row] * column[row];
+                    if let Wanted::Gradient(gradient) = wanted {
+                        gradient[place] += scale_slope - residuals[row] * slope;
+                    } else {
+                        memory.jacobian[(first + row) * n + place] += slope;
+                        memory.scale_gradient[place] += scale_slope;
+                    }
                     before += own;
                 }
             }

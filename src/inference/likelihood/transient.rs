@@ -80,6 +80,12 @@ impl TransientPart {
         Self { name: measurement.name.clone(), inputs, start, sensors, readings, rows }
     }
 
+    /// Positions of its residuals.
+    pub fn residuals(&self) -> std::ops::Range<usize> {
+        let first = self.readings.first().map_or(0, |own| own.first);
+        first..self.readings.last().map_or(first, |own| own.first + own.rows.len())
+    }
+
     pub fn evaluate(
         &self,
         likelihood: &Likelihood,

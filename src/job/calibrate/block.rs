@@ -36,6 +36,59 @@ pub(super) enum SampleOutput {
     Evidence(Option<ImportanceEstimate>),
 }
 
+impl SampleOutput {
+    /// Stored form: the length of what is written as JSON, that, then the chain's numbers, little-endian, which would
+    /// take thrice the room as text.
+    pub fn into_bytes(mut self) -> Result<Vec<u8>, JobError> {
+        let lists = match &mut self {
+            Self::Chain(chain) => take(chain),
+            Self::Island(island) => take(&mut island.chain),
+            Self::Evidence(_) => Default::default(),
+        };
+        let text = to_bytes(&(&self, lists.each_ref().map(Vec::len)))?;
+        let numbers: usize = lists.iter().map(Vec::len).sum();
+        let mut bytes = Vec::with_capacity(8 + text.len() + 8 * numbers);
+        bytes.extend((text.len() as u64).to_le_bytes());
+        bytes.extend(text);
+        for value in lists.iter().flatten() {
+            bytes.extend(value.to_le_bytes());
+        }
+        Ok(bytes)
+    }
+
+    /// Reads the stored form.
+    pub fn from_bytes(bytes: &[u8], stage: &str) -> Result<Self, JobError> {
+        let unreadable =
+            || JobError::Unreadable { stage: stage.to_owned(), reason: "it is cut off or too long".to_owned() };
+        let (length, rest) = bytes.split_first_chunk::<8>().ok_or_else(unreadable)?;
+        let length = usize::try_from(u64::from_le_bytes(*length)).map_err(|_| unreadable())?;
+        let (text, rest) = rest.split_at_checked(length).ok_or_else(unreadable)?;
+        let (mut output, lengths): (Self, [usize; 3]) = from_bytes(text, stage)?;
+        let (words, left) = rest.as_chunks::<8>();
+        let wanted = lengths.iter().try_fold(0_usize, |sum, length| sum.checked_add(*length));
+        if !left.is_empty() || wanted != Some(words.len()) {
+            return Err(unreadable());
+        }
+        let mut values = words.iter().map(|word| f64::from_le_bytes(*word));
+        let lists = lengths.map(|length| values.by_ref().take(length).collect::<Vec<f64>>());
+        match &mut output {
+            Self::Chain(chain) => put(chain, lists),
+            Self::Island(island) => put(&mut island.chain, lists),
+            Self::Evidence(_) => {}
+        }
+        Ok(output)
+    }
+}
+
+/// The long lists of a chain, taken out of it.
+fn take(chain: &mut Chain) -> [Vec<f64>; 3] {
+    [&mut chain.draws, &mut chain.log_priors, &mut chain.log_likelihoods].map(std::mem::take)
+}
+
+fn put(chain: &mut Chain, lists: [Vec<f64>; 3]) {
+    [chain.draws, chain.log_priors, chain.log_likelihoods] = lists;
+}
+
 /// A block of predictive checks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) enum PredictInput {
@@ -98,6 +151,22 @@ pub(super) fn from_bytes<T: DeserializeOwned>(bytes: &[u8], stage: &str) -> Resu
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn chains_come_back_from_bytes_and_damage_is_seen() {
+        let chain = Chain {
+            dimension: 2,
+            draws: vec![1.0, f64::MIN_POSITIVE, 0.1, -0.0],
+            log_priors: vec![-1.0, f64::NEG_INFINITY],
+            log_likelihoods: vec![0.3, 1e300],
+            ..Chain::default()
+        };
+        let bytes = SampleOutput::Chain(chain.clone()).into_bytes().expect("bytes");
+        assert_eq!(SampleOutput::from_bytes(&bytes, "s"), Ok(SampleOutput::Chain(chain)));
+        for cut in 0..bytes.len() {
+            assert!(SampleOutput::from_bytes(&bytes[..cut], "s").is_err(), "cut at {cut}");
+        }
+    }
 
     #[test]
     fn predictions_come_back_from_bytes_and_damage_is_seen() {

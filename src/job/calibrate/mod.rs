@@ -8,6 +8,7 @@
 mod block;
 mod output;
 mod predictive;
+mod scores;
 mod summary;
 mod words;
 
@@ -16,15 +17,18 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 pub use output::{
-    Coverage, CrossValidation, Evidence, KeptDraws, MostProbable, Output, ParameterSummary, PredictiveRow, Sampler,
-    SensorPredictive, Spec, Spent, UsedData,
+    Coverage, CrossValidation, Evidence, HandedOnPrior, HeldOutScore, KeptDraws, MostProbable, Output,
+    ParameterSummary, PhaseScore, PredictiveRow, Sampler, SensorPredictive, Spec, Spent, UsedData,
 };
 
+use super::handed_on::HandedOn;
 use super::{Job, JobError, Step};
 use crate::expression::Unit;
 use crate::inference::chains::{Chain, Chains};
 use crate::inference::convergence::{self, Convergence, ConvergenceLimits};
 use crate::inference::importance::{self, ImportanceEstimate, ImportanceSettings};
+use crate::inference::informed::Informed;
+use crate::inference::joint_prior::Fit;
 use crate::inference::likelihood::{Definition, InputError, Likelihood};
 use crate::inference::measurement::Measurement;
 use crate::inference::metropolis::{self, MetropolisSettings};
@@ -32,7 +36,8 @@ use crate::inference::nuts::{self, NutsSettings};
 use crate::inference::point_estimate::{self, PointEstimate, PointSettings};
 use crate::inference::posterior::{Posterior, Work};
 use crate::inference::prediction::Predictor;
-use crate::inference::psis;
+use crate::inference::psis::{self, LeaveOneOut};
+use crate::inference::rows::used_rows;
 use crate::inference::smc::{self, Island, SmcSettings};
 use crate::inference::target::{LeastSquares, Target};
 use crate::inference::unknown::settled;
@@ -77,7 +82,11 @@ pub struct Inputs {
 pub struct Calibrate {
     spec: Spec,
     inputs: Inputs,
-    likelihood: Likelihood,
+    /// The likelihood with priors that may be posteriors handed on.
+    target: Informed<Likelihood>,
+    handed_on: Vec<HandedOn>,
+    /// How well a density describes the draws of each posterior handed on.
+    fits: Vec<(String, Fit)>,
     predictor: Predictor,
     key: StreamKey,
     name: String,
@@ -102,7 +111,34 @@ impl Calibrate {
         .map_err(|e| failed(e.to_string()))?;
         let predictor = Predictor::new(&inputs.model, &[]).map_err(|e| failed(e.to_string()))?;
         let key = StreamKey::new(seed, name, "calibrate");
-        Ok(Self { spec, inputs, likelihood, predictor, key, name: name.to_owned(), seed })
+        let target = Informed::new(likelihood, Vec::new());
+        let (handed_on, fits, name) = (Vec::new(), Vec::new(), name.to_owned());
+        Ok(Self { spec, inputs, target, handed_on, fits, predictor, key, name, seed })
+    }
+
+    /// The same with posteriors in place of the priors of some parameters. Those without draws yet count for the job's
+    /// identity alone. Of a posterior of more parameters than are chosen here, the others are averaged over.
+    ///
+    /// # Errors
+    /// Draws that no density describes, with what deviates.
+    pub fn with_handed_on(self, handed_on: Vec<HandedOn>) -> Result<Self, JobError> {
+        let (mut joint, mut fits) = (Vec::new(), Vec::new());
+        for own in handed_on.iter().filter(|own| !own.draws.is_empty()) {
+            let density =
+                own.density(&self.target.target().unknowns().model, &self.inputs.priors).map_err(|error| {
+                    JobError::Failed(format!("the posterior of {} cannot be a prior here: {error}", own.source))
+                })?;
+            if let Some(density) = density {
+                fits.push((own.source.clone(), density.fit().clone()));
+                joint.push(density);
+            }
+        }
+        let target = Informed::new(self.target.target().clone(), joint);
+        Ok(Self { target, handed_on, fits, ..self })
+    }
+
+    fn likelihood(&self) -> &Likelihood {
+        self.target.target()
     }
 
     fn measurements(&self) -> Vec<&Measurement> {
@@ -115,7 +151,7 @@ impl Calibrate {
 
     /// Starts of the chains, within the priors' supports.
     fn starts(&self, estimate: &PointEstimate) -> Result<Vec<Vec<f64>>, JobError> {
-        let posterior = Posterior::new(&self.likelihood).map_err(|e| JobError::Failed(e.to_string()))?;
+        let posterior = Posterior::new(&self.target).map_err(|e| JobError::Failed(e.to_string()))?;
         let sd = estimate.sd();
         let best = estimate.descents.iter().filter_map(|d| d.log_posterior).fold(f64::NEG_INFINITY, f64::max);
         let mut modes = vec![estimate.parameters.clone()];
@@ -134,7 +170,7 @@ impl Calibrate {
             let mode = &modes[usize::try_from(chain).unwrap_or(0) % modes.len()];
             let moved: Vec<f64> = (0..mode.len())
                 .map(|i| {
-                    let (lower, upper) = self.likelihood.priors()[i].support();
+                    let (lower, upper) = self.target.priors()[i].support();
                     let value = mode[i] + 1.5 * sd[i] * stream.normal();
                     if value > lower && value < upper { value } else { mode[i] }
                 })
@@ -160,8 +196,9 @@ impl Calibrate {
 
     fn sample(&self, input: SampleInput) -> Result<SampleOutput, JobError> {
         let failed = |e: crate::inference::chains::SampleError| JobError::Failed(e.to_string());
-        let mut target = self.likelihood.clone();
-        target.set_reference(&input.estimate.parameters);
+        let mut target = self.target.clone();
+        let reference = target.parameters(&input.estimate.parameters);
+        target.target_mut().set_reference(&reference);
         let (warm_up, draws) = (self.spec.warmup, self.spec.draws);
         match input.task {
             SampleTask::Chain { index, start } => match self.spec.sampler {
@@ -170,7 +207,8 @@ impl Calibrate {
                     metropolis::sample(&target, &settings, &self.key, index, Some(&start))
                 }
                 Sampler::Nuts | Sampler::Smc => {
-                    let settings = NutsSettings { warm_up, draws, ..NutsSettings::default() };
+                    let covariance = Some(input.estimate.covariance.clone());
+                    let settings = NutsSettings { warm_up, draws, covariance, ..NutsSettings::default() };
                     nuts::sample(&target, &settings, &self.key, index, Some(&start))
                 }
             }
@@ -197,16 +235,18 @@ impl Calibrate {
 
     fn after_samples(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
         let first = inputs.first().ok_or_else(|| JobError::Failed("there are no chains".to_owned()))?;
-        let estimate = from_bytes::<SampleInput>(first, stage)?.estimate;
+        let estimate = self.target.estimate(&from_bytes::<SampleInput>(first, stage)?.estimate);
         let (mut chains, mut islands, mut importance) = (Vec::<Chain>::new(), Vec::<Island>::new(), None);
         for bytes in outputs {
-            match from_bytes(bytes, stage)? {
-                SampleOutput::Chain(chain) => chains.push(chain),
-                SampleOutput::Island(island) => islands.push(*island),
+            match SampleOutput::from_bytes(bytes, stage)? {
+                SampleOutput::Chain(chain) => chains.push(self.target.chain(&chain)),
+                SampleOutput::Island(island) => {
+                    islands.push(Island { chain: self.target.chain(&island.chain), ..*island });
+                }
                 SampleOutput::Evidence(found) => importance = found,
             }
         }
-        let names = self.likelihood.names().to_vec();
+        let names = self.likelihood().names().to_vec();
         let mut objections = Vec::new();
         let mut weights = None;
         let mut evidence = Evidence {
@@ -242,8 +282,11 @@ impl Calibrate {
         if chains.is_empty() || chains.chains.iter().any(|chain| chain.len() != chains.chains[0].len()) {
             return Err(JobError::Failed("the chains have no draws, or not equally many".to_owned()));
         }
-        let judged = convergence::judge(&chains, self.likelihood.priors(), &ConvergenceLimits::default());
+        let judged = convergence::judge(&chains, self.likelihood().priors(), &ConvergenceLimits::default());
         objections.extend(words::objections(&judged, &names));
+        for own in self.handed_on.iter().filter(|own| !own.converged) {
+            objections.push(format!("the prior is the posterior of {}, whose chains did not converge", own.source));
+        }
         let mut work = chains.work();
         work.merge(&estimate.work);
         if let Some(found) = &importance {
@@ -263,7 +306,7 @@ impl Calibrate {
         objections: Vec<String>,
         work: &Work,
     ) -> Output {
-        let unknowns = self.likelihood.unknowns();
+        let unknowns = self.likelihood().unknowns();
         let weighted = Weighted::new(chains, weights);
         let sd = estimate.sd();
         let parameters = unknowns.names.iter().enumerate().map(|(place, name)| {
@@ -276,6 +319,7 @@ impl Calibrate {
             let summary = ParameterSummary {
                 unit: text.clone(),
                 prior: unknowns.priors[place],
+                handed_on: self.handed_on_prior(place, &shown, &spread),
                 mean: shown(weighted.mean(place)),
                 sd: spread(weighted.covariance(place, place).sqrt()),
                 q025: shown(quantiles[0]),
@@ -296,7 +340,11 @@ impl Calibrate {
         let data = self.spec.data.iter().enumerate().map(|(place, &index)| UsedData {
             measurement: self.inputs.measurements[index].name.clone(),
             sha256: self.inputs.measurements[index].sha256.clone(),
-            readings: self.likelihood.data().iter().filter(|datum| datum.measurement == place).count() as u64,
+            readings: self.likelihood().data().iter().filter(|datum| datum.measurement == place).count() as u64,
+            rows: used_rows(&self.inputs.measurements[index])
+                .iter()
+                .map(|row| (row.label.clone(), row.sha256()))
+                .collect(),
         });
         Output {
             converged: objections.is_empty(),
@@ -304,7 +352,7 @@ impl Calibrate {
             sampler: self.spec.sampler.name().to_owned(),
             chains: [chains.chains.len() as u64, chains.chains[0].len() as u64],
             order: unknowns.names.clone(),
-            model_parameters: self.likelihood.model_parameters() as u64,
+            model_parameters: self.likelihood().model_parameters() as u64,
             correlations: weighted.correlations(unknowns.len()),
             most_probable: MostProbable {
                 log_likelihood: estimate.log_likelihood,
@@ -321,6 +369,9 @@ impl Calibrate {
             predictive: Vec::new(),
             p_value: None,
             leave_one_out: None,
+            leave_one_phase_out: None,
+            phases: Vec::new(),
+            held_out: None,
             data: data.collect(),
             spent: Spent {
                 likelihoods: work.likelihoods,
@@ -328,17 +379,35 @@ impl Calibrate {
                 rejected: work.rejections.total(),
             },
             parameters: parameters.collect(),
+            handed_on: self.handed_on.iter().map(HandedOn::summary).collect(),
+            handed_on_fits: self.fits.iter().map(|(_, fit)| fit.clone()).collect(),
             log_evidence,
         }
     }
 
+    /// The posterior that is the prior of an unknown.
+    fn handed_on_prior(
+        &self,
+        place: usize,
+        shown: &dyn Fn(f64) -> f64,
+        spread: &dyn Fn(f64) -> f64,
+    ) -> Option<HandedOnPrior> {
+        let parameter = self.likelihood().unknowns().model.get(place)?;
+        self.handed_on.iter().find_map(|own| {
+            let column = own.parameters.iter().position(|known| known == parameter)?;
+            let [mean, sd, q025, q50, q975] = own.moments(column);
+            let [mean, q025, q50, q975] = [mean, q025, q50, q975].map(shown);
+            Some(HandedOnPrior { source: own.source.clone(), mean, sd: spread(sd), q025, q50, q975 })
+        })
+    }
+
     /// Most probable unknowns, then the model's other parameters as they were held.
     fn tuned(&self, estimate: &PointEstimate) -> Vec<(String, f64)> {
-        let names = self.likelihood.names();
+        let names = self.likelihood().names();
         let mut tuned: Vec<(String, f64)> = names.iter().cloned().zip(estimate.parameters.iter().copied()).collect();
-        let full = self.likelihood.full_parameters(&estimate.parameters);
+        let full = self.likelihood().full_parameters(&estimate.parameters);
         for (parameter, value) in self.inputs.model.parameters.iter().zip(full) {
-            if !names[..self.likelihood.model_parameters()].contains(&parameter.name) {
+            if !names[..self.likelihood().model_parameters()].contains(&parameter.name) {
                 tuned.push((parameter.name.clone(), value));
             }
         }
@@ -347,7 +416,7 @@ impl Calibrate {
 
     fn warnings(&self, evidence: &Evidence, work: &Work) -> Vec<String> {
         let mut warnings = Vec::new();
-        let (unknowns, readings) = (self.likelihood.dimension(), self.likelihood.data().len());
+        let (unknowns, readings) = (self.likelihood().dimension(), self.likelihood().data().len());
         if unknowns > readings {
             warnings.push(format!(
                 "{unknowns} unknowns stand against {readings} readings: the priors decide a part of the result."
@@ -359,6 +428,14 @@ impl Calibrate {
                  gives it independently."
             ));
         }
+        for (source, fit) in &self.fits {
+            warnings.extend(fit.doubts.iter().map(|doubt| {
+                format!(
+                    "The posterior of {source}, the prior here, is only roughly described by a normal distribution of its \
+                     scores: {doubt}."
+                )
+            }));
+        }
         for (reason, count) in &work.rejections.by_reason {
             warnings.push(format!("{count} evaluations failed: {reason}."));
         }
@@ -369,7 +446,7 @@ impl Calibrate {
         let all = &output.draws.values;
         let count = POSTERIOR_CHECKS.min(all.len());
         let chosen: Vec<Vec<f64>> = (0..count).map(|k| all[(2 * k + 1) * all.len() / (2 * count)].clone()).collect();
-        let priors = self.likelihood.priors();
+        let priors = self.target.priors();
         let key = self.stream("calibrate prior");
         let points = Points::new(PointKind::Sobol, key, PRIOR_CHECKS, priors.len())
             .or_else(|_| Points::new(PointKind::MonteCarlo, key, PRIOR_CHECKS, priors.len()))
@@ -378,7 +455,8 @@ impl Calibrate {
         let before: Vec<Vec<f64>> = (0..PRIOR_CHECKS)
             .map(|index| {
                 points.fill_row(index, &mut row);
-                priors.iter().zip(&row).map(|(prior, share)| prior.quantile(*share)).collect()
+                let at: Vec<f64> = priors.iter().zip(&row).map(|(prior, share)| prior.quantile(*share)).collect();
+                self.target.parameters(&at)
             })
             .collect();
         let mut inputs = Vec::new();
@@ -392,22 +470,22 @@ impl Calibrate {
     }
 
     fn predict(&self, prior: bool, draws: &[Vec<f64>]) -> Predicted {
-        let names = self.likelihood.names();
+        let names = self.likelihood().names();
         let inputs: Vec<String> = self.inputs.model.inputs.iter().map(|input| input.name.clone()).collect();
         let nodes: Vec<String> = self.inputs.model.nodes.iter().map(|node| node.name.clone()).collect();
         let mut workspace = self.predictor.workspace();
-        let mut memory = self.likelihood.workspace();
-        let mut pointwise = vec![0.0; self.likelihood.residual_count()];
+        let mut memory = self.likelihood().workspace();
+        let mut pointwise = vec![0.0; self.likelihood().residual_count()];
         let mut predicted = Predicted::default();
         for draw in draws {
-            let full = self.likelihood.full_parameters(draw);
+            let full = self.likelihood().full_parameters(draw);
             let find = |name: &str| names.iter().position(|known| known == name).map(|place| draw[place]);
             for measurement in self.measurements() {
                 let settled = settled(measurement, &inputs, &nodes, &find);
                 predicted.readings.extend(self.predictor.predict(&mut workspace, &settled, &full).readings);
             }
             if !prior {
-                let squares = self.likelihood.pointwise(draw, &mut memory, &mut pointwise);
+                let squares = self.likelihood().pointwise(draw, &mut memory, &mut pointwise);
                 predicted.squares.push(squares.unwrap_or(f64::NAN));
                 if predicted.squares.last().is_some_and(|squares| squares.is_nan()) {
                     pointwise.fill(f64::NAN);
@@ -439,20 +517,27 @@ impl Calibrate {
         output.predictive =
             predictive::checks(&self.measurements(), &self.inputs.model, &output.order, &posterior, &before);
         output.predictive_draws = posterior.values.len() as u64;
-        let readings = self.likelihood.residual_count();
+        let readings = self.likelihood().residual_count();
         let tails: Vec<f64> = (posterior.predicted.squares.iter())
             .filter(|squares| squares.is_finite())
             .map(|&squares| chi_square_sf(squares, readings as f64))
             .collect();
         output.p_value = (!tails.is_empty()).then(|| tails.iter().sum::<f64>() / tails.len() as f64);
+        let pointwise = &posterior.predicted.pointwise;
         let good = psis::greatest_good_shape(posterior.values.len());
-        output.leave_one_out =
-            psis::leave_one_out(&posterior.predicted.pointwise, readings, 1.0).map(|found| CrossValidation {
-                expected_log_density: found.expected_log_density,
-                standard_error: found.standard_error,
-                effective_parameters: found.effective_parameters,
-                unreliable: found.pareto_k.iter().filter(|k| !(**k <= good)).count() as u64,
-            });
+        let validated = |found: &LeaveOneOut| CrossValidation {
+            expected_log_density: found.expected_log_density,
+            standard_error: found.standard_error,
+            effective_parameters: found.effective_parameters,
+            unreliable: found.pareto_k.iter().filter(|k| !(**k <= good)).count() as u64,
+        };
+        output.leave_one_out = psis::leave_one_out(pointwise, readings, 1.0).as_ref().map(validated);
+        let measurements = self.measurements();
+        let (groups, summed) = scores::by_phase(&measurements, self.likelihood().data(), pointwise);
+        let left_out = psis::leave_one_out(&summed, groups.len(), 1.0);
+        output.leave_one_phase_out = left_out.as_ref().map(validated);
+        output.phases = scores::phases(&measurements, &groups, left_out.as_ref(), good, &output.order, &posterior);
+        output.held_out = scores::held_out(&output.phases);
         serde_json::to_value(*output).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
     }
 }
@@ -463,14 +548,14 @@ impl Job for Calibrate {
     }
 
     fn algorithm_version(&self) -> u32 {
-        1
+        3
     }
 
     fn identity(&self) -> Value {
         let data: Vec<Value> = self.measurements().iter().map(|measurement| measurement.identity()).collect();
         let errors: Vec<Value> =
             self.inputs.input_errors.iter().map(|error| json!({ "sigma": error.sigma, "bias": error.bias })).collect();
-        json!({
+        let mut identity = json!({
             "parameters": self.spec.parameters,
             "sampler": self.spec.sampler,
             "chains": self.spec.chains,
@@ -480,10 +565,17 @@ impl Job for Calibrate {
             "priors": self.inputs.priors,
             "input_errors": errors,
             "data": data,
-        })
+        });
+        if !self.handed_on.is_empty() {
+            identity["handed_on"] = self.handed_on.iter().map(HandedOn::identity).collect();
+        }
+        identity
     }
 
     fn begin(&self) -> Result<Step, JobError> {
+        if let Some(own) = self.handed_on.iter().find(|own| own.draws.is_empty()) {
+            return Err(JobError::Failed(format!("the posterior of {} has no draws", own.source)));
+        }
         Ok(Step::Blocks { stage: ESTIMATE.to_owned(), inputs: vec![Vec::new()] })
     }
 
@@ -492,10 +584,10 @@ impl Job for Calibrate {
             ESTIMATE => {
                 let key = self.stream("calibrate estimate");
                 let settings = PointSettings::default();
-                let found = point_estimate::estimate(&self.likelihood, &settings, &key, &[]);
+                let found = point_estimate::estimate(&self.target, &settings, &key, &[]);
                 to_bytes(&found.map_err(|e| JobError::Failed(e.to_string()))?)
             }
-            SAMPLE => to_bytes(&self.sample(from_bytes(input, stage)?)?),
+            SAMPLE => self.sample(from_bytes(input, stage)?)?.into_bytes(),
             PREDICT => match from_bytes(input, stage)? {
                 PredictInput::Draws { prior, draws } => Ok(self.predict(prior, &draws).to_bytes()),
                 PredictInput::Carry(_) => Ok(Vec::new()),

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::inference::joint_prior::Fit;
+use crate::job::handed_on::HandedOnSummary;
 use crate::random::Distribution;
 
 /// How the posterior is sampled.
@@ -55,14 +57,34 @@ pub struct Spec {
     pub draws: u64,
 }
 
+/// A posterior that is the prior of a parameter, in the parameter's unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct HandedOnPrior {
+    /// Where it comes from.
+    pub source: String,
+    /// Mean of its draws.
+    pub mean: f64,
+    /// Standard deviation.
+    pub sd: f64,
+    /// Quantile of 2.5 %.
+    pub q025: f64,
+    /// Median.
+    pub q50: f64,
+    /// Quantile of 97.5 %.
+    pub q975: f64,
+}
+
 /// A parameter's posterior. Numbers are in `unit`, the prior is in SI.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct ParameterSummary {
     /// Unit.
     pub unit: String,
-    /// Prior, SI.
+    /// Prior, SI; of a posterior handed on the original prior, by which its scores are taken.
     #[schemars(with = "serde_json::Value")]
     pub prior: Distribution,
+    /// The posterior that is the prior, where one is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub handed_on: Option<HandedOnPrior>,
     /// Posterior mean.
     pub mean: f64,
     /// Posterior standard deviation.
@@ -193,6 +215,37 @@ pub struct CrossValidation {
     pub unreliable: u64,
 }
 
+/// How well a steady phase was predicted by what the others said.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct PhaseScore {
+    /// Measurement.
+    pub measurement: String,
+    /// Phase.
+    pub phase: String,
+    /// Readings scored together.
+    pub readings: u64,
+    /// Log of their joint predictive density, SI: of a phase held out given all that was fitted, of one that was
+    /// fitted given the others (Pareto-smoothed importance sampling).
+    pub log_density: f64,
+    /// Held out of the fit.
+    pub held_out: bool,
+    /// Whether the importance weights can be trusted; always for a phase held out.
+    pub reliable: bool,
+}
+
+/// Predictive density of the phases held out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct HeldOutScore {
+    /// Sum over the phases.
+    pub log_density: f64,
+    /// Its standard error, from the scatter over the phases; `null` for one phase.
+    pub standard_error: Option<f64>,
+    /// Phases.
+    pub phases: u64,
+    /// Readings.
+    pub readings: u64,
+}
+
 /// Rows of the data behind a posterior.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct UsedData {
@@ -202,6 +255,9 @@ pub struct UsedData {
     pub sha256: String,
     /// Readings fitted.
     pub readings: u64,
+    /// Rows fitted, each with the SHA-256 of its readings.
+    #[serde(default)]
+    pub rows: Vec<(String, String)>,
 }
 
 /// What was spent.
@@ -258,8 +314,23 @@ pub struct Output {
     pub p_value: Option<f64>,
     /// Leave-one-out cross-validation.
     pub leave_one_out: Option<CrossValidation>,
+    /// The same with whole steady phases left out; nothing without steady phases.
+    #[serde(default)]
+    pub leave_one_phase_out: Option<CrossValidation>,
+    /// Every steady phase's score.
+    #[serde(default)]
+    pub phases: Vec<PhaseScore>,
+    /// Score of the steady phases held out; nothing without such.
+    #[serde(default)]
+    pub held_out: Option<HeldOutScore>,
     /// Data behind the posterior.
     pub data: Vec<UsedData>,
+    /// Posteriors that stand in for priors.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub handed_on: Vec<HandedOnSummary>,
+    /// How well a density describes the draws of each that has parameters here.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub handed_on_fits: Vec<Fit>,
     /// Work.
     pub spent: Spent,
 }

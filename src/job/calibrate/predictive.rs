@@ -39,7 +39,7 @@ impl Draws {
     }
 
     /// Standard deviation of a sensor's noise at each draw, SI; 0 where it is not stated.
-    fn noise(&self, measurement: &Measurement, sensor: usize, order: &[String]) -> Vec<f64> {
+    pub fn noise(&self, measurement: &Measurement, sensor: usize, order: &[String]) -> Vec<f64> {
         let own = &measurement.sensors[sensor];
         let value = |draw: &[f64], what: &str, written: &Option<_>| -> f64 {
             let Some(written): &Option<crate::inference::measurement::Uncertain> = written else { return 0.0 };

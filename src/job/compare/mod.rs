@@ -401,7 +401,7 @@ impl Job for Compare {
     }
 
     fn algorithm_version(&self) -> u32 {
-        3
+        4
     }
 
     fn identity(&self) -> Value {
@@ -475,6 +475,7 @@ impl Job for Compare {
             verdicts: if unit == KELVIN { verdicts(&self.spec.criteria, &train, &held_out) } else { Vec::new() },
             criteria: self.spec.criteria.clone(),
             chi2_per_reading: chi2.filter(|c| c.1 > 0).map(|(sum, count)| sum / count as f64),
+            converged: self.tuned.as_ref().map(Tuned::converged),
             tuned: self.tuned.as_ref().map(|tuned| tuned.state(&self.model, &self.parameters, &judged, limit)),
             train,
             held_out,

@@ -272,4 +272,7 @@ pub struct Output {
     /// The tuned state, where a calibration stands behind the comparison.
     #[serde(default)]
     pub tuned: Option<TunedState>,
+    /// Whether that calibration's chains converged.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub converged: Option<bool>,
 }

@@ -21,12 +21,14 @@ const FAR: f64 = 12.0;
 pub struct Tuned {
     job: String,
     values: Vec<(String, f64)>,
+    converged: bool,
 }
 
 /// The part of a calibration's result that is used.
 #[derive(Deserialize)]
 struct Calibrated {
     tuned: Vec<(String, f64)>,
+    converged: bool,
 }
 
 impl Tuned {
@@ -37,7 +39,12 @@ impl Tuned {
     pub fn from_result(job: &str, result: &Value) -> Result<Self, JobError> {
         let found = Calibrated::deserialize(result)
             .map_err(|error| JobError::Failed(format!("the result of `{job}` has no tuned state: {error}")))?;
-        Ok(Self { job: job.to_owned(), values: found.tuned })
+        Ok(Self { job: job.to_owned(), values: found.tuned, converged: found.converged })
+    }
+
+    /// Whether the calibration's chains converged.
+    pub(super) fn converged(&self) -> bool {
+        self.converged
     }
 
     fn find(&self, name: &str) -> Option<f64> {
@@ -178,7 +185,7 @@ mod tests {
         };
         let rows = [row("A", 100.0), row("K", 3.0), row("K", -4.0)];
         let (unit, judged) = crate::job::compare::deviation::of_one_unit(&rows);
-        let tuned = Tuned { job: "fit".into(), values: vec![] };
+        let tuned = Tuned { job: "fit".into(), values: vec![], converged: true };
         let state = tuned.state(&Model::default(), &[], &judged, None);
         // By hand: the root of (9 + 16) / 2.
         assert_eq!((unit, state.train.count, state.train.rmse), ("K", 2, 12.5f64.sqrt()));

@@ -224,6 +224,7 @@ mod tests {
             failed: vec![],
             unused_columns: vec![],
             tuned: None,
+            converged: None,
         }
     }
 

@@ -3,10 +3,16 @@
 //!
 //! Every case (environment and design value) uses the same samples, so that differences between cases are not blurred by
 //! sampling. A sample is one row of a point set, each uncertain parameter one quantile of it.
+//!
+//! Parameters with a posterior handed on take one of its draws together: the coordinate of the first of them picks the
+//! draw, so that a stratified point set uses all draws equally often. The draws are not smoothed: a kernel would widen
+//! the posterior, and blur its bounds and bends, to hide a coarseness that the parameters propagated beside it blur
+//! anyway; what the number of draws leaves open stands in the intervals instead (`statistics::clusters`).
 
 mod block;
+mod main_effects;
 mod output;
-mod reached;
+pub(super) mod reached;
 mod summary;
 mod view;
 
@@ -15,14 +21,16 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use crate::random::{Distribution, PointKind, Points, StreamKey};
+use crate::statistics::clusters::Clusters;
 use crate::thermal::{Batch, Model, Network, Start};
 
 pub use output::{
-    Case, Conditional, Distributed, FailedSample, Joint, Met, Output, Probability, Quantile, Reached, Sampling, Spec,
-    Sweep, Variable,
+    Case, Conditional, Distributed, FailedSample, Joint, MainEffect, Met, Output, Probability, Quantile, Reached,
+    Sampling, Spec, Sweep, Variable,
 };
 pub use view::view;
 
+use super::handed_on::HandedOn;
 use super::requirement::Environment;
 use super::{Job, JobError, Step};
 use block::{BlockInput, BlockOutput};
@@ -52,6 +60,7 @@ pub struct Propagate {
     starts: Vec<Vec<f64>>,
     /// Quantities of the nominal parameters, by case.
     nominal: Vec<Vec<f64>>,
+    handed_on: Vec<HandedOn>,
 }
 
 impl Propagate {
@@ -82,7 +91,17 @@ impl Propagate {
         let key = StreamKey::new(seed, name, "propagate");
         let points = Points::new(set, key, usize::try_from(spec.samples).unwrap_or(usize::MAX), uncertain.len())
             .map_err(|e| failed(e.to_string()))?;
-        let mut job = Self { spec, model, priors, network, points, uncertain, starts: Vec::new(), nominal: Vec::new() };
+        let mut job = Self {
+            spec,
+            model,
+            priors,
+            network,
+            points,
+            uncertain,
+            starts: Vec::new(),
+            nominal: Vec::new(),
+            handed_on: Vec::new(),
+        };
         let mut workspace = job.network.workspace();
         for case in 0..job.cases() {
             let (parameters, inputs) = job.nominal_case(case);
@@ -95,6 +114,40 @@ impl Propagate {
             job.nominal.push(job.spec.quantities.iter().map(|&q| job.network.quantity(&workspace, q)).collect());
         }
         Ok(job)
+    }
+
+    /// The same with draws in place of the priors of some parameters; posteriors without draws yet may stand among them, for
+    /// the job's identity.
+    pub fn with_handed_on(self, handed_on: Vec<HandedOn>) -> Self {
+        Self { handed_on, ..self }
+    }
+
+    /// Coordinate of the points that picks the draw of a posterior; `None` where all its parameters are fixed.
+    fn leader(&self, own: &HandedOn) -> Option<usize> {
+        self.uncertain.iter().position(|parameter| own.parameters.contains(parameter))
+    }
+
+    fn is_handed_on(&self, parameter: usize) -> bool {
+        self.handed_on.iter().any(|own| own.parameters.contains(&parameter))
+    }
+
+    /// The samples by the draws that they were computed from, for each posterior.
+    fn clusters(&self) -> Vec<Clusters> {
+        let samples = usize::try_from(self.spec.samples).unwrap_or(usize::MAX);
+        let width = self.uncertain.len();
+        let mut clusters: Vec<Clusters> = (self.handed_on.iter())
+            .map(|own| Clusters { of: Vec::with_capacity(samples), count: own.draws.len(), effective: own.effective })
+            .collect();
+        let mut rows = vec![0.5; width * LANES * BATCHES_DRAWN];
+        for first in (0..samples).step_by(LANES * BATCHES_DRAWN) {
+            let count = (LANES * BATCHES_DRAWN).min(samples - first);
+            self.points.fill_rows(first, &mut rows[..width * count]);
+            for (own, clusters) in self.handed_on.iter().zip(&mut clusters) {
+                let leader = self.leader(own).unwrap_or(0);
+                clusters.of.extend(rows[..width * count].chunks_exact(width).map(|row| own.position(row[leader])));
+            }
+        }
+        clusters
     }
 
     /// Number of cases: for each environment the nominal design value, then the sweep.
@@ -163,10 +216,19 @@ impl Propagate {
             }
             let row = done % (LANES * BATCHES_DRAWN);
             for (position, &parameter) in self.uncertain.iter().enumerate() {
-                if swept != Some(parameter) {
+                if swept != Some(parameter) && !self.is_handed_on(parameter) {
                     let mut values: [f64; LANES] = std::array::from_fn(|lane| rows[(row + lane) * width + position]);
                     self.priors[parameter].quantiles(&mut values);
                     batch.set_parameter_lanes(parameter, values);
+                }
+            }
+            for (own, leader) in self.handed_on.iter().filter_map(|own| Some((own, self.leader(own)?))) {
+                let draws: [&[f64]; LANES] =
+                    std::array::from_fn(|lane| own.draws[own.position(rows[(row + lane) * width + leader])].as_slice());
+                for (column, &parameter) in own.parameters.iter().enumerate() {
+                    if swept != Some(parameter) {
+                        batch.set_parameter_lanes(parameter, draws.map(|draw| draw[column]));
+                    }
                 }
             }
             self.network.solve_steady_batch(&mut batch, start);
@@ -208,6 +270,14 @@ impl Propagate {
                 parameters[parameter] = self.priors[parameter].quantile(u);
             }
         }
+        for (own, leader) in self.handed_on.iter().filter_map(|own| Some((own, self.leader(own)?))) {
+            let draw = &own.draws[own.position(row[leader])];
+            for (&parameter, &value) in own.parameters.iter().zip(draw) {
+                if swept != Some(Variable::Parameter(parameter)) {
+                    parameters[parameter] = value;
+                }
+            }
+        }
         self.model.parameters.iter().map(|p| p.name.clone()).zip(parameters).collect()
     }
 }
@@ -218,19 +288,26 @@ impl Job for Propagate {
     }
 
     fn algorithm_version(&self) -> u32 {
-        2
+        3
     }
 
     fn identity(&self) -> Value {
-        json!({
+        let mut identity = json!({
             "settings": self.spec,
             "block": BLOCK,
             "model": self.model.identity(),
             "priors": self.priors,
-        })
+        });
+        if !self.handed_on.is_empty() {
+            identity["handed_on"] = self.handed_on.iter().map(HandedOn::identity).collect();
+        }
+        identity
     }
 
     fn begin(&self) -> Result<Step, JobError> {
+        if let Some(own) = self.handed_on.iter().find(|own| own.draws.is_empty()) {
+            return Err(JobError::Failed(format!("the posterior of {} has no draws", own.source)));
+        }
         let mut inputs = Vec::new();
         for case in 0..self.cases() {
             let mut first = 0;
@@ -253,6 +330,7 @@ impl Job for Propagate {
     fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
         let per_case = usize::try_from(self.spec.samples.div_ceil(BLOCK)).unwrap_or(usize::MAX);
         let mut cases = Vec::new();
+        let clusters = self.clusters();
         for (case, blocks) in outputs.chunks(per_case.max(1)).enumerate() {
             let samples = usize::try_from(self.spec.samples).unwrap_or(usize::MAX);
             let mut values: Vec<Vec<f64>> = vec![Vec::new(); self.spec.quantities.len()];
@@ -279,15 +357,21 @@ impl Job for Propagate {
                     100.0 * self.spec.failure_limit
                 )));
             }
-            cases.push(summary::case(
+            let mut summary = summary::case(
                 &self.spec,
                 &self.model,
                 self.case_name(case),
                 &values,
+                &clusters,
                 &self.nominal[case],
                 failed,
                 failures,
-            ));
+            );
+            // Parameters that share draws have no effects of their own.
+            if self.design(case).is_none() && self.handed_on.is_empty() {
+                summary.main_effects = self.main_effects(&values);
+            }
+            cases.push(summary);
         }
         let reached = self.reached(&cases);
         let output = Output {
@@ -302,6 +386,8 @@ impl Job for Propagate {
             design_unit: self.spec.sweep.as_ref().map(|sweep| sweep.unit.clone()).unwrap_or_default(),
             cases,
             reached,
+            handed_on: self.handed_on.iter().map(HandedOn::summary).collect(),
+            converged: (!self.handed_on.is_empty()).then(|| self.handed_on.iter().all(|own| own.converged)),
         };
         serde_json::to_value(output).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
     }

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::job::handed_on::HandedOnSummary;
 use crate::job::requirement::{Environment, Requirement};
+use crate::statistics::sobol_indices::Estimate;
 
 /// How the priors are sampled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -182,6 +184,18 @@ pub struct FailedSample {
     pub reason: String,
 }
 
+/// Share of a quantity's variance that would go if a parameter were known, from the same samples.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct MainEffect {
+    /// Quantity.
+    pub quantity: String,
+    /// Parameter.
+    pub parameter: String,
+    /// Estimate with its 95 % interval.
+    #[serde(flatten)]
+    pub estimate: Estimate,
+}
+
 /// One environment at one value of the design variable.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Case {
@@ -195,6 +209,8 @@ pub struct Case {
     pub requirements: Vec<Met>,
     /// Joint distributions.
     pub joint: Vec<Joint>,
+    /// Main effects by classes of the same samples, at the nominal design value; none with too few samples.
+    pub main_effects: Vec<MainEffect>,
     /// Number of failed samples.
     pub failed: u64,
     /// The first failed samples.
@@ -231,4 +247,10 @@ pub struct Output {
     pub cases: Vec<Case>,
     /// Where the required probabilities are reached.
     pub reached: Vec<Reached>,
+    /// Draws that stood in for priors; errors and intervals are from the number of draws that these are worth.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub handed_on: Vec<HandedOnSummary>,
+    /// Whether the chains behind those draws converged; left out without any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub converged: Option<bool>,
 }

@@ -13,7 +13,7 @@ fn probit(probability: f64, samples: u64) -> f64 {
 /// The design value from which on, towards the sweep's end, the probability stays at or above `required`, by straight
 /// lines on the probit scale between the swept values (rising or falling, with their probabilities): the smallest one in a
 /// rising sweep, the largest in a falling. `None` where the sweep's end does not reach it.
-fn crossing(points: &[(f64, f64)], required: f64, samples: u64) -> Option<f64> {
+pub fn crossing(points: &[(f64, f64)], required: f64, samples: u64) -> Option<f64> {
     let below = points.iter().rposition(|&(_, p)| p < required);
     match below {
         None => points.first().map(|&(x, _)| x),

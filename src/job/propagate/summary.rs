@@ -1,6 +1,7 @@
 //! Samples to distributions, probabilities and joint distributions.
 
 use super::output::{Case, Conditional, Distributed, FailedSample, Joint, Met, Probability, Quantile, Spec};
+use crate::statistics::clusters::{Clusters, effective_samples};
 use crate::statistics::histogram::{Histogram, PairHistogram, edges_sorted};
 use crate::statistics::interval::Interval;
 use crate::statistics::moments::{Moments, correlation};
@@ -16,12 +17,14 @@ const JOINT_BINS: usize = 24;
 /// Confidence of intervals.
 const CONFIDENCE: f64 = 0.95;
 
-/// Summary of one case. `values` holds the samples of each quantity of the settings, NaN where a solution failed.
+/// Summary of one case. `values` holds the samples of each quantity of the settings, NaN where a solution failed;
+/// `clusters` the samples that share a draw.
 pub fn case(
     spec: &Spec,
     model: &Model,
     (environment, design_value): (String, Option<f64>),
     values: &[Vec<f64>],
+    clusters: &[Clusters],
     nominal: &[f64],
     failed: u64,
     failures: Vec<FailedSample>,
@@ -35,6 +38,10 @@ pub fn case(
             let mut finite: Vec<f64> = values[position].iter().copied().filter(|v| v.is_finite()).collect();
             finite.sort_unstable_by(f64::total_cmp);
             let mut distributed = distribution(&finite, nominal[position]);
+            if !clusters.is_empty() {
+                let effective = effective_samples(clusters, &values[position]);
+                widen(&mut distributed, (values[position].len() as f64 / effective).sqrt());
+            }
             distributed.name.clone_from(&quantity.name);
             distributed.unit.clone_from(&quantity.unit);
             distributed.is_temperature = quantity.is_temperature;
@@ -46,8 +53,9 @@ pub fn case(
         environment,
         design_value,
         quantities,
-        requirements: requirements(spec, model, values),
+        requirements: requirements(spec, model, values, clusters),
         joint,
+        main_effects: Vec::new(),
         failed,
         failures,
     }
@@ -82,24 +90,31 @@ fn distribution(sorted: &[f64], nominal: f64) -> Distributed {
     }
 }
 
+/// Standard errors of samples that are not independent.
+fn widen(distributed: &mut Distributed, factor: f64) {
+    distributed.mean_standard_error *= factor;
+    distributed.sd_standard_error *= factor;
+    for quantile in &mut distributed.quantiles {
+        quantile.standard_error *= factor;
+    }
+}
+
 /// Each requirement, then all together where there are several.
-fn requirements(spec: &Spec, model: &Model, values: &[Vec<f64>]) -> Vec<Met> {
+fn requirements(spec: &Spec, model: &Model, values: &[Vec<f64>], clusters: &[Clusters]) -> Vec<Met> {
     let samples = values.first().map_or(0, Vec::len);
     let position_of = |quantity: usize| spec.quantities.iter().position(|&q| q == quantity);
     let mut all = vec![true; samples];
     let mut found = Vec::new();
     for requirement in &spec.requirements {
         let Some(position) = position_of(requirement.quantity) else { continue };
-        let mut met = 0u64;
-        for (flag, &value) in all.iter_mut().zip(&values[position]) {
-            let ok = requirement.met(value);
-            met += u64::from(ok);
+        let own: Vec<bool> = values[position].iter().map(|&value| requirement.met(value)).collect();
+        for (flag, &ok) in all.iter_mut().zip(&own) {
             *flag &= ok;
         }
         let quantity = &model.quantities[requirement.quantity];
         found.push(Met {
             requirement: requirement.name.clone(),
-            probability: probability(met, samples as u64),
+            probability: probability(&own, clusters),
             required: requirement.probability,
             below: requirement.below,
             above: requirement.above,
@@ -108,11 +123,10 @@ fn requirements(spec: &Spec, model: &Model, values: &[Vec<f64>]) -> Vec<Met> {
         });
     }
     if found.len() > 1 {
-        let met = all.iter().filter(|&&ok| ok).count() as u64;
         let required = found.iter().map(|m| m.required).fold(0.0, f64::max);
         found.push(Met {
             requirement: "all".to_owned(),
-            probability: probability(met, samples as u64),
+            probability: probability(&all, clusters),
             required,
             below: None,
             above: None,
@@ -123,9 +137,16 @@ fn requirements(spec: &Spec, model: &Model, values: &[Vec<f64>]) -> Vec<Met> {
     found
 }
 
-fn probability(met: u64, samples: u64) -> Probability {
-    let Interval { lower, upper } = Interval::wilson(met, samples, CONFIDENCE);
-    Probability { value: met as f64 / samples.max(1) as f64, lower, upper }
+fn probability(met: &[bool], clusters: &[Clusters]) -> Probability {
+    let (count, samples) = (met.iter().filter(|&&ok| ok).count() as u64, met.len() as u64);
+    let value = count as f64 / samples.max(1) as f64;
+    let Interval { lower, upper } = if clusters.is_empty() {
+        Interval::wilson(count, samples, CONFIDENCE)
+    } else {
+        let indicators: Vec<f64> = met.iter().map(|&ok| f64::from(u8::from(ok))).collect();
+        Interval::wilson_effective(value, effective_samples(clusters, &indicators), CONFIDENCE)
+    };
+    Probability { value, lower, upper }
 }
 
 /// Joint distribution of two quantities, with the second's distribution where the first lies in each bin.

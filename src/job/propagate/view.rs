@@ -11,15 +11,17 @@ const ALL: &str = "all";
 ///
 /// `quantities`, `probability` and `failed` are of the nominal design in the first environment, which `environment`
 /// names; `cases` has the same for every environment and design value, the nominal design (`design_value` null) first.
+/// With draws in place of priors, `handed_on` says which, and `converged` whether their chains did.
 /// `probability` always has `all`, also where there is but one requirement.
 pub fn view(output: &Output) -> Value {
     let cases: Vec<Value> = output.cases.iter().map(case).collect();
     let first = cases.first();
     let of_first = |name: &str| first.map_or(Value::Null, |case| case[name].clone());
-    json!({
+    let mut document = json!({
         "environment": of_first("environment"),
         "quantities": of_first("quantities"),
         "probability": of_first("probability"),
+        "main": of_first("main"),
         "samples": output.samples,
         "failed": of_first("failed"),
         "sampling": output.sampling,
@@ -27,7 +29,12 @@ pub fn view(output: &Output) -> Value {
         "design_written_unit": output.design_unit,
         "cases": cases,
         "reached": output.reached,
-    })
+    });
+    if !output.handed_on.is_empty() {
+        document["handed_on"] = json!(output.handed_on);
+        document["converged"] = json!(output.converged);
+    }
+    document
 }
 
 fn case(case: &Case) -> Value {
@@ -45,7 +52,18 @@ fn case(case: &Case) -> Value {
         "failed": case.failed,
         "failures": case.failures,
         "joint": case.joint,
+        "main": main_effects(case),
     })
+}
+
+/// Main effects by quantity then parameter.
+fn main_effects(case: &Case) -> Value {
+    let mut main: Map<String, Value> = Map::new();
+    for effect in &case.main_effects {
+        let entry = main.entry(effect.quantity.clone()).or_insert_with(|| json!({}));
+        entry[effect.parameter.as_str()] = json!(effect.estimate);
+    }
+    Value::Object(main)
 }
 
 fn requirement(met: &Met) -> Value {
@@ -126,6 +144,7 @@ mod tests {
             quantities: vec![quantity.clone()],
             requirements: requirements.clone(),
             joint: vec![],
+            main_effects: vec![],
             failed,
             failures: vec![],
         };
@@ -136,6 +155,8 @@ mod tests {
             design_unit: "m2".into(),
             cases: vec![case("hot", None, 2), case("hot", Some(0.3), 5)],
             reached: vec![],
+            handed_on: vec![],
+            converged: None,
         }
     }
 

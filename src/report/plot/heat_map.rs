@@ -2,7 +2,7 @@
 
 use super::canvas::{Anchor, Drawing, Lettering, SMALL, TEXT, WIDTH, draw, fitted, text_width};
 use super::palette::{INK, MUTED, PAPER, diverging, is_light};
-use crate::report::number::signed;
+use crate::report::number::{fixed, signed};
 
 /// What is drawn.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,6 +19,8 @@ pub struct HeatMap {
     pub mark_label: String,
     /// Decimals printed.
     pub decimals: usize,
+    /// Numbers that are never below 0, printed without their sign.
+    pub is_unsigned: bool,
 }
 
 /// Draws the map. A missing number is a grey cell.
@@ -66,7 +68,12 @@ pub fn heat_map(map: &HeatMap) -> Drawing {
                 canvas.fill((x, y), (x + width, y + row_height), colour, 1.0);
                 canvas.outline((x, y), (x + width, y + row_height), PAPER, 3);
                 let ink = if is_light(colour) { INK } else { PAPER };
-                let text = value.map_or_else(|| "\u{2014}".to_owned(), |v| signed(v, map.decimals));
+                let text = value.map_or_else(
+                    || "\u{2014}".to_owned(),
+                    |v| {
+                        if map.is_unsigned { fixed(v, map.decimals) } else { signed(v, map.decimals) }
+                    },
+                );
                 canvas.text(
                     &text,
                     (x + width / 2.0, y + row_height / 2.0),

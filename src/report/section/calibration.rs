@@ -2,7 +2,7 @@
 
 mod figures;
 
-use crate::job::calibrate::{Output, ParameterSummary};
+use crate::job::calibrate::{Output, ParameterSummary, PhaseScore};
 use crate::job::compare;
 use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, typeset};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
@@ -22,6 +22,7 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.push(parameters(output));
         blocks.extend(report.comparisons().filter_map(|(_, comparison)| achieved(name, comparison)));
         blocks.push(coverage(output));
+        blocks.extend(scores(output));
         blocks.extend(figures::figures(name, output));
         blocks.push(Block::paragraph(method(output)));
     }
@@ -78,9 +79,18 @@ fn parameters(output: &Output) -> Block {
         };
         let fails = own.rhat.is_none_or(|value| value >= 1.01);
         let few = own.ess_bulk.is_none_or(|ess| ess < 400.0) || own.ess_tail.is_none_or(|ess| ess < 400.0);
+        let prior = match &own.handed_on {
+            Some(prior) => format!(
+                "{} \u{00B1} {}, draws of {}",
+                to(prior.mean, prior.sd),
+                significant(prior.sd, 2),
+                prior.source.replace('`', "")
+            ),
+            None => prior_words(&own.prior, &Shown::written(&own.unit)),
+        };
         vec![
             Cell::code(name),
-            prior_words(&own.prior, &Shown::written(&own.unit)).into(),
+            prior.into(),
             to(own.mean, own.sd).into(),
             significant(own.sd, 2).into(),
             format!("{} to {}", to(own.q025, own.sd), to(own.q975, own.sd)).into(),
@@ -199,6 +209,78 @@ fn coverage(output: &Output) -> Block {
     })
 }
 
+/// Worst phases shown; the others are folded away with them.
+const WORST_PHASES: usize = 5;
+
+/// What the rest of the data said of each steady phase.
+fn scores(output: &Output) -> Vec<Block> {
+    let mut words = String::new();
+    if let Some(left_out) = &output.leave_one_phase_out {
+        let count = output.phases.iter().filter(|phase| !phase.held_out).count();
+        words.push_str(&format!(
+            "Log predictive density of {count} fitted phases, each left out in turn: {} \u{00B1} {}",
+            fixed(left_out.expected_log_density, 1),
+            fixed(left_out.standard_error, 1)
+        ));
+        if left_out.unreliable > 0 {
+            words.push_str(&format!(" ({} of them not reliable)", left_out.unreliable));
+        }
+        words.push_str(&format!("; effective number of parameters {}. ", fixed(left_out.effective_parameters, 1)));
+    }
+    if let Some(held_out) = &output.held_out {
+        let error = held_out.standard_error.map_or(String::new(), |error| format!(" \u{00B1} {}", fixed(error, 1)));
+        words.push_str(&format!(
+            "Of {} phases held out ({} readings): {}{error}. ",
+            held_out.phases,
+            held_out.readings,
+            fixed(held_out.log_density, 1)
+        ));
+    }
+    if words.is_empty() {
+        return Vec::new();
+    }
+    words.push_str("Larger is better; only models of the same readings are to be compared.");
+    let mut worst: Vec<_> = output.phases.iter().filter(|phase| phase.readings > 0).collect();
+    let of_a_reading = |phase: &PhaseScore| phase.log_density / phase.readings as f64;
+    worst.sort_by(|a, b| of_a_reading(a).total_cmp(&of_a_reading(b)));
+    let row = |phase: &&PhaseScore| {
+        let kind = if phase.held_out { "held out" } else { "for fits" };
+        let kind = if phase.reliable { kind.to_owned() } else { format!("{kind}, not reliable") };
+        vec![
+            Cell::code(&phase.measurement),
+            Cell::code(&phase.phase),
+            kind.into(),
+            phase.readings.to_string().into(),
+            fixed(phase.log_density, 2).into(),
+            fixed(of_a_reading(phase), 2).into(),
+        ]
+    };
+    let table = |caption: &str, rows: &[&PhaseScore]| {
+        Block::Table(Table {
+            caption: caption.into(),
+            columns: vec![
+                Column::text("Measurement"),
+                Column::text("Phase"),
+                Column::text("Readings"),
+                Column::number("Number", ""),
+                Column::number("Log density", ""),
+                Column::number("Of a reading", ""),
+            ],
+            rows: rows.iter().map(row).collect(),
+        })
+    };
+    let few = worst.len().min(WORST_PHASES);
+    let mut blocks = vec![
+        Block::paragraph(words),
+        table("The phases that were predicted worst, by log density of a reading.", &worst[..few]),
+    ];
+    if worst.len() > few {
+        let rest = table("The other phases, from worse to better.", &worst[few..]);
+        blocks.push(Block::Details("Scores of the other phases".into(), vec![rest]));
+    }
+    blocks
+}
+
 fn method(output: &Output) -> String {
     let best = &output.most_probable;
     let mut text = format!(
@@ -214,7 +296,7 @@ fn method(output: &Output) -> String {
     }
     if let Some(left_out) = &output.leave_one_out {
         text.push_str(&format!(
-            "Leave-one-out log density {} \u{00B1} {}",
+            "Log predictive density of the readings, each left out in turn, {} \u{00B1} {}",
             fixed(left_out.expected_log_density, 1),
             fixed(left_out.standard_error, 1)
         ));

@@ -5,12 +5,16 @@ mod adopted;
 mod calibration;
 mod comparison;
 mod data;
+pub mod design;
 mod diagnosis;
+pub mod goal;
 mod history;
 mod network;
+mod prediction;
 pub mod problem;
 pub mod propagation;
 mod provenance;
+pub mod sensitivity;
 mod sizing;
 mod summary;
 
@@ -22,7 +26,16 @@ use super::view::PassReport;
 pub type Build = fn(&PassReport<'_>) -> Option<Section>;
 
 /// The sections that show results of jobs, in the order of the report.
-pub const RESULTS: &[Build] = &[propagation::build, sizing::build, comparison::build, diagnosis::build];
+pub const RESULTS: &[Build] = &[
+    propagation::build,
+    sensitivity::build,
+    goal::build,
+    sizing::build,
+    design::build,
+    comparison::build,
+    diagnosis::build,
+    prediction::build,
+];
 
 /// The summary alone.
 pub const SUMMARY: Build = summary::build;
@@ -45,11 +58,15 @@ pub const SECTIONS: &[Build] = &[
     adopted::build,
     network::build,
     propagation::build,
+    sensitivity::build,
+    goal::build,
     sizing::build,
+    design::build,
     comparison::build,
     calibration::build,
     diagnosis::build,
     history::build,
+    prediction::build,
     data::build,
     provenance::build,
 ];

@@ -100,11 +100,16 @@ fn parameters(report: &PassReport<'_>) -> Vec<Block> {
         .map(|parameter| {
             let shown = Shown::written(&parameter.unit);
             let prior = report.priors.iter().find(|p| p.0 == parameter.name);
+            let draws = report.handed_on.iter().find(|(name, _)| *name == parameter.name);
+            let prior = match draws {
+                Some((_, source)) => format!("draws of {}", source.replace('`', "")),
+                None => prior.map_or_else(|| "fixed".to_owned(), |p| prior_words(&p.1, &shown)),
+            };
             vec![
                 Cell::code(&parameter.name),
                 as_given(shown.value(parameter.nominal)).into(),
                 shown.unit.clone().into(),
-                prior.map_or_else(|| "fixed".to_owned(), |p| prior_words(&p.1, &shown)).into(),
+                prior.into(),
                 parameter.description.clone().into(),
                 parameter.source.clone().into(),
             ]

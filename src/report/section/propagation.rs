@@ -10,6 +10,8 @@ use super::problem::limits;
 
 /// Figures of distributions that stand open; the others are folded away.
 const OPEN_FIGURES: usize = 2;
+/// Parameters told of each quantity.
+const MOST_MAIN_EFFECTS: usize = 4;
 
 /// The section on propagation; not without such a job.
 pub fn build(report: &PassReport<'_>) -> Option<Section> {
@@ -27,6 +29,7 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.extend(probability_figures(output, name).into_iter().filter(is_new).map(Block::Figure));
         blocks.extend(sweep_table(output));
         blocks.push(distributions(output));
+        blocks.extend(main_effects(output));
         let mut figures = Vec::new();
         for case in nominal_cases(output) {
             figures.extend(case.quantities.iter().flat_map(|q| [histogram(case, q, name), cumulative(case, q, name)]));
@@ -59,7 +62,7 @@ pub fn nominal_cases(output: &Output) -> impl Iterator<Item = &Case> {
     output.cases.iter().filter(move |c| !has_nominal || c.design_value.is_none())
 }
 
-fn failures(output: &Output) -> Vec<Block> {
+pub(super) fn failures(output: &Output) -> Vec<Block> {
     let failed: u64 = output.cases.iter().map(|c| c.failed).sum();
     if failed == 0 {
         return Vec::new();
@@ -152,7 +155,7 @@ fn requirements(report: &PassReport<'_>, output: &Output) -> Block {
 }
 
 /// Environments in the order of the cases.
-fn environments(output: &Output) -> Vec<&str> {
+pub(super) fn environments(output: &Output) -> Vec<&str> {
     let mut out: Vec<&str> = Vec::new();
     for case in &output.cases {
         if !out.contains(&case.environment.as_str()) {
@@ -258,7 +261,7 @@ fn sweep_table(output: &Output) -> Option<Block> {
     Some(Block::Details("Table of the sweep".into(), vec![Block::Table(Table { caption, columns, rows })]))
 }
 
-fn quantile(distributed: &Distributed, probability: f64) -> f64 {
+pub(super) fn quantile(distributed: &Distributed, probability: f64) -> f64 {
     distributed.quantiles.iter().find(|q| (q.probability - probability).abs() < 1e-9).map_or(f64::NAN, |q| q.value)
 }
 
@@ -291,6 +294,41 @@ fn distributions(output: &Output) -> Block {
         columns,
         rows,
     })
+}
+
+/// The leading parameters of each quantity by the same samples.
+fn main_effects(output: &Output) -> Option<Block> {
+    let mut rows = Vec::new();
+    for case in nominal_cases(output) {
+        for quantity in &case.quantities {
+            let mut effects: Vec<_> = case.main_effects.iter().filter(|e| e.quantity == quantity.name).collect();
+            effects.sort_by(|a, b| b.estimate.value.total_cmp(&a.estimate.value));
+            rows.extend(effects.iter().take(MOST_MAIN_EFFECTS).map(|effect| {
+                vec![
+                    Cell::code(&case.environment),
+                    Cell::code(&effect.quantity),
+                    Cell::code(&effect.parameter),
+                    super::sensitivity::estimate_text(&effect.estimate).into(),
+                ]
+            }));
+        }
+    }
+    if rows.is_empty() {
+        return None;
+    }
+    let table = Table {
+        caption: "Shares of the variance that would go if a parameter were known, by classes of the parameter among the same samples, \
+                  with 95 % intervals; the leading parameters of each quantity."
+            .into(),
+        columns: vec![
+            Column::text("Environment"),
+            Column::text("Quantity"),
+            Column::text("Parameter"),
+            Column::number("Main effect", ""),
+        ],
+        rows,
+    };
+    Some(Block::Details("Main effects from the same samples".into(), vec![Block::Table(table)]))
 }
 
 /// Markers of the limits that apply to a quantity and of its nominal value.
@@ -343,7 +381,7 @@ pub(super) fn histogram(case: &Case, q: &Distributed, job: &str) -> Figure {
     }
 }
 
-fn cumulative(case: &Case, q: &Distributed, job: &str) -> Figure {
+pub(super) fn cumulative(case: &Case, q: &Distributed, job: &str) -> Figure {
     let shown = Shown::quantity(&q.unit, q.is_temperature);
     let count = q.cdf.len().max(1) as f64;
     let points = q.cdf.iter().enumerate().map(|(i, &v)| (shown.value(v), (i as f64 + 0.5) / count)).collect();
@@ -364,7 +402,7 @@ fn cumulative(case: &Case, q: &Distributed, job: &str) -> Figure {
     }
 }
 
-fn joint(report: &PassReport<'_>, case: &Case, j: &Joint, job: &str) -> Figure {
+pub(super) fn joint(report: &PassReport<'_>, case: &Case, j: &Joint, job: &str) -> Figure {
     let (x, y) = (report.quantity_shown(&j.x, &j.units[0]), report.quantity_shown(&j.y, &j.units[1]));
     let line = |value: fn(&crate::job::propagate::Conditional) -> f64| -> Vec<(f64, f64)> {
         j.conditional.iter().map(|c| (x.value(c.x), y.value(value(c)))).collect()

@@ -2,12 +2,12 @@
 //! that costs; with the picture that shows it.
 
 use crate::job::compare::{Output, SensorSummary};
-use crate::job::{conventional, propagate};
+use crate::job::{conventional, predict, propagate};
 use crate::report::number::{self, Shown, fixed, signed};
 use crate::report::page::{Block, Figure, Section, Statement, Status, Text, Tone};
 use crate::report::view::PassReport;
 
-use super::{comparison, propagation, sizing};
+use super::{comparison, prediction, propagation, sizing};
 
 /// Statements on the first screen.
 const MOST_STATEMENTS: usize = 6;
@@ -17,6 +17,15 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
     let mut statements = Vec::new();
     let mut verdicts = Vec::new();
+    // What a calibrated model is for goes before how well it fits.
+    for (_, output) in report.predictions() {
+        let (about_requirements, _) = of_propagation(report, &output.posterior);
+        statements.extend(about_requirements.into_iter().map(|own| Statement {
+            label: own.label.replacen("Probability,", "Probability after calibration,", 1),
+            ..own
+        }));
+        statements.extend(of_prediction(output));
+    }
     for (_, output) in report.comparisons() {
         statements.extend(of_comparison(report, output));
         verdicts.push(verdict_of_comparison(output));
@@ -66,6 +75,9 @@ pub(super) fn main_picture(report: &PassReport<'_>) -> Option<Figure> {
         report.conventionals().find_map(|(job, o)| Some((job, o, *sizing::pairs(o).first()?)))
     {
         return Some(sizing::figure(report, job, output, pair));
+    }
+    if let Some(figure) = report.predictions().find_map(|(job, own)| prediction::figures(own, job).into_iter().next()) {
+        return Some(figure);
     }
     let (job, output) = report.propagations().next()?;
     propagation::probability_figures(output, job).into_iter().next().or_else(|| {
@@ -228,6 +240,31 @@ fn of_propagation(report: &PassReport<'_>, output: &propagate::Output) -> (Vec<S
         }
     }
     (out, quantities)
+}
+
+/// By environment: the design value that all requirements allow, before and after.
+fn of_prediction(output: &predict::Output) -> Vec<Statement> {
+    let mut out: Vec<Statement> = Vec::new();
+    let Some(design) = &output.posterior.design_variable else { return out };
+    let shown = Shown::written(&output.posterior.design_unit);
+    for case in propagation::nominal_cases(&output.posterior) {
+        let is_whole = |own: &&propagate::Reached| {
+            own.environment == case.environment && (own.requirement == "all" || case.requirements.len() == 1)
+        };
+        let find = |from: &propagate::Output| from.reached.iter().find(is_whole).and_then(|own| own.design_value);
+        let Some(value) = find(&output.posterior) else { continue };
+        let text = find(&output.prior).map_or_else(
+            || "no value of the sweep reached it with the priors.".to_owned(),
+            |before| format!("reaches what is required; with the priors {}.", shown.text(before)),
+        );
+        out.push(Statement {
+            label: format!("{design} after calibration, {}", case.environment),
+            value: shown.text(value),
+            text: Text::new(text),
+            status: None,
+        });
+    }
+    out
 }
 
 fn of_sizes(report: &PassReport<'_>, output: &conventional::Output) -> Vec<Statement> {

@@ -2,6 +2,8 @@
 
 use serde_json::json;
 
+use super::design::DesignForm;
+use crate::document::prior::PosteriorForm;
 use crate::document::written::wrong_type;
 use crate::document::{
     Amount, Diagnostics, Map, NameOr, Node, Schemas, Spanned, Value, Written, written_choice, written_struct,
@@ -14,11 +16,11 @@ written_choice! {
         /// Propagation of the parameters' uncertainty.
         "propagate" => Propagate(PropagateForm),
         /// Which parameters matter.
-        "sensitivity" => Sensitivity(Node),
+        "sensitivity" => Sensitivity(SensitivityForm),
         /// Which parameter must be known how well.
-        "goal" => Goal(Node),
+        "goal" => Goal(GoalForm),
         /// The experiment that teaches most.
-        "design" => Design(Node),
+        "design" => Design(Box<DesignForm>),
         /// Parameters from measurements.
         "calibrate" => Calibrate(CalibrateForm),
         /// Model against measurements.
@@ -28,7 +30,7 @@ written_choice! {
         /// The model's discrepancy as a function.
         "discrepancy" => Discrepancy(Node),
         /// Flight prediction.
-        "predict" => Predict(Node),
+        "predict" => Predict(Box<PredictForm>),
         /// Stacked worst cases with margins by rule.
         "conventional" => Conventional(ConventionalForm),
     }
@@ -52,6 +54,93 @@ written_struct! {
         /// Pairs of quantities whose joint distribution is wanted.
         default(Vec::new()) joint: Vec<[Spanned<String>; 2]>,
         /// Largest share of failed samples that is tolerated, 0.01 where it is left out.
+        optional failure_limit: Spanned<f64>,
+    }
+}
+
+written_struct! {
+    /// Settings of `predict`.
+    pub struct PredictForm: "settings of `predict`" {
+        /// The `calibrate` job whose posterior is carried: one of this pass by its name, or `{"pass": ..., "job": ...}`. The
+        /// pass's only one where it is left out.
+        optional from: NameOr<Spanned<PosteriorForm>>,
+        /// Quantities, as in `propagate`.
+        optional quantities: Vec<Spanned<String>>,
+        /// Number of samples, 4096 where it is left out.
+        optional samples: Spanned<u64>,
+        /// How the sample space is covered, `sobol` where it is left out.
+        optional sampling: SamplingForm,
+        /// Environments; all of the pass, else `nominal` with the inputs' nominal values.
+        optional environments: Vec<Spanned<String>>,
+        /// Requirements; all of the pass where they are left out.
+        optional requirements: Vec<Spanned<String>>,
+        /// A design variable with its values.
+        optional sweep: Spanned<Map<SweepForm>>,
+        /// Pairs of quantities whose joint distribution is wanted.
+        default(Vec::new()) joint: Vec<[Spanned<String>; 2]>,
+        /// Largest share of failed samples that is tolerated, 0.01 where it is left out.
+        optional failure_limit: Spanned<f64>,
+        /// What is added to the model: a discrepancy, effects. This version refuses it.
+        optional with: Node,
+    }
+}
+
+written_struct! {
+    /// Settings of `sensitivity`.
+    pub struct SensitivityForm: "settings of `sensitivity`" {
+        /// Quantities; those of the pass's requirements, else all named ones, else all nodes.
+        optional quantities: Vec<Spanned<String>>,
+        /// What is computed; all of it where it is left out.
+        optional methods: Vec<MethodForm>,
+        /// Base points of each scramble, a power of two, 4096 where it is left out; the most that are taken where a
+        /// precision is asked for.
+        optional samples: Spanned<u64>,
+        /// Independent scrambles of the Sobol points, 8 where it is left out.
+        optional scrambles: Spanned<u64>,
+        /// Whether effects of pairs are computed too, which doubles the solves.
+        default(false) second_order: bool,
+        /// The widest interval of a main or total effect that is good enough.
+        optional precision: Spanned<f64>,
+        /// Trajectories of `morris`, 64 where it is left out.
+        optional trajectories: Spanned<u64>,
+        /// Environments; all of the pass, else `nominal` with the inputs' nominal values.
+        optional environments: Vec<Spanned<String>>,
+        /// Largest share of failed solves that is tolerated, 0.01 where it is left out.
+        optional failure_limit: Spanned<f64>,
+    }
+}
+
+written_words! {
+    /// A way to tell which parameters matter.
+    pub enum MethodForm: "a method" {
+        /// Exact derivatives at the nominal parameters.
+        "local" => Local,
+        /// Elementary effects.
+        "morris" => Morris,
+        /// Shares of the variance.
+        "sobol" => Sobol,
+        /// Bounds of the total effects by mean squared derivatives.
+        "derivative" => Derivative,
+    }
+}
+
+written_struct! {
+    /// Settings of `goal`.
+    pub struct GoalForm: "settings of `goal`" {
+        /// Requirements; all of the pass where they are left out.
+        optional requirements: Vec<Spanned<String>>,
+        /// Parameters whose knowledge is sharpened, in this order; those with the largest main effects where they are left out.
+        optional parameters: Vec<Spanned<String>>,
+        /// A design variable whose reachable value is sought: a name, or a name with `from` and `to`. The pass's one entry under
+        /// `design` where it is left out, else none.
+        optional design_variable: NameOr<Spanned<Map<RangeForm>>>,
+        /// Environments, in all of which the requirements must be met; all of the pass, else `nominal`.
+        optional environments: Vec<Spanned<String>>,
+        /// Number of samples, 4096 where it is left out.
+        optional samples: Spanned<u64>,
+        /// Standard deviation of the model's discrepancy by quantity, as a validation experiment found it.
+        default(Map::default()) discrepancy: Map<Amount>,
+        /// Largest share of failed solves that is tolerated, 0.01 where it is left out.
         optional failure_limit: Spanned<f64>,
     }
 }

@@ -1,6 +1,7 @@
 //! A pass as written: `pass-N.json`, format `bmv-pass/1`.
 
 pub mod adopt;
+pub mod design;
 pub mod job;
 pub mod measurement;
 pub mod uncertain;

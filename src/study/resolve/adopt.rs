@@ -118,6 +118,7 @@ impl Adoption {
         usage: &MapEntry<EffectUse>,
         sensors: &[SensorPlace],
     ) -> Option<Applied> {
+        scope.drawn.clear();
         let placed = place(scope, effect, usage, sensors)?;
         let bound = bound(scope, effect, usage, placed.node.as_ref())?;
         let parameters = parameters(scope, effect, &usage.value, &bound)?;
@@ -144,6 +145,11 @@ impl Adoption {
         };
         let parameters = instance.parameters;
         scope.resolved.note_additions(parameters.iter().map(|parameter| (parameter.unit.clone(), parameter.prior)));
+        for (name, drawn) in std::mem::take(&mut scope.drawn) {
+            if let Some(place) = parameters.iter().position(|parameter| parameter.name == name) {
+                scope.resolved.priors[applied.first_parameter + place] = drawn;
+            }
+        }
         scope.hosts.extend(&applied.nodes);
         self.priors.extend(parameters.iter().map(|parameter| parameter.prior));
         self.adopted.push(AdoptedEffect {

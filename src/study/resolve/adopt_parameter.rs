@@ -65,10 +65,7 @@ fn change(scope: &mut Scope, parameter: &mut EffectParameter, entry: &MapEntry<E
                 parameter.prior = distribution;
                 parameter.nominal = distribution.quantile(0.5);
             }
-            Some(Prior::Posterior { place, .. } | Prior::Draws { place, .. }) => {
-                let message = "this version cannot yet take a prior from draws";
-                scope.error(&code::PRIOR_NOT_READ, &place, message, "a distribution");
-            }
+            Some(drawn) => scope.drawn.push((parameter.name.clone(), drawn)),
             None => {}
         }
     }

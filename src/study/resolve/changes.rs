@@ -10,7 +10,7 @@ use crate::study::resolved::ParameterChange;
 
 use super::scope::Scope;
 
-/// Applies the changes and gives them, and the priors of all parameters in SI.
+/// Applies the changes and gives them, and the priors of all parameters in SI; one from draws is no more than a placeholder yet.
 pub fn changes(scope: &mut Scope, forms: &Map<ParameterChangeForm>) -> (Vec<ParameterChange>, Vec<Distribution>) {
     // Priors first, so that a change can say what was before; those that a pass replaces need not be usable.
     let mut priors: Vec<Option<Distribution>> =
@@ -76,20 +76,11 @@ pub fn changes(scope: &mut Scope, forms: &Map<ParameterChangeForm>) -> (Vec<Para
             unit: parameter.unit.clone(),
             nominal: [before, nominal],
             prior: [old.unwrap_or(fixed), priors[index].unwrap_or(fixed)],
+            draws: scope.resolved.priors[index].draws_words(),
             because: form.because.as_ref().map_or_else(String::new, |because| because.value.clone()),
         });
     }
-    let mut usable = Vec::new();
-    for (index, prior) in scope.resolved.priors.clone().iter().enumerate() {
-        usable.push(match prior {
-            Prior::Distribution(distribution) => *distribution,
-            Prior::Posterior { place, .. } | Prior::Draws { place, .. } => {
-                let name = scope.resolved.model.parameters[index].name.clone();
-                let message = format!("this version cannot yet take the prior of `{name}` from draws");
-                scope.error(&code::PRIOR_NOT_READ, place, message, "a distribution");
-                Distribution::Fixed(0.0)
-            }
-        });
-    }
+    // What draws stand in for is looked up when all parameters are known.
+    let usable = priors.iter().map(|prior| prior.unwrap_or(Distribution::Fixed(0.0))).collect();
     (changes, usable)
 }

@@ -322,3 +322,32 @@ fn report(scope: &mut Scope, source: &Arc<Source>, problems: Problems) {
         scope.diagnostics.push(Diagnostic::error(&code::TABLE_CELL, &place, message));
     }
 }
+
+/// The columns of a file of draws, each the values (SI) of one parameter, in the order wanted.
+pub fn draws(scope: &mut Scope, data: &Data, wanted: &[Wanted]) -> Result<Vec<Vec<f64>>, Reported> {
+    let before = scope.diagnostics.errors();
+    let mut problems = Problems::default();
+    let Some(table) = Table::new(data.source.text(), b',', &mut problems) else {
+        report(scope, &data.source, problems);
+        return Err(Reported);
+    };
+    let (columns, headers) = (Map::default(), table.headers());
+    let layout = Layout { columns: &columns, separator: b',', key: "" };
+    let (mut asked, mut units) = (Vec::new(), Vec::new());
+    for wanted in wanted {
+        let index = find(scope, &data.source, headers, &layout, wanted.name, wanted.place, true);
+        let unit = index.and_then(|index| unit(scope, &data.source, &headers[index], &layout, wanted));
+        if let (Some(index), Some(unit)) = (index, unit) {
+            asked.push((index, Cells::Numbers));
+            units.push(unit);
+        }
+    }
+    let read = table.read(&asked, &mut problems);
+    report(scope, &data.source, problems);
+    if scope.diagnostics.errors() > before {
+        return Err(Reported);
+    }
+    let senses = wanted.iter().map(|wanted| wanted.sense);
+    let read = read.iter().zip(&units).zip(senses).map(|((column, unit), sense)| converted(column, unit, sense));
+    Ok(read.map(|values| values.into_iter().flatten().collect()).collect())
+}

@@ -4,6 +4,7 @@ use crate::document::prior::support;
 use crate::document::{Amount, Diagnostic, Map, MapEntry, NameOr, Node, Place, Sense, Spanned, Value, code};
 use crate::effect::Catalogue;
 use crate::expression::Dimension;
+use crate::inference::measurement::Measurement;
 use crate::job::compare::{self, Criteria};
 use crate::job::conventional::{self, Rule};
 use crate::job::propagate::{self, Sampling, Sweep, Variable};
@@ -14,8 +15,9 @@ use crate::study::pass::job::{
     CompareForm, ConventionalForm, JobForm, PropagateForm, RangeForm, SamplingForm, SweepForm,
 };
 use crate::study::profile;
-use crate::study::resolved::{JobSpec, NamedJob};
+use crate::study::resolved::{HandedOnPrior, JobSpec, NamedJob};
 
+use super::handed_on::Upstreams;
 use super::scope::Scope;
 
 /// Samples where a job says nothing.
@@ -31,14 +33,22 @@ const NOMINAL: &str = "nominal";
 
 /// What jobs of a pass can name.
 pub struct Offered<'a> {
+    /// File of the pass within the study.
+    pub file: &'a str,
     /// The priors, SI.
     pub priors: &'a [Distribution],
+    /// Draws that stand in for some of them.
+    pub handed_on: &'a [HandedOnPrior],
     /// Requirements.
     pub requirements: &'a [Requirement],
     /// Environments.
     pub environments: &'a [Environment],
     /// Measurements by name, with their position in the list; `None` where pinned data are missing.
     pub measurements: &'a [(String, Option<usize>)],
+    /// The measurements that are there.
+    pub data: &'a [Measurement],
+    /// Inputs whose range is that of the data.
+    pub ranges_from_data: &'a [String],
     /// Margin rules.
     pub rules: &'a [Rule],
     /// Criteria profiles.
@@ -54,24 +64,41 @@ pub struct Offered<'a> {
 }
 
 /// Resolves the jobs in the order of the file.
-pub fn jobs(scope: &mut Scope, forms: &Map<JobForm>, offered: &Offered) -> Vec<NamedJob> {
-    let mut jobs = Vec::new();
+pub(super) fn jobs(
+    scope: &mut Scope,
+    forms: &Map<JobForm>,
+    offered: &Offered,
+    upstreams: &mut Upstreams,
+) -> Vec<NamedJob> {
+    let mut specs: Vec<Option<JobSpec>> = Vec::new();
     for entry in forms {
-        let spec = match &entry.value {
+        specs.push(match &entry.value {
             JobForm::Propagate(form) => propagate(scope, form, offered).map(JobSpec::Propagate),
             JobForm::Conventional(form) => conventional(scope, entry, form, offered).map(JobSpec::Conventional),
             JobForm::Compare(form) => compare(scope, entry, form, forms, offered),
             JobForm::Diagnose(form) => super::diagnose::diagnose(scope, entry, form, offered),
             JobForm::Calibrate(form) => super::calibrate::calibrate(scope, entry, form, offered),
-            JobForm::Sensitivity(settings)
-            | JobForm::Goal(settings)
-            | JobForm::Design(settings)
-            | JobForm::Discrepancy(settings)
-            | JobForm::Predict(settings) => not_yet(scope, entry.value.kind(), settings, offered),
-        };
-        jobs.extend(spec.map(|spec| NamedJob { name: entry.name.clone(), spec }));
+            // After the calibrations of the pass, wherever these stand.
+            JobForm::Predict(_) => None,
+            JobForm::Sensitivity(form) => {
+                super::sensitivity::sensitivity(scope, form, offered).map(JobSpec::Sensitivity)
+            }
+            JobForm::Goal(form) => super::goal::goal(scope, entry, form, offered).map(JobSpec::Goal),
+            JobForm::Design(form) => super::design::design(scope, entry, form, offered).map(JobSpec::Design),
+            JobForm::Discrepancy(settings) => not_yet(scope, entry.value.kind(), settings, offered),
+        });
     }
-    jobs
+    let named = |specs: &[Option<JobSpec>]| -> Vec<NamedJob> {
+        let all = forms.iter().zip(specs);
+        all.filter_map(|(entry, spec)| Some(NamedJob { name: entry.name.clone(), spec: spec.clone()? })).collect()
+    };
+    let known = named(&specs);
+    for (entry, spec) in forms.iter().zip(&mut specs) {
+        if let JobForm::Predict(form) = &entry.value {
+            *spec = super::predict::predict(scope, entry, form, offered, upstreams, (&known, forms));
+        }
+    }
+    named(&specs)
 }
 
 /// The comparison at nominal parameters that a pass with measurements gets though no job asks for one.
@@ -112,7 +139,11 @@ pub(super) fn measurement(scope: &mut Scope, name: &str, place: &Place, offered:
     found
 }
 
-fn environments(scope: &mut Scope, names: Option<&Vec<Spanned<String>>>, offered: &Offered) -> Vec<Environment> {
+pub(super) fn environments(
+    scope: &mut Scope,
+    names: Option<&Vec<Spanned<String>>>,
+    offered: &Offered,
+) -> Vec<Environment> {
     let nominal = || Environment { name: NOMINAL.to_owned(), inputs: scope.nominal_inputs() };
     let Some(names) = names.filter(|names| !names.is_empty()) else {
         return if offered.environments.is_empty() { vec![nominal()] } else { offered.environments.to_vec() };
@@ -134,7 +165,11 @@ fn environments(scope: &mut Scope, names: Option<&Vec<Spanned<String>>>, offered
     list
 }
 
-fn requirements(scope: &mut Scope, names: Option<&Vec<Spanned<String>>>, offered: &Offered) -> Vec<Requirement> {
+pub(super) fn requirements(
+    scope: &mut Scope,
+    names: Option<&Vec<Spanned<String>>>,
+    offered: &Offered,
+) -> Vec<Requirement> {
     let Some(names) = names else { return offered.requirements.to_vec() };
     let mut list = Vec::new();
     for name in names {
@@ -149,12 +184,43 @@ fn requirements(scope: &mut Scope, names: Option<&Vec<Spanned<String>>>, offered
     list
 }
 
-fn propagate(scope: &mut Scope, form: &PropagateForm, offered: &Offered) -> Option<propagate::Spec> {
+pub(super) fn propagate(scope: &mut Scope, form: &PropagateForm, offered: &Offered) -> Option<propagate::Spec> {
     let before = scope.diagnostics.errors();
     let environments = environments(scope, form.environments.as_ref(), offered);
     let requirements = requirements(scope, form.requirements.as_ref(), offered);
+    let mut quantities = quantities(scope, form.quantities.as_ref(), &requirements, offered);
+    let mut joint = Vec::new();
+    for pair in &form.joint {
+        let (x, y) = (scope.quantity(&pair[0]), scope.quantity(&pair[1]));
+        if let (Some(x), Some(y)) = (x, y) {
+            push_new(&mut quantities, x);
+            push_new(&mut quantities, y);
+            let position = |index: usize| quantities.iter().position(|other| *other == index).unwrap_or(0);
+            joint.push([position(x), position(y)]);
+        }
+    }
+    let sampling = match form.sampling {
+        None | Some(SamplingForm::Sobol) => Sampling::Sobol,
+        Some(SamplingForm::LatinHypercube) => Sampling::LatinHypercube,
+        Some(SamplingForm::MonteCarlo) => Sampling::MonteCarlo,
+    };
+    let samples = samples(scope, form.samples.as_ref(), sampling);
+    let failure_limit = failure_limit(scope, form.failure_limit.as_ref());
+    let sweep = form.sweep.as_ref().and_then(|form| sweep(scope, form));
+    let spec =
+        propagate::Spec { quantities, samples, sampling, environments, sweep, joint, requirements, failure_limit };
+    (scope.diagnostics.errors() == before).then_some(spec)
+}
+
+/// The quantities asked for, those of the requirements among them; all named ones where there are neither, else all nodes.
+pub(super) fn quantities(
+    scope: &mut Scope,
+    names: Option<&Vec<Spanned<String>>>,
+    requirements: &[Requirement],
+    offered: &Offered,
+) -> Vec<usize> {
     let mut quantities: Vec<usize> = Vec::new();
-    match &form.quantities {
+    match names {
         Some(names) => {
             for name in names {
                 if let Some(index) = scope.quantity(name) {
@@ -173,36 +239,10 @@ fn propagate(scope: &mut Scope, form: &PropagateForm, offered: &Offered) -> Opti
         }
         None => {}
     }
-    for requirement in &requirements {
+    for requirement in requirements {
         push_new(&mut quantities, requirement.quantity);
     }
-    let mut joint = Vec::new();
-    for pair in &form.joint {
-        let (x, y) = (scope.quantity(&pair[0]), scope.quantity(&pair[1]));
-        if let (Some(x), Some(y)) = (x, y) {
-            push_new(&mut quantities, x);
-            push_new(&mut quantities, y);
-            let position = |index: usize| quantities.iter().position(|other| *other == index).unwrap_or(0);
-            joint.push([position(x), position(y)]);
-        }
-    }
-    let sampling = match form.sampling {
-        None | Some(SamplingForm::Sobol) => Sampling::Sobol,
-        Some(SamplingForm::LatinHypercube) => Sampling::LatinHypercube,
-        Some(SamplingForm::MonteCarlo) => Sampling::MonteCarlo,
-    };
-    let samples = samples(scope, form.samples.as_ref(), sampling);
-    let failure_limit = form.failure_limit.as_ref().map_or(FAILURE_LIMIT, |limit| {
-        if !(0.0..=1.0).contains(&limit.value) {
-            let message = format!("a failure limit of {}", limit.value);
-            scope.error(&code::JOB_SETTING, &limit.place, message, "a share from 0 to 1");
-        }
-        limit.value
-    });
-    let sweep = form.sweep.as_ref().and_then(|form| sweep(scope, form));
-    let spec =
-        propagate::Spec { quantities, samples, sampling, environments, sweep, joint, requirements, failure_limit };
-    (scope.diagnostics.errors() == before).then_some(spec)
+    quantities
 }
 
 pub(super) fn push_new(list: &mut Vec<usize>, index: usize) {
@@ -211,7 +251,18 @@ pub(super) fn push_new(list: &mut Vec<usize>, index: usize) {
     }
 }
 
-fn samples(scope: &mut Scope, written: Option<&Spanned<u64>>, sampling: Sampling) -> u64 {
+/// The largest share of failed solves that is tolerated.
+pub(super) fn failure_limit(scope: &mut Scope, written: Option<&Spanned<f64>>) -> f64 {
+    let Some(limit) = written else { return FAILURE_LIMIT };
+    if !(0.0..=1.0).contains(&limit.value) {
+        let message = format!("a failure limit of {}", limit.value);
+        scope.error(&code::JOB_SETTING, &limit.place, message, "a share from 0 to 1");
+    }
+    limit.value
+}
+
+/// The number of samples; Sobol points are rounded up to a power of two, with a warning.
+pub(super) fn samples(scope: &mut Scope, written: Option<&Spanned<u64>>, sampling: Sampling) -> u64 {
     let Some(Spanned { value, place }) = written else { return SAMPLES };
     if !(2..=MOST_SAMPLES).contains(value) {
         let expected = format!("an integer from 2 to {MOST_SAMPLES}");
@@ -232,6 +283,17 @@ fn samples(scope: &mut Scope, written: Option<&Spanned<u64>>, sampling: Sampling
 /// A design variable's values in SI; bare numbers are in its own unit.
 fn value(scope: &mut Scope, amount: &Amount, scale: &Scale) -> Option<f64> {
     scale.si(amount, Sense::Absolute, scope.diagnostics)
+}
+
+/// Equally spaced values, both ends exact; at least two.
+pub(super) fn spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
+    let last = (count - 1) as f64;
+    (0..count)
+        .map(|index| {
+            let share = index as f64 / last;
+            from * (1.0 - share) + to * share
+        })
+        .collect()
 }
 
 fn sweep(scope: &mut Scope, form: &Spanned<Map<SweepForm>>) -> Option<Sweep> {
@@ -257,14 +319,7 @@ fn sweep(scope: &mut Scope, form: &Spanned<Map<SweepForm>>) -> Option<Sweep> {
                 scope.error(&code::SWEEP, &steps.steps.place, message, &format!("from 2 to {MOST_STEPS} values"));
                 return None;
             }
-            let last = (count - 1) as f64;
-            (0..count)
-                .map(|index| {
-                    // Both ends exact.
-                    let share = index as f64 / last;
-                    from * (1.0 - share) + to * share
-                })
-                .collect()
+            spaced(from, to, count)
         }
     };
     let rises = values.windows(2).all(|pair| pair[0] < pair[1]);
@@ -310,7 +365,7 @@ fn conventional(
         let message = format!("`{}` has no requirement to size for", entry.name);
         scope.error(&code::JOB_REFERENCE, &entry.name_place, message, "at least one entry under `requirements`");
     }
-    let design = design_variable(scope, entry, form, offered);
+    let design = design_variable(scope, entry, form.design_variable.as_ref(), offered);
     let heat_loads = heat_loads(scope, form.heat_loads.as_ref(), design.as_ref().map(|design| design.variable));
     let design = design?;
     let spec = conventional::Spec { rules, environments, requirements, design, heat_loads };
@@ -318,13 +373,13 @@ fn conventional(
 }
 
 /// What is sized, with the ends of its range.
-fn design_variable(
+pub(super) fn design_variable(
     scope: &mut Scope,
     entry: &MapEntry<JobForm>,
-    form: &ConventionalForm,
+    written: Option<&NameOr<Spanned<Map<RangeForm>>>>,
     offered: &Offered,
 ) -> Option<Sweep> {
-    match &form.design_variable {
+    match written {
         Some(NameOr::Other(map)) => match map.value.iter().collect::<Vec<_>>().as_slice() {
             [one] => design_range(scope, one),
             several => {

@@ -6,13 +6,20 @@ mod adopt_place;
 mod calibrate;
 pub mod changes;
 pub mod data;
+mod design;
 mod diagnose;
+mod goal;
+mod handed_on;
 pub mod jobs;
 pub mod measurement;
+mod noise;
+mod predict;
 pub mod requirement;
 pub mod scope;
+mod sensitivity;
 pub mod steady;
 pub mod transient;
+mod used_twice;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -36,6 +43,7 @@ use super::resolved::Pass;
 use super::{profile, rule};
 
 pub use adopt::sensor_places;
+use handed_on::Upstreams;
 use jobs::Offered;
 use measurement::Outcome;
 use scope::{Scope, unit_of};
@@ -52,8 +60,13 @@ const LARGEST_SEED: u64 = (1 << 53) - 1;
 /// # Errors
 /// All that is wrong with the files; warnings stand among them.
 pub fn load(pass: &Path) -> Result<Pass, Diagnostics> {
+    load_in_chain(pass, &[])
+}
+
+/// Reads a pass because one of the study's passes of this chain uses it.
+fn load_in_chain(pass: &Path, chain: &[String]) -> Result<Pass, Diagnostics> {
     let mut diagnostics = Diagnostics::new();
-    let resolved = read(pass, &mut diagnostics);
+    let resolved = read(pass, chain, &mut diagnostics);
     match resolved {
         Some(mut pass) if !diagnostics.has_errors() => {
             pass.warnings = diagnostics;
@@ -131,15 +144,16 @@ fn written(path: &Path, diagnostics: &mut Diagnostics) -> Option<(Folder, Lineag
     good.then_some((folder, lineage))
 }
 
-fn read(path: &Path, diagnostics: &mut Diagnostics) -> Option<Pass> {
+fn read(path: &Path, chain: &[String], diagnostics: &mut Diagnostics) -> Option<Pass> {
     let (folder, lineage) = written(path, diagnostics)?;
     let form = PassForm::read(&lineage.merged, diagnostics);
     let model_file = model_file(&lineage.merged);
     let (resolved, model_tree) = read_model(&folder, &model_file, diagnostics)?;
     let form = form?;
-    let resolved = with_ranges_of_data(&folder, &lineage, &form, &model_file.value, resolved, &model_tree);
+    let chain: Vec<String> = chain.iter().chain([&lineage.files[0].name]).cloned().collect();
+    let resolved = with_ranges_of_data(&folder, &lineage, &chain, &form, &model_file.value, resolved, &model_tree);
     let (resolved, from_data) = resolved;
-    let mut pass = resolve(&folder, &lineage, &form, &model_file.value, resolved, &model_tree, diagnostics)?;
+    let mut pass = resolve(&folder, &lineage, chain, &form, &model_file.value, resolved, &model_tree, diagnostics)?;
     pass.ranges_from_data.extend(from_data);
     Some(pass)
 }
@@ -150,6 +164,7 @@ fn read(path: &Path, diagnostics: &mut Diagnostics) -> Option<Pass> {
 fn with_ranges_of_data(
     folder: &Folder,
     lineage: &Lineage,
+    chain: &[String],
     form: &PassForm,
     model_file: &str,
     mut resolved: ResolvedModel,
@@ -159,7 +174,7 @@ fn with_ranges_of_data(
     // What is wrong is said when the pass is resolved for good.
     let mut unheard = Diagnostics::new();
     let tried = is_needed
-        .then(|| resolve(folder, lineage, form, model_file, resolved.clone(), model_tree, &mut unheard))
+        .then(|| resolve(folder, lineage, chain.to_vec(), form, model_file, resolved.clone(), model_tree, &mut unheard))
         .flatten();
     let Some(tried) = tried else { return (resolved, Vec::new()) };
     for input in &mut resolved.model.inputs {
@@ -206,13 +221,14 @@ fn read_model(folder: &Folder, file: &Spanned<String>, diagnostics: &mut Diagnos
 fn resolve(
     folder: &Folder,
     lineage: &Lineage,
+    chain: Vec<String>,
     form: &PassForm,
     model_file: &str,
     resolved: ResolvedModel,
     model_tree: &Node,
     diagnostics: &mut Diagnostics,
 ) -> Option<Pass> {
-    let mut scope = Scope { folder, resolved, hosts: Vec::new(), diagnostics };
+    let mut scope = Scope { folder, resolved, hosts: Vec::new(), drawn: Vec::new(), diagnostics };
     let seed = seed(&mut scope, form.seed.as_ref());
     check_names(&mut scope, form);
     let (changes, mut priors) = changes::changes(&mut scope, &form.parameters);
@@ -244,6 +260,8 @@ fn resolve(
     adoption.adopt_at_sensors(&mut scope, form, &catalogue, &mut measurements);
     adoption.switch_on(&mut measurements, &mut environments);
     priors.extend(adoption.priors.iter().copied());
+    let mut upstreams = Upstreams::new(chain);
+    let handed_on = handed_on::resolve(&mut scope, &mut upstreams, &mut priors);
     let ranges_from_data = ranges_from_data(&mut scope, &measurements);
     let rules = rule::load(Some(folder), scope.diagnostics);
     let profiles = profile::load(Some(folder), form.criteria.iter(), scope.diagnostics);
@@ -259,10 +277,14 @@ fn resolve(
         profiles.iter().filter_map(|(profile, json)| Some((format!("criteria/{}", profile.name), json.clone()?))),
     );
     let offered = Offered {
+        file: &lineage.files[0].name,
         priors: &priors,
+        handed_on: &handed_on,
         requirements: &requirements,
         environments: &environments,
         measurements: &positions,
+        data: &measurements,
+        ranges_from_data: &ranges_from_data,
         rules: &rules.into_iter().map(|(rule, _)| rule).collect::<Vec<_>>(),
         profiles: &profiles.into_iter().map(|(profile, _)| profile).collect::<Vec<_>>(),
         design: &form.design,
@@ -270,7 +292,9 @@ fn resolve(
         catalogue: &catalogue,
         command: command(folder),
     };
-    let mut jobs = jobs::jobs(&mut scope, &form.jobs, &offered);
+    let mut jobs = jobs::jobs(&mut scope, &form.jobs, &offered, &mut upstreams);
+    used_twice::check(&mut scope, &jobs, &form.jobs, &measurements, &handed_on);
+    let refused = noise::refused(&scope, &jobs, form, &measurements);
     jobs.extend(jobs::implied_comparison(&jobs, &offered));
     calibrate::show_in_comparisons(&mut jobs, &form.jobs);
     let definition_sha256 = definition(lineage, model_file, model_tree, own);
@@ -288,6 +312,8 @@ fn resolve(
         seed,
         model,
         priors,
+        handed_on,
+        upstream: upstreams.passes,
         input_errors,
         requirements,
         environments,
@@ -296,6 +322,7 @@ fn resolve(
         jobs,
         groups,
         catalogue: Arc::new(catalogue),
+        refused,
         changes,
         adopted: adoption.adopted,
         ranges_from_data,

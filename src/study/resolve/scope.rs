@@ -18,6 +18,8 @@ pub struct Scope<'a> {
     pub resolved: ResolvedModel,
     /// Nodes that effects have added, each with the node whose start temperature it takes where none is stated.
     pub hosts: Vec<(usize, usize)>,
+    /// Priors from draws of the effect's parameters that is being adopted, by their names in the effect.
+    pub drawn: Vec<(String, Prior)>,
     /// Errors and warnings.
     pub diagnostics: &'a mut Diagnostics,
 }
@@ -162,7 +164,7 @@ impl Scope<'_> {
                 match form.prior.resolve(Some(&own), dimension, sense, self.diagnostics)? {
                     Prior::Distribution(distribution) => Some(Uncertain::Inferred(distribution)),
                     Prior::Posterior { place, .. } | Prior::Draws { place, .. } => {
-                        let message = "this version cannot yet take a prior from draws";
+                        let message = "draws cannot be the prior of what is inferred of the data";
                         self.error(&code::PRIOR_NOT_READ, &place, message, "a distribution");
                         None
                     }

@@ -3,16 +3,19 @@
 use crate::job::calibrate::{Output, SensorPredictive};
 use crate::report::number::Shown;
 use crate::report::page::{Block, Figure, Text};
-use crate::report::plot::{Axis, Chart, HeatMap, Layer, Mark, Shade, Stroke, heat_map, palette};
+use crate::report::plot::{Axis, Chart, HeatMap, Layer, Mark, PairAxis, Shade, Stroke, heat_map, pairs, palette};
 
 /// Unknowns whose traces are drawn: those with the worst R-hat.
 const TRACES: usize = 3;
+/// Unknowns drawn against one another: those in the strongest correlations.
+const PAIRS: usize = 6;
 /// Bins of a rank plot.
 const RANK_BINS: usize = 16;
 
-/// The figures; all but the correlations folded away.
+/// The figures; all but the pairs and the correlations folded away.
 pub(super) fn figures(job: &str, output: &Output) -> Vec<Block> {
-    let mut blocks: Vec<Block> = correlations(job, output).map(Block::Figure).into_iter().collect();
+    let mut blocks: Vec<Block> = pair_plot(job, output).map(Block::Figure).into_iter().collect();
+    blocks.extend(correlations(job, output).map(Block::Figure));
     let predictions: Vec<Block> =
         output.predictive.iter().filter_map(|check| prediction(job, check)).map(Block::Figure).collect();
     if !predictions.is_empty() {
@@ -32,6 +35,53 @@ pub(super) fn figures(job: &str, output: &Output) -> Vec<Block> {
         blocks.push(Block::Details("Traces and ranks of the unknowns with the largest R-hat".into(), chains));
     }
     blocks
+}
+
+fn pair_plot(job: &str, output: &Output) -> Option<Figure> {
+    let count = output.order.len();
+    if count < 2 || output.draws.values.is_empty() {
+        return None;
+    }
+    let strongest = |place: usize| {
+        let row = output.correlations.get(place);
+        let others = row.into_iter().flatten().enumerate().filter(|(other, _)| *other != place);
+        others.map(|(_, value)| value.abs()).fold(0.0, f64::max)
+    };
+    let mut chosen: Vec<usize> = (0..count).collect();
+    chosen.sort_by(|&a, &b| strongest(b).total_cmp(&strongest(a)));
+    chosen.truncate(PAIRS);
+    chosen.sort_unstable();
+    let unknowns: Vec<PairAxis> = chosen
+        .iter()
+        .map(|&place| {
+            let name = &output.order[place];
+            let own = output.parameters.get(name);
+            let shown = Shown::written(own.map_or("", |own| own.unit.as_str()));
+            let draws = output.draws.values.iter();
+            PairAxis {
+                title: shown.title(name),
+                draws: draws.map(|draw| draw.get(place).map_or(f64::NAN, |value| shown.value(*value))).collect(),
+                // Already in the unknown's unit.
+                marked: own.map(|own| own.map),
+            }
+        })
+        .collect();
+    let left_off = count - unknowns.len();
+    let rest = if left_off == 0 {
+        String::new()
+    } else {
+        format!(" {left_off} further unknowns with weaker correlations are not drawn.")
+    };
+    Some(Figure {
+        id: format!("{job}-pairs"),
+        drawing: pairs(&unknowns),
+        caption: format!(
+            "The posterior: each unknown's histogram, and draws of pairs of unknowns; the cross is the most probable \
+             point.{rest}"
+        )
+        .into(),
+        alternative: format!("Pair plot of the posterior draws of {} unknowns.", unknowns.len()),
+    })
 }
 
 fn correlations(job: &str, output: &Output) -> Option<Figure> {
@@ -54,6 +104,7 @@ fn correlations(job: &str, output: &Output) -> Option<Figure> {
         full_scale: 1.0,
         legend: "Posterior correlation".into(),
         decimals: 2,
+        is_unsigned: false,
         ..HeatMap::default()
     };
     Some(Figure {

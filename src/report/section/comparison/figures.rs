@@ -86,6 +86,7 @@ pub(in crate::report::section) fn phase_map(job: &str, output: &Output, measurem
         legend: format!("measured \u{2212} predicted [{unit}]: blue = model too high, orange = model too low"),
         mark_label: "held out from every fit".into(),
         decimals: super::decimals(unit),
+        is_unsigned: false,
     };
     Figure {
         id: format!("{job}-{measurement}-phases"),

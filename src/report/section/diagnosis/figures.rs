@@ -87,6 +87,7 @@ fn heat(job: &str, output: &Output) -> Option<Figure> {
         legend: "missing heat [W]; positive: the model lacks heat in the node".to_owned(),
         mark_label: String::new(),
         decimals: 2,
+        is_unsigned: false,
     };
     Some(Figure {
         id: slug(&format!("{job} missing heat")),

@@ -1,0 +1,92 @@
+//! Information where predictions are linear and all is normal: `z = A u + B v + e`, `u`, `v`, `e` standard normal.
+//!
+//! `U = 1/2 ln det(I + A A' + B B') - 1/2 ln det(I + B B')` for learning `u` with `v` a nuisance. Exact there (Lindley
+//! 1956); elsewhere, with derivatives at nominal parameters times prior standard deviations, an estimate for screening.
+
+use crate::inference::cholesky::{self, NotPositiveDefinite};
+
+/// Information about the first `learn` columns of `jacobian` (`readings x unknowns`, row by row, each row divided by the
+/// noise's standard deviation, each column times the prior's), nats.
+///
+/// # Errors
+/// [`NotPositiveDefinite`] where an entry is not finite.
+pub fn information(jacobian: &[f64], unknowns: usize, learn: usize) -> Result<f64, NotPositiveDefinite> {
+    let all = log_determinant(jacobian, unknowns, 0)?;
+    let nuisance = log_determinant(jacobian, unknowns, learn)?;
+    Ok((0.5 * (all - nuisance)).max(0.0))
+}
+
+/// `ln det(I + J J')` over the columns from `first` on.
+fn log_determinant(jacobian: &[f64], unknowns: usize, first: usize) -> Result<f64, NotPositiveDefinite> {
+    if unknowns == 0 || first >= unknowns {
+        return Ok(0.0);
+    }
+    let rows: Vec<&[f64]> = jacobian.chunks_exact(unknowns).map(|row| &row[first..]).collect();
+    let n = rows.len();
+    let mut matrix = vec![0.0; n * n];
+    for a in 0..n {
+        for b in 0..=a {
+            let product: f64 = rows[a].iter().zip(rows[b]).map(|(x, y)| x * y).sum();
+            matrix[a * n + b] = product + f64::from(u8::from(a == b));
+        }
+    }
+    cholesky::factor(&mut matrix, n)?;
+    Ok(cholesky::log_determinant(&matrix, n))
+}
+
+/// Divergence of a normal posterior from the standard normal prior for the first `learn` of `n` unknowns:
+/// `1/2 (tr C + m' m - k - ln det C)`, from the factor of the posterior's precision and its mean. Averaged over data it
+/// is the Laplace estimate of the information (Long, Scavino, Tempone & Wang 2013, Comput. Methods Appl. Mech. Eng. 259,
+/// 24).
+///
+/// # Errors
+/// [`NotPositiveDefinite`] where the covariance is singular.
+pub fn divergence(precision_factor: &[f64], mean: &[f64], learn: usize) -> Result<f64, NotPositiveDefinite> {
+    let n = mean.len();
+    let covariance = cholesky::inverse(precision_factor, n);
+    let mut own = vec![0.0; learn * learn];
+    let mut sum = -(learn as f64);
+    for a in 0..learn {
+        own[a * learn..(a + 1) * learn].copy_from_slice(&covariance[a * n..a * n + learn]);
+        sum += covariance[a * n + a] + mean[a] * mean[a];
+    }
+    cholesky::factor(&mut own, learn)?;
+    Ok(0.5 * (sum - cholesky::log_determinant(&own, learn)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::functions::ln;
+
+    #[test]
+    fn one_reading_of_one_parameter() {
+        // 1/2 ln(1 + a^2 s_t^2 / s_e^2) with a s_t / s_e = 3.
+        let u = information(&[3.0], 1, 1).expect("finite");
+        assert!((u - 0.5 * ln(10.0)).abs() < 1e-15);
+        // A nuisance of the same strength: 1/2 ln(19 / 10).
+        let u = information(&[3.0, 3.0], 2, 1).expect("finite");
+        assert!((u - 0.5 * ln(1.9)).abs() < 1e-15);
+        assert_eq!(information(&[0.0, 3.0], 2, 1).expect("finite"), 0.0);
+        assert!(information(&[f64::NAN], 1, 1).is_err());
+    }
+
+    #[test]
+    fn information_adds_up_by_the_chain_rule() {
+        // I(u, v) = I(u) + I(v | u): the latter by leaving u's column out. Random 3 x 4 matrix.
+        let j = [0.3, -1.2, 2.0, 0.4, 1.1, 0.2, -0.7, 0.9, -0.5, 1.6, 0.8, 0.1];
+        let rest: Vec<f64> = j.chunks(4).flat_map(|row| row[1..].to_vec()).collect();
+        let (all, first, then) = (information(&j, 4, 4), information(&j, 4, 1), information(&rest, 3, 3));
+        assert!((all.expect("all") - first.expect("first") - then.expect("then")).abs() < 1e-14);
+    }
+
+    #[test]
+    fn the_divergence_averages_to_the_information() {
+        // One reading z = a u + e: precision 1 + a^2, mean a z / (1 + a^2), z of variance 1 + a^2: the mean's square is
+        // a^2 / (1 + a^2) on average, which cancels tr C - 1.
+        let a: f64 = 3.0;
+        let precision = 1.0 + a * a;
+        let d = divergence(&[precision.sqrt()], &[(a * a / precision).sqrt()], 1).expect("regular");
+        assert!((d - 0.5 * ln(precision)).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,376 @@
+//! Draws of several parameters together as a prior that has a density: a multivariate normal distribution of their
+//! scores (`score`), held against the draws that it stands for.
+//!
+//! `z = m + L u` with `u` standard normal, `m` and `L L'` mean and covariance of the draws' scores. The fit is judged by
+//! what a user of the density would notice: quantiles of each parameter, and the distribution of the squared Mahalanobis
+//! distance `|L^-1 (z - m)|^2`, which is chi-square with as many degrees of freedom as there are parameters (Mardia, Kent
+//! & Bibby 1979, section 3.5) and shows what no single parameter does: bent and split posteriors.
+
+use thiserror::Error;
+
+use super::cholesky;
+use super::score::Score;
+use super::transform::TransformError;
+use crate::math::functions::ln;
+use crate::math::special::{chi_square_cdf, normal_density, normal_quantile};
+use crate::random::Distribution;
+use crate::statistics::quantile::{quantile_sorted, sorted};
+
+/// Effective draws for each parameter, at least: a covariance from fewer has no meaning.
+const LEAST_EFFECTIVE: f64 = 20.0;
+/// Probabilities at which quantiles are compared.
+const SHARES: [f64; 5] = [0.025, 0.16, 0.5, 0.84, 0.975];
+/// Deviations of a quantile, in standard deviations, from which on a warning is given and the density refused, above what
+/// sampling explains: with half a standard deviation a 95 % interval is wrong by a quarter of its half width.
+const QUANTILE: [f64; 2] = [0.15, 0.5];
+/// The same of the distribution function of the Mahalanobis distance.
+const DISTANCE: [f64; 2] = [0.05, 0.15];
+/// Standard errors that sampling explains.
+const ERRORS: f64 = 3.0;
+/// The Kolmogorov-Smirnov distance over the root of the number of draws that chance exceeds once in a hundred.
+const KOLMOGOROV: f64 = 1.63;
+
+/// Why draws have no density.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum JointPriorError {
+    /// A prior without a score.
+    #[error(transparent)]
+    Transform(#[from] TransformError),
+    /// Too few draws.
+    #[error(
+        "{effective:.0} effective draws of {parameters} parameters are too few for a covariance; give at least {least:.0}"
+    )]
+    TooFew {
+        /// Effective number of draws.
+        effective: f64,
+        /// Number of parameters.
+        parameters: usize,
+        /// What is needed.
+        least: f64,
+    },
+    /// Draws that do not vary, or only together.
+    #[error("the draws of `{parameter}` do not vary, or follow from those of the parameters before it")]
+    Degenerate {
+        /// The parameter.
+        parameter: String,
+    },
+    /// Draws that are not normal in their scores.
+    #[error(
+        "a normal distribution of the scores does not describe these draws: {what}. Calibrate on all data at once from the \
+         original priors instead"
+    )]
+    NotNormal {
+        /// What deviates most, in words.
+        what: String,
+    },
+}
+
+/// How well the density describes the draws.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct Fit {
+    /// Largest deviation of a quantile (2.5, 16, 50, 84, 97.5 %) of each parameter's score, in standard deviations.
+    pub quantile_deviation: Vec<f64>,
+    /// Largest difference between the distribution function of the squared Mahalanobis distance and the chi-square one.
+    pub distance_deviation: f64,
+    /// What the reader must know; empty where the fit is good.
+    pub doubts: Vec<String>,
+}
+
+/// A prior of several unknowns together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointPrior {
+    /// Places of the unknowns.
+    places: Vec<usize>,
+    scores: Vec<Score>,
+    mean: Vec<f64>,
+    factor: Vec<f64>,
+    fit: Fit,
+}
+
+impl JointPrior {
+    /// From draws (each the values, SI, of the unknowns at `places`), of which `effective` are independent; `base` are the
+    /// priors by which the scores are taken, `names` are for messages.
+    ///
+    /// # Errors
+    /// [`JointPriorError`] where no density describes the draws.
+    pub fn new(
+        places: &[usize],
+        names: &[&str],
+        base: &[Distribution],
+        draws: &[Vec<f64>],
+        effective: f64,
+    ) -> Result<Self, JointPriorError> {
+        let n = places.len();
+        let least = LEAST_EFFECTIVE * (n as f64 + 1.0);
+        if !(effective >= least) || draws.len() < 2 {
+            return Err(JointPriorError::TooFew { effective, parameters: n, least });
+        }
+        let scores = (0..n)
+            .map(|i| Score::new(&base[i], draws.iter().map(|draw| draw[i])))
+            .collect::<Result<Vec<Score>, _>>()?;
+        let z: Vec<Vec<f64>> =
+            scores.iter().enumerate().map(|(i, s)| draws.iter().map(|d| s.of(d[i])).collect()).collect();
+        let count = draws.len() as f64;
+        let mean: Vec<f64> = z.iter().map(|own| own.iter().sum::<f64>() / count).collect();
+        let mut factor = vec![0.0; n * n];
+        for i in 0..n {
+            for j in 0..=i {
+                let sum: f64 = z[i].iter().zip(&z[j]).map(|(a, b)| (a - mean[i]) * (b - mean[j])).sum();
+                factor[i * n + j] = sum / (count - 1.0);
+            }
+        }
+        let variances: Vec<f64> = (0..n).map(|i| factor[i * n + i]).collect();
+        let degenerate = |i: usize| JointPriorError::Degenerate { parameter: names[i].to_owned() };
+        cholesky::factor(&mut factor, n).map_err(|error| degenerate(error.index))?;
+        // What rounding leaves of a variance that is none.
+        if let Some(i) = (0..n).find(|&i| !(factor[i * n + i] > 1e-6 * variances[i].sqrt())) {
+            return Err(degenerate(i));
+        }
+        let fit = judge(names, &z, &mean, &variances, &factor, effective.min(count))?;
+        Ok(Self { places: places.to_vec(), scores, mean, factor, fit })
+    }
+
+    /// Places of the unknowns.
+    pub fn places(&self) -> &[usize] {
+        &self.places
+    }
+
+    /// How well the draws are described.
+    pub fn fit(&self) -> &Fit {
+        &self.fit
+    }
+
+    /// The unknowns (SI) and the slopes of each by its score, at whitened coordinates `u`.
+    pub fn at(&self, whitened: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let mut z = vec![0.0; whitened.len()];
+        cholesky::multiply(&self.factor, whitened, &mut z);
+        let scored = self.scores.iter().zip(z.iter().zip(&self.mean)).map(|(score, (z, mean))| score.at(z + mean));
+        scored.map(|scored| (scored.value, scored.slope)).unzip()
+    }
+
+    /// The whitened coordinates of unknowns (SI).
+    pub fn whitened(&self, unknowns: &[f64]) -> Vec<f64> {
+        let scores = self.scores.iter().zip(unknowns);
+        let mut z: Vec<f64> = scores.zip(&self.mean).map(|((score, value), mean)| score.of(*value) - mean).collect();
+        cholesky::solve_lower(&self.factor, &mut z);
+        z
+    }
+
+    /// Turns derivatives by the unknowns into derivatives by the whitened coordinates, in place: `g_u = L' (slope g_x)`.
+    #[inline]
+    pub fn pull_back(&self, slopes: &[f64], derivatives: &mut [f64]) {
+        let n = slopes.len();
+        for (derivative, slope) in derivatives.iter_mut().zip(slopes) {
+            *derivative *= slope;
+        }
+        for j in 0..n {
+            let mut sum = 0.0;
+            for i in j..n {
+                sum += self.factor[i * n + j] * derivatives[i];
+            }
+            derivatives[j] = sum;
+        }
+    }
+
+    /// Derivatives of the unknowns by the whitened coordinates (`n x n`, row after row), given the slopes.
+    pub fn derivatives(&self, slopes: &[f64]) -> Vec<f64> {
+        let n = slopes.len();
+        let entry = |i: usize, j: usize| if j <= i { slopes[i] * self.factor[i * n + j] } else { 0.0 };
+        (0..n).flat_map(|i| (0..n).map(move |j| entry(i, j))).collect()
+    }
+
+    /// Logarithm of the determinant of those derivatives.
+    pub fn log_slope(&self, slopes: &[f64]) -> f64 {
+        let n = slopes.len();
+        slopes.iter().map(|slope| ln(slope.abs())).sum::<f64>() + 0.5 * cholesky::log_determinant(&self.factor, n)
+    }
+}
+
+/// Holds the normal distribution against the scores of the draws.
+fn judge(
+    names: &[&str],
+    z: &[Vec<f64>],
+    mean: &[f64],
+    variances: &[f64],
+    factor: &[f64],
+    effective: f64,
+) -> Result<Fit, JointPriorError> {
+    let n = z.len();
+    let mut fit = Fit { quantile_deviation: Vec::new(), distance_deviation: 0.0, doubts: Vec::new() };
+    let mut refused = None;
+    for (i, own) in z.iter().enumerate() {
+        let own = sorted(own);
+        let mut largest: f64 = 0.0;
+        // By how much what sampling explains is exceeded, with the words for it.
+        let mut worst: Option<(f64, String)> = None;
+        for share in SHARES {
+            let normal = normal_quantile(share);
+            let deviation = (quantile_sorted(&own, share) - mean[i]) / variances[i].sqrt() - normal;
+            let error = (share * (1.0 - share) / effective).sqrt() / normal_density(normal);
+            let excess = deviation.abs() - ERRORS * error;
+            largest = largest.max(deviation.abs());
+            if worst.as_ref().is_none_or(|(known, _)| excess > *known) {
+                let percent = 100.0 * share;
+                let text =
+                    format!("the {percent} % quantile of `{}` is off by {deviation:.2} standard deviations", names[i]);
+                worst = Some((excess, text));
+            }
+        }
+        fit.quantile_deviation.push(largest);
+        if let Some((excess, text)) = worst {
+            note(excess, QUANTILE, text, &mut fit.doubts, &mut refused);
+        }
+    }
+    let count = z.first().map_or(0, Vec::len);
+    let distances: Vec<f64> = (0..count)
+        .map(|k| {
+            let mut u: Vec<f64> = (0..n).map(|i| z[i][k] - mean[i]).collect();
+            cholesky::solve_lower(factor, &mut u);
+            u.iter().map(|u| u * u).sum()
+        })
+        .collect();
+    for (rank, distance) in sorted(&distances).iter().enumerate() {
+        let expected = chi_square_cdf(*distance, n as f64);
+        let (below, above) = (rank as f64 / count as f64, (rank + 1) as f64 / count as f64);
+        fit.distance_deviation = fit.distance_deviation.max((expected - below).abs()).max((expected - above).abs());
+    }
+    let text = format!(
+        "the squared distances of the draws from their mean are not chi-square (largest difference of the distribution \
+         functions {:.2})",
+        fit.distance_deviation
+    );
+    let excess = fit.distance_deviation - KOLMOGOROV / effective.sqrt();
+    note(excess, DISTANCE, text, &mut fit.doubts, &mut refused);
+    match refused {
+        Some(what) => Err(JointPriorError::NotNormal { what }),
+        None => Ok(fit),
+    }
+}
+
+fn note(
+    excess: f64,
+    [doubtful, wrong]: [f64; 2],
+    text: String,
+    doubts: &mut Vec<String>,
+    refused: &mut Option<String>,
+) {
+    if !(excess <= wrong) {
+        refused.get_or_insert(text);
+    } else if excess > doubtful {
+        doubts.push(text);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::{Stream, StreamKey};
+
+    fn draws(count: usize, mut one: impl FnMut(&mut Stream) -> Vec<f64>) -> Vec<Vec<f64>> {
+        let mut stream = StreamKey::new(3, "draws", "test").stream(0);
+        (0..count).map(|_| one(&mut stream)).collect()
+    }
+
+    const WIDE: Distribution = Distribution::Normal { mean: 0.0, sd: 10.0, lower: None, upper: None };
+
+    fn fitted(base: [Distribution; 2], draws: &[Vec<f64>]) -> Result<JointPrior, JointPriorError> {
+        JointPrior::new(&[0, 1], &["a", "b"], &base, draws, draws.len() as f64)
+    }
+
+    #[test]
+    fn normal_draws_are_described_with_their_correlation() {
+        let draws = draws(4000, |s| {
+            let (u, v) = (s.normal(), s.normal());
+            vec![1.0 + 0.5 * u, -2.0 + 0.8 * u + 0.6 * v]
+        });
+        let prior = fitted([WIDE; 2], &draws).expect("normal");
+        assert!(prior.fit().doubts.is_empty(), "{:?}", prior.fit());
+        let (mean, slopes) = prior.at(&[0.0, 0.0]);
+        // Five standard errors of the means, 0.5 and 1 over the root of 4000.
+        assert!((mean[0] - 1.0).abs() < 0.04 && (mean[1] + 2.0).abs() < 0.08, "{mean:?}");
+        let d = prior.derivatives(&slopes);
+        let covariance = d[0] * d[2];
+        assert!((covariance - 0.4).abs() < 5.0 * 0.64 / 4000.0_f64.sqrt(), "{covariance}");
+        let back = prior.whitened(&prior.at(&[0.3, -1.2]).0);
+        assert!((back[0] - 0.3).abs() < 1e-12 && (back[1] + 1.2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn derivatives_are_pulled_back() {
+        let base = [Distribution::Uniform { lower: 0.0, upper: 1.0 }, Distribution::HalfNormal { scale: 2.0 }];
+        let draws = draws(500, |s| {
+            let u = 0.3 * s.normal();
+            vec![normal(0.1 + u), 1.0 + 0.3 * u + 0.1 * s.normal()]
+        });
+        let prior = fitted(base, &draws).expect("described");
+        let f = |u: &[f64]| {
+            let x = prior.at(u).0;
+            x[0] * x[0] + 3.0 * x[1]
+        };
+        let at = [0.4, -0.6];
+        let (x, slopes) = prior.at(&at);
+        let mut gradient = [2.0 * x[0], 3.0];
+        prior.pull_back(&slopes, &mut gradient);
+        for i in 0..2 {
+            let moved = |by: f64| {
+                let mut point = at;
+                point[i] += by;
+                f(&point)
+            };
+            let difference = (moved(1e-6) - moved(-1e-6)) / 2e-6;
+            assert!((difference - gradient[i]).abs() < 1e-7, "{i}: {difference} {}", gradient[i]);
+        }
+        let d = prior.derivatives(&slopes);
+        assert!((prior.log_slope(&slopes) - crate::math::functions::ln(d[0] * d[3])).abs() < 1e-12);
+    }
+
+    fn normal(x: f64) -> f64 {
+        crate::math::special::normal_cdf(x)
+    }
+
+    #[test]
+    fn an_unseen_parameter_keeps_its_prior() {
+        // Uniform in the box beside a well determined neighbour: normal in its score, not in itself.
+        let base = [Distribution::Uniform { lower: 2.0, upper: 5.0 }, WIDE];
+        let draws = draws(2000, |s| vec![base[0].quantile(s.uniform()), 1.0 + 0.01 * s.normal()]);
+        assert!(fitted(base, &draws).expect("described").fit().doubts.is_empty());
+    }
+
+    #[test]
+    fn split_bent_and_one_sided_draws_are_refused_and_skewed_ones_doubted() {
+        let what = |draws: &[Vec<f64>]| match fitted([WIDE; 2], draws) {
+            Err(JointPriorError::NotNormal { what }) => what,
+            other => panic!("{other:?}"),
+        };
+        let split = draws(2000, |s| {
+            let side = if s.uniform() < 0.5 { -2.0 } else { 2.0 };
+            vec![side + 0.3 * s.normal(), s.normal()]
+        });
+        assert!(what(&split).contains("quantile of `a`"));
+        let one_sided = draws(2000, |s| vec![s.normal(), -crate::math::functions::ln(s.uniform())]);
+        assert!(what(&one_sided).contains("quantile of `b`"));
+        // A ring: its marginals deviate by less, its distances by most.
+        let ring = draws(2000, |s| {
+            let (u, v) = (s.normal(), s.normal());
+            let length = (u * u + v * v).sqrt();
+            vec![u / length + 0.05 * s.normal(), v / length + 0.05 * s.normal()]
+        });
+        assert!(matches!(fitted([WIDE; 2], &ring), Err(JointPriorError::NotNormal { .. })));
+        let skewed = draws(2000, |s| vec![s.normal(), crate::math::functions::exp(0.3 * s.normal())]);
+        let doubts = fitted([WIDE; 2], &skewed).expect("described").fit().doubts.clone();
+        assert!(doubts.len() == 1 && doubts[0].contains("`b`"), "{doubts:?}");
+    }
+
+    #[test]
+    fn draws_without_spread_or_too_few_are_refused() {
+        let same = draws(200, |s| vec![s.normal(), 1.0]);
+        assert_eq!(fitted([WIDE; 2], &same), Err(JointPriorError::Degenerate { parameter: "b".into() }));
+        let together = draws(200, |s| {
+            let u = s.normal();
+            vec![u, 2.0 * u + 1.0]
+        });
+        assert_eq!(fitted([WIDE; 2], &together), Err(JointPriorError::Degenerate { parameter: "b".into() }));
+        let few = draws(30, |s| vec![s.normal(), s.normal()]);
+        assert!(matches!(fitted([WIDE; 2], &few), Err(JointPriorError::TooFew { .. })));
+    }
+}

@@ -1,0 +1,117 @@
+//! Normal scores: a parameter's value as the coordinate in which its prior is the standard normal distribution,
+//! `z = Phi^-1(F(x))`.
+//!
+//! What data say nothing about keeps the score's normal distribution whatever the prior's shape is; what they determine
+//! well is nearly linear in the score. So draws of a posterior are closer to a normal distribution here than in the
+//! parameter itself, or in coordinates that know its bounds alone. For normal and lognormal priors the score is linear in
+//! the parameter or its logarithm.
+
+use super::transform::{Transform, TransformError};
+use crate::math::functions::exp;
+use crate::math::special::{ln_normal_density, normal_cdf, normal_quantile};
+use crate::random::Distribution;
+
+/// Largest score of a draw for which probabilities keep their digits: beyond, they are too close to 0 or 1.
+const LARGEST: f64 = 6.0;
+/// Scores are cut here, where a probability differs from 1 by a few units in its last place.
+const END: f64 = 8.0;
+
+/// The score of one parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Score {
+    /// By the prior's own probabilities.
+    Probability(Distribution),
+    /// By the map of the prior's support onto the line, where that is as good (normal, lognormal) or where draws lie too
+    /// far out in the prior's tails for probabilities.
+    Support(Transform),
+}
+
+/// A parameter at a score.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scored {
+    /// The parameter, SI.
+    pub value: f64,
+    /// `dx/dz`.
+    pub slope: f64,
+}
+
+impl Score {
+    /// The score by a prior, suited to these draws of the parameter.
+    ///
+    /// # Errors
+    /// [`TransformError`] for a fixed value or a support without extent.
+    pub fn new(prior: &Distribution, draws: impl IntoIterator<Item = f64>) -> Result<Self, TransformError> {
+        let support = Transform::new(prior, 0)?;
+        if matches!(support, Transform::Line { .. } | Transform::LogLine { .. }) {
+            return Ok(Self::Support(support));
+        }
+        let probability = Self::Probability(*prior);
+        let inside = draws.into_iter().all(|draw| probability.of(draw).abs() <= LARGEST);
+        Ok(if inside { probability } else { Self::Support(support) })
+    }
+
+    /// The score of a value (SI); finite also at and beyond a bound.
+    pub fn of(&self, value: f64) -> f64 {
+        match self {
+            Self::Support(transform) => transform.coordinate(value),
+            Self::Probability(prior) => normal_quantile(prior.cdf(value)).clamp(-END, END),
+        }
+    }
+
+    /// The value at a score.
+    pub fn at(&self, z: f64) -> Scored {
+        match self {
+            Self::Support(transform) => {
+                let image = transform.at(z);
+                Scored { value: image.value, slope: image.slope }
+            }
+            Self::Probability(prior) => {
+                let cut = z.clamp(-END, END);
+                let value = prior.quantile(normal_cdf(cut));
+                let slope = exp(ln_normal_density(cut) - prior.log_density(value));
+                Scored { value, slope: if cut == z && slope.is_finite() { slope } else { 0.0 } }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inference::transform::tests::every_kind;
+
+    #[test]
+    fn scores_invert_and_slopes_agree_with_differences() {
+        for prior in every_kind() {
+            let score = Score::new(&prior, [prior.quantile(0.3)]).expect("a score");
+            for z in [-2.5, -0.7, 0.05, 1.1, 2.8] {
+                let here = score.at(z);
+                assert!((score.of(here.value) - z).abs() < 1e-9, "{prior:?} {z}");
+                let difference = (score.at(z + 1e-5).value - score.at(z - 1e-5).value) / 2e-5;
+                assert!((difference / here.slope - 1.0).abs() < 1e-6, "{prior:?} {z}: {difference} {}", here.slope);
+            }
+        }
+    }
+
+    #[test]
+    fn the_prior_itself_has_the_standard_normal_score() {
+        for prior in every_kind() {
+            let score = Score::new(&prior, [prior.quantile(0.5)]).expect("a score");
+            if matches!(score, Score::Probability(_)) {
+                for u in [0.01, 0.3, 0.5, 0.9] {
+                    assert!((score.of(prior.quantile(u)) - normal_quantile(u)).abs() < 1e-9, "{prior:?} {u}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn draws_far_out_in_a_tail_get_the_coordinate_of_the_support() {
+        let prior = Distribution::HalfNormal { scale: 1.0 };
+        assert!(matches!(Score::new(&prior, [0.5]), Ok(Score::Probability(_))));
+        let score = Score::new(&prior, [0.5, 9.0]).expect("a score");
+        assert!((score.at(score.of(9.0)).value - 9.0).abs() < 1e-12);
+        // At a bound the score stays finite.
+        assert!(Score::Probability(Distribution::Uniform { lower: 0.0, upper: 1.0 }).of(1.0).is_finite());
+    }
+}

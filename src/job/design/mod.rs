@@ -1,0 +1,331 @@
+//! The experiment that teaches most: expected information gain about parameters over candidate phases, with nuisance
+//! parameters integrated out, limits kept, several phases chosen one after the other, and sensors ranked.
+//!
+//! Stages: `predict` (a block a candidate: noise-free readings of all samples, limits), `information` (blocks of
+//! replicates of a candidate), then `phase N` and `sensor N` for greedy choices. The readings of the samples are solved
+//! once: those of a replicate are outer samples there and inner samples of the replicates before it. All candidates see
+//! the same random numbers, so that their differences are known better than their values.
+
+mod block;
+mod information;
+mod output;
+mod plant;
+mod samples;
+mod summary;
+
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+
+pub use output::{
+    Axis, Best, Candidate, DesignSensor, Estimator, Observed, Output, Partial, Phase, Pick, Redundant, Spec,
+    UsedSensor, Varied, Violation,
+};
+
+use super::{Job, JobError, Step};
+use crate::inference::information::estimate::Replicate;
+use crate::random::Distribution;
+use crate::thermal::Model;
+use block::{InformationInput, InformationOutput, PredictHead, PredictInput, Purpose, from_bytes, to_bytes};
+use information::Question;
+use plant::{Outside, Plant};
+use samples::{REPLICATES, Samples};
+
+const PREDICT: &str = "predict";
+const INFORMATION: &str = "information";
+/// Samples whose points are drawn at once.
+const DRAWN: usize = 512;
+/// Below so many candidates their replicates are cut into several blocks.
+const MANY: usize = 8;
+/// Replicates of a block where candidates are few.
+const CUT: usize = 4;
+
+/// A design, ready to run.
+#[derive(Debug)]
+pub struct Design {
+    spec: Spec,
+    model: Arc<Model>,
+    priors: Vec<Distribution>,
+    plant: Plant,
+    samples: Samples,
+}
+
+/// The result so far.
+#[derive(Clone, Debug, Default)]
+struct State {
+    output: Output,
+    replicates: Vec<Vec<Replicate>>,
+}
+
+impl Design {
+    /// Prepares the job; `name` is its name in the pass, which its random streams are keyed by.
+    ///
+    /// # Errors
+    /// Settings without a candidate, a sensor or a parameter to learn; numbers of samples that do not fit together; a network
+    /// that does not compile.
+    pub fn new(
+        spec: Spec,
+        model: Arc<Model>,
+        priors: Vec<Distribution>,
+        seed: u64,
+        name: &str,
+    ) -> Result<Self, JobError> {
+        let failed = |reason: &str| Err(JobError::Failed(reason.to_owned()));
+        if spec.candidates.is_empty() || spec.sensors.is_empty() || spec.learn.is_empty() || spec.pick == 0 {
+            return failed("a design needs a candidate phase, a sensor and a parameter to learn");
+        }
+        let fits = spec.outer.is_power_of_two()
+            && spec.outer >= 16 * REPLICATES as u64
+            && spec.inner.is_power_of_two()
+            && (4..=spec.outer / 2).contains(&spec.inner)
+            && spec.draws.is_power_of_two()
+            && spec.draws >= 16;
+        if !fits {
+            return failed(
+                "the numbers of samples must be powers of two: outer from 256, inner from 4 to outer / 2, draws from 16",
+            );
+        }
+        let unknowns = samples::unknowns(&spec, &model, &priors);
+        let samples = Samples::new(&spec, unknowns.len(), seed, name)?;
+        let plant = Plant::new(&spec, &model, &priors, unknowns)?;
+        Ok(Self { spec, model, priors, plant, samples })
+    }
+
+    fn all_samples(&self) -> usize {
+        REPLICATES * self.samples.size
+    }
+
+    /// Noise-free readings of all samples of a candidate.
+    fn predict(&self, candidate: usize) -> (PredictHead, Vec<f64>) {
+        let (unknowns, sensors, size) = (self.samples.unknowns, self.plant.sensors(), self.samples.size);
+        let mut room = self.plant.room();
+        let mut outside = Outside { nodes: vec![0; self.model.nodes.len()], ..Outside::default() };
+        let mut readings = vec![f64::NAN; self.all_samples() * sensors];
+        let mut values = vec![0.0; DRAWN * unknowns];
+        let mut column = Vec::with_capacity(DRAWN);
+        for (replicate, readings) in readings.chunks_exact_mut(size * sensors).enumerate() {
+            let (rows, dimensions) = self.samples.outer(replicate);
+            for (rows, readings) in rows.chunks(DRAWN * dimensions).zip(readings.chunks_mut(DRAWN * sensors)) {
+                let count = rows.len() / dimensions;
+                for (place, unknown) in self.plant.unknowns().iter().enumerate() {
+                    column.clear();
+                    column.extend(rows.chunks_exact(dimensions).map(|row| row[place]));
+                    unknown.prior.quantiles(&mut column);
+                    for (slot, value) in values[place..].iter_mut().step_by(unknowns).zip(&column) {
+                        *slot = *value;
+                    }
+                }
+                self.plant.readings(candidate, &values[..count * unknowns], &mut room, readings, Some(&mut outside));
+            }
+        }
+        let Outside { failed, outside, nodes } = outside;
+        let changes = self.plant.nominal_changes(candidate, &mut room).unwrap_or_default();
+        (PredictHead { failed, outside, nodes, changes }, readings)
+    }
+
+    /// Blocks for a set of readings, cut by replicates where there are few sets.
+    fn blocks(
+        &self,
+        purpose: Purpose,
+        sets: &[(Vec<usize>, Vec<usize>, Vec<&[f64]>)],
+        state: &State,
+    ) -> Result<Vec<Vec<u8>>, JobError> {
+        let cut = if sets.len() < MANY { CUT } else { REPLICATES };
+        let mut inputs = Vec::new();
+        for (phases, sensors, predictions) in sets {
+            let numbers = predictions.concat();
+            for first in (0..REPLICATES).step_by(cut) {
+                let head = InformationInput {
+                    purpose,
+                    phases: phases.clone(),
+                    sensors: sensors.clone(),
+                    replicates: [first, cut],
+                    carry: None,
+                    carried: Vec::new(),
+                };
+                inputs.push(to_bytes(&head, &numbers)?);
+            }
+        }
+        let carry = InformationInput {
+            purpose: Purpose::Carry,
+            phases: Vec::new(),
+            sensors: Vec::new(),
+            replicates: [0, 0],
+            carry: Some(Box::new(state.output.clone())),
+            carried: state.replicates.clone(),
+        };
+        inputs.push(to_bytes(&carry, &[])?);
+        Ok(inputs)
+    }
+
+    fn after_predictions(&self, stage: &str, outputs: &[Vec<u8>]) -> Result<Step, JobError> {
+        let mut heads = Vec::new();
+        let mut predictions = Vec::new();
+        for bytes in outputs {
+            let (head, numbers) = from_bytes::<PredictHead>(bytes, stage)?;
+            heads.push(head);
+            predictions.push(numbers);
+        }
+        let mut state = State { output: self.begun(&heads), replicates: Vec::new() };
+        state.output.solutions = outputs.len() as u64 * self.all_samples() as u64;
+        let read: Vec<usize> = (0..self.plant.sensors()).collect();
+        let sets: Vec<_> = (state.output.candidates.iter().enumerate())
+            .filter(|(_, candidate)| self.has_solutions(candidate))
+            .map(|(index, _)| (vec![index], read.clone(), vec![predictions[index].as_slice()]))
+            .collect();
+        state.replicates = vec![Vec::new(); predictions.len()];
+        Ok(Step::Blocks { stage: INFORMATION.to_owned(), inputs: self.blocks(Purpose::Phase, &sets, &state)? })
+    }
+
+    fn after_information(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
+        let mut state = State::default();
+        // What was asked, its predictions, and the replicates found, set by set.
+        let mut sets: Vec<(InformationInput, Vec<f64>, Vec<Replicate>)> = Vec::new();
+        let mut solutions = 0;
+        for (input, output) in inputs.iter().zip(outputs) {
+            let (head, numbers) = from_bytes::<InformationInput>(input, stage)?;
+            if head.purpose == Purpose::Carry {
+                state.output = head.carry.map(|output| *output).unwrap_or_default();
+                state.replicates = head.carried;
+                continue;
+            }
+            let (found, _) = from_bytes::<InformationOutput>(output, stage)?;
+            solutions += found.solutions;
+            match sets.last_mut() {
+                Some((last, _, replicates)) if last.phases == head.phases && last.sensors == head.sensors => {
+                    replicates.extend(found.replicates);
+                }
+                _ => sets.push((head, numbers, found.replicates)),
+            }
+        }
+        state.output.solutions += solutions;
+        if stage == INFORMATION {
+            for (head, _, replicates) in &sets {
+                if let Some(&candidate) = head.phases.last() {
+                    state.replicates[candidate].clone_from(replicates);
+                }
+            }
+            let best = self.judge(&mut state);
+            if let Some(best) = best {
+                let own = sets.iter().find(|(head, _, _)| head.phases == [best]);
+                if let Some((_, predictions, _)) = own {
+                    self.describe_best(&mut state.output, best, predictions);
+                }
+            }
+        } else {
+            self.add_pick(&mut state.output, &sets);
+        }
+        self.next(&state, &sets)
+    }
+
+    /// The next greedy stage, or the result.
+    fn next(&self, state: &State, sets: &[(InformationInput, Vec<f64>, Vec<Replicate>)]) -> Result<Step, JobError> {
+        let output = &state.output;
+        let all = self.all_samples() * self.plant.sensors();
+        // The readings of a candidate stand last in the blocks that ask for it.
+        let of = |candidate: usize| {
+            let own = sets.iter().find(|(head, _, _)| head.phases.last() == Some(&candidate));
+            own.map(|(_, numbers, _)| &numbers[numbers.len().saturating_sub(all)..])
+        };
+        let picked: Vec<usize> = output.picks.iter().map(|pick| pick.position).collect();
+        if output.best.is_some() && (picked.len() as u64) < self.spec.pick {
+            let read: Vec<usize> = (0..self.plant.sensors()).collect();
+            let sets: Vec<_> = (output.candidates.iter().enumerate())
+                .filter(|(_, candidate)| candidate.allowed)
+                .filter_map(|(index, _)| {
+                    let phases: Vec<usize> = picked.iter().copied().chain([index]).collect();
+                    let predictions: Option<Vec<&[f64]>> = phases.iter().map(|&phase| of(phase)).collect();
+                    Some((phases, read.clone(), predictions?))
+                })
+                .collect();
+            let stage = format!("phase {}", picked.len() + 1);
+            return Ok(Step::Blocks { stage, inputs: self.blocks(Purpose::Phase, &sets, state)? });
+        }
+        let chosen: Vec<usize> = output.sensor_picks.iter().map(|pick| pick.position).collect();
+        let wanted = self.spec.choose_sensors.unwrap_or(0).min(self.plant.sensors() as u64);
+        if let Some(best) = &output.best
+            && (chosen.len() as u64) < wanted
+            && let Some(predictions) = of(best.candidate)
+        {
+            let sets: Vec<_> = (0..self.plant.sensors())
+                .filter(|sensor| !chosen.contains(sensor))
+                .map(|sensor| {
+                    let read: Vec<usize> = chosen.iter().copied().chain([sensor]).collect();
+                    (vec![best.candidate], read, vec![predictions])
+                })
+                .collect();
+            let stage = format!("sensor {}", chosen.len() + 1);
+            return Ok(Step::Blocks { stage, inputs: self.blocks(Purpose::Sensor, &sets, state)? });
+        }
+        let mut output = output.clone();
+        self.tell(&mut output);
+        serde_json::to_value(&output).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
+    }
+}
+
+impl Job for Design {
+    fn kind(&self) -> &'static str {
+        "design"
+    }
+
+    fn algorithm_version(&self) -> u32 {
+        1
+    }
+
+    fn identity(&self) -> Value {
+        json!({ "settings": self.spec, "model": self.model.identity(), "priors": self.priors })
+    }
+
+    fn begin(&self) -> Result<Step, JobError> {
+        let inputs = (0..self.spec.candidates.len()).map(|candidate| to_bytes(&PredictInput { candidate }, &[]));
+        Ok(Step::Blocks { stage: PREDICT.to_owned(), inputs: inputs.collect::<Result<_, _>>()? })
+    }
+
+    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
+        let unreadable = |reason: &str| JobError::Unreadable { stage: stage.to_owned(), reason: reason.to_owned() };
+        if stage == PREDICT {
+            let (head, _) = from_bytes::<PredictInput>(input, stage)?;
+            if head.candidate >= self.spec.candidates.len() {
+                return Err(unreadable("there is no such candidate"));
+            }
+            let (head, readings) = self.predict(head.candidate);
+            return to_bytes(&head, &readings);
+        }
+        let (head, predictions) = from_bytes::<InformationInput>(input, stage)?;
+        let [first, count] = head.replicates;
+        let expected = head.phases.len() * self.all_samples() * self.plant.sensors();
+        let fits = predictions.len() == expected
+            && first + count <= REPLICATES
+            && head.phases.len() as u64 <= self.spec.pick
+            && head.phases.iter().all(|phase| *phase < self.spec.candidates.len())
+            && head.sensors.iter().all(|sensor| *sensor < self.plant.sensors());
+        if !fits {
+            return Err(unreadable("its readings do not fit"));
+        }
+        if head.purpose == Purpose::Carry {
+            return to_bytes(&InformationOutput::default(), &[]);
+        }
+        let question = Question {
+            plant: &self.plant,
+            samples: &self.samples,
+            sensors: &self.spec.sensors,
+            estimator: self.spec.estimator,
+            learn: self.spec.learn.len(),
+            inner: usize::try_from(self.spec.inner).unwrap_or(usize::MAX),
+            draws: usize::try_from(self.spec.draws).unwrap_or(usize::MAX),
+            phases: &head.phases,
+            read: &head.sensors,
+            predictions: &predictions,
+        };
+        let (replicates, solutions) = question.replicates(first..first + count);
+        to_bytes(&InformationOutput { replicates, solutions }, &[])
+    }
+
+    fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
+        if stage == PREDICT {
+            self.after_predictions(stage, outputs)
+        } else {
+            self.after_information(stage, inputs, outputs)
+        }
+    }
+}

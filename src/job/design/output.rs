@@ -1,0 +1,267 @@
+//! Settings and result of a design of experiments.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::random::Distribution;
+
+/// How the expected information is estimated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Estimator {
+    /// Nested Monte Carlo: `ln p(z)` over the predictions of other replicates' outer samples, `ln p(z | theta)` by
+    /// importance sampling of the nuisance parameters.
+    #[default]
+    Nested,
+    /// Both by importance sampling round Laplace approximations.
+    Importance,
+    /// Average divergence of Laplace approximations.
+    Laplace,
+    /// Linear model and normal priors at nominal parameters.
+    Linear,
+}
+
+impl Estimator {
+    /// The name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nested => "nested",
+            Self::Importance => "importance",
+            Self::Laplace => "laplace",
+            Self::Linear => "linear",
+        }
+    }
+}
+
+/// An input that differs between candidates.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Varied {
+    /// Index in the model's list.
+    pub input: usize,
+    /// Values of the grid, SI; empty where phases are listed.
+    pub values: Vec<f64>,
+}
+
+/// A candidate phase.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Phase {
+    /// Value of every input of the model, SI.
+    pub inputs: Vec<f64>,
+}
+
+/// A sensor of the experiment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DesignSensor {
+    /// Name.
+    pub name: String,
+    /// Index of the measured quantity.
+    pub quantity: usize,
+    /// Standard deviation of its noise, SI.
+    pub sigma: f64,
+    /// Prior of a constant error that nobody knows, SI.
+    pub bias: Option<Distribution>,
+}
+
+/// Resolved settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spec {
+    /// Parameters to learn, positions in the model's list.
+    pub learn: Vec<usize>,
+    /// Nuisance parameters.
+    pub nuisance: Vec<usize>,
+    /// Inputs that differ between candidates.
+    pub varied: Vec<Varied>,
+    /// Candidate phases: of a grid, in the order of `varied` with the last input fastest.
+    pub candidates: Vec<Phase>,
+    /// Whether the candidates form a grid.
+    pub is_grid: bool,
+    /// Sensors.
+    pub sensors: Vec<DesignSensor>,
+    /// How information is estimated.
+    pub estimator: Estimator,
+    /// Outer samples, a power of two.
+    pub outer: u64,
+    /// Inner samples, a power of two of at most half of `outer`.
+    pub inner: u64,
+    /// Draws of an importance-sampled inner integral, a power of two.
+    pub draws: u64,
+    /// Largest probability with which a node may lie outside its red limits.
+    pub red: Option<f64>,
+    /// The same for yellow limits.
+    pub yellow: Option<f64>,
+    /// How many phases the experiment has.
+    pub pick: u64,
+    /// How many of the sensors are wanted.
+    pub choose_sensors: Option<u64>,
+}
+
+/// Probability that limits are violated in a candidate phase.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Violation {
+    /// Probability that a node lies outside its red limits; `null` where no node has any.
+    pub red: Option<f64>,
+    /// The same for yellow limits.
+    pub yellow: Option<f64>,
+    /// The node that is outside most often.
+    pub node: Option<String>,
+}
+
+/// A candidate phase and what it would tell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Candidate {
+    /// The inputs that differ between candidates, SI.
+    pub conditions: BTreeMap<String, f64>,
+    /// Expected information gain, nats; `null` where the model has no solution in too many samples.
+    pub information_nats: Option<f64>,
+    /// Standard error.
+    pub se: Option<f64>,
+    /// Bound of the bias.
+    pub bias_bound: Option<f64>,
+    /// Estimate of a linear model with normal priors.
+    pub linear_nats: Option<f64>,
+    /// By how much it is behind the best, and the standard error of that on common random numbers.
+    pub behind_best: Option<[f64; 2]>,
+    /// Limits.
+    pub violation: Violation,
+    /// Whether it keeps the limits and has solutions.
+    pub allowed: bool,
+    /// Why not.
+    pub because: Option<String>,
+    /// Share of the samples without a solution.
+    pub failed: f64,
+    /// Mean effective number of inner samples.
+    pub effective_inner: Option<f64>,
+    /// Share of the outer samples with fewer than 10 effective inner samples.
+    pub few_effective: Option<f64>,
+    /// Whether the information is within noise of 0.
+    pub sees_nothing: bool,
+}
+
+/// The best experiment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Best {
+    /// Position of the candidate.
+    pub candidate: usize,
+    /// Its conditions, SI.
+    pub conditions: BTreeMap<String, f64>,
+    /// Expected information gain, nats.
+    pub information_nats: f64,
+    /// Standard error.
+    pub se: f64,
+    /// Bound of the bias.
+    pub bias_bound: f64,
+    /// Other allowed candidates that are not told from it: within two standard errors of the difference and the bias.
+    pub rivals: Vec<usize>,
+}
+
+/// A step of a greedy choice.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Pick {
+    /// Position of the candidate, or of the sensor, that is added.
+    pub position: usize,
+    /// Information of all chosen so far, nats.
+    pub information_nats: f64,
+    /// Standard error.
+    pub se: f64,
+    /// Bound of the bias.
+    pub bias_bound: f64,
+}
+
+/// The estimate from the first of the outer samples.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Partial {
+    /// Outer samples.
+    pub samples: u64,
+    /// Estimate, nats.
+    pub information_nats: f64,
+    /// Standard error; `null` of one replicate.
+    pub se: Option<f64>,
+}
+
+/// What a parameter does to a sensor at the best candidate.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Observed {
+    /// Parameter.
+    pub parameter: String,
+    /// Whether it is to be learnt.
+    pub learn: bool,
+    /// Change of each sensor's reading for one prior standard deviation, SI.
+    pub changes: Vec<f64>,
+}
+
+/// Two sensors that tell the same.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Redundant {
+    /// The sensors.
+    pub sensors: [String; 2],
+    /// Their correlation over the prior.
+    pub correlation: f64,
+}
+
+/// A sensor as it was used.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct UsedSensor {
+    /// Name.
+    pub name: String,
+    /// SI unit.
+    pub unit: String,
+    /// Standard deviation of its noise, SI.
+    pub sigma: f64,
+}
+
+/// An input that differs between candidates.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Axis {
+    /// Name.
+    pub input: String,
+    /// Unit as the study writes it.
+    pub unit: String,
+    /// Values of the grid, SI.
+    pub values: Vec<f64>,
+}
+
+/// Result.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Output {
+    /// Estimator.
+    pub estimator: String,
+    /// Parameters to learn.
+    pub learn: Vec<String>,
+    /// Nuisance parameters and unknown errors of sensors.
+    pub nuisance: Vec<String>,
+    /// Sensors.
+    pub sensors: Vec<UsedSensor>,
+    /// Inputs that differ between candidates.
+    pub axes: Vec<Axis>,
+    /// Whether the candidates form a grid, the last input fastest.
+    pub is_grid: bool,
+    /// Outer samples, inner samples, draws of inner integrals by importance sampling.
+    pub samples: [u64; 3],
+    /// Largest tolerated probabilities outside red and yellow limits.
+    pub limits: [Option<f64>; 2],
+    /// Candidates.
+    pub candidates: Vec<Candidate>,
+    /// The best of those that are allowed; `null` where none is.
+    pub best: Option<Best>,
+    /// Greedy choice of several phases.
+    pub picks: Vec<Pick>,
+    /// Whether the greedy choice has a guarantee, in words; empty without one to make.
+    pub guarantee: String,
+    /// Greedy choice of sensors at the best candidate.
+    pub sensor_picks: Vec<Pick>,
+    /// Estimates of the best candidate from 1, 2, 4, ... replicates.
+    pub convergence: Vec<Partial>,
+    /// Parameters by sensors at the best candidate.
+    pub observability: Vec<Observed>,
+    /// Correlations of the sensors' noise-free readings over the prior at the best candidate; `null` for a sensor that does
+    /// not move.
+    pub correlations: Vec<Vec<Option<f64>>>,
+    /// Pairs of sensors that tell the same.
+    pub redundant: Vec<Redundant>,
+    /// What the reader must know.
+    pub findings: Vec<String>,
+    /// Model solutions.
+    pub solutions: u64,
+}

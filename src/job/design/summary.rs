@@ -1,0 +1,304 @@
+//! From replicates to candidates, the best of them, and what must be said.
+
+use std::collections::BTreeMap;
+
+use super::block::{InformationInput, PredictHead};
+use super::information::whitened_rows;
+use super::output::{
+    Axis, Best, Candidate, Estimator, Observed, Output, Partial, Pick, Redundant, UsedSensor, Violation,
+};
+use super::samples::REPLICATES;
+use super::{Design, State};
+use crate::inference::information::estimate::{Estimate, Replicate, difference};
+use crate::inference::information::linear;
+use crate::statistics::moments::correlation;
+
+/// Largest share of samples without a solution.
+const FAILURE_LIMIT: f64 = 0.01;
+/// Correlation from which two sensors tell the same.
+const REDUNDANT: f64 = 0.98;
+/// Share of outer samples with few effective inner samples above which it is said.
+const FEW_LIMIT: f64 = 0.05;
+/// A bias bound is worth a word above this and above three standard errors, nats.
+const BIAS_WORTH_A_WORD: f64 = 0.02;
+
+impl Design {
+    /// Everything known before information: candidates with their limits and linear estimates.
+    pub(super) fn begun(&self, heads: &[PredictHead]) -> Output {
+        let spec = &self.spec;
+        let count = |number: u64| number as f64 / self.all_samples() as f64;
+        let has_limits = self.plant.has_limits();
+        let read: Vec<usize> = (0..self.plant.sensors()).collect();
+        let candidates = spec.candidates.iter().zip(heads).map(|(phase, head)| {
+            let conditions: BTreeMap<String, f64> = (spec.varied.iter())
+                .map(|varied| (self.model.inputs[varied.input].name.clone(), phase.inputs[varied.input]))
+                .collect();
+            let shares: [Option<f64>; 2] = [0, 1].map(|k| has_limits[k].then(|| count(head.outside[k])));
+            let most = (0..head.nodes.len()).filter(|&node| head.nodes[node] > 0).max_by_key(|&node| {
+                // The first of several.
+                (head.nodes[node], std::cmp::Reverse(node))
+            });
+            let node = most.map(|node| self.model.nodes[node].name.clone());
+            let failed = count(head.failed);
+            let because = self.refused(failed, shares, node.as_deref());
+            let rows = (!head.changes.is_empty())
+                .then(|| whitened_rows(&head.changes, self.samples.unknowns, &spec.sensors, &read));
+            let linear_nats =
+                rows.and_then(|rows| linear::information(&rows, self.samples.unknowns, spec.learn.len()).ok());
+            Candidate {
+                conditions,
+                information_nats: None,
+                se: None,
+                bias_bound: None,
+                linear_nats,
+                behind_best: None,
+                violation: Violation { red: shares[0], yellow: shares[1], node },
+                allowed: because.is_none(),
+                because,
+                failed,
+                effective_inner: None,
+                few_effective: None,
+                sees_nothing: false,
+            }
+        });
+        let names = |range: std::ops::Range<usize>| -> Vec<String> {
+            self.plant.unknowns()[range].iter().map(|unknown| unknown.name.clone()).collect()
+        };
+        Output {
+            estimator: spec.estimator.name().to_owned(),
+            learn: names(0..spec.learn.len()),
+            nuisance: names(spec.learn.len()..self.samples.unknowns),
+            sensors: (spec.sensors.iter())
+                .map(|sensor| UsedSensor {
+                    name: sensor.name.clone(),
+                    unit: self.model.quantities[sensor.quantity].unit.clone(),
+                    sigma: sensor.sigma,
+                })
+                .collect(),
+            axes: (spec.varied.iter())
+                .map(|varied| Axis {
+                    input: self.model.inputs[varied.input].name.clone(),
+                    unit: self.model.inputs[varied.input].unit.clone(),
+                    values: varied.values.clone(),
+                })
+                .collect(),
+            is_grid: spec.is_grid,
+            samples: [spec.outer, spec.inner, spec.draws],
+            limits: [spec.red, spec.yellow],
+            candidates: candidates.collect(),
+            ..Output::default()
+        }
+    }
+
+    /// Why a candidate is not allowed.
+    fn refused(&self, failed: f64, shares: [Option<f64>; 2], node: Option<&str>) -> Option<String> {
+        if failed > FAILURE_LIMIT {
+            return Some(format!("no solution in {:.1} % of the samples", 100.0 * failed));
+        }
+        for ((share, bound), colour) in shares.into_iter().zip([self.spec.red, self.spec.yellow]).zip(["red", "yellow"])
+        {
+            if let (Some(share), Some(bound)) = (share, bound)
+                && share > bound
+            {
+                let node = node.map_or(String::new(), |node| format!(", most often {node}"));
+                return Some(format!(
+                    "outside the {colour} limits with probability {share:.3}, of which {bound} is tolerated{node}"
+                ));
+            }
+        }
+        None
+    }
+
+    pub(super) fn has_solutions(&self, candidate: &Candidate) -> bool {
+        candidate.failed <= FAILURE_LIMIT
+    }
+
+    /// Fills in the candidates' information and finds the best.
+    pub(super) fn judge(&self, state: &mut State) -> Option<usize> {
+        let State { output, replicates } = state;
+        for (candidate, own) in output.candidates.iter_mut().zip(replicates.iter()) {
+            let Some(estimate) = Estimate::of(own) else {
+                if candidate.allowed {
+                    candidate.allowed = false;
+                    candidate.because = Some("no sample has an estimate".to_owned());
+                }
+                continue;
+            };
+            let count = own.iter().map(|replicate| replicate.count).sum::<u64>() as f64;
+            candidate.information_nats = Some(estimate.value);
+            candidate.se = Some(estimate.standard_error).filter(|error| error.is_finite());
+            candidate.bias_bound = Some(estimate.bias_bound);
+            candidate.sees_nothing = estimate.is_within_noise();
+            if matches!(self.spec.estimator, Estimator::Nested | Estimator::Importance) {
+                candidate.effective_inner = Some(own.iter().map(|r| r.effective).sum::<f64>() / count);
+                candidate.few_effective = Some(own.iter().map(|r| r.few).sum::<u64>() as f64 / count);
+            }
+        }
+        let mut best: Option<(usize, f64)> = None;
+        for (index, candidate) in output.candidates.iter().enumerate().filter(|(_, candidate)| candidate.allowed) {
+            if let Some(value) = candidate.information_nats
+                && best.is_none_or(|(_, most)| value > most)
+            {
+                best = Some((index, value));
+            }
+        }
+        let (best, _) = best?;
+        let bias = |candidate: &Candidate| candidate.bias_bound.unwrap_or(0.0);
+        let own_bias = bias(&output.candidates[best]);
+        let mut rivals = Vec::new();
+        for (index, candidate) in output.candidates.iter_mut().enumerate() {
+            let Some((behind, error)) = difference(&replicates[best], &replicates[index]) else { continue };
+            candidate.behind_best = Some([behind, error]);
+            let margin = 2.0 * error + bias(candidate).max(own_bias);
+            // Without a random error nothing is said to be equal.
+            if index != best && candidate.allowed && self.spec.estimator != Estimator::Linear && behind <= margin {
+                rivals.push(index);
+            }
+        }
+        let candidate = &output.candidates[best];
+        let estimate = Estimate::of(&replicates[best])?;
+        output.best = Some(Best {
+            candidate: best,
+            conditions: candidate.conditions.clone(),
+            information_nats: estimate.value,
+            se: estimate.standard_error,
+            bias_bound: estimate.bias_bound,
+            rivals,
+        });
+        output.picks = vec![pick(best, &estimate)];
+        let parts = (0..).map(|power| 1_usize << power).take_while(|count| *count <= REPLICATES);
+        let partial = |count: usize| {
+            let estimate = Estimate::of(&replicates[best][..count])?;
+            Some(Partial {
+                samples: (count * self.samples.size) as u64,
+                information_nats: estimate.value,
+                se: Some(estimate.standard_error).filter(|error| error.is_finite()),
+            })
+        };
+        output.convergence = parts.filter_map(partial).collect();
+        Some(best)
+    }
+
+    /// Observability, correlations and redundant sensors at the best candidate.
+    pub(super) fn describe_best(&self, output: &mut Output, best: usize, predictions: &[f64]) {
+        let (sensors, unknowns) = (self.plant.sensors(), self.samples.unknowns);
+        if let Some(changes) = self.plant.nominal_changes(best, &mut self.plant.room()) {
+            output.observability = (self.plant.unknowns().iter().enumerate())
+                .map(|(place, unknown)| Observed {
+                    parameter: unknown.name.clone(),
+                    learn: place < self.spec.learn.len(),
+                    changes: (0..sensors).map(|sensor| changes[sensor * unknowns + place]).collect(),
+                })
+                .collect();
+        }
+        let rows: Vec<&[f64]> =
+            predictions.chunks_exact(sensors).filter(|row| row.iter().all(|value| value.is_finite())).collect();
+        let column = |sensor: usize| -> Vec<f64> { rows.iter().map(|row| row[sensor]).collect() };
+        let columns: Vec<Vec<f64>> = (0..sensors).map(column).collect();
+        let pair = |a: usize, b: usize| Some(correlation(&columns[a], &columns[b])).filter(|r| r.is_finite());
+        output.correlations = (0..sensors).map(|a| (0..sensors).map(|b| pair(a, b)).collect()).collect();
+        for b in 1..sensors {
+            for a in 0..b {
+                if let Some(correlation) = output.correlations[a][b].filter(|r| r.abs() >= REDUNDANT) {
+                    let names = [a, b].map(|sensor| self.spec.sensors[sensor].name.clone());
+                    output.redundant.push(Redundant { sensors: names, correlation });
+                }
+            }
+        }
+    }
+
+    /// Adds the set that tells most to the greedy choice.
+    pub(super) fn add_pick(&self, output: &mut Output, sets: &[(InformationInput, Vec<f64>, Vec<Replicate>)]) {
+        let mut most: Option<(usize, bool, Estimate)> = None;
+        for (head, _, replicates) in sets {
+            let is_sensor = head.purpose == super::block::Purpose::Sensor;
+            let added = if is_sensor { head.sensors.last() } else { head.phases.last() };
+            if let (Some(&added), Some(estimate)) = (added, Estimate::of(replicates))
+                && most.is_none_or(|(_, _, other)| estimate.value > other.value)
+            {
+                most = Some((added, is_sensor, estimate));
+            }
+        }
+        let Some((position, is_sensor, estimate)) = most else { return };
+        let list = if is_sensor { &mut output.sensor_picks } else { &mut output.picks };
+        list.push(pick(position, &estimate));
+    }
+
+    /// What the reader must know.
+    pub(super) fn tell(&self, output: &mut Output) {
+        let mut findings = Vec::new();
+        let learn = output.learn.join(", ");
+        let usable: Vec<&Candidate> =
+            output.candidates.iter().filter(|candidate| candidate.information_nats.is_some()).collect();
+        let unseen = usable.iter().filter(|candidate| candidate.sees_nothing).count();
+        if unseen > 0 && unseen == usable.len() {
+            findings.push(format!("This experiment cannot see {learn}: no candidate tells more than noise would."));
+        } else if unseen > 0 {
+            findings.push(format!("{unseen} of {} candidates cannot see {learn}.", usable.len()));
+        }
+        for observed in output.observability.iter().filter(|observed| observed.learn) {
+            let seen =
+                observed.changes.iter().zip(&output.sensors).any(|(change, sensor)| change.abs() > 1e-6 * sensor.sigma);
+            if !seen {
+                findings.push(format!("No sensor of the best candidate moves with {}.", observed.parameter));
+            }
+        }
+        match &output.best {
+            None => findings.push("No candidate keeps the limits and has solutions.".to_owned()),
+            Some(best) if !best.rivals.is_empty() => findings.push(format!(
+                "{} other candidates are not told from the best with so many samples.",
+                best.rivals.len()
+            )),
+            Some(_) => {}
+        }
+        let forbidden = output.candidates.iter().filter(|candidate| !candidate.allowed).count();
+        if forbidden > 0 && output.best.is_some() {
+            findings.push(format!("{forbidden} of {} candidates are not allowed.", output.candidates.len()));
+        }
+        if let Some(best) = &output.best {
+            if best.bias_bound > BIAS_WORTH_A_WORD.max(3.0 * best.se) {
+                findings.push(format!(
+                    "The bias of the best candidate may be {:.3} nats: more inner samples, or `importance`, would tell.",
+                    best.bias_bound
+                ));
+            }
+            let few = output.candidates[best.candidate].few_effective.unwrap_or(0.0);
+            if few > FEW_LIMIT {
+                findings.push(format!(
+                    "At the best candidate {:.0} % of the inner averages rest on fewer than 10 effective samples.",
+                    100.0 * few
+                ));
+            }
+        }
+        for pair in &output.redundant {
+            findings.push(format!(
+                "{} and {} tell the same (correlation {:.3} over the prior): one of them adds little beside less noise.",
+                pair.sensors[0], pair.sensors[1], pair.correlation
+            ));
+        }
+        if matches!(self.spec.estimator, Estimator::Laplace | Estimator::Linear) {
+            findings.push(format!(
+                "The estimator `{}` is an approximation whose error is not part of the numbers: for screening.",
+                output.estimator
+            ));
+        }
+        if self.spec.pick > 1 && output.picks.len() > 1 {
+            output.guarantee = if self.samples.unknowns == self.spec.learn.len() {
+                "Given the parameters the phases are independent, so that the information of a set of phases is monotone and \
+                 submodular: the greedy choice has at least 1 - 1/e (63 %) of the information of the best set of as many \
+                 phases (Nemhauser, Wolsey & Fisher 1978; Krause & Guestrin 2005), up to the error of the estimates."
+                    .to_owned()
+            } else {
+                "Phases share the unknowns that are integrated out, so that they are not independent given what is to be \
+                 learnt: the information of a set of phases is monotone but need not be submodular, and the greedy choice has \
+                 no guarantee."
+                    .to_owned()
+            };
+        }
+        output.findings = findings;
+    }
+}
+
+fn pick(position: usize, estimate: &Estimate) -> Pick {
+    Pick { position, information_nats: estimate.value, se: estimate.standard_error, bias_bound: estimate.bias_bound }
+}

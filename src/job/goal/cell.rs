@@ -1,0 +1,233 @@
+//! A cell: some knowledge, a design value, and the probability that all requirements are met.
+
+use serde::{Deserialize, Serialize};
+
+use super::Goal;
+use super::knowledge::{Known, Sharpened};
+use crate::job::JobError;
+use crate::job::propagate::{Probability, Variable};
+use crate::math::special::normal_cdf;
+use crate::statistics::Interval;
+use crate::thermal::{Batch, Start};
+
+/// Samples solved side by side; no part of the identity, since each lane gives the bits of a solve alone.
+const LANES: usize = 16;
+/// Confidence of intervals.
+const CONFIDENCE: f64 = 0.95;
+
+/// What a cell belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Role {
+    /// Knowledge of the first so many leading parameters with a share of their prior standard deviations, by the given design.
+    Level {
+        /// How many parameters.
+        set: usize,
+        /// Share.
+        ratio: f64,
+    },
+    /// The same along the design variable.
+    Curve {
+        /// How many parameters; 0 for prior knowledge.
+        set: usize,
+        /// Share.
+        ratio: f64,
+    },
+    /// What an experiment would leave if this truth held, by the given design.
+    Truth {
+        /// Position of the truth.
+        index: usize,
+    },
+    /// The same along the design variable.
+    TruthCurve {
+        /// Position of the truth.
+        index: usize,
+    },
+}
+
+/// What a block is to do.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// What it belongs to.
+    pub role: Role,
+    /// Parameters that are known better.
+    pub known: Vec<Known>,
+    /// Design value; the given one where nothing.
+    pub design: Option<f64>,
+    /// Number of samples.
+    pub samples: u64,
+}
+
+/// A cell's result.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// The cell.
+    pub cell: Cell,
+    /// Sum over samples of the probability that all requirements are met: 0 or 1 without discrepancies.
+    pub met: f64,
+    /// Failed solves.
+    pub failed: u64,
+}
+
+impl Outcome {
+    /// Probability with its interval.
+    pub fn probability(&self) -> Probability {
+        probability(self.met, self.cell.samples)
+    }
+}
+
+/// A share of samples with Wilson's interval. Sums that are no whole numbers (with discrepancies) vary less than counts
+/// do: the interval of the count rounded up to the next is an upper bound of theirs.
+pub fn probability(met: f64, samples: u64) -> Probability {
+    let value = met / samples.max(1) as f64;
+    let at = |count: f64| Interval::wilson(count as u64, samples, CONFIDENCE);
+    let (below, above) = (at(met.floor()), at(met.ceil()));
+    Probability { value, lower: below.lower, upper: above.upper }
+}
+
+impl Goal {
+    /// Values of the requirements' quantities at samples `0..samples`: calls `take` with environment, sample and the values of a
+    /// sample by requirement, NaN where the solution failed.
+    pub(super) fn solve(
+        &self,
+        known: &[Known],
+        design: Option<f64>,
+        samples: u64,
+        mut take: impl FnMut(usize, usize, &[f64]),
+    ) {
+        let samples = usize::try_from(samples).unwrap_or(usize::MAX);
+        let width = self.uncertain.len();
+        let sharpened: Vec<Option<Sharpened>> = self
+            .uncertain
+            .iter()
+            .map(|&parameter| {
+                let known = known.iter().find(|known| known.parameter == parameter)?;
+                Some(Sharpened::new(&self.priors[parameter], known))
+            })
+            .collect();
+        let variable = self.spec.design.as_ref().map(|design| design.variable).zip(design);
+        let mut rows = vec![0.5; width * LANES];
+        let mut batch: Batch<LANES> = self.network.batch();
+        let mut values = vec![0.0; self.spec.requirements.len()];
+        let mut columns = vec![[0.0; LANES]; width];
+        let mut done = 0;
+        while done < samples {
+            let lanes = LANES.min(samples - done);
+            self.points.fill_rows(done, &mut rows[..width * lanes]);
+            for (position, &parameter) in self.uncertain.iter().enumerate() {
+                let mut column: [f64; LANES] = std::array::from_fn(|lane| rows[lane * width + position]);
+                match &sharpened[position] {
+                    Some(sharpened) => column.iter_mut().for_each(|v| *v = sharpened.quantile(*v)),
+                    None => self.priors[parameter].quantiles(&mut column),
+                }
+                columns[position] = column;
+            }
+            for (case, environment) in self.spec.environments.iter().enumerate() {
+                for lane in 0..LANES {
+                    batch.set_parameters(&self.network, lane, &self.nominal);
+                    batch.set_inputs(&self.network, lane, &environment.inputs);
+                }
+                for (&parameter, &column) in self.uncertain.iter().zip(&columns) {
+                    batch.set_parameter_lanes(parameter, column);
+                }
+                match variable {
+                    Some((Variable::Parameter(index), value)) => batch.set_parameter_lanes(index, [value; LANES]),
+                    Some((Variable::Input(index), value)) => {
+                        let mut inputs = environment.inputs.clone();
+                        inputs[index] = value;
+                        (0..LANES).for_each(|lane| batch.set_inputs(&self.network, lane, &inputs));
+                    }
+                    None => {}
+                }
+                self.network.solve_steady_batch(&mut batch, Start::Temperatures(&self.starts[case]));
+                for lane in 0..lanes {
+                    for (value, requirement) in values.iter_mut().zip(&self.spec.requirements) {
+                        *value = batch.quantity(&self.network, lane, requirement.quantity);
+                    }
+                    take(case, done + lane, &values);
+                }
+            }
+            done += lanes;
+        }
+    }
+
+    /// Probability that a value stays within the limits of the requirements of its quantity when a normal discrepancy of
+    /// standard deviation `sd` is added; `position` is the quantity's first requirement.
+    fn within(&self, position: usize, value: f64, sd: f64) -> f64 {
+        let quantity = self.spec.requirements[position].quantity;
+        let same = || self.spec.requirements.iter().filter(|requirement| requirement.quantity == quantity);
+        if sd <= 0.0 || value.is_nan() {
+            return f64::from(u8::from(same().all(|requirement| requirement.met(value))));
+        }
+        let below = same().filter_map(|requirement| requirement.below).reduce(f64::min);
+        let above = same().filter_map(|requirement| requirement.above).reduce(f64::max);
+        let below = below.map_or(1.0, |limit| normal_cdf((limit - value) / sd));
+        let above = above.map_or(0.0, |limit| normal_cdf((limit - value) / sd));
+        (below - above).max(0.0)
+    }
+
+    /// Probability that a value meets one requirement when a normal discrepancy is added.
+    pub(super) fn meets_alone(&self, position: usize, value: f64, sd: f64) -> f64 {
+        let requirement = &self.spec.requirements[position];
+        if sd <= 0.0 || value.is_nan() {
+            return f64::from(u8::from(requirement.met(value)));
+        }
+        let below = requirement.below.map_or(1.0, |limit| normal_cdf((limit - value) / sd));
+        let above = requirement.above.map_or(0.0, |limit| normal_cdf((limit - value) / sd));
+        (below - above).max(0.0)
+    }
+
+    /// Standard deviation of the discrepancy of a requirement's quantity.
+    pub(super) fn discrepancy_of(&self, position: usize) -> f64 {
+        let quantity = self.spec.requirements[position].quantity;
+        self.spec.discrepancy.iter().find(|known| known.quantity == quantity).map_or(0.0, |known| known.sd)
+    }
+
+    /// Probability that all requirements are met by a sample's values; discrepancies of different quantities are independent.
+    /// `extra` replaces the discrepancy of one requirement's quantity.
+    pub(super) fn meets_all(&self, values: &[f64], extra: Option<(usize, f64)>) -> f64 {
+        let requirements = &self.spec.requirements;
+        let mut all = 1.0;
+        for (position, &value) in values.iter().enumerate() {
+            let quantity = requirements[position].quantity;
+            if requirements[..position].iter().any(|earlier| earlier.quantity == quantity) {
+                continue;
+            }
+            let replaced = extra.filter(|&(other, _)| requirements[other].quantity == quantity);
+            let sd = replaced.map_or_else(|| self.discrepancy_of(position), |(_, sd)| sd);
+            all *= self.within(position, value, sd);
+        }
+        all
+    }
+
+    /// Runs a cell.
+    pub(super) fn run(&self, cell: &Cell) -> Outcome {
+        let mut failed = 0;
+        let samples = usize::try_from(cell.samples).unwrap_or(0);
+        // A sample must meet the requirements in every environment.
+        let mut met = vec![1.0; samples];
+        self.solve(&cell.known, cell.design, cell.samples, |_, sample, values| {
+            failed += u64::from(values.iter().any(|value| !value.is_finite()));
+            met[sample] *= self.meets_all(values, None);
+        });
+        Outcome { cell: cell.clone(), met: met.iter().sum(), failed }
+    }
+
+    /// Values of the given design with prior knowledge, by environment, requirement, sample.
+    pub(super) fn prior_values(&self) -> Vec<Vec<Vec<f64>>> {
+        let requirements = self.spec.requirements.len();
+        let mut all = vec![vec![Vec::new(); requirements]; self.spec.environments.len()];
+        self.solve(&[], None, self.spec.samples, |case, _, values| {
+            for (column, &value) in all[case].iter_mut().zip(values) {
+                column.push(value);
+            }
+        });
+        all
+    }
+
+    /// A stored outcome.
+    pub(super) fn outcome_of(bytes: &[u8], stage: &str) -> Result<Outcome, JobError> {
+        serde_json::from_slice(bytes)
+            .map_err(|e| JobError::Unreadable { stage: stage.to_owned(), reason: e.to_string() })
+    }
+}

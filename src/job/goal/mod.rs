@@ -1,0 +1,425 @@
+//! Experimental goal setting (Stout 2015, step 3): how well the leading parameters must be known for all requirements to be met with
+//! the required probability by the given design, which design value is within reach with what knowledge, and so which experiment
+//! comes next.
+//!
+//! Better knowledge of a parameter is its prior times the likelihood of a measurement with a normal error. By itself it is tried at the
+//! prior's mean, where it changes the spread alone; then over truths drawn from the prior, since a lucky truth is no merit of an experiment.
+
+mod advice;
+mod cell;
+mod knowledge;
+mod output;
+mod prior;
+mod result;
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::random::{Distribution, PointKind, Points, StreamKey};
+use crate::thermal::{Model, Network, Start};
+
+pub use output::{Advice, Discrepancy, Driving, Knowledge, Leading, Level, Met, Next, Output, Spec, Target, Truths};
+
+use super::propagate::Variable;
+use super::{Job, JobError, Step};
+use cell::{Cell, Outcome, Role};
+use knowledge::{Known, error_for};
+use prior::Prior;
+
+/// Most leading parameters that are sharpened together.
+const MOST_TOGETHER: usize = 3;
+/// Shares of the prior standard deviations that are tried with the given design.
+const RATIOS: [f64; 9] = [0.85, 0.7, 0.5, 0.35, 0.25, 0.15, 0.1, 0.05, 0.0];
+/// Those for which a design value is sought.
+const DESIGN_RATIOS: [f64; 4] = [0.5, 0.25, 0.1, 0.0];
+/// Design values over the range, then within the interval where the probability is reached.
+const DESIGN_VALUES: usize = 9;
+const DESIGN_FINER: usize = 7;
+/// Shares tried between two, and how often.
+const SEARCHED: usize = 8;
+const SEARCHES: u32 = 2;
+/// Truths, and samples for each.
+const TRUTHS: usize = 64;
+const TRUTH_SAMPLES: u64 = 1024;
+/// Share of the prior standard deviation that an experiment is taken to leave where none is sought.
+const USUAL_RATIO: f64 = 0.25;
+
+/// Goal setting, ready to run.
+#[derive(Debug)]
+pub struct Goal {
+    spec: Spec,
+    model: Arc<Model>,
+    priors: Vec<Distribution>,
+    network: Network,
+    points: Points,
+    truth_points: Points,
+    /// Parameters that are not fixed and not the design variable, in order.
+    uncertain: Vec<usize>,
+    nominal: Vec<f64>,
+    starts: Vec<Vec<f64>>,
+    required: f64,
+}
+
+/// A block's input.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Input {
+    /// The given design with prior knowledge.
+    Prior,
+    /// A cell; with the first of a stage what earlier stages found.
+    Cell(Cell, Option<Box<State>>),
+}
+
+/// All that was found so far.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct State {
+    prior: Prior,
+    outcomes: Vec<Outcome>,
+    /// The set and the bracket of shares in which its target lies: reached, not reached.
+    target: Option<(usize, [f64; 2])>,
+    searches: u32,
+    has_truths: bool,
+}
+
+impl Goal {
+    /// Prepares the job: compiles the network, lays out the points and solves the nominal cases.
+    ///
+    /// `priors` has one entry a parameter of the model; `name` is the job's name, which its random streams are keyed by.
+    ///
+    /// # Errors
+    /// No requirement, no uncertain parameter, a network that cannot be compiled or has no steady state.
+    pub fn new(
+        spec: Spec,
+        model: Arc<Model>,
+        priors: Vec<Distribution>,
+        seed: u64,
+        name: &str,
+    ) -> Result<Self, JobError> {
+        let failed = |reason: String| JobError::Failed(reason);
+        let network = Network::compile(&model, &[]).map_err(|e| failed(e.to_string()))?;
+        let design = spec.design.as_ref().map(|design| design.variable);
+        let uncertain: Vec<usize> =
+            (0..priors.len()).filter(|&i| !priors[i].is_fixed() && design != Some(Variable::Parameter(i))).collect();
+        if uncertain.is_empty() {
+            return Err(failed("every parameter is fixed: there is nothing to know better".to_owned()));
+        }
+        if spec.requirements.is_empty() {
+            return Err(failed("there is no requirement to meet".to_owned()));
+        }
+        let points = |purpose: &str, samples: usize, dimensions: usize| {
+            Points::new(PointKind::Sobol, StreamKey::new(seed, name, purpose), samples, dimensions)
+                .map_err(|e| failed(e.to_string()))
+        };
+        let samples = usize::try_from(spec.samples).unwrap_or(usize::MAX);
+        let sets = MOST_TOGETHER.min(uncertain.len());
+        let (points, truth_points) = (points("goal", samples, uncertain.len())?, points("truths", TRUTHS, 2 * sets)?);
+        let nominal: Vec<f64> = model
+            .parameters
+            .iter()
+            .zip(&priors)
+            .map(|(parameter, prior)| if let Distribution::Fixed(value) = prior { *value } else { parameter.nominal })
+            .collect();
+        let required = spec.requirements.iter().map(|requirement| requirement.probability).fold(0.0, f64::max);
+        let mut starts = Vec::new();
+        let mut workspace = network.workspace();
+        network.set_parameters(&mut workspace, &nominal);
+        for environment in &spec.environments {
+            network.set_inputs(&mut workspace, &environment.inputs);
+            network
+                .solve_steady(&mut workspace, Start::Default)
+                .map_err(|e| failed(format!("environment `{}` at nominal parameters: {e}", environment.name)))?;
+            starts.push(workspace.temperatures().to_vec());
+        }
+        Ok(Self { spec, model, priors, network, points, truth_points, uncertain, nominal, starts, required })
+    }
+
+    /// The parameters that are sharpened, in order: those of the settings, else the leading ones.
+    fn sharpened(&self, prior: &Prior) -> Vec<usize> {
+        if self.spec.parameters.is_empty() {
+            // What has no main effect beyond its error would only cost an experiment.
+            let matters = |(_, leading): &&(usize, output::Leading)| leading.main.is_some_and(|main| main.lower > 0.0);
+            prior.leading.iter().filter(matters).map(|(index, _)| *index).take(MOST_TOGETHER).collect()
+        } else {
+            let known = self.spec.parameters.iter().copied().filter(|index| self.uncertain.contains(index));
+            known.take(MOST_TOGETHER).collect()
+        }
+    }
+
+    /// Knowledge of the first `set` parameters that leaves a share of their standard deviations, at the priors' means.
+    fn known(&self, parameters: &[usize], set: usize, ratio: f64) -> Vec<Known> {
+        parameters[..set.min(parameters.len())]
+            .iter()
+            .map(|&parameter| {
+                let prior = &self.priors[parameter];
+                Known { parameter, reading: prior.mean(), error: error_for(prior, ratio) }
+            })
+            .collect()
+    }
+
+    /// Design values from where the search starts to its end.
+    fn design_values(&self) -> Vec<f64> {
+        let Some([from, to]) = self.design_range() else { return Vec::new() };
+        between(from, to, DESIGN_VALUES)
+    }
+
+    fn design_range(&self) -> Option<[f64; 2]> {
+        let values = &self.spec.design.as_ref()?.values;
+        Some([*values.first()?, *values.last()?])
+    }
+
+    /// Cells of the second stage: levels of knowledge, and the curves over the design variable.
+    fn levels(&self, prior: &Prior) -> Vec<Cell> {
+        let parameters = self.sharpened(prior);
+        let samples = self.spec.samples;
+        let mut cells = Vec::new();
+        for set in 1..=parameters.len() {
+            for ratio in RATIOS {
+                let known = self.known(&parameters, set, ratio);
+                cells.push(Cell { role: Role::Level { set, ratio }, known, design: None, samples });
+            }
+        }
+        for set in 0..=parameters.len() {
+            let ratios: &[f64] = if set == 0 { &[1.0] } else { &DESIGN_RATIOS };
+            for &ratio in ratios {
+                let known = self.known(&parameters, set, ratio);
+                let curve = |design| Cell { role: Role::Curve { set, ratio }, known: known.clone(), design, samples };
+                cells.extend(self.design_values().into_iter().map(|value| curve(Some(value))));
+            }
+        }
+        cells
+    }
+
+    /// Cells between the two design values of each curve between which the probability is reached.
+    fn finer(&self, outcomes: &[Outcome]) -> Vec<Cell> {
+        let mut roles: Vec<Role> = Vec::new();
+        for outcome in outcomes {
+            if outcome.cell.design.is_some() && !roles.contains(&outcome.cell.role) {
+                roles.push(outcome.cell.role);
+            }
+        }
+        let mut cells = Vec::new();
+        for role in roles {
+            let curve: Vec<&Outcome> = outcomes.iter().filter(|o| o.cell.role == role).collect();
+            let Some(last) = curve.iter().rposition(|o| o.probability().value < self.required) else { continue };
+            let Some(next) = curve.get(last + 1) else { continue };
+            let Some((from, to)) = curve[last].cell.design.zip(next.cell.design) else { continue };
+            let inner = between(from, to, DESIGN_FINER + 2);
+            cells
+                .extend(inner[1..=DESIGN_FINER].iter().map(|&value| Cell { design: Some(value), ..next.cell.clone() }));
+        }
+        cells
+    }
+
+    /// Shares between the last that is enough and the first that is not.
+    fn search(&self, state: &State) -> Vec<Cell> {
+        let Some((set, [enough, too_much])) = state.target else { return Vec::new() };
+        let parameters = self.sharpened(&state.prior);
+        let inner = between(enough, too_much, SEARCHED + 2);
+        let cell = |ratio: f64| Cell {
+            role: Role::Level { set, ratio },
+            known: self.known(&parameters, set, ratio),
+            design: None,
+            samples: self.spec.samples,
+        };
+        inner[1..=SEARCHED].iter().map(|&ratio| cell(ratio)).collect()
+    }
+
+    /// The smallest set that is enough with some share, and the bracket of the share: where the probability is reached with
+    /// this and all smaller ones, and the next larger, where it is not.
+    fn bracket(&self, state: &State) -> Option<(usize, [f64; 2])> {
+        if state.prior.probability.value >= self.required {
+            return None;
+        }
+        (1..=self.sharpened(&state.prior).len()).find_map(|set| {
+            let mut levels: Vec<(f64, f64)> = state
+                .outcomes
+                .iter()
+                .filter_map(|o| match o.cell.role {
+                    Role::Level { set: other, ratio } if other == set => Some((ratio, o.probability().value)),
+                    _ => None,
+                })
+                .collect();
+            levels.push((1.0, state.prior.probability.value));
+            levels.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let first = levels.iter().position(|&(_, probability)| probability < self.required)?;
+            let enough = levels[first.checked_sub(1)?].0;
+            Some((set, [enough, levels[first].0]))
+        })
+    }
+
+    /// The set and share of the experiment whose outcome is averaged over truths.
+    fn experiment(&self, state: &State) -> Option<(usize, f64)> {
+        let sets = self.sharpened(&state.prior).len();
+        if sets == 0 {
+            return None;
+        }
+        Some(match state.target {
+            Some((set, [enough, _])) => (set, enough),
+            None if state.prior.probability.value >= self.required => (1, USUAL_RATIO),
+            None => (sets, USUAL_RATIO),
+        })
+    }
+
+    /// What the experiment would read if each truth held, by the given design and along the design variable.
+    fn truths(&self, state: &State) -> Vec<Cell> {
+        let Some((set, ratio)) = self.experiment(state) else { return Vec::new() };
+        let parameters = self.sharpened(&state.prior);
+        let known = self.known(&parameters, set, ratio);
+        let samples = TRUTH_SAMPLES.min(self.spec.samples);
+        let mut row = vec![0.0; self.truth_points.dimensions()];
+        let mut cells = Vec::new();
+        for index in 0..TRUTHS {
+            self.truth_points.fill_row(index, &mut row);
+            let known: Vec<Known> = known
+                .iter()
+                .enumerate()
+                .map(|(place, known)| {
+                    let truth = self.priors[known.parameter].quantile(row[2 * place]);
+                    let error = known.error * crate::math::special::normal_quantile(row[2 * place + 1]);
+                    Known { reading: truth + error, ..*known }
+                })
+                .collect();
+            cells.push(Cell { role: Role::Truth { index }, known: known.clone(), design: None, samples });
+            let curve = |design| Cell { role: Role::TruthCurve { index }, known: known.clone(), design, samples };
+            cells.extend(self.design_values().into_iter().map(|value| curve(Some(value))));
+        }
+        cells
+    }
+
+    /// A stage of cells; what was found goes with the first.
+    fn stage(&self, name: String, cells: Vec<Cell>, state: State) -> Result<Step, JobError> {
+        let mut state = Some(Box::new(state));
+        let inputs: Result<Vec<Vec<u8>>, _> =
+            cells.into_iter().map(|cell| serde_json::to_vec(&Input::Cell(cell, state.take()))).collect();
+        Ok(Step::Blocks { stage: name, inputs: inputs.map_err(|e| JobError::Failed(e.to_string()))? })
+    }
+
+    /// The next stage, or the result.
+    fn next(&self, mut state: State) -> Result<Step, JobError> {
+        self.check_failures(&state)?;
+        if !state.has_truths {
+            state.target = self.bracket(&state);
+            let mut cells = if state.searches < SEARCHES { self.search(&state) } else { Vec::new() };
+            if state.searches == 0 {
+                cells.extend(self.finer(&state.outcomes));
+            }
+            state.searches += 1;
+            if !cells.is_empty() {
+                return self.stage(format!("closer {}", state.searches), cells, state);
+            }
+            state.has_truths = true;
+            let cells = self.truths(&state);
+            if !cells.is_empty() {
+                return self.stage("truths".to_owned(), cells, state);
+            }
+        }
+        let truths: Vec<Outcome> =
+            state.outcomes.iter().filter(|o| matches!(o.cell.role, Role::TruthCurve { .. })).cloned().collect();
+        // The finer values of a truth come last: as many as the first ones say there are.
+        let finer = self.finer_once(&truths);
+        if !finer.is_empty() {
+            return self.stage("truths closer".to_owned(), finer, state);
+        }
+        serde_json::to_value(self.output(&state)).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
+    }
+
+    /// [`Goal::finer`], once.
+    fn finer_once(&self, outcomes: &[Outcome]) -> Vec<Cell> {
+        let index = |outcome: &Outcome| match outcome.cell.role {
+            Role::TruthCurve { index } => Some(index),
+            _ => None,
+        };
+        let most = outcomes.iter().filter(|o| index(o) == outcomes.first().and_then(index)).count();
+        let is_first = (0..TRUTHS).all(|i| {
+            let count = outcomes.iter().filter(|o| index(o) == Some(i)).count();
+            count == DESIGN_VALUES || count == 0
+        });
+        if is_first && most > 0 { self.finer(outcomes) } else { Vec::new() }
+    }
+
+    fn check_failures(&self, state: &State) -> Result<(), JobError> {
+        let (failed, solves) = self.counts(state);
+        let share = failed as f64 / solves.max(1) as f64;
+        if share > self.spec.failure_limit {
+            return Err(JobError::Failed(format!(
+                "{failed} of {solves} solves failed, more than the limit of {} %",
+                100.0 * self.spec.failure_limit
+            )));
+        }
+        Ok(())
+    }
+
+    /// Failed solves and all.
+    fn counts(&self, state: &State) -> (u64, u64) {
+        let environments = self.spec.environments.len() as u64;
+        let failed = state.prior.failed + state.outcomes.iter().map(|o| o.failed).sum::<u64>();
+        let samples = self.spec.samples + state.outcomes.iter().map(|o| o.cell.samples).sum::<u64>();
+        (failed, environments * samples)
+    }
+}
+
+/// Equally spaced values, both ends exact.
+fn between(from: f64, to: f64, count: usize) -> Vec<f64> {
+    (0..count)
+        .map(|index| {
+            let share = index as f64 / (count - 1) as f64;
+            from * (1.0 - share) + to * share
+        })
+        .collect()
+}
+
+impl Job for Goal {
+    fn kind(&self) -> &'static str {
+        "goal"
+    }
+
+    fn algorithm_version(&self) -> u32 {
+        1
+    }
+
+    fn identity(&self) -> Value {
+        json!({"settings": self.spec, "model": self.model.identity(), "priors": self.priors})
+    }
+
+    fn begin(&self) -> Result<Step, JobError> {
+        let input = serde_json::to_vec(&Input::Prior).map_err(|e| JobError::Failed(e.to_string()))?;
+        Ok(Step::Blocks { stage: "prior".to_owned(), inputs: vec![input] })
+    }
+
+    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
+        let input: Input = serde_json::from_slice(input)
+            .map_err(|e| JobError::Unreadable { stage: stage.to_owned(), reason: e.to_string() })?;
+        let bytes = match input {
+            Input::Prior => serde_json::to_vec(&self.prior()),
+            Input::Cell(cell, _) => serde_json::to_vec(&self.run(&cell)),
+        };
+        bytes.map_err(|e| JobError::Failed(e.to_string()))
+    }
+
+    fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
+        let unreadable = |reason: String| JobError::Unreadable { stage: stage.to_owned(), reason };
+        let first = inputs.first().ok_or_else(|| unreadable("there is no block".to_owned()))?;
+        match serde_json::from_slice(first).map_err(|e| unreadable(e.to_string()))? {
+            Input::Prior => {
+                let bytes = outputs.first().ok_or_else(|| unreadable("there is no block".to_owned()))?;
+                let prior: Prior = serde_json::from_slice(bytes).map_err(|e| unreadable(e.to_string()))?;
+                let cells = self.levels(&prior);
+                let state = State { prior, outcomes: Vec::new(), target: None, searches: 0, has_truths: false };
+                self.check_failures(&state)?;
+                if cells.is_empty() {
+                    return self.next(state);
+                }
+                self.stage("knowledge".to_owned(), cells, state)
+            }
+            Input::Cell(_, state) => {
+                let mut state = *state.ok_or_else(|| unreadable("earlier stages are not there".to_owned()))?;
+                for bytes in outputs {
+                    state.outcomes.push(Self::outcome_of(bytes, stage)?);
+                }
+                self.next(state)
+            }
+        }
+    }
+}

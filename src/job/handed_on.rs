@@ -1,0 +1,224 @@
+//! A posterior handed on: draws of several parameters together, which stand in for their priors in another job.
+//!
+//! What samples the prior takes whole draws, so that correlations, bounds and bent shapes stay as they were; what needs a
+//! density gets one from [`HandedOn::density`], or is refused where none describes the draws.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::JobError;
+use crate::inference::joint_prior::{JointPrior, JointPriorError};
+use crate::random::Distribution;
+use crate::statistics::moments::Moments;
+use crate::statistics::quantile::{quantile_sorted, sorted};
+
+/// Probability beyond three standard deviations of a normal distribution, on one side.
+const THREE_SIGMA: f64 = 0.001_349_898_031_630_094_5;
+
+/// Draws that stand in for priors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HandedOn {
+    /// Where they come from, for people: `tuned` of `pass-1.json`, or a file.
+    pub source: String,
+    /// Positions of the parameters in the model's list.
+    pub parameters: Vec<usize>,
+    /// Their names in the source, in the same order.
+    pub names: Vec<String>,
+    /// SHA-256 of the file of draws; `None` for a calibration's, which the key of that job stands for.
+    pub sha256: Option<String>,
+    /// Draws (SI), each the values of `parameters`; none before the calibration has its result.
+    pub draws: Vec<Vec<f64>>,
+    /// Effective number of draws.
+    pub effective: f64,
+    /// Whether the chains that they come from converged.
+    pub converged: bool,
+}
+
+/// Draws that stood in for priors, as results tell of them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct HandedOnSummary {
+    /// Where they come from.
+    pub source: String,
+    /// The parameters.
+    pub parameters: Vec<String>,
+    /// Number of draws.
+    pub draws: u64,
+    /// How many independent draws they are worth.
+    pub effective: f64,
+    /// Whether the chains that they come from converged.
+    pub converged: bool,
+}
+
+/// The part of a calibration's result that is used.
+#[derive(Deserialize)]
+struct Calibrated {
+    converged: bool,
+    order: Vec<String>,
+    parameters: BTreeMap<String, Diagnostics>,
+    draws: Draws,
+}
+
+#[derive(Deserialize)]
+struct Diagnostics {
+    ess_bulk: Option<f64>,
+    ess_tail: Option<f64>,
+}
+
+#[derive(Deserialize)]
+struct Draws {
+    values: Vec<Vec<f64>>,
+}
+
+impl HandedOn {
+    /// The same with the draws of a calibration's result.
+    ///
+    /// # Errors
+    /// A result without draws of these parameters.
+    pub fn filled(&self, result: &Value) -> Result<Self, JobError> {
+        let failed = |reason: String| JobError::Failed(format!("the posterior of {}: {reason}", self.source));
+        let found = Calibrated::deserialize(result).map_err(|error| failed(error.to_string()))?;
+        let mut columns = Vec::new();
+        let mut effective = found.draws.values.len() as f64;
+        for name in &self.names {
+            let column = found.order.iter().position(|known| known == name);
+            columns.push(column.ok_or_else(|| failed(format!("`{name}` was not inferred")))?);
+            let own = found.parameters.get(name).map(|own| [own.ess_bulk, own.ess_tail]);
+            // Where it has no value the draws do not vary: nothing is known of their number.
+            effective = own.into_iter().flatten().fold(effective, |least, ess| least.min(ess.unwrap_or(1.0)));
+        }
+        let draw =
+            |all: &Vec<f64>| columns.iter().map(|&column| all.get(column).copied()).collect::<Option<Vec<f64>>>();
+        let draws = found.draws.values.iter().map(draw).collect::<Option<Vec<_>>>();
+        let draws = draws.ok_or_else(|| failed("a draw is too short".to_owned()))?;
+        if draws.is_empty() || draws.iter().flatten().any(|value| !value.is_finite()) {
+            return Err(failed("it has no draws, or one that is not finite".to_owned()));
+        }
+        Ok(Self { draws, effective, converged: found.converged, ..self.clone() })
+    }
+
+    /// What of it decides a result, beside the calibration that it comes from.
+    pub fn identity(&self) -> Value {
+        json!({ "parameters": self.parameters, "names": self.names, "file": self.sha256 })
+    }
+
+    /// Its part in a result.
+    pub fn summary(&self) -> HandedOnSummary {
+        HandedOnSummary {
+            source: self.source.clone(),
+            parameters: self.names.clone(),
+            draws: self.draws.len() as u64,
+            effective: self.effective,
+            converged: self.converged,
+        }
+    }
+
+    /// The same of some of its parameters, by their places.
+    pub fn with(&self, places: &[usize]) -> Self {
+        Self {
+            parameters: places.iter().map(|&place| self.parameters[place]).collect(),
+            names: places.iter().map(|&place| self.names[place].clone()).collect(),
+            draws: self.draws.iter().map(|draw| places.iter().map(|&place| draw[place]).collect()).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// The same before it is filled.
+    pub fn with_no_draws(&self) -> Self {
+        Self { draws: Vec::new(), ..self.clone() }
+    }
+
+    /// The draws of one parameter, by its place in `parameters`.
+    pub fn column(&self, place: usize) -> Vec<f64> {
+        self.draws.iter().map(|draw| draw[place]).collect()
+    }
+
+    /// Position of the draw that belongs to a share (0 to 1) of the sample space.
+    #[inline]
+    pub fn position(&self, share: f64) -> usize {
+        // Below the number of draws for any share below 1.
+        ((share * self.draws.len() as f64) as usize).min(self.draws.len().saturating_sub(1))
+    }
+
+    /// A parameter's interval between the quantiles that lie three standard deviations from the mean of a normal
+    /// distribution, as a prior: what a stack of worst cases takes the ends of. One value where the draws do not vary.
+    pub fn interval(&self, place: usize) -> Distribution {
+        let own = sorted(&self.column(place));
+        let (lower, upper) = (quantile_sorted(&own, THREE_SIGMA), quantile_sorted(&own, 1.0 - THREE_SIGMA));
+        if lower < upper { Distribution::Uniform { lower, upper } } else { Distribution::Fixed(lower) }
+    }
+
+    /// Mean, standard deviation and the quantiles of 2.5, 50 and 97.5 % of a parameter, SI.
+    pub fn moments(&self, place: usize) -> [f64; 5] {
+        let own = sorted(&self.column(place));
+        let moments = Moments::of(&own);
+        let quantile = |share: f64| quantile_sorted(&own, share);
+        [moments.mean(), moments.sd(), quantile(0.025), quantile(0.5), quantile(0.975)]
+    }
+
+    /// A density for the parameters that `chosen` (positions in the model's list) has too, in whose order they are the
+    /// unknowns; `base` are the priors, by position in the model's list, by which their scores are taken. `None` where
+    /// none is chosen.
+    ///
+    /// # Errors
+    /// [`JointPriorError`] where no density describes the draws.
+    pub fn density(&self, chosen: &[usize], base: &[Distribution]) -> Result<Option<JointPrior>, JointPriorError> {
+        let (mut places, mut columns) = (Vec::new(), Vec::new());
+        for (column, parameter) in self.parameters.iter().enumerate() {
+            if let Some(place) = chosen.iter().position(|own| own == parameter) {
+                places.push(place);
+                columns.push(column);
+            }
+        }
+        if places.is_empty() {
+            return Ok(None);
+        }
+        let names: Vec<&str> = columns.iter().map(|&column| self.names[column].as_str()).collect();
+        let base: Vec<Distribution> = columns.iter().map(|&column| base[self.parameters[column]]).collect();
+        let draws: Vec<Vec<f64>> =
+            self.draws.iter().map(|draw| columns.iter().map(|&column| draw[column]).collect()).collect();
+        JointPrior::new(&places, &names, &base, &draws, self.effective).map(Some)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn unfilled() -> HandedOn {
+        HandedOn {
+            source: "`tuned` of `pass-1.json`".into(),
+            parameters: vec![3, 1],
+            names: vec!["b".into(), "a".into()],
+            sha256: None,
+            draws: vec![],
+            effective: 0.0,
+            converged: false,
+        }
+    }
+
+    fn result() -> Value {
+        json!({"converged": true, "order": ["a", "b", "m.s.sigma"],
+               "parameters": {"a": {"ess_bulk": 900.0, "ess_tail": 2.5}, "b": {"ess_bulk": 800.0, "ess_tail": 700.0}},
+               "draws": {"values": [[1.0, 10.0, 0.1], [2.0, 20.0, 0.1], [3.0, 30.0, 0.2]]}})
+    }
+
+    #[test]
+    fn draws_are_taken_by_name_and_stay_together() {
+        let filled = unfilled().filled(&result()).expect("draws");
+        assert_eq!(filled.draws, [[10.0, 1.0], [20.0, 2.0], [30.0, 3.0]]);
+        assert_eq!((filled.effective, filled.converged), (2.5, true));
+        assert_eq!([0.0, 0.34, 0.67, 1.0].map(|share| filled.position(share)), [0, 1, 2, 2]);
+        assert_eq!(filled.identity(), unfilled().identity(), "known before the calibration ran");
+    }
+
+    #[test]
+    fn a_result_that_lacks_a_parameter_is_refused() {
+        let mut other = unfilled();
+        other.names[0] = "c".into();
+        let error = other.filled(&result()).expect_err("no draws of it").to_string();
+        assert_eq!(error, "the posterior of `tuned` of `pass-1.json`: `c` was not inferred");
+        assert!(unfilled().filled(&json!({})).is_err());
+    }
+}

@@ -1,0 +1,270 @@
+//! Predictions after calibration: the posterior carried to environments, beside the same with the priors.
+
+use crate::job::predict::Output;
+use crate::job::propagate::{self, Met};
+use crate::report::number::{self, NONE, Shown, significant, with_error};
+use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
+use crate::report::plot::{Along, Axis, Chart, Layer, Limit, Mark, Stroke, palette};
+use crate::report::view::PassReport;
+
+use super::problem::limits;
+use super::propagation::{
+    cumulative, curve, environments, failures, histogram, joint, nominal_cases, probability_text, quantile, standing,
+};
+
+/// Name under which all requirements stand together.
+const ALL: &str = "all";
+
+/// The section on predictions; not without such a job.
+pub fn build(report: &PassReport<'_>) -> Option<Section> {
+    let mut blocks = Vec::new();
+    for (name, output) in report.predictions() {
+        blocks.push(Block::Paragraph(opening(name, output)));
+        if !output.converged {
+            let text = "The chains behind the posterior did not converge: nothing here is to be trusted.";
+            blocks.push(Block::callout(Tone::Warning, text));
+        }
+        blocks.extend(failures(&output.posterior));
+        blocks.push(requirements(report, output));
+        blocks.extend(reached(output));
+        // The first picture stands in the summary where that has no better one.
+        let shown = super::summary::main_picture(report).map(|figure| figure.id);
+        let figures = figures(output, name).into_iter().filter(|figure| shown.as_ref() != Some(&figure.id));
+        blocks.extend(figures.map(Block::Figure));
+        blocks.extend(sweep(output));
+        blocks.push(distributions(output));
+        let mut folded = Vec::new();
+        for case in nominal_cases(&output.posterior) {
+            for q in &case.quantities {
+                folded.extend([histogram(case, q, name), cumulative(case, q, name)].map(Block::Figure));
+            }
+            folded.extend(case.joint.iter().map(|own| Block::Figure(joint(report, case, own, name))));
+        }
+        if !folded.is_empty() {
+            blocks.push(Block::Details(format!("Distributions with the posterior ({})", folded.len()), folded));
+        }
+    }
+    (!blocks.is_empty()).then(|| Section { id: "prediction", title: "Prediction after calibration".into(), blocks })
+}
+
+fn opening(name: &str, output: &Output) -> Text {
+    let mut text = Text::new("Job ").code(name).plain(": ");
+    for own in &output.posterior.handed_on {
+        text = text.plain(format!(
+            "the posterior of {} ({}; {} draws, worth {} independent ones), ",
+            own.source.replace('`', ""),
+            own.parameters.join(", "),
+            own.draws,
+            number::fixed(own.effective, 0)
+        ));
+    }
+    text.plain(format!(
+        "carried to the environments in {} samples a case; other parameters keep their priors. Beside it the same with the priors that \
+         the calibration began with. The intervals count what the number of draws leaves open.",
+        output.posterior.samples
+    ))
+}
+
+/// The same outcome with the priors.
+fn before<'o>(output: &'o Output, environment: &str, design: Option<f64>, requirement: &str) -> Option<&'o Met> {
+    let case = output.prior.cases.iter().find(|own| own.environment == environment && own.design_value == design)?;
+    case.requirements.iter().find(|met| met.requirement == requirement)
+}
+
+fn requirements(report: &PassReport<'_>, output: &Output) -> Block {
+    let mut rows = Vec::new();
+    for case in nominal_cases(&output.posterior) {
+        for met in &case.requirements {
+            let shown = report.quantity_shown(&met.quantity, &met.unit);
+            let status = standing(met);
+            let word = match status {
+                Status::Ok => "met",
+                Status::Caution => "undecided with these draws",
+                Status::Fail => "not met",
+            };
+            let prior = before(output, &case.environment, case.design_value, &met.requirement);
+            rows.push(vec![
+                Cell::code(&case.environment),
+                Cell::code(&met.requirement),
+                limits(&shown, met.above, met.below).into(),
+                prior.map_or_else(|| NONE.to_owned(), |met| probability_text(&met.probability)).into(),
+                probability_text(&met.probability).into(),
+                number::probability(met.required).into(),
+                Cell::marked(word, status),
+            ]);
+        }
+    }
+    Block::Table(Table {
+        caption: "Probability that the requirements are met by the nominal design, with 95 % intervals.".into(),
+        columns: vec![
+            Column::text("Environment"),
+            Column::text("Requirement"),
+            Column::text("Limit"),
+            Column::number("With the priors", ""),
+            Column::number("With the posterior", ""),
+            Column::number("Required", ""),
+            Column::text("Outcome"),
+        ],
+        rows,
+    })
+}
+
+fn reached(output: &Output) -> Option<Block> {
+    let design = output.posterior.design_variable.as_ref()?;
+    let shown = Shown::written(&output.posterior.design_unit);
+    let text = |own: Option<&propagate::Reached>| match own.and_then(|own| Some((own.design_value?, own.interval))) {
+        Some((value, Some([a, b]))) => format!("{} ({} to {})", shown.number(value), shown.number(a), shown.number(b)),
+        Some((value, None)) => shown.number(value),
+        None => NONE.to_owned(),
+    };
+    let rows = output.posterior.reached.iter().map(|own| {
+        let prior =
+            output.prior.reached.iter().find(|p| p.environment == own.environment && p.requirement == own.requirement);
+        let change = prior.and_then(|prior| Some(own.design_value? - prior.design_value?));
+        vec![
+            Cell::code(&own.environment),
+            Cell::code(&own.requirement),
+            number::probability(own.probability).into(),
+            text(prior).into(),
+            text(Some(own)).into(),
+            change.map_or_else(|| NONE.to_owned(), |change| number::signed(shown.difference().value(change), 1)).into(),
+        ]
+    });
+    Some(Block::Table(Table {
+        caption: format!(
+            "Value of {design} ({}) from which on the required probability is reached, with the interval that those of the \
+             probabilities give.",
+            shown.unit
+        )
+        .into(),
+        columns: vec![
+            Column::text("Environment"),
+            Column::text("Requirement"),
+            Column::number("Required", ""),
+            Column::number("With the priors", ""),
+            Column::number("With the posterior", ""),
+            Column::number("Change", shown.difference().unit.clone()),
+        ],
+        rows: rows.collect(),
+    }))
+}
+
+/// Probability against the design variable, with the posterior and with the priors, an environment a figure.
+pub(super) fn figures(output: &Output, job: &str) -> Vec<Figure> {
+    let Some(design) = &output.posterior.design_variable else { return Vec::new() };
+    let shown = Shown::written(&output.posterior.design_unit);
+    let mut figures = Vec::new();
+    for environment in environments(&output.posterior) {
+        let swept = |own: &&propagate::Case| own.environment == environment && own.design_value.is_some();
+        let Some(case) = output.posterior.cases.iter().find(swept) else { continue };
+        let mut chart = Chart {
+            x: Axis::new(shown.title(design)),
+            y: Axis::over("probability that the requirement is met", 0.0, 1.0),
+            ..Chart::default()
+        };
+        let own = case.requirements.iter().filter(|met| met.requirement != ALL);
+        for (position, met) in own.enumerate() {
+            let colour = palette::series(position);
+            let of = |from: &propagate::Output| curve(from, environment, &met.requirement);
+            let line = |points: &[(f64, propagate::Probability)]| -> Vec<(f64, f64)> {
+                points.iter().map(|(x, p)| (shown.value(*x), p.value)).collect()
+            };
+            let (prior, posterior) = (of(&output.prior), of(&output.posterior));
+            chart.layers.push(Layer::Band {
+                points: posterior.iter().map(|(x, p)| (shown.value(*x), p.lower, p.upper)).collect(),
+                colour,
+                label: String::new(),
+            });
+            let label = |what: &str| format!("{}, {what}", met.requirement);
+            chart.layers.push(Layer::Line {
+                points: line(&prior),
+                colour,
+                stroke: Stroke::Dashed,
+                label: label("priors"),
+            });
+            let points = line(&posterior);
+            let label = label("posterior");
+            chart.layers.push(Layer::Line { points: points.clone(), colour, stroke: Stroke::Solid, label });
+            chart.layers.push(Layer::Dots { points, colour, mark: Mark::Disc, label: String::new() });
+            if !chart.limits.iter().any(|limit| limit.value == met.required) {
+                let label = format!("required {}", number::probability(met.required));
+                chart.limits.push(Limit { along: Along::Y, value: met.required, label, colour: palette::VERMILION });
+            }
+        }
+        let caption = format!(
+            "Probability of meeting the requirements against {design}, environment {environment}: with the posterior (solid, \
+             with its 95 % interval) and with the priors that the calibration began with (dashed)."
+        );
+        figures.push(Figure {
+            id: format!("{job}-prediction-{environment}"),
+            drawing: chart.draw(),
+            alternative: caption.clone(),
+            caption: caption.into(),
+        });
+    }
+    figures
+}
+
+fn sweep(output: &Output) -> Option<Block> {
+    let design = output.posterior.design_variable.as_ref()?;
+    let shown = Shown::written(&output.posterior.design_unit);
+    let first = output.posterior.cases.iter().find(|case| case.design_value.is_some())?;
+    let mut columns = vec![Column::text("Environment"), Column::number(design, shown.unit.clone())];
+    for met in &first.requirements {
+        columns
+            .extend(["priors", "posterior"].map(|what| Column::number(format!("P({}), {what}", met.requirement), "")));
+    }
+    let rows = output.posterior.cases.iter().filter_map(|case| {
+        let value = case.design_value?;
+        let mut row = vec![Cell::code(&case.environment), significant(shown.value(value), 4).into()];
+        for met in &case.requirements {
+            let prior = before(output, &case.environment, case.design_value, &met.requirement);
+            row.push(prior.map_or_else(|| NONE.to_owned(), |met| number::probability(met.probability.value)).into());
+            row.push(Cell::marked(probability_text(&met.probability), standing(met)));
+        }
+        Some(row)
+    });
+    let caption = "Probability over the sweep of the design variable; of the posterior with 95 % intervals.".into();
+    let table = Block::Table(Table { caption, columns, rows: rows.collect() });
+    Some(Block::Details("Table of the sweep, priors and posterior".into(), vec![table]))
+}
+
+fn distributions(output: &Output) -> Block {
+    let mut rows = Vec::new();
+    for case in nominal_cases(&output.posterior) {
+        let same =
+            |own: &&propagate::Case| own.environment == case.environment && own.design_value == case.design_value;
+        let prior = output.prior.cases.iter().find(same);
+        for q in &case.quantities {
+            let shown = Shown::quantity(&q.unit, q.is_temperature);
+            let before = prior.and_then(|prior| prior.quantities.iter().find(|own| own.name == q.name));
+            let prior = before.map_or_else(
+                || [NONE.to_owned(), NONE.to_owned()],
+                |own| {
+                    [
+                        with_error(shown.value(own.mean), own.mean_standard_error),
+                        with_error(own.sd, own.sd_standard_error),
+                    ]
+                },
+            );
+            let mut row = vec![Cell::code(&case.environment), Cell::code(&q.name), shown.unit.clone().into()];
+            row.extend(prior.map(Cell::from));
+            row.push(with_error(shown.value(q.mean), q.mean_standard_error).into());
+            row.push(with_error(q.sd, q.sd_standard_error).into());
+            row.extend([0.01, 0.5, 0.99].map(|p| Cell::from(shown.number(quantile(q, p)))));
+            rows.push(row);
+        }
+    }
+    let mut columns = vec![Column::text("Environment"), Column::text("Quantity"), Column::text("Unit")];
+    columns.extend(
+        ["Mean, priors", "Standard deviation, priors", "Mean", "Standard deviation", "1 %", "Median", "99 %"]
+            .map(|title| Column::number(title, "")),
+    );
+    Block::Table(Table {
+        caption: "Distributions of the quantities for the nominal design, with the priors and with the posterior; \
+                  \u{00B1} is the standard error, standard deviations of temperatures are in K."
+            .into(),
+        columns,
+        rows,
+    })
+}

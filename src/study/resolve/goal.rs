@@ -1,0 +1,60 @@
+//! Goal setting: settings with their defaults, names looked up.
+
+use crate::document::{MapEntry, Sense, Spanned, code};
+use crate::job::goal::{Discrepancy, Spec};
+use crate::job::propagate::Sampling;
+use crate::study::pass::job::{GoalForm, JobForm};
+
+use super::jobs::{Offered, design_variable, environments, failure_limit, push_new, requirements, samples};
+use super::scope::{Scope, unit_of};
+
+/// Resolves the settings of goal setting.
+pub(super) fn goal(scope: &mut Scope, entry: &MapEntry<JobForm>, form: &GoalForm, offered: &Offered) -> Option<Spec> {
+    let before = scope.diagnostics.errors();
+    let requirements = requirements(scope, form.requirements.as_ref(), offered);
+    if requirements.is_empty() && !scope.diagnostics.has_errors() {
+        let message = format!("`{}` has no requirement to set a goal for", entry.name);
+        scope.error(&code::JOB_REFERENCE, &entry.name_place, message, "at least one entry under `requirements`");
+    }
+    let environments = environments(scope, form.environments.as_ref(), offered);
+    let parameters = parameters(scope, form.parameters.as_ref(), offered);
+    let names_one = form.design_variable.is_some() || offered.design.iter().count() == 1;
+    let design = if names_one { design_variable(scope, entry, form.design_variable.as_ref(), offered) } else { None };
+    let samples = samples(scope, form.samples.as_ref(), Sampling::Sobol);
+    let failure_limit = failure_limit(scope, form.failure_limit.as_ref());
+    let mut discrepancy = Vec::new();
+    for known in &form.discrepancy {
+        let name = Spanned { value: known.name.clone(), place: known.name_place.clone() };
+        let Some(quantity) = scope.quantity(&name) else { continue };
+        let unit = unit_of(&scope.resolved.model.quantities[quantity].unit);
+        let Some(sd) = known.value.si(unit.dimension, None, Sense::Difference, scope.diagnostics) else { continue };
+        if !(sd >= 0.0 && sd.is_finite()) {
+            let message = format!("a discrepancy of {sd}");
+            scope.error(&code::JOB_SETTING, &known.place, message, "a standard deviation, 0 or above");
+        }
+        discrepancy.push(Discrepancy { quantity, sd });
+    }
+    let spec = Spec { requirements, environments, parameters, design, samples, discrepancy, failure_limit };
+    (scope.diagnostics.errors() == before).then_some(spec)
+}
+
+/// Named parameters, each uncertain.
+fn parameters(scope: &mut Scope, names: Option<&Vec<Spanned<String>>>, offered: &Offered) -> Vec<usize> {
+    let mut chosen = Vec::new();
+    for name in names.into_iter().flatten() {
+        match scope.resolved.parameter(&name.value) {
+            Some(index) if offered.priors[index].is_fixed() => {
+                let message = format!("the prior of `{}` is fixed: it is known already", name.value);
+                scope.error(&code::JOB_REFERENCE, &name.place, message, "a parameter whose prior has a spread");
+            }
+            Some(index) => push_new(&mut chosen, index),
+            None => {
+                let known: Vec<String> =
+                    scope.resolved.model.parameters.iter().map(|parameter| parameter.name.clone()).collect();
+                let known: Vec<&str> = known.iter().map(String::as_str).collect();
+                scope.unknown(&code::JOB_REFERENCE, "parameter", &name.value, &name.place, &known);
+            }
+        }
+    }
+    chosen
+}

@@ -1,0 +1,256 @@
+//! Draws that stand in for priors: which calibration or file gives them, for which parameters, and the data behind them.
+
+use std::sync::Arc;
+
+use crate::document::{Diagnostic, Place, Prior, Sense, Spanned, code, suggest};
+use crate::inference::rows::used_rows;
+use crate::job::calibrate;
+use crate::job::handed_on::HandedOn;
+use crate::math::functions::{exp, ln};
+use crate::random::Distribution;
+use crate::statistics::moments::Moments;
+use crate::study::inherit::{folder_diagnostic_at, plain_name};
+use crate::study::ready::blocked;
+use crate::study::resolved::{DataBehind, HandedOnPrior, JobSpec, Pass, Upstream};
+use crate::study::table::Cells;
+
+use super::data::{self, Wanted};
+use super::scope::{Scope, unit_of};
+
+/// The passes whose calibrations a pass uses.
+pub(super) struct Upstreams {
+    /// Files of the passes that are being read, each because the one before uses it; the last is the pass itself.
+    chain: Vec<String>,
+    /// The passes that were read.
+    pub passes: Vec<Arc<Pass>>,
+}
+
+impl Upstreams {
+    /// None yet, of the last pass of the chain.
+    pub fn new(chain: Vec<String>) -> Self {
+        Self { chain, passes: Vec::new() }
+    }
+
+    /// A pass of the study by its file; reported where it cannot be used.
+    pub fn pass(&mut self, scope: &mut Scope, file: &str, place: &Place) -> Option<Arc<Pass>> {
+        let file = plain_name(file);
+        if let Some(known) = self.passes.iter().find(|pass| pass.file == file) {
+            return Some(Arc::clone(known));
+        }
+        if let Some(position) = self.chain.iter().position(|own| *own == file) {
+            let way = self.chain[position..].join(" -> ");
+            let message = if position + 1 == self.chain.len() {
+                format!("`{file}` cannot take its own posterior as a prior")
+            } else {
+                format!("the posteriors run in a circle: {way} -> {file}")
+            };
+            scope.error(&code::POSTERIOR, place, message, "an earlier pass");
+            return None;
+        }
+        if let Err(error) = scope.folder.place(&file).and_then(|_| scope.folder.read(&file)) {
+            scope.diagnostics.push(folder_diagnostic_at(&error, place));
+            return None;
+        }
+        match super::load_in_chain(&scope.folder.shown().join(&file), &self.chain) {
+            Ok(pass) => {
+                self.passes.push(Arc::new(pass));
+                self.passes.last().cloned()
+            }
+            Err(diagnostics) => {
+                scope.error(&code::POSTERIOR, place, format!("`{file}` has errors of its own"), "");
+                scope.diagnostics.extend(diagnostics);
+                None
+            }
+        }
+    }
+}
+
+/// The settings of a calibration of a pass; reported where there is none. `None` within where it waits for data.
+pub(super) fn calibration<'p>(
+    scope: &mut Scope,
+    pass: &'p Pass,
+    job: &str,
+    place: &Place,
+) -> Option<Option<&'p calibrate::Spec>> {
+    match pass.jobs.iter().find(|own| own.name == job).map(|own| &own.spec) {
+        Some(JobSpec::Calibrate(spec)) => Some(Some(spec)),
+        Some(JobSpec::Waiting { kind: "calibrate", .. }) => Some(None),
+        Some(other) => {
+            let message = format!("`{job}` of `{}` is a `{}` job", pass.file, other.kind());
+            scope.error(&code::POSTERIOR, place, message, "a `calibrate` job");
+            None
+        }
+        None => {
+            let calibrations = pass.jobs.iter().filter(|own| own.spec.kind() == "calibrate");
+            let known: Vec<&str> = calibrations.map(|own| own.name.as_str()).collect();
+            scope.unknown(&code::POSTERIOR, &format!("calibration of `{}`", pass.file), job, place, &known);
+            None
+        }
+    }
+}
+
+/// The readings behind a calibration: its own, and those behind its priors.
+pub(super) fn behind(pass: &Pass, job: &str, spec: &calibrate::Spec) -> Vec<DataBehind> {
+    let calibration = Upstream { file: pass.file.clone(), job: job.to_owned() };
+    let own = spec.data.iter().map(|&index| DataBehind {
+        calibration: calibration.clone(),
+        measurement: pass.measurements[index].name.clone(),
+        rows: used_rows(&pass.measurements[index]),
+    });
+    let handed = pass.handed_on.iter().filter(|own| own.draws.parameters.iter().any(|p| spec.parameters.contains(p)));
+    own.chain(handed.flat_map(|own| own.behind.clone())).collect()
+}
+
+/// The draws of a calibration, no parameter chosen yet.
+pub(super) fn of_calibration(pass: &Pass, job: &str, place: &Place, spec: Option<&calibrate::Spec>) -> HandedOnPrior {
+    HandedOnPrior {
+        draws: HandedOn {
+            source: format!("`{job}` of `{}`", pass.file),
+            parameters: Vec::new(),
+            names: Vec::new(),
+            sha256: None,
+            draws: Vec::new(),
+            effective: 0.0,
+            converged: true,
+        },
+        from: Some(Upstream { file: pass.file.clone(), job: job.to_owned() }),
+        blocked: blocked(pass, job),
+        behind: spec.map_or_else(Vec::new, |spec| behind(pass, job, spec)),
+        place: place.clone(),
+    }
+}
+
+/// Looks up all draws that stand in for priors; `priors` gets the original priors in their place.
+pub(super) fn resolve(scope: &mut Scope, upstreams: &mut Upstreams, priors: &mut [Distribution]) -> Vec<HandedOnPrior> {
+    let mut found: Vec<HandedOnPrior> = Vec::new();
+    let mut files: Vec<(String, Place, Vec<usize>)> = Vec::new();
+    for index in 0..priors.len() {
+        match scope.resolved.priors[index].clone() {
+            Prior::Distribution(_) => {}
+            Prior::Posterior { pass, job, place } => {
+                posterior(scope, upstreams, priors, &mut found, index, (&pass, &job, &place));
+            }
+            Prior::Draws { file, place } => match files.iter_mut().find(|(known, ..)| *known == file) {
+                Some((_, _, parameters)) => parameters.push(index),
+                None => files.push((file, place, vec![index])),
+            },
+        }
+    }
+    for (file, place, parameters) in files {
+        found.extend(from_file(scope, priors, file, place, parameters));
+    }
+    found
+}
+
+fn posterior(
+    scope: &mut Scope,
+    upstreams: &mut Upstreams,
+    priors: &mut [Distribution],
+    found: &mut Vec<HandedOnPrior>,
+    index: usize,
+    (file, job, place): (&str, &str, &Place),
+) {
+    let Some(pass) = upstreams.pass(scope, file, place) else { return };
+    let Some(spec) = calibration(scope, &pass, job, place) else { return };
+    let name = scope.resolved.model.parameters[index].name.clone();
+    let position = pass.model.parameters.iter().position(|parameter| parameter.name == name);
+    let inferred = |position: &usize| spec.is_none_or(|spec| spec.parameters.contains(position));
+    let Some(position) = position.filter(inferred) else {
+        let message = format!("`{job}` of `{}` did not infer `{name}`", pass.file);
+        let all = spec.map(|spec| spec.parameters.as_slice()).unwrap_or_default();
+        let known: Vec<&str> = all.iter().map(|&own| pass.model.parameters[own].name.as_str()).collect();
+        let expected = format!("it inferred {}", suggest::listed(known.iter().copied(), 12));
+        let help = format!("give `{name}` a distribution, or name a calibration that inferred it");
+        scope.diagnostics.push(Diagnostic::error(&code::POSTERIOR, place, message).expected(expected).help(help));
+        return;
+    };
+    let dimension = unit_of(&pass.model.parameters[position].unit).dimension;
+    if scope.resolved.parameter_scales[index].dimension().is_some_and(|own| own != dimension) {
+        let message = format!("`{name}` of `{}` is in {dimension}", pass.file);
+        scope.error(&code::POSTERIOR, place, message, "a parameter of the same kind");
+        return;
+    }
+    priors[index] = pass.priors[position];
+    let upstream = Upstream { file: pass.file.clone(), job: job.to_owned() };
+    let own = match found.iter().position(|known| known.from.as_ref() == Some(&upstream)) {
+        Some(known) => &mut found[known],
+        None => {
+            found.push(of_calibration(&pass, job, place, spec));
+            let last = found.len() - 1;
+            &mut found[last]
+        }
+    };
+    own.draws.parameters.push(index);
+    own.draws.names.push(name);
+}
+
+fn from_file(
+    scope: &mut Scope,
+    priors: &mut [Distribution],
+    file: String,
+    place: Place,
+    parameters: Vec<usize>,
+) -> Option<HandedOnPrior> {
+    let data = data::data(scope, &Spanned { value: file.clone(), place: place.clone() }, None).ok()??;
+    let names: Vec<String> = parameters.iter().map(|&p| scope.resolved.model.parameters[p].name.clone()).collect();
+    let wanted: Vec<Wanted> = (parameters.iter().zip(&names))
+        .map(|(&parameter, name)| Wanted {
+            name,
+            place: &place,
+            dimension: scope.resolved.parameter_scales[parameter].dimension(),
+            sense: Sense::Absolute,
+            cells: Cells::Numbers,
+            required: true,
+        })
+        .collect();
+    let columns = data::draws(scope, &data, &wanted).ok()?;
+    let count = columns.first().map_or(0, Vec::len);
+    if count < 2 {
+        scope.error(&code::DRAWS_FILE, &place, format!("`{file}` has {count} draws"), "two draws or more");
+        return None;
+    }
+    for (&parameter, column) in parameters.iter().zip(&columns) {
+        priors[parameter] = scale_of(column);
+    }
+    Some(HandedOnPrior {
+        draws: HandedOn {
+            source: format!("`{file}`"),
+            parameters,
+            names,
+            sha256: Some(data.sha256),
+            draws: (0..count).map(|row| columns.iter().map(|column| column[row]).collect()).collect(),
+            effective: count as f64,
+            converged: true,
+        },
+        from: None,
+        blocked: None,
+        behind: Vec::new(),
+        place,
+    })
+}
+
+/// The prior by which the scores of draws from a file are taken, whose own is not known: normal or lognormal, in which
+/// they are less skewed.
+fn scale_of(draws: &[f64]) -> Distribution {
+    let moments = Moments::of(draws);
+    let plain = Distribution::Normal { mean: moments.mean(), sd: moments.sd(), lower: None, upper: None };
+    if draws.iter().any(|draw| *draw <= 0.0) {
+        return plain;
+    }
+    let logarithms: Vec<f64> = draws.iter().map(|draw| ln(*draw)).collect();
+    let own = Moments::of(&logarithms);
+    if skewness(&logarithms).abs() < skewness(draws).abs() {
+        Distribution::LogNormal { median: exp(own.mean()), factor: exp(own.sd()) }
+    } else {
+        plain
+    }
+}
+
+fn skewness(values: &[f64]) -> f64 {
+    let moments = Moments::of(values);
+    let cubes = values.iter().map(|value| {
+        let deviation = (value - moments.mean()) / moments.sd();
+        deviation * deviation * deviation
+    });
+    cubes.sum::<f64>() / values.len() as f64
+}

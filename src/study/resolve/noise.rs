@@ -1,0 +1,54 @@
+//! Calibrations and diagnoses on sensors whose noise is not stated: they do not run, everything else does.
+
+use crate::document::{Diagnostic, Map, code};
+use crate::inference::measurement::Measurement;
+use crate::inference::rows::used_rows;
+use crate::study::pass::PassForm;
+use crate::study::pass::measurement::{MeasurementForm, SensorForm};
+use crate::study::resolved::{JobSpec, NamedJob, Refused};
+
+use super::scope::Scope;
+
+/// The calibrations and diagnoses that a sensor without `sigma` keeps from running.
+pub(super) fn refused(scope: &Scope, jobs: &[NamedJob], form: &PassForm, measurements: &[Measurement]) -> Vec<Refused> {
+    let mut refused = Vec::new();
+    for job in jobs {
+        let data = match &job.spec {
+            JobSpec::Calibrate(spec) => &spec.data,
+            JobSpec::Diagnose(spec) => &spec.data,
+            _ => continue,
+        };
+        for measurement in data.iter().map(|&index| &measurements[index]) {
+            let rows = used_rows(measurement);
+            for sensor in measurement.sensors.iter().filter(|sensor| sensor.sigma.is_none()) {
+                // Nothing is asked of a sensor without a reading to fit.
+                let used = rows.iter().any(|row| row.readings.iter().any(|(name, _)| *name == sensor.name));
+                let entry = form.measurements.get(&measurement.name).map(|entry| sensors(&entry.value));
+                let Some(entry) = entry.and_then(|sensors| sensors.get(&sensor.name)).filter(|_| used) else {
+                    continue;
+                };
+                let unit = &scope.resolved.model.quantities[sensor.quantity].unit;
+                let message = format!(
+                    "sensor `{}` of `{}` has no `sigma`: `{}` needs its noise and does not run",
+                    sensor.name, measurement.name, job.name
+                );
+                let help = format!(
+                    "write \"sigma\": {{\"value\": ..., \"unit\": \"{unit}\"}}, or \"sigma\": {{\"prior\": {{\"lognormal\": \
+                     {{\"median\": ..., \"factor\": ...}}}}, \"unit\": \"{unit}\"}} to infer it"
+                );
+                let diagnostic = Diagnostic::warning(&code::NO_SIGMA, &entry.name_place, message)
+                    .expected("a sensor with `sigma`")
+                    .help(help);
+                refused.push(Refused { job: job.name.clone(), diagnostic });
+            }
+        }
+    }
+    refused
+}
+
+fn sensors(form: &MeasurementForm) -> &Map<SensorForm> {
+    match form {
+        MeasurementForm::Steady(form) => &form.sensors,
+        MeasurementForm::Transient(form) => &form.sensors,
+    }
+}

@@ -1,0 +1,183 @@
+//! Predictions: whose posterior is carried, to what.
+
+use crate::document::prior::PosteriorForm;
+use crate::document::{Map, MapEntry, NameOr, Place, code};
+use crate::job::calibrate;
+use crate::random::Distribution;
+use crate::study::pass::job::{JobForm, PredictForm, PropagateForm};
+use crate::study::resolved::{HandedOnPrior, JobSpec, NamedJob, Prediction, Upstream};
+
+use super::handed_on::{self, Upstreams};
+use super::jobs::{Offered, propagate};
+use super::scope::Scope;
+
+/// What of the calibration's pass a prediction needs.
+struct Source<'p> {
+    parameters: Vec<String>,
+    priors: &'p [Distribution],
+    handed_on: &'p [HandedOnPrior],
+    posterior: HandedOnPrior,
+    spec: &'p calibrate::Spec,
+}
+
+/// Resolves the settings of a prediction; `jobs` are those of the pass that are resolved already.
+pub(super) fn predict(
+    scope: &mut Scope,
+    entry: &MapEntry<JobForm>,
+    form: &PredictForm,
+    offered: &Offered,
+    upstreams: &mut Upstreams,
+    (jobs, forms): (&[NamedJob], &Map<JobForm>),
+) -> Option<JobSpec> {
+    let before = scope.diagnostics.errors();
+    if let Some(with) = &form.with {
+        let message =
+            "this version predicts with the posterior alone: `with` (a discrepancy, effects) is not there yet";
+        scope.error(&code::JOB_SETTING, &with.place, message, "leave it out; effects are adopted by the pass");
+    }
+    let asked = PropagateForm {
+        quantities: form.quantities.clone(),
+        samples: form.samples.clone(),
+        sampling: form.sampling,
+        environments: form.environments.clone(),
+        requirements: form.requirements.clone(),
+        sweep: form.sweep.clone(),
+        joint: form.joint.clone(),
+        failure_limit: form.failure_limit.clone(),
+    };
+    let spec = propagate(scope, &asked, offered);
+    let pass;
+    let source = match &form.from {
+        Some(NameOr::Other(from)) => {
+            let PosteriorForm { pass: file, job } = &from.value;
+            pass = upstreams.pass(scope, &file.value, &file.place)?;
+            let found = handed_on::calibration(scope, &pass, &job.value, &job.place)?;
+            let posterior = handed_on::of_calibration(&pass, &job.value, &from.place, found);
+            let Some(found) = found else {
+                let reason = posterior.blocked.unwrap_or_default();
+                let settings = serde_json::json!({ "from": { "pass": pass.file, "job": job.value } });
+                return Some(JobSpec::NotYet { kind: "predict", settings, reason });
+            };
+            Source {
+                parameters: pass.model.parameters.iter().map(|parameter| parameter.name.clone()).collect(),
+                priors: &pass.priors,
+                handed_on: &pass.handed_on,
+                posterior,
+                spec: found,
+            }
+        }
+        own => {
+            let written = match own {
+                Some(NameOr::Name(name)) => Some((name.value.as_str(), &name.place)),
+                _ => None,
+            };
+            let (job, place) = own_calibration(scope, entry, written, forms)?;
+            match jobs.iter().find(|known| known.name == job).map(|known| &known.spec) {
+                Some(JobSpec::Calibrate(found)) => Source {
+                    parameters: scope.resolved.model.parameters.iter().map(|own| own.name.clone()).collect(),
+                    priors: offered.priors,
+                    handed_on: offered.handed_on,
+                    posterior: of_this_pass(offered.file, &job, &place),
+                    spec: found,
+                },
+                Some(JobSpec::Waiting { measurements, command, .. }) => {
+                    let (measurements, command) = (measurements.clone(), command.clone());
+                    return Some(JobSpec::Waiting { kind: "predict", measurements, command });
+                }
+                // Its settings are wrong, which has been reported.
+                _ => return None,
+            }
+        }
+    };
+    let prediction = assemble(scope, source, spec?);
+    (scope.diagnostics.errors() == before).then(|| JobSpec::Predict(Box::new(prediction)))
+}
+
+fn of_this_pass(file: &str, job: &str, place: &Place) -> HandedOnPrior {
+    HandedOnPrior {
+        draws: crate::job::handed_on::HandedOn {
+            source: format!("`{job}`"),
+            parameters: Vec::new(),
+            names: Vec::new(),
+            sha256: None,
+            draws: Vec::new(),
+            effective: 0.0,
+            converged: true,
+        },
+        from: Some(Upstream { file: file.to_owned(), job: job.to_owned() }),
+        blocked: None,
+        behind: Vec::new(),
+        place: place.clone(),
+    }
+}
+
+/// The calibration of this pass that is meant, and where it is asked for.
+fn own_calibration(
+    scope: &mut Scope,
+    entry: &MapEntry<JobForm>,
+    written: Option<(&str, &Place)>,
+    forms: &Map<JobForm>,
+) -> Option<(String, Place)> {
+    let calibrations: Vec<&str> =
+        (forms.iter()).filter(|job| matches!(job.value, JobForm::Calibrate(_))).map(|job| job.name.as_str()).collect();
+    match written {
+        Some((name, place)) if calibrations.contains(&name) => Some((name.to_owned(), place.clone())),
+        Some((name, place)) => {
+            match forms.get(name) {
+                Some(other) => {
+                    let message = format!("`{name}` is a `{}` job", other.value.kind());
+                    scope.error(&code::PREDICTION, place, message, "a `calibrate` job");
+                }
+                None => scope.unknown(&code::PREDICTION, "calibration", name, place, &calibrations),
+            }
+            None
+        }
+        None => match calibrations.as_slice() {
+            [only] => Some(((*only).to_owned(), entry.name_place.clone())),
+            several => {
+                let count = several.len();
+                let message =
+                    format!("`{}` does not say `from` which calibration, and the pass has {count}", entry.name);
+                let expected = match several {
+                    [] => "\"from\": {\"pass\": \"pass-1.json\", \"job\": ...}".to_owned(),
+                    several => format!("\"from\": one of {}", several.join(", ")),
+                };
+                scope.error(&code::PREDICTION, &entry.name_place, message, &expected);
+                None
+            }
+        },
+    }
+}
+
+/// Finds the calibration's parameters in this model. Those that it lacks, such as an effect that was not adopted here, are
+/// averaged over.
+fn assemble(scope: &Scope, source: Source<'_>, propagate: crate::job::propagate::Spec) -> Prediction {
+    let here = |position: usize| scope.resolved.parameter(&source.parameters[position]);
+    let mut posterior = source.posterior;
+    let mut priors = Vec::new();
+    for &position in &source.spec.parameters {
+        if let Some(index) = here(position) {
+            posterior.draws.parameters.push(index);
+            posterior.draws.names.push(source.parameters[position].clone());
+            priors.push((index, source.priors[position]));
+        }
+    }
+    let mut handed_on = Vec::new();
+    for own in source.handed_on {
+        let kept: Vec<usize> = (0..own.draws.parameters.len())
+            .filter(|&place| {
+                let position = own.draws.parameters[place];
+                source.spec.parameters.contains(&position) && here(position).is_some()
+            })
+            .collect();
+        if kept.is_empty() {
+            continue;
+        }
+        let mut own = own.clone();
+        own.draws = own.draws.with(&kept);
+        let indices = own.draws.parameters.iter().filter_map(|&position| here(position)).collect();
+        own.draws.parameters = indices;
+        handed_on.push(own);
+    }
+    Prediction { propagate, posterior, priors, handed_on }
+}

@@ -1,0 +1,99 @@
+//! Refuses to fit readings that already stand behind a prior.
+
+use std::collections::BTreeSet;
+
+use crate::document::{Diagnostic, Map, MapEntry, code, suggest};
+use crate::inference::measurement::{Measurement, Rows};
+use crate::inference::rows::used_rows;
+use crate::study::pass::job::JobForm;
+use crate::study::resolved::{HandedOnPrior, JobSpec, NamedJob};
+
+use super::scope::Scope;
+
+/// Rows named in a message.
+const NAMED: usize = 12;
+
+/// Reports every calibration and diagnosis of the pass that fits readings which stand behind its priors.
+pub(super) fn check(
+    scope: &mut Scope,
+    jobs: &[NamedJob],
+    forms: &Map<JobForm>,
+    measurements: &[Measurement],
+    handed_on: &[HandedOnPrior],
+) {
+    if handed_on.is_empty() {
+        return;
+    }
+    for entry in forms {
+        let (does, data, parameters) = match jobs.iter().find(|job| job.name == entry.name).map(|job| &job.spec) {
+            Some(JobSpec::Calibrate(spec)) => ("calibrates", &spec.data, &spec.parameters),
+            Some(JobSpec::Diagnose(spec)) => ("diagnoses", &spec.data, &spec.parameters),
+            _ => continue,
+        };
+        let data: Vec<&Measurement> = data.iter().map(|&index| &measurements[index]).collect();
+        let used = |own: &&HandedOnPrior| own.draws.parameters.iter().any(|p| parameters.contains(p));
+        job(scope, entry, does, &data, handed_on.iter().filter(used));
+    }
+}
+
+fn job<'h>(
+    scope: &mut Scope,
+    entry: &MapEntry<JobForm>,
+    does: &str,
+    data: &[&Measurement],
+    handed_on: impl Iterator<Item = &'h HandedOnPrior>,
+) {
+    for own in handed_on {
+        for behind in &own.behind {
+            let known: BTreeSet<&str> =
+                behind.rows.iter().flat_map(|row| &row.readings).map(|(_, hash)| hash.as_str()).collect();
+            for measurement in data {
+                let twice: Vec<String> = used_rows(measurement)
+                    .into_iter()
+                    .filter(|row| row.readings.iter().any(|(_, hash)| known.contains(hash.as_str())))
+                    .map(|row| row.label)
+                    .collect();
+                if twice.is_empty() {
+                    continue;
+                }
+                let steady = matches!(measurement.rows, Rows::Steady(_));
+                let (job, file) = (&behind.calibration.job, &behind.calibration.file);
+                let parameters = suggest::listed(own.draws.names.iter().map(String::as_str), NAMED);
+                let message = format!(
+                    "`{}` {does} on readings that stand behind its prior: `{job}` of `{file}` was fitted to {} of `{}`",
+                    entry.name,
+                    rows(&twice, steady),
+                    measurement.name
+                );
+                let held_out = if steady { "\"phases\": [...]" } else { "\"intervals\": [...]" };
+                let help = format!(
+                    "hold those rows out here (\"held_out\": {{{held_out}}}), or give {parameters} the prior that \
+                     `{job}` of `{file}` began with and calibrate on all data at once"
+                );
+                scope.diagnostics.push(
+                    Diagnostic::error(&code::DATA_USED_TWICE, &entry.name_place, message)
+                        .expected("other rows than those behind the prior")
+                        .related(&own.place, format!("the posterior of {}", own.draws.source))
+                        .help(help),
+                );
+            }
+        }
+    }
+}
+
+/// Rows in words.
+fn rows(labels: &[String], steady: bool) -> String {
+    let what = match (steady, labels.len()) {
+        (true, 1) => "phase",
+        (true, _) => "phases",
+        (false, 1) => "the row at",
+        (false, _) => "the rows at",
+    };
+    let list = if labels.len() <= NAMED {
+        labels.join(", ")
+    } else {
+        let (first, last) = (labels[..NAMED - 2].join(", "), &labels[labels.len() - 1]);
+        format!("{first} ... {last} ({} rows)", labels.len())
+    };
+    format!("{what} {list}")
+}

@@ -1,0 +1,136 @@
+//! Exact derivatives of several steady states side by side, as [`super::tangent`] has them of one, with the same bits.
+
+use crate::expression::Lanes;
+
+use super::batch::Batch;
+use super::equations::segment;
+use super::network::Network;
+
+/// `sum + a b`, lane by lane.
+fn add_product<const N: usize>(sum: &mut [f64; N], a: &[f64; N], b: &[f64; N]) {
+    for ((sum, a), b) in sum.iter_mut().zip(a).zip(b) {
+        *sum += a * b;
+    }
+}
+
+/// `sum - a b`, lane by lane.
+fn subtract_product<const N: usize>(sum: &mut [f64; N], a: &[f64; N], b: &[f64; N]) {
+    for ((sum, a), b) in sum.iter_mut().zip(a).zip(b) {
+        *sum -= a * b;
+    }
+}
+
+impl Network {
+    /// Derivatives of all quantities at the solutions of the batch's last solve with respect to the differentiated
+    /// symbols: `out` is `quantities x symbols`, row by row, SI. Lanes without a solution get numbers without meaning.
+    pub fn quantity_tangent_batch<const N: usize>(&self, batch: &mut Batch<N>, out: &mut [[f64; N]]) {
+        let equations = &self.steady;
+        let columns = self.differentiate.len();
+        if !batch.linear.is_dense() {
+            let mut own = vec![0.0; out.len()];
+            for lane in 0..N {
+                self.lane_to_workspace(batch, lane);
+                let solved = self.quantity_tangent(&mut batch.alone, &mut own).is_ok();
+                for (out, &own) in out.iter_mut().zip(&own) {
+                    out[lane] = if solved { own } else { f64::NAN };
+                }
+            }
+            return;
+        }
+        self.factor_batch(batch);
+        let (file, step) = (&batch.state.file, &mut batch.state.step);
+        out.fill([0.0; N]);
+        for entry in &equations.quantity_symbol {
+            out[entry.row * columns + entry.column] = file[entry.register.index()];
+        }
+        if equations.size() == 0 {
+            return;
+        }
+        if self.quantities.len() < columns {
+            for row in 0..self.quantities.len() {
+                step.fill([0.0; N]);
+                for entry in equations.quantity_temperature.iter().filter(|entry| entry.row == row) {
+                    step[entry.column] = step[entry.column].zip(file[entry.register.index()], |a, b| a + b);
+                }
+                batch.linear.solve_transposed(step);
+                for entry in &equations.residual_tangent {
+                    let out = &mut out[row * columns + entry.column];
+                    subtract_product(out, &step[entry.row], &file[entry.register.index()]);
+                }
+            }
+            return;
+        }
+        for column in 0..columns {
+            step.fill([0.0; N]);
+            for entry in equations.residual_tangent.iter().filter(|entry| entry.column == column) {
+                step[entry.row] = step[entry.row].zip(file[entry.register.index()], |a, b| a - b);
+            }
+            batch.linear.solve(step);
+            for entry in &equations.quantity_temperature {
+                let out = &mut out[entry.row * columns + column];
+                add_product(out, &file[entry.register.index()], &step[entry.column]);
+            }
+        }
+    }
+
+    /// Derivatives of `sum of weights times quantities`, lane by lane, at the solutions of the batch's last solve:
+    /// `weights` has a number a quantity, `out` one a symbol. Lanes without a solution get numbers without meaning.
+    pub fn quantity_gradient_batch<const N: usize>(
+        &self,
+        batch: &mut Batch<N>,
+        weights: &[[f64; N]],
+        out: &mut [[f64; N]],
+    ) {
+        let equations = &self.steady;
+        if !batch.linear.is_dense() {
+            let (mut own, mut own_weights) = (vec![0.0; out.len()], vec![0.0; weights.len()]);
+            for lane in 0..N {
+                self.lane_to_workspace(batch, lane);
+                for (own, weight) in own_weights.iter_mut().zip(weights) {
+                    *own = weight[lane];
+                }
+                let solved = self.quantity_gradient(&mut batch.alone, &own_weights, &mut own).is_ok();
+                for (out, &own) in out.iter_mut().zip(&own) {
+                    out[lane] = if solved { own } else { f64::NAN };
+                }
+            }
+            return;
+        }
+        self.factor_batch(batch);
+        let (file, step) = (&batch.state.file, &mut batch.state.step);
+        out.fill([0.0; N]);
+        for entry in &equations.quantity_symbol {
+            add_product(&mut out[entry.column], &weights[entry.row], &file[entry.register.index()]);
+        }
+        if equations.size() == 0 {
+            return;
+        }
+        step.fill([0.0; N]);
+        for entry in &equations.quantity_temperature {
+            add_product(&mut step[entry.column], &weights[entry.row], &file[entry.register.index()]);
+        }
+        batch.linear.solve_transposed(step);
+        for entry in &equations.residual_tangent {
+            subtract_product(&mut out[entry.column], &step[entry.row], &file[entry.register.index()]);
+        }
+    }
+
+    /// Slopes and factors at the solutions. A solve ends with balances and quantities evaluated there.
+    fn factor_batch<const N: usize>(&self, batch: &mut Batch<N>) {
+        let file = &mut batch.state.file;
+        for part in [segment::JACOBIAN, segment::RESIDUAL_TANGENT, segment::QUANTITY_TANGENT] {
+            self.steady.program.run(part, file);
+        }
+        batch.linear.load(&self.steady, file);
+        batch.linear.factor();
+    }
+
+    /// Makes the batch's own workspace that of a lane.
+    fn lane_to_workspace<const N: usize>(&self, batch: &mut Batch<N>, lane: usize) {
+        for (slot, lanes) in batch.alone.state.file.iter_mut().zip(&batch.state.file) {
+            *slot = lanes[lane];
+        }
+        batch.alone.solved = batch.outcomes[lane].is_ok();
+        batch.alone.factored = false;
+    }
+}

@@ -1,0 +1,94 @@
+//! Calibration handed on from pass to pass, as a user sees it.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::studies::{bmv, code, plate, printed, text};
+
+/// Replaces the jobs of the plate's pass.
+fn jobs(folder: &Path, jobs: &str) {
+    let path = folder.join("plate/pass-1.json");
+    let pass = fs::read_to_string(&path).unwrap();
+    let start = pass.find("\"jobs\"").unwrap();
+    fs::write(&path, format!("{}\"jobs\": {jobs}}}", &pass[..start])).unwrap();
+}
+
+/// A second pass of the plate: other rows, the posterior of the first as prior.
+const SECOND: &str = r#"{
+  "format": "bmv-pass/1", "title": "Plate, pass 2", "parent": "pass-1.json",
+  "parameters": {"G": {"prior": {"posterior": {"pass": "pass-1.json", "job": "fit"}}, "because": "handed on"}},
+  "measurements": {"balance": {"steady": {
+    "file": "data/balance.csv",
+    "columns": {"Q": {"header": "Q", "unit": "W"}, "T_wall": {"header": "wall", "unit": "degC"}, "plate": {"header": "plate", "unit": "degC"}},
+    "sensors": {"plate": {"measures": "plate", "sigma": {"value": 0.5, "unit": "K"}}},
+    "held_out": {"phases": ["P1"]}
+  }}},
+  "jobs": {
+    "more": {"calibrate": {}},
+    "spread": {"propagate": {"samples": 256}},
+    "flight": {"predict": {"from": {"pass": "pass-1.json", "job": "fit"}, "samples": 256, "sweep": {"Q": [12, 10, 8]}}}
+  }
+}"#;
+
+#[test]
+fn the_second_pass_builds_on_the_first_with_the_same_bytes_for_any_threads() {
+    let root = plate();
+    // Wide enough that the data decide.
+    let model = root.path().join("plate/model.json");
+    fs::write(&model, fs::read_to_string(&model).unwrap().replace("[0.4, 0.6]", "[0.2, 0.8]")).unwrap();
+    jobs(root.path(), r#"{"fit": {"calibrate": {}}}"#);
+    fs::write(root.path().join("plate/pass-2.json"), SECOND).unwrap();
+    let show = |threads: &str| {
+        let cache = format!("cache-{threads}");
+        printed(root.path(), &["show", "plate/pass-2.json", "--json", "--threads", threads, "--cache", &cache])
+    };
+    let (one, two) = (show("1"), show("2"));
+    assert_eq!(one, two);
+    let all: Value = serde_json::from_str(&one).unwrap();
+    let mean = all["more"]["parameters"]["G"]["mean"].as_f64().unwrap();
+    // 10 W and 5 W, 23 K and 13 K above the wall: least squares of both give 125 / 295 W/K, half a standard deviation
+    // of 0.0088 W/K about it for the draws of the prior and the mean's place beside the mode.
+    assert!((mean - 125.0 / 295.0).abs() < 0.0044, "{mean}");
+    assert_eq!(all["more"]["handed_on"][0]["source"], "`fit` of `pass-1.json`");
+    assert_eq!(all["spread"]["handed_on"][0]["parameters"][0], "G");
+    assert_eq!(all["flight"]["converged"], true);
+    assert!(all["flight"]["prior"]["probability"]["plate"]["value"].is_number());
+    // The plan has what is needed of the first pass, and nothing else.
+    let plan = printed(root.path(), &["plan", "plate/pass-2.json", "--cache", "empty"]);
+    assert!(plan.contains("plate/pass-1.json:fit") && plan.contains("5 of 5 jobs to run"), "{plan}");
+    // A change of the first pass's data changes the keys of the second.
+    fs::write(root.path().join("plate/data/balance.csv"), "phase,Q,wall,plate\nP1,10,20,43.1\nP2,5,20,33\n").unwrap();
+    let plan = printed(root.path(), &["plan", "plate/pass-2.json", "--cache", "cache-1"]);
+    assert!(plan.contains("5 of 5 jobs to run"), "{plan}");
+    let run = bmv(root.path(), &["show", "plate/pass-2.json"]);
+    assert!(text(&run.stdout).contains("Prediction after calibration"), "{}", text(&run.stdout));
+}
+
+#[test]
+fn a_comparison_tells_that_its_calibration_did_not_converge() {
+    let root = plate();
+    jobs(root.path(), r#"{"fit": {"calibrate": {"draws": 8, "warmup": 20}}, "delivered": {"compare": {}}}"#);
+    for _ in 0..2 {
+        // The second time from the cache.
+        let output = bmv(root.path(), &["compare", "plate/pass-1.json"]);
+        assert_eq!(code(&output), 4, "{}", text(&output.stderr));
+    }
+}
+
+#[test]
+fn a_sensor_without_noise_stops_the_calibration_and_not_the_comparison() {
+    let root = plate();
+    jobs(root.path(), r#"{"fit": {"calibrate": {}}, "delivered": {"compare": {"from": "fit"}}}"#);
+    let path = root.path().join("plate/pass-1.json");
+    let pass = fs::read_to_string(&path).unwrap().replace(r#", "sigma": {"value": 0.5, "unit": "K"}"#, "");
+    fs::write(&path, pass).unwrap();
+    let output = bmv(root.path(), &["compare", "plate/pass-1.json"]);
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    let output = bmv(root.path(), &["run", "plate"]);
+    let said = text(&output.stderr);
+    assert_eq!(code(&output), 2, "{said}");
+    assert!(said.contains("[no-sigma]") && said.contains("plate/pass-1.json:7:"), "{said}");
+    assert!(text(&output.stdout).contains("delivered: RMSE"), "the comparison ran");
+}

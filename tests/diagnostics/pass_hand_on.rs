@@ -1,0 +1,197 @@
+//! Posteriors and files of draws as priors, and predictions: what is refused, where, and what is not.
+
+use bmv::study::ready::Readiness;
+use bmv::study::{JobSpec, load, ready};
+
+use crate::diagnostics::pass_study::Study;
+
+/// The first pass with a noise for every sensor, and a second whose prior is the posterior of the first.
+fn handed_on(extra: &str) -> Study {
+    let study = Study::new();
+    study.edit("pass-1.json", r#""panel": {"measures": "panel"}"#, r#""panel": {"measures": "panel", "sigma": 0.5}"#);
+    study.put(
+        "pass-2.json",
+        format!(
+            r#"{{"format": "bmv-pass/1", "title": "Second", "parent": "pass-1.json",
+ "parameters": {{"G": {{"prior": {{"posterior": {{"pass": "pass-1.json", "job": "tuned"}}}}, "because": "handed on"}}}},
+ {extra}}}"#
+        ),
+    );
+    study
+}
+
+/// The measurement of the first pass with other rows held out.
+fn held_out(phases: &str) -> String {
+    format!(
+        r#""measurements": {{"balance": {{"steady": {{"file": "data/balance.csv",
+   "sensors": {{"box": {{"measures": "box", "sigma": 0.25}}, "panel": {{"measures": "panel", "sigma": 0.5}}}},
+   "held_out": {{"phases": [{phases}]}}, "ignore": {{"P3": "not stabilised"}}}}}}}},"#
+    )
+}
+
+#[test]
+fn the_same_rows_are_refused_and_named() {
+    for job in [r#"{"calibrate": {}}"#, r#"{"diagnose": {}}"#, r#"{"diagnose": {"data": ["balance"]}}"#] {
+        let said = handed_on(&format!(r#""jobs": {{"again": {job}}}"#)).said("pass-2.json");
+        for part in [
+            "error[data-used-twice]",
+            "on readings that stand behind its prior: `tuned` of `pass-1.json` was fitted to phase P1 of `balance`",
+            "study/pass-2.json:3:11",
+            "the posterior of `tuned` of `pass-1.json`",
+            "\"held_out\": {\"phases\": [...]}",
+            "give `G` the prior that `tuned` of `pass-1.json` began with",
+        ] {
+            assert!(said.contains(part), "{part}\n{said}");
+        }
+    }
+}
+
+#[test]
+fn what_takes_distributions_does_not_run_with_draws() {
+    for job in [r#"{"diagnose": {}}"#, r#"{"sensitivity": {}}"#] {
+        let study = handed_on(&format!(r#"{} "jobs": {{"next": {job}}}"#, held_out(r#""P1""#)));
+        let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
+        let jobs = ready(&pass).expect("ready");
+        let Readiness::NotRun(reason) = &jobs[0].1 else { panic!("{job} runs with the original prior") };
+        assert!(reason.contains("`G` has the draws of `tuned` of `pass-1.json`"), "{reason}");
+    }
+}
+
+#[test]
+fn other_rows_of_the_same_file_are_allowed() {
+    let study = handed_on(&format!(r#"{} "jobs": {{"again": {{"calibrate": {{}}}}}}"#, held_out(r#""P1""#)));
+    let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
+    assert_eq!(pass.handed_on.len(), 1);
+    assert_eq!((pass.handed_on[0].draws.names.as_slice(), pass.handed_on[0].behind.len()), (&["G".to_owned()][..], 1));
+    // Scores are taken by the prior that the calibration began with.
+    assert_eq!(pass.priors[0], bmv::random::Distribution::Uniform { lower: 0.2, upper: 1.4 });
+    let jobs = ready(&pass).expect("ready");
+    let Readiness::After(waiting) = &jobs[0].1 else { panic!("after the calibration of the first pass") };
+    assert_eq!((waiting.from[0].file.as_str(), waiting.from[0].job.as_str()), ("pass-1.json", "tuned"));
+}
+
+#[test]
+fn data_behind_a_posterior_s_own_prior_count_too() {
+    let study = handed_on(&format!(r#"{} "jobs": {{"again": {{"calibrate": {{}}}}}}"#, held_out(r#""P1""#)));
+    study.put(
+        "pass-3.json",
+        format!(
+            r#"{{"format": "bmv-pass/1", "title": "Third", "parent": "pass-1.json",
+ "parameters": {{"G": {{"prior": {{"posterior": {{"pass": "pass-2.json", "job": "again"}}}}, "because": "handed on"}}}},
+ {} "jobs": {{"third": {{"calibrate": {{}}}}}}}}"#,
+            held_out("")
+        ),
+    );
+    let said = study.said("pass-3.json");
+    assert!(said.contains("`tuned` of `pass-1.json` was fitted to phase P1 of `balance`"), "{said}");
+    assert!(said.contains("`again` of `pass-2.json` was fitted to phase P2 of `balance`"), "{said}");
+}
+
+#[test]
+fn a_parameter_that_is_not_calibrated_may_have_any_posterior() {
+    // Nothing of the posterior enters: A alone is inferred.
+    let extra = r#""jobs": {"again": {"calibrate": {"parameters": ["A"]}}}"#;
+    let study = handed_on(extra);
+    study.edit("pass-2.json", r#"{"G""#, r#"{"A": {"prior": {"uniform": [0.03, 0.05]}, "because": "paint"}, "G""#);
+    let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
+    assert!(matches!(ready(&pass).expect("ready")[0].1, Readiness::Ready(_)));
+}
+
+#[test]
+fn posteriors_that_are_not_there() {
+    let said = |from: &str, to: &str| {
+        let study = handed_on(r#""jobs": {"spread": {"propagate": {}}}"#);
+        study.edit("pass-2.json", from, to);
+        study.said("pass-2.json")
+    };
+    let text = said(r#""job": "tuned""#, r#""job": "match""#);
+    assert!(
+        text.contains("`match` of `pass-1.json` is a `compare` job") && text.contains("a `calibrate` job"),
+        "{text}"
+    );
+    let text = said(r#""job": "tuned""#, r#""job": "tund""#);
+    assert!(
+        text.contains("unknown calibration of `pass-1.json` `tund`") && text.contains("did you mean `tuned`?"),
+        "{text}"
+    );
+    let text = said(r#"{"pass": "pass-1.json""#, r#"{"pass": "pass-2.json""#);
+    assert!(text.contains("`pass-2.json` cannot take its own posterior as a prior"), "{text}");
+    let text = said(r#"{"pass": "pass-1.json""#, r#"{"pass": "../pass-1.json""#);
+    assert!(text.contains("path-refused"), "{text}");
+    let text = said(r#"{"G": {"prior""#, r#"{"A": {"prior""#);
+    assert!(text.contains("`tuned` of `pass-1.json` did not infer `A`") && text.contains("it inferred `G`"), "{text}");
+}
+
+#[test]
+fn posteriors_in_a_circle() {
+    let study = handed_on(r#""jobs": {"again": {"calibrate": {}}}"#);
+    study.edit(
+        "pass-1.json",
+        r#"{"uniform": [0.2, 1.4]}"#,
+        r#"{"posterior": {"pass": "pass-2.json", "job": "again"}}"#,
+    );
+    let said = study.said("pass-1.json");
+    assert!(said.contains("the posteriors run in a circle: pass-1.json -> pass-2.json -> pass-1.json"), "{said}");
+}
+
+#[test]
+fn files_of_draws() {
+    let study = Study::new();
+    study.edit("pass-1.json", r#"{"uniform": [0.2, 1.4]}"#, r#"{"draws": {"file": "data/draws.csv"}}"#);
+    study.put("data/draws.csv", "draw,G [W/K]\n1,0.4\n2,0.5\n3,0.62\n");
+    let pass = study.load();
+    assert_eq!(pass.handed_on[0].draws.draws, [[0.4], [0.5], [0.62]]);
+    let jobs = ready(&pass).expect("ready");
+    assert!(matches!(jobs[0].1, Readiness::Ready(_)), "draws of a file wait for nothing");
+    for (text, part) in [
+        ("G [W/K]\n0.4\n", "has 1 draws"),
+        ("H [W/K]\n0.4\n0.5\n", "has no column `G`"),
+        ("G [K]\n0.4\n0.5\n", "study/data/draws.csv:1:1"),
+        ("G [W/K]\n0.4\n\n0.5\nx\n", "table-cell"),
+    ] {
+        study.put("data/draws.csv", text);
+        let said = study.said("pass-1.json");
+        assert!(said.contains(part), "{part}\n{said}");
+    }
+}
+
+#[test]
+fn draws_are_no_prior_of_a_noise() {
+    let study = Study::new();
+    study.edit(
+        "pass-1.json",
+        r#""panel": {"measures": "panel"}"#,
+        r#""panel": {"measures": "panel", "sigma": {"prior": {"posterior": {"pass": "pass-0.json", "job": "x"}}}}"#,
+    );
+    assert!(study.said("pass-1.json").contains("error[prior-not-read]: draws cannot be the prior of what is inferred"));
+}
+
+#[test]
+fn predictions_name_a_calibration() {
+    let said = |job: &str| handed_on(&format!(r#""jobs": {{"flight": {job}}}"#)).said("pass-2.json");
+    let text = said(r#"{"predict": {}}"#);
+    assert!(text.contains("`flight` does not say `from` which calibration, and the pass has 0"), "{text}");
+    let text = said(r#"{"predict": {"from": "tuned"}}"#);
+    assert!(text.contains("unknown calibration `tuned`"), "{text}");
+    let text = said(r#"{"predict": {"from": {"pass": "pass-1.json", "job": "tuned"}, "with": {"discrepancy": "gp"}}}"#);
+    assert!(text.contains("this version predicts with the posterior alone"), "{text}");
+    let study = handed_on(r#""jobs": {"flight": {"predict": {"from": {"pass": "pass-1.json", "job": "tuned"}}}}"#);
+    let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
+    let JobSpec::Predict(spec) = &pass.jobs[0].spec else { panic!("predict") };
+    assert_eq!(spec.posterior.draws.parameters, [0]);
+    assert_eq!(spec.priors, [(0, bmv::random::Distribution::Uniform { lower: 0.2, upper: 1.4 })]);
+}
+
+#[test]
+fn a_sensor_without_noise_stops_its_calibration_alone() {
+    let study = Study::new();
+    let pass = study.load();
+    assert!(pass.warnings.is_empty());
+    let plain = pass.refused[0].diagnostic.plain();
+    assert_eq!((plain.code.as_str(), plain.line, pass.refused[0].job.as_str()), ("no-sigma", 6, "tuned"));
+    assert!(plain.message.contains("sensor `panel` of `balance` has no `sigma`"), "{}", plain.message);
+    assert!(plain.help.is_some_and(|help| help.contains(r#"write "sigma": {"value": ..., "unit": "K"}"#)));
+    let jobs = ready(&pass).expect("the others");
+    assert!(matches!(&jobs[1].1, Readiness::Ready(job) if job.kind() == "compare"), "without the tuned state");
+    assert!(matches!(&jobs[3].1, Readiness::NotRun(reason) if reason.contains("has no `sigma`")));
+}

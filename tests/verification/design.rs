@@ -1,0 +1,415 @@
+//! Designs of experiments against exact expected information: the example of Huan & Marzouk (2013, J. Comput. Phys. 232,
+//! 288, section 5.1), linear models with normal priors, the radiator's coupon by quadrature, the monitor's chamber.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use bmv::job::design::{Candidate, Design, Estimator, Output, Spec};
+use bmv::random::Distribution;
+use bmv::study::{JobSpec, Pass};
+
+use super::radiator::run;
+
+/// A pass in a folder of its own.
+fn pass(model: &str, jobs: &str) -> Pass {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("model.json"), model).unwrap();
+    let text = format!(
+        r#"{{"format": "bmv-pass/1", "title": "t", "parent": null, "model": "model.json", "seed": 7, "jobs": {jobs}}}"#
+    );
+    std::fs::write(folder.path().join("pass-1.json"), text).unwrap();
+    match bmv::study::load(&folder.path().join("pass-1.json")) {
+        Ok(pass) => pass,
+        Err(diagnostics) => panic!("{}", diagnostics.render(false, 20)),
+    }
+}
+
+/// Settings of the pass's design.
+pub fn settings(pass: &Pass) -> Spec {
+    let found = pass.jobs.iter().find_map(|job| match &job.spec {
+        JobSpec::Design(spec) => Some(spec.clone()),
+        _ => None,
+    });
+    found.unwrap()
+}
+
+/// Result of a design for the pass's model with other settings and priors.
+pub fn designed(pass: &Pass, spec: Spec, priors: &[Distribution]) -> Output {
+    run(&Design::new(spec, Arc::new(pass.model.clone()), priors.to_vec(), pass.seed, "design").unwrap())
+}
+
+/// Value, and three standard errors with the bias.
+fn value(candidate: &Candidate) -> (f64, f64) {
+    (candidate.information_nats.unwrap(), 3.0 * candidate.se.unwrap() + candidate.bias_bound.unwrap())
+}
+
+const HUAN: &str = r#"{"format": "bmv-network/1", "title": "y = theta^3 d^2 + theta exp(-|0.2 - d|)",
+ "inputs": {"d": {"unit": "1", "nominal": 0, "range": [0, 1]}, "e": {"unit": "1", "nominal": 0, "range": [0, 1]}},
+ "parameters": {"theta": {"unit": "1", "nominal": 0.5, "prior": {"uniform": [0, 1]}}},
+ "quantities": {"y": {"expression": {"of": "theta^3 * d^2 + theta * exp(-abs(0.2 - d))", "unit": "1"}},
+                "z": {"expression": {"of": "theta^3 * e^2 + theta * exp(-abs(0.2 - e))", "unit": "1"}}}}"#;
+
+/// One experiment (by its d) or two (by d and e).
+fn huan(conditions: &str, settings: &str) -> Pass {
+    let sensors = if conditions.contains("\"e\"") {
+        r#"{"y": {"measures": "y", "sigma": 0.01}, "z": {"measures": "z", "sigma": 0.01}}"#
+    } else {
+        r#"{"y": {"measures": "y", "sigma": 0.01}}"#
+    };
+    pass(HUAN, &format!(r#"{{"j": {{"design": {{"conditions": {conditions}, "sensors": {sensors}{settings}}}}}}}"#))
+}
+
+/// By Gauss quadrature of both integrals; refining all rules changes the values by less than 2e-13.
+const LONG: [(f64, f64); 12] = [
+    (0.0, 3.008_295_006),
+    (0.1, 3.116_823_719),
+    (0.2, 3.241_977_4),
+    (0.3, 3.195_570_218),
+    (0.4, 3.172_521_617),
+    (0.45, 3.169_290_013),
+    (0.5, 3.171_135_048),
+    (0.6, 3.188_370_417),
+    (0.7, 3.220_719_179),
+    (0.8, 3.264_830_112),
+    (0.9, 3.317_815_831),
+    (1.0, 3.377_332_214),
+];
+
+/// The same for a prior to 0.43727, printed to four decimals.
+const SHORT: [(f64, f64); 5] = [(0.0, 2.2095), (0.2, 2.4075), (0.5, 2.1715), (0.8, 2.0083), (1.0, 1.9466)];
+
+/// Two experiments, by quadrature as above.
+const PAIRS: [(f64, f64, f64); 10] = [
+    (0.0, 0.0, 3.348_406_39),
+    (0.2, 0.2, 3.583_537_358),
+    (0.2, 0.4, 3.552_637_483),
+    (0.2, 0.6, 3.573_994_356),
+    (0.2, 0.8, 3.639_730_195),
+    (0.2, 1.0, 3.737_274_78),
+    (0.4, 0.4, 3.513_806_511),
+    (0.6, 0.6, 3.529_451_883),
+    (0.8, 1.0, 3.671_702_124),
+    (1.0, 1.0, 3.717_167_762),
+];
+
+fn one_experiment(how: &str) {
+    let values: Vec<String> = LONG.iter().map(|(d, _)| d.to_string()).collect();
+    let pass = huan(&format!(r#"{{"d": [{}]}}"#, values.join(", ")), how);
+    let output = designed(&pass, settings(&pass), &pass.priors);
+    for (candidate, (d, exact)) in output.candidates.iter().zip(LONG) {
+        let (found, margin) = value(candidate);
+        assert!((found - exact).abs() < margin, "{how} d = {d}: {found} {exact} {margin}");
+        assert!(!candidate.sees_nothing && candidate.allowed);
+    }
+    let best = output.best.unwrap();
+    assert_eq!(best.conditions["d"], 1.0, "{how}");
+    assert_eq!(output.convergence.last().unwrap().information_nats, best.information_nats);
+}
+
+#[test]
+fn one_experiment_is_that_of_huan_and_marzouk() {
+    one_experiment(r#", "outer": 2048, "inner": 1024"#);
+    one_experiment(r#", "outer": 2048, "estimator": "importance""#);
+}
+
+#[test]
+#[ignore = "nightly: eight times the samples"]
+fn one_experiment_converges() {
+    one_experiment(r#", "outer": 16384, "inner": 8192"#);
+    one_experiment(r#", "outer": 16384, "draws": 64, "estimator": "importance""#);
+}
+
+fn short_prior(how: &str) {
+    let pass = huan(r#"{"d": [0, 0.2, 0.5, 0.8, 1]}"#, how);
+    // theta_e = sqrt((1 - e^-0.8) / 2.88): where the slopes at d = 0.2 and d = 1 are equal.
+    let output = designed(&pass, settings(&pass), &[Distribution::Uniform { lower: 0.0, upper: 0.437_271_7 }]);
+    for (candidate, (d, exact)) in output.candidates.iter().zip(SHORT) {
+        let (found, margin) = value(candidate);
+        // Half of the last digit printed.
+        assert!((found - exact).abs() < margin + 5e-5, "d = {d}: {found} {exact} {margin}");
+    }
+    assert_eq!(output.best.unwrap().conditions["d"], 0.2);
+}
+
+#[test]
+fn a_short_prior_moves_the_optimum() {
+    short_prior(r#", "outer": 2048, "inner": 1024"#);
+}
+
+fn two_experiments(how: &str) {
+    let phases: Vec<String> = PAIRS.iter().map(|(d, e, _)| format!(r#"{{"d": {d}, "e": {e}}}"#)).collect();
+    let pass = huan(&format!("[{}]", phases.join(", ")), how);
+    let output = designed(&pass, settings(&pass), &pass.priors);
+    for (candidate, (d, e, exact)) in output.candidates.iter().zip(PAIRS) {
+        let (found, margin) = value(candidate);
+        assert!((found - exact).abs() < margin, "{d}, {e}: {found} {exact} {margin}");
+    }
+    let best = output.best.unwrap();
+    assert_eq!((best.conditions["d"], best.conditions["e"]), (0.2, 1.0));
+}
+
+#[test]
+fn two_experiments_are_those_of_huan_and_marzouk() {
+    two_experiments(r#", "outer": 2048, "inner": 1024"#);
+}
+
+#[test]
+#[ignore = "nightly: eight times the samples, both priors"]
+fn two_experiments_converge() {
+    two_experiments(r#", "outer": 16384, "inner": 8192"#);
+    short_prior(r#", "outer": 16384, "inner": 8192"#);
+}
+
+#[test]
+fn two_phases_are_chosen_one_after_the_other() {
+    let pass = huan(r#"{"d": [0, 0.2, 0.6, 1]}"#, r#", "outer": 1024, "inner": 512, "pick": 2"#);
+    let output = designed(&pass, settings(&pass), &pass.priors);
+    let picks: Vec<usize> = output.picks.iter().map(|pick| pick.position).collect();
+    assert_eq!(picks, [3, 1], "d = 1, then 0.2");
+    let last = &output.picks[1];
+    assert!((last.information_nats - 3.737_274_78).abs() < 3.0 * last.se + last.bias_bound, "{last:?}");
+    assert!(output.guarantee.contains("63 %"), "{}", output.guarantee);
+}
+
+/// Two readings of three parameters with normal priors: all is linear and exact.
+const LINEAR: &str = r#"{"format": "bmv-network/1", "title": "linear",
+ "inputs": {"x": {"unit": "1", "nominal": 1, "range": [0, 4]}, "fixed": {"unit": "1", "nominal": 1, "settable": false}},
+ "parameters": {"a": {"unit": "1", "nominal": 0, "prior": {"normal": {"mean": 0, "sd": 2}}},
+                "b": {"unit": "1", "nominal": 1, "prior": {"normal": {"mean": 1, "sd": 0.5}}},
+                "c": {"unit": "1", "nominal": 0, "prior": {"normal": {"mean": 0, "sd": 1}}}},
+ "quantities": {"y": {"expression": {"of": "a + b * x", "unit": "1"}},
+                "z": {"expression": {"of": "b * x - c + 0 * fixed", "unit": "1"}}}}"#;
+
+/// `1/2 ln det(I + G S G' R^-1)` for all parameters, or for `a` and `b` with `c` a nuisance.
+fn linear_exact(x: f64, learn_all: bool) -> f64 {
+    let (r_y, r_z) = (0.25 * 0.25, 0.5 * 0.5);
+    let (a, b, c) = (4.0, 0.25 * x * x, 1.0);
+    let all = (a + b + r_y) * (b + c + r_z) - b * b;
+    // What is left when a and b are known.
+    let rest = r_y * (if learn_all { r_z } else { c + r_z });
+    0.5 * (all / rest).ln()
+}
+
+const SENSORS: &str = r#"{"y": {"measures": "y", "sigma": 0.25}, "z": {"measures": "z", "sigma": 0.5}}"#;
+
+fn linear(how: &str) -> Output {
+    let job = format!(r#"{{"j": {{"design": {{"sensors": {SENSORS}, "outer": 2048, "inner": 1024, {how}}}}}}}"#);
+    let pass = pass(LINEAR, &job);
+    designed(&pass, settings(&pass), &pass.priors)
+}
+
+#[test]
+fn linear_models_with_normal_priors_are_exact() {
+    for (learn, learn_all) in [(r#"["a", "b", "c"]"#, true), (r#"["a", "b"]"#, false)] {
+        for estimator in ["nested", "importance", "laplace", "linear"] {
+            let how = format!(r#""conditions": {{"x": [0, 1, 4]}}, "learn": {learn}, "estimator": "{estimator}""#);
+            let output = linear(&how);
+            for (candidate, x) in output.candidates.iter().zip([0.0, 1.0, 4.0]) {
+                let (found, margin) = value(candidate);
+                let exact = linear_exact(x, learn_all);
+                assert!((found - exact).abs() < margin + 1e-12, "{how} {x}: {found} {exact} {margin}");
+                assert!((candidate.linear_nats.unwrap() - exact).abs() < 1e-12, "{how} {x}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_constant_error_of_a_sensor_is_a_nuisance_that_phases_share() {
+    // y = a + b x + error + noise at x = 0, twice: a is seen through an error of sd 1 both times. Var of the mean of both
+    // readings given a: 1 + 0.0625 / 2; the difference tells nothing of a.
+    let sensors =
+        r#"{"y": {"measures": "y", "sigma": 0.25, "bias": {"prior": {"normal": {"mean": 0, "sd": 1}}, "unit": "1"}}}"#;
+    let job = format!(
+        r#"{{"j": {{"design": {{"sensors": {sensors}, "outer": 2048, "inner": 1024, "conditions": {{"x": [0]}}, "learn": ["a"],
+            "nuisance": ["b"], "pick": 2}}}}}}"#
+    );
+    let pass = pass(LINEAR, &job);
+    let output = designed(&pass, settings(&pass), &pass.priors);
+    assert_eq!(output.nuisance, ["b", "experiment.y.bias"]);
+    for (pick, rest) in output.picks.iter().zip([1.062_5_f64, 1.031_25]) {
+        let exact = 0.5 * ((4.0 + rest) / rest).ln();
+        let margin = 3.0 * pick.se + pick.bias_bound;
+        assert!((pick.information_nats - exact).abs() < margin, "{pick:?} {exact}");
+    }
+    assert!(output.guarantee.contains("no guarantee"), "{}", output.guarantee);
+}
+
+#[test]
+fn sensors_are_ranked_and_those_that_tell_the_same_are_named() {
+    let job = r#"{"j": {"design": {"conditions": {"x": [1]}, "outer": 1024, "inner": 512, "choose_sensors": 2, "learn": ["a"],
+        "nuisance": [], "sensors": {"z": {"measures": "z", "sigma": 0.5}, "coarse": {"measures": "y", "sigma": 1},
+        "fine": {"measures": "y", "sigma": 0.25}}}}}"#;
+    let pass = pass(LINEAR, job);
+    let output = designed(&pass, settings(&pass), &pass.priors);
+    let chosen: Vec<usize> = output.sensor_picks.iter().map(|pick| pick.position).collect();
+    assert_eq!(chosen, [2, 1], "the fine one, then the coarse one");
+    assert_eq!(output.redundant.len(), 1);
+    assert_eq!(output.redundant[0].sensors, ["coarse", "fine"].map(str::to_owned));
+    // z does not move with a, its only unknown here.
+    assert_eq!(output.correlations[0][1], None);
+    assert_eq!(output.observability[0].changes, [0.0, 2.0, 2.0]);
+}
+
+#[test]
+fn an_experiment_that_cannot_see_says_so() {
+    let job = r#"{"j": {"design": {"conditions": {"x": [1, 2]}, "sensors": {"y": {"measures": "y", "sigma": 0.25}},
+        "learn": ["c"], "outer": 512, "inner": 256}}}"#;
+    let pass = pass(LINEAR, job);
+    let output = designed(&pass, settings(&pass), &pass.priors);
+    assert!(output.candidates.iter().all(|candidate| candidate.sees_nothing), "{:?}", output.candidates);
+    assert!(output.findings.iter().any(|f| f.contains("cannot see c")), "{:?}", output.findings);
+    assert!(output.findings.iter().any(|f| f.contains("moves with c")), "{:?}", output.findings);
+}
+
+#[test]
+fn what_cannot_be_done_is_refused_at_its_place() {
+    let wrong = [
+        (r#""conditions": {"x": [0, 9]}"#, "design-conditions", "range"),
+        (r#""conditions": {"x": {"from": -1, "to": 4, "steps": 3}}"#, "design-conditions", "range"),
+        (r#""conditions": {"x": [1, 1]}"#, "design-conditions", "twice"),
+        (r#""conditions": {"x": {"from": 0, "to": 4, "steps": 5000}}"#, "design-conditions", "values"),
+        (r#""conditions": [{"x": 1}, {"x": 1}]"#, "design-conditions", "twice"),
+        (r#""conditions": []"#, "design-conditions", "candidate"),
+        (r#""conditions": {"a": [1]}"#, "design-conditions", "parameter"),
+        (r#""conditions": {"fixed": [1]}"#, "design-conditions", "cannot set"),
+        (r#""conditions": {"q": [1]}"#, "unknown-name", "input"),
+        (r#""conditions": {"x": [1]}, "learn": ["q"]"#, "job-reference", "parameter"),
+        (r#""conditions": {"x": [1]}, "learn": ["a"], "nuisance": ["a"]"#, "job-reference", "nuisance"),
+        (r#""conditions": {"x": [1]}, "outer": 100"#, "job-setting", "outer"),
+        (r#""conditions": {"x": [1]}, "outer": 256, "inner": 256"#, "job-setting", "inner"),
+        (r#""conditions": {"x": [1]}, "pick": 0"#, "job-setting", "phases"),
+        (r#""conditions": {"x": [1]}, "limits": {"red": 2}"#, "job-setting", "probability"),
+        (r#""conditions": {"x": [1]}, "choose_sensors": 3"#, "job-setting", "sensors"),
+        (r#""conditions": {"x": [1]}, "sensors": ["y", "y"]"#, "job-reference", "sensor"),
+        (r#""conditions": {"x": [1]}, "sensors": {"y": {"measures": "y"}}"#, "design-sensor", "sigma"),
+        (r#""conditions": {"x": [1]}, "sensors": {}"#, "design-sensor", "without sensors"),
+    ];
+    for (how, code, words) in wrong {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("model.json"), LINEAR).unwrap();
+        let sensors = if how.contains("\"sensors\"") { String::new() } else { format!(r#", "sensors": {SENSORS}"#) };
+        let text = format!(
+            r#"{{"format": "bmv-pass/1", "title": "t", "model": "model.json", "jobs": {{"j": {{"design": {{{how}{sensors}}}}}}}}}"#
+        );
+        let file = folder.path().join("pass-1.json");
+        std::fs::write(&file, text).unwrap();
+        let Err(diagnostics) = bmv::study::load(&file) else { panic!("{how} is taken") };
+        let shown = diagnostics.render(false, 20);
+        assert!(shown.contains(code) && shown.contains(words) && shown.contains("pass-1.json:1:"), "{how}: {shown}");
+    }
+}
+
+#[test]
+fn a_sensor_of_the_measurements_that_stands_twice_is_refused() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/sxm");
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("data")).unwrap();
+    for name in ["model.json", "pass-1.json", "data/thermal-vacuum.csv"] {
+        std::fs::copy(file.join(name), folder.path().join(name)).unwrap();
+    }
+    let load = |sensors: &str| {
+        let text = std::fs::read_to_string(file.join("pass-2.json")).unwrap();
+        let job = format!(
+            r#""jobs": {{ "next": {{"design": {{"learn": ["Gh"], "nuisance": [], "conditions": {{"V": [1, 2]}}{sensors}}}}},"#
+        );
+        std::fs::write(folder.path().join("pass-2.json"), text.replace(r#""jobs": {"#, &job)).unwrap();
+        bmv::study::load(&folder.path().join("pass-2.json"))
+    };
+    let Ok(pass) = load("") else { panic!("the sensors of the pass") };
+    assert_eq!(settings(&pass).sensors.len(), 5);
+    assert_eq!(settings(&pass).sensors[4].sigma, 0.5);
+    let Ok(pass) = load(r#", "sensors": ["bracket"]"#) else { panic!("one sensor of the pass") };
+    assert_eq!(settings(&pass).sensors[0].sigma, 0.25);
+    let Err(diagnostics) = load(r#", "sensors": ["bracket", "bracket"]"#) else { panic!("it is taken") };
+    assert!(diagnostics.render(false, 20).contains("stands twice"));
+}
+
+/// Expected information about the emittance with the leak integrated out, by quadrature to three decimals (case study
+/// 3.5): shrouds of 100 to 250 K by heaters of 5 to 25 W.
+const COUPON: [[f64; 5]; 4] = [
+    [0.268, 0.425, 0.556, 0.665, 0.757],
+    [0.416, 0.589, 0.718, 0.822, 0.908],
+    [0.607, 0.785, 0.904, 0.997, 1.074],
+    [0.684, 0.925, 1.056, 1.149, 1.222],
+];
+
+fn radiator() -> Pass {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/radiator/pass-1.json");
+    let Ok(pass) = bmv::study::load(&file) else { panic!("the radiator loads") };
+    pass
+}
+
+/// Every candidate within its own margin and `most` of the quadrature.
+fn coupon(pass: &Pass, how: Spec, most: f64) {
+    let output = designed(pass, how, &pass.priors);
+    for (candidate, exact) in output.candidates.iter().zip(COUPON.as_flattened()) {
+        let (found, margin) = value(candidate);
+        // Half of the last digit printed.
+        assert!((found - exact).abs() < margin.min(most) + 5e-4, "{} {candidate:?}: {exact}", output.estimator);
+        assert_eq!(candidate.violation.red, Some(0.0));
+    }
+    let best = output.best.unwrap();
+    assert_eq!((best.conditions["W"], best.conditions["T_s"]), (25.0, 250.0), "{}", output.estimator);
+}
+
+#[test]
+#[ignore = "nightly: enough draws for importance sampling"]
+fn the_coupon_of_the_radiator_by_importance_sampling() {
+    let pass = radiator();
+    let how = Spec { outer: 4096, pick: 1, draws: 1024, estimator: Estimator::Importance, ..settings(&pass) };
+    coupon(&pass, how, 0.03);
+}
+
+#[test]
+fn the_coupon_of_the_radiator_tells_what_quadrature_says() {
+    let pass = radiator();
+    let quick = Spec { outer: 1024, inner: 512, pick: 1, ..settings(&pass) };
+    coupon(&pass, quick.clone(), 0.03);
+    // Importance sampling of both integrals by 32 draws knows that it is less sure.
+    coupon(&pass, Spec { estimator: Estimator::Importance, ..quick.clone() }, f64::INFINITY);
+    // A leak four times as uncertain: 0.054 at the coldest and weakest, 0.438 at the hottest and strongest.
+    let leak = pass.model.parameters.iter().position(|p| p.name == "G_leak").unwrap();
+    let mut priors = pass.priors.clone();
+    priors[leak] = Distribution::Uniform { lower: 0.0, upper: 0.04 };
+    let output = designed(&pass, quick, &priors);
+    for (candidate, exact) in [(0, 0.054), (19, 0.438)] {
+        let (found, margin) = value(&output.candidates[candidate]);
+        assert!((found - exact).abs() < margin.min(0.03) + 5e-4, "{candidate}: {found} {exact} {margin}");
+    }
+}
+
+#[test]
+fn limits_that_would_be_left_forbid_a_candidate() {
+    let pass = radiator();
+    let coupon = pass.model.nodes.iter().position(|node| node.name == "coupon").unwrap();
+    let mut model = pass.model.clone();
+    model.nodes[coupon].limits.red = Some([100.0, 325.0]);
+    let how = Spec { outer: 256, inner: 128, pick: 1, ..settings(&pass) };
+    let output: Output = run(&Design::new(how, Arc::new(model), pass.priors.clone(), 1, "design").unwrap());
+    // 25 W into a shroud of 250 K: eps sigma A (T^4 - 250^4) <= 25 W gives at least 336 K for every emittance and leak.
+    let hottest = output.candidates.last().unwrap();
+    assert!(!hottest.allowed && hottest.violation.red == Some(1.0), "{hottest:?}");
+    assert!(hottest.because.as_ref().unwrap().contains("coupon"), "{hottest:?}");
+    assert_eq!(hottest.violation.node.as_deref(), Some("coupon"));
+    let best = output.best.unwrap();
+    assert!(output.candidates[best.candidate].allowed && best.information_nats < hottest.information_nats.unwrap());
+}
+
+/// Joint information about three joints in the chamber (case study 4.8), by nested Monte Carlo with reuse and a standard
+/// error of 0.01 to 0.03.
+const CHAMBER: [[f64; 5]; 3] =
+    [[0.28, 1.13, 2.85, 3.70, 4.49], [0.11, 0.66, 2.31, 3.25, 4.12], [0.61, 0.93, 1.82, 2.82, 3.78]];
+
+#[test]
+fn the_chamber_of_the_monitor_tells_more_with_the_cooler_at_work() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/sxm/pass-1.json");
+    let Ok(pass) = bmv::study::load(&file) else { panic!("the monitor loads") };
+    let how = Spec { outer: 1024, inner: 512, pick: 1, choose_sensors: None, ..settings(&pass) };
+    let output = designed(&pass, how, &pass.priors);
+    for (candidate, reference) in output.candidates.iter().zip(CHAMBER.as_flattened()) {
+        let (found, margin) = value(candidate);
+        // Three standard errors of the reference beside ours.
+        assert!((found - reference).abs() < margin + 0.09, "{candidate:?}: {reference} {margin}");
+    }
+}
