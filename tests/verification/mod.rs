@@ -6,6 +6,7 @@ mod derivatives;
 mod effects;
 mod elements;
 mod flux;
+mod hidden_effect;
 mod likelihood;
 mod monitor_campaign;
 pub mod network8_data;
