@@ -4,4 +4,5 @@ mod campaigns;
 mod documents;
 mod frame;
 mod history;
+mod story;
 mod studies;
