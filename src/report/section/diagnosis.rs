@@ -8,6 +8,8 @@ use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, 
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
 use crate::report::view::PassReport;
 
+/// Warnings that are printed.
+const MOST_WARNINGS: usize = 2;
 /// Effects in the table.
 const MOST_EFFECTS: usize = 10;
 /// Effects that stand in the table however improbable they are.
@@ -32,7 +34,7 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         let tone = if output.verdict == Verdict::Adequate { Tone::Note } else { Tone::Verdict };
         blocks.push(Block::callout(tone, verdict(output)));
         blocks.push(Block::List(output.words.iter().map(|word| Text::new(word.clone())).collect()));
-        blocks.extend(output.warnings.iter().map(|warning| Block::callout(Tone::Warning, warning.clone())));
+        blocks.extend(warnings(output));
         blocks.extend(effects(output));
         blocks.extend(figures::figures(name, output));
         blocks.extend(missing_heat(output));
@@ -62,6 +64,17 @@ fn verdict(output: &Output) -> Text {
         Verdict::Unexplained => ": something is missing, and nothing in the catalogue explains it.",
     };
     Text::default().strong(output.verdict.word()).plain(meaning)
+}
+
+/// The first of the warnings, and how many more there are.
+fn warnings(output: &Output) -> Vec<Block> {
+    let mut texts: Vec<Text> = output.warnings.iter().take(MOST_WARNINGS).map(|text| Text::new(text.clone())).collect();
+    let more = output.warnings.len().saturating_sub(MOST_WARNINGS);
+    if let Some(last) = texts.pop() {
+        let more = if more > 0 { format!(" ({more} more: bmv diagnose --json lists them.)") } else { String::new() };
+        texts.push(last.plain(more));
+    }
+    texts.into_iter().map(|text| Block::callout(Tone::Warning, text)).collect()
 }
 
 /// A probability as a percentage, honest at both ends.
@@ -128,6 +141,7 @@ fn effects(output: &Output) -> Option<Block> {
     let rows: Vec<Vec<Cell>> = rows.collect();
     let what = match output.verdict {
         Verdict::Adequate => "The effects that come nearest to what the noise leaves; none is needed.",
+        Verdict::Unexplained => "The effects that come nearest; none of them explains the misfit.",
         _ => "Effects that would explain the misfit, most probable first; green: would be adopted.",
     };
     let more = match more {
