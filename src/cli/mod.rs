@@ -12,6 +12,7 @@ mod execute;
 mod explain;
 mod history;
 mod init;
+mod lab;
 mod options;
 mod output;
 mod plan;
@@ -125,6 +126,8 @@ enum Verb {
     Data(data::Data),
     /// Show the catalogue of physical effects, or one of them at length
     Effects(effects::Effects),
+    /// Hide an effect in a model and see whether its test would find it
+    Lab(lab::LabVerb),
     /// Print the JSON Schema of a file format
     Schema(schema::Schema),
     /// Explain a diagnostic at length
@@ -152,6 +155,7 @@ impl Verb {
             Self::Verify(verb) => verb.execute(),
             Self::Data(verb) => verb.execute(),
             Self::Effects(verb) => verb.execute(context),
+            Self::Lab(verb) => verb.execute(context),
             Self::Schema(verb) => verb.execute(),
             Self::Explain(verb) => verb.execute(),
             Self::Init(verb) => verb.execute(),

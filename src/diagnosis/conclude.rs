@@ -10,14 +10,12 @@ use super::output::{
 };
 use super::refit::Begin;
 use super::separate;
-use super::weigh::{Weights, best, rivals, weigh};
+use super::weigh::{SURE, Weights, best, groups, held, weigh};
 use super::words;
 use super::{Problem, Refit};
 use crate::inference::measurement::Rows;
 use crate::math::special::chi_square_sf;
 
-/// Probability above which one set is said to be it.
-const SURE: f64 = 0.91;
 /// Sets and effects that are written out.
 const MOST_WRITTEN: usize = 60;
 /// Probability of a set below which the held-out rows are not asked.
@@ -232,30 +230,14 @@ impl Findings<'_> {
     /// Selects the most probable set, its rivals and its groups.
     fn select(&mut self) {
         self.selected = best(&self.weights).unwrap_or(0);
-        if self.selected == 0 {
-            return;
-        }
-        self.rivals = rivals(&self.state.refits, &self.weights, self.selected);
-        let own = self.state.refits[self.selected].effects.clone();
-        self.groups = own.iter().map(|&effect| vec![effect]).collect();
-        for &rival in &self.rivals[1..] {
-            let other = &self.state.refits[rival].effects;
-            let absent: Vec<usize> = own.iter().copied().filter(|effect| !other.contains(effect)).collect();
-            let new = other.iter().copied().filter(|effect| !own.contains(effect));
-            for (position, effect) in new.enumerate() {
-                // In the place of the member that it stands for; the last where there are more than members.
-                let Some(&member) = absent.get(position).or(absent.last()) else { continue };
-                let group = own.iter().position(|&known| known == member).unwrap_or(0);
-                if !self.groups.iter().any(|group| group.contains(&effect)) {
-                    self.groups[group].push(effect);
-                }
-            }
+        if self.selected != 0 {
+            (self.groups, self.rivals) = groups(&self.state.refits, &self.weights, self.selected);
         }
     }
 
     fn judge(&self) -> Verdict {
-        let alone = self.groups.iter().all(|group| group.len() == 1) && self.rivals.len() == 1;
-        let sure = self.groups.iter().all(|group| group.iter().map(|&e| self.probability(e)).sum::<f64>() >= SURE);
+        let alone = self.rivals.len() == 1;
+        let sure = held(&self.state.refits, &self.weights, &self.groups) >= SURE;
         if alone && sure { Verdict::Identified } else { Verdict::Ambiguous }
     }
 }

@@ -167,9 +167,14 @@ impl Diagnosis {
     pub fn screen(&self) -> Result<State, String> {
         let begin = Begin { starts: Vec::new(), from_prior: STARTS, scale: 1.0 };
         let declared = self.problem.refit(&[], &begin, &self.key)?;
-        let noise = self.settle_noise(&declared)?;
+        let noise = self.settle_noise(&self.problem, &declared, true)?;
+        self.screen_with(&declared, noise)
+    }
+
+    /// Fits the believed model, from another fit of it, with settled noise, and screens all effects and pairs.
+    fn screen_with(&self, fitted: &Refit, noise: Vec<SettledSensor>) -> Result<State, String> {
         let problem = self.settled(&noise);
-        let mut believed = declared;
+        let mut believed = fitted.clone();
         if !noise.is_empty() {
             let begin = Begin { starts: vec![believed.by_name()], from_prior: 2, scale: 1.0 };
             believed = problem.refit(&[], &begin, &self.key)?;
@@ -220,10 +225,53 @@ impl Diagnosis {
         problem.refit(&order.effects, &begin, &self.key).map_err(|why| format!("{}: {why}", names.join(" + ")))
     }
 
+    fn is_unknown_function(&self, effect: usize) -> bool {
+        let effect = self.problem.catalogue.get(&self.problem.candidates[effect].effect);
+        effect.is_some_and(|effect| effect.form.adds.value.curve.is_some())
+    }
+
+    /// Settles the noise anew beside the best fitted effect or pair; before, it was settled beside a linearised one. Where it
+    /// changes, everything is screened and fitted again. `None` where it stays.
+    fn settle_again(&self, state: &State) -> Result<Option<State>, String> {
+        let weights = weigh(&self.problem, &state.refits, None);
+        // An unknown function, or a third effect, could take noise for physics.
+        let plain = |place: &usize| {
+            let effects = &state.refits[*place].effects;
+            (1..=2).contains(&effects.len()) && effects.iter().all(|&effect| !self.is_unknown_function(effect))
+        };
+        let better = |a: usize, b: usize| if weights.sets[b] > weights.sets[a] { b } else { a };
+        let best = (0..state.refits.len()).filter(plain).reduce(better);
+        let (false, Some(best)) = (state.noise.is_empty(), best) else { return Ok(None) };
+        let best = &state.refits[best];
+        let with = self.problem.with(&best.effects).map_err(|error| error.to_string())?;
+        let noise = self.settle_noise(&with, best, false)?;
+        let changed = noise.iter().zip(&state.noise).any(|(new, old)| new.noise.differs(&old.noise));
+        if !changed {
+            return Ok(None);
+        }
+        let mut next = self.screen_with(&state.refits[0], noise)?;
+        next.rounds = state.rounds;
+        next.warnings.clone_from(&state.warnings);
+        for refit in &state.refits[1..] {
+            let order = Order { effects: refit.effects.clone(), starts: vec![refit.by_name()], from: 0 };
+            if !next.is_known(&order.effects) {
+                next.pending.push(order);
+            }
+        }
+        Ok(Some(next))
+    }
+
     /// Tests what the best set leaves, and orders the sets that go on from it.
     pub fn extend(&self, mut state: State) -> State {
         state.pending.clear();
         state.rounds += 1;
+        if state.rounds == 1 {
+            match self.settle_again(&state) {
+                Ok(Some(next)) => return next,
+                Ok(None) => {}
+                Err(why) => state.warn(why),
+            }
+        }
         let weights = weigh(&self.problem, &state.refits, None);
         let Some(place) = best(&weights) else { return state };
         let set = state.refits[place].effects.clone();

@@ -3,7 +3,8 @@
 //!
 //! With `H` the whitened effect of these sources, columns scaled to norm 1, and amplitudes `q ~ N(0, s^2)`, the residuals
 //! freed of the parameters are normal with covariance `I + s^2 H H'`; so evidence and heat are known in closed form
-//! (Rasmussen & Williams 2006, section 2.7). The evidence is averaged over four sizes s.
+//! (Rasmussen & Williams 2006, section 2.7). Nodes and sensors are added one by one, each with the best of four sizes s,
+//! while the evidence rises by more than the logarithm of the number of choices.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -18,12 +19,13 @@ use crate::inference::measurement::{Measurement, Rows};
 use crate::inference::target::{LeastSquares, Target};
 use crate::math::functions::ln;
 use crate::math::special::student_t_cdf;
-use crate::math::sum::log_sum_exp;
 use crate::random::Distribution;
 use crate::thermal::element::{Element, ElementKind, Load};
 use crate::thermal::{Model, NodeKind, Parameter};
 
-/// Sizes s that are averaged over, in standard deviations of the noise.
+/// Most nodes and sensors.
+const MOST_KINDS: usize = 4;
+/// Sizes s that are tried, in standard deviations of the noise.
 const SIZES: [f64; 4] = [1.0, 4.0, 16.0, 64.0];
 /// Stretches of time of a transient.
 const STRETCHES: usize = 16;
@@ -45,9 +47,67 @@ pub(super) struct MissingHeat {
     pub goes_with: Vec<GoesWith>,
 }
 
+/// What sources are of one kind: their sizes are alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Heat of a node.
+    Node(usize),
+    /// The bias of a sensor, by measurement and sensor.
+    Sensor(usize, usize),
+}
+
+/// Kinds that the residuals need, with their sizes.
+struct Needed {
+    sizes: Vec<(Kind, f64)>,
+    /// Log evidence above that without sources, less the price of the choice.
+    gain: f64,
+}
+
+/// Adds the kind that raises the evidence most, while it pays for its choice among all kinds and sizes.
+fn needed(evidence: &Evidence<'_>, sources: &[Source], columns: &[Vec<f64>]) -> Option<Needed> {
+    let without = evidence.log_evidence(&[])?;
+    let mut kinds: Vec<Kind> = Vec::new();
+    for source in sources {
+        if !kinds.contains(&source.kind) {
+            kinds.push(source.kind);
+        }
+    }
+    let price = ln((kinds.len() * SIZES.len()) as f64);
+    let mut needed = Needed { sizes: Vec::new(), gain: 0.0 };
+    while needed.sizes.len() < MOST_KINDS {
+        let mut best: Option<(f64, Kind, f64)> = None;
+        for &kind in kinds.iter().filter(|kind| !needed.sizes.iter().any(|(known, _)| known == *kind)) {
+            for size in SIZES {
+                let with: Vec<(Kind, f64)> = needed.sizes.iter().copied().chain([(kind, size)]).collect();
+                let added: Vec<Amplitude<'_>> = sources
+                    .iter()
+                    .zip(columns)
+                    .filter_map(|(source, column)| {
+                        let (_, sd) = with.iter().find(|(own, _)| *own == source.kind)?;
+                        Some(Amplitude { values: column, sd: *sd, lower: f64::NEG_INFINITY, upper: f64::INFINITY })
+                    })
+                    .collect();
+                let Some(value) = evidence.log_evidence(&added) else { continue };
+                let gain = value - without - with.len() as f64 * price;
+                if best.is_none_or(|(known, _, _)| gain > known) {
+                    best = Some((gain, kind, size));
+                }
+            }
+        }
+        match best {
+            Some((gain, kind, size)) if gain > needed.gain => {
+                needed.sizes.push((kind, size));
+                needed.gain = gain;
+            }
+            _ => break,
+        }
+    }
+    Some(needed)
+}
+
 /// A source and where it acts.
 struct Source {
-    node: Option<usize>,
+    kind: Kind,
     phase: Option<String>,
     time_s: Option<f64>,
     /// Inputs there, SI.
@@ -91,34 +151,26 @@ pub(super) fn missing_heat(problem: &Problem, believed: &Refit) -> Option<Missin
         whole.push(source.column.clone());
         project_out(&mut source.column, &basis);
     }
-    let count = sources.len();
-    let evidence = Evidence::new(&linear);
-    let without = evidence.log_evidence(&[])?;
-    let mut gains = Vec::new();
-    let mut found: Option<(f64, f64)> = None;
-    for size in SIZES {
-        let all: Vec<Amplitude<'_>> = whole
-            .iter()
-            .map(|column| Amplitude { values: column, sd: size, lower: f64::NEG_INFINITY, upper: f64::INFINITY })
-            .collect();
-        let gain = evidence.log_evidence(&all)? - without;
-        gains.push(gain);
-        if found.is_none_or(|(best, _)| gain > best) {
-            found = Some((gain, size));
-        }
-    }
-    let (_, size) = found?;
-    let mut matrix = DMatrix::from_fn(count, count, |a, b| dot(&sources[a].column, &sources[b].column));
+    let chosen = needed(&Evidence::new(&linear), &sources, &whole)?;
+    let places: Vec<(usize, f64)> = (0..sources.len())
+        .filter_map(|place| {
+            chosen.sizes.iter().find(|(kind, _)| *kind == sources[place].kind).map(|(_, size)| (place, *size))
+        })
+        .collect();
+    let count = places.len();
+    let column = |a: usize| sources[places[a].0].column.as_slice();
+    let mut matrix = DMatrix::from_fn(count, count, |a, b| dot(column(a), column(b)));
     for a in 0..count {
-        matrix[(a, a)] += 1.0 / (size * size);
+        matrix[(a, a)] += 1.0 / (places[a].1 * places[a].1);
     }
-    let right = DVector::from_fn(count, |a, _| dot(&sources[a].column, &residual));
+    let right = DVector::from_fn(count, |a, _| dot(column(a), &residual));
     let factor = matrix.cholesky()?;
     let (mean, covariance) = (factor.solve(&right), factor.inverse());
-    let log_evidence = believed.log_evidence + log_sum_exp(&gains) - ln(SIZES.len() as f64);
+    let log_evidence = believed.log_evidence + chosen.gain;
     let mut heat = Vec::new();
-    for (position, source) in sources.iter().enumerate() {
-        let Some(node) = source.node else { continue };
+    for (position, &(place, _)) in places.iter().enumerate() {
+        let source = &sources[place];
+        let Kind::Node(node) = source.kind else { continue };
         heat.push(Heat {
             node: problem.model.nodes[node].name.clone(),
             phase: source.phase.clone(),
@@ -127,7 +179,9 @@ pub(super) fn missing_heat(problem: &Problem, believed: &Refit) -> Option<Missin
             sd: covariance[(position, position)].max(0.0).sqrt() / source.norm,
         });
     }
-    let goes_with = relations(problem, &sources, &mean);
+    let watts: Vec<(&Source, f64)> =
+        places.iter().zip(mean.iter()).map(|(&(place, _), q)| (&sources[place], q / sources[place].norm)).collect();
+    let goes_with = relations(problem, &watts);
     Some(MissingHeat { log_evidence, heat, goes_with })
 }
 
@@ -194,7 +248,7 @@ fn heat_columns(
                         }
                         if any {
                             sources.push(Source::new(
-                                Some(node),
+                                Kind::Node(node),
                                 Some(phase.name.clone()),
                                 None,
                                 phase.inputs.clone(),
@@ -209,7 +263,7 @@ fn heat_columns(
                     let (middle, _) = stretches[stretch];
                     let row = inputs.times_s.partition_point(|&time| time < middle).min(inputs.times_s.len() - 1);
                     let values = (0..inputs.base.len()).map(|input| inputs.in_row(row, input)).collect();
-                    sources.push(Source::new(Some(node), None, Some(middle), values, column));
+                    sources.push(Source::new(Kind::Node(node), None, Some(middle), values, column));
                 }
             }
         }
@@ -218,15 +272,9 @@ fn heat_columns(
 }
 
 impl Source {
-    fn new(
-        node: Option<usize>,
-        phase: Option<String>,
-        time_s: Option<f64>,
-        inputs: Vec<f64>,
-        column: Vec<f64>,
-    ) -> Self {
+    fn new(kind: Kind, phase: Option<String>, time_s: Option<f64>, inputs: Vec<f64>, column: Vec<f64>) -> Self {
         let norm = dot(&column, &column).sqrt();
-        Self { node, phase, time_s, inputs, column, norm }
+        Self { kind, phase, time_s, inputs, column, norm }
     }
 }
 
@@ -273,24 +321,24 @@ fn bias_columns(problem: &Problem, likelihood: &Likelihood, rows: usize, sources
                     column[position] = 1.0;
                 }
             }
-            sources.push(Source::new(None, None, None, Vec::new(), column));
+            sources.push(Source::new(Kind::Sensor(index, sensor), None, None, Vec::new(), column));
         }
     }
 }
 
 /// Inputs that a node's missing heat goes with, by linear regression over its phases or stretches.
-fn relations(problem: &Problem, sources: &[Source], mean: &DVector<f64>) -> Vec<GoesWith> {
+fn relations(problem: &Problem, watts: &[(&Source, f64)]) -> Vec<GoesWith> {
     let nodes: Vec<usize> = (0..problem.model.nodes.len()).collect();
     let tests = (nodes.len() * problem.model.inputs.len()).max(1) as f64;
     let mut found = Vec::new();
     for node in nodes {
-        let own: Vec<usize> = (0..sources.len()).filter(|&s| sources[s].node == Some(node)).collect();
-        let heat: Vec<f64> = own.iter().map(|&s| mean[s] / sources[s].norm).collect();
+        let own: Vec<&(&Source, f64)> = watts.iter().filter(|(source, _)| source.kind == Kind::Node(node)).collect();
+        let heat: Vec<f64> = own.iter().map(|(_, watts)| *watts).collect();
         if own.len() < 4 {
             continue;
         }
         for (input, entry) in problem.model.inputs.iter().enumerate() {
-            let x: Vec<f64> = own.iter().filter_map(|&s| sources[s].inputs.get(input).copied()).collect();
+            let x: Vec<f64> = own.iter().filter_map(|(source, _)| source.inputs.get(input).copied()).collect();
             if x.len() != heat.len() {
                 continue;
             }

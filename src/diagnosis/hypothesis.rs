@@ -156,7 +156,7 @@ impl Hypothesis {
 
 impl Measurement {
     /// Gives a node that was added a start temperature: that of its host.
-    fn begin_like(&mut self, node: usize, host: usize) {
+    pub(super) fn begin_like(&mut self, node: usize, host: usize) {
         if let crate::inference::measurement::Rows::Transient {
             initial: Initial::Temperatures { values, shared }, ..
         } = &mut self.rows

@@ -19,6 +19,7 @@ mod fixture;
 mod heat;
 mod held_out;
 pub mod hypothesis;
+pub mod laboratory;
 pub mod linear;
 mod noise;
 pub mod null_maximum;

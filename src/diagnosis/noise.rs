@@ -49,6 +49,15 @@ impl SettledNoise {
         if white == 0.0 { self.sigma } else { (self.sigma * self.sigma + white * white).sqrt() }
     }
 
+    /// Whether another noise is another by more than a tenth.
+    pub fn differs(&self, other: &Self) -> bool {
+        let apart = |a: f64, b: f64| (a - b).abs() > 0.1 * a.abs().max(b.abs());
+        let time = |one: &Self| one.correlation_time_s.unwrap_or(0.0);
+        apart(self.sigma, other.sigma)
+            || apart(time(self), time(other))
+            || apart(self.white.unwrap_or(0.0), other.white.unwrap_or(0.0))
+    }
+
     fn noise(&self) -> Noise {
         Noise {
             sigma: Value::Known(self.sigma),

@@ -17,7 +17,9 @@ use crate::inference::measurement::{Rows, Uncertain};
 /// Effects that are kept.
 const MOST_LEADS: usize = 80;
 /// Pairs that are kept.
-const MOST_PAIRS: usize = 120;
+const MOST_PAIRS: usize = 300;
+/// Pairs of one effect that are kept.
+const MOST_PARTNERS: usize = 12;
 /// Single-column directions among which pairs are sought.
 const MOST_IN_PAIRS: usize = 1500;
 /// Draws of the family-wise probability.
@@ -161,7 +163,14 @@ impl Diagnosis {
         };
         let singles = scored.directions.iter().filter(|direction| direction.amplitudes() == 1).count() as u64;
         screening.pairs_screened = singles * singles.saturating_sub(1) / 2;
+        let mut taken: BTreeMap<usize, usize> = BTreeMap::new();
         for ([a, b], amplitudes, fall) in scored.pairs(MOST_PAIRS) {
+            // One effect that stands out would fill the list with whatever goes beside it.
+            let ends = [a, b].map(|d| scored.directions[d].candidate);
+            if ends.iter().any(|candidate| taken.get(candidate).copied().unwrap_or(0) >= MOST_PARTNERS) {
+                continue;
+            }
+            ends.iter().for_each(|candidate| *taken.entry(*candidate).or_default() += 1);
             let lead = |d: usize, amplitude: f64| Lead {
                 candidate: scored.directions[d].candidate,
                 fall,
@@ -266,9 +275,15 @@ impl Diagnosis {
         rows.min().map(|rows| (rows.saturating_sub(parameters).max(3)) as f64)
     }
 
-    /// Noise of the sensors whose noise is not wholly known, from a fit with the noise as it was declared.
-    pub(super) fn settle_noise(&self, declared: &Refit) -> Result<Vec<SettledSensor>, String> {
-        let mut bare = self.problem().clone();
+    /// Noise of the sensors whose noise is not wholly known, from a fit of the problem; beside the pair of effects that
+    /// explains most, or of the fit alone.
+    pub(super) fn settle_noise(
+        &self,
+        problem: &Problem,
+        declared: &Refit,
+        beside_pair: bool,
+    ) -> Result<Vec<SettledSensor>, String> {
+        let mut bare = problem.clone();
         let mut open = Vec::new();
         for (measurement, entry) in bare.measurements.iter_mut().enumerate() {
             for sensor in 0..entry.sensors.len() {
@@ -286,7 +301,11 @@ impl Diagnosis {
         let unknowns: Vec<f64> =
             likelihood.unknowns().names.iter().map(|name| known.get(name).copied().unwrap_or_default()).collect();
         let linear = signature::linearise(&likelihood, &unknowns).map_err(|e| e.to_string())?;
-        let (directions, _) = signature::directions(&bare, &likelihood, &unknowns).map_err(|e| e.to_string())?;
+        let directions = if beside_pair {
+            signature::directions(&bare, &likelihood, &unknowns).map_err(|e| e.to_string())?.0
+        } else {
+            Vec::new()
+        };
         let series: Vec<noise::SensorRows> =
             open.iter().map(|&(measurement, sensor)| sensor_rows(&bare, &likelihood, measurement, sensor)).collect();
         // To begin with, white: as stated, or as large as the residuals.

@@ -13,7 +13,14 @@ use crate::math::sum::log_sum_exp;
 /// Probability beforehand that a kind of effect is missing.
 const MISSING: f64 = 0.05;
 /// Sets within this factor of the best are rivals.
-pub const RIVALS_WITHIN: f64 = 10.0;
+const RIVALS_WITHIN: f64 = 10.0;
+/// Most rivals that are taken to hold enough probability.
+const MOST_RIVALS: usize = 5;
+
+/// Log odds by which an unknown function stands behind an effect that has a name.
+const UNKNOWN_FUNCTION: f64 = 3.0;
+/// Probability that a group and its rivals hold together.
+pub const SURE: f64 = 0.91;
 
 /// Log prior odds, against "nothing", of one instance of each kind of effect.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,8 +33,12 @@ impl Odds {
         for candidate in &problem.candidates {
             *counts.entry(candidate.effect.clone()).or_default() += 1;
         }
-        let odds = |count: usize| ln(MISSING / (1.0 - MISSING)) - ln(count.max(1) as f64);
-        Self(counts.into_iter().map(|(effect, count)| (effect, odds(count))).collect())
+        let odds = |effect: &str, count: usize| {
+            let unknown = problem.catalogue.get(effect).is_some_and(|effect| effect.form.adds.value.curve.is_some());
+            let behind = if unknown { UNKNOWN_FUNCTION } else { 0.0 };
+            ln(MISSING / (1.0 - MISSING)) - ln(count.max(1) as f64) - behind
+        };
+        Self(counts.into_iter().map(|(effect, count)| (effect.clone(), odds(&effect, count))).collect())
     }
 
     /// Of a set of candidates.
@@ -71,15 +82,44 @@ pub fn best(weights: &Weights) -> Option<usize> {
     (0..weights.sets.len()).fold(None, better)
 }
 
-/// Sets that stand beside one as rivals, itself first: not larger, and within a factor of 10 of its probability.
-pub fn rivals(refits: &[Refit], weights: &Weights, of: usize) -> Vec<usize> {
-    let own = &refits[of];
+/// The groups of a set's members, each member first in its own, and the sets that are its rivals, itself first.
+///
+/// A rival is not larger. Rivals are taken in the order of their probability: those within a factor of 10 of the set, and
+/// others while the groups together do not hold [`SURE`]. A rival's effects that the set does not have go into the
+/// groups of the members that the rival lacks.
+pub fn groups(refits: &[Refit], weights: &Weights, of: usize) -> (Vec<Vec<usize>>, Vec<usize>) {
+    let own = &refits[of].effects;
+    let mut groups: Vec<Vec<usize>> = own.iter().map(|&effect| vec![effect]).collect();
     let mut rivals = vec![of];
-    rivals.extend((0..refits.len()).filter(|&other| {
+    let is_rival = |other: &usize| {
+        let effects = &refits[*other].effects;
+        *other != of && !effects.is_empty() && effects.len() <= own.len() && weights.sets[*other] > 0.0
+    };
+    let mut others: Vec<usize> = (0..refits.len()).filter(is_rival).collect();
+    others.sort_by(|&a, &b| weights.sets[b].total_cmp(&weights.sets[a]).then(a.cmp(&b)));
+    for other in others {
         let near = weights.sets[other] * RIVALS_WITHIN >= weights.sets[of];
-        let simple = !refits[other].effects.is_empty() && refits[other].effects.len() <= own.effects.len();
-        other != of && near && simple
-    }));
-    rivals[1..].sort_by(|&a, &b| weights.sets[b].total_cmp(&weights.sets[a]).then(a.cmp(&b)));
-    rivals
+        let unsure = held(refits, weights, &groups) < SURE && rivals.len() < MOST_RIVALS;
+        if !near && !unsure {
+            break;
+        }
+        let effects = &refits[other].effects;
+        let absent: Vec<usize> = own.iter().copied().filter(|effect| !effects.contains(effect)).collect();
+        for (position, &effect) in effects.iter().filter(|effect| !own.contains(effect)).enumerate() {
+            // The last where there are more than members.
+            let Some(&member) = absent.get(position).or(absent.last()) else { continue };
+            let group = own.iter().position(|&known| known == member).unwrap_or(0);
+            if !groups.iter().any(|group| group.contains(&effect)) {
+                groups[group].push(effect);
+            }
+        }
+        rivals.push(other);
+    }
+    (groups, rivals)
+}
+
+/// Probability of the sets that have an effect of every group.
+pub fn held(refits: &[Refit], weights: &Weights, groups: &[Vec<usize>]) -> f64 {
+    let hits = |refit: &Refit| groups.iter().all(|group| group.iter().any(|effect| refit.effects.contains(effect)));
+    refits.iter().zip(&weights.sets).filter(|(refit, _)| hits(refit)).map(|(_, weight)| weight).sum()
 }

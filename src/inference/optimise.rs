@@ -119,7 +119,8 @@ pub fn minimise<O: Objective>(
             growth *= 2.0;
             continue;
         };
-        let trial: Vec<f64> = x.iter().zip(&step).map(|(x, s)| x + s).collect();
+        // Rounding must not take a step to a bound beyond it.
+        let trial: Vec<f64> = (0..n).map(|i| (x[i] + step[i]).max(bounds.lower[i]).min(bounds.upper[i])).collect();
         let negligible = x.iter().zip(&step).all(|(x, s)| s.abs() <= 1e-14 * x.abs());
         let value = objective
             .value(&trial, &mut trial_residuals)

@@ -6,6 +6,7 @@ pub mod compare;
 pub mod conventional;
 pub mod diagnose;
 pub mod findings;
+pub mod lab;
 pub mod propagate;
 pub mod requirement;
 

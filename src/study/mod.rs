@@ -11,6 +11,7 @@ pub mod model;
 pub mod next_pass;
 pub mod pass;
 pub mod pinned;
+pub mod problem;
 pub mod profile;
 pub mod ready;
 pub mod resolve;
@@ -22,6 +23,7 @@ pub mod window;
 
 pub use discover::{Found, discover};
 pub use folder::Folder;
+pub use problem::problem;
 pub use ready::ready;
 pub use resolve::{effects, load};
 pub use resolved::{AdoptedEffect, JobSpec, NamedJob, ParameterChange, Pass};

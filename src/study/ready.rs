@@ -153,7 +153,7 @@ fn comparison(
 }
 
 /// Own errors of the inputs; a prior from draws was refused when the pass was read.
-fn input_errors(pass: &Pass) -> Vec<InputError> {
+pub(super) fn input_errors(pass: &Pass) -> Vec<InputError> {
     let bias = |prior: &Option<Prior>| match prior {
         Some(Prior::Distribution(distribution)) => Some(*distribution),
         _ => None,

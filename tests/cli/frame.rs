@@ -36,7 +36,7 @@ fn help_names_every_verb_and_the_exit_statuses() {
     let help = text(&output.stdout);
     for verb in [
         "run", "report", "compare", "adopt", "history", "show", "plan", "cache", "verify", "data", "schema", "explain",
-        "init", "diff", "check",
+        "init", "lab", "diff", "check",
     ] {
         assert!(help.contains(&format!("\n  {verb} ")), "{verb}: {help}");
         assert_eq!(code(&run(&[verb, "--help"])), 0, "{verb}");

@@ -4,5 +4,6 @@ mod calibrate;
 mod calibration;
 mod estimators;
 mod evidence;
+mod laboratory;
 pub mod models;
 pub mod samplers;

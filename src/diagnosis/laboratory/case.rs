@@ -1,0 +1,139 @@
+//! Cases of the laboratory: a believed model, a test of a truth that differs from it, and the truth.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::campaign::{TestKind, measurement};
+use super::draw::{Draw, decimals};
+use super::folder;
+use super::hide::{HideError, Wish, hide};
+use super::noise::noise;
+use super::rivals;
+use super::sketch::Sketch;
+use super::topology::{Topology, network};
+use super::truth::Truth;
+use crate::diagnosis::Problem;
+use crate::document::hash::sha256_hex;
+use crate::effect::{Catalogue, SensorPlace, candidates};
+use crate::inference::measurement::{Measurement, Rows};
+use crate::random::StreamKey;
+
+/// What a case of a drawn network is to be.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Recipe {
+    /// Kind of network; drawn if `None`.
+    pub topology: Option<Topology>,
+    /// Kind of test; drawn if `None`.
+    pub test: Option<TestKind>,
+    /// What is to be hidden.
+    pub wish: Wish,
+    /// Whether rivals of the truth are looked for.
+    pub rivals: bool,
+}
+
+/// A case with a network of its own.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// Kind of network.
+    pub topology: Topology,
+    /// Kind of test.
+    pub test: TestKind,
+    /// The believed network.
+    pub sketch: Sketch,
+    /// The believed model with the test's readings.
+    pub problem: Problem,
+    /// What is true.
+    pub truth: Truth,
+}
+
+/// Decimals of the readings, K: far below any noise.
+const DECIMALS: usize = 4;
+/// Networks tried before giving up.
+const TRIES: u64 = 20;
+
+/// The case of a recipe, a seed and a number: the same for the same three.
+///
+/// # Errors
+/// The last [`HideError`] where no drawn network takes what is asked for.
+pub fn case(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, number: u64) -> Result<Case, HideError> {
+    let mut last = HideError::NoPlace;
+    for attempt in 0..TRIES {
+        let stream = number * TRIES + attempt;
+        match attempted(catalogue, recipe, seed, stream) {
+            Ok(case) => return Ok(case),
+            Err(error) => last = error,
+        }
+    }
+    Err(last)
+}
+
+fn attempted(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, stream: u64) -> Result<Case, HideError> {
+    let mut draw = Draw::new(seed, "network", stream);
+    let drawn = Topology::ALL[draw.position(Topology::ALL.len())];
+    let topology = recipe.topology.unwrap_or(drawn);
+    let tests: &[TestKind] = match topology {
+        Topology::Satellite => &[TestKind::Orbit, TestKind::Orbit, TestKind::Flight, TestKind::Steady],
+        _ => {
+            &[TestKind::Steady, TestKind::Steps, TestKind::Steady, TestKind::Steps, TestKind::Steady, TestKind::Flight]
+        }
+    };
+    let drawn = tests[draw.position(tests.len())];
+    let test = recipe.test.unwrap_or(drawn);
+    let sketch = network(topology, &mut draw);
+    let mut problem = believed(catalogue, &sketch, test, &mut Draw::new(seed, "test", stream))?;
+    let mut hidden = hide(&problem, &recipe.wish, &mut Draw::new(seed, "truth", stream))?;
+    if recipe.rivals {
+        hidden.truth.rivals = Some(rivals::rivals(&problem, &hidden)?);
+    }
+    let key = StreamKey::new(seed, "laboratory", "noise");
+    read(&mut problem.measurements, &hidden.clean, &hidden.truth, &key, stream);
+    for measurement in &mut problem.measurements {
+        for reading in measurement.readings.iter_mut().flatten() {
+            *reading = decimals(*reading, DECIMALS);
+        }
+        measurement.sha256 = sha256_hex(folder::table(&problem.model.inputs, measurement).as_bytes());
+    }
+    Ok(Case { topology, test, sketch, problem, truth: hidden.truth })
+}
+
+/// Fills in readings with noise, where there are any: case `number` has the streams from `1e6 number` on.
+pub fn read(measurements: &mut [Measurement], clean: &[Vec<f64>], truth: &Truth, key: &StreamKey, number: u64) {
+    for (position, (measurement, clean)) in measurements.iter_mut().zip(clean).enumerate() {
+        let noise = noise(measurement, number * 1000 + position as u64, truth.noise, key);
+        for (reading, (clean, noise)) in measurement.readings.iter_mut().zip(clean.iter().zip(&noise)) {
+            *reading = reading.map(|_| clean + noise);
+        }
+    }
+}
+
+/// The believed model of a sketch with a test without readings, and all candidates.
+fn believed(
+    catalogue: &Arc<Catalogue>,
+    sketch: &Sketch,
+    test: TestKind,
+    draw: &mut Draw,
+) -> Result<Problem, HideError> {
+    let mut model = sketch.model().map_err(|error| HideError::Fit(error.message))?;
+    let measurement = measurement(test, sketch, &mut model, draw);
+    let transient = matches!(measurement.rows, Rows::Transient { .. });
+    let sensors: Vec<SensorPlace> = (measurement.sensors.iter())
+        .map(|sensor| SensorPlace {
+            name: sensor.name.clone(),
+            quantity: sensor.quantity,
+            steady: !transient,
+            transient,
+        })
+        .collect();
+    let candidates = candidates(&model, &[], &sensors, catalogue);
+    let priors = sketch.priors();
+    Ok(Problem {
+        parameters: (0..priors.len()).filter(|&index| !priors[index].is_fixed()).collect(),
+        priors,
+        model: Arc::new(model),
+        measurements: vec![measurement],
+        input_errors: Vec::new(),
+        catalogue: Arc::clone(catalogue),
+        candidates,
+    })
+}

@@ -1,0 +1,343 @@
+//! Hiding physics in a model: a truth is drawn, sized so that it leaves what was asked for when the believed model is
+//! refitted, and simulated.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::choice::{Chosen, OutsideDraw, draw_effect, draw_outside, draw_split};
+use super::draw::{Draw, short};
+use super::refit::{self, Refit};
+use super::truth::{NoiseTruth, Truth};
+use super::world::World;
+use crate::diagnosis::{HypothesisError, Problem};
+use crate::inference::measurement::{Rows, Uncertain};
+use crate::math::functions::{exp, ln};
+
+/// Why nothing was hidden.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum HideError {
+    /// Effects that do not go together, or a problem without a likelihood.
+    #[error(transparent)]
+    Hypothesis(HypothesisError),
+    /// No place for what was asked.
+    #[error("there is no place for it in this model and test")]
+    NoPlace,
+    /// A truth without a solution, or at temperatures that nobody tests.
+    #[error("the model has no plausible solution with it")]
+    Implausible,
+    /// A size that no amplitude within reach gives.
+    #[error("no amplitude up to three times its plausible scale leaves {size} standard deviations")]
+    OutOfReach {
+        /// The size asked for.
+        size: f64,
+    },
+    /// A fit that fails.
+    #[error("the refit of the believed model failed: {0}")]
+    Fit(String),
+}
+
+/// What is to be hidden.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Wish {
+    /// Number of effects of the catalogue.
+    pub effects: usize,
+    /// Name of an effect, or id of a candidate: the first effect is one of these.
+    pub only: Option<String>,
+    /// Size to be left by the refit, in standard deviations; amplitudes are drawn from their priors without it.
+    pub size: Option<f64>,
+    /// Amplitude of the first effect, SI, instead of a size.
+    pub amplitude: Option<f64>,
+    /// Physics that the catalogue lacks, instead of effects.
+    pub outside: bool,
+    /// Size of what a node that is two in truth leaves, beside all else.
+    pub split: Option<f64>,
+    /// Whether noise is correlated in transients that do not say so; drawn with even odds if `None`.
+    pub correlated: Option<bool>,
+}
+
+impl Default for Wish {
+    fn default() -> Self {
+        Self { effects: 1, only: None, size: Some(1.0), amplitude: None, outside: false, split: None, correlated: None }
+    }
+}
+
+/// Something hidden, and the readings without noise.
+#[derive(Clone, Debug)]
+pub struct Hidden {
+    /// What is true; rivals not yet looked for.
+    pub truth: Truth,
+    /// Readings without noise: by measurement, `rows x sensors`, SI.
+    pub clean: Vec<Vec<f64>>,
+    /// The believed model refitted to them, its noise known.
+    pub refit: Refit,
+}
+
+/// A size is hit when it is this near, relatively.
+const NEAR: f64 = 0.005;
+/// Largest power outside the catalogue, W.
+const MOST_OUTSIDE_W: f64 = 5.0;
+/// Largest resistance within a node, K/W.
+const MOST_SPLIT_K_PER_W: f64 = 100.0;
+/// Rounds of the search for a size.
+const MOST_ROUNDS: usize = 24;
+/// Least share of the largest factor.
+const LEAST_SCALE: f64 = 1e-8;
+/// Places tried before giving up.
+const TRIES: usize = 40;
+/// What a permutation of channels must leave to be a case, in standard deviations.
+const LEAST_SWAP: f64 = 0.3;
+
+/// The problem with the noise known at its nominal values: what sizes are measured with.
+pub fn told(problem: &Problem) -> Problem {
+    let mut told = problem.clone();
+    for sensor in told.measurements.iter_mut().flat_map(|measurement| &mut measurement.sensors) {
+        for value in [&mut sensor.sigma, &mut sensor.white, &mut sensor.correlation_time_s].into_iter().flatten() {
+            *value = Uncertain::Known(value.nominal());
+        }
+    }
+    told
+}
+
+/// Draws a truth for a problem. The same draws come from the same `draw`.
+///
+/// # Errors
+/// [`HideError`], of the last try where several places were tried.
+pub fn hide(problem: &Problem, wish: &Wish, draw: &mut Draw) -> Result<Hidden, HideError> {
+    let problem = told(problem);
+    let mut last = HideError::NoPlace;
+    for _ in 0..TRIES {
+        match attempt(&problem, wish, draw) {
+            Ok(hidden) => return Ok(hidden),
+            Err(error) => last = error,
+        }
+    }
+    Err(last)
+}
+
+fn attempt(problem: &Problem, wish: &Wish, draw: &mut Draw) -> Result<Hidden, HideError> {
+    let own = own_parameters(problem, draw);
+    let noise = noise(problem, wish, draw);
+    let split = match wish.split {
+        Some(size) => Some((draw_split(problem, draw)?, size)),
+        None => None,
+    };
+    let outside = if wish.outside { Some(draw_outside(problem, draw)?) } else { None };
+    let mut chosen = Vec::new();
+    if outside.is_none() {
+        for number in 0..wish.effects {
+            let only = wish.only.as_deref().filter(|_| number == 0);
+            chosen.push(draw_effect(problem, only, &chosen, draw)?);
+        }
+    }
+    let scene = Scene { problem, own: &own, split: split.as_ref().map(|(split, _)| split), outside: outside.as_ref() };
+    let resistance = match &split {
+        Some((_, size)) => scene.solve(*size, MOST_SPLIT_K_PER_W, |split| Sizes { split, ..Sizes::default() }, &[])?.0,
+        None => 0.0,
+    };
+    let base = Sizes { split: resistance, ..Sizes::default() };
+    let mut alone = vec![0.0; chosen.len()];
+    if chosen.len() > 1
+        && let Some(size) = wish.size
+    {
+        for (effect, alone) in chosen.iter_mut().zip(&mut alone) {
+            if effect.has_amplitude() {
+                let one = std::slice::from_ref(effect);
+                let (scale, _) = scene.solve(size, effect.most(), |effects| Sizes { effects, ..base }, one)?;
+                effect.scale(scale);
+                *alone = size;
+            }
+        }
+    }
+    if let (Some(value), Some(effect)) = (wish.amplitude, chosen.first_mut()) {
+        effect.set(value);
+    }
+    let sized = outside.is_some() || chosen.iter().any(Chosen::has_amplitude);
+    let asked = wish.size.filter(|_| wish.amplitude.is_none() && sized);
+    let (scale, hidden) = match asked {
+        Some(size) => {
+            let most = chosen.iter().filter(|effect| effect.has_amplitude()).map(Chosen::most);
+            let most = if outside.is_some() { MOST_OUTSIDE_W } else { most.fold(f64::INFINITY, f64::min) };
+            let form = |scale: f64| match outside {
+                Some(_) => Sizes { outside: scale, ..base },
+                None => Sizes { effects: scale, ..base },
+            };
+            scene.solve(size, most, form, &chosen)?
+        }
+        None => {
+            let at = Sizes { effects: 1.0, outside: 1.0, ..base };
+            (1.0, scene.measure(at, &chosen, None)?)
+        }
+    };
+    let (clean, refit) = hidden;
+    if !chosen.is_empty() && !sized && wish.only.is_none() && refit.size() < LEAST_SWAP {
+        return Err(HideError::NoPlace);
+    }
+    let effects = chosen.iter_mut().zip(alone).map(|(effect, alone)| {
+        effect.scale(scale);
+        effect.told(problem, alone * scale)
+    });
+    let truth = Truth {
+        effects: effects.collect(),
+        outside: outside.map(|(outside, ..)| outside),
+        split: split.map(|((node, _), _)| problem.model.nodes[node].name.clone()),
+        parameters: (problem.model.parameters.iter().zip(&own))
+            .map(|(own, value)| (own.name.clone(), *value))
+            .collect(),
+        noise,
+        size: refit.size(),
+        asked,
+        rivals: None,
+    };
+    Ok(Hidden { truth, clean, refit })
+}
+
+/// Values of the believed model's parameters: chosen ones from their priors, others as they are.
+fn own_parameters(problem: &Problem, draw: &mut Draw) -> Vec<f64> {
+    (problem.model.parameters.iter().enumerate())
+        .map(|(index, parameter)| match problem.priors.get(index) {
+            // The same draws for each, so that one prior more does not move the others.
+            Some(prior) => {
+                let share = draw.share();
+                if problem.parameters.contains(&index) {
+                    prior.quantile(share)
+                } else {
+                    fixed(prior, parameter.nominal)
+                }
+            }
+            None => parameter.nominal,
+        })
+        .collect()
+}
+
+fn fixed(prior: &crate::random::Distribution, nominal: f64) -> f64 {
+    match prior {
+        crate::random::Distribution::Fixed(value) => *value,
+        _ => nominal,
+    }
+}
+
+/// The noise of a case: correlated over two to thirty rows of the fastest transient, if at all.
+fn noise(problem: &Problem, wish: &Wish, draw: &mut Draw) -> NoiseTruth {
+    let rows = draw.scale(2.0, 30.0);
+    let correlated = draw.happens(0.5);
+    let steps = problem.measurements.iter().filter_map(|measurement| match &measurement.rows {
+        Rows::Transient { inputs, .. } if inputs.times_s.len() > 1 => {
+            let last = inputs.times_s.len() - 1;
+            Some((inputs.times_s[last] - inputs.times_s[0]) / last as f64)
+        }
+        _ => None,
+    });
+    let step_s = steps.fold(f64::INFINITY, f64::min);
+    if step_s.is_finite() && wish.correlated.unwrap_or(correlated) {
+        NoiseTruth::Correlated { correlation_time_s: short(rows * step_s) }
+    } else {
+        NoiseTruth::AsTold
+    }
+}
+
+/// Factors of what is hidden.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sizes {
+    /// Of the effects' amplitudes.
+    effects: f64,
+    /// Of the power outside the catalogue, W.
+    outside: f64,
+    /// Resistance within the split node, K/W.
+    split: f64,
+}
+
+/// Readings without noise by measurement, and the refit to them.
+type Measured = (Vec<Vec<f64>>, Refit);
+
+/// What a truth is made of beside its sizes.
+struct Scene<'a> {
+    problem: &'a Problem,
+    own: &'a [f64],
+    split: Option<&'a (usize, Vec<bool>)>,
+    outside: Option<&'a OutsideDraw>,
+}
+
+impl Scene<'_> {
+    /// Readings without noise, and the believed model's refit to them: from the unknowns of a fit before where there is
+    /// one, else from the truth and the priors' medians.
+    fn measure(&self, sizes: Sizes, chosen: &[Chosen], before: Option<&[f64]>) -> Result<Measured, HideError> {
+        let effects: Vec<usize> = chosen.iter().map(|effect| effect.candidate).collect();
+        let values: Vec<f64> = chosen.iter().flat_map(|effect| effect.scaled(sizes.effects)).collect();
+        let mut world = World::new(self.problem, &effects, self.own, &values)?;
+        if let Some((outside, phase, switch)) = self.outside {
+            world.add_outside(outside, *phase, switch)?;
+        }
+        if let Some((node, moved)) = self.split {
+            world.split(*node, moved)?;
+        }
+        for (place, value) in [(world.outside, sizes.outside), (world.split, sizes.split)] {
+            if let Some(place) = place {
+                world.parameters[place] = value;
+            }
+        }
+        let clean = world.readings()?;
+        let likelihood = refit::likelihood(self.problem, &clean)?;
+        let names = self.problem.model.parameters.iter().zip(self.own);
+        let values: Vec<(String, f64)> = names.map(|(own, value)| (own.name.clone(), *value)).collect();
+        let refit = match before {
+            Some(before) => refit::fit(&likelihood, &[before.to_vec()])?,
+            None => refit::fit(&likelihood, &[refit::start(&likelihood, &values), refit::start(&likelihood, &[])])?,
+        };
+        Ok((clean, refit))
+    }
+
+    /// The factor at which the refit leaves a size: safeguarded false position in the logarithms, from the largest
+    /// factor down.
+    fn solve(
+        &self,
+        size: f64,
+        most: f64,
+        form: impl Fn(f64) -> Sizes,
+        chosen: &[Chosen],
+    ) -> Result<(f64, Measured), HideError> {
+        let out_of_reach = HideError::OutOfReach { size };
+        let (mut below, mut above): (Option<[f64; 2]>, Option<[f64; 2]>) = (None, None);
+        let mut scale = most;
+        let mut before: Option<Vec<f64>> = None;
+        for round in 0..MOST_ROUNDS {
+            match self.measure(form(scale), chosen, before.as_deref()) {
+                Ok((clean, refit)) => {
+                    let mut found = (clean, refit);
+                    if (found.1.size() / size - 1.0).abs() < NEAR && before.is_some() {
+                        // A fit from elsewhere may leave less.
+                        found = self.measure(form(scale), chosen, None)?;
+                    }
+                    let ratio = found.1.size() / size;
+                    if (ratio - 1.0).abs() < NEAR {
+                        return Ok((scale, found));
+                    }
+                    let point = Some([ln(scale), ln(ratio.max(1e-12))]);
+                    if ratio < 1.0 {
+                        below = point
+                    } else {
+                        above = point
+                    }
+                    before = Some(found.1.unknowns);
+                }
+                Err(HideError::Implausible | HideError::Fit(_)) => {
+                    above = Some([ln(scale), f64::INFINITY]);
+                    before = None;
+                }
+                Err(error) => return Err(error),
+            }
+            scale = match (below, above) {
+                (Some([x, _]), Some([y, _])) if (y - x).abs() < 1e-4 => return Err(out_of_reach),
+                (Some([x, _]), Some([y, v])) if !v.is_finite() || round % 4 == 3 => exp(0.5 * (x + y)),
+                (Some([x, u]), Some([y, v])) => exp(x - u * (y - x) / (v - u)),
+                (None, Some([y, v])) if v.is_finite() => exp(y - v.clamp(0.01, ln(30.0))),
+                (None, Some([y, _])) => exp(y - ln(4.0)),
+                // Too little at the largest factor.
+                (_, None) => return Err(out_of_reach),
+            };
+            if scale < LEAST_SCALE * most {
+                return Err(out_of_reach);
+            }
+        }
+        Err(out_of_reach)
+    }
+}

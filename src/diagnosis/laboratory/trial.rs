@@ -1,0 +1,119 @@
+//! Trials: a truth is drawn, its test simulated, the diagnosis asked.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::answer::Answer;
+use super::campaign::TestKind;
+use super::case::{Recipe, case, read};
+use super::draw::Draw;
+use super::hide::{HideError, Wish, hide};
+use super::rivals::rivals;
+use super::truth::Truth;
+use crate::diagnosis::{Diagnosis, Problem, Settings};
+use crate::effect::Catalogue;
+use crate::random::StreamKey;
+
+/// Why there is no answer.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("the diagnosis failed: {reason}")]
+pub struct AskError {
+    /// What it says itself.
+    pub reason: String,
+}
+
+/// Asks the diagnosis, with its default settings; `seed` is that of its random numbers.
+///
+/// # Errors
+/// [`AskError`].
+pub fn ask(problem: &Problem, seed: u64) -> Result<Answer, AskError> {
+    let key = StreamKey::new(seed, "laboratory", "diagnose");
+    let output =
+        Diagnosis::new(problem.clone(), Settings::default(), key).run().map_err(|reason| AskError { reason })?;
+    let document = serde_json::to_value(output).map_err(|error| AskError { reason: error.to_string() })?;
+    Answer::of_document(&document).ok_or_else(|| AskError { reason: "it states no verdict".to_owned() })
+}
+
+/// What is hidden in case `number` of a laboratory over one's own model: nothing in every fifth, else one effect, of 0.5,
+/// 1 or 2 standard deviations in turn where no amplitude is given.
+pub fn own_wish(number: u64, effect: Option<&str>, amplitude: Option<f64>) -> Wish {
+    const SIZES: [f64; 3] = [0.5, 1.0, 2.0];
+    let (round, place) = (number / 5, number % 5);
+    if place == 4 {
+        return Wish { effects: 0, size: None, correlated: Some(round % 2 == 1), ..Wish::default() };
+    }
+    let size = SIZES[((4 * round + place) % 3) as usize];
+    Wish { only: effect.map(str::to_owned), amplitude, size: amplitude.is_none().then_some(size), ..Wish::default() }
+}
+
+/// The recipe of case `number` of the laboratory over drawn networks. Of twenty cases four hide nothing (half with
+/// correlated noise, all in transients), twelve one effect of 0.5, 1 or 2 standard deviations, two two effects of 2, two
+/// physics that the catalogue lacks, of 1 and 2.
+pub fn standard(number: u64) -> Recipe {
+    let place = number % 20;
+    let round = number / 20;
+    let one = |size: f64| Wish { size: Some(size), ..Wish::default() };
+    let null = |correlated: bool| Wish { effects: 0, size: None, correlated: Some(correlated), ..Wish::default() };
+    let (wish, test) = match place {
+        0 | 1 => (null(false), None),
+        2 | 3 => (null(true), Some(TestKind::Steps)),
+        4..=15 => (one([0.5, 1.0, 2.0][(place % 3) as usize]), None),
+        16 | 17 => (Wish { effects: 2, ..one(2.0) }, None),
+        _ => (Wish { outside: true, ..one(if (round + place).is_multiple_of(2) { 1.0 } else { 2.0 }) }, None),
+    };
+    Recipe { topology: None, test, wish, rivals: true }
+}
+
+/// A problem with readings of its own simulated from a truth that is drawn; `template` has the test's phases, inputs and
+/// sensors. The same for the same seed and number.
+///
+/// # Errors
+/// [`HideError`] where nothing that is asked for can be hidden.
+pub fn simulate(template: &Problem, wish: &Wish, seed: u64, number: u64) -> Result<(Problem, Truth), HideError> {
+    let mut problem = template.clone();
+    let mut hidden = hide(template, wish, &mut Draw::new(seed, "truth", number))?;
+    hidden.truth.rivals = Some(rivals(template, &hidden)?);
+    let key = StreamKey::new(seed, "laboratory", "noise");
+    read(&mut problem.measurements, &hidden.clean, &hidden.truth, &key, number);
+    Ok((problem, hidden.truth))
+}
+
+/// What became of a case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Number of the case.
+    pub number: u64,
+    /// What was hidden; `None` where nothing could be, with the reason.
+    pub truth: Option<Truth>,
+    /// What was said of it.
+    pub answer: Option<Answer>,
+    /// Why there is no truth or no answer.
+    pub reason: Option<String>,
+}
+
+/// Runs case `number` of the laboratory over drawn networks.
+pub fn drawn_case(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, number: u64) -> Outcome {
+    match case(catalogue, recipe, seed, number) {
+        Err(error) => Outcome { number, truth: None, answer: None, reason: Some(error.to_string()) },
+        Ok(case) => asked(&case.problem, case.truth, seed, number),
+    }
+}
+
+/// Asks the diagnosis of a problem whose truth is known.
+fn asked(problem: &Problem, truth: Truth, seed: u64, number: u64) -> Outcome {
+    let (answer, reason) = match ask(problem, seed) {
+        Ok(answer) => (Some(answer), None),
+        Err(error) => (None, Some(error.to_string())),
+    };
+    Outcome { number, truth: Some(truth), answer, reason }
+}
+
+/// Runs case `number` over one's own model.
+pub fn own_case(template: &Problem, wish: &Wish, seed: u64, number: u64) -> Outcome {
+    match simulate(template, wish, seed, number) {
+        Err(error) => Outcome { number, truth: None, answer: None, reason: Some(error.to_string()) },
+        Ok((problem, truth)) => asked(&problem, truth, seed, number),
+    }
+}

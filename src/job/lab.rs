@@ -1,0 +1,207 @@
+//! The laboratory: effects are hidden in one's own model or in drawn networks, the test is simulated, the diagnosis is
+//! asked. A block is a case.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::{Job, JobError, Step};
+use crate::diagnosis::Problem;
+use crate::diagnosis::laboratory::{
+    Outcome, Rate, Score, Trial, Truth, drawn_case, own_case, own_wish, score, standard,
+};
+use crate::effect::Catalogue;
+
+/// What the laboratory is to do.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spec {
+    /// Name of an effect or id of a candidate to hide; drawn without.
+    pub effect: Option<String>,
+    /// Its amplitude, SI; 0.5, 1 and 2 standard deviations are left by the refit without.
+    pub amplitude: Option<f64>,
+    /// Number of cases.
+    pub cases: u64,
+    /// Seed.
+    pub seed: u64,
+}
+
+/// A row of the table: an effect at a size.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// The effect, several joined by ` + `, `outside the catalogue`, or `nothing`.
+    pub effect: String,
+    /// The size asked for, standard deviations; `None` where the amplitude was given or has no size.
+    pub size: Option<f64>,
+    /// Mean of the sizes that there were.
+    pub mean_size: f64,
+    /// Cases that no other effect explains.
+    pub separable: Rate,
+    /// Cases in which something was found to be missing; `None` without a diagnosis.
+    pub found: Option<Rate>,
+    /// Cases in which exactly the truth was selected.
+    pub named: Option<Rate>,
+    /// Cases in which the truth was selected or in a small group with what was.
+    pub grouped: Option<Rate>,
+}
+
+/// What the laboratory found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Output {
+    /// What was asked.
+    pub spec: Spec,
+    /// By effect and size.
+    pub rows: Vec<Row>,
+    /// The score of all answers; `None` without a diagnosis.
+    pub score: Option<Score>,
+    /// Why cases have no truth or no answer, and how many.
+    pub reasons: BTreeMap<String, u64>,
+    /// Every case.
+    pub cases: Vec<Outcome>,
+}
+
+/// Where effects are hidden.
+#[derive(Debug)]
+enum Ground {
+    /// In one's own model and test.
+    Own(Arc<Problem>),
+    /// In networks and tests that are drawn.
+    Drawn(Arc<Catalogue>),
+}
+
+/// A laboratory, ready to run.
+#[derive(Debug)]
+pub struct Lab {
+    spec: Spec,
+    ground: Ground,
+}
+
+impl Lab {
+    /// Prepares the laboratory over a problem, whose readings say only where there are any.
+    ///
+    /// # Errors
+    /// An effect that has no place in the problem.
+    pub fn new(spec: Spec, problem: Arc<Problem>) -> Result<Self, JobError> {
+        if let Some(effect) = &spec.effect {
+            let known = problem.candidates.iter().any(|own| own.id == *effect || own.effect == *effect);
+            if !known {
+                return Err(JobError::Failed(format!("`{effect}` is no effect with a place in this model")));
+            }
+        }
+        Ok(Self { spec, ground: Ground::Own(problem) })
+    }
+
+    /// The standard laboratory over drawn networks; `spec` has neither effect nor amplitude.
+    pub fn drawn(spec: Spec, catalogue: Arc<Catalogue>) -> Self {
+        Self { spec, ground: Ground::Drawn(catalogue) }
+    }
+}
+
+const STAGE: &str = "cases";
+
+impl Job for Lab {
+    fn kind(&self) -> &'static str {
+        "lab"
+    }
+
+    fn algorithm_version(&self) -> u32 {
+        1
+    }
+
+    fn identity(&self) -> Value {
+        let effects = |catalogue: &Catalogue| -> Vec<Value> {
+            catalogue.effects().iter().map(|effect| json!({"name": effect.name, "file": effect.json})).collect()
+        };
+        match &self.ground {
+            Ground::Drawn(catalogue) => json!({"spec": self.spec, "effects": effects(catalogue)}),
+            Ground::Own(problem) => json!({
+                "spec": self.spec,
+                "model": problem.model.identity(),
+                "priors": problem.priors,
+                "parameters": problem.parameters,
+                "input_errors": format!("{:?}", problem.input_errors),
+                "measurements": problem.measurements.iter().map(|own| own.identity()).collect::<Vec<_>>(),
+                "candidates": problem.candidates.iter().map(|own| own.id.as_str()).collect::<Vec<_>>(),
+                "effects": effects(&problem.catalogue),
+            }),
+        }
+    }
+
+    fn begin(&self) -> Result<Step, JobError> {
+        let inputs = (0..self.spec.cases).map(|number| number.to_string().into_bytes()).collect();
+        Ok(Step::Blocks { stage: STAGE.to_owned(), inputs })
+    }
+
+    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
+        let unreadable = |reason: String| JobError::Unreadable { stage: stage.to_owned(), reason };
+        let number: u64 = serde_json::from_slice(input).map_err(|error| unreadable(error.to_string()))?;
+        let seed = self.spec.seed;
+        let outcome = match &self.ground {
+            Ground::Drawn(catalogue) => drawn_case(catalogue, &standard(number), seed, number),
+            Ground::Own(problem) => {
+                let wish = own_wish(number, self.spec.effect.as_deref(), self.spec.amplitude);
+                own_case(problem, &wish, seed, number)
+            }
+        };
+        serde_json::to_vec(&outcome).map_err(|error| unreadable(error.to_string()))
+    }
+
+    fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
+        let unreadable =
+            |error: serde_json::Error| JobError::Unreadable { stage: stage.to_owned(), reason: error.to_string() };
+        let mut cases: Vec<Outcome> = Vec::new();
+        for output in outputs {
+            cases.push(serde_json::from_slice(output).map_err(unreadable)?);
+        }
+        let mut reasons = BTreeMap::new();
+        for reason in cases.iter().filter_map(|case| case.reason.clone()) {
+            *reasons.entry(reason).or_insert(0) += 1;
+        }
+        let trials = trials(cases.iter());
+        let score = (!trials.is_empty()).then(|| score(&trials));
+        let output = Output { spec: self.spec.clone(), rows: rows(&cases), score, reasons, cases };
+        Ok(Step::Done(serde_json::to_value(output).map_err(unreadable)?))
+    }
+}
+
+fn trials<'a>(cases: impl Iterator<Item = &'a Outcome>) -> Vec<Trial> {
+    let trial = |case: &Outcome| Some(Trial { truth: case.truth.clone()?, answer: case.answer.clone()? });
+    cases.filter_map(trial).collect()
+}
+
+/// What a case is called in the table.
+fn kind(truth: &Truth) -> String {
+    if truth.outside.is_some() {
+        return "outside the catalogue".to_owned();
+    }
+    let names: Vec<&str> = truth.effects.iter().map(|effect| effect.effect.as_str()).collect();
+    if names.is_empty() { "nothing".to_owned() } else { names.join(" + ") }
+}
+
+/// The table: by name, sizes ascending.
+fn rows(cases: &[Outcome]) -> Vec<Row> {
+    let of = |case: &Outcome| case.truth.as_ref().map(|truth| (kind(truth), truth.asked));
+    let mut kinds: Vec<(String, Option<f64>)> = cases.iter().filter_map(of).collect();
+    kinds.sort_by(|a, b| {
+        let sizes = a.1.unwrap_or(f64::INFINITY).total_cmp(&b.1.unwrap_or(f64::INFINITY));
+        a.0.cmp(&b.0).then(sizes)
+    });
+    kinds.dedup();
+    let row = |kind: (String, Option<f64>)| {
+        let own: Vec<&Outcome> = cases.iter().filter(|case| of(case).as_ref() == Some(&kind)).collect();
+        let truths: Vec<&Truth> = own.iter().filter_map(|case| case.truth.as_ref()).collect();
+        let trials = trials(own.iter().copied());
+        let rate = |right: fn(&Trial) -> bool| (!trials.is_empty()).then(|| Rate::of(trials.iter().map(right)));
+        Row {
+            mean_size: truths.iter().map(|truth| truth.size).sum::<f64>() / truths.len().max(1) as f64,
+            separable: Rate::of(truths.iter().map(|truth| truth.is_separable() == Some(true))),
+            found: rate(Trial::found),
+            named: rate(Trial::named),
+            grouped: rate(Trial::grouped),
+            effect: kind.0,
+            size: kind.1,
+        }
+    };
+    kinds.into_iter().map(row).collect()
+}

@@ -1,0 +1,226 @@
+//! The twin laboratory: what it hides has the size that was asked for, the truth fits its own data, a case is the same in
+//! memory and as a study, and how the diagnosis does on it.
+
+use std::sync::Arc;
+
+use bmv::diagnosis::Problem;
+use bmv::diagnosis::laboratory::{
+    Case, HideError, NoiseTruth, Recipe, TestKind, Topology, Trial, Wish, case, drawn_case, folder, refit, score,
+    standard, world::World,
+};
+use bmv::document::Diagnostics;
+use bmv::effect::Catalogue;
+use bmv::math::special::chi_square_quantile;
+
+const SEED: u64 = 20_240_517;
+
+fn catalogue() -> Arc<Catalogue> {
+    Arc::new(Catalogue::embedded(&mut Diagnostics::new()))
+}
+
+fn recipe(topology: Topology, test: TestKind, wish: Wish) -> Recipe {
+    Recipe { topology: Some(topology), test: Some(test), wish, rivals: false }
+}
+
+/// Positions of the hidden effects among the candidates, and the values of their parameters in that order.
+fn hidden(case: &Case) -> (Vec<usize>, Vec<f64>) {
+    let find = |id: &str| case.problem.candidates.iter().position(|own| own.id == id).expect("a candidate");
+    let positions = case.truth.effects.iter().map(|effect| find(&effect.id)).collect();
+    let values = case.truth.effects.iter().flat_map(|effect| effect.parameters.iter().map(|own| own.value)).collect();
+    (positions, values)
+}
+
+/// The readings without noise, made anew from what the truth tells.
+fn clean(case: &Case) -> Vec<Vec<f64>> {
+    let (positions, values) = hidden(case);
+    let own: Vec<f64> = case.truth.parameters.iter().map(|(_, value)| *value).collect();
+    World::new(&case.problem, &positions, &own, &values).expect("applied").readings().expect("solved")
+}
+
+/// What the believed model leaves of readings, from several starts.
+fn left(problem: &Problem, readings: &[Vec<f64>]) -> refit::Refit {
+    let likelihood = refit::likelihood(problem, readings).expect("a likelihood");
+    let mut starts = vec![refit::start(&likelihood, &[])];
+    for share in [0.2, 0.8] {
+        let priors = bmv::inference::target::Target::priors(&likelihood);
+        starts.push(priors.iter().map(|prior| prior.quantile(share)).collect());
+    }
+    refit::fit(&likelihood, &starts).expect("a fit")
+}
+
+/// Sizes are hit within 2 %, whatever starts the refit has; the truth leaves the noise alone: its chi-square lies between
+/// the quantiles of 1e-4 and 1 - 1e-4 of that many degrees of freedom (white noise, no parameter fitted).
+fn check(case: &Case, size: f64) {
+    let clean = clean(case);
+    let found = left(&case.problem, &clean).size();
+    if case.truth.asked.is_some() {
+        assert!((found / size - 1.0).abs() < 0.02, "{:?}: {found} for {size}", case.truth.effects);
+    }
+    if case.truth.noise != NoiseTruth::AsTold {
+        return;
+    }
+    let (mut chi_square, mut count) = (0.0, 0);
+    for (measurement, clean) in case.problem.measurements.iter().zip(&clean) {
+        let sensors = measurement.sensors.len();
+        for (place, (reading, clean)) in measurement.readings.iter().zip(clean).enumerate() {
+            let Some(reading) = reading else { continue };
+            let sigma = measurement.sensors[place % sensors].sigma.as_ref().expect("told").nominal();
+            chi_square += (reading - clean) * (reading - clean) / (sigma * sigma);
+            count += 1;
+        }
+    }
+    let dof = f64::from(count);
+    let (lower, upper) = (chi_square_quantile(1e-4, dof), chi_square_quantile(1.0 - 1e-4, dof));
+    assert!((lower..upper).contains(&chi_square), "{chi_square} of {dof}");
+}
+
+#[test]
+fn what_is_hidden_has_the_size_that_was_asked_for() {
+    let catalogue = catalogue();
+    for (number, size, effects) in [(0, 0.5, 1), (1, 1.0, 1), (2, 2.0, 1), (3, 2.0, 2)] {
+        let wish = Wish { effects, size: Some(size), ..Wish::default() };
+        let case = case(&catalogue, &recipe(Topology::Star, TestKind::Steady, wish), SEED, number).expect("drawn");
+        assert_eq!(case.truth.effects.len(), effects);
+        check(&case, size);
+    }
+}
+
+#[test]
+fn a_case_is_the_same_each_time_and_another_for_another_number() {
+    let catalogue = catalogue();
+    let recipe = recipe(Topology::Chain, TestKind::Steady, Wish::default());
+    let text = |number| format!("{:?}", folder::files(&case(&catalogue, &recipe, SEED, number).expect("drawn")));
+    assert_eq!(text(5), text(5));
+    assert_ne!(text(5), text(6));
+}
+
+/// A case written as a study, loaded.
+fn loaded(case: &Case) -> Problem {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (file, text) in folder::files(case) {
+        let path = folder.path().join(file);
+        std::fs::create_dir_all(path.parent().expect("a parent")).expect("made");
+        std::fs::write(path, text).expect("written");
+    }
+    let pass = bmv::study::load(&folder.path().join("pass-1.json"));
+    let pass = pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)));
+    assert!(pass.warnings.is_empty(), "{}", pass.warnings.render(false, 20));
+    bmv::study::problem(&pass)
+}
+
+#[test]
+fn a_case_is_the_same_in_memory_and_as_a_study() {
+    let catalogue = catalogue();
+    let tests = [
+        (Topology::Boards, TestKind::Steady),
+        (Topology::BenchHead, TestKind::Steady),
+        (Topology::Satellite, TestKind::Orbit),
+        (Topology::Cooled, TestKind::Steps),
+    ];
+    for (number, (topology, test)) in (0..).zip(tests) {
+        let wish = Wish { effects: 0, size: None, ..Wish::default() };
+        let case = case(&catalogue, &recipe(topology, test, wish), SEED, number).expect("drawn");
+        let study = loaded(&case);
+        let own = &case.problem;
+        assert_eq!(study.model.identity(), own.model.identity());
+        assert_eq!(study.model.inputs, own.model.inputs);
+        assert_eq!(study.model.quantities.len(), own.model.quantities.len());
+        assert_eq!(study.priors, own.priors);
+        assert_eq!(study.parameters, own.parameters);
+        assert_eq!(study.measurements, own.measurements);
+        assert_eq!(study.candidates, own.candidates);
+    }
+}
+
+#[test]
+fn what_cannot_be_hidden_is_refused() {
+    let catalogue = catalogue();
+    let wish = Wish { only: Some("cooler-contact".to_owned()), ..Wish::default() };
+    let refused = case(&catalogue, &recipe(Topology::Chain, TestKind::Steady, wish), SEED, 0);
+    assert_eq!(refused.map(|case| case.truth).unwrap_err(), HideError::NoPlace);
+}
+
+/// Rivals of a conductive path in a steady test with shroud and plate moved: a case with the truth's own candidate
+/// refitted leaves nothing, so that the nearest rival alone decides.
+#[test]
+fn rivals_are_told_with_their_distance() {
+    let catalogue = catalogue();
+    let wish = Wish { only: Some("conductive-path".to_owned()), size: Some(2.0), ..Wish::default() };
+    let recipe = Recipe { rivals: true, ..recipe(Topology::Star, TestKind::Steady, wish) };
+    let case = case(&catalogue, &recipe, SEED, 1).expect("drawn");
+    let rivals = case.truth.rivals.as_ref().expect("looked for");
+    assert!(!rivals.is_empty() && rivals.windows(2).all(|two| two[0].delta2 <= two[1].delta2), "{rivals:?}");
+    let readings: usize = case.problem.measurements.iter().map(|own| own.readings.len()).sum();
+    for rival in rivals {
+        assert_ne!(rival.effects, case.truth.ids(), "the truth is no rival of itself");
+        assert!((0.0..=1.0).contains(&rival.cosine), "{rival:?}");
+        assert!(rival.delta2 <= 1.01 * 4.0 * readings as f64, "no more than all that is left: {rival:?}");
+    }
+}
+
+/// Every effect of the catalogue in a network and test that have a place for it and show it.
+#[test]
+#[ignore = "minutes: one case for each effect"]
+fn every_effect_can_be_hidden() {
+    let catalogue = catalogue();
+    for effect in catalogue.effects() {
+        let wish =
+            || Wish { only: Some(effect.name.clone()), size: Some(0.5), correlated: Some(false), ..Wish::default() };
+        let kinds = Topology::ALL.into_iter().flat_map(|topology| TestKind::ALL.map(|test| (topology, test)));
+        let drawn = kinds.into_iter().find_map(|(topology, test)| {
+            (0..2).find_map(|number| case(&catalogue, &recipe(topology, test, wish()), SEED, number).ok())
+        });
+        let case = drawn.unwrap_or_else(|| panic!("`{}` finds no place", effect.name));
+        assert_eq!(case.truth.effects[0].effect, effect.name);
+        check(&case, 0.5);
+    }
+}
+
+/// Trials of a laboratory on two threads; each is a function of its number alone.
+fn trials(cases: u64, recipe: impl Fn(u64) -> Recipe + Sync) -> Vec<Trial> {
+    let catalogue = catalogue();
+    let half = |first: u64| -> Vec<Trial> {
+        let outcomes = (first..cases).step_by(2).map(|number| drawn_case(&catalogue, &recipe(number), SEED, number));
+        outcomes.filter_map(|own| Some(Trial { truth: own.truth?, answer: own.answer? })).collect()
+    };
+    std::thread::scope(|scope| {
+        let other = scope.spawn(|| half(1));
+        let mut all = half(0);
+        all.extend(other.join().expect("no panic"));
+        all
+    })
+}
+
+/// On data with nothing missing the verdict is `adequate` in 99 of 100 data sets: with half of the noise correlated the
+/// upper end of the exact 95 % interval lies at 1.5 % or below.
+#[test]
+#[ignore = "hours: 2000 diagnoses"]
+fn it_never_cries_wolf() {
+    let nulls = trials(2000, |number| {
+        let wish = Wish { effects: 0, size: None, correlated: Some(number % 2 == 1), ..Wish::default() };
+        let test = (number % 2 == 1).then_some(TestKind::Steps);
+        Recipe { topology: None, test, wish, rivals: false }
+    });
+    let score = score(&nulls);
+    assert!(score.cases > 1900, "{}", score.cases);
+    assert!(score.false_alarms.upper <= 0.015, "{:?} {:?}", score.false_alarms_as_told, score.false_alarms_correlated);
+}
+
+/// Of separable cases 60, 90 and 97 % are found at 0.5, 1 and 2 standard deviations, and stated probabilities are kept:
+/// nine of ten answers given 0.9 are right.
+#[test]
+#[ignore = "hours: 1000 diagnoses"]
+fn what_is_separable_is_found() {
+    let score = score(&trials(1000, standard));
+    for (size, least) in [(0.5, 0.60), (1.0, 0.90), (2.0, 0.97)] {
+        let own = score.sizes.iter().find(|own| own.size == size && own.effects == 1).expect("cases");
+        let grouped = &own.separable.grouped;
+        assert!(grouped.share().is_some_and(|share| share >= least), "size {size}: {grouped:?}");
+    }
+    assert!(score.sure_and_right.share().is_some_and(|share| share >= 0.9), "{:?}", score.sure_and_right);
+    assert!(
+        score.coverage.lower <= 0.95 && score.coverage.share().is_some_and(|share| share >= 0.9),
+        "{:?}",
+        score.coverage
+    );
+}
