@@ -9,7 +9,7 @@ use super::options::RunOptions;
 use super::output::{print, print_json};
 use super::status::{Failure, Status};
 use super::{Context, studies};
-use crate::report::section::{READINGS, RESULTS};
+use crate::report::section::{READINGS, RESULTS, TUNED};
 use crate::report::{JobResult, terminal};
 
 /// Arguments of `bmv compare`.
@@ -58,7 +58,8 @@ impl Compare {
             }
             let readings = (self.rows == Some(Rows::All)).then(|| READINGS(&report)).flatten();
             studies::without_rows(&mut report);
-            let sections: Vec<_> = RESULTS.iter().filter_map(|build| build(&report)).chain(readings).collect();
+            let sections: Vec<_> =
+                RESULTS.iter().chain([&TUNED]).filter_map(|build| build(&report)).chain(readings).collect();
             print(&terminal::render(&sections, context.layout))?;
         }
         Ok(executed.status_of_wanted())

@@ -93,7 +93,8 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>) -> Vec<String> {
         let held_out = fall([before.rmse_held_out_k, after.rmse_held_out_k]);
         if let Some(train) = train {
             let held_out = held_out.map_or_else(String::new, |fall| format!(", on the held-out rows from {fall}"));
-            words.push(format!("With it the RMSE falls from {train}{held_out}."));
+            let with = if selected.len() == 1 { "With it" } else { "With them" };
+            words.push(format!("{with} the RMSE on the fitted rows goes from {train}{held_out}."));
         }
     }
     if output.verdict == Verdict::Ambiguous {

@@ -5,4 +5,5 @@ mod documents;
 mod frame;
 mod hand_on;
 mod history;
+mod story;
 mod studies;

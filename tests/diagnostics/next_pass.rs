@@ -182,7 +182,7 @@ fn the_file_is_readable_and_says_why() {
     {
       "format": "bmv-pass/1",
       "title": "Bench, pass 2: as delivered, with box-detector conductive path",
-      "description": "pass-1.json with what its job missing found missing: box-detector conductive path. All else is inherited; the parameters start from their original priors.",
+      "description": "pass-1.json with what its diagnosis missing names: box-detector conductive path. All else is inherited; the parameters start from their original priors.",
       "parent": "pass-1.json",
       "model": "model.json",
       "adopt": {

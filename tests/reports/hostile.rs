@@ -12,6 +12,7 @@ use bmv::report::plot::{bar_chart, heat_map, history, network, palette, residual
 use bmv::report::{JobResult, PassReport};
 
 use super::calibration::calibrated;
+use super::diagnosis::diagnosed;
 use super::rendering::{assert_well_formed, rendered};
 use super::samples::{Sample, radiator, steady, transient};
 use super::sensitivity::with;
@@ -124,7 +125,30 @@ fn poisoned(mut sample: Sample) -> Sample {
                 output.warnings.push(name());
                 for effect in &mut output.effects {
                     effect.id = name();
+                    effect.effect = name();
                     effect.title = name();
+                    effect.place = vec![name(), name()];
+                    effect.input = Some(name());
+                    effect.confused_with = vec![name()];
+                    effect.amplitudes = effect.amplitudes.values().map(|amount| (name(), amount.clone())).collect();
+                }
+                output.selected = output.selected.iter().map(|_| name()).collect();
+                for model in &mut output.models {
+                    model.effects = model.effects.iter().map(|_| name()).collect();
+                }
+                for heat in &mut output.heat {
+                    heat.node = name();
+                    heat.phase = Some(name());
+                }
+                for test in &mut output.misfit.tests {
+                    test.at = name();
+                }
+                if let Some(experiment) = &mut output.separating_experiment {
+                    experiment.between = vec![name(), name()];
+                    experiment.conditions =
+                        experiment.conditions.values().map(|setting| (name(), setting.clone())).collect();
+                    experiment.predictions =
+                        experiment.predictions.values().map(|readings| (name(), readings.clone())).collect();
                 }
             }
             JobResult::Sensitivity(output) => {
@@ -148,7 +172,9 @@ fn poisoned(mut sample: Sample) -> Sample {
 
 #[test]
 fn hostile_names_are_text_everywhere() {
-    for sample in [radiator(), transient(), steady(), predicted(), with(true)] {
+    let diagnoses = ["identified", "ambiguous", "unexplained", "adequate"].map(diagnosed);
+    let plain = [radiator(), transient(), steady(), predicted(), with(true)];
+    for sample in plain.into_iter().chain(diagnoses) {
         let sample = poisoned(sample);
         let mut view: PassReport<'_> = sample.report();
         view.description = HOSTILE.into();

@@ -1,6 +1,7 @@
 //! Rendered reports.
 
 mod calibration;
+mod diagnosis;
 mod history;
 mod hostile;
 mod rendering;

@@ -8,6 +8,7 @@ mod effects;
 mod elements;
 mod flux;
 mod goal;
+mod hidden_effect;
 mod likelihood;
 mod monitor_calibration;
 mod monitor_campaign;

@@ -29,6 +29,13 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
     (!blocks.is_empty()).then(|| Section { id: "calibration", title: "Calibration".into(), blocks })
 }
 
+/// What tuning achieved in the comparisons, without the calibrations themselves.
+pub fn achieved_alone(report: &PassReport<'_>) -> Option<Section> {
+    let of = |comparison: &compare::Output| achieved(&comparison.tuned.as_ref()?.job, comparison);
+    let blocks: Vec<Block> = report.comparisons().filter_map(|(_, comparison)| of(comparison)).collect();
+    (!blocks.is_empty()).then(|| Section { id: "tuned", title: "After tuning".into(), blocks })
+}
+
 fn verdict(output: &Output) -> Vec<Block> {
     let mut blocks = Vec::new();
     if output.converged {

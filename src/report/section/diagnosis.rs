@@ -3,15 +3,25 @@
 mod figures;
 
 use crate::diagnosis::Verdict;
-use crate::diagnosis::output::{EffectResult, Output, RmseChange};
-use crate::report::number::{NONE, fixed, percent, significant, typeset};
+use crate::diagnosis::output::{Amount, EffectResult, Heat, Output, RmseChange};
+use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, typeset, with_error, with_unit};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
 use crate::report::view::PassReport;
 
+/// Warnings that are printed.
+const MOST_WARNINGS: usize = 2;
 /// Effects in the table.
-const MOST_EFFECTS: usize = 15;
+const MOST_EFFECTS: usize = 10;
+/// Effects that stand in the table however improbable they are.
+const LEAST_EFFECTS: usize = 3;
+/// Probability below which an effect needs no line of its own.
+const WORTH_A_LINE: f64 = 1e-3;
 /// Effects with their detectable amplitudes in the table.
 const MOST_DETECTABLE: usize = 12;
+/// Places and phases in the table of missing heat.
+const MOST_HEAT: usize = 12;
+/// Sensors that the table of a separating experiment names.
+const MOST_SENSORS: usize = 4;
 
 /// The section on diagnoses; not without one.
 pub fn build(report: &PassReport<'_>) -> Option<Section> {
@@ -22,17 +32,17 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
             blocks.push(Block::Heading(format!("Job {name}")));
         }
         let tone = if output.verdict == Verdict::Adequate { Tone::Note } else { Tone::Verdict };
-        let verdict = Text::default().plain("Verdict: ").strong(output.verdict.word()).plain(".");
-        blocks.push(Block::callout(tone, verdict));
+        blocks.push(Block::callout(tone, verdict(output)));
         blocks.push(Block::List(output.words.iter().map(|word| Text::new(word.clone())).collect()));
-        blocks.extend(output.warnings.iter().map(|warning| Block::callout(Tone::Warning, warning.clone())));
-        blocks.push(effects(output));
+        blocks.extend(warnings(output));
+        blocks.extend(effects(output));
         blocks.extend(figures::figures(name, output));
-        blocks.extend(experiment(output));
+        blocks.extend(missing_heat(output));
+        blocks.extend(goes_with(output));
+        blocks.extend(experiment(report, output));
         blocks.extend(tests(output));
         blocks.extend(noise(output));
         blocks.extend(detectable(output));
-        blocks.extend(goes_with(output));
         blocks.push(Block::paragraph(method(output)));
     }
     (!blocks.is_empty()).then(|| Section { id: "diagnosis", title: "What is missing".into(), blocks })
@@ -45,25 +55,82 @@ fn change(values: [Option<f64>; 2]) -> String {
     }
 }
 
-fn amplitudes(effect: &EffectResult) -> String {
-    let one = |(name, amount): (&String, &crate::diagnosis::output::Amount)| {
-        let unit = typeset(&amount.unit);
-        let spread =
-            if amount.at_bound { "at a bound".to_owned() } else { format!("\u{00B1} {}", significant(amount.sd, 2)) };
-        format!("{name} {} {spread} {unit}", significant(amount.value, 3))
+/// The verdict and what it means, in a line.
+fn verdict(output: &Output) -> Text {
+    let meaning = match output.verdict {
+        Verdict::Adequate => ": nothing is missing that these data could show.",
+        Verdict::Identified => ": one set of effects explains the misfit, and no rival comes near it.",
+        Verdict::Ambiguous => ": several sets of effects explain the misfit about equally well with these data.",
+        Verdict::Unexplained => ": something is missing, and nothing in the catalogue explains it.",
     };
+    Text::default().strong(output.verdict.word()).plain(meaning)
+}
+
+/// The first of the warnings, and how many more there are.
+fn warnings(output: &Output) -> Vec<Block> {
+    let mut texts: Vec<Text> = output.warnings.iter().take(MOST_WARNINGS).map(|text| Text::new(text.clone())).collect();
+    let more = output.warnings.len().saturating_sub(MOST_WARNINGS);
+    if let Some(last) = texts.pop() {
+        let more = if more > 0 { format!(" ({more} more: bmv diagnose --json lists them.)") } else { String::new() };
+        texts.push(last.plain(more));
+    }
+    texts.into_iter().map(|text| Block::callout(Tone::Warning, text)).collect()
+}
+
+/// A probability as a percentage, honest at both ends.
+pub(crate) fn chance(probability: f64) -> String {
+    match probability {
+        p if p < WORTH_A_LINE => "< 0.1\u{A0}%".to_owned(),
+        p if p > 1.0 - WORTH_A_LINE => "> 99.9\u{A0}%".to_owned(),
+        p => percent(p, 1),
+    }
+}
+
+/// A parameter as fitted, to the digits that its spread leaves sense in.
+pub(crate) fn amount(amount: &Amount) -> String {
+    let unit = typeset(&amount.unit);
+    if amount.at_bound {
+        return format!("{}, at a bound", with_unit(&significant(amount.value, 3), &unit));
+    }
+    let is_nothing = amount.value.abs() < 0.01 * amount.sd;
+    with_unit(&with_error(if is_nothing { 0.0 } else { amount.value }, amount.sd), &unit)
+}
+
+fn amplitudes(effect: &EffectResult) -> String {
+    let one = |(name, value): (&String, &Amount)| format!("{name} {}", amount(value));
     let all: Vec<String> = effect.amplitudes.iter().take(2).map(one).collect();
     let more = effect.amplitudes.len().saturating_sub(2);
     if more > 0 { format!("{}; {more} more", all.join("; ")) } else { all.join("; ") }
 }
 
-fn effects(output: &Output) -> Block {
-    let rows = output.effects.iter().take(MOST_EFFECTS).map(|effect| {
+/// Where an effect acts, and what it goes with.
+fn place(effect: &EffectResult) -> Text {
+    let mut text = Text::default();
+    for (position, name) in effect.place.iter().enumerate() {
+        text = text.plain(if position == 0 { "" } else { ", " }).code(name);
+    }
+    match &effect.input {
+        Some(input) => text.plain(" with ").code(input),
+        None => text,
+    }
+}
+
+fn effects(output: &Output) -> Option<Block> {
+    let is_selected = |effect: &EffectResult| output.selected.contains(&effect.id);
+    let mut shown: Vec<&EffectResult> = Vec::new();
+    for (position, effect) in output.effects.iter().enumerate() {
+        let is_worth = effect.probability >= WORTH_A_LINE && position < MOST_EFFECTS;
+        if position < LEAST_EFFECTS || is_worth || is_selected(effect) {
+            shown.push(effect);
+        }
+    }
+    let more = output.effects.len() - shown.len();
+    let rows = shown.into_iter().map(|effect| {
         let RmseChange { train, held_out } = effect.rmse_k;
-        let is_selected = output.selected.contains(&effect.id);
         vec![
-            Cell { text: Text::default().code(&effect.id), status: is_selected.then_some(Status::Ok) },
-            percent(effect.probability, 1).into(),
+            Cell { text: Text::default().code(&effect.effect), status: is_selected(effect).then_some(Status::Ok) },
+            Cell { text: place(effect), status: None },
+            chance(effect.probability).into(),
             fixed(effect.log_bayes_factor, 1).into(),
             effect.group.map_or_else(|| NONE.to_owned(), |group| group.to_string()).into(),
             amplitudes(effect).into(),
@@ -71,42 +138,122 @@ fn effects(output: &Output) -> Block {
             change(held_out).into(),
         ]
     });
-    Block::Table(Table {
-        caption: "Effects that would explain the misfit, most probable first: the probability counts every set that an \
-                  effect belongs to; amplitudes and errors are those of its best set, before and after it. Green: would be \
-                  adopted. Effects of one group cannot be told apart with these data."
-            .into(),
-        columns: vec![
-            Column::text("Effect"),
-            Column::number("Probability", ""),
-            Column::number("Log Bayes factor", ""),
-            Column::number("Group", ""),
-            Column::text("Size"),
-            Column::number("RMSE, fitted rows", "K"),
-            Column::number("RMSE, held out", "K"),
-        ],
-        rows: rows.collect(),
+    let rows: Vec<Vec<Cell>> = rows.collect();
+    let what = match output.verdict {
+        Verdict::Adequate => "The effects that come nearest to what the noise leaves; none is needed.",
+        Verdict::Unexplained => "The effects that come nearest; none of them explains the misfit.",
+        _ => "Effects that would explain the misfit, most probable first; green: would be adopted.",
+    };
+    let more = match more {
+        0 => String::new(),
+        more => format!(" {more} more were fitted and are less probable: bmv diagnose --json lists them."),
+    };
+    let caption = format!(
+        "{what} The probability counts every set that an effect belongs to; size and errors are those of its best set, \
+         before and after it. These data cannot tell apart what is of one group.{more}"
+    );
+    (!rows.is_empty()).then(|| {
+        Block::Table(Table {
+            caption: caption.into(),
+            columns: vec![
+                Column::text("Effect"),
+                Column::text("Where"),
+                Column::number("Probability", ""),
+                Column::number("Log Bayes factor", ""),
+                Column::number("Group", ""),
+                Column::text("Size"),
+                Column::number("RMSE, fitted", "K"),
+                Column::number("RMSE, held out", "K"),
+            ],
+            rows,
+        })
     })
 }
 
-fn experiment(output: &Output) -> Option<Block> {
+fn experiment(report: &PassReport<'_>, output: &Output) -> Option<Block> {
     let experiment = output.separating_experiment.as_ref()?;
-    let rows = experiment.conditions.iter().map(|(name, setting)| {
-        let shown = crate::report::number::Shown::quantity(&setting.unit, setting.unit == "K");
-        vec![Cell::code(name), shown.text(setting.value).into()]
-    });
+    let shown = |name: &str, unit: &str| {
+        let input = report.model.inputs.iter().find(|input| input.name == name);
+        input.map_or_else(|| Shown::quantity(unit, unit == "K"), |input| Shown::written(&input.unit))
+    };
+    let mut rows: Vec<Vec<Cell>> = experiment
+        .conditions
+        .iter()
+        .map(|(name, setting)| {
+            let shown = shown(name, &setting.unit);
+            let value = with_unit(&as_given(round_to(shown.value(setting.value), 4)), &shown.unit);
+            vec!["set".into(), Cell::code(name), value.into()]
+        })
+        .collect();
+    let spread = |values: &[f64]| {
+        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        most - values.iter().copied().fold(f64::INFINITY, f64::min)
+    };
+    let mut sensors: Vec<(&String, &Vec<f64>)> = experiment.predictions.iter().collect();
+    sensors.sort_by(|a, b| spread(b.1).total_cmp(&spread(a.1)));
+    for (sensor, values) in sensors.into_iter().take(MOST_SENSORS) {
+        let read: Vec<String> = values.iter().map(|value| Shown::celsius().number(*value)).collect();
+        let read = with_unit(&read.join(" | "), "\u{B0}C");
+        rows.push(vec!["then reads".into(), Cell::code(sensor), read.into()]);
+    }
     let limits = if experiment.limits_ok { "" } else { " The red limits of a node are passed there." };
+    let several = if experiment.predictions.is_empty() { "" } else { " Readings in the order of the rivals." };
     Some(Block::Table(Table {
         caption: format!(
-            "A phase that would tell {} apart, with probability {}; repeating the best old phase: {}.{limits}",
-            experiment.between.join(" and "),
-            percent(experiment.probability, 1),
-            percent(experiment.repeat_probability, 1)
+            "A phase that would tell {} apart, with probability {}; repeating the best old phase: {}.{several}{limits}",
+            experiment.between.join(" | "),
+            chance(experiment.probability),
+            chance(experiment.repeat_probability)
         )
         .into(),
-        columns: vec![Column::text("Input"), Column::text("Set to")],
-        rows: rows.collect(),
+        columns: vec![Column::text(""), Column::text("Input or sensor"), Column::text("Value")],
+        rows,
     }))
+}
+
+/// A number rounded to so many significant digits.
+fn round_to(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
+}
+
+/// The clearest of the missing heat; where an effect explains it, it is told by that effect.
+fn missing_heat(output: &Output) -> Option<Block> {
+    if output.verdict != Verdict::Unexplained {
+        return None;
+    }
+    let clear = |heat: &Heat| if heat.sd > 0.0 { heat.watts.abs() / heat.sd } else { 0.0 };
+    let mut clearest: Vec<&Heat> = output.heat.iter().filter(|heat| clear(heat) > 2.0).collect();
+    clearest.sort_by(|a, b| clear(b).total_cmp(&clear(a)));
+    let more = clearest.len().saturating_sub(MOST_HEAT);
+    let rows: Vec<Vec<Cell>> = clearest
+        .into_iter()
+        .take(MOST_HEAT)
+        .map(|heat| {
+            vec![
+                Cell::code(&heat.node),
+                figures::stretch(heat).into(),
+                with_error(heat.watts, heat.sd).into(),
+                fixed(clear(heat), 1).into(),
+            ]
+        })
+        .collect();
+    let more = if more == 0 { String::new() } else { format!(" {more} more are above two standard deviations.") };
+    (!rows.is_empty()).then(|| {
+        Block::Table(Table {
+            caption: format!(
+                "Heat that the tuned model lacks, clearest first; positive: the node gets more heat than the model \
+                 says.{more}"
+            )
+            .into(),
+            columns: vec![
+                Column::text("Node"),
+                Column::text("Phase"),
+                Column::number("Heat", "W"),
+                Column::number("In standard deviations", ""),
+            ],
+            rows,
+        })
+    })
 }
 
 fn tests(output: &Output) -> Option<Block> {
@@ -171,6 +318,9 @@ fn detectable(output: &Output) -> Option<Block> {
 }
 
 fn goes_with(output: &Output) -> Option<Block> {
+    if output.verdict != Verdict::Unexplained {
+        return None;
+    }
     let rows: Vec<Vec<Cell>> = output
         .goes_with
         .iter()
@@ -202,8 +352,8 @@ fn method(output: &Output) -> String {
     let mut text = format!(
         "{effects} effects at their places and {pairs} pairs were screened, {sets} sets fitted; probability that nothing is \
          missing {}, that something is missing which no set explains {}. {} effects cannot be seen with these data.",
-        percent(output.probability_nothing, 1),
-        percent(output.probability_unexplained, 1),
+        chance(output.probability_nothing),
+        chance(output.probability_unexplained),
         output.unseen.len()
     );
     if let Some(p) = output.remaining_p {

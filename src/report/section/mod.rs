@@ -43,6 +43,9 @@ pub const SUMMARY: Build = summary::build;
 /// What diagnoses say, alone.
 pub const DIAGNOSIS: Build = diagnosis::build;
 
+/// What tuning achieved in comparisons, alone.
+pub const TUNED: Build = calibration::achieved_alone;
+
 /// The readings of all comparisons beside their predictions, however many.
 pub const READINGS: Build = comparison::readings_alone;
 

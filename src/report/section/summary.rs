@@ -1,7 +1,10 @@
 //! The first screen: how good or wrong, where, when, in which direction; whether the requirements are met, and what
-//! that costs; with the picture that shows it.
+//! that costs; what is missing, how surely, what it does to the error and what else it could be; with the picture that
+//! shows it.
 
-use crate::job::compare::{Output, SensorSummary};
+mod missing;
+
+use crate::job::compare::{Deviation, Output, SensorSummary};
 use crate::job::{conventional, predict, propagate};
 use crate::report::number::{self, Shown, fixed, signed};
 use crate::report::page::{Block, Figure, Section, Statement, Status, Text, Tone};
@@ -11,6 +14,8 @@ use super::{comparison, prediction, propagation, sizing};
 
 /// Statements on the first screen.
 const MOST_STATEMENTS: usize = 6;
+/// The same where a diagnosis or the passes before have their say.
+const MOST_WITH_DIAGNOSIS: usize = 9;
 
 /// The summary; always there.
 pub fn build(report: &PassReport<'_>) -> Option<Section> {
@@ -26,10 +31,23 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         }));
         statements.extend(of_prediction(output));
     }
+    let mut details = Vec::new();
     for (_, output) in report.comparisons() {
-        statements.extend(of_comparison(report, output));
+        let (foremost, more) = of_comparison(report, output);
+        statements.extend(foremost);
+        details.extend(more);
         verdicts.push(verdict_of_comparison(output));
     }
+    statements.extend(missing::of_history(report));
+    for (position, (name, output)) in report.diagnoses().enumerate() {
+        if position == 0 {
+            statements.extend(missing::of_diagnosis(output));
+        } else {
+            statements.push(missing::of_further(name, output));
+        }
+    }
+    // Where there is no room for all, details of the misfit go last.
+    statements.extend(details);
     // What a requirement or a size says goes before what a distribution says, where there is no room for all.
     let mut distributions = Vec::new();
     for (_, output) in report.propagations() {
@@ -41,7 +59,8 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         statements.extend(of_sizes(report, output));
     }
     statements.extend(distributions);
-    statements.truncate(MOST_STATEMENTS);
+    let has_more = report.diagnoses().next().is_some() || report.history.is_some();
+    statements.truncate(if has_more { MOST_WITH_DIAGNOSIS } else { MOST_STATEMENTS });
     if !statements.is_empty() {
         blocks.push(Block::Statements(statements));
     }
@@ -86,11 +105,24 @@ pub(super) fn main_picture(report: &PassReport<'_>) -> Option<Figure> {
     })
 }
 
+/// Deviations of a sensor that count: those of the tuned state where there is one; for fitting and held out.
+fn deviations(sensor: &SensorSummary) -> [&Deviation; 2] {
+    sensor.tuned.as_ref().map_or([&sensor.train, &sensor.held_out], |tuned| [&tuned.train, &tuned.held_out])
+}
+
+/// How a sensor stands against its noise, in the state that counts.
+fn standing(sensor: &SensorSummary, deviation: &Deviation) -> Option<Status> {
+    match &sensor.tuned {
+        Some(tuned) => tuned.noise_rmse.map(|[_, high]| Status::kept(deviation.rmse <= high)),
+        None => comparison::against_noise(sensor, deviation),
+    }
+}
+
 /// Sensor with the largest RMSE, in either kind of readings, among those of the first sensor's unit.
 fn worst_sensor(output: &Output) -> Option<&SensorSummary> {
     let unit = &output.sensors.first()?.unit;
     let size = |s: &SensorSummary| {
-        [s.train, s.held_out].iter().filter(|d| d.count > 0 && d.rmse.is_finite()).map(|d| d.rmse).fold(0.0, f64::max)
+        deviations(s).into_iter().filter(|d| d.count > 0 && d.rmse.is_finite()).map(|d| d.rmse).fold(0.0, f64::max)
     };
     output.sensors.iter().filter(|s| &s.unit == unit).max_by(|a, b| size(a).total_cmp(&size(b)))
 }
@@ -116,37 +148,17 @@ fn verdict_of_comparison(output: &Output) -> Option<Text> {
     })
 }
 
-fn of_comparison(report: &PassReport<'_>, output: &Output) -> Vec<Statement> {
-    let mut out = Vec::new();
+/// How wrong and where, in the tuned state where there is one; and what goes behind it.
+fn of_comparison(report: &PassReport<'_>, output: &Output) -> (Vec<Statement>, Vec<Statement>) {
+    let (mut out, mut details) = (Vec::new(), Vec::new());
     let units: Vec<&str> = output.sensors.iter().map(|s| s.unit.as_str()).collect();
     if let Some(unit) = units.first().filter(|u| units.iter().all(|v| v == *u)) {
-        let shown = Shown::si(unit);
-        let statuses: Vec<Status> = output
-            .sensors
-            .iter()
-            .filter_map(|s| comparison::against_noise(s, if s.held_out.count > 0 { &s.held_out } else { &s.train }))
-            .collect();
-        let status =
-            if statuses.contains(&Status::Fail) { Some(Status::Fail) } else { statuses.first().map(|_| Status::Ok) };
-        let (value, text) = if output.held_out.count > 0 {
-            let text = format!(
-                "RMSE over {} held-out readings; {} over the {} that a fit may use.",
-                output.held_out.count,
-                shown.text(output.train.rmse),
-                output.train.count
-            );
-            (shown.text(output.held_out.rmse), text)
-        } else {
-            (shown.text(output.train.rmse), format!("RMSE over {} readings; none is held out.", output.train.count))
-        };
-        out.push(Statement { label: "How wrong".into(), value, text: text.into(), status });
+        out.push(how_wrong(output, &Shown::si(unit)));
     }
+    let of_delivered = if output.tuned.is_some() { ", as delivered" } else { "" };
     if let Some(worst) = worst_sensor(output) {
-        let deviation = if worst.held_out.count > 0 && worst.held_out.rmse > worst.train.rmse {
-            &worst.held_out
-        } else {
-            &worst.train
-        };
+        let [train, held_out] = deviations(worst);
+        let deviation = if held_out.count > 0 && held_out.rmse > train.rmse { held_out } else { train };
         let is_temperature = report.sensor_shown(&worst.measurement, &worst.sensor, &worst.unit).is_celsius();
         let shown = Shown::si(&worst.unit);
         let side = if deviation.mean > 0.0 { "above" } else { "below" };
@@ -161,9 +173,13 @@ fn of_comparison(report: &PassReport<'_>, output: &Output) -> Vec<Statement> {
         } else {
             Text::new("The worst sensor deviates in both directions")
         };
-        let text =
-            text.plain(format!(" (RMSE {}, largest {}).", shown.text(deviation.rmse), shown.text(deviation.max)));
-        let status = comparison::against_noise(worst, deviation);
+        let state = if worst.tuned.is_some() { "tuned, " } else { "" };
+        let text = text.plain(format!(
+            " ({state}RMSE {}, largest {}).",
+            shown.text(deviation.rmse),
+            shown.text(deviation.max)
+        ));
+        let status = standing(worst, deviation);
         out.push(Statement { label: "Where".into(), value: worst.sensor.clone(), text, status });
     }
     if let Some(phase) =
@@ -174,13 +190,14 @@ fn of_comparison(report: &PassReport<'_>, output: &Output) -> Vec<Statement> {
             number::with_unit(&signed(phase.worst, 2), "K"),
             if phase.held_out { ", held out" } else { "" }
         ));
-        out.push(Statement { label: "When".into(), value: phase.phase.clone(), text, status: None });
+        let label = format!("When{of_delivered}");
+        details.push(Statement { label, value: phase.phase.clone(), text, status: None });
     }
     if let Some(chi2) = output.chi2_per_reading.filter(|c| c.is_finite()) {
         let status = if chi2 > 1.5 { Status::Fail } else { Status::Ok };
         let text = "Mean square of deviation over noise; the noise alone gives about 1.".into();
-        out.push(Statement {
-            label: "Against the noise".into(),
+        details.push(Statement {
+            label: format!("Against the noise{of_delivered}"),
             value: fixed(chi2, if chi2 < 100.0 { 1 } else { 0 }),
             text,
             status: Some(status),
@@ -188,14 +205,54 @@ fn of_comparison(report: &PassReport<'_>, output: &Output) -> Vec<Statement> {
     }
     if !output.verdicts.is_empty() {
         let kept = output.verdicts.iter().filter(|v| v.kept).count();
-        out.push(Statement {
-            label: "Criteria".into(),
+        details.push(Statement {
+            label: format!("Criteria{of_delivered}"),
             value: format!("{kept} of {} kept", output.verdicts.len()),
             text: Text::new(output.criteria.title.clone()),
             status: Some(Status::kept(kept == output.verdicts.len())),
         });
     }
-    out
+    (out, details)
+}
+
+/// The error of all sensors; the tuned one beside the delivered one where there is one.
+fn how_wrong(output: &Output, shown: &Shown) -> Statement {
+    let statuses: Vec<Status> = output
+        .sensors
+        .iter()
+        .filter_map(|sensor| {
+            let [train, held_out] = deviations(sensor);
+            standing(sensor, if held_out.count > 0 { held_out } else { train })
+        })
+        .collect();
+    let status =
+        if statuses.contains(&Status::Fail) { Some(Status::Fail) } else { statuses.first().map(|_| Status::Ok) };
+    let label = "How wrong".to_owned();
+    let (delivered, of) = if output.held_out.count > 0 {
+        (&output.held_out, format!("{} held-out readings", output.held_out.count))
+    } else {
+        (&output.train, format!("{} readings; none is held out", output.train.count))
+    };
+    let Some(tuned) = &output.tuned else {
+        let rest = match output.held_out.count {
+            0 => String::new(),
+            _ => format!("; {} over the {} that a fit may use", shown.text(output.train.rmse), output.train.count),
+        };
+        let text = format!("RMSE over {of}{rest}.");
+        return Statement { label, value: shown.text(delivered.rmse), text: text.into(), status };
+    };
+    let best = if output.held_out.count > 0 { &tuned.held_out } else { &tuned.train };
+    let mut text = Text::new("RMSE tuned, ").strong(format!("{} as delivered", shown.text(delivered.rmse)));
+    text = text.plain(format!(", over {of}"));
+    if output.held_out.count > 0 {
+        text = text.plain(format!(
+            "; over the {} of the fit {}, {} as delivered",
+            output.train.count,
+            shown.text(tuned.train.rmse),
+            shown.text(output.train.rmse)
+        ));
+    }
+    Statement { label, value: shown.text(best.rmse), text: text.plain("."), status }
 }
 
 /// By environment: the requirement that is farthest from what is required, and its quantity's distribution.

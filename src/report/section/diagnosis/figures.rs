@@ -1,8 +1,9 @@
 //! Figures of a diagnosis: how surely each effect, and where heat is missing.
 
+use super::chance;
 use crate::diagnosis::Verdict;
-use crate::diagnosis::output::Output;
-use crate::report::number::{percent, significant};
+use crate::diagnosis::output::{Heat, Output};
+use crate::report::number::significant;
 use crate::report::page::{Block, Figure, slug};
 use crate::report::plot::{Axis, Bar, HeatMap, bar_chart, heat_map, palette};
 
@@ -27,7 +28,7 @@ fn probabilities(job: &str, output: &Output) -> Option<Figure> {
             from: 0.0,
             value: effect.probability,
             interval: None,
-            text: percent(effect.probability, 1),
+            text: chance(effect.probability),
             colour: if output.selected.contains(&effect.id) { palette::GREEN } else { palette::BLUE },
         })
         .collect();
@@ -39,7 +40,7 @@ fn probabilities(job: &str, output: &Output) -> Option<Figure> {
             from: 0.0,
             value,
             interval: None,
-            text: percent(value, 1),
+            text: chance(value),
             colour: palette::MUTED,
         });
     }
@@ -52,14 +53,19 @@ fn probabilities(job: &str, output: &Output) -> Option<Figure> {
     })
 }
 
-fn heat(job: &str, output: &Output) -> Option<Figure> {
-    let mut nodes: Vec<&str> = Vec::new();
-    let mut rows: Vec<String> = Vec::new();
-    let name = |heat: &crate::diagnosis::output::Heat| match (&heat.phase, heat.time_s) {
+/// The phase of a missing heat, or its instant.
+pub(super) fn stretch(heat: &Heat) -> String {
+    match (&heat.phase, heat.time_s) {
         (Some(phase), _) => phase.clone(),
         (None, Some(time)) => format!("{} s", significant(time, 4)),
         (None, None) => String::new(),
-    };
+    }
+}
+
+fn heat(job: &str, output: &Output) -> Option<Figure> {
+    let mut nodes: Vec<&str> = Vec::new();
+    let mut rows: Vec<String> = Vec::new();
+    let name = stretch;
     for heat in &output.heat {
         if !nodes.contains(&heat.node.as_str()) {
             nodes.push(&heat.node);

@@ -1,0 +1,191 @@
+//! What diagnoses and the passes before say on the first screen: what is missing, how sure that is, what it does to the
+//! error, what else it could be, and what became of the error since the pass before.
+
+use crate::diagnosis::Verdict;
+use crate::diagnosis::output::{EffectResult, Heat, HeldOutTest, Output};
+use crate::report::number::{fixed, significant, with_unit};
+use crate::report::page::{Statement, Status, Text};
+use crate::report::section::diagnosis::{amount, chance};
+use crate::report::view::PassReport;
+
+/// Rivals that a statement names.
+const MOST_RIVALS: usize = 3;
+
+/// The statements of a diagnosis.
+pub(super) fn of_diagnosis(output: &Output) -> Vec<Statement> {
+    let selected: Vec<&EffectResult> =
+        output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id)).collect();
+    let mut out = vec![what(output, &selected)];
+    out.push(how_sure(output, &selected));
+    out.extend(error(output, &selected));
+    out.extend(what_else(output, &selected));
+    out
+}
+
+/// A further diagnosis of the same pass, in one statement.
+pub(super) fn of_further(name: &str, output: &Output) -> Statement {
+    let text = match output.selected.as_slice() {
+        [] => Text::new("It selects no effect."),
+        ids => listed(Text::new("It selects "), ids, ids.len()).plain("."),
+    };
+    Statement { label: format!("Diagnosis {name}"), value: output.verdict.word().to_owned(), text, status: None }
+}
+
+/// Names, with commas.
+fn listed(mut text: Text, names: &[String], most: usize) -> Text {
+    for (position, name) in names.iter().take(most).enumerate() {
+        text = text.plain(if position == 0 { "" } else { ", " }).code(name);
+    }
+    let more = names.len().saturating_sub(most);
+    if more > 0 { text.plain(format!(" and {more} more")) } else { text }
+}
+
+fn what(output: &Output, selected: &[&EffectResult]) -> Statement {
+    let label = "What is missing".to_owned();
+    let statement = |value: &str, text: Text, status| Statement { label, value: value.to_owned(), text, status };
+    match (output.verdict, selected) {
+        (Verdict::Adequate, _) => {
+            let [effects, pairs, _] = output.looked_at;
+            let text =
+                format!("{effects} effects and {pairs} pairs of them were tried on the tuned model; none is needed.");
+            statement("nothing that shows", text.into(), Some(Status::Ok))
+        }
+        (Verdict::Unexplained, _) | (_, []) => {
+            let mut text = Text::new("No effect of the catalogue explains the misfit. ");
+            let clearest = output.heat.iter().filter(|heat| heat.sd > 0.0).max_by(|a, b| {
+                let clear = |heat: &Heat| heat.watts.abs() / heat.sd;
+                clear(a).total_cmp(&clear(b))
+            });
+            if let Some(heat) = clearest {
+                let shown = with_unit(&significant(heat.watts, 2), "W");
+                text = text.plain("Most heat in want of a cause: ").code(&heat.node).plain(format!(", {shown}"));
+                if let Some(phase) = &heat.phase {
+                    text = text.plain(" in ").code(phase);
+                }
+                text = text.plain(".");
+            }
+            statement("something unknown", text, Some(Status::Fail))
+        }
+        (_, selected) => {
+            let mut text = Text::default();
+            for (position, effect) in selected.iter().enumerate() {
+                let size = effect.amplitudes.iter().next();
+                let size = size.map_or_else(String::new, |(name, value)| format!(", {name} {}", amount(value)));
+                text = text.plain(if position == 0 { "" } else { "; " }).code(&effect.id).plain(size);
+            }
+            let titles: Vec<&str> = selected.iter().map(|effect| effect.title.as_str()).collect();
+            statement(&titles.join(" + "), text.plain("."), Some(Status::Caution))
+        }
+    }
+}
+
+fn how_sure(output: &Output, selected: &[&EffectResult]) -> Statement {
+    let p = |p: f64| format!("A misfit as clear as this would have p = {} if nothing were missing.", significant(p, 2));
+    let best = output.models.iter().find(|model| {
+        model.effects.len() == output.selected.len() && model.effects.iter().all(|id| output.selected.contains(id))
+    });
+    let (value, text) = match (output.verdict, best) {
+        (Verdict::Adequate, _) => {
+            (format!("p = {}", significant(output.misfit.family_wise_p, 2)), "Over all tests together.".to_owned())
+        }
+        (Verdict::Unexplained, _) | (_, None) => {
+            (chance(output.probability_unexplained), p(output.misfit.family_wise_p))
+        }
+        (_, Some(model)) => {
+            let each: Vec<String> = selected.iter().map(|effect| fixed(effect.log_bayes_factor, 1)).collect();
+            let factor =
+                if each.is_empty() { String::new() } else { format!(" Log Bayes factors: {}.", each.join(", ")) };
+            (chance(model.probability), format!("Probability of this set.{factor} {}", p(output.misfit.family_wise_p)))
+        }
+    };
+    let label = format!("How sure: {}", output.verdict.word());
+    Statement { label, value, text: text.into(), status: None }
+}
+
+fn error(output: &Output, selected: &[&EffectResult]) -> Option<Statement> {
+    if selected.is_empty() {
+        return None;
+    }
+    let before = output.misfit.rmse_k;
+    let after = output
+        .models
+        .iter()
+        .find(|model| {
+            model.effects.len() == output.selected.len() && model.effects.iter().all(|id| output.selected.contains(id))
+        })?
+        .rmse_k;
+    let change = |before: Option<f64>, after: Option<f64>| {
+        let (before, after) = (before?, after?);
+        Some((with_unit(&format!("{} \u{2192} {}", fixed(before, 2), fixed(after, 2)), "K"), after < before))
+    };
+    let train = change(before.train, after.train)?;
+    let held_out = change(before.held_out, after.held_out);
+    let with = if selected.len() == 1 { "With it" } else { "With them" };
+    let (value, fell, text) = match held_out {
+        Some((value, fell)) => {
+            (value, fell, format!("{with}, RMSE tuned on held-out readings; on those of the fit {}.", train.0))
+        }
+        None => (train.0, train.1, format!("{with}, RMSE tuned on the readings of the fit; none is held out.")),
+    };
+    let speaks_against = output.held_out_test.as_ref().is_some_and(|test: &HeldOutTest| test.veto);
+    let text = if speaks_against { format!("{text} The held-out readings speak against it.") } else { text };
+    let status = Some(if fell && !speaks_against { Status::Ok } else { Status::Caution });
+    Some(Statement { label: "What that does to the error".into(), value, text: text.into(), status })
+}
+
+fn what_else(output: &Output, selected: &[&EffectResult]) -> Option<Statement> {
+    let first = *selected.first()?;
+    let groups: Vec<u64> = selected.iter().filter_map(|effect| effect.group).collect();
+    let rivals: Vec<&EffectResult> = output
+        .effects
+        .iter()
+        .filter(|other| {
+            other.group.is_some_and(|group| groups.contains(&group)) && !output.selected.contains(&other.id)
+        })
+        .collect();
+    let label = "What else it could be".to_owned();
+    if rivals.is_empty() {
+        let next = output.effects.iter().find(|other| !output.selected.contains(&other.id));
+        let text = match next.filter(|other| other.probability >= 1e-3) {
+            Some(other) => {
+                Text::new("The next best, ").code(&other.id).plain(format!(", {}.", chance(other.probability)))
+            }
+            None if first.confused_with.is_empty() => Text::new("No other effect comes above 0.1\u{A0}%."),
+            None => Text::new("No other effect comes above 0.1\u{A0}%. Most easily mistaken for it: ")
+                .plain(first.confused_with.join(", "))
+                .plain("."),
+        };
+        let value = if output.verdict == Verdict::Ambiguous { "other sets" } else { "no rival" };
+        return Some(Statement { label, value: value.into(), text, status: None });
+    }
+    let names: Vec<String> = rivals.iter().map(|rival| rival.id.clone()).collect();
+    let mut text = listed(Text::new("These data cannot tell it from "), &names, MOST_RIVALS).plain(".");
+    if let Some(experiment) = &output.separating_experiment {
+        text = text
+            .plain(format!(" The phase proposed below would, with probability {}.", chance(experiment.probability)));
+    }
+    let value = if rivals.len() == 1 { "1 rival".to_owned() } else { format!("{} rivals", rivals.len()) };
+    Some(Statement { label, value, text, status: Some(Status::Caution) })
+}
+
+/// What became of the error since the pass before.
+pub(super) fn of_history(report: &PassReport<'_>) -> Option<Statement> {
+    let history = report.history.as_ref()?;
+    let own = history.passes.iter().find(|pass| pass.pass == report.pass_file)?;
+    let before = history.before(own)?;
+    let pick = |split: &crate::report::history::Split| split.held_out.or(split.train);
+    let tuned = pick(&before.rmse_k.tuned).zip(pick(&own.rmse_k.tuned)).map(|pair| (pair, "tuned"));
+    let delivered =
+        || pick(&before.rmse_k.delivered).zip(pick(&own.rmse_k.delivered)).map(|pair| (pair, "as delivered"));
+    let ((from, to), state) = tuned.or_else(delivered)?;
+    let of = if own.rmse_k.delivered.held_out.is_some() { "held-out readings" } else { "the readings of the fit" };
+    let mut text = Text::new(format!("RMSE {state} on {of}, against ")).code(&before.pass);
+    if !own.added.is_empty() {
+        text = listed(text.plain("; added: "), &own.added, own.added.len());
+    }
+    let is_same = before.readings == own.readings;
+    let text = text.plain(if is_same { "." } else { "; the readings are not the same." });
+    let value = with_unit(&format!("{} \u{2192} {}", fixed(from, 2), fixed(to, 2)), "K");
+    let status = is_same.then_some(if to < from { Status::Ok } else { Status::Fail });
+    Some(Statement { label: "Since the pass before".into(), value, text, status })
+}

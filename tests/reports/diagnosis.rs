@@ -1,0 +1,106 @@
+//! What reports say of a diagnosis: on the first screen and in its own section.
+
+use bmv::diagnosis::Output;
+use bmv::report::{JobEntry, JobResult};
+use serde_json::{Value, json};
+
+use super::rendering::{assert_well_formed, rendered};
+use super::samples::{Sample, steady};
+
+fn effect(id: &str, probability: f64, group: Option<u64>) -> Value {
+    let parts: Vec<&str> = id.split(':').collect();
+    json!({"id": id, "effect": parts[0], "title": "Path between two nodes", "where": parts[1..].to_vec(), "where_kind": "nodes",
+        "input": null, "probability": probability, "log_bayes_factor": 41.25, "log_bayes_factor_scales": null, "group": group,
+        "amplitudes": {"conductance": {"value": 0.0491, "sd": 0.0031, "unit": "W/K", "at_bound": false}},
+        "rmse_k": {"train": [0.71, 0.26], "held_out": [0.83, 0.27]}, "watts": [0.1, 2.0],
+        "confused_with": ["radiative-path"], "separate": "another temperature"})
+}
+
+/// A diagnosis of this verdict over two rivals.
+pub fn output(verdict: &str) -> Output {
+    let selected: Vec<&str> = match verdict {
+        "identified" | "ambiguous" => vec!["conductive-path:baseplate:board"],
+        _ => vec![],
+    };
+    let rival = if verdict == "ambiguous" { Some(1) } else { None };
+    let experiment = json!({"between": ["conductive-path:baseplate:board", "radiative-path:baseplate:board"],
+        "conditions": {"T_if": {"value": 313.15, "unit": "K"}}, "probability": 0.97, "repeat_probability": 0.6, "limits_ok": true,
+        "predictions": {"board": [300.15, 301.15]}});
+    let heat = |node: &str, phase: &str, watts: f64| json!({"node": node, "phase": phase, "time_s": null, "watts": watts, "sd": 0.1});
+    serde_json::from_value(json!({
+        "verdict": verdict, "words": ["The words of the diagnosis."], "probability_nothing": 1e-12, "probability_unexplained": 0.004,
+        "misfit": {"reduced_chi2": 3.1, "family_wise_p": 1e-9, "rmse_k": {"train": 0.71, "held_out": 0.83},
+            "tests": [{"name": "effects", "at": "conductive-path:baseplate:board", "p": 1e-9}]},
+        "effects": [effect("conductive-path:baseplate:board", 0.9996, Some(1)), effect("radiative-path:baseplate:board", 0.08, rival),
+            effect("heat-load:board", 2e-4, None), effect("heat-load:strap", 1e-5, None), effect("heat-load:radiator", 0.0, None)],
+        "models": [{"effects": ["conductive-path:baseplate:board"], "log_evidence": -31.2, "probability": 0.91, "chi_square": 80.0,
+            "rmse_k": {"train": 0.26, "held_out": 0.27}}],
+        "selected": selected, "unseen": [], "detectable": {"heat-load:board": {"value": 0.0123, "unit": "W"}},
+        "noise": {}, "separating_experiment": if verdict == "ambiguous" { experiment } else { Value::Null },
+        "heat": [heat("board", "P01", 0.42), heat("strap", "P01", 0.05), heat("board", "P02", -0.9)],
+        "goes_with": [{"node": "board", "input": "Q_1", "slope": 0.1, "p": 1e-4}],
+        "held_out_test": null, "remaining_p": 0.4, "looked_at": [120, 7140, 40], "warnings": []
+    }))
+    .expect("an output")
+}
+
+/// A steady sample with a diagnosis of this verdict.
+pub fn diagnosed(verdict: &str) -> Sample {
+    let mut sample = steady();
+    let result = JobResult::Diagnose(Box::new(output(verdict)));
+    sample.results.push(JobEntry { name: "missing".into(), kind: "diagnose".into(), key: "1".repeat(64), result });
+    sample
+}
+
+/// The Markdown of the report on such a sample: its first section, and that on the diagnosis.
+fn told(verdict: &str) -> (String, String) {
+    let report = rendered(&diagnosed(verdict));
+    for (_, svg) in &report.figures {
+        assert_well_formed(svg);
+    }
+    let markdown = report.markdown.replace('\u{A0}', " ");
+    let summary =
+        markdown.split("## 1. Summary").nth(1).and_then(|rest| rest.split("\n## ").next()).expect("a summary");
+    let own =
+        markdown.split(". What is missing").nth(1).and_then(|rest| rest.split("\n## ").next()).expect("a section");
+    (summary.to_owned(), own.to_owned())
+}
+
+fn has(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+}
+
+#[test]
+fn the_first_screen_says_what_is_missing_how_surely_and_what_it_does() {
+    let (summary, own) = told("identified");
+    has(&summary, &["How wrong", "Where", "What is missing", "Path between two nodes", "0.0491 ± 0.0031 W/K"]);
+    has(&summary, &["How sure: identified", "91.0 %", "0.83 → 0.27 K", "0.71 → 0.26 K", "no rival", "8.0 %"]);
+    has(&own, &["identified", "> 99.9 %", "The words of the diagnosis.", "2 more were fitted"]);
+    assert!(!own.contains("heat-load:strap") && !own.contains("Verdict: Verdict"), "{own}");
+    assert!(!own.contains("goes with"), "an effect explains the heat: {own}");
+}
+
+#[test]
+fn rivals_are_named_with_the_phase_that_parts_them() {
+    let (summary, own) = told("ambiguous");
+    has(&summary, &["How sure: ambiguous", "1 rival", "radiative-path:baseplate:board", "with probability 97.0 %"]);
+    has(&own, &["with probability 97.0 %; repeating the best old phase: 60.0 %", "27.00 | 28.00 °C"]);
+}
+
+#[test]
+fn what_nothing_explains_is_shown_as_heat_by_node_and_phase() {
+    let (summary, own) = told("unexplained");
+    has(&summary, &["something unknown", "board", "P02", "How sure: unexplained"]);
+    has(&own, &["0.90 ± 0.10", "0.42 ± 0.10", "What the missing heat goes with", "Q_1"]);
+    assert!(!own.contains("0.05 ± 0.10"), "noise is no row: {own}");
+}
+
+#[test]
+fn an_adequate_model_comes_with_what_would_have_shown() {
+    let (summary, own) = told("adequate");
+    has(&summary, &["nothing that shows", "120 effects and 7140 pairs", "How sure: adequate"]);
+    has(&own, &["0.012 W", "none is needed"]);
+    assert!(!summary.contains("What else it could be"), "{summary}");
+}
