@@ -61,7 +61,7 @@ fn missed(output: &Output, reasons: &mut Vec<String>) -> Next {
         }
         return Next::ParameterInference;
     }
-    let best = output.knowledge.iter().filter_map(|knowledge| Some((knowledge, knowledge.levels.last()?))).last();
+    let best = output.knowledge.iter().filter_map(|knowledge| Some((knowledge, knowledge.levels.last()?))).next_back();
     if let Some((knowledge, level)) = best {
         reasons.push(format!(
             "not even perfect knowledge of {} is enough: the probability then is {:.4}",
