@@ -92,31 +92,47 @@ const PAIRS: [(f64, f64, f64); 10] = [
     (1.0, 1.0, 3.717_167_762),
 ];
 
-fn one_experiment(how: &str) {
+/// Mean error over seeds within three of its standard errors and the bias, and few seeds outside their own margins: the
+/// replicates' means are skewed (few samples lie beyond the ends of the prior's readings, and these tell most); three stated
+/// standard errors and the bias held at every d for 67 of 68 seeds. More than 2 misses of 8 then happen once in 5000 runs.
+fn one_experiment(how: &str, seeds: u64) {
     let values: Vec<String> = LONG.iter().map(|(d, _)| d.to_string()).collect();
-    let pass = huan(&format!(r#"{{"d": [{}]}}"#, values.join(", ")), how);
-    let output = designed(&pass, settings(&pass), &pass.priors);
-    for (candidate, (d, exact)) in output.candidates.iter().zip(LONG) {
-        let (found, margin) = value(candidate);
-        assert!((found - exact).abs() < margin, "{how} d = {d}: {found} {exact} {margin}");
-        assert!(!candidate.sees_nothing && candidate.allowed);
+    let mut pass = huan(&format!(r#"{{"d": [{}]}}"#, values.join(", ")), how);
+    let mut sums = vec![[0.0; 3]; LONG.len()];
+    let mut misses = 0;
+    for seed in 0..seeds {
+        pass.seed = seed;
+        let output = designed(&pass, settings(&pass), &pass.priors);
+        let mut is_inside = true;
+        for ((candidate, (_, exact)), sum) in output.candidates.iter().zip(LONG).zip(&mut sums) {
+            let (found, margin) = value(candidate);
+            is_inside &= (found - exact).abs() < margin;
+            let (error, bias) = (candidate.se.unwrap(), candidate.bias_bound.unwrap());
+            *sum = [sum[0] + found - exact, sum[1] + error * error, sum[2] + bias];
+            assert!(!candidate.sees_nothing && candidate.allowed);
+        }
+        misses += u64::from(!is_inside);
+        let best = output.best.unwrap();
+        assert_eq!(best.conditions["d"], 1.0, "{how}");
+        assert_eq!(output.convergence.last().unwrap().information_nats, best.information_nats);
     }
-    let best = output.best.unwrap();
-    assert_eq!(best.conditions["d"], 1.0, "{how}");
-    assert_eq!(output.convergence.last().unwrap().information_nats, best.information_nats);
+    for ([error, squares, bias], (d, _)) in sums.into_iter().zip(LONG) {
+        assert!(error.abs() < 3.0 * squares.sqrt() + bias, "{how} d = {d}: {error} {squares} {bias}");
+    }
+    assert!(misses <= 2, "{how}: {misses} of {seeds} seeds");
 }
 
 #[test]
 fn one_experiment_is_that_of_huan_and_marzouk() {
-    one_experiment(r#", "outer": 2048, "inner": 1024"#);
-    one_experiment(r#", "outer": 2048, "estimator": "importance""#);
+    one_experiment(r#", "outer": 2048, "inner": 1024"#, 8);
+    one_experiment(r#", "outer": 1024, "inner": 512, "estimator": "importance""#, 2);
 }
 
 #[test]
 #[ignore = "nightly: eight times the samples"]
 fn one_experiment_converges() {
-    one_experiment(r#", "outer": 16384, "inner": 8192"#);
-    one_experiment(r#", "outer": 16384, "draws": 64, "estimator": "importance""#);
+    one_experiment(r#", "outer": 16384, "inner": 8192"#, 8);
+    one_experiment(r#", "outer": 16384, "draws": 64, "estimator": "importance""#, 2);
 }
 
 fn short_prior(how: &str) {

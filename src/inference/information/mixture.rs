@@ -78,7 +78,7 @@ impl Mixture {
 
     /// Turns the standard normal numbers in `draw` into draw number `index`.
     pub fn place(&self, index: usize, draw: &mut [f64]) {
-        if index % PRIOR_EVERY != 0 {
+        if !index.is_multiple_of(PRIOR_EVERY) {
             cholesky::solve_lower_transposed(&self.factor, draw);
             for (value, mean) in draw.iter_mut().zip(&self.mean) {
                 *value += mean;

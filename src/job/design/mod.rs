@@ -50,6 +50,9 @@ pub struct Design {
     samples: Samples,
 }
 
+/// Phases, sensors, and the readings of each phase.
+type Set<'a> = (Vec<usize>, Vec<usize>, Vec<&'a [f64]>);
+
 /// The result so far.
 #[derive(Clone, Debug, Default)]
 struct State {
@@ -124,12 +127,7 @@ impl Design {
     }
 
     /// Blocks for a set of readings, cut by replicates where there are few sets.
-    fn blocks(
-        &self,
-        purpose: Purpose,
-        sets: &[(Vec<usize>, Vec<usize>, Vec<&[f64]>)],
-        state: &State,
-    ) -> Result<Vec<Vec<u8>>, JobError> {
+    fn blocks(&self, purpose: Purpose, sets: &[Set<'_>], state: &State) -> Result<Vec<Vec<u8>>, JobError> {
         let cut = if sets.len() < MANY { CUT } else { REPLICATES };
         let mut inputs = Vec::new();
         for (phases, sensors, predictions) in sets {

@@ -38,9 +38,15 @@ pub fn conditions(output: &Output, candidate: usize) -> String {
     let Some(candidate) = output.candidates.get(candidate) else { return String::new() };
     let words = output.axes.iter().filter_map(|axis| {
         let value = candidate.conditions.get(&axis.input)?;
-        Some(format!("{} = {}", axis.input, Shown::written(&axis.unit).text(*value)))
+        let shown = Shown::written(&axis.unit);
+        Some(format!("{} = {}", axis.input, number::with_unit(&given(&shown, *value), &shown.unit)))
     });
     words.collect::<Vec<_>>().join(", ")
+}
+
+/// A value that is set, in the study's unit.
+fn given(shown: &Shown, si: f64) -> String {
+    number::as_given(shown.value(si))
 }
 
 fn listed(names: &[String]) -> Text {
@@ -75,7 +81,7 @@ fn verdict(output: &Output) -> Vec<Block> {
     blocks
 }
 
-/// Half the digits that the errors leave sense in.
+/// Decimals that the errors leave sense in.
 fn digits(output: &Output) -> usize {
     let errors = output.candidates.iter().filter_map(|candidate| candidate.se);
     if errors.fold(0.0, f64::max) < 0.005 { 3 } else { 2 }
@@ -88,12 +94,12 @@ fn figure(job: &str, output: &Output) -> Option<Figure> {
             let (down, across) = (Shown::written(&rows.unit), Shown::written(&columns.unit));
             let width = columns.values.len();
             let map = HeatMap {
-                columns: columns.values.iter().map(|value| across.number(*value)).collect(),
+                columns: columns.values.iter().map(|value| given(&across, *value)).collect(),
                 rows: (rows.values.iter().enumerate())
                     .map(|(row, value)| {
                         let own = &output.candidates[row * width..(row + 1) * width];
                         let values = own.iter().map(|c| c.information_nats.filter(|_| c.allowed)).collect();
-                        (down.text(*value), false, values)
+                        (number::with_unit(&given(&down, *value), &down.unit), false, values)
                     })
                     .collect(),
                 full_scale: 0.0,
@@ -210,7 +216,7 @@ fn candidates(output: &Output) -> Vec<Block> {
         let own = &output.candidates[index];
         let mut row: Vec<Cell> = (output.axes.iter())
             .map(|axis| match own.conditions.get(&axis.input) {
-                Some(value) => Shown::written(&axis.unit).number(*value).into(),
+                Some(value) => given(&Shown::written(&axis.unit), *value).into(),
                 None => NONE.into(),
             })
             .collect();
