@@ -54,7 +54,11 @@ impl Score {
     pub fn of(&self, value: f64) -> f64 {
         match self {
             Self::Support(transform) => transform.coordinate(value),
-            Self::Probability(prior) => normal_quantile(prior.cdf(value)).clamp(-END, END),
+            Self::Probability(prior) => match prior.cdf(value) {
+                below if below <= 0.0 => -END,
+                below if below >= 1.0 => END,
+                below => normal_quantile(below).clamp(-END, END),
+            },
         }
     }
 
