@@ -235,6 +235,7 @@ fn the_studies_that_init_makes_run_or_say_how_to_bring_their_data() {
         the given design meets all requirements with a probability of 0.9197 (95 %: 0.9136 to 0.9254), 0.99 is required; radiator in environment nominal drives
         it is enough to know eps to 39.8 % of the prior standard deviation, 15.9 % of the variance
       margins: A from 0.2724 to 0.4649 m² by rule; the nominal 0.3000 m² passes 2 of 10 rules
+      coupon: T_s = 250 K, W = 25 W tells most about eps: 1.2182 ± 0.0082 nats expected
       look at it: bmv show new/pass-1.json, or bmv report new/pass-1.json
     "#);
     let made = printed(root.path(), &["init", "bench", "--from", "tclab"]);

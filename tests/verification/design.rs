@@ -373,7 +373,7 @@ fn coupon(pass: &Pass, how: Spec, most: f64) {
 #[ignore = "nightly: enough draws for importance sampling"]
 fn the_coupon_of_the_radiator_by_importance_sampling() {
     let pass = radiator();
-    let how = Spec { outer: 4096, pick: 1, draws: 1024, estimator: Estimator::Importance, ..settings(&pass) };
+    let how = Spec { outer: 1024, pick: 1, draws: 512, estimator: Estimator::Importance, ..settings(&pass) };
     coupon(&pass, how, 0.03);
 }
 
