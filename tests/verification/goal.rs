@@ -59,6 +59,7 @@ fn radiator_needs_its_emittance() {
 }
 
 #[test]
+#[ignore = "a minute without optimisation: nightly"]
 fn a_radiator_that_is_large_enough_wants_a_validation() {
     let output = radiator(0.33, |_| {});
     assert_eq!((output.advice.next, output.target.is_none()), (Next::Validation, true));

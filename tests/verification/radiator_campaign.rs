@@ -162,7 +162,8 @@ fn the_panels_readings_are_made_again_byte_for_byte() {
         let temperatures = solved(&pass, &[], &[("P", heater), ("T_sink", shroud)]);
         // What goes in goes out: to 1e-6 W with residuals below 1e-9 W a node.
         let area = EMITTANCE * LENGTHS_M[0] * LENGTHS_M[1] / (SIDE * SIDE) as f64;
-        let out: f64 = temperatures[..SIDE * SIDE].iter().map(|t| SIGMA * area * (t.powi(4) - shroud.powi(4))).sum();
+        let fourth = |t: f64| t * t * t * t;
+        let out: f64 = temperatures[..SIDE * SIDE].iter().map(|t| SIGMA * area * (fourth(*t) - fourth(shroud))).sum();
         assert!((out - heater).abs() < 1e-6, "{out}");
         let mut stream = noise.stream(index as u64);
         write!(text, "B{},0,{heater},{shroud}", index + 1).unwrap();
