@@ -5,7 +5,8 @@ use std::path::Path;
 /// Rooms in order; those of one row may not use one another.
 const ROWS: &[&[&str]] = &[
     &["math"],
-    &["random", "statistics", "expression"],
+    &["random", "expression"],
+    &["statistics"],
     &["document"],
     &["thermal"],
     &["effect"],

@@ -121,6 +121,10 @@ impl JointPrior {
         }
         let variances: Vec<f64> = (0..n).map(|i| factor[i * n + i]).collect();
         let degenerate = |i: usize| JointPriorError::Degenerate { parameter: names[i].to_owned() };
+        // What rounding leaves of a variance that is none.
+        if let Some(i) = (0..n).find(|&i| !(variances[i] > 1e-20 * (1.0 + mean[i] * mean[i]))) {
+            return Err(degenerate(i));
+        }
         cholesky::factor(&mut factor, n).map_err(|error| degenerate(error.index))?;
         // What rounding leaves of a variance that is none.
         if let Some(i) = (0..n).find(|&i| !(factor[i * n + i] > 1e-6 * variances[i].sqrt())) {

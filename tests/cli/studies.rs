@@ -230,7 +230,7 @@ fn the_studies_that_init_makes_run_or_say_how_to_bring_their_data() {
     insta::assert_snapshot!(printed(root.path(), &["run", "new"]), @r#"
     new/pass-1.json
       prior: P(radiator) = 0.920, required 0.990: not met; A = 0.3144 m² reaches it
-      effects: radiator temperature: total effects eps 68 %, Q 19 %, alpha 11 %
+      effects: radiator temperature: total effects eps 68 %, Q 19 %, alpha 11 %
       goal: next: an experiment that infers the leading parameters
         the given design meets all requirements with a probability of 0.9197 (95 %: 0.9136 to 0.9254), 0.99 is required; radiator in environment nominal drives
         it is enough to know eps to 39.8 % of the prior standard deviation, 15.9 % of the variance

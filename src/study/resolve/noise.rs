@@ -18,7 +18,8 @@ pub(super) fn refused(scope: &Scope, jobs: &[NamedJob], form: &PassForm, measure
             JobSpec::Diagnose(spec) => &spec.data,
             _ => continue,
         };
-        for measurement in data.iter().map(|&index| &measurements[index]) {
+        // A measurement with an error of its own is not among them.
+        for measurement in data.iter().filter_map(|&index| measurements.get(index)) {
             let rows = used_rows(measurement);
             for sensor in measurement.sensors.iter().filter(|sensor| sensor.sigma.is_none()) {
                 // Nothing is asked of a sensor without a reading to fit.
