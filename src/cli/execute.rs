@@ -43,6 +43,14 @@ impl Executed {
         }
     }
 
+    /// Passes and names of the jobs whose sampler did not converge.
+    pub fn not_converged(&self) -> impl Iterator<Item = (&LoadedPass, &str)> {
+        self.passes.iter().flat_map(move |pass| {
+            let unconverged = self.results(pass).filter(|(_, job)| !is_converged(job));
+            unconverged.map(move |(position, _)| (pass, self.plan.nodes()[position].name.as_str()))
+        })
+    }
+
     /// How the program ends after this run.
     pub fn status(&self) -> Status {
         if self.summary.is_interrupted() {
@@ -51,7 +59,7 @@ impl Executed {
             Status::JobFailed
         } else if self.passes.iter().any(|pass| !pass.refused.is_empty()) {
             Status::WrongInput
-        } else if self.passes.iter().flat_map(|pass| self.results(pass)).any(|(_, job)| !is_converged(job)) {
+        } else if self.not_converged().next().is_some() {
             Status::NotConverged
         } else {
             Status::Done

@@ -35,6 +35,9 @@ impl Report {
                 None => tell(&format!("{}: no job has a result, no report", escaped(&pass.shown))),
             }
         }
+        for (pass, job) in executed.not_converged() {
+            tell(&format!("warning: {}:{job}: the sampler did not converge", escaped(&pass.shown)));
+        }
         Ok(executed.status())
     }
 }
