@@ -283,34 +283,14 @@ fn critical_probabilities_and_detectable_amplitudes() {
     let directions: Vec<Direction> = (0..m).map(|k| direction(k, unit(60, k), 1)).collect();
     let prepared = bare(vec![0.0; 60]);
     let family = family(&prepared, &directions, &nothing(), None);
-    let found = detectable(&prepared, &directions, &family, 0.005, 0.9, &sampling(4000), None);
+    let critical_p = family.critical(0.005, &sampling(4000));
     // Independent members: 1 - 0.995^(1/40), to the standard error and the half per cent of the search.
     let expected = 1.0 - pow(0.995, 1.0 / 40.0);
-    assert!((found.critical_p / expected - 1.0).abs() < 0.02, "{}", found.critical_p);
+    assert!((critical_p / expected - 1.0).abs() < 0.02, "{}", critical_p);
     let c = -crate::math::special::normal_quantile(0.5 * expected);
-    let amplitude = found.amplitudes[3].unwrap();
+    let amplitude = detectable(&prepared, &directions[3], critical_p, 0.9, None).unwrap();
     assert!((amplitude - (c + 1.281_551_6) / 3.0).abs() < 5e-3, "{amplitude}");
     // With that amplitude nine scores of ten are beyond.
     let power = normal_cdf(3.0 * amplitude - c);
     assert!((power - 0.9).abs() < 3e-3);
-}
-
-#[test]
-fn a_curve_is_detectable_at_the_size_at_which_it_is_found() {
-    let mut stream = stream("curve", 0);
-    let rows = 20;
-    let mut curve = random_direction(0, rows, 3, &mut stream);
-    curve.plausible = vec![0.5, 0.7, 1.0];
-    let prepared = bare(vec![0.0; rows]);
-    let size = super::detectable::amplitude(&prepared, &curve, 1e-4, 0.9, None).unwrap();
-    // Counted: curves drawn at that size, with noise.
-    let (n, mut found) = (4000, 0);
-    for _ in 0..n {
-        let a: Vec<f64> = curve.plausible.iter().map(|t| size * t * stream.normal()).collect();
-        let r =
-            (0..rows).map(|row| stream.normal() + (0..3).map(|k| a[k] * curve.column(k)[row]).sum::<f64>()).collect();
-        found += i32::from(bare(r).score(&curve).p <= 1e-4);
-    }
-    let rate = f64::from(found) / f64::from(n);
-    assert!((rate - 0.9).abs() < 4.0 * sqrt(0.09 / f64::from(n)), "{rate} at {size}");
 }

@@ -22,12 +22,16 @@ const MOST_PAIRS: usize = 300;
 const MOST_PARTNERS: usize = 12;
 /// Single-column directions among which pairs are sought.
 const MOST_IN_PAIRS: usize = 1500;
+/// The same for the pair beside which the noise is settled.
+const MOST_BESIDE_NOISE: usize = 400;
 /// Entries of all directions above which not all are held.
 const MOST_ENTRIES: usize = 40_000_000;
 /// Directions that are held then.
 const MOST_KEPT: usize = 3000;
 /// Draws of the family-wise probability.
 const DRAWS: usize = 1000;
+/// Draws of the probability that is critical for a member: 8 % of it are 1 % of a detectable amplitude.
+const DRAWS_OF_CRITICAL: usize = 250;
 /// Rounds in which the noise is settled.
 const NOISE_ROUNDS: usize = 3;
 /// Power at which amplitudes are said to be detectable.
@@ -150,11 +154,10 @@ impl Scored {
         order
     }
 
-    /// The best pairs of different effects: positions and amplitudes.
-    fn pairs(&self, count: usize) -> Vec<([usize; 2], [f64; 2], f64)> {
-        let chosen: Vec<usize> =
-            self.ranked().into_iter().filter(|&d| self.directions[d].amplitudes() == 1).take(MOST_IN_PAIRS).collect();
-        let mut chosen = chosen;
+    /// The best pairs of different effects, of the `among` best directions of one column: positions and amplitudes.
+    fn pairs(&self, among: usize, count: usize) -> Vec<([usize; 2], [f64; 2], f64)> {
+        let single = self.ranked().into_iter().filter(|&d| self.directions[d].amplitudes() == 1);
+        let mut chosen: Vec<usize> = single.take(among).collect();
         chosen.sort_unstable();
         let directions: Vec<Direction> = chosen.iter().map(|&d| self.directions[d].clone()).collect();
         let scores: Vec<Score> = chosen.iter().map(|&d| self.scores[d].clone()).collect();
@@ -209,7 +212,7 @@ impl Diagnosis {
         let singles = scored.directions.iter().filter(|direction| direction.amplitudes() == 1).count() as u64;
         screening.pairs_screened = singles * singles.saturating_sub(1) / 2;
         let mut taken: BTreeMap<usize, usize> = BTreeMap::new();
-        for ([a, b], amplitudes, fall) in scored.pairs(MOST_PAIRS) {
+        for ([a, b], amplitudes, fall) in scored.pairs(MOST_IN_PAIRS, MOST_PAIRS) {
             // One effect that stands out would fill the list with whatever goes beside it.
             let ends = [a, b].map(|d| scored.directions[d].candidate);
             if ends.iter().any(|candidate| taken.get(candidate).copied().unwrap_or(0) >= MOST_PARTNERS) {
@@ -232,20 +235,16 @@ impl Diagnosis {
             }
         }
         if whole {
-            let found = detectable(
-                &scored.prepared,
-                &scored.directions,
-                &family,
-                self.settings().false_alarm,
-                POWER,
-                &sampling,
-                estimated,
-            );
-            for (direction, amplitude) in scored.directions.iter().zip(&found.amplitudes) {
-                let known = screening.detectable.iter().any(|(candidate, _, _)| *candidate == direction.candidate);
-                let finite = amplitude.filter(|amplitude| amplitude.is_finite());
-                let (Some(amplitude), true, false) = (finite, direction.amplitudes() == 1, known) else { continue };
-                screening.detectable.extend(shown(problem, direction, amplitude));
+            let sampling = Sampling { draws: DRAWS_OF_CRITICAL, ..sampling };
+            let critical_p = family.critical(self.settings().false_alarm, &sampling);
+            for direction in scored.directions.iter().filter(|direction| direction.amplitudes() == 1) {
+                if screening.detectable.iter().any(|(candidate, _, _)| *candidate == direction.candidate) {
+                    continue;
+                }
+                let amplitude = detectable(&scored.prepared, direction, critical_p, POWER, estimated);
+                if let Some(amplitude) = amplitude.filter(|amplitude| amplitude.is_finite()) {
+                    screening.detectable.extend(shown(problem, direction, amplitude));
+                }
             }
         }
         Ok(screening)
@@ -417,7 +416,7 @@ impl Diagnosis {
             own
         });
         let scored = Scored::new(&white, whitened.collect());
-        let best: Vec<usize> = match scored.pairs(1).first() {
+        let best: Vec<usize> = match scored.pairs(MOST_BESIDE_NOISE, 1).first() {
             Some((pair, _, _)) => pair.to_vec(),
             None => scored.ranked().into_iter().filter(|&d| directions[d].amplitudes() == 1).take(1).collect(),
         };

@@ -21,8 +21,8 @@ const SMALLEST_WEIGHT: f64 = 1e-6;
 pub(super) enum Projected {
     /// `g~` and its length.
     Single { column: Vec<f64>, norm: f64, side: Side },
-    /// Orthonormal columns, the weight of the square of the component along each, and the eigenvalue behind it.
-    Several { columns: Vec<f64>, weights: Vec<f64>, eigenvalues: Vec<f64> },
+    /// Orthonormal columns, and the weight of the square of the component along each.
+    Several { columns: Vec<f64>, weights: Vec<f64> },
     /// Nothing that the data see.
     Unseen,
 }
@@ -141,10 +141,10 @@ impl Prepared {
         let total: f64 = direction.columns.iter().map(|x| x * x).sum();
         let projected: Vec<Vec<f64>> = (0..direction.amplitudes()).map(|a| self.project(direction.column(a))).collect();
         let left: f64 = projected.iter().map(|g| dot(g, g)).sum();
-        let Spectrum { weights, columns, eigenvalues, .. } = self.spectrum(direction, &projected);
+        let Spectrum { weights, columns, .. } = self.spectrum(direction, &projected);
         if weights.is_empty() || !(left >= SMALLEST_SHARE * total) {
             return Projected::Unseen;
         }
-        Projected::Several { columns, weights, eigenvalues }
+        Projected::Several { columns, weights }
     }
 }

@@ -94,26 +94,35 @@ impl Sum {
         [first, second, third]
     }
 
-    /// `ln M(t) - ln t` at a complex t.
-    fn exponent(&self, (re, im): (f64, f64)) -> (f64, f64) {
-        let logarithm = |re: f64, im: f64| (0.5 * ln(re * re + im * im), atan2(im, re));
-        let (mut real, mut angle) = logarithm(re, im);
-        (real, angle) = (-real, -angle);
+    /// `M(t) / t` times `exp(-top)` at a complex t above the real axis. Each root is the principal one: its radicand lies
+    /// on one side of the real axis all along the path.
+    fn integrand(&self, (re, im): (f64, f64), top: f64) -> (f64, f64) {
+        let mut product = (1.0, 0.0);
         for w in &self.weights {
-            let (a, b) = logarithm(1.0 - 2.0 * w * re, -2.0 * w * im);
-            real -= 0.5 * a;
-            angle -= 0.5 * b;
+            product = times(product, root((1.0 - 2.0 * w * re, -2.0 * w * im)));
         }
-        if let Some(d) = self.degrees {
-            let share = 2.0 * self.value / d;
-            let (a, b) = logarithm(1.0 + share * re, share * im);
-            real -= 0.5 * d * a;
-            angle -= 0.5 * d * b;
-        } else {
-            real -= self.value * re;
-            angle -= self.value * im;
-        }
-        (real, angle)
+        let (a, b) = times(product, (re, im));
+        // ln and angle of what is left.
+        let (size, angle) = match self.degrees {
+            Some(d) => {
+                let share = 2.0 * self.value / d;
+                let (x, y) = (1.0 + share * re, share * im);
+                (-0.25 * d * ln(x * x + y * y) - top, -0.5 * d * atan2(y, x))
+            }
+            None => (-self.value * re - top, -self.value * im),
+        };
+        let size = exp(size) / (a * a + b * b);
+        times((a, -b), (size * cos(angle), size * sin(angle)))
+    }
+
+    /// `ln M(t) - ln |t|` on the real axis, between the poles.
+    fn exponent(&self, t: f64) -> f64 {
+        let roots: f64 = self.weights.iter().map(|w| ln(1.0 - 2.0 * w * t)).sum();
+        let rest = match self.degrees {
+            Some(d) => 0.5 * d * ln(1.0 + 2.0 * t * self.value / d),
+            None => self.value * t,
+        };
+        -ln(t.abs()) - 0.5 * roots - rest
     }
 
     fn tail(&self) -> f64 {
@@ -139,23 +148,33 @@ impl Sum {
         let [_, second, third] = self.derivatives(saddle);
         let width = 1.0 / sqrt(second);
         let bend = (third / (3.0 * second)).max(0.2 / width);
-        let top = self.exponent((saddle, 0.0)).0;
+        let top = self.exponent(saddle);
         // Trapezium rule; the middle counts half as the two halves of the path are conjugate.
-        let step = 0.05 * width;
+        let step = 0.1 * width;
         let mut sum = 0.5 * if above { 1.0 } else { -1.0 };
         for k in 1..4000 {
             let y = f64::from(k) * step;
-            let (real, angle) = self.exponent((saddle + 0.5 * bend * y * y, y));
-            let size = exp(real - top);
-            let term = size * (cos(angle) + bend * y * sin(angle));
-            sum += term;
-            if size * (1.0 + bend * y) < 1e-17 {
+            let (real, imaginary) = self.integrand((saddle + 0.5 * bend * y * y, y), top);
+            sum += real + bend * y * imaginary;
+            if (real.abs() + imaginary.abs()) * (1.0 + bend * y) < 1e-17 {
                 break;
             }
         }
         let integral = sum * step * exp(top) / std::f64::consts::PI;
         (if above { integral } else { 1.0 + integral }).clamp(0.0, 1.0)
     }
+}
+
+/// Product of two complex numbers.
+fn times((a, b): (f64, f64), (c, d): (f64, f64)) -> (f64, f64) {
+    (a * c - b * d, a * d + b * c)
+}
+
+/// Principal root of a complex number that is not 0.
+fn root((re, im): (f64, f64)) -> (f64, f64) {
+    let long = sqrt(0.5 * (sqrt(re * re + im * im) + re.abs()));
+    let short = 0.5 * im / long;
+    if re >= 0.0 { (long, short) } else { (short.abs(), if im < 0.0 { -long } else { long }) }
 }
 
 #[cfg(test)]
