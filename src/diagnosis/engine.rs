@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::exchange::likeliest;
 use super::noise::{SettledNoise, settle};
 use super::refit::Begin;
 use super::screen::{Lead, Screening};
@@ -16,6 +17,8 @@ use crate::random::StreamKey;
 const SINGLES: usize = 30;
 /// Pairs that are fitted at first.
 const PAIRS: usize = 30;
+/// Exchanges of channels that are fitted whatever they look like.
+const EXCHANGES: usize = 4;
 /// Single effects that are fitted where no test finds anything.
 const SINGLES_OF_NOTHING: usize = 10;
 /// Effects that are tried beside a set, or in the place of one of its members.
@@ -189,10 +192,15 @@ impl Diagnosis {
             remainders: vec![Remainder { effects: Vec::new(), p: screening.family.p }],
             warnings: Vec::new(),
         };
-        let finds = screening.family.p <= self.settings.false_alarm;
+        let finds = self.finds(&screening);
         let singles = if finds { SINGLES } else { SINGLES_OF_NOTHING };
         for lead in screening.leads.iter().take(singles) {
             state.order(&[lead], &[], 0);
+        }
+        if finds {
+            for candidate in likeliest(&problem, &state.refits[0], EXCHANGES) {
+                state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &[], 0);
+            }
         }
         if finds && self.settings.most > 1 {
             for pair in screening.pairs.iter().take(PAIRS) {
@@ -200,6 +208,11 @@ impl Diagnosis {
             }
         }
         Ok(state)
+    }
+
+    /// Whether the tests find that something is missing.
+    fn finds(&self, screening: &Screening) -> bool {
+        screening.family.p <= self.settings.false_alarm
     }
 
     /// The sets to be fitted now; none: it is time to conclude.
@@ -219,8 +232,9 @@ impl Diagnosis {
             start.extend(own.iter().map(|(name, value)| (name.clone(), *value)));
             start
         });
-        // The believed model may be bent far from where its parameters are once the effect is there.
-        let begin = Begin { starts: starts.collect(), from_prior: 1, scale: 1.0 };
+        // Where something is missing, the believed model may be bent far from where its parameters are with the effect.
+        let from_prior = usize::from(self.finds(&state.screening));
+        let begin = Begin { starts: starts.collect(), from_prior, scale: 1.0 };
         let names = order.effects.iter().map(|&effect| self.problem.candidates[effect].id.as_str());
         let names: Vec<&str> = names.collect();
         problem.refit(&order.effects, &begin, &self.key).map_err(|why| format!("{}: {why}", names.join(" + ")))
@@ -284,7 +298,7 @@ impl Diagnosis {
             Err(why) => state.warn(why),
             Ok(screening) => {
                 state.remainders.push(Remainder { effects: set.clone(), p: screening.family.p });
-                if screening.family.p <= self.settings.false_alarm && (set.len() as u64) < self.settings.most {
+                if self.finds(&screening) && (set.len() as u64) < self.settings.most {
                     for lead in screening.leads.iter().take(2 * BESIDE) {
                         state.order(&[lead], &set, place);
                     }

@@ -11,6 +11,7 @@ mod conclude;
 pub mod detectable;
 mod engine;
 pub mod evidence;
+mod exchange;
 pub mod family;
 #[cfg(test)]
 mod family_tests;

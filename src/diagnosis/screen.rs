@@ -170,7 +170,8 @@ impl Scored {
 }
 
 impl Diagnosis {
-    /// Screens what a fit of the problem's model leaves; `whole` also finds what would have been detected.
+    /// Screens what a fit of the problem's model leaves; where that is nothing, `whole` also
+    /// finds what would have been detected.
     pub(super) fn screen_problem(&self, problem: &Problem, refit: &Refit, whole: bool) -> Result<Screening, String> {
         let likelihood = self.likelihood(problem)?;
         let linear = signature::linearise(&likelihood, &refit.unknowns).map_err(|e| e.to_string())?;
@@ -234,7 +235,7 @@ impl Diagnosis {
                 screening.unseen.push((position, why.to_owned()));
             }
         }
-        if whole {
+        if whole && p > self.settings().false_alarm {
             let sampling = Sampling { draws: DRAWS_OF_CRITICAL, ..sampling };
             let critical_p = family.critical(self.settings().false_alarm, &sampling);
             for direction in scored.directions.iter().filter(|direction| direction.amplitudes() == 1) {

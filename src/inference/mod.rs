@@ -11,6 +11,7 @@ pub mod information;
 pub mod informed;
 pub mod joint_prior;
 pub mod lag;
+pub mod laplace;
 pub mod likelihood;
 pub mod measurement;
 pub mod metric;

@@ -2,23 +2,17 @@
 //! the fit in data: parameters at a bound, directions that the data do not see, parameters that act only together.
 //!
 //! The maximum is that of the density over natural coordinates (`natural`: logarithms where the prior is logarithmic).
-//! Evidence with active bounds: the free part by its Hessian and the probability of its box, each pinned part by the
-//! integral of `e^(-g t - s t^2 / 2)` from its bound, `g` the gradient and `s` the curvature left when the free part
-//! follows.
+//! Evidence with active bounds as in [`super::laplace`].
 
-use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use super::box_probability::log_box_probability;
 use super::chains::{SampleError, most_frequent};
-use super::cholesky;
 use super::identifiability::{self, Finding};
+use super::laplace::Laplace;
 use super::natural::NaturalObjective;
 use super::optimise::{Bounds, Minimum, free_variables, hessian, minimise};
 use super::posterior::Work;
 use super::target::LeastSquares;
-use crate::math::functions::{exp, ln};
-use crate::math::quadrature::gauss_legendre;
 use crate::random::{PointKind, Points, StreamKey};
 
 /// Settings of the point estimate.
@@ -210,7 +204,7 @@ fn assemble<T: LeastSquares>(
     let log_prior = objective.log_prior(&best.x);
     let mut covariance = vec![0.0; n * n];
     let mut log_evidence = None;
-    if let Some(laplace) = Laplace::new(best, bounds, curvature, &free) {
+    if let Some(laplace) = Laplace::new(&best.x, &best.gradient, bounds, curvature, &free) {
         for (a, &i) in free.iter().enumerate() {
             for (b, &j) in free.iter().enumerate() {
                 let slope = |k: usize| if objective.logarithmic()[k] { parameters[k] } else { 1.0 };
@@ -230,106 +224,5 @@ fn assemble<T: LeastSquares>(
         findings,
         descents,
         work: objective.work.clone(),
-    }
-}
-
-/// The normal approximation at a point with some variables held at bounds.
-struct Laplace {
-    /// Covariance of the free variables.
-    covariance: Vec<f64>,
-    /// Logarithm of the integral of the density relative to its maximum.
-    log_volume: Option<f64>,
-}
-
-impl Laplace {
-    /// `None` where the curvature of the free variables is negative or undefined.
-    fn new(best: &Minimum, bounds: &Bounds, curvature: &[f64], free: &[usize]) -> Option<Self> {
-        let n = best.x.len();
-        let k = free.len();
-        let mut own: Vec<f64> = free.iter().flat_map(|&i| free.iter().map(move |&j| curvature[i * n + j])).collect();
-        floor_eigenvalues(&mut own, best, bounds, free);
-        let mut factor = own;
-        cholesky::factor(&mut factor, k).ok()?;
-        let covariance = cholesky::inverse(&factor, k);
-        let room = |ends: &[f64]| -> Vec<f64> { free.iter().map(|&i| ends[i] - best.x[i]).collect() };
-        let inside = log_box_probability(&covariance, &room(&bounds.lower), &room(&bounds.upper));
-        let log_tau = ln(core::f64::consts::TAU);
-        let mut volume = 0.5 * (k as f64 * log_tau - cholesky::log_determinant(&factor, k));
-        for i in (0..n).filter(|i| !free.contains(i)) {
-            // Curvature along the held variable while the free ones follow (Schur complement); 0 where it is negative.
-            let mut along: Vec<f64> = free.iter().map(|&j| curvature[j * n + i]).collect();
-            cholesky::solve_lower(&factor, &mut along);
-            let left = (curvature[i * n + i] - along.iter().map(|v| v * v).sum::<f64>()).max(0.0);
-            volume += ln(pinned_integral(best.gradient[i].abs(), left, bounds.upper[i] - bounds.lower[i]));
-        }
-        Some(Self { covariance, log_volume: inside.map(|inside| volume + inside) })
-    }
-}
-
-/// Raises the curvature of directions that data and prior leave open to one that cannot be told from none across the
-/// box, so that the box alone limits them. Directions that no bound limits stay as they are.
-fn floor_eigenvalues(curvature: &mut [f64], best: &Minimum, bounds: &Bounds, free: &[usize]) {
-    const LEAST: f64 = 1e-4;
-    let k = free.len();
-    if k == 0 {
-        return;
-    }
-    let widths: Vec<f64> = free.iter().map(|&i| bounds.upper[i] - bounds.lower[i]).collect();
-    let scales: Vec<f64> = (0..k)
-        .map(|a| {
-            let own = curvature[a * k + a];
-            let spread = if own > 0.0 { 1.0 / own.sqrt() } else { f64::INFINITY };
-            let scale = spread.min(widths[a]);
-            if scale.is_finite() { scale } else { best.x[free[a]].abs().max(f64::MIN_POSITIVE) }
-        })
-        .collect();
-    let scaled = DMatrix::from_fn(k, k, |a, b| curvature[a * k + b] * scales[a] * scales[b]);
-    if scaled.iter().any(|v| !v.is_finite()) {
-        return;
-    }
-    let eigen = scaled.symmetric_eigen();
-    let floored = DVector::from_fn(k, |e, _| {
-        let reach =
-            (0..k).map(|a| widths[a] / (scales[a] * eigen.eigenvectors[(a, e)].abs())).fold(f64::INFINITY, f64::min);
-        eigen.eigenvalues[e].max(LEAST / (reach * reach))
-    });
-    if floored == eigen.eigenvalues {
-        return;
-    }
-    for a in 0..k {
-        for b in 0..k {
-            let sum: f64 = (0..k).map(|e| eigen.eigenvectors[(a, e)] * floored[e] * eigen.eigenvectors[(b, e)]).sum();
-            curvature[a * k + b] = sum / (scales[a] * scales[b]);
-        }
-    }
-}
-
-/// Integral of `e^(-g t - s t^2 / 2)` over t from 0 to a width that may be infinite; g above or at 0, s at least 0.
-fn pinned_integral(gradient: f64, curvature: f64, width: f64) -> f64 {
-    // Beyond forty decay lengths nothing is left.
-    let reach = width.min(40.0 / gradient.max(f64::MIN_POSITIVE)).min(9.0 / curvature.max(f64::MIN_POSITIVE).sqrt());
-    const PANELS: usize = 16;
-    let rule = gauss_legendre(10);
-    let step = reach / PANELS as f64;
-    (0..PANELS)
-        .map(|panel| {
-            let from = panel as f64 * step;
-            rule.integrate(from, from + step, |t| exp(-t * (gradient + 0.5 * curvature * t)))
-        })
-        .sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_integral_from_a_bound_has_its_limits() {
-        // Steep: 1/g. Flat: the width. Curved: half a normal integral.
-        assert!((pinned_integral(50.0, 0.0, f64::INFINITY) - 0.02).abs() < 1e-12);
-        assert!((pinned_integral(2.0, 0.0, 1.0) - 0.5 * (1.0 - libm::exp(-2.0))).abs() < 1e-12);
-        assert!((pinned_integral(0.0, 0.0, 3.0) - 3.0).abs() < 1e-12);
-        let half = 0.5 * core::f64::consts::TAU.sqrt() / 2.0;
-        assert!((pinned_integral(0.0, 4.0, f64::INFINITY) - half).abs() < 1e-12);
     }
 }

@@ -15,8 +15,8 @@ use super::topology::{Topology, network};
 use super::truth::Truth;
 use crate::diagnosis::Problem;
 use crate::document::hash::sha256_hex;
-use crate::effect::{Catalogue, SensorPlace, candidates};
-use crate::inference::measurement::{Measurement, Rows};
+use crate::effect::{Catalogue, SensorChange, SensorPlace, candidates};
+use crate::inference::measurement::Rows;
 use crate::random::StreamKey;
 
 /// What a case of a drawn network is to be.
@@ -87,7 +87,7 @@ fn attempted(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, stream: u64
         hidden.truth.rivals = Some(rivals::rivals(&problem, &hidden)?);
     }
     let key = StreamKey::new(seed, "laboratory", "noise");
-    read(&mut problem.measurements, &hidden.clean, &hidden.truth, &key, stream);
+    read(&mut problem, &hidden.clean, &hidden.truth, &key, stream);
     for measurement in &mut problem.measurements {
         for reading in measurement.readings.iter_mut().flatten() {
             *reading = decimals(*reading, DECIMALS);
@@ -97,10 +97,18 @@ fn attempted(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, stream: u64
     Ok(Case { topology, test, sketch, problem, truth: hidden.truth })
 }
 
-/// Fills in readings with noise, where there are any: case `number` has the streams from `1e6 number` on.
-pub fn read(measurements: &mut [Measurement], clean: &[Vec<f64>], truth: &Truth, key: &StreamKey, number: u64) {
-    for (position, (measurement, clean)) in measurements.iter_mut().zip(clean).enumerate() {
-        let noise = noise(measurement, number * 1000 + position as u64, truth.noise, key);
+/// Fills in readings with noise, where there are any: case `number` has the streams from `1e6 number` on. The noise of a
+/// sensor goes with it to the channel that it is wired to.
+pub fn read(problem: &mut Problem, clean: &[Vec<f64>], truth: &Truth, key: &StreamKey, number: u64) {
+    let exchanges = |effect: &str| problem.catalogue.get(effect).is_some_and(|own| own.form.adds.value.swap.is_some());
+    let exchanged: Vec<SensorChange> = (truth.effects.iter())
+        .filter(|hidden| exchanges(&hidden.effect))
+        .filter_map(|hidden| Some(SensorChange::Swap { sensors: hidden.place.clone().try_into().ok()? }))
+        .collect();
+    for (position, (measurement, clean)) in problem.measurements.iter_mut().zip(clean).enumerate() {
+        let mut wired = measurement.clone();
+        exchanged.iter().for_each(|change| wired.change_sensors(change, 0.0));
+        let noise = noise(&wired, number * 1000 + position as u64, truth.noise, key);
         for (reading, (clean, noise)) in measurement.readings.iter_mut().zip(clean.iter().zip(&noise)) {
             *reading = reading.map(|_| clean + noise);
         }

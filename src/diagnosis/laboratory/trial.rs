@@ -76,7 +76,7 @@ pub fn simulate(template: &Problem, wish: &Wish, seed: u64, number: u64) -> Resu
     let mut hidden = hide(template, wish, &mut Draw::new(seed, "truth", number))?;
     hidden.truth.rivals = Some(rivals(template, &hidden)?);
     let key = StreamKey::new(seed, "laboratory", "noise");
-    read(&mut problem.measurements, &hidden.clean, &hidden.truth, &key, number);
+    read(&mut problem, &hidden.clean, &hidden.truth, &key, number);
     Ok((problem, hidden.truth))
 }
 

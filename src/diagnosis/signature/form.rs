@@ -217,8 +217,9 @@ pub(super) fn plausible(parameter: &EffectParameter) -> f64 {
 }
 
 /// Values at which the parameters that shape an effect are tried, SI: of one of them its nominal value and quantiles of
-/// its prior, five where it is spread evenly, else three; of several the product, as far as it is small, else the
-/// nominal values.
+/// its prior, nine where it is spread evenly (a threshold between two levels of an input has no slope: one of them should
+/// lie between the right ones), five where its logarithm is, else three; of several the product, as far as it is small,
+/// else the nominal values.
 pub(super) fn shapes(parameters: &[EffectParameter]) -> Vec<Vec<f64>> {
     use crate::random::Distribution::{LogUniform, Uniform};
     const MOST: usize = 9;
@@ -226,8 +227,11 @@ pub(super) fn shapes(parameters: &[EffectParameter]) -> Vec<Vec<f64>> {
     for parameter in parameters.iter().filter(|parameter| !parameter.amplitude) {
         let mut values = vec![parameter.nominal];
         if !parameter.prior.is_fixed() {
-            let even = matches!(parameter.prior, Uniform { .. } | LogUniform { .. });
-            let at: &[f64] = if even { &[0.1, 0.3, 0.7, 0.9] } else { &[0.05, 0.95] };
+            let at: &[f64] = match parameter.prior {
+                Uniform { .. } => &[0.1, 0.3, 0.7, 0.9, 0.05, 0.2, 0.4, 0.6],
+                LogUniform { .. } => &[0.1, 0.3, 0.7, 0.9],
+                _ => &[0.05, 0.95],
+            };
             values.extend(at.iter().map(|&u| parameter.prior.quantile(u)));
         }
         values.truncate((MOST / all.len()).max(1));

@@ -1,0 +1,191 @@
+//! Heat that the believed model lacks, whatever its cause: in steady data independent in every node and phase, in
+//! transients in every node and stretch of time, beside a bias of every sensor.
+//!
+//! With `H` the whitened effect of these sources, columns scaled to norm 1, and amplitudes `q ~ N(0, s^2)`, the residuals
+//! freed of the parameters are normal with covariance `I + s^2 H H'`; so evidence and heat are known in closed form
+//! (Rasmussen & Williams 2006, section 2.7). Nodes and sensors are added one by one, each with the best of four sizes s,
+//! while the evidence rises by more than the logarithm of the number of choices. Then the model is linearised anew with
+//! the heat in it, until it stays: the heat may have let the parameters go far from where they were without it.
+
+mod relations;
+mod sources;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::evidence::{Amplitude, Evidence};
+use super::output::{GoesWith, Heat};
+use super::products::dot;
+use super::{Problem, Refit};
+use crate::math::functions::ln;
+use relations::relations;
+use sources::{Kind, Source, Sources, State, norms};
+
+/// Most nodes and sensors.
+const MOST_KINDS: usize = 4;
+/// Sizes s that are tried, in standard deviations of the noise.
+const SIZES: [f64; 4] = [1.0, 4.0, 16.0, 64.0];
+/// Most linearisations with heat.
+const MOST_STEPS: usize = 6;
+/// Shares of a step that are tried.
+const SHARES: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
+/// Fall of half the sum of squares below which the linearisation stays.
+const STAYS: f64 = 0.02;
+
+/// The heat that is missing.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct MissingHeat {
+    /// Log evidence of a model with such sources.
+    pub log_evidence: f64,
+    /// The heat of each node and phase or stretch.
+    pub heat: Vec<Heat>,
+    /// What it goes with.
+    pub goes_with: Vec<GoesWith>,
+}
+
+/// Sources that are needed: position and standard deviation of the amplitude beforehand.
+type Needed = Vec<(usize, f64)>;
+
+/// Adds the kind that raises the evidence most, while it pays for its choice among all kinds and sizes. What comes back
+/// are the sources and the price of all choices.
+fn needed(state: &State, list: &[Source], norms: &[f64], without: f64) -> (Needed, f64) {
+    let evidence = Evidence::new(&state.linear);
+    let mut kinds: Vec<Kind> = Vec::new();
+    for (source, norm) in list.iter().zip(norms) {
+        if *norm > 0.0 && !kinds.contains(&source.kind) {
+            kinds.push(source.kind);
+        }
+    }
+    let price = ln((kinds.len() * SIZES.len()).max(1) as f64);
+    let (mut taken, mut chosen, mut highest): (Vec<(Kind, f64)>, Needed, f64) = (Vec::new(), Vec::new(), 0.0);
+    while taken.len() < MOST_KINDS {
+        let mut best: Option<(f64, (Kind, f64), Needed)> = None;
+        for &kind in kinds.iter().filter(|kind| !taken.iter().any(|(known, _)| known == *kind)) {
+            for size in SIZES {
+                let with: Vec<(Kind, f64)> = taken.iter().copied().chain([(kind, size)]).collect();
+                let own: Needed = (0..list.len())
+                    .filter(|&place| norms[place] > 0.0)
+                    .filter_map(|place| {
+                        let (_, size) = with.iter().find(|(own, _)| *own == list[place].kind)?;
+                        Some((place, size / norms[place]))
+                    })
+                    .collect();
+                let Some(value) = evidence.log_evidence(&amplitudes(state, &own)) else { continue };
+                let gain = value - without - with.len() as f64 * price;
+                if best.as_ref().is_none_or(|(known, _, _)| gain > *known) {
+                    best = Some((gain, (kind, size), own));
+                }
+            }
+        }
+        match best {
+            Some((gain, kind, own)) if gain > highest => {
+                taken.push(kind);
+                chosen = own;
+                highest = gain;
+            }
+            _ => break,
+        }
+    }
+    let paid = taken.len() as f64 * price;
+    (chosen, paid)
+}
+
+fn amplitudes<'a>(state: &'a State, chosen: &Needed) -> Vec<Amplitude<'a>> {
+    let free = |&(place, sd): &(usize, f64)| Amplitude {
+        values: &state.columns[place],
+        sd,
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+    };
+    chosen.iter().map(free).collect()
+}
+
+/// Most probable step of the parameters and amplitudes of the chosen sources, and the amplitudes' standard deviations, of
+/// the linear problem with no bound but those that hold already.
+fn solve(state: &State, chosen: &Needed) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>)> {
+    let linear = &state.linear;
+    let n = linear.parameters();
+    let free: Vec<usize> = (0..n).filter(|&i| linear.lower[i] < 0.0 && linear.upper[i] > 0.0).collect();
+    let slopes: Vec<Vec<f64>> =
+        free.iter().map(|&i| (0..linear.rows).map(|row| linear.jacobian[row * n + i]).collect()).collect();
+    let columns: Vec<&[f64]> = slopes
+        .iter()
+        .map(Vec::as_slice)
+        .chain(chosen.iter().map(|&(place, _)| state.columns[place].as_slice()))
+        .collect();
+    let first = free.len();
+    let mut matrix = DMatrix::from_fn(columns.len(), columns.len(), |a, b| dot(columns[a], columns[b]));
+    for (position, &i) in free.iter().enumerate() {
+        // What the data do not see stays where it is.
+        let width = linear.upper[i] - linear.lower[i];
+        matrix[(position, position)] += if width.is_finite() { 1e-6 / (width * width) } else { 0.0 };
+    }
+    for (position, (_, sd)) in chosen.iter().enumerate() {
+        matrix[(first + position, first + position)] += 1.0 / (sd * sd);
+    }
+    let right = DVector::from_fn(columns.len(), |a, _| dot(columns[a], &linear.residuals));
+    let factor = matrix.cholesky()?;
+    let (mean, covariance) = (factor.solve(&right), factor.inverse());
+    let mut step = vec![0.0; n];
+    for (position, &i) in free.iter().enumerate() {
+        step[i] = mean[position].max(linear.lower[i]).min(linear.upper[i]);
+    }
+    let heat: Vec<f64> = (0..chosen.len()).map(|k| mean[first + k]).collect();
+    let sds = (0..chosen.len()).map(|k| covariance[(first + k, first + k)].max(0.0).sqrt()).collect();
+    Some((step, heat, sds))
+}
+
+/// What the fit with sources minimises.
+fn objective(state: &State, chosen: &Needed) -> f64 {
+    let square = |&(place, sd): &(usize, f64)| state.amplitudes[place] * state.amplitudes[place] / (sd * sd);
+    state.half_square + 0.5 * chosen.iter().map(square).sum::<f64>()
+}
+
+/// The linearisation at the most probable state with the chosen sources: damped Gauss-Newton steps.
+fn settle(sources: &Sources, mut state: State, chosen: &Needed) -> State {
+    for _ in 0..MOST_STEPS {
+        let Some((step, heat, _)) = solve(&state, chosen) else { break };
+        let before = objective(&state, chosen);
+        let next = SHARES.into_iter().find_map(|share| {
+            let shorter: Vec<f64> = step.iter().map(|d| share * d).collect();
+            let mut amplitudes = state.amplitudes.clone();
+            for (&(place, _), q) in chosen.iter().zip(&heat) {
+                amplitudes[place] += share * (q - amplitudes[place]);
+            }
+            let next = sources.at(&sources.stepped(&state.unknowns, &shorter)?, &amplitudes)?;
+            (objective(&next, chosen) < before).then_some(next)
+        });
+        let Some(next) = next else { break };
+        let fall = before - objective(&next, chosen);
+        state = next;
+        if fall < STAYS {
+            break;
+        }
+    }
+    state
+}
+
+/// The heat that a fit of the believed model lacks. `None` for networks that are too large or that cannot be solved so.
+pub(super) fn missing_heat(problem: &Problem, believed: &Refit) -> Option<MissingHeat> {
+    let sources = Sources::new(problem)?;
+    let list = sources.list();
+    let state = sources.at(&believed.unknowns, &vec![0.0; list.len()])?;
+    let without = Evidence::new(&state.linear).log_evidence(&[])?;
+    let norms = norms(&state.columns);
+    let (chosen, price) = needed(&state, list, &norms, without);
+    let state = settle(&sources, state, &chosen);
+    let with = Evidence::new(&state.linear).log_evidence(&amplitudes(&state, &chosen))?;
+    // Biases alone are an effect of the catalogue, not something else.
+    let has_heat = chosen.iter().any(|&(place, _)| matches!(list[place].kind, Kind::Node(_)));
+    let log_evidence = if has_heat { believed.log_evidence + with - without - price } else { f64::NEG_INFINITY };
+    let (_, amplitudes, sds) = solve(&state, &chosen)?;
+    let mut heat = Vec::new();
+    for ((&(place, _), watts), sd) in chosen.iter().zip(&amplitudes).zip(sds) {
+        let source = &list[place];
+        let Kind::Node(node) = source.kind else { continue };
+        let node = problem.model.nodes[node].name.clone();
+        heat.push(Heat { node, phase: source.phase.clone(), time_s: source.time_s, watts: *watts, sd });
+    }
+    let watts: Vec<(&Source, f64)> =
+        chosen.iter().zip(&amplitudes).map(|(&(place, _), watts)| (&list[place], *watts)).collect();
+    Some(MissingHeat { log_evidence, heat, goes_with: relations(problem, &watts) })
+}

@@ -1,0 +1,295 @@
+//! Sources of heat in every node and phase or stretch of time, and a bias of every sensor: what they do to the readings.
+
+use std::collections::BTreeMap;
+
+use crate::diagnosis::products::dot;
+use crate::diagnosis::signature::linearise;
+use crate::diagnosis::{Linear, Problem};
+use crate::expression::{Names, Scope, Symbol, parse};
+use crate::inference::likelihood::{Definition, Likelihood};
+use crate::inference::measurement::{Measurement, Rows};
+use crate::inference::natural::NaturalObjective;
+use crate::inference::target::Target;
+use crate::random::Distribution;
+use crate::thermal::element::{Element, ElementKind, Load};
+use crate::thermal::{Model, NodeKind, Parameter};
+
+/// Stretches of time of a transient.
+const STRETCHES: usize = 16;
+/// Most sources.
+const MOST_SOURCES: usize = 600;
+/// Sources that move nothing are left out: share of the largest column.
+const LEAST: f64 = 1e-9;
+/// Heat beyond this, W, is no heat.
+const UNBOUNDED_W: f64 = 1e12;
+
+/// What sources are of one kind: their sizes are alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Heat of a node.
+    Node(usize),
+    /// The bias of a sensor, by measurement and sensor.
+    Sensor(usize, usize),
+}
+
+/// A source and where it acts.
+pub(super) struct Source {
+    pub kind: Kind,
+    pub phase: Option<String>,
+    pub time_s: Option<f64>,
+    /// Inputs there, SI.
+    pub inputs: Vec<f64>,
+}
+
+/// The believed model with sources, over the rows of a steady phase or of a transient.
+struct Field {
+    likelihood: Likelihood,
+    /// Positions of its readings among all.
+    rows: Vec<usize>,
+    /// Position of each of its unknowns among the believed model's.
+    unknowns: Vec<Option<usize>>,
+    /// The source that each of its unknowns is.
+    sources: Vec<Option<usize>>,
+}
+
+/// All sources of a problem.
+pub(super) struct Sources {
+    likelihood: Likelihood,
+    fields: Vec<Field>,
+    list: Vec<Source>,
+    /// Columns of the biases: they do not depend on the state.
+    biases: Vec<(usize, Vec<f64>)>,
+}
+
+/// The problem linearised with sources in it. Its residuals are those without sources as far as their slopes tell, so that
+/// amplitudes count from 0.
+#[derive(Clone)]
+pub(super) struct State {
+    /// Unknowns of the believed model, SI.
+    pub unknowns: Vec<f64>,
+    /// Amplitudes of the sources, W (of biases in standard deviations).
+    pub amplitudes: Vec<f64>,
+    /// The believed model there.
+    pub linear: Linear,
+    /// Columns of the sources.
+    pub columns: Vec<Vec<f64>>,
+    /// Half the sum of squares with the sources, rows of the priors with it.
+    pub half_square: f64,
+}
+
+impl Sources {
+    /// Sources in every node that has a balance. `None` for networks that are too large.
+    pub fn new(problem: &Problem) -> Option<Self> {
+        let likelihood = problem.hypothesis(&[], 1.0).ok()?.likelihood(problem).ok()?;
+        let mut all = Self { likelihood, fields: Vec::new(), list: Vec::new(), biases: Vec::new() };
+        for index in 0..problem.measurements.len() {
+            all.add_measurement(problem, index)?;
+        }
+        for (index, measurement) in problem.measurements.iter().enumerate() {
+            for sensor in 0..measurement.sensors.len() {
+                let own = |datum: &crate::inference::likelihood::Datum| {
+                    f64::from(u8::from(datum.measurement == index && datum.sensor == sensor))
+                };
+                all.biases.push((all.list.len(), all.likelihood.data().iter().map(own).collect()));
+                all.list.push(Source {
+                    kind: Kind::Sensor(index, sensor),
+                    phase: None,
+                    time_s: None,
+                    inputs: Vec::new(),
+                });
+            }
+        }
+        Some(all)
+    }
+
+    /// The sources.
+    pub fn list(&self) -> &[Source] {
+        &self.list
+    }
+
+    fn add_measurement(&mut self, problem: &Problem, index: usize) -> Option<()> {
+        let measurement = &problem.measurements[index];
+        let mut model = (*problem.model).clone();
+        let nodes: Vec<usize> = (0..model.nodes.len())
+            .filter(|&node| !matches!(model.nodes[node].kind, NodeKind::Boundary { .. }))
+            .collect();
+        let data: Vec<(usize, usize)> = (self.likelihood.data().iter().enumerate())
+            .filter(|(_, datum)| datum.measurement == index)
+            .map(|(position, datum)| (position, datum.row))
+            .collect();
+        match &measurement.rows {
+            Rows::Steady(phases) => {
+                let names: Vec<String> =
+                    nodes.iter().map(|&node| add_source(&mut model, node, 0, None)).collect::<Option<_>>()?;
+                for (row, phase) in phases.iter().enumerate() {
+                    let rows: Vec<usize> =
+                        data.iter().filter(|(_, own)| *own == row).map(|(position, _)| *position).collect();
+                    if rows.is_empty() {
+                        continue;
+                    }
+                    let first = self.list.len();
+                    self.list.extend(nodes.iter().map(|&node| Source {
+                        kind: Kind::Node(node),
+                        phase: Some(phase.name.clone()),
+                        time_s: None,
+                        inputs: phase.inputs.clone(),
+                    }));
+                    let mut alone = measurement.clone();
+                    let width = alone.sensors.len();
+                    for (place, reading) in alone.readings.iter_mut().enumerate() {
+                        if place / width.max(1) != row {
+                            *reading = None;
+                        }
+                    }
+                    self.add_field(problem, &model, &alone, rows, &names, first)?;
+                }
+            }
+            Rows::Transient { inputs, .. } => {
+                let first = self.list.len();
+                let mut names = Vec::new();
+                for &node in &nodes {
+                    for (stretch, (middle, width)) in stretches(measurement).into_iter().enumerate() {
+                        let shape = format!("max(0, 1 - abs(t - {middle:e}) / {width:e})");
+                        names.push(add_source(&mut model, node, stretch, Some(&shape))?);
+                        let row = inputs.times_s.partition_point(|&time| time < middle);
+                        let row = row.min(inputs.times_s.len().saturating_sub(1));
+                        self.list.push(Source {
+                            kind: Kind::Node(node),
+                            phase: None,
+                            time_s: Some(middle),
+                            inputs: (0..inputs.base.len()).map(|input| inputs.in_row(row, input)).collect(),
+                        });
+                    }
+                }
+                let rows = data.into_iter().map(|(position, _)| position).collect();
+                self.add_field(problem, &model, measurement, rows, &names, first)?;
+            }
+        }
+        (self.list.len() <= MOST_SOURCES).then_some(())
+    }
+
+    fn add_field(
+        &mut self,
+        problem: &Problem,
+        model: &Model,
+        measurement: &Measurement,
+        rows: Vec<usize>,
+        names: &[String],
+        first: usize,
+    ) -> Option<()> {
+        let mut priors = problem.priors.clone();
+        let mut parameters = problem.parameters.clone();
+        for position in problem.priors.len()..model.parameters.len() {
+            priors.push(Distribution::Uniform { lower: -UNBOUNDED_W, upper: UNBOUNDED_W });
+            parameters.push(position);
+        }
+        let likelihood = Likelihood::new(&Definition {
+            model,
+            priors: &priors,
+            parameters: &parameters,
+            measurements: &[measurement],
+            input_errors: &problem.input_errors,
+        })
+        .ok()?;
+        let of_believed: BTreeMap<&str, usize> =
+            self.likelihood.names().iter().enumerate().map(|(place, name)| (name.as_str(), place)).collect();
+        let own = likelihood.names().iter();
+        let unknowns = own.clone().map(|name| of_believed.get(name.as_str()).copied()).collect();
+        let sources = own.map(|name| names.iter().position(|own| own == name).map(|place| first + place)).collect();
+        self.fields.push(Field { likelihood, rows, unknowns, sources });
+        Some(())
+    }
+
+    /// Linearises at unknowns (SI) and amplitudes of the sources. `None` where a phase cannot be solved so.
+    pub fn at(&self, unknowns: &[f64], amplitudes: &[f64]) -> Option<State> {
+        let mut linear = linearise(&self.likelihood, unknowns).ok()?;
+        let n = linear.parameters();
+        let mut columns = vec![vec![0.0; linear.rows]; self.list.len()];
+        for field in &self.fields {
+            let at: Vec<f64> = (field.unknowns.iter().zip(&field.sources))
+                .map(|(unknown, source)| {
+                    let amplitude = source.map(|source| amplitudes[source]);
+                    unknown.map(|place| unknowns[place]).or(amplitude).unwrap_or(0.0)
+                })
+                .collect();
+            let own = linearise(&field.likelihood, &at).ok()?;
+            if own.readings != field.rows.len() {
+                return None;
+            }
+            for (row, &position) in field.rows.iter().enumerate() {
+                linear.residuals[position] = own.residuals[row];
+                linear.jacobian[position * n..(position + 1) * n].fill(0.0);
+                for place in 0..at.len() {
+                    let slope = own.jacobian[row * at.len() + place];
+                    if let Some(unknown) = field.unknowns[place] {
+                        linear.jacobian[position * n + unknown] = slope;
+                    }
+                    if let Some(source) = field.sources[place] {
+                        columns[source][position] = slope;
+                    }
+                }
+            }
+        }
+        for (source, column) in &self.biases {
+            columns[*source][..column.len()].copy_from_slice(column);
+            for (residual, value) in linear.residuals.iter_mut().zip(column) {
+                *residual -= amplitudes[*source] * value;
+            }
+        }
+        let half_square = 0.5 * dot(&linear.residuals, &linear.residuals);
+        for (column, amplitude) in columns.iter().zip(amplitudes).filter(|(_, amplitude)| **amplitude != 0.0) {
+            for (residual, value) in linear.residuals.iter_mut().zip(column) {
+                *residual += amplitude * value;
+            }
+        }
+        let (unknowns, amplitudes) = (unknowns.to_vec(), amplitudes.to_vec());
+        half_square.is_finite().then_some(State { unknowns, amplitudes, linear, columns, half_square })
+    }
+
+    /// Unknowns (SI) after a step of the believed model's natural coordinates.
+    pub fn stepped(&self, unknowns: &[f64], step: &[f64]) -> Option<Vec<f64>> {
+        let objective = NaturalObjective::new(&self.likelihood).ok()?;
+        let moved: Vec<f64> = objective.coordinates(unknowns).iter().zip(step).map(|(x, d)| x + d).collect();
+        Some(objective.parameters(&moved))
+    }
+}
+
+/// Lengths of the columns; 0 for those that move nothing.
+pub(super) fn norms(columns: &[Vec<f64>]) -> Vec<f64> {
+    let norms: Vec<f64> = columns.iter().map(|column| dot(column, column).sqrt()).collect();
+    let largest = norms.iter().copied().fold(0.0, f64::max);
+    norms.into_iter().map(|norm| if norm > LEAST * largest { norm } else { 0.0 }).collect()
+}
+
+/// Middle and half width of the stretches of a transient, overlapping by half; none in steady data.
+fn stretches(measurement: &Measurement) -> Vec<(f64, f64)> {
+    let Rows::Transient { inputs, .. } = &measurement.rows else { return Vec::new() };
+    let fitted = (0..measurement.len()).filter(|&row| !measurement.held_out(row) && !measurement.ignored(row));
+    let last = fitted.max().map_or(0.0, |row| inputs.times_s[row]);
+    let start = inputs.times_s.first().copied().unwrap_or(0.0);
+    let width = (last - start) / (STRETCHES - 1) as f64;
+    if !(width > 0.0) {
+        return Vec::new();
+    }
+    (0..STRETCHES).map(|k| (start + width * k as f64, width)).collect()
+}
+
+/// Adds a source of 1 W per unit of a new parameter, whose name comes back.
+fn add_source(model: &mut Model, node: usize, stretch: usize, shape: Option<&str>) -> Option<String> {
+    let name = format!("missing heat {node} {stretch}");
+    let symbol = Symbol::Parameter(u32::try_from(model.parameters.len()).ok()?);
+    let mut power = model.graph.symbol(symbol);
+    if let Some(shape) = shape {
+        let shape = parse(shape, &mut model.graph, &Scope::with(&Names::default(), Vec::new())).ok()?;
+        power = model.graph.multiply(power, shape);
+    }
+    model.parameters.push(Parameter {
+        name: name.clone(),
+        unit: "W".to_owned(),
+        nominal: 0.0,
+        description: String::new(),
+        source: String::new(),
+    });
+    model.elements.push(Element { name: name.clone(), kind: ElementKind::Load(Load { into: node, power }) });
+    Some(name)
+}
