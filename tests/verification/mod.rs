@@ -10,6 +10,7 @@ mod flux;
 mod goal;
 mod hidden_effect;
 mod likelihood;
+mod linear_diagnosis;
 mod monitor_calibration;
 mod monitor_campaign;
 pub mod network8_data;

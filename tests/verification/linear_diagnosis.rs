@@ -1,0 +1,147 @@
+//! Diagnosis of a network that is linear in everything that is unknown, with normal priors: the evidence of every set of
+//! effects is a normal density of the readings, so that its probabilities are known; and the family-wise p is kept.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use bmv::diagnosis::{Diagnosis, Problem, Settings, Verdict};
+use bmv::random::StreamKey;
+use nalgebra::{DMatrix, DVector};
+
+const MODEL: &str = r#"{
+  "format": "bmv-network/1",
+  "title": "Two plates on a cold sink",
+  "inputs": {"T_sink": {"unit": "K", "nominal": 280, "range": [260, 300]}, "Q": {"unit": "W", "nominal": 2, "range": [0, 10]}},
+  "parameters": {"P_0": {"unit": "W", "nominal": 1, "prior": {"normal": {"mean": 1, "sd": 0.3}}, "source": "assumed"}},
+  "nodes": {"sink": {"boundary": "T_sink"}, "A": {"capacity": 100}, "B": {"capacity": 50}},
+  "conductors": {
+    "A to sink": {"between": ["A", "sink"], "conductance": 0.5},
+    "A to B": {"between": ["A", "B"], "conductance": 0.3}
+  },
+  "loads": {"heater": {"into": "A", "power": "Q"}, "electronics": {"into": "B", "power": "P_0"}}
+}"#;
+
+/// Sink in K, heater in W.
+const PHASES: [[f64; 2]; 8] =
+    [[280.0, 0.0], [280.0, 5.0], [265.0, 10.0], [300.0, 1.0], [270.0, 3.0], [290.0, 8.0], [260.0, 6.0], [295.0, 2.0]];
+const SIGMA: f64 = 0.2;
+
+/// Temperatures of A and B, K, for the heats into them, by hand: all heat leaves through A's conductor to the sink.
+fn plates(sink: f64, into_a: f64, into_b: f64) -> [f64; 2] {
+    let a = sink + (into_a + into_b) / 0.5;
+    [a, a + into_b / 0.3]
+}
+
+/// The 16 readings of a heat of the electronics, further heats and biases.
+fn readings(p: f64, heat: [f64; 2], bias: [f64; 2]) -> DVector<f64> {
+    let all = PHASES.iter().flat_map(|[sink, q]| {
+        let [a, b] = plates(*sink, q + heat[0], p + heat[1]);
+        [a + bias[0], b + bias[1]]
+    });
+    DVector::from_iterator(16, all)
+}
+
+/// What one unit of a parameter or effect does to the readings, times its standard deviation beforehand (the electronics'
+/// 0.3 W; 1 W of `heat-load` and 0.5 K of `sensor-bias`, as the catalogue has them).
+fn column(name: &str) -> DVector<f64> {
+    let zero = readings(0.0, [0.0; 2], [0.0; 2]);
+    match name {
+        "P_0" => (readings(1.0, [0.0; 2], [0.0; 2]) - zero) * 0.3,
+        "heat-load:A" => readings(0.0, [1.0, 0.0], [0.0; 2]) - zero,
+        "heat-load:B" => readings(0.0, [0.0, 1.0], [0.0; 2]) - zero,
+        "sensor-bias:A" => (readings(0.0, [0.0; 2], [1.0, 0.0]) - zero) * 0.5,
+        "sensor-bias:B" => (readings(0.0, [0.0; 2], [0.0, 1.0]) - zero) * 0.5,
+        other => panic!("no effect `{other}` was asked for"),
+    }
+}
+
+/// Log density of readings of the model with effects.
+fn log_evidence(readings_k: &DVector<f64>, effects: &[String]) -> f64 {
+    let mut covariance = DMatrix::from_diagonal_element(16, 16, SIGMA * SIGMA);
+    for name in effects.iter().map(String::as_str).chain(["P_0"]) {
+        let own = column(name);
+        covariance += &own * own.transpose();
+    }
+    let left = readings_k - readings(1.0, [0.0; 2], [0.0; 2]);
+    let factor = covariance.cholesky().expect("positive");
+    let log_determinant = 2.0 * factor.l().diagonal().iter().map(|d| d.ln()).sum::<f64>();
+    -0.5 * (left.dot(&factor.solve(&left)) + log_determinant + 16.0 * core::f64::consts::TAU.ln())
+}
+
+fn problem(folder: &Path, readings_k: &DVector<f64>) -> Problem {
+    let mut table = String::from("phase,T_sink [K],Q [W],A [K],B [K]\n");
+    for (row, [sink, q]) in PHASES.iter().enumerate() {
+        table.push_str(&format!("P{row},{sink},{q},{:e},{:e}\n", readings_k[2 * row], readings_k[2 * row + 1]));
+    }
+    let sensor = r#"{"sigma": {"value": 0.2, "unit": "K"}}"#;
+    let pass = format!(
+        r#"{{"format": "bmv-pass/1", "title": "Linear", "parent": null, "model": "model.json", "seed": 3,
+        "measurements": {{"test": {{"steady": {{"file": "data.csv", "sensors": {{"A": {sensor}, "B": {sensor}}}}}}}}},
+        "jobs": {{"missing": {{"diagnose": {{"data": ["test"], "effects": ["heat-load", "sensor-bias"]}}}}}}}}"#
+    )
+    .replace(r#"{"sigma""#, r#"{"measures": "X", "sigma""#);
+    let pass = pass.replacen(r#""X""#, r#""A""#, 1).replacen(r#""X""#, r#""B""#, 1);
+    for (name, text) in [("model.json", MODEL), ("data.csv", &table), ("pass-1.json", &pass)] {
+        std::fs::write(folder.join(name), text).expect("written");
+    }
+    let pass = bmv::study::load(&folder.join("pass-1.json"));
+    let mut problem = bmv::study::problem(&pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20))));
+    problem.candidates.retain(|own| ["heat-load", "sensor-bias"].contains(&own.effect.as_str()));
+    problem
+}
+
+/// Readings with the noise of a stream.
+fn noisy(clean: DVector<f64>, key: &StreamKey, number: u64) -> DVector<f64> {
+    let mut stream = key.stream(number);
+    clean.map(|value| value + SIGMA * stream.normal())
+}
+
+#[test]
+fn evidences_and_probabilities_are_those_of_normal_densities() {
+    let key = StreamKey::new(8, "linear", "noise");
+    // 0.3 W too much in B, and the sensor of A biased by 0.4 K.
+    let measured = noisy(readings(1.1, [0.0, 0.3], [0.4, 0.0]), &key, 0);
+    let folder = tempfile::tempdir().expect("a folder");
+    let problem = problem(folder.path(), &measured);
+    assert_eq!(problem.candidates.len(), 4);
+    let output = Diagnosis::new(problem, Settings::default(), key).run().expect("a diagnosis");
+    let models: BTreeMap<Vec<String>, (f64, f64)> =
+        output.models.iter().map(|own| (own.effects.clone(), (own.log_evidence, own.probability))).collect();
+    // Nothing, four effects alone, pairs, some sets of three.
+    assert!(models.len() >= 8, "{models:?}");
+    // Two effects at two places each: odds of 0.05 / 0.95 / 2 for every effect.
+    let odds = (0.05_f64 / 0.95 / 2.0).ln();
+    let log_weight = |effects: &[String]| log_evidence(&measured, effects) + odds * effects.len() as f64;
+    let (best, (_, highest)) = models.iter().max_by(|a, b| a.1.1.total_cmp(&b.1.1)).expect("models");
+    for (effects, (log, probability)) in &models {
+        // The fit's own accuracy: its gradient ends at 1e-8 of the sum of squares.
+        let exact = log_evidence(&measured, effects);
+        assert!((log - exact).abs() < 1e-6, "{effects:?}: {log} {exact}");
+        let ratio = (log_weight(effects) - log_weight(best)).exp();
+        assert!((probability / highest - ratio).abs() < 1e-6, "{effects:?}: {probability} {ratio}");
+    }
+    // Together with nothing else and something else they are 1.
+    let total: f64 = models.values().map(|(_, probability)| probability).sum::<f64>() + output.probability_unexplained;
+    assert!((total - 1.0).abs() < 1e-9, "{total}");
+}
+
+/// Data sets of the believed model itself, parameter drawn from its prior, at a level of 0.1: the number found is within
+/// the 99.9 % range of a binomial of 300 with 0.1, 14 to 48.
+#[test]
+fn the_family_wise_level_is_kept() {
+    let key = StreamKey::new(9, "linear", "noise");
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut problem = problem(folder.path(), &readings(1.0, [0.0; 2], [0.0; 2]));
+    let settings = Settings { false_alarm: 0.1, ..Settings::default() };
+    let mut found = 0;
+    for number in 0..300 {
+        let p = 1.0 + 0.3 * key.stream(1000 + number).normal();
+        let measured = noisy(readings(p, [0.0; 2], [0.0; 2]), &key, number);
+        for (own, value) in problem.measurements[0].readings.iter_mut().zip(measured.iter()) {
+            *own = Some(*value);
+        }
+        let output = Diagnosis::new(problem.clone(), settings.clone(), key).run().expect("a diagnosis");
+        found += i32::from(output.verdict != Verdict::Adequate);
+    }
+    assert!((14..=48).contains(&found), "{found} of 300 at 0.1");
+}
