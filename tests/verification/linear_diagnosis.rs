@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use bmv::diagnosis::{Diagnosis, Problem, Settings, Verdict};
+use bmv::math::functions::{exp, ln};
 use bmv::random::StreamKey;
 use nalgebra::{DMatrix, DVector};
 
@@ -64,8 +65,8 @@ fn log_evidence(readings_k: &DVector<f64>, effects: &[String]) -> f64 {
     }
     let left = readings_k - readings(1.0, [0.0; 2], [0.0; 2]);
     let factor = covariance.cholesky().expect("positive");
-    let log_determinant = 2.0 * factor.l().diagonal().iter().map(|d| d.ln()).sum::<f64>();
-    -0.5 * (left.dot(&factor.solve(&left)) + log_determinant + 16.0 * core::f64::consts::TAU.ln())
+    let log_determinant = 2.0 * factor.l().diagonal().iter().map(|d| ln(*d)).sum::<f64>();
+    -0.5 * (left.dot(&factor.solve(&left)) + log_determinant + 16.0 * ln(core::f64::consts::TAU))
 }
 
 fn problem(folder: &Path, readings_k: &DVector<f64>) -> Problem {
@@ -110,14 +111,14 @@ fn evidences_and_probabilities_are_those_of_normal_densities() {
     // Nothing, four effects alone, pairs, some sets of three.
     assert!(models.len() >= 8, "{models:?}");
     // Two effects at two places each: odds of 0.05 / 0.95 / 2 for every effect.
-    let odds = (0.05_f64 / 0.95 / 2.0).ln();
+    let odds = ln(0.05 / 0.95 / 2.0);
     let log_weight = |effects: &[String]| log_evidence(&measured, effects) + odds * effects.len() as f64;
     let (best, (_, highest)) = models.iter().max_by(|a, b| a.1.1.total_cmp(&b.1.1)).expect("models");
     for (effects, (log, probability)) in &models {
         // The fit's own accuracy: its gradient ends at 1e-8 of the sum of squares.
         let exact = log_evidence(&measured, effects);
         assert!((log - exact).abs() < 1e-6, "{effects:?}: {log} {exact}");
-        let ratio = (log_weight(effects) - log_weight(best)).exp();
+        let ratio = exp(log_weight(effects) - log_weight(best));
         assert!((probability / highest - ratio).abs() < 1e-6, "{effects:?}: {probability} {ratio}");
     }
     // Together with nothing else and something else they are 1.
