@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::levels::log_share;
 use super::{Hypothesis, Problem};
 use crate::expression::Unit;
 use crate::inference::likelihood::Likelihood;
@@ -12,6 +13,7 @@ use crate::inference::point_estimate::{PointEstimate, PointSettings, estimate};
 use crate::inference::prediction::Predictor;
 use crate::inference::target::{LeastSquares, Target};
 use crate::inference::unknown::settled;
+use crate::math::functions::exp;
 use crate::random::StreamKey;
 
 /// A parameter of an effect after the fit.
@@ -111,9 +113,10 @@ impl Problem {
         likelihood
             .residuals(&found.parameters, &mut likelihood.workspace(), &mut residuals)
             .map_err(|rejected| rejected.to_string())?;
+        let log_evidence = found.log_evidence.filter(|value| value.is_finite()).ok_or("the fit has no curvature")?;
         let mut refit = Refit {
             effects: effects.to_vec(),
-            log_evidence: found.log_evidence.filter(|value| value.is_finite()).ok_or("the fit has no curvature")?,
+            log_evidence: log_evidence + self.log_shares(effects, &likelihood, &found),
             log_likelihood: found.log_likelihood,
             chi_square: found.chi_square,
             held: found.held.iter().map(Option::is_some).collect(),
@@ -127,6 +130,31 @@ impl Problem {
         };
         refit.score(&hypothesis, &likelihood)?;
         Ok(refit)
+    }
+}
+
+impl Problem {
+    /// What the Laplace evidence of effects with thresholds is too high by: between two levels of the data the likelihood is
+    /// flat, and beyond them it falls, which no curvature tells. The sum of the logarithms of the priors' shares there.
+    fn log_shares(&self, effects: &[usize], likelihood: &Likelihood, found: &PointEstimate) -> f64 {
+        let place_of = |name: &str| likelihood.names().iter().position(|own| own == name);
+        let mut sum = 0.0;
+        for &position in effects {
+            let candidate = &self.candidates[position];
+            let Some(effect) = self.catalogue.get(&candidate.effect) else { continue };
+            let parameters = effect.parameters(&self.model, &candidate.bound);
+            for parameter in parameters.iter().filter(|parameter| !parameter.amplitude) {
+                let Some(place) = place_of(&format!("{}.{}", candidate.id, parameter.name)) else { continue };
+                let (value, sd) = (found.parameters[place], found.sd()[place]);
+                let Some(share) = log_share(self, candidate, effect, parameter, value) else { continue };
+                let (lower, upper) = parameter.prior.support();
+                // A threshold that the data see is held where they say, and its curvature is told.
+                if sd == 0.0 || sd > exp(share) * (upper - lower) {
+                    sum += share;
+                }
+            }
+        }
+        sum
     }
 }
 

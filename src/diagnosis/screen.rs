@@ -37,7 +37,7 @@ const NOISE_ROUNDS: usize = 3;
 /// Power at which amplitudes are said to be detectable.
 const POWER: f64 = 0.9;
 /// Best directions of an effect that are starts of its fit.
-const MOST_STARTS: usize = 2;
+const MOST_STARTS: usize = 3;
 
 /// An effect that stands out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -216,25 +216,30 @@ pub(super) fn plausible(parameter: &EffectParameter) -> f64 {
     sizes.into_iter().find(|size| *size > 0.0 && size.is_finite()).unwrap_or(1.0)
 }
 
-/// Values at which the parameters that shape an effect are tried, SI: of one of them its nominal value and quantiles of
-/// its prior, nine where it is spread evenly (a threshold between two levels of an input has no slope: one of them should
-/// lie between the right ones), five where its logarithm is, else three; of several the product, as far as it is small,
-/// else the nominal values.
-pub(super) fn shapes(parameters: &[EffectParameter]) -> Vec<Vec<f64>> {
+/// Values at which the parameters that shape an effect are tried, SI: of one of them the thresholds that part the data
+/// where it is one, else its nominal value and quantiles of its prior (a few more where it is spread evenly); of several
+/// the product, as far as it is small, else the nominal values.
+pub(super) fn shapes(
+    parameters: &[EffectParameter],
+    thresholds: impl Fn(&EffectParameter) -> Option<Vec<f64>>,
+) -> Vec<Vec<f64>> {
     use crate::random::Distribution::{LogUniform, Uniform};
     const MOST: usize = 9;
     let mut all: Vec<Vec<f64>> = vec![Vec::new()];
     for parameter in parameters.iter().filter(|parameter| !parameter.amplitude) {
-        let mut values = vec![parameter.nominal];
-        if !parameter.prior.is_fixed() {
-            let at: &[f64] = match parameter.prior {
-                Uniform { .. } => &[0.1, 0.3, 0.7, 0.9, 0.05, 0.2, 0.4, 0.6],
-                LogUniform { .. } => &[0.1, 0.3, 0.7, 0.9],
-                _ => &[0.05, 0.95],
-            };
-            values.extend(at.iter().map(|&u| parameter.prior.quantile(u)));
-        }
-        values.truncate((MOST / all.len()).max(1));
+        let parting = if parameter.prior.is_fixed() { None } else { thresholds(parameter) };
+        let values = parting.filter(|_| all.len() == 1).unwrap_or_else(|| {
+            let mut values = vec![parameter.nominal];
+            if !parameter.prior.is_fixed() {
+                let at: &[f64] = match parameter.prior {
+                    Uniform { .. } | LogUniform { .. } => &[0.1, 0.3, 0.7, 0.9],
+                    _ => &[0.05, 0.95],
+                };
+                values.extend(at.iter().map(|&u| parameter.prior.quantile(u)));
+            }
+            values.truncate((MOST / all.len()).max(1));
+            values
+        });
         all = all.iter().flat_map(|before| values.iter().map(move |&v| [before.as_slice(), &[v]].concat())).collect();
     }
     all

@@ -2,6 +2,7 @@
 
 use super::form::{Form, bounds, plausible, shapes};
 use super::{Base, Found};
+use crate::diagnosis::levels::thresholds;
 use crate::diagnosis::linear::Direction;
 use crate::effect::{Effect, EffectParameter};
 use crate::random::Distribution;
@@ -28,7 +29,8 @@ pub(super) fn variants<'a>(base: &Base<'_>, asked: &[(usize, &Form<'a>)]) -> Vec
     for (place, &(candidate, form)) in asked.iter().enumerate() {
         let &Form::Smooth { effect } = form else { continue };
         let written = effect.parameters(&base.problem.model, &base.problem.candidates[candidate].bound);
-        for shape in shapes(&written) {
+        let own = &base.problem.candidates[candidate];
+        for shape in shapes(&written, |parameter| thresholds(base.problem, own, effect, parameter)) {
             let mut values = shape.iter();
             let parameters = (written.iter())
                 .map(|parameter| {
