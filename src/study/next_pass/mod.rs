@@ -174,7 +174,7 @@ fn title(pass: &Pass, names: &[&str], file: &Path) -> String {
 fn description(pass: &Pass, job: &str, names: &[&str]) -> String {
     let effects = suggest::listed(names.iter().copied(), names.len()).replace('`', "");
     format!(
-        "{} with what its diagnosis {job} names: {effects}. All else is inherited; the parameters start from their original priors.",
+        "{} with what its diagnosis {job} names: {effects}. All else is inherited, and the calibration starts from the original priors; nominal values of the effect are those that the diagnosis fitted.",
         pass.file
     )
 }
