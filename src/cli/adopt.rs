@@ -77,7 +77,7 @@ fn told(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, findings: &Findings
         text.push_str(&format!("  {}: {}{probability}{against}\n", escaped(name), escaped(&finding.id)));
     }
     let chosen: Vec<_> = next.adopted.iter().map(|(_, finding)| *finding).collect();
-    for line in ambiguity(findings, &chosen) {
+    for line in ambiguity(findings, &chosen, &pass.pass.model) {
         text.push_str(&format!("{}\n", escaped(&line)));
     }
     if !next.extended.is_empty() {

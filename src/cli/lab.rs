@@ -7,6 +7,7 @@ use super::Context;
 use super::options::RunOptions;
 use super::output::{escaped, print, print_json, table, tell};
 use super::status::{Failure, Status};
+use crate::document::suggest;
 use crate::diagnosis::laboratory::{Rate, Score, case, folder, standard};
 use crate::job::lab::{Lab, Output, Spec};
 use crate::runner::engine::local;
@@ -65,6 +66,15 @@ impl LabVerb {
                 let pass = crate::study::load(&path).map_err(rendered)?;
                 if pass.measurements.is_empty() {
                     return Err(Failure::input(format!("`{}` has no measurement to simulate", path.display())));
+                }
+                if let Some(own) = pass.handed_on.first() {
+                    return Err(Failure::input(format!(
+                        "the laboratory draws truths from distributions, and in `{}` {} has the draws of {} as its prior; \
+                         name a pass with the prior that they began with",
+                        path.display(),
+                        suggest::listed(own.draws.names.iter().map(String::as_str), 6),
+                        own.draws.source
+                    )));
                 }
                 let problem = Arc::new(crate::study::problem(&pass));
                 let lab = Lab::new(spec, problem).map_err(|error| Failure::input(error.to_string()))?;

@@ -115,7 +115,7 @@ fn criteria(output: &Output) -> Option<Block> {
         })
         .collect();
     Some(Block::Table(Table {
-        caption: Text::new("Criteria of profile ")
+        caption: Text::new("Criteria: ")
             .strong(output.criteria.title.clone())
             .plain(format!(". Source: {}", output.criteria.source)),
         columns: vec![

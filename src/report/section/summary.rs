@@ -140,7 +140,7 @@ fn direction(mean: f64, is_temperature: bool) -> &'static str {
 fn verdict_of_comparison(output: &Output) -> Option<Text> {
     let first = output.fails.first()?;
     let more = output.fails.len() - 1;
-    let text = Text::new(first.clone());
+    let text = Text::new(if output.tuned.is_some() { "As delivered, " } else { "" }).plain(first.clone());
     Some(match more {
         0 => text,
         1 => text.plain(" One more finding stands in the comparison."),

@@ -53,7 +53,7 @@ pub fn next_pass<'f>(
     forced: bool,
     file: &Path,
 ) -> Result<NextPass<'f>, Diagnostics> {
-    let chosen = choose::choose(findings, asked, job, forced)?;
+    let chosen = choose::choose(findings, asked, job, forced, &pass.model)?;
     let catalogue = effects(Some(&pass.folder))?;
     let mut diagnostics = Diagnostics::new();
     let Some(tree) = tree(pass, asked, &mut diagnostics) else { return Err(diagnostics) };
