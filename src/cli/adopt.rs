@@ -10,7 +10,9 @@ use super::studies::LoadedPass;
 use super::{Context, studies};
 use crate::document::{Diagnostics, suggest};
 use crate::job::findings::Findings;
-use crate::study::next_pass::{Asked, NextPass, ambiguity, destination, next_pass, probability_text, write};
+use crate::study::next_pass::{
+    Asked, NextPass, ambiguity, destination, next_pass, probability_text, refuse_twin, write,
+};
 
 /// Diagnostics printed of one refusal.
 const MOST_DIAGNOSTICS: usize = 20;
@@ -60,6 +62,10 @@ impl Adopt {
             refused(diagnostics)
         })?;
         let next = next_pass(&pass.pass, &job, &findings, &asked, self.force, &path).map_err(refused)?;
+        if self.out.is_none() {
+            let ids: Vec<&str> = next.adopted.iter().map(|(_, finding)| finding.id.as_str()).collect();
+            refuse_twin(&pass.pass, &ids, &asked.command()).map_err(refused)?;
+        }
         write(&next.text, &path, self.force && self.out.is_some(), &asked.command()).map_err(refused)?;
         print(&told(pass, &path, &next, &findings))?;
         Ok(executed.status())

@@ -30,7 +30,7 @@ pub(super) struct LabVerb {
     #[arg(long, value_name = "X", allow_negative_numbers = true, requires = "effect")]
     amplitude: Option<f64>,
     /// Number of cases
-    #[arg(long, value_name = "N", default_value_t = 60)]
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..))]
     cases: u64,
     /// Seed of all random numbers
     #[arg(long, value_name = "S", default_value_t = 1)]
@@ -52,6 +52,9 @@ impl LabVerb {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         if let Some(folder) = &self.write {
             return self.write(folder, context);
+        }
+        if self.amplitude.is_some_and(|amplitude| !amplitude.is_finite() || amplitude == 0.0) {
+            return Err(Failure::input("an amplitude is a number other than 0"));
         }
         let spec = Spec { effect: self.effect.clone(), amplitude: self.amplitude, cases: self.cases, seed: self.seed };
         let rendered =

@@ -21,7 +21,8 @@ fn p_value(p: f64) -> String {
 fn size(effect: &EffectResult) -> String {
     let first = effect.amplitudes.iter().next();
     first.map_or_else(String::new, |(name, amount)| {
-        format!("{name} {} ± {} {}", short(amount.value, 3), short(amount.sd, 2), amount.unit)
+        let unit = if amount.unit == "1" { String::new() } else { format!(" {}", amount.unit) };
+        format!("{name} {}{unit}", with_error(amount.value, amount.sd))
     })
 }
 
@@ -33,6 +34,16 @@ fn carried(effect: &EffectResult) -> String {
         return format!(", which takes {} to {} W from {node}", short(-most, 2), short(-least, 2));
     }
     format!(", which gives {node} {} to {} W", short(least, 2), short(most, 2))
+}
+
+/// A value and its spread, to two digits of the spread.
+fn with_error(value: f64, sd: f64) -> String {
+    let decimals = 1.0 - (crate::math::functions::ln(sd) / core::f64::consts::LN_10).floor();
+    if sd > 0.0 && (0.0..=8.0).contains(&decimals) {
+        let decimals = decimals as usize;
+        return format!("{value:.decimals$} ± {sd:.decimals$}");
+    }
+    format!("{} ± {}", short(value, 3), short(sd, 2))
 }
 
 /// A number to some significant digits.

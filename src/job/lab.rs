@@ -12,6 +12,7 @@ use crate::diagnosis::Problem;
 use crate::diagnosis::laboratory::{
     Outcome, Rate, Score, Trial, Truth, drawn_case, own_case, own_wish, score, standard,
 };
+use crate::document::suggest;
 use crate::effect::Catalogue;
 
 /// What the laboratory is to do.
@@ -86,7 +87,9 @@ impl Lab {
         if let Some(effect) = &spec.effect {
             let known = problem.candidates.iter().any(|own| own.id == *effect || own.effect == *effect);
             if !known {
-                return Err(JobError::Failed(format!("`{effect}` is no effect with a place in this model")));
+                let ids = problem.candidates.iter().flat_map(|own| [own.id.as_str(), own.effect.as_str()]);
+                let near = suggest::nearest(effect, ids).map_or(String::new(), |near| format!("; the nearest is `{near}`"));
+                return Err(JobError::Failed(format!("`{effect}` is no effect with a place in this model{near}")));
             }
         }
         Ok(Self { spec, ground: Ground::Own(problem) })

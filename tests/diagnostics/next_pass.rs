@@ -218,7 +218,7 @@ fn an_experiment_that_is_no_better_than_a_coin_is_not_recommended() {
         "selected": ["conductive-path:box:detector"], "separating_experiment": {"between": [], "predictions": {},
         "conditions": {"T_plate": {"value": 313.0, "unit": "K"}}, "probability": 0.5, "repeat_probability": 0.5, "limits_ok": true}});
     let found = Findings::from_result("missing", &whole).expect("of that form");
-    let lines = bmv::study::next_pass::ambiguity(&found, &[&found.effects[0]], &study.load().model);
+    let lines = bmv::study::next_pass::ambiguity(&found, &[&found.effects[0]], &study().load().model);
     assert_eq!(lines[1], "no settable phase within the limits would tell them apart; measure where they differ");
 }
 

@@ -96,8 +96,13 @@ pub(crate) fn amount(amount: &Amount) -> String {
 }
 
 fn amplitudes(effect: &EffectResult) -> String {
-    let one = |(name, value): (&String, &Amount)| format!("{name} {}", amount(value));
-    let all: Vec<String> = effect.amplitudes.iter().take(2).map(one).collect();
+    let is_open = |value: &Amount| value.sd > 3.0 * value.value.abs();
+    let one = |(position, (name, value)): (usize, (&String, &Amount))| match position {
+        0 => format!("{name} {}", amount(value)),
+        _ if is_open(value) => format!("{name} open"),
+        _ => format!("{name} {}", amount(value)),
+    };
+    let all: Vec<String> = effect.amplitudes.iter().enumerate().take(2).map(one).collect();
     let more = effect.amplitudes.len().saturating_sub(2);
     if more > 0 { format!("{}; {more} more", all.join("; ")) } else { all.join("; ") }
 }
