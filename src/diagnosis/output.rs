@@ -133,6 +133,7 @@ pub struct EffectResult {
     /// it takes heat; `None` where it moves none, as on sensors.
     pub watts: Option<[f64; 2]>,
     /// Heat that it gives each node, by phase or stretch of time; empty for effects that are less probable than 0.001.
+    #[serde(default)]
     pub carries: Vec<Carried>,
     /// What it is confused with, from its file.
     pub confused_with: Vec<String>,
