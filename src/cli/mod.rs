@@ -1,6 +1,7 @@
 //! The command line: a file a verb; parses, calls, prints; holds no logic of its own.
 
 mod adopt;
+mod archive;
 mod cache;
 mod check;
 mod compare;
@@ -15,6 +16,7 @@ mod init;
 mod lab;
 mod options;
 mod output;
+mod pinned;
 mod plan;
 mod report;
 mod run;

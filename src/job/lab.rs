@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::{Job, JobError, Step};
-use crate::diagnosis::{HypothesisError, Problem};
 use crate::diagnosis::laboratory::{
     Outcome, Rate, Score, Trial, Truth, drawn_case, own_case, own_wish, score, standard,
 };
+use crate::diagnosis::{HypothesisError, Problem};
 use crate::document::suggest;
 use crate::effect::Catalogue;
 
@@ -88,7 +88,8 @@ impl Lab {
             let known = problem.candidates.iter().any(|own| own.id == *effect || own.effect == *effect);
             if !known {
                 let ids = problem.candidates.iter().flat_map(|own| [own.id.as_str(), own.effect.as_str()]);
-                let near = suggest::nearest(effect, ids).map_or(String::new(), |near| format!("; the nearest is `{near}`"));
+                let near =
+                    suggest::nearest(effect, ids).map_or(String::new(), |near| format!("; the nearest is `{near}`"));
                 return Err(JobError::Failed(format!("`{effect}` is no effect with a place in this model{near}")));
             }
         }

@@ -95,13 +95,7 @@ fn place(finding: &Finding) -> Item {
 
 /// Unit, nominal value and prior. The nominal value is the one that the diagnosis fitted, else the catalogue's where it
 /// states one: at the prior's median, the model as delivered with the effect would be nobody's model.
-fn parameter(
-    effect: &Effect,
-    parameter: &EffectParameter,
-    finding: &Finding,
-    bound: &[Bound],
-    model: &Model,
-) -> Item {
+fn parameter(effect: &Effect, parameter: &EffectParameter, finding: &Finding, bound: &[Bound], model: &Model) -> Item {
     let mut fields = Vec::new();
     let fitted = |unit: &Unit| fitted(parameter, finding.amplitudes.get(&parameter.name)?, unit).map(Item::number);
     let form = effect.form.parameters.get(&parameter.written).map(|entry| &entry.value);

@@ -56,8 +56,7 @@ pub fn refuse_twin(pass: &Pass, ids: &[&str], place: &Place) -> Result<(), Diagn
     wanted.sort_unstable();
     let is_twin = |other: &Pass| {
         let before = |id: &str| pass.adopted.iter().any(|own| own.id == id);
-        let mut added: Vec<&str> =
-            other.adopted.iter().map(|own| own.id.as_str()).filter(|id| !before(id)).collect();
+        let mut added: Vec<&str> = other.adopted.iter().map(|own| own.id.as_str()).filter(|id| !before(id)).collect();
         added.sort_unstable();
         other.parents.first() == Some(&pass.file) && added == wanted
     };

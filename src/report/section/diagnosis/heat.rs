@@ -11,15 +11,6 @@ const MOST_HEAT: usize = 12;
 /// Nodes of an effect in the table of carried heat.
 const MOST_NODES: usize = 3;
 
-/// The phase, or the instant.
-fn stretch(one: &Carried) -> String {
-    match (&one.phase, one.time_s) {
-        (Some(phase), _) => phase.clone(),
-        (None, Some(time)) => format!("{} s", significant(time, 4)),
-        (None, None) => String::new(),
-    }
-}
-
 /// The heat that the selected effects give the nodes they act on.
 pub(super) fn carried(output: &Output) -> Option<Block> {
     let selected = output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id));
@@ -62,10 +53,10 @@ fn of_effect(effect: &EffectResult) -> Vec<Vec<Cell>> {
             Cell::code(&effect.id),
             Cell::code(*node),
             significant(least.watts, 2).into(),
-            stretch(least).into(),
+            figures::stretch(least.phase.as_deref(), least.time_s).into(),
             significant(mean, 2).into(),
             significant(most.watts, 2).into(),
-            stretch(most).into(),
+            figures::stretch(most.phase.as_deref(), most.time_s).into(),
         ])
     };
     nodes.iter().take(MOST_NODES).filter_map(row).collect()
@@ -86,7 +77,7 @@ pub(super) fn missing(output: &Output) -> Option<Block> {
         .map(|heat| {
             vec![
                 Cell::code(&heat.node),
-                figures::stretch(heat).into(),
+                figures::stretch(heat.phase.as_deref(), heat.time_s).into(),
                 with_error(heat.watts, heat.sd).into(),
                 fixed(clear(heat), 1).into(),
             ]
