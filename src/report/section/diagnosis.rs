@@ -55,7 +55,7 @@ fn change(values: [Option<f64>; 2]) -> String {
 }
 
 /// The verdict and what it means, in a line.
-fn verdict(output: &Output) -> Text {
+pub(super) fn verdict(output: &Output) -> Text {
     let meaning = match output.verdict {
         Verdict::Adequate => ": nothing is missing that these data could show.",
         Verdict::Identified => ": one set of effects explains the misfit, and no rival comes near it.",
