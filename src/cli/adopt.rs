@@ -36,7 +36,7 @@ pub(super) struct Adopt {
     /// Adopt what the diagnosis does not support, and replace the file that --out names
     #[arg(long)]
     force: bool,
-    /// Name of the diagnosis in the pass [default: the only one]
+    /// Name of the diagnosis in the pass [default: the first]
     #[arg(long, value_name = "NAME")]
     job: Option<String>,
     #[command(flatten)]
@@ -48,7 +48,7 @@ impl Adopt {
         studies::one_pass(&self.pass)?;
         let asked = Asked::new(&format!("bmv adopt {}", self.pass.display()), &self.effects);
         let refused = |wrong: Diagnostics| Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS));
-        let job = studies::only_job(&self.pass, "diagnose", self.job.as_deref(), context.coloured)?;
+        let job = studies::job_of_kind(&self.pass, "diagnose", self.job.as_deref(), context.coloured)?;
         let options = self.options.clone().into();
         let executed = execute(std::slice::from_ref(&self.pass), &options, context, |_, name| name == job)?;
         let Some(pass) = executed.passes.first() else { return Ok(executed.status()) };

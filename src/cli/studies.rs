@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::archive::study_name;
 use super::execute::Executed;
-use super::output::escaped;
+use super::output::{escaped, tell};
 use super::status::Failure;
 use crate::job::{Job, JobError, compare, predict, propagate, sensitivity};
 use crate::report::assemble::{FinishedJob, Surroundings, assemble};
@@ -265,11 +265,12 @@ pub fn one_pass(path: &Path) -> Result<(), Failure> {
     Err(Failure::input(format!("`{}` holds several passes; name one: {}", path.display(), names.join(", "))))
 }
 
-/// The job of a kind: the one of this name, else the only one.
+/// The job of a kind: the one of this name, else the first, in the order of the file; where there are several, it is
+/// told which.
 ///
 /// # Errors
-/// A pass that cannot be loaded, that has no such job, or several without a name that says which.
-pub fn only_job(path: &Path, kind: &str, name: Option<&str>, coloured: bool) -> Result<String, Failure> {
+/// A pass that cannot be loaded, or that has no such job.
+pub fn job_of_kind(path: &Path, kind: &str, name: Option<&str>, coloured: bool) -> Result<String, Failure> {
     let shown = path.display();
     let loaded = passes(&[path.to_owned()], coloured)?;
     let jobs = loaded.iter().flat_map(|(_, _, pass)| &pass.jobs).filter(|job| job.spec.kind() == kind);
@@ -280,15 +281,18 @@ pub fn only_job(path: &Path, kind: &str, name: Option<&str>, coloured: bool) -> 
             Err(Failure::input(format!("`{shown}` has no job of kind `{kind}`; give it one, as in {example}")))
         }
         (Some(name), jobs) if jobs.contains(&name) => Ok(name.to_owned()),
-        (None, [only]) => Ok((*only).to_owned()),
-        (name, jobs) => {
+        (Some(name), jobs) => {
             let listed = crate::document::suggest::listed(jobs.iter().copied(), 12);
-            Err(Failure::input(match name {
-                Some(name) => format!("`{shown}` has no `{kind}` job `{}`; it has {}", escaped(name), escaped(&listed)),
-                None => {
-                    format!("`{shown}` has several jobs of kind `{kind}`: {}; say which with --job", escaped(&listed))
-                }
-            }))
+            let (name, listed) = (escaped(name), escaped(&listed));
+            Err(Failure::input(format!("`{shown}` has no `{kind}` job `{name}`; it has {listed}")))
+        }
+        (None, [first, rest @ ..]) => {
+            if !rest.is_empty() {
+                let listed = crate::document::suggest::listed(rest.iter().copied(), 12);
+                let (first, listed) = (escaped(first), escaped(&listed));
+                tell(&format!("`{shown}` has several jobs of kind `{kind}`: `{first}` is taken; --job names {listed}"));
+            }
+            Ok((*first).to_owned())
         }
     }
 }

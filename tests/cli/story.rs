@@ -115,6 +115,27 @@ fn the_heat_that_the_effect_carries_is_told_by_phase() {
     assert!(said.contains("What the selected effects carry") && said.contains(", which "), "{said}");
 }
 
+#[test]
+fn of_several_diagnoses_the_first_is_adopted_from_and_no_pass_is_written_twice() {
+    let root = changed(|pass| {
+        let jobs = pass["jobs"].as_object_mut().unwrap();
+        jobs.insert("other".to_owned(), jobs["missing"].clone());
+    });
+    let output = bmv(root.path(), &["adopt", "hidden/pass-1.json"]);
+    let said = text(&output.stderr);
+    assert_eq!(code(&output), 0, "{said}");
+    assert!(said.contains("several jobs of kind `diagnose`: `missing` is taken; --job names `other`"), "{said}");
+    let second = read(&root.path().join("hidden/pass-2.json"));
+    let parameters = &second["adopt"]["baffle-box radiative path"]["effect"]["radiative-path"]["parameters"];
+    let nominal = parameters["exchange_area"]["nominal"].as_f64().unwrap();
+    assert!((nominal - 0.0006).abs() < 1.2e-4, "the fitted size, not the prior's median: {nominal}");
+    let again = bmv(root.path(), &["adopt", "hidden/pass-1.json", "radiative-path:box:baffle"]);
+    assert_eq!(code(&again), 2);
+    assert!(text(&again.stderr).starts_with("error[adopt-file]"), "{}", text(&again.stderr));
+    assert!(text(&again.stderr).contains("`pass-2.json` is `pass-1.json` with the same effects already"));
+    assert!(!root.path().join("hidden/pass-3.json").exists());
+}
+
 /// The study with its pass changed by `change`.
 fn changed(change: impl Fn(&mut Value)) -> TempDir {
     let root = hidden();
