@@ -22,6 +22,9 @@ fn size(effect: &EffectResult) -> String {
     let first = effect.amplitudes.iter().next();
     first.map_or_else(String::new, |(name, amount)| {
         let unit = if amount.unit == "1" { String::new() } else { format!(" {}", amount.unit) };
+        if amount.at_bound {
+            return format!("{name} {}{unit}, at a bound", short(amount.value, 3));
+        }
         format!("{name} {}{unit}", with_error(amount.value, amount.sd))
     })
 }

@@ -194,13 +194,15 @@ fn of_comparison(output: &compare::Output) -> Vec<String> {
         parts.push(format!("{kept} of {} criteria kept ({})", output.verdicts.len(), output.criteria.title));
     }
     if !output.failed.is_empty() {
-        parts.push(format!("{} phases without a prediction", output.failed.len()));
+        let phases = if output.failed.len() == 1 { "phase" } else { "phases" };
+        parts.push(format!("{} {phases} without a prediction", output.failed.len()));
     }
     let mut lines = vec![parts.join("; ")];
     let of = if output.tuned.is_some() { "as delivered, " } else { "" };
     lines.extend(output.fails.iter().take(MOST_FINDINGS).map(|found| format!("{of}{found}")));
     if output.fails.len() > MOST_FINDINGS {
-        lines.push(format!("and {} more findings", output.fails.len() - MOST_FINDINGS));
+        let more = output.fails.len() - MOST_FINDINGS;
+        lines.push(format!("and {more} more {}", if more == 1 { "finding" } else { "findings" }));
     } else if output.fails.is_empty() {
         lines.push("no place where the model fails".to_owned());
     }
