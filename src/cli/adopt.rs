@@ -10,7 +10,9 @@ use super::studies::LoadedPass;
 use super::{Context, studies};
 use crate::document::{Diagnostics, suggest};
 use crate::job::findings::Findings;
-use crate::study::next_pass::{Asked, NextPass, ambiguity, destination, next_pass, probability_text, write};
+use crate::study::next_pass::{
+    Asked, NextPass, ambiguity, destination, next_pass, probability_text, refuse_twin, write,
+};
 
 /// Diagnostics printed of one refusal.
 const MOST_DIAGNOSTICS: usize = 20;
@@ -34,7 +36,7 @@ pub(super) struct Adopt {
     /// Adopt what the diagnosis does not support, and replace the file that --out names
     #[arg(long)]
     force: bool,
-    /// Name of the diagnosis in the pass [default: the only one]
+    /// Name of the diagnosis in the pass [default: the first]
     #[arg(long, value_name = "NAME")]
     job: Option<String>,
     #[command(flatten)]
@@ -46,7 +48,7 @@ impl Adopt {
         studies::one_pass(&self.pass)?;
         let asked = Asked::new(&format!("bmv adopt {}", self.pass.display()), &self.effects);
         let refused = |wrong: Diagnostics| Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS));
-        let job = studies::only_job(&self.pass, "diagnose", self.job.as_deref(), context.coloured)?;
+        let job = studies::job_of_kind(&self.pass, "diagnose", self.job.as_deref(), context.coloured)?;
         let options = self.options.clone().into();
         let executed = execute(std::slice::from_ref(&self.pass), &options, context, |_, name| name == job)?;
         let Some(pass) = executed.passes.first() else { return Ok(executed.status()) };
@@ -60,6 +62,10 @@ impl Adopt {
             refused(diagnostics)
         })?;
         let next = next_pass(&pass.pass, &job, &findings, &asked, self.force, &path).map_err(refused)?;
+        if self.out.is_none() {
+            let ids: Vec<&str> = next.adopted.iter().map(|(_, finding)| finding.id.as_str()).collect();
+            refuse_twin(&pass.pass, &ids, &asked.command()).map_err(refused)?;
+        }
         write(&next.text, &path, self.force && self.out.is_some(), &asked.command()).map_err(refused)?;
         print(&told(pass, &path, &next, &findings))?;
         Ok(executed.status())
@@ -77,7 +83,7 @@ fn told(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, findings: &Findings
         text.push_str(&format!("  {}: {}{probability}{against}\n", escaped(name), escaped(&finding.id)));
     }
     let chosen: Vec<_> = next.adopted.iter().map(|(_, finding)| *finding).collect();
-    for line in ambiguity(findings, &chosen) {
+    for line in ambiguity(findings, &chosen, &pass.pass.model) {
         text.push_str(&format!("{}\n", escaped(&line)));
     }
     if !next.extended.is_empty() {

@@ -6,8 +6,8 @@ use clap::Subcommand;
 
 use super::options::PathsArgument;
 use super::output::{escaped, print, print_json};
+use super::pinned::{PinnedFile, pinned};
 use super::status::{Failure, Status};
-use super::studies::{self, PinnedFile};
 
 /// Verbs below `bmv data`.
 #[derive(Debug, Subcommand)]
@@ -36,8 +36,8 @@ pub(super) enum Data {
 impl Data {
     pub(super) fn execute(self) -> Result<Status, Failure> {
         let (files, json) = match self {
-            Self::Get { paths, from, json } => (studies::pinned(&paths.paths, true, from.as_deref())?, json),
-            Self::Verify { paths, json } => (studies::pinned(&paths.paths, false, None)?, json),
+            Self::Get { paths, from, json } => (pinned(&paths.paths, true, from.as_deref())?, json),
+            Self::Verify { paths, json } => (pinned(&paths.paths, false, None)?, json),
         };
         if json {
             print_json(&files)?;

@@ -8,6 +8,7 @@ use super::options::RunOptions;
 use super::output::{escaped, print, print_json, table, tell};
 use super::status::{Failure, Status};
 use crate::diagnosis::laboratory::{Rate, Score, case, folder, standard};
+use crate::document::suggest;
 use crate::job::lab::{Lab, Output, Spec};
 use crate::runner::engine::local;
 use crate::runner::{Node, Plan, Progress, Ready, Settings};
@@ -29,7 +30,7 @@ pub(super) struct LabVerb {
     #[arg(long, value_name = "X", allow_negative_numbers = true, requires = "effect")]
     amplitude: Option<f64>,
     /// Number of cases
-    #[arg(long, value_name = "N", default_value_t = 60)]
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..))]
     cases: u64,
     /// Seed of all random numbers
     #[arg(long, value_name = "S", default_value_t = 1)]
@@ -52,6 +53,9 @@ impl LabVerb {
         if let Some(folder) = &self.write {
             return self.write(folder, context);
         }
+        if self.amplitude.is_some_and(|amplitude| !amplitude.is_finite() || amplitude == 0.0) {
+            return Err(Failure::input("an amplitude is a number other than 0"));
+        }
         let spec = Spec { effect: self.effect.clone(), amplitude: self.amplitude, cases: self.cases, seed: self.seed };
         let rendered =
             |wrong: crate::document::Diagnostics| Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS));
@@ -65,6 +69,15 @@ impl LabVerb {
                 let pass = crate::study::load(&path).map_err(rendered)?;
                 if pass.measurements.is_empty() {
                     return Err(Failure::input(format!("`{}` has no measurement to simulate", path.display())));
+                }
+                if let Some(own) = pass.handed_on.first() {
+                    return Err(Failure::input(format!(
+                        "the laboratory draws truths from distributions, and in `{}` {} has the draws of {} as its prior; \
+                         name a pass with the prior that they began with",
+                        path.display(),
+                        suggest::listed(own.draws.names.iter().map(String::as_str), 6),
+                        own.draws.source
+                    )));
                 }
                 let problem = Arc::new(crate::study::problem(&pass));
                 let lab = Lab::new(spec, problem).map_err(|error| Failure::input(error.to_string()))?;

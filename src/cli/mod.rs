@@ -1,6 +1,7 @@
 //! The command line: a file a verb; parses, calls, prints; holds no logic of its own.
 
 mod adopt;
+mod archive;
 mod cache;
 mod check;
 mod compare;
@@ -15,6 +16,7 @@ mod init;
 mod lab;
 mod options;
 mod output;
+mod pinned;
 mod plan;
 mod report;
 mod run;
@@ -177,7 +179,10 @@ pub fn main() -> ExitCode {
     let context = Context { coloured, layout, stop: OnceCell::new() };
     let status = program.verb.execute(&context).unwrap_or_else(|failure| {
         let label = if coloured { "\u{1b}[1;31merror:\u{1b}[0m" } else { "error:" };
-        output::tell(&format!("{label} {}", failure.message));
+        let message = failure.message.trim_end();
+        // Rendered diagnostics carry their own label.
+        let is_labelled = message.split(' ').next().is_some_and(|word| word.contains("error["));
+        output::tell(&if is_labelled { message.to_owned() } else { format!("{label} {message}") });
         failure.status
     });
     status.into()

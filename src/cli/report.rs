@@ -30,7 +30,7 @@ impl Report {
             return Ok(Status::Interrupted);
         }
         for pass in &executed.passes {
-            match studies::render(pass, &executed, &self.out)? {
+            match super::archive::render(pass, &executed, &self.out)? {
                 Some(folder) => print(&format!("{}\n", folder.join("report.html").display()))?,
                 None => tell(&format!("{}: no job has a result, no report", escaped(&pass.shown))),
             }

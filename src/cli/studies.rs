@@ -5,18 +5,17 @@ use std::sync::Arc;
 
 use serde_json::Value;
 
-use super::execute::{Executed, is_judge};
-use super::output::escaped;
+use super::archive::study_name;
+use super::execute::Executed;
+use super::output::{escaped, tell};
 use super::status::Failure;
 use crate::job::{Job, JobError, compare, predict, propagate, sensitivity};
 use crate::report::assemble::{FinishedJob, Surroundings, assemble};
-use crate::report::{self, FileHash, History, JobEntry, JobResult, PassErrors, PassReport};
-use crate::runner::manifest::Manifest;
-use crate::runner::{ENGINE_VERSION, Node, Ready, Task};
-use crate::study::pinned::{self, Obtained, State};
+use crate::report::{History, JobEntry, JobResult, PassErrors, PassReport};
+use crate::runner::{Node, Ready, Task};
 use crate::study::ready::{Deferred, Readiness};
 use crate::study::resolved::Upstream;
-use crate::study::{self, Folder, Pass, discover};
+use crate::study::{self, Pass, discover};
 
 /// Diagnostics printed of one file.
 const MOST_DIAGNOSTICS: usize = 50;
@@ -73,19 +72,8 @@ impl Task for After {
     }
 }
 
-/// A pinned measurement, checked or brought.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
-pub struct PinnedFile {
-    /// Its file.
-    pub file: String,
-    /// What is the matter with it, or where it was had from.
-    pub state: String,
-    /// Whether the right bytes are there.
-    pub good: bool,
-}
-
 /// The passes under these paths, all that is wrong with all of them in one message.
-fn passes(paths: &[PathBuf], coloured: bool) -> Result<Vec<(PathBuf, PathBuf, Pass)>, Failure> {
+pub(super) fn passes(paths: &[PathBuf], coloured: bool) -> Result<Vec<(PathBuf, PathBuf, Pass)>, Failure> {
     let studies = discover(paths).map_err(|error| Failure::input(error.to_string()))?;
     let mut loaded = Vec::new();
     let mut wrong = Vec::new();
@@ -263,13 +251,6 @@ pub fn history(passes: &[&LoadedPass], executed: &Executed) -> Result<History, F
     Ok(history)
 }
 
-/// A pass with those of its parents that were loaded.
-fn lineage<'e>(pass: &'e LoadedPass, executed: &'e Executed) -> Vec<&'e LoadedPass> {
-    let all = || executed.passes.iter().chain(&executed.parents);
-    let find = |file: &String| all().find(|other| other.study == pass.study && other.file == *file);
-    pass.pass.parents.iter().rev().filter_map(find).chain([pass]).collect()
-}
-
 /// That a path names one pass, for verbs that print one.
 ///
 /// # Errors
@@ -284,11 +265,12 @@ pub fn one_pass(path: &Path) -> Result<(), Failure> {
     Err(Failure::input(format!("`{}` holds several passes; name one: {}", path.display(), names.join(", "))))
 }
 
-/// The job of a kind: the one of this name, else the only one.
+/// The job of a kind: the one of this name, else the first, in the order of the file; where there are several, it is
+/// told which.
 ///
 /// # Errors
-/// A pass that cannot be loaded, that has no such job, or several without a name that says which.
-pub fn only_job(path: &Path, kind: &str, name: Option<&str>, coloured: bool) -> Result<String, Failure> {
+/// A pass that cannot be loaded, or that has no such job.
+pub fn job_of_kind(path: &Path, kind: &str, name: Option<&str>, coloured: bool) -> Result<String, Failure> {
     let shown = path.display();
     let loaded = passes(&[path.to_owned()], coloured)?;
     let jobs = loaded.iter().flat_map(|(_, _, pass)| &pass.jobs).filter(|job| job.spec.kind() == kind);
@@ -299,15 +281,18 @@ pub fn only_job(path: &Path, kind: &str, name: Option<&str>, coloured: bool) -> 
             Err(Failure::input(format!("`{shown}` has no job of kind `{kind}`; give it one, as in {example}")))
         }
         (Some(name), jobs) if jobs.contains(&name) => Ok(name.to_owned()),
-        (None, [only]) => Ok((*only).to_owned()),
-        (name, jobs) => {
+        (Some(name), jobs) => {
             let listed = crate::document::suggest::listed(jobs.iter().copied(), 12);
-            Err(Failure::input(match name {
-                Some(name) => format!("`{shown}` has no `{kind}` job `{}`; it has {}", escaped(name), escaped(&listed)),
-                None => {
-                    format!("`{shown}` has several jobs of kind `{kind}`: {}; say which with --job", escaped(&listed))
-                }
-            }))
+            let (name, listed) = (escaped(name), escaped(&listed));
+            Err(Failure::input(format!("`{shown}` has no `{kind}` job `{name}`; it has {listed}")))
+        }
+        (None, [first, rest @ ..]) => {
+            if !rest.is_empty() {
+                let listed = crate::document::suggest::listed(rest.iter().copied(), 12);
+                let (first, listed) = (escaped(first), escaped(&listed));
+                tell(&format!("`{shown}` has several jobs of kind `{kind}`: `{first}` is taken; --job names {listed}"));
+            }
+            Ok((*first).to_owned())
         }
     }
 }
@@ -338,7 +323,7 @@ pub fn view<'p>(pass: &'p LoadedPass, executed: &Executed) -> Result<PassReport<
     view_in(pass, executed, Surroundings::default())
 }
 
-fn view_in<'p>(
+pub(super) fn view_in<'p>(
     pass: &'p LoadedPass,
     executed: &Executed,
     surroundings: Surroundings,
@@ -388,126 +373,5 @@ pub fn document(job: &JobEntry, with_rows: bool) -> Result<Value, Failure> {
         JobResult::Conventional(output) => {
             serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
         }
-    }
-}
-
-/// Renders the report of a pass into its own folder below `out` and gives that folder. A pass of whose jobs none has a
-/// result, because its data are not here, gets no report.
-///
-/// # Errors
-/// A result that cannot be rendered, a file that cannot be written.
-pub fn render(pass: &LoadedPass, executed: &Executed, out: &Path) -> Result<Option<PathBuf>, Failure> {
-    let failed = |error: String| Failure::job(format!("{}: {error}", pass.shown));
-    if executed.results(pass).next().is_none() && !pass.not_run.is_empty() {
-        return Ok(None);
-    }
-    let command = format!("bmv report {}", pass.shown);
-    let mut manifest = Manifest::new(&command);
-    let mut files = Vec::new();
-    let lineage = lineage(pass, executed);
-    let written: Vec<&Pass> = lineage.iter().map(|loaded| loaded.pass.as_ref()).collect();
-    for (role, file) in input_files(&written) {
-        let path = pass.study.join(&file);
-        let record = crate::runner::manifest::hash_file(&path).map_err(|error| failed(error.to_string()))?;
-        files.push(FileHash { path: file, sha256: record.sha256.as_str().to_owned(), role: role.to_owned() });
-        manifest.add_input_record(&path.display().to_string(), record);
-    }
-    for (position, job) in executed.results(pass) {
-        manifest.add_job(&executed.plan.nodes()[position], job);
-    }
-    for parent in lineage.iter().filter(|other| other.file != pass.file) {
-        for (position, job) in executed.results(parent) {
-            let node = &executed.plan.nodes()[position];
-            if is_judge(&parent.pass, &node.name) {
-                manifest.add_job(node, job);
-            }
-        }
-    }
-    let engine_version = ENGINE_VERSION.to_string();
-    let history = Some(history(&lineage, executed)?);
-    let surroundings = Surroundings { files, engine_version, command, history, ..Surroundings::default() };
-    let view = view_in(pass, executed, surroundings)?;
-    let rendered = report::render(&view).map_err(|error| failed(error.to_string()))?;
-    let folder = out.join(&view.study).join(pass.file.trim_end_matches(".json"));
-    report::write(&rendered, &folder).map_err(|error| failed(error.to_string()))?;
-    manifest.add_outputs(&folder)?;
-    manifest.write(&folder)?;
-    Ok(Some(folder))
-}
-
-/// A study's name: that of its folder.
-fn study_name(folder: &Path) -> String {
-    let resolved = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
-    resolved.file_name().map_or_else(|| "study".to_owned(), |name| name.to_string_lossy().into_owned())
-}
-
-/// Files of the study that a pass and its parents are made of, with their roles; the pass stands last.
-fn input_files(lineage: &[&Pass]) -> Vec<(&'static str, String)> {
-    let mut files: Vec<(&'static str, String)> = Vec::new();
-    for pass in lineage.iter().rev() {
-        let mut own = vec![("model", pass.model_file.clone())];
-        let is_first = files.is_empty();
-        own.extend(is_first.then(|| ("pass", pass.file.clone())));
-        own.extend(pass.parents.iter().map(|parent| ("parent pass", parent.clone())));
-        own.extend(pass.adopted.iter().filter_map(|adopted| Some(("effect", adopted.file.clone()?))));
-        own.extend(pass.measurements.iter().map(|measurement| ("data", measurement.file.clone())));
-        let draws = pass.handed_on.iter().filter(|own| own.draws.sha256.is_some());
-        own.extend(draws.map(|own| ("draws", own.draws.source.trim_matches('`').to_owned())));
-        for upstream in &pass.upstream {
-            let behind = input_files(&[upstream]).into_iter();
-            own.extend(behind.map(|(role, file)| match role {
-                "pass" => ("pass whose posterior is used", file),
-                role => (role, file),
-            }));
-        }
-        for (role, file) in own {
-            if !files.iter().any(|(_, known)| *known == file) {
-                files.push((role, file));
-            }
-        }
-    }
-    files
-}
-
-/// Checks pinned measurements, or brings them first if `bring`; `from` is a folder to search.
-///
-/// # Errors
-/// What is wrong with the files.
-pub fn pinned(paths: &[PathBuf], bring: bool, from: Option<&Path>) -> Result<Vec<PinnedFile>, Failure> {
-    let folders = pinned::search_folders(from, std::env::var_os("BMV_DATA").as_deref());
-    let mut found: Vec<PinnedFile> = Vec::new();
-    for (study, _, pass) in passes(paths, false)? {
-        let folder = Folder::open(&study).map_err(|error| Failure::input(error.to_string()))?;
-        for entry in &pass.pinned {
-            let file = study.join(&entry.file).display().to_string();
-            if found.iter().any(|known| known.file == file) {
-                continue;
-            }
-            let (state, good) = if bring {
-                match pinned::get(&folder, entry, &folders) {
-                    Ok(Obtained::AlreadyThere) => ("already there".to_owned(), true),
-                    Ok(Obtained::Copied(path)) => (format!("copied from {}", path.display()), true),
-                    Ok(Obtained::Fetched(origin)) => (format!("fetched from {origin}"), true),
-                    Err(error) => (error.to_string(), false),
-                }
-            } else {
-                match pinned::verify(&folder, entry) {
-                    Ok(State::Good) => ("the pinned bytes".to_owned(), true),
-                    Ok(State::Absent) => ("not there".to_owned(), false),
-                    Ok(State::Other { sha256 }) => (format!("other bytes, SHA-256 {sha256}"), false),
-                    Err(error) => (error.to_string(), false),
-                }
-            };
-            found.push(PinnedFile { file, state, good });
-        }
-    }
-    Ok(found)
-}
-
-/// JSON Schema of a file format: `model`, `pass`, `effect`, `results`. Nothing for a name that is none of them.
-pub fn schema(format: &str) -> Option<Value> {
-    match format {
-        "results" => Some(report::results_schema()),
-        _ => crate::study::schema(format).ok(),
     }
 }

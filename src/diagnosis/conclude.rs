@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use super::carried::carried;
 use super::engine::{Diagnosis, State};
 use super::heat;
 use super::held_out;
 use super::output::{
     Amount, Detectable, EffectResult, Misfit, ModelResult, NoiseResult, Output, Rmse, RmseChange, Test, Unseen, Verdict,
 };
+use super::problem::is_idle;
 use super::refit::Begin;
 use super::separate;
 use super::weigh::{SURE, Weights, best, groups, held, weigh};
@@ -20,6 +22,8 @@ use crate::math::special::chi_square_sf;
 const MOST_WRITTEN: usize = 60;
 /// Probability of a set below which the held-out rows are not asked.
 const LEAST_TESTED: f64 = 1e-3;
+/// Probability of an effect below which the heat that it would carry is not told.
+const LEAST_TOLD: f64 = 1e-3;
 /// p-value of the remaining sum of squares below which a set does not bring the model near the noise.
 const FAR_FROM_NOISE: f64 = 1e-3;
 
@@ -181,6 +185,14 @@ impl Diagnosis {
             .unwrap_or_default();
         let group = findings.groups.iter().position(|group| group.contains(&effect)).map(|group| group as u64 + 1);
         let scales = group.and_then(|_| self.at_scales(findings, refit, before));
+        let is_told = probability >= LEAST_TOLD || group.is_some();
+        let carries = if is_told { carried(problem, refit, effect) } else { Vec::new() };
+        let first = carries.first().map(|first| first.node.clone());
+        let most = carries.iter().filter(|one| Some(&one.node) == first.as_ref()).map(|one| one.watts);
+        let watts = most.fold(None, |range: Option<[f64; 2]>, watts| {
+            let [least, most] = range.unwrap_or([watts; 2]);
+            Some([least.min(watts), most.max(watts)])
+        });
         EffectResult {
             id: candidate.id.clone(),
             effect: candidate.effect.clone(),
@@ -197,7 +209,8 @@ impl Diagnosis {
                 train: [before.rmse_train_k, refit.rmse_train_k],
                 held_out: [before.rmse_held_out_k, refit.rmse_held_out_k],
             },
-            watts: None,
+            watts,
+            carries,
             confused_with: file
                 .map(|file| file.form.confused_with.iter().map(|name| name.value.clone()).collect())
                 .unwrap_or_default(),
@@ -218,7 +231,7 @@ impl Diagnosis {
 
 /// Number of parameters that are not held at a bound.
 fn free(refit: &Refit) -> usize {
-    refit.held.iter().filter(|held| !**held).count()
+    refit.held.iter().zip(&refit.names).filter(|(held, name)| !**held && !is_idle(name)).count()
 }
 
 fn named(findings: &Findings<'_>, effects: &[usize]) -> String {

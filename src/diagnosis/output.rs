@@ -86,6 +86,21 @@ pub struct Amount {
     pub at_bound: bool,
 }
 
+/// Heat that an effect gives a node.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Carried {
+    /// The node.
+    pub node: String,
+    /// The measurement.
+    pub measurement: String,
+    /// The phase; `None` in a transient.
+    pub phase: Option<String>,
+    /// Middle of the stretch of a transient, s, over which it is the mean.
+    pub time_s: Option<f64>,
+    /// Heat into the node, W.
+    pub watts: f64,
+}
+
 /// An effect as an explanation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EffectResult {
@@ -114,8 +129,12 @@ pub struct EffectResult {
     pub amplitudes: BTreeMap<String, Amount>,
     /// Errors without it and with it, the rest of its best set given.
     pub rmse_k: RmseChange,
-    /// Heat that it moves, W: smallest and largest over the fitted rows; `None` for sensors.
+    /// Heat that it gives the node to which it gives most, W: smallest and largest over the fitted rows, negative where
+    /// it takes heat; `None` where it moves none, as on sensors.
     pub watts: Option<[f64; 2]>,
+    /// Heat that it gives each node, by phase or stretch of time; empty for effects that are less probable than 0.001.
+    #[serde(default)]
+    pub carries: Vec<Carried>,
     /// What it is confused with, from its file.
     pub confused_with: Vec<String>,
     /// What would tell it apart, from its file.

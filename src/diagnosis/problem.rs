@@ -2,11 +2,15 @@
 
 use std::sync::Arc;
 
+use super::HypothesisError;
 use crate::effect::{Candidate, Catalogue};
-use crate::inference::likelihood::InputError;
+use crate::inference::likelihood::{InputError, LikelihoodError};
 use crate::inference::measurement::Measurement;
 use crate::random::Distribution;
-use crate::thermal::Model;
+use crate::thermal::{Model, Parameter};
+
+/// Name of the parameter that acts on nothing; no study can write it.
+const IDLE: &str = "nothing:inferred";
 
 /// A believed model, its measurements, and the effects that it may be missing.
 #[derive(Clone, Debug)]
@@ -25,4 +29,33 @@ pub struct Problem {
     pub catalogue: Arc<Catalogue>,
     /// Effects at places, of [`crate::effect::candidates`].
     pub candidates: Vec<Candidate>,
+}
+
+impl Problem {
+    /// The problem with something to infer. Where nothing is, as in a model whose parameters are all fixed, it gets a
+    /// parameter that acts on nothing, with a standard normal prior: residuals, evidence and every effect's direction
+    /// stay as they are, and the least squares have a column.
+    pub fn with_something_to_infer(mut self) -> Self {
+        let believed = self.hypothesis(&[], 1.0).and_then(|believed| believed.likelihood(&self));
+        if !matches!(believed, Err(HypothesisError::Likelihood(LikelihoodError::NoUnknowns))) {
+            return self;
+        }
+        let mut model = (*self.model).clone();
+        self.parameters.push(model.parameters.len());
+        self.priors.push(Distribution::Normal { mean: 0.0, sd: 1.0, lower: None, upper: None });
+        model.parameters.push(Parameter {
+            name: IDLE.to_owned(),
+            unit: "1".to_owned(),
+            nominal: 0.0,
+            description: String::new(),
+            source: String::new(),
+        });
+        self.model = Arc::new(model);
+        self
+    }
+}
+
+/// Whether an unknown is the parameter that acts on nothing.
+pub(super) fn is_idle(name: &str) -> bool {
+    name == IDLE
 }

@@ -21,8 +21,32 @@ fn p_value(p: f64) -> String {
 fn size(effect: &EffectResult) -> String {
     let first = effect.amplitudes.iter().next();
     first.map_or_else(String::new, |(name, amount)| {
-        format!("{name} {} ± {} {}", short(amount.value, 3), short(amount.sd, 2), amount.unit)
+        let unit = if amount.unit == "1" { String::new() } else { format!(" {}", amount.unit) };
+        if amount.at_bound {
+            return format!("{name} {}{unit}, at a bound", short(amount.value, 3));
+        }
+        format!("{name} {}{unit}", with_error(amount.value, amount.sd))
     })
+}
+
+/// The heat that an effect moves, where it moves any.
+fn carried(effect: &EffectResult) -> String {
+    let (Some([least, most]), Some(first)) = (effect.watts, effect.carries.first()) else { return String::new() };
+    let node = &first.node;
+    if most <= 0.0 {
+        return format!(", which takes {} to {} W from {node}", short(-most, 2), short(-least, 2));
+    }
+    format!(", which gives {node} {} to {} W", short(least, 2), short(most, 2))
+}
+
+/// A value and its spread, to two digits of the spread.
+fn with_error(value: f64, sd: f64) -> String {
+    let decimals = 1.0 - (crate::math::functions::ln(sd) / core::f64::consts::LN_10).floor();
+    if sd > 0.0 && (0.0..=8.0).contains(&decimals) {
+        let decimals = decimals as usize;
+        return format!("{value:.decimals$} ± {sd:.decimals$}");
+    }
+    format!("{} ± {}", short(value, 3), short(sd, 2))
 }
 
 /// A number to some significant digits.
@@ -36,6 +60,14 @@ fn short(value: f64, digits: usize) -> String {
         return format!("{value:.*e}", digits - 1);
     }
     format!("{value:.*}", (digits as f64 - 1.0 - power).max(0.0) as usize)
+}
+
+/// `a, b and c`.
+fn joined(names: &[String]) -> String {
+    match names.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => names.concat(),
+    }
 }
 
 fn fall([before, after]: [Option<f64>; 2]) -> Option<String> {
@@ -76,10 +108,11 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>) -> Vec<String> {
         Verdict::Identified | Verdict::Ambiguous => {
             for effect in &selected {
                 words.push(format!(
-                    "Missing: {} ({}), {}; probability {}, log Bayes factor {:.1}.",
+                    "Missing: {} ({}), {}{}; probability {}, log Bayes factor {:.1}.",
                     effect.title,
                     effect.id,
                     size(effect),
+                    carried(effect),
                     percent(effect.probability),
                     effect.log_bayes_factor
                 ));
@@ -108,7 +141,7 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>) -> Vec<String> {
         if let Some(experiment) = &output.separating_experiment {
             words.push(format!(
                 "A phase at the conditions stated below would tell {} apart with probability {}; repeating the best old phase with {}.",
-                experiment.between.join(" and "),
+                joined(&experiment.between),
                 percent(experiment.probability),
                 percent(experiment.repeat_probability)
             ));

@@ -61,6 +61,32 @@ pub fn scaled(distribution: Distribution, factor: f64) -> Distribution {
     }
 }
 
+/// The SI unit of a dimension over others as people read it: `W/Pa`, not `m3/s`.
+fn si_per(above: Dimension, below: &[Dimension]) -> Unit {
+    let plain = Unit::si(below.iter().fold(above, |dimension, own| dimension.over(*own)));
+    let mut above = above.to_string();
+    let mut powers: Vec<(String, usize)> = Vec::new();
+    for text in below.iter().map(Dimension::to_string).filter(|text| text != "1") {
+        if text == above {
+            above = "1".to_owned();
+            continue;
+        }
+        match powers.iter_mut().find(|(known, _)| *known == text) {
+            Some((_, power)) => *power += 1,
+            None => powers.push((text, 1)),
+        }
+    }
+    let parts: Vec<String> =
+        powers.into_iter().map(|(text, power)| if power == 1 { text } else { format!("{text}{power}") }).collect();
+    let text = match parts.as_slice() {
+        [] => above,
+        [one] => format!("{above}/{one}"),
+        several => format!("{above}/({})", several.join(" ")),
+    };
+    // A name made of several, such as `W/m2`, does not go below a line so simply.
+    Unit::parse(&text).ok().filter(|unit| unit.dimension == plain.dimension && unit.factor == 1.0).unwrap_or(plain)
+}
+
 impl Effect {
     /// Index of an input of the effect.
     pub(super) fn input(&self, name: &str) -> Option<usize> {
@@ -122,14 +148,14 @@ impl Effect {
             prior.resolve(Some(own), own.dimension, form.sense(), &mut unheard)?.distribution().copied()
         });
         let prior = prior.unwrap_or(Distribution::Fixed(0.0));
-        let mut dimension = own.dimension;
+        let mut below = Vec::new();
         let mut largest = 1.0;
         for input in form.per.iter().filter_map(|name| find(&name.value)) {
-            dimension = dimension.over(input.dimension(model).unwrap_or(Dimension::NONE));
+            below.push(input.dimension(model).unwrap_or(Dimension::NONE));
             largest *= input.largest(model);
         }
         let factor = 1.0 / largest;
-        parameter.unit = if form.per.is_empty() { own.clone() } else { Unit::si(dimension) };
+        parameter.unit = if form.per.is_empty() { own.clone() } else { si_per(own.dimension, &below) };
         parameter.prior = scaled(prior, factor);
         parameter.nominal = nominal.map_or_else(|| parameter.prior.quantile(0.5), |value| value * factor);
         parameter.probes = probes.into_iter().map(|value| value * factor).collect();

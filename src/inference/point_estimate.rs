@@ -125,7 +125,11 @@ pub fn estimate<T: LeastSquares>(
         }
     }
     let Some(best) = best else {
-        let reason = most_frequent(&objective.work.rejections);
+        // A start that no reason speaks against has a sum of squares beyond all numbers.
+        let reason = match objective.work.rejections.by_reason.is_empty() {
+            true => "the sum of squares is not finite: is the noise far too small?".to_owned(),
+            false => most_frequent(&objective.work.rejections),
+        };
         return Err(SampleError::NoStart { tries: descents.len() as u64, reason });
     };
     let exact = settings.exact_hessian || best.penalised;

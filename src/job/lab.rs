@@ -8,10 +8,11 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::{Job, JobError, Step};
-use crate::diagnosis::Problem;
 use crate::diagnosis::laboratory::{
     Outcome, Rate, Score, Trial, Truth, drawn_case, own_case, own_wish, score, standard,
 };
+use crate::diagnosis::{HypothesisError, Problem};
+use crate::document::suggest;
 use crate::effect::Catalogue;
 
 /// What the laboratory is to do.
@@ -86,7 +87,23 @@ impl Lab {
         if let Some(effect) = &spec.effect {
             let known = problem.candidates.iter().any(|own| own.id == *effect || own.effect == *effect);
             if !known {
-                return Err(JobError::Failed(format!("`{effect}` is no effect with a place in this model")));
+                let ids = problem.candidates.iter().flat_map(|own| [own.id.as_str(), own.effect.as_str()]);
+                let near =
+                    suggest::nearest(effect, ids).map_or(String::new(), |near| format!("; the nearest is `{near}`"));
+                return Err(JobError::Failed(format!("`{effect}` is no effect with a place in this model{near}")));
+            }
+        }
+        // What stops every case is told before the first.
+        let failed = |error: HypothesisError| JobError::Failed(error.to_string());
+        problem.hypothesis(&[], 1.0).and_then(|believed| believed.likelihood(&problem)).map_err(failed)?;
+        let hidden = spec.effect.as_ref().zip(spec.amplitude);
+        if let Some((effect, amplitude)) = hidden {
+            let name = effect.split(':').next().unwrap_or(effect);
+            let form = problem.catalogue.get(name).map(|effect| &effect.form.parameters);
+            let first = form.and_then(|form| form.iter().find(|entry| !entry.value.shape));
+            if let Some(entry) = first.filter(|entry| !entry.value.sign.allows(amplitude)) {
+                let (own, word) = (&entry.name, entry.value.sign.word());
+                return Err(JobError::Failed(format!("`{own}` of `{name}` is {word}; {amplitude} is not")));
             }
         }
         Ok(Self { spec, ground: Ground::Own(problem) })

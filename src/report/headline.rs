@@ -176,10 +176,17 @@ fn of_comparison(output: &compare::Output) -> Vec<String> {
     let mut parts = Vec::new();
     if let Some(unit) = units.first().filter(|unit| units.iter().all(|other| other == *unit)) {
         let shown = Shown::si(unit);
-        for (rows, deviation) in [("", &output.train), (" on held-out rows", &output.held_out)] {
-            if deviation.count > 0 {
-                parts.push(format!("RMSE{rows} {}", shown.text(deviation.rmse)));
-            }
+        let tuned = output.tuned.as_ref();
+        let rows = [
+            ("", &output.train, tuned.map(|tuned| &tuned.train)),
+            (" on held-out rows", &output.held_out, tuned.map(|tuned| &tuned.held_out)),
+        ];
+        for (rows, delivered, tuned) in rows.into_iter().filter(|(_, delivered, _)| delivered.count > 0) {
+            let delivered = shown.text(delivered.rmse);
+            parts.push(match tuned {
+                Some(tuned) => format!("RMSE{rows} {delivered} as delivered, {} tuned", shown.text(tuned.rmse)),
+                None => format!("RMSE{rows} {delivered}"),
+            });
         }
     }
     if !output.verdicts.is_empty() {
@@ -187,12 +194,15 @@ fn of_comparison(output: &compare::Output) -> Vec<String> {
         parts.push(format!("{kept} of {} criteria kept ({})", output.verdicts.len(), output.criteria.title));
     }
     if !output.failed.is_empty() {
-        parts.push(format!("{} phases without a prediction", output.failed.len()));
+        let phases = if output.failed.len() == 1 { "phase" } else { "phases" };
+        parts.push(format!("{} {phases} without a prediction", output.failed.len()));
     }
     let mut lines = vec![parts.join("; ")];
-    lines.extend(output.fails.iter().take(MOST_FINDINGS).cloned());
+    let of = if output.tuned.is_some() { "as delivered, " } else { "" };
+    lines.extend(output.fails.iter().take(MOST_FINDINGS).map(|found| format!("{of}{found}")));
     if output.fails.len() > MOST_FINDINGS {
-        lines.push(format!("and {} more findings", output.fails.len() - MOST_FINDINGS));
+        let more = output.fails.len() - MOST_FINDINGS;
+        lines.push(format!("and {more} more {}", if more == 1 { "finding" } else { "findings" }));
     } else if output.fails.is_empty() {
         lines.push("no place where the model fails".to_owned());
     }

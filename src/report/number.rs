@@ -43,10 +43,11 @@ pub fn significant(value: f64, digits: usize) -> String {
 /// A number that someone wrote: up to six significant digits, without zeros that say nothing.
 pub fn as_given(value: f64) -> String {
     let text = significant(value, 6);
-    if text.contains('.') && !text.contains('\u{00D7}') {
-        return text.trim_end_matches('0').trim_end_matches('.').to_owned();
+    let (digits, power) = text.split_at(text.find('\u{00A0}').unwrap_or(text.len()));
+    if !digits.contains('.') {
+        return text;
     }
-    text
+    format!("{}{power}", digits.trim_end_matches('0').trim_end_matches('.'))
 }
 
 /// A number with the decimals that its standard error allows: two digits of the error.
@@ -55,6 +56,12 @@ pub fn with_error(value: f64, error: f64) -> String {
         return significant(value, 4);
     }
     let decimals = 1.0 - (ln(error) / ln(10.0)).floor();
+    if (-5.0..0.0).contains(&decimals) {
+        // Two digits of the error stand before the point.
+        let step = (0..-decimals as i32).fold(1.0, |step, _| 10.0 * step);
+        let cut = |number: f64| fixed((number / step).round() * step, 0);
+        return format!("{} \u{00B1} {}", cut(value), cut(error));
+    }
     if !(0.0..=9.0).contains(&decimals) {
         return format!("{} \u{00B1} {}", significant(value, 4), significant(error, 2));
     }
@@ -230,6 +237,9 @@ mod tests {
     fn digits_follow_the_error() {
         assert_eq!(with_error(28.9123, 0.0654), "28.912 \u{00B1} 0.065");
         assert_eq!(with_error(1234.5, 23.0), "1234 \u{00B1} 23");
+        assert_eq!(with_error(1234.5, 230.0), "1230 \u{00B1} 230");
+        assert_eq!(with_error(9.0, 912.0), "10 \u{00B1} 910");
+        assert_eq!(with_error(133.5, 12345.0), "0 \u{00B1} 12000");
         assert_eq!(with_error(28.9123, f64::NAN), "28.91");
     }
 
@@ -244,6 +254,7 @@ mod tests {
             (as_given(0.85).as_str(), as_given(100.0).as_str(), as_given(-40.25).as_str()),
             ("0.85", "100", "\u{2212}40.25")
         );
+        assert_eq!(as_given(1.0e-5), "1\u{00A0}\u{00D7}\u{00A0}10\u{207B}\u{2075}");
     }
 
     #[test]

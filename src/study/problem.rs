@@ -12,7 +12,7 @@ use super::resolved::Pass;
 /// The problem of a pass over all its measurements.
 pub fn problem(pass: &Pass) -> Problem {
     let sensors = sensor_places(pass.measurements.iter());
-    Problem {
+    let problem = Problem {
         candidates: candidates(&pass.model, &pass.groups, &sensors, &pass.catalogue),
         model: Arc::new(pass.model.clone()),
         priors: pass.priors.clone(),
@@ -20,5 +20,6 @@ pub fn problem(pass: &Pass) -> Problem {
         measurements: pass.measurements.clone(),
         input_errors: input_errors(pass),
         catalogue: Arc::clone(&pass.catalogue),
-    }
+    };
+    problem.with_something_to_infer()
 }

@@ -19,6 +19,17 @@ pub struct HeatBalance {
     pub stored_w: f64,
 }
 
+/// Net heat of a node at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeHeat {
+    /// Its index in the model's list.
+    pub node: usize,
+    /// Net heat into it, W.
+    pub heat_w: f64,
+    /// Its heat capacity, J/K; `None` for a node without.
+    pub capacity_j_per_k: Option<f64>,
+}
+
 impl HeatBalance {
     /// What is left over, W: rounding only.
     pub fn residue_w(&self) -> f64 {
@@ -37,6 +48,19 @@ impl Network {
             workspace.state.file[first + position] = temperatures[node];
         }
         workspace.solved = false;
+    }
+
+    /// Net heat into every node that is no boundary, at the present temperatures.
+    pub fn node_heat(&self, workspace: &mut Workspace) -> Vec<NodeHeat> {
+        let file = &mut workspace.state.file;
+        self.steady.program.run(segment::RESIDUAL, file);
+        self.steady.program.run(segment::CAPACITY, file);
+        let own = |(row, &node): (usize, &usize)| NodeHeat {
+            node,
+            heat_w: file[self.steady.residual[row].index()],
+            capacity_j_per_k: self.steady.capacity[row].map(|register| file[register.index()]),
+        };
+        self.steady.unknowns.iter().enumerate().map(own).collect()
     }
 
     /// The heat balance of the present temperatures.

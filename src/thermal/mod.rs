@@ -17,7 +17,7 @@ pub mod steady;
 pub mod tangent;
 pub mod transient;
 
-pub use balance::HeatBalance;
+pub use balance::{HeatBalance, NodeHeat};
 pub use batch::Batch;
 pub use model::{Input, Limits, Model, Node, NodeKind, Parameter, Quantity, QuantityValue};
 pub use network::{Network, NetworkError, Workspace};

@@ -129,7 +129,6 @@ fn what_has_no_history_or_no_diagnosis_says_so() {
         .unwrap()
         .replace(r#""prior": {"propagate""#, r#""a": {"diagnose": {}}, "b": {"diagnose": {}}, "prior": {"propagate""#);
     fs::write(&pass, two).unwrap();
-    wrong(&["adopt", "plate/pass-1.json"], "several jobs of kind `diagnose`: `a` and `b`; say which with --job");
     wrong(&["adopt", "plate/pass-1.json", "--job", "c"], "has no `diagnose` job `c`; it has `a` and `b`");
     assert!(!root.path().join("plate/pass-2.json").exists());
 }

@@ -77,3 +77,107 @@ fn what_the_diagnosis_does_not_support_is_adopted_by_force_alone() {
     assert_eq!(code(&again), 2, "a file that is there stays");
     assert_eq!(mine, fs::read_to_string(root.path().join("hidden/mine.json")).unwrap());
 }
+
+#[test]
+fn the_heat_that_the_effect_carries_is_told_by_phase() {
+    let root = hidden();
+    let found: Value =
+        serde_json::from_str(&printed(root.path(), &["diagnose", "hidden/pass-1.json", "--json"])).unwrap();
+    let effect = &found["effects"][0];
+    let area = effect["amplitudes"]["exchange_area"]["value"].as_f64().unwrap();
+    let table = fs::read_to_string(root.path().join("hidden/data/balance-test.csv")).unwrap();
+    let mut lines = table.lines().map(|line| line.split(',').map(str::trim).collect::<Vec<_>>());
+    let header = lines.next().unwrap();
+    let column = |name: &str| header.iter().position(|own| own.starts_with(name)).unwrap();
+    let [baffle, node] = ["baffle [", "box ["].map(column);
+    let kelvin = |row: &[&str], at: usize| {
+        row[at].parse::<f64>().unwrap() + if header[at].contains("degC") { 273.15 } else { 0.0 }
+    };
+    let fitted: Vec<Vec<&str>> = lines.filter(|row| !["B04", "B07", "B10", "B13"].contains(&row[0])).collect();
+    let mut least = f64::INFINITY;
+    for row in &fitted {
+        let square = |at: usize| kelvin(row, at) * kelvin(row, at);
+        let hot = |at: usize| square(at) * square(at);
+        // Stefan-Boltzmann between the readings, whose noise of 0.15 K changes the heat by some 4 x 0.15 K / 250 K = 0.2 %.
+        let expected = 5.670374419e-8 * area * (hot(node) - hot(baffle));
+        let carries = effect["carries"].as_array().unwrap().iter();
+        let of = |name: &str| {
+            let own = carries.clone().find(|one| one["node"] == name && one["phase"] == row[0]);
+            own.unwrap_or_else(|| panic!("{name} in {}", row[0]))["watts"].as_f64().unwrap()
+        };
+        let [to_baffle, to_box] = ["baffle", "box"].map(of);
+        assert!((to_baffle + to_box).abs() < 1e-9 * to_box.abs().max(1.0), "what leaves one enters the other");
+        assert!((to_baffle - expected).abs() < 0.02 * expected.abs(), "{}: {to_baffle} W, not {expected} W", row[0]);
+        least = least.min(to_baffle.abs());
+    }
+    let [from, to] = [0, 1].map(|at| effect["watts"][at].as_f64().unwrap().abs());
+    assert!((from.min(to) - least).abs() < 1e-12, "{from} to {to} W");
+    let said = printed(root.path(), &["diagnose", "hidden/pass-1.json"]);
+    assert!(said.contains("What the selected effects carry") && said.contains(", which "), "{said}");
+}
+
+#[test]
+fn of_several_diagnoses_the_first_is_adopted_from_and_no_pass_is_written_twice() {
+    let root = changed(|pass| {
+        let jobs = pass["jobs"].as_object_mut().unwrap();
+        jobs.insert("other".to_owned(), jobs["missing"].clone());
+    });
+    let output = bmv(root.path(), &["adopt", "hidden/pass-1.json"]);
+    let said = text(&output.stderr);
+    assert_eq!(code(&output), 0, "{said}");
+    assert!(said.contains("several jobs of kind `diagnose`: `missing` is taken; --job names `other`"), "{said}");
+    let second = read(&root.path().join("hidden/pass-2.json"));
+    let parameters = &second["adopt"]["baffle-box radiative path"]["effect"]["radiative-path"]["parameters"];
+    let nominal = parameters["exchange_area"]["nominal"].as_f64().unwrap();
+    assert!((nominal - 0.0006).abs() < 1.2e-4, "the fitted size, not the prior's median: {nominal}");
+    let again = bmv(root.path(), &["adopt", "hidden/pass-1.json", "radiative-path:box:baffle"]);
+    assert_eq!(code(&again), 2);
+    assert!(text(&again.stderr).starts_with("error[adopt-file]"), "{}", text(&again.stderr));
+    assert!(text(&again.stderr).contains("`pass-2.json` is `pass-1.json` with the same effects already"));
+    assert!(!root.path().join("hidden/pass-3.json").exists());
+}
+
+/// The study with its pass changed by `change`.
+fn changed(change: impl Fn(&mut Value)) -> TempDir {
+    let root = hidden();
+    let file = root.path().join("hidden/pass-1.json");
+    let mut pass = read(&file);
+    change(&mut pass);
+    fs::write(file, pass.to_string()).unwrap();
+    root
+}
+
+#[test]
+fn a_model_of_which_nothing_is_inferred_is_diagnosed_too() {
+    let truth = read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/hidden-effect/truth.json"));
+    let root = changed(|pass| {
+        let fixed = truth["parameters"].as_object().unwrap().iter().map(|(name, value)| {
+            (name.clone(), serde_json::json!({"nominal": value, "prior": {"fixed": value}, "because": "measured"}))
+        });
+        pass["parameters"] = Value::Object(fixed.collect());
+        pass["jobs"].as_object_mut().unwrap().retain(|name, _| name == "missing");
+    });
+    let found: Value =
+        serde_json::from_str(&printed(root.path(), &["diagnose", "hidden/pass-1.json", "--json"])).unwrap();
+    assert_eq!(found["selected"][0], "radiative-path:baffle:box", "{found}");
+    let area = &found["effects"][0]["amplitudes"]["exchange_area"];
+    let (value, sd) = (area["value"].as_f64().unwrap(), area["sd"].as_f64().unwrap());
+    // With the true parameters the spread is smaller; four standard deviations as above.
+    assert!((value - 0.0006).abs() < 4.0 * sd && sd < 2.9e-5, "{value} ± {sd}");
+}
+
+#[test]
+fn draws_as_priors_are_refused_where_distributions_are_needed() {
+    let root = changed(|pass| {
+        pass["parameters"] = serde_json::json!({"G_foot":
+            {"prior": {"draws": {"file": "data/draws.csv"}}, "because": "an earlier test"}});
+        pass["jobs"].as_object_mut().unwrap().retain(|name, _| name == "missing");
+    });
+    fs::write(root.path().join("hidden/data/draws.csv"), "G_foot [W/K]\n0.26\n0.27\n0.25\n0.26\n").unwrap();
+    for verb in ["diagnose", "lab"] {
+        let output = bmv(root.path(), &[verb, "hidden/pass-1.json"]);
+        let said = text(&output.stderr);
+        assert!(said.contains("`G_foot`") && said.contains("draws of"), "{verb}: {said}");
+        assert_eq!(code(&output), 2, "{verb}: {said}");
+    }
+}

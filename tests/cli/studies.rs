@@ -107,9 +107,9 @@ fn compare_reads_from_the_verdict_to_the_heat_balance() {
     P1     for fits  +3.00       0.00  3.00  plate             +3.00
     P2     held out  +3.00       0.00  3.00  plate             +3.00
 
-    Criteria of profile Each reading within 3 K of the model. Source: MIL-HDBK-340, 8.7.3: larger
-    deviations need an explanation or a change of the model; stabilisation by SMC-S-016 (2014): less
-    than 1 K in 5 h (only an excerpt could be opened)
+    Criteria: Each reading within 3 K of the model. Source: MIL-HDBK-340, 8.7.3: larger deviations need
+    an explanation or a change of the model; stabilisation by SMC-S-016 (2014): less than 1 K in 5 h
+    (only an excerpt could be opened)
     Criterion                                      Value  Limit  Outcome
     ---------------------------------------------  -----  -----  -------
     share of readings within 3 K                    1.00   1.00  kept

@@ -182,14 +182,14 @@ fn the_file_is_readable_and_says_why() {
     {
       "format": "bmv-pass/1",
       "title": "Bench, pass 2: as delivered, with box-detector conductive path",
-      "description": "pass-1.json with what its diagnosis missing names: box-detector conductive path. All else is inherited; the parameters start from their original priors.",
+      "description": "pass-1.json with what its diagnosis missing names: box-detector conductive path. All else is inherited, and the calibration starts from the original priors; nominal values of the effect are those that the diagnosis fitted.",
       "parent": "pass-1.json",
       "model": "model.json",
       "adopt": {
         "box-detector conductive path": {
           "effect": {"conductive-path": {
             "where": ["box", "detector"],
-            "parameters": {"conductance": {"unit": "W/K", "prior": {"halfnormal": 0.1}}}
+            "parameters": {"conductance": {"unit": "W/K", "nominal": 0.0491, "prior": {"halfnormal": 0.1}}}
           }},
           "because": "diagnosis `missing` of pass-1.json: ambiguous; probability 0.980, log Bayes factor 41.2; conductance 0.0491 ± 0.0031 W/K; RMSE 0.71 K -> 0.26 K, on held-out rows 0.83 K -> 0.27 K; these data cannot tell it from `radiative-path:box:detector`",
           "evidence": {"pass": "pass-1.json", "job": "missing"}
@@ -202,12 +202,12 @@ fn the_file_is_readable_and_says_why() {
       }
     }
     "#);
-    let lines = bmv::study::next_pass::ambiguity(&found, &[next.adopted[0].1]);
+    let lines = bmv::study::next_pass::ambiguity(&found, &[next.adopted[0].1], &study.load().model);
     assert_eq!(
         lines,
         [
             "these data cannot tell `conductive-path:box:detector` from `radiative-path:box:detector`",
-            "a phase at T_plate = 313 K would tell them apart with probability 0.97 (repeating a phase: 0.60)",
+            "a phase at T_plate = 39.85 degC would tell them apart with probability 0.97 (repeating a phase: 0.60)",
         ]
     );
 }
@@ -218,7 +218,7 @@ fn an_experiment_that_is_no_better_than_a_coin_is_not_recommended() {
         "selected": ["conductive-path:box:detector"], "separating_experiment": {"between": [], "predictions": {},
         "conditions": {"T_plate": {"value": 313.0, "unit": "K"}}, "probability": 0.5, "repeat_probability": 0.5, "limits_ok": true}});
     let found = Findings::from_result("missing", &whole).expect("of that form");
-    let lines = bmv::study::next_pass::ambiguity(&found, &[&found.effects[0]]);
+    let lines = bmv::study::next_pass::ambiguity(&found, &[&found.effects[0]], &study().load().model);
     assert_eq!(lines[1], "no settable phase within the limits would tell them apart; measure where they differ");
 }
 
@@ -281,7 +281,7 @@ fn what_the_diagnosis_does_not_support_is_refused_with_what_it_does() {
     let both = ["conductive-path", "radiative-path"];
     let said = adopt(&study, &found, &both, false).expect_err("rivals");
     assert!(
-        said.contains("these data cannot tell them apart") && said.contains("a phase at T_plate = 313 K"),
+        said.contains("these data cannot tell them apart") && said.contains("a phase at T_plate = 39.85 degC"),
         "{said}"
     );
     assert_eq!(adopt(&study, &found, &both, true).expect("forced").adopted.len(), 2);

@@ -13,7 +13,12 @@ fn effect(id: &str, probability: f64, group: Option<u64>) -> Value {
         "input": null, "probability": probability, "log_bayes_factor": 41.25, "log_bayes_factor_scales": null, "group": group,
         "amplitudes": {"conductance": {"value": 0.0491, "sd": 0.0031, "unit": "W/K", "at_bound": false}},
         "rmse_k": {"train": [0.71, 0.26], "held_out": [0.83, 0.27]}, "watts": [0.1, 2.0],
+        "carries": [carried("board", "P01", 0.1), carried("board", "P02", 2.0), carried("baseplate", "P01", -0.1), carried("baseplate", "P02", -2.0)],
         "confused_with": ["radiative-path"], "separate": "another temperature"})
+}
+
+fn carried(node: &str, phase: &str, watts: f64) -> Value {
+    json!({"node": node, "measurement": "balance test", "phase": phase, "time_s": null, "watts": watts})
 }
 
 /// A diagnosis of this verdict over two rivals.
@@ -79,6 +84,15 @@ fn the_first_screen_says_what_is_missing_how_surely_and_what_it_does() {
     has(&summary, &["How sure: identified", "91.0 %", "0.83 → 0.27 K", "0.71 → 0.26 K", "no rival", "8.0 %"]);
     has(&own, &["identified", "99.9 %", "The words of the diagnosis.", "2 more were fitted"]);
     assert!(!own.contains("heat-load:strap") && !own.contains("Verdict: Verdict"), "{own}");
+    has(&summary, &["up to 2.0 W into `board`"]);
+    has(&own, &["What the selected effects carry", "selected: `conductive-path:baseplate:board`."]);
+    has(
+        &own,
+        &[
+            "`board` | 0.10 | P01 | 1.1 | 2.0 | P02 |",
+            "`baseplate` | \u{2212}2.0 | P02 | \u{2212}1.1 | \u{2212}0.10 | P01 |",
+        ],
+    );
     assert!(!own.contains("goes with"), "an effect explains the heat: {own}");
 }
 
@@ -101,6 +115,6 @@ fn what_nothing_explains_is_shown_as_heat_by_node_and_phase() {
 fn an_adequate_model_comes_with_what_would_have_shown() {
     let (summary, own) = told("adequate");
     has(&summary, &["nothing that shows", "120 effects and 7140 pairs", "How sure: adequate"]);
-    has(&own, &["0.012 W", "none is needed"]);
+    has(&own, &["`heat-load` | 1 | 0.012 W | `board` | 0.012 W | `board` |", "none is needed"]);
     assert!(!summary.contains("What else it could be"), "{summary}");
 }

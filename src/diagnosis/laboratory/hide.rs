@@ -26,7 +26,7 @@ pub enum HideError {
     #[error("the model has no plausible solution with it")]
     Implausible,
     /// A size that no amplitude within reach gives.
-    #[error("no amplitude up to three times its plausible scale leaves {size} standard deviations")]
+    #[error("no amplitude up to three times its plausible scale reaches the size {size}")]
     OutOfReach {
         /// The size asked for.
         size: f64,

@@ -51,6 +51,7 @@ impl Diagnose {
     /// # Errors
     /// A believed model that no likelihood can be made of.
     pub fn new(spec: Spec, problem: Problem, seed: u64, name: &str) -> Result<Self, JobError> {
+        let problem = problem.with_something_to_infer();
         problem.hypothesis(&[], 1.0).and_then(|believed| believed.likelihood(&problem)).map_err(failed)?;
         let key = StreamKey::new(seed, name, "diagnose");
         Ok(Self { diagnosis: Diagnosis::new(problem, spec.settings.clone(), key), spec })

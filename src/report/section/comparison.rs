@@ -7,7 +7,7 @@ use crate::report::number::{NONE, Shown, fixed, percent, signed, significant, wi
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
 use crate::report::view::PassReport;
 
-pub(super) use figures::{phase_map, time_history};
+pub(super) use figures::{Shows, phase_map, time_history};
 
 /// Readings up to which the table of all of them is part of the report.
 const MOST_ROWS: usize = 300;
@@ -115,7 +115,7 @@ fn criteria(output: &Output) -> Option<Block> {
         })
         .collect();
     Some(Block::Table(Table {
-        caption: Text::new("Criteria of profile ")
+        caption: Text::new("Criteria: ")
             .strong(output.criteria.title.clone())
             .plain(format!(". Source: {}", output.criteria.source)),
         columns: vec![

@@ -1,9 +1,11 @@
 //! Diagnosis: what physics is missing, how surely, what it does to the error, what else it could be.
 
+mod detectable;
 mod figures;
+mod heat;
 
 use crate::diagnosis::Verdict;
-use crate::diagnosis::output::{Amount, EffectResult, Heat, Output, RmseChange};
+use crate::diagnosis::output::{Amount, EffectResult, Output, RmseChange};
 use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, typeset, with_error, with_unit};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
 use crate::report::view::PassReport;
@@ -16,10 +18,6 @@ const MOST_EFFECTS: usize = 10;
 const LEAST_EFFECTS: usize = 3;
 /// Probability below which an effect needs no line of its own.
 const WORTH_A_LINE: f64 = 1e-3;
-/// Effects with their detectable amplitudes in the table.
-const MOST_DETECTABLE: usize = 12;
-/// Places and phases in the table of missing heat.
-const MOST_HEAT: usize = 12;
 /// Sensors that the table of a separating experiment names.
 const MOST_SENSORS: usize = 4;
 
@@ -36,13 +34,14 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.push(Block::List(output.words.iter().map(|word| Text::new(word.clone())).collect()));
         blocks.extend(warnings(output));
         blocks.extend(effects(output));
+        blocks.extend(heat::carried(output));
         blocks.extend(figures::figures(name, output));
-        blocks.extend(missing_heat(output));
-        blocks.extend(goes_with(output));
+        blocks.extend(heat::missing(output));
+        blocks.extend(heat::goes_with(output));
         blocks.extend(experiment(report, output));
         blocks.extend(tests(output));
         blocks.extend(noise(output));
-        blocks.extend(detectable(output));
+        blocks.extend(detectable::table(output));
         blocks.push(Block::paragraph(method(output)));
     }
     (!blocks.is_empty()).then(|| Section { id: "diagnosis", title: "What is missing".into(), blocks })
@@ -56,7 +55,7 @@ fn change(values: [Option<f64>; 2]) -> String {
 }
 
 /// The verdict and what it means, in a line.
-fn verdict(output: &Output) -> Text {
+pub(super) fn verdict(output: &Output) -> Text {
     let meaning = match output.verdict {
         Verdict::Adequate => ": nothing is missing that these data could show.",
         Verdict::Identified => ": one set of effects explains the misfit, and no rival comes near it.",
@@ -97,8 +96,13 @@ pub(crate) fn amount(amount: &Amount) -> String {
 }
 
 fn amplitudes(effect: &EffectResult) -> String {
-    let one = |(name, value): (&String, &Amount)| format!("{name} {}", amount(value));
-    let all: Vec<String> = effect.amplitudes.iter().take(2).map(one).collect();
+    let is_open = |value: &Amount| value.sd > 3.0 * value.value.abs();
+    let one = |(position, (name, value)): (usize, (&String, &Amount))| match position {
+        0 => format!("{name} {}", amount(value)),
+        _ if is_open(value) => format!("{name} open"),
+        _ => format!("{name} {}", amount(value)),
+    };
+    let all: Vec<String> = effect.amplitudes.iter().enumerate().take(2).map(one).collect();
     let more = effect.amplitudes.len().saturating_sub(2);
     if more > 0 { format!("{}; {more} more", all.join("; ")) } else { all.join("; ") }
 }
@@ -140,21 +144,27 @@ fn effects(output: &Output) -> Option<Block> {
     });
     let rows: Vec<Vec<Cell>> = rows.collect();
     let what = match output.verdict {
-        Verdict::Adequate => "The effects that come nearest to what the noise leaves; none is needed.",
-        Verdict::Unexplained => "The effects that come nearest; none of them explains the misfit.",
-        _ => "Effects that would explain the misfit, most probable first; green: would be adopted.",
+        Verdict::Adequate => Text::new("The effects that come nearest to what the noise leaves; none is needed."),
+        Verdict::Unexplained => Text::new("The effects that come nearest; none of them explains the misfit."),
+        _ => {
+            let mut text = Text::new("Effects that would explain the misfit, most probable first; selected: ");
+            for (position, id) in output.selected.iter().enumerate() {
+                text = text.plain(if position == 0 { "" } else { ", " }).code(id);
+            }
+            text.plain(".")
+        }
     };
     let more = match more {
         0 => String::new(),
         more => format!(" {more} more were fitted and are less probable: bmv diagnose --json lists them."),
     };
-    let caption = format!(
-        "{what} The probability counts every set that an effect belongs to; size and errors are those of its best set, \
+    let caption = what.plain(format!(
+        " The probability counts every set that an effect belongs to; size and errors are those of its best set, \
          before and after it. These data cannot tell apart what is of one group.{more}"
-    );
+    ));
     (!rows.is_empty()).then(|| {
         Block::Table(Table {
-            caption: caption.into(),
+            caption,
             columns: vec![
                 Column::text("Effect"),
                 Column::text("Where"),
@@ -216,46 +226,6 @@ fn round_to(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
 }
 
-/// The clearest of the missing heat; where an effect explains it, it is told by that effect.
-fn missing_heat(output: &Output) -> Option<Block> {
-    if output.verdict != Verdict::Unexplained {
-        return None;
-    }
-    let clear = |heat: &Heat| if heat.sd > 0.0 { heat.watts.abs() / heat.sd } else { 0.0 };
-    let mut clearest: Vec<&Heat> = output.heat.iter().filter(|heat| clear(heat) > 2.0).collect();
-    clearest.sort_by(|a, b| clear(b).total_cmp(&clear(a)));
-    let more = clearest.len().saturating_sub(MOST_HEAT);
-    let rows: Vec<Vec<Cell>> = clearest
-        .into_iter()
-        .take(MOST_HEAT)
-        .map(|heat| {
-            vec![
-                Cell::code(&heat.node),
-                figures::stretch(heat).into(),
-                with_error(heat.watts, heat.sd).into(),
-                fixed(clear(heat), 1).into(),
-            ]
-        })
-        .collect();
-    let more = if more == 0 { String::new() } else { format!(" {more} more are above two standard deviations.") };
-    (!rows.is_empty()).then(|| {
-        Block::Table(Table {
-            caption: format!(
-                "Heat that the tuned model lacks, clearest first; positive: the node gets more heat than the model \
-                 says.{more}"
-            )
-            .into(),
-            columns: vec![
-                Column::text("Node"),
-                Column::text("Phase"),
-                Column::number("Heat", "W"),
-                Column::number("In standard deviations", ""),
-            ],
-            rows,
-        })
-    })
-}
-
 fn tests(output: &Output) -> Option<Block> {
     let rows: Vec<Vec<Cell>> = output
         .misfit
@@ -297,50 +267,6 @@ fn noise(output: &Output) -> Option<Block> {
                 Column::number("Standard deviation", "K"),
                 Column::number("Correlation time", "s"),
                 Column::number("Correlated share", ""),
-            ],
-            rows,
-        })
-    })
-}
-
-fn detectable(output: &Output) -> Option<Block> {
-    if output.verdict != Verdict::Adequate || output.detectable.is_empty() {
-        return None;
-    }
-    let rows = output.detectable.iter().take(MOST_DETECTABLE).map(|(id, amount)| {
-        vec![Cell::code(id), format!("{} {}", significant(amount.value, 2), typeset(&amount.unit)).into()]
-    });
-    Some(Block::Table(Table {
-        caption: "What would have shown in nine of ten cases: amplitudes above these.".into(),
-        columns: vec![Column::text("Effect"), Column::text("Above")],
-        rows: rows.collect(),
-    }))
-}
-
-fn goes_with(output: &Output) -> Option<Block> {
-    if output.verdict != Verdict::Unexplained {
-        return None;
-    }
-    let rows: Vec<Vec<Cell>> = output
-        .goes_with
-        .iter()
-        .map(|one| {
-            vec![
-                Cell::code(&one.node),
-                Cell::code(&one.input),
-                significant(one.slope, 3).into(),
-                significant(one.p, 2).into(),
-            ]
-        })
-        .collect();
-    (!rows.is_empty()).then(|| {
-        Block::Table(Table {
-            caption: "What the missing heat goes with: slope in W per SI unit of the input.".into(),
-            columns: vec![
-                Column::text("Node"),
-                Column::text("Input"),
-                Column::number("Slope", ""),
-                Column::number("p", ""),
             ],
             rows,
         })

@@ -10,7 +10,7 @@ use crate::report::number::{self, Shown, fixed, signed};
 use crate::report::page::{Block, Figure, Section, Statement, Status, Text, Tone};
 use crate::report::view::PassReport;
 
-use super::{comparison, prediction, propagation, sizing};
+use super::{comparison, diagnosis, prediction, propagation, sizing};
 
 /// Statements on the first screen.
 const MOST_STATEMENTS: usize = 6;
@@ -64,7 +64,11 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
     if !statements.is_empty() {
         blocks.push(Block::Statements(statements));
     }
-    blocks.extend(verdicts.into_iter().flatten().map(|text| Block::callout(Tone::Verdict, text)));
+    // What is missing is the verdict; how the delivered model failed is then a note.
+    let judged = report.diagnoses().map(|(_, output)| Block::callout(Tone::Verdict, diagnosis::verdict(output))).next();
+    let tone = if judged.is_some() { Tone::Note } else { Tone::Verdict };
+    blocks.extend(judged);
+    blocks.extend(verdicts.into_iter().flatten().map(|text| Block::callout(tone, text)));
     if let Some(note) = &report.reconstructed {
         blocks.push(Block::callout(Tone::Reconstructed, note.clone()));
     }
@@ -82,13 +86,14 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
 /// The picture of the first screen; the section that it belongs to leaves it out.
 pub(super) fn main_picture(report: &PassReport<'_>) -> Option<Figure> {
     if let Some((job, output)) = report.comparisons().find(|(_, o)| !o.rows.is_empty()) {
+        let shows = comparison::Shows::of(output);
         let worst = worst_sensor(output);
         let measurement = worst.map_or(output.rows[0].measurement.as_str(), |s| s.measurement.as_str());
         if report.is_steady(measurement, &output.rows) {
-            return Some(comparison::phase_map(job, output, measurement));
+            return Some(comparison::phase_map(job, output, measurement, shows));
         }
         let sensor = worst.map_or(output.rows[0].sensor.as_str(), |s| s.sensor.as_str());
-        return Some(comparison::time_history(report, job, output, measurement, sensor));
+        return Some(comparison::time_history(report, job, output, measurement, sensor, shows));
     }
     if let Some((job, output, pair)) =
         report.conventionals().find_map(|(job, o)| Some((job, o, *sizing::pairs(o).first()?)))
@@ -140,7 +145,7 @@ fn direction(mean: f64, is_temperature: bool) -> &'static str {
 fn verdict_of_comparison(output: &Output) -> Option<Text> {
     let first = output.fails.first()?;
     let more = output.fails.len() - 1;
-    let text = Text::new(first.clone());
+    let text = Text::new(if output.tuned.is_some() { "As delivered, " } else { "" }).plain(first.clone());
     Some(match more {
         0 => text,
         1 => text.plain(" One more finding stands in the comparison."),

@@ -23,8 +23,8 @@ impl From<String> for Entry {
     }
 }
 
-/// Lines of at most `width` characters, broken at blanks, and within words that are longer. A no-break blank does not
-/// break and is printed as a blank.
+/// Lines of at most `width` characters, broken at blanks, and within words that are longer, there after a hyphen or a
+/// colon if one stands in time. A no-break blank does not break and is printed as a blank.
 pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines = Vec::new();
     let mut line = String::new();
@@ -36,7 +36,8 @@ pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
             used = 0;
         }
         while word.len() > width {
-            lines.push(word.drain(..width).collect());
+            let joint = (1..=width).rev().find(|&end| matches!(word[end - 1], '-' | ':' | '/' | '_'));
+            lines.push(word.drain(..joint.unwrap_or(width)).collect());
         }
         if used > 0 {
             line.push(' ');

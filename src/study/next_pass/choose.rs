@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use crate::document::{Diagnostic, Diagnostics, Place, Source, Span, code, suggest};
+use crate::expression::Unit;
 use crate::job::findings::{Experiment, Finding, Findings};
+use crate::thermal::Model;
 
 /// Ids that a message lists.
 const MOST_LISTED: usize = 8;
@@ -52,13 +54,14 @@ pub fn choose<'f>(
     asked: &Asked,
     job: &str,
     forced: bool,
+    model: &Model,
 ) -> Result<Vec<&'f Finding>, Diagnostics> {
     let mut diagnostics = Diagnostics::new();
     let mut chosen: Vec<(&Finding, Place)> = Vec::new();
     if asked.effects.is_empty() {
         let selected: Vec<&Finding> = findings.selected.iter().filter_map(|id| findings.find(id)).collect();
         if selected.is_empty() {
-            diagnostics.push(nothing_selected(findings, asked, job));
+            diagnostics.push(nothing_selected(findings, asked, job, model));
         }
         chosen.extend(selected.into_iter().map(|finding| (finding, asked.command())));
     }
@@ -75,7 +78,7 @@ pub fn choose<'f>(
             let before = chosen[..position].iter().map(|(other, _)| *other);
             if let Some(rival) = findings.confused_with(finding).find(|rival| before.clone().any(|b| b.id == rival.id))
             {
-                diagnostics.push(rivals(findings, finding, rival, place));
+                diagnostics.push(rivals(findings, finding, rival, place, model));
             }
         }
     }
@@ -200,17 +203,17 @@ fn refused(findings: &Findings, finding: &Finding, place: &Place, job: &str) -> 
     .help(format!("{accepted}; --force adopts it all the same, and the new pass says so"))
 }
 
-fn rivals(findings: &Findings, finding: &Finding, rival: &Finding, place: &Place) -> Diagnostic {
+fn rivals(findings: &Findings, finding: &Finding, rival: &Finding, place: &Place, model: &Model) -> Diagnostic {
     let message =
         format!("`{}` and `{}` explain the same misfit: these data cannot tell them apart", rival.id, finding.id);
     let mut help = "adopt one of them, or both with --force".to_owned();
-    if let Some(experiment) = findings.separating_experiment.as_ref().and_then(experiment) {
+    if let Some(experiment) = findings.separating_experiment.as_ref().and_then(|own| experiment(own, model)) {
         help.push_str(&format!("; {experiment}"));
     }
     Diagnostic::error(&code::ADOPT_REFUSED, place, message).expected("one of the two").help(help)
 }
 
-fn nothing_selected(findings: &Findings, asked: &Asked, job: &str) -> Diagnostic {
+fn nothing_selected(findings: &Findings, asked: &Asked, job: &str, model: &Model) -> Diagnostic {
     let verdict = &findings.verdict;
     let expected = match verdict.as_str() {
         "adequate" => "these data need no further effect",
@@ -225,14 +228,14 @@ fn nothing_selected(findings: &Findings, asked: &Asked, job: &str) -> Diagnostic
         return diagnostic.help("name an effect with --force to adopt it against the diagnosis");
     }
     let mut help = format!("name one of {}", suggest::listed(further, MOST_LISTED));
-    if let Some(experiment) = findings.separating_experiment.as_ref().and_then(experiment) {
+    if let Some(experiment) = findings.separating_experiment.as_ref().and_then(|own| experiment(own, model)) {
         help.push_str(&format!("; {experiment}"));
     }
     diagnostic.help(help)
 }
 
 /// What these data cannot tell apart, and what would: a line for each effect that has rivals.
-pub fn ambiguity(findings: &Findings, chosen: &[&Finding]) -> Vec<String> {
+pub fn ambiguity(findings: &Findings, chosen: &[&Finding], model: &Model) -> Vec<String> {
     let mut lines = Vec::new();
     for finding in chosen {
         let alike: Vec<&str> = findings.confused_with(finding).map(|other| other.id.as_str()).collect();
@@ -243,20 +246,26 @@ pub fn ambiguity(findings: &Findings, chosen: &[&Finding]) -> Vec<String> {
         lines.push(format!("these data cannot tell `{}` from {listed}", finding.id));
     }
     if !lines.is_empty() {
-        lines.extend(findings.separating_experiment.as_ref().and_then(experiment));
+        lines.extend(findings.separating_experiment.as_ref().and_then(|own| experiment(own, model)));
     }
     lines
 }
 
 /// The separating experiment in words.
-fn experiment(experiment: &Experiment) -> Option<String> {
+fn experiment(experiment: &Experiment, model: &Model) -> Option<String> {
     if experiment.conditions.is_empty() {
         return None;
     }
     let value = |value: f64| crate::document::canonical::float(rounded(value)).unwrap_or_default();
     let conditions = experiment.conditions.iter().map(|(name, condition)| {
-        let unit = if condition.unit == "1" { String::new() } else { format!(" {}", condition.unit) };
-        format!("{name} = {}{unit}", value(condition.value))
+        // In the unit in which the study writes the input.
+        let written = model.inputs.iter().find(|input| input.name == *name).map(|input| input.unit.as_str());
+        let (number, unit) = match written.and_then(|unit| Some((Unit::parse(unit).ok()?, unit))) {
+            Some((parsed, unit)) => (parsed.from_si(condition.value), unit),
+            None => (condition.value, condition.unit.as_str()),
+        };
+        let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+        format!("{name} = {}{unit}", value(number))
     });
     if experiment.probability.is_some_and(|probability| probability < USEFUL) {
         return Some("no settable phase within the limits would tell them apart; measure where they differ".to_owned());

@@ -3,6 +3,7 @@
 
 use std::fmt::Write as _;
 
+use crate::document::prior::support;
 use crate::document::{Sense, suggest};
 use crate::effect::{Bound, Effect, EffectParameter};
 use crate::expression::Unit;
@@ -74,7 +75,7 @@ pub fn usage(effect: &Effect, finding: &Finding, bound: &[Bound], model: &Model)
     for parameter in effect.parameters(model, bound) {
         // A curve's knots are described together.
         if !parameters.iter().any(|(name, _)| *name == parameter.written) {
-            let item = self::parameter(effect, &parameter, bound, model);
+            let item = self::parameter(effect, &parameter, finding, bound, model);
             parameters.push((parameter.written, item));
         }
     }
@@ -92,26 +93,47 @@ fn place(finding: &Finding) -> Item {
     }
 }
 
-/// Unit, nominal value where the catalogue states one, and prior.
-fn parameter(effect: &Effect, parameter: &EffectParameter, bound: &[Bound], model: &Model) -> Item {
+/// Unit, nominal value and prior. The nominal value is the one that the diagnosis fitted, else the catalogue's where it
+/// states one: at the prior's median, the model as delivered with the effect would be nobody's model.
+fn parameter(effect: &Effect, parameter: &EffectParameter, finding: &Finding, bound: &[Bound], model: &Model) -> Item {
     let mut fields = Vec::new();
+    let fitted = |unit: &Unit| fitted(parameter, finding.amplitudes.get(&parameter.name)?, unit).map(Item::number);
     let form = effect.form.parameters.get(&parameter.written).map(|entry| &entry.value);
     let written = form.filter(|form| form.per.is_empty()).and_then(|form| form.unit.as_ref());
     let own = |field: &str| effect.json.pointer(&format!("/parameters/{}/{field}", parameter.written));
     if let (Some(written), Some(prior)) = (written, own("prior")) {
         fields.push(("unit".to_owned(), Item::text(&written.unit.text)));
-        fields.extend(own("nominal").map(|nominal| ("nominal".to_owned(), catalogued(nominal))));
+        let nominal = fitted(&written.unit).or_else(|| own("nominal").map(catalogued));
+        fields.extend(nominal.map(|nominal| ("nominal".to_owned(), nominal)));
         fields.push(("prior".to_owned(), catalogued(prior)));
         return Item::Object(fields);
     }
     // The scale follows from what the effect's inputs stand for.
     let unit = bound_unit(effect, parameter, bound, model);
     fields.push(("unit".to_owned(), Item::text(&unit.text)));
-    if form.is_some_and(|form| form.nominal.is_some()) {
-        fields.push(("nominal".to_owned(), Item::number(rounded(in_unit(parameter.nominal, &unit, parameter.sense)))));
-    }
+    let stated = || form.is_some_and(|form| form.nominal.is_some());
+    let catalogued = || Item::number(rounded(in_unit(parameter.nominal, &unit, parameter.sense)));
+    let nominal = fitted(&unit).or_else(|| stated().then(catalogued));
+    fields.extend(nominal.map(|nominal| ("nominal".to_owned(), nominal)));
     fields.push(("prior".to_owned(), distribution(&parameter.prior, &unit, parameter.sense)));
     Item::Object(fields)
+}
+
+/// What the diagnosis fitted, in a unit and to four digits; nothing where it is 0, which is no effect, or lies outside
+/// the prior.
+fn fitted(parameter: &EffectParameter, amplitude: &Amplitude, unit: &Unit) -> Option<f64> {
+    let own = Unit::parse(&amplitude.unit).ok().filter(|own| own.dimension == unit.dimension)?;
+    let si = match parameter.sense {
+        Sense::Absolute => own.to_si(amplitude.value?),
+        Sense::Difference => own.difference_to_si(amplitude.value?),
+    };
+    let short: f64 = format!("{:.3e}", in_unit(si, unit, parameter.sense)).parse().ok()?;
+    let back = match parameter.sense {
+        Sense::Absolute => unit.to_si(short),
+        Sense::Difference => unit.difference_to_si(short),
+    };
+    let [lower, upper] = support(&parameter.prior);
+    (short != 0.0 && !parameter.prior.is_fixed() && lower <= back && back <= upper).then_some(short)
 }
 
 /// A value of the catalogue, as its file has it.

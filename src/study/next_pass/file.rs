@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::document::{Diagnostic, Diagnostics, Place, code};
-use crate::study::discover::number;
+use crate::study::discover::{number, passes};
 use crate::study::{Pass, load};
 
 /// The file of the next pass: `out`, or the first free `pass-N.json` behind the pass's own number.
@@ -45,6 +45,27 @@ pub fn destination(pass: &Pass, out: Option<&Path>, place: &Place) -> Result<Pat
         return wrong(format!("the next pass builds upon `{name}`"), "another file".to_owned());
     }
     Ok(out.to_owned())
+}
+
+/// Refuses what a pass of the same folder is already: a child of this one with the same effects.
+///
+/// # Errors
+/// The name of that pass.
+pub fn refuse_twin(pass: &Pass, ids: &[&str], place: &Place) -> Result<(), Diagnostics> {
+    let mut wanted: Vec<&str> = ids.to_vec();
+    wanted.sort_unstable();
+    let is_twin = |other: &Pass| {
+        let before = |id: &str| pass.adopted.iter().any(|own| own.id == id);
+        let mut added: Vec<&str> = other.adopted.iter().map(|own| own.id.as_str()).filter(|id| !before(id)).collect();
+        added.sort_unstable();
+        other.parents.first() == Some(&pass.file) && added == wanted
+    };
+    let children = passes(&pass.folder).into_iter().filter_map(|path| load(&path).ok());
+    let Some(twin) = children.into_iter().find(is_twin) else { return Ok(()) };
+    let message = format!("`{}` is `{}` with the same effects already", twin.file, pass.file);
+    Err(one(Diagnostic::error(&code::ADOPT_FILE, place, message)
+        .expected("effects that no pass has adopted from it")
+        .help("--out FILE writes another pass all the same")))
 }
 
 /// Writes the text of a pass, after it has been loaded from a file beside and found right.

@@ -12,7 +12,7 @@ mod text;
 
 pub use choose::{Asked, ambiguity};
 pub use entry::probability_text;
-pub use file::{destination, write};
+pub use file::{destination, refuse_twin, write};
 
 use std::path::Path;
 
@@ -53,7 +53,7 @@ pub fn next_pass<'f>(
     forced: bool,
     file: &Path,
 ) -> Result<NextPass<'f>, Diagnostics> {
-    let chosen = choose::choose(findings, asked, job, forced)?;
+    let chosen = choose::choose(findings, asked, job, forced, &pass.model)?;
     let catalogue = effects(Some(&pass.folder))?;
     let mut diagnostics = Diagnostics::new();
     let Some(tree) = tree(pass, asked, &mut diagnostics) else { return Err(diagnostics) };
@@ -174,7 +174,7 @@ fn title(pass: &Pass, names: &[&str], file: &Path) -> String {
 fn description(pass: &Pass, job: &str, names: &[&str]) -> String {
     let effects = suggest::listed(names.iter().copied(), names.len()).replace('`', "");
     format!(
-        "{} with what its diagnosis {job} names: {effects}. All else is inherited; the parameters start from their original priors.",
+        "{} with what its diagnosis {job} names: {effects}. All else is inherited, and the calibration starts from the original priors; nominal values of the effect are those that the diagnosis fitted.",
         pass.file
     )
 }

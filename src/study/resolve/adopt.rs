@@ -83,7 +83,8 @@ fn effect<'c, 'f>(
         return None;
     };
     let found = catalogue.get(&usage.name);
-    if found.is_none() {
+    // What is wrong with a file of the study's own was said at its place.
+    if found.is_none() && scope.folder.read(&own_file(&usage.name)).is_err() {
         let known: Vec<&str> = catalogue.names().collect();
         scope.unknown(&code::UNKNOWN_EFFECT, "effect", &usage.name, &usage.name_place, &known);
     }

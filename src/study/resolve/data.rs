@@ -201,10 +201,26 @@ pub fn columns(scope: &mut Scope, data: &Data, layout: &Layout, wanted: &[Wanted
         if steady { columns.next().map_or_else(Vec::new, |column| column.names().to_vec()) } else { Vec::new() };
     let mut read = Vec::new();
     for (wanted, placed) in wanted.iter().zip(&placed) {
-        read.push(placed.as_ref().and_then(|(_, unit)| {
+        read.push(placed.as_ref().and_then(|(index, unit)| {
             let column = columns.next()?;
-            Some(Read { unit: unit.text.clone(), values: converted(&column, unit, wanted.sense) })
+            let values = converted(&column, unit, wanted.sense);
+            // A column in kelvin may be of differences.
+            let is_cold = |value: &Option<f64>| unit.has_offset() && value.is_some_and(|value| value < 0.0);
+            if let Some(row) = values.iter().position(is_cold) {
+                let value = column.numbers()[row].unwrap_or_default();
+                let at = phases.get(row).map_or_else(|| format!("row {}", row + 1), |phase| format!("`{phase}`"));
+                let message = format!("`{}` is {value} {} in {at}, below absolute zero", wanted.name, unit.text);
+                let place = in_table(&data.source, &headers[*index]);
+                scope.diagnostics.push(
+                    Diagnostic::error(&code::TABLE_CELL, &place, message)
+                        .help("leave the cell of a missing reading empty"),
+                );
+            }
+            Some(Read { unit: unit.text.clone(), values })
         }));
+    }
+    if scope.diagnostics.errors() > before {
+        return Err(Reported);
     }
     let unused = headers
         .iter()

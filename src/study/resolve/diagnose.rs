@@ -6,6 +6,7 @@ use crate::job::diagnose::Spec;
 use crate::study::pass::job::{DiagnoseForm, JobForm};
 use crate::study::resolved::JobSpec;
 
+use super::adopt::own_file;
 use super::calibrate::{data, number, parameters};
 use super::jobs::Offered;
 use super::scope::Scope;
@@ -33,6 +34,10 @@ pub(super) fn diagnose(
         written.value
     });
     check(scope, form.effects.iter().flatten().chain(&form.without), offered);
+    if form.effects.as_ref().is_some_and(Vec::is_empty) {
+        let expected = "names of effects; without `effects` the whole catalogue is considered";
+        scope.error(&code::JOB_SETTING, &entry.place, format!("`{}` considers no effect", entry.name), expected);
+    }
     let without = |name: &str| form.without.iter().any(|other| other.value == name);
     let chosen = |name: &&str| match &form.effects {
         Some(names) => names.iter().any(|wanted| wanted.value == **name),
@@ -51,7 +56,9 @@ pub(super) fn diagnose(
 
 fn check<'a>(scope: &mut Scope, names: impl Iterator<Item = &'a Spanned<String>>, offered: &Offered) {
     for name in names {
-        if offered.catalogue.get(&name.value).is_none() {
+        // What is wrong with a file of the study's own was said at its place.
+        let is_own = || scope.folder.read(&own_file(&name.value)).is_ok();
+        if offered.catalogue.get(&name.value).is_none() && !is_own() {
             let known: Vec<&str> = offered.catalogue.names().collect();
             scope.unknown(&code::UNKNOWN_EFFECT, "effect", &name.value, &name.place, &known);
         }

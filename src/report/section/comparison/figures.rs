@@ -36,13 +36,13 @@ pub(super) fn figures(report: &PassReport<'_>, job: &str, output: &Output) -> Ve
     let mut folded = Vec::new();
     for measurement in measurements(output) {
         if report.is_steady(measurement, &output.rows) {
-            open.push(phase_map(job, output, measurement));
+            open.push(phase_map(job, output, measurement, Shows::Delivered));
         } else {
             open.push(strips(job, output, measurement));
             folded.extend(
                 sensor_names(output, measurement)
                     .into_iter()
-                    .map(|(sensor, _)| time_history(report, job, output, measurement, sensor)),
+                    .map(|(sensor, _)| time_history(report, job, output, measurement, sensor, Shows::Delivered)),
             );
         }
         folded.extend(residual_histogram(job, output, measurement));
@@ -58,8 +58,43 @@ pub(super) fn figures(report: &PassReport<'_>, job: &str, output: &Output) -> Ve
     blocks
 }
 
+/// Which state of the model a figure shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::report::section) enum Shows {
+    /// That of the comparison.
+    Delivered,
+    /// After tuning.
+    Tuned,
+}
+
+impl Shows {
+    /// The state that counts: the tuned one where there is one.
+    pub(in crate::report::section) fn of(output: &Output) -> Self {
+        if output.tuned.is_some() { Self::Tuned } else { Self::Delivered }
+    }
+
+    fn predicted(self, row: &Row) -> f64 {
+        match self {
+            Self::Delivered => row.predicted,
+            Self::Tuned => row.predicted_tuned.unwrap_or(f64::NAN),
+        }
+    }
+
+    fn id(self) -> &'static str {
+        if self == Self::Tuned { "-tuned" } else { "" }
+    }
+
+    fn words(self, output: &Output) -> &'static str {
+        match (self, &output.tuned) {
+            (Self::Tuned, _) => " after tuning",
+            (Self::Delivered, Some(_)) => " as delivered",
+            (Self::Delivered, None) => "",
+        }
+    }
+}
+
 /// Deviations by phase and sensor.
-pub(in crate::report::section) fn phase_map(job: &str, output: &Output, measurement: &str) -> Figure {
+pub(in crate::report::section) fn phase_map(job: &str, output: &Output, measurement: &str, shows: Shows) -> Figure {
     let sensors = sensor_names(output, measurement);
     let rows: Vec<&Row> = output.rows.iter().filter(|r| r.measurement == measurement).collect();
     let mut phases: Vec<(&str, bool)> = Vec::new();
@@ -72,7 +107,8 @@ pub(in crate::report::section) fn phase_map(job: &str, output: &Output, measurem
     let value = |phase: &str, sensor: &str| {
         rows.iter()
             .find(|r| r.phase.as_deref().unwrap_or(NONE) == phase && r.sensor == sensor)
-            .map(|r| r.measured - r.predicted)
+            .map(|r| r.measured - shows.predicted(r))
+            .filter(|deviation| deviation.is_finite())
     };
     let units: Vec<&str> = sensors.iter().map(|s| s.1).collect();
     let unit = if units.iter().all(|u| *u == "K") { "K" } else { "SI" };
@@ -89,14 +125,17 @@ pub(in crate::report::section) fn phase_map(job: &str, output: &Output, measurem
         is_unsigned: false,
     };
     Figure {
-        id: format!("{job}-{measurement}-phases"),
+        id: format!("{job}-{measurement}-phases{}", shows.id()),
         drawing: heat_map(&map),
-        caption: Text::new("Measured minus predicted by phase and sensor, ").code(measurement).plain("."),
+        caption: Text::new(format!("Measured minus predicted{} by phase and sensor, ", shows.words(output)))
+            .code(measurement)
+            .plain("."),
         alternative: format!(
-            "Heat map of measured minus predicted in {unit} for {} phases and {} sensors of {measurement}. {}",
+            "Heat map of measured minus predicted{} in {unit} for {} phases and {} sensors of {measurement}. {}",
+            shows.words(output),
             phases.len(),
             sensors.len(),
-            output.fails.first().map_or("", String::as_str)
+            output.fails.first().filter(|_| shows == Shows::Delivered).map_or("", String::as_str)
         ),
     }
 }
@@ -177,6 +216,7 @@ pub(in crate::report::section) fn time_history(
     output: &Output,
     measurement: &str,
     sensor: &str,
+    shows: Shows,
 ) -> Figure {
     let rows = of_sensor(output, measurement, sensor);
     let unit = rows.first().map_or("", |r| r.unit.as_str());
@@ -190,26 +230,30 @@ pub(in crate::report::section) fn time_history(
         residual_title: shown.difference().title("meas. \u{2212} pred."),
         points: rows
             .iter()
-            .map(|r| (r.time_s.unwrap_or(f64::NAN) / per, shown.value(r.measured), shown.value(r.predicted)))
+            .map(|r| (r.time_s.unwrap_or(f64::NAN) / per, shown.value(r.measured), shown.value(shows.predicted(r))))
             .collect(),
         held_out: shades,
         limit: output.criteria.each_k.filter(|_| unit == "K"),
     };
     let summary = output.sensors.iter().find(|s| s.measurement == measurement && s.sensor == sensor);
     let rmse = summary.map_or(String::new(), |s| {
-        let mut text = format!(" RMSE {}", shown.difference().text(s.train.rmse));
-        if s.held_out.count > 0 {
-            text += &format!(", held out {}", shown.difference().text(s.held_out.rmse));
+        let tuned = s.tuned.as_ref().filter(|_| shows == Shows::Tuned);
+        let (train, held_out) = tuned.map_or((&s.train, &s.held_out), |tuned| (&tuned.train, &tuned.held_out));
+        let mut text = format!(" RMSE {}", shown.difference().text(train.rmse));
+        if held_out.count > 0 {
+            text += &format!(", held out {}", shown.difference().text(held_out.rmse));
         }
         text + "."
     });
     Figure {
-        id: format!("{job}-{measurement}-{sensor}-history"),
+        id: format!("{job}-{measurement}-{sensor}-history{}", shows.id()),
         drawing: history(&data),
-        caption: Text::new("Measured and predicted over time, sensor ").code(sensor).plain(format!(
-            ".{rmse}{shaded}{}",
-            if data.limit.is_some() { " Dashed: the criterion for one reading." } else { "" }
-        )),
+        caption: Text::new(format!("Measured and predicted{} over time, sensor ", shows.words(output)))
+            .code(sensor)
+            .plain(format!(
+                ".{rmse}{shaded}{}",
+                if data.limit.is_some() { " Dashed: the criterion for one reading." } else { "" }
+            )),
         alternative: format!("Measured and predicted {sensor} over time, with the residual below.{rmse}{shaded}"),
     }
 }

@@ -53,10 +53,10 @@ fn probabilities(job: &str, output: &Output) -> Option<Figure> {
     })
 }
 
-/// The phase of a missing heat, or its instant.
-pub(super) fn stretch(heat: &Heat) -> String {
-    match (&heat.phase, heat.time_s) {
-        (Some(phase), _) => phase.clone(),
+/// The phase of some heat, or its instant.
+pub(super) fn stretch(phase: Option<&str>, time_s: Option<f64>) -> String {
+    match (phase, time_s) {
+        (Some(phase), _) => phase.to_owned(),
         (None, Some(time)) => format!("{} s", significant(time, 4)),
         (None, None) => String::new(),
     }
@@ -65,7 +65,7 @@ pub(super) fn stretch(heat: &Heat) -> String {
 fn heat(job: &str, output: &Output) -> Option<Figure> {
     let mut nodes: Vec<&str> = Vec::new();
     let mut rows: Vec<String> = Vec::new();
-    let name = stretch;
+    let name = |heat: &Heat| stretch(heat.phase.as_deref(), heat.time_s);
     for heat in &output.heat {
         if !nodes.contains(&heat.node.as_str()) {
             nodes.push(&heat.node);

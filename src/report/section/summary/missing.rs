@@ -72,6 +72,11 @@ fn what(output: &Output, selected: &[&EffectResult]) -> Statement {
                 let size = effect.amplitudes.iter().next();
                 let size = size.map_or_else(String::new, |(name, value)| format!(", {name} {}", amount(value)));
                 text = text.plain(if position == 0 { "" } else { "; " }).code(&effect.id).plain(size);
+                if let (Some([least, most]), Some(first)) = (effect.watts, effect.carries.first()) {
+                    let (size, way) = if most >= -least { (most, "into") } else { (-least, "out of") };
+                    let size = with_unit(&significant(size, 2), "W");
+                    text = text.plain(format!(", up to {size} {way} ")).code(&first.node);
+                }
             }
             let titles: Vec<&str> = selected.iter().map(|effect| effect.title.as_str()).collect();
             statement(&titles.join(" + "), text.plain("."), Some(Status::Caution))

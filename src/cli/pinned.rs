@@ -1,0 +1,54 @@
+//! Measurements that are pinned by their hash: checked, or brought to their place.
+
+use std::path::{Path, PathBuf};
+
+use super::status::Failure;
+use super::studies;
+use crate::study::Folder;
+use crate::study::pinned::{self, Obtained, State};
+
+/// A pinned measurement, checked or brought.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub(super) struct PinnedFile {
+    /// Its file.
+    pub file: String,
+    /// What is the matter with it, or where it was had from.
+    pub state: String,
+    /// Whether the right bytes are there.
+    pub good: bool,
+}
+
+/// Checks pinned measurements, or brings them first if `bring`; `from` is a folder to search.
+///
+/// # Errors
+/// What is wrong with the files.
+pub(super) fn pinned(paths: &[PathBuf], bring: bool, from: Option<&Path>) -> Result<Vec<PinnedFile>, Failure> {
+    let folders = pinned::search_folders(from, std::env::var_os("BMV_DATA").as_deref());
+    let mut found: Vec<PinnedFile> = Vec::new();
+    for (study, _, pass) in studies::passes(paths, false)? {
+        let folder = Folder::open(&study).map_err(|error| Failure::input(error.to_string()))?;
+        for entry in &pass.pinned {
+            let file = study.join(&entry.file).display().to_string();
+            if found.iter().any(|known| known.file == file) {
+                continue;
+            }
+            let (state, good) = if bring {
+                match pinned::get(&folder, entry, &folders) {
+                    Ok(Obtained::AlreadyThere) => ("already there".to_owned(), true),
+                    Ok(Obtained::Copied(path)) => (format!("copied from {}", path.display()), true),
+                    Ok(Obtained::Fetched(origin)) => (format!("fetched from {origin}"), true),
+                    Err(error) => (error.to_string(), false),
+                }
+            } else {
+                match pinned::verify(&folder, entry) {
+                    Ok(State::Good) => ("the pinned bytes".to_owned(), true),
+                    Ok(State::Absent) => ("not there".to_owned(), false),
+                    Ok(State::Other { sha256 }) => (format!("other bytes, SHA-256 {sha256}"), false),
+                    Err(error) => (error.to_string(), false),
+                }
+            };
+            found.push(PinnedFile { file, state, good });
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,133 @@
+//! Heat in a diagnosis: what the selected effects carry, what is missing where no effect explains it.
+
+use super::figures;
+use crate::diagnosis::Verdict;
+use crate::diagnosis::output::{Carried, EffectResult, Heat, Output};
+use crate::report::number::{fixed, significant, with_error};
+use crate::report::page::{Block, Cell, Column, Table, Text};
+
+/// Places and phases in the table of missing heat.
+const MOST_HEAT: usize = 12;
+/// Nodes of an effect in the table of carried heat.
+const MOST_NODES: usize = 3;
+
+/// The heat that the selected effects give the nodes they act on.
+pub(super) fn carried(output: &Output) -> Option<Block> {
+    let selected = output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id));
+    let rows: Vec<Vec<Cell>> = selected.flat_map(of_effect).collect();
+    let several = output.effects.iter().flat_map(|effect| &effect.carries).any(|one| one.time_s.is_some());
+    let means = if several { " Over a transient each value is the mean of a twelfth of its rows." } else { "" };
+    (!rows.is_empty()).then(|| {
+        Block::Table(Table {
+            caption: Text::new(format!(
+                "What the selected effects carry: heat into the node over the fitted rows, negative where it is taken \
+                 from it.{means}"
+            )),
+            columns: vec![
+                Column::text("Effect"),
+                Column::text("Node"),
+                Column::number("Smallest", "W"),
+                Column::text("in"),
+                Column::number("Mean", "W"),
+                Column::number("Largest", "W"),
+                Column::text("in"),
+            ],
+            rows,
+        })
+    })
+}
+
+fn of_effect(effect: &EffectResult) -> Vec<Vec<Cell>> {
+    let mut nodes: Vec<&str> = Vec::new();
+    for one in &effect.carries {
+        if !nodes.contains(&one.node.as_str()) {
+            nodes.push(&one.node);
+        }
+    }
+    let row = |node: &&str| {
+        let own: Vec<&Carried> = effect.carries.iter().filter(|one| one.node == *node).collect();
+        let least = own.iter().min_by(|a, b| a.watts.total_cmp(&b.watts))?;
+        let most = own.iter().max_by(|a, b| a.watts.total_cmp(&b.watts))?;
+        let mean = own.iter().map(|one| one.watts).sum::<f64>() / own.len() as f64;
+        Some(vec![
+            Cell::code(&effect.id),
+            Cell::code(*node),
+            significant(least.watts, 2).into(),
+            figures::stretch(least.phase.as_deref(), least.time_s).into(),
+            significant(mean, 2).into(),
+            significant(most.watts, 2).into(),
+            figures::stretch(most.phase.as_deref(), most.time_s).into(),
+        ])
+    };
+    nodes.iter().take(MOST_NODES).filter_map(row).collect()
+}
+
+/// The clearest of the missing heat; where an effect explains it, it is told by that effect.
+pub(super) fn missing(output: &Output) -> Option<Block> {
+    if output.verdict != Verdict::Unexplained {
+        return None;
+    }
+    let clear = |heat: &Heat| if heat.sd > 0.0 { heat.watts.abs() / heat.sd } else { 0.0 };
+    let mut clearest: Vec<&Heat> = output.heat.iter().filter(|heat| clear(heat) > 2.0).collect();
+    clearest.sort_by(|a, b| clear(b).total_cmp(&clear(a)));
+    let more = clearest.len().saturating_sub(MOST_HEAT);
+    let rows: Vec<Vec<Cell>> = clearest
+        .into_iter()
+        .take(MOST_HEAT)
+        .map(|heat| {
+            vec![
+                Cell::code(&heat.node),
+                figures::stretch(heat.phase.as_deref(), heat.time_s).into(),
+                with_error(heat.watts, heat.sd).into(),
+                fixed(clear(heat), 1).into(),
+            ]
+        })
+        .collect();
+    let more = if more == 0 { String::new() } else { format!(" {more} more are above two standard deviations.") };
+    (!rows.is_empty()).then(|| {
+        Block::Table(Table {
+            caption: format!(
+                "Heat that the tuned model lacks, clearest first; positive: the node gets more heat than the model \
+                 says.{more}"
+            )
+            .into(),
+            columns: vec![
+                Column::text("Node"),
+                Column::text("Phase"),
+                Column::number("Heat", "W"),
+                Column::number("In standard deviations", ""),
+            ],
+            rows,
+        })
+    })
+}
+
+pub(super) fn goes_with(output: &Output) -> Option<Block> {
+    if output.verdict != Verdict::Unexplained {
+        return None;
+    }
+    let rows: Vec<Vec<Cell>> = output
+        .goes_with
+        .iter()
+        .map(|one| {
+            vec![
+                Cell::code(&one.node),
+                Cell::code(&one.input),
+                significant(one.slope, 3).into(),
+                significant(one.p, 2).into(),
+            ]
+        })
+        .collect();
+    (!rows.is_empty()).then(|| {
+        Block::Table(Table {
+            caption: "What the missing heat goes with: slope in W per SI unit of the input.".into(),
+            columns: vec![
+                Column::text("Node"),
+                Column::text("Input"),
+                Column::number("Slope", ""),
+                Column::number("p", ""),
+            ],
+            rows,
+        })
+    })
+}
