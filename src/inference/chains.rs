@@ -68,8 +68,6 @@ pub struct Chain {
     pub dimension: usize,
     /// Draws after warm-up, SI: `draws x parameters`, draw by draw.
     pub draws: Vec<f64>,
-    /// Log density of the prior over the parameters (SI) at each draw.
-    pub log_priors: Vec<f64>,
     /// Log likelihood at each draw.
     pub log_likelihoods: Vec<f64>,
     /// How the moves went.
@@ -84,7 +82,6 @@ impl Chain {
         Self {
             dimension,
             draws: Vec::with_capacity(dimension * draws),
-            log_priors: Vec::with_capacity(draws),
             log_likelihoods: Vec::with_capacity(draws),
             ..Self::default()
         }
@@ -92,8 +89,9 @@ impl Chain {
 
     /// Appends the draw at coordinates.
     pub(super) fn push<T: Target>(&mut self, posterior: &Posterior<'_, T>, coordinates: &[f64], density: &Density) {
-        self.draws.extend(posterior.transforms().iter().zip(coordinates).map(|(transform, &z)| transform.at(z).value));
-        self.log_priors.push(density.log_prior);
+        let first = self.draws.len();
+        self.draws.resize(first + coordinates.len(), 0.0);
+        posterior.write_parameters(coordinates, &mut self.draws[first..]);
         self.log_likelihoods.push(density.log_likelihood);
     }
 

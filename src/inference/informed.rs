@@ -115,20 +115,19 @@ impl<T: Target> Informed<T> {
         derivatives
     }
 
-    /// A chain over the coordinates as one over the parameters, the density of the prior with it.
-    pub fn chain(&self, chain: &Chain) -> Chain {
-        let mut own = chain.clone();
+    /// A chain over the coordinates as one over the parameters.
+    pub fn chain(&self, chain: Chain) -> Chain {
+        let mut own = chain;
         if self.joint.is_empty() {
             return own;
         }
-        for (index, draw) in own.draws.chunks_exact_mut(chain.dimension.max(1)).enumerate() {
+        for draw in own.draws.chunks_exact_mut(own.dimension.max(1)) {
             for prior in &self.joint {
                 let whitened: Vec<f64> = prior.places().iter().map(|&place| draw[place]).collect();
-                let (values, slopes) = prior.at(&whitened);
+                let (values, _) = prior.at(&whitened);
                 for (&place, value) in prior.places().iter().zip(values) {
                     draw[place] = value;
                 }
-                own.log_priors[index] -= prior.log_slope(&slopes);
             }
         }
         own

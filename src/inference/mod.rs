@@ -27,6 +27,7 @@ mod proposal;
 pub mod psis;
 pub mod rows;
 pub mod score;
+pub mod shear;
 pub mod smc;
 pub mod target;
 pub mod transform;

@@ -3,7 +3,8 @@
 //! Trajectories double until they turn round (Hoffman & Gelman 2014); the next state is drawn from the trajectory with
 //! the weights of its points, later halves preferred, and the turn is judged by the sum of the momenta (Betancourt 2017,
 //! appendix A), also across the seam of two halves, so that trajectories that come round in one half are seen.
-//! The step size follows dual averaging, the metric is learnt in doubling windows of the warm-up.
+//! The step size follows dual averaging, the metric is learnt in doubling windows of the warm-up. Where a normal
+//! approximation of the posterior is known, coordinates are sheared along it (`shear`).
 
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +12,7 @@ use super::adaptation::{DualAveraging, RunningCovariance, Windows};
 use super::chains::{Chain, SampleError, start_point};
 use super::metric::Metric;
 use super::posterior::{Density, Evaluator, Posterior};
+use super::shear::NormalApproximation;
 use super::target::Target;
 use crate::math::functions::{exp, ln, ln_1p};
 use crate::random::{Stream, StreamKey};
@@ -35,9 +37,9 @@ pub struct NutsSettings {
     pub divergence_energy: f64,
     /// Greatest dimension for which the whole covariance is learnt; above it, variances only.
     pub dense_up_to: usize,
-    /// Covariance of the parameters, SI, n x n, with which the metric begins and towards which it is shrunk; parameters
-    /// with variance 0 begin with the spread of the coordinates. Spares the warm-up long trajectories.
-    pub covariance: Option<Vec<f64>>,
+    /// What is known of the posterior: the coordinates are sheared along it, and the metric begins with its covariance and
+    /// is shrunk towards that; parameters with variance 0 begin with the spread of the coordinates.
+    pub normal: Option<NormalApproximation>,
 }
 
 impl Default for NutsSettings {
@@ -49,7 +51,7 @@ impl Default for NutsSettings {
             greatest_depth: 10,
             divergence_energy: 1000.0,
             dense_up_to: 50,
-            covariance: None,
+            normal: None,
         }
     }
 }
@@ -78,15 +80,18 @@ pub fn sample<T: Target>(
     start: Option<&[f64]>,
 ) -> Result<Chain, SampleError> {
     settings.check()?;
-    let posterior = Posterior::new(target)?;
+    let dimension = target.dimension();
+    let fits = |normal: &&NormalApproximation| {
+        normal.mode.len() == dimension && normal.covariance.len() == dimension * dimension
+    };
+    let normal = settings.normal.as_ref().filter(fits);
+    let posterior = normal.map_or_else(|| Posterior::new(target), |normal| Posterior::along(target, normal))?;
     let mut stream = key.stream(chain);
     let mut evaluator = posterior.evaluator();
     let start = start_point(&posterior, &mut evaluator, &mut stream, start, true)?;
-    let dimension = posterior.dimension();
     let current = Point { coordinates: start.coordinates, gradient: start.gradient, density: start.density };
     let dense = dimension <= settings.dense_up_to;
-    let known = settings.covariance.as_ref().filter(|covariance| covariance.len() == dimension * dimension);
-    let known = known.and_then(|c| Metric::of(&in_coordinates(c, &posterior, &current.coordinates), dimension, dense));
+    let known = normal.and_then(|normal| Metric::of(&in_coordinates(normal, &posterior), dimension, dense));
     let mut sampler = Sampler {
         evaluator,
         stream,
@@ -136,19 +141,19 @@ pub fn sample<T: Target>(
     Ok(result)
 }
 
-/// A covariance of the parameters, SI, as one of the coordinates at a point, to first order. Variances of 0 become 1,
-/// those above [`WIDEST`] fall to it: a normal approximation that wide says only that the data say nothing.
-fn in_coordinates<T: Target>(covariance: &[f64], posterior: &Posterior<'_, T>, at: &[f64]) -> Vec<f64> {
-    let n = at.len();
-    let slopes: Vec<f64> = posterior.transforms().iter().zip(at).map(|(transform, &z)| transform.at(z).slope).collect();
-    let variance = |i: usize| covariance[i * n + i] / (slopes[i] * slopes[i]);
-    let cut: Vec<f64> = (0..n).map(|i| (WIDEST / variance(i)).sqrt().min(1.0)).collect();
-    let mut own = vec![0.0; n * n];
+/// The covariance of a normal approximation over the coordinates. Variances of 0 become 1, those above [`WIDEST`] fall to
+/// it: a normal approximation that wide says only that the data say nothing.
+fn in_coordinates<T: Target>(normal: &NormalApproximation, posterior: &Posterior<'_, T>) -> Vec<f64> {
+    let n = normal.mode.len();
+    let mut own = posterior.covariance(normal);
+    let cut: Vec<f64> = (0..n).map(|i| (WIDEST / own[i * n + i]).sqrt().min(1.0)).collect();
     for i in 0..n {
         for j in 0..n {
-            own[i * n + j] = covariance[i * n + j] / (slopes[i] * slopes[j]) * cut[i] * cut[j];
+            own[i * n + j] *= cut[i] * cut[j];
         }
-        if !(variance(i) > 0.0) {
+    }
+    for i in 0..n {
+        if !(own[i * n + i] > 0.0) {
             for j in 0..n {
                 (own[i * n + j], own[j * n + i]) = (0.0, 0.0);
             }

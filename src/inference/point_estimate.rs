@@ -12,6 +12,7 @@ use super::laplace::Laplace;
 use super::natural::NaturalObjective;
 use super::optimise::{Bounds, Minimum, free_variables, hessian, minimise};
 use super::posterior::Work;
+use super::shear::NormalApproximation;
 use super::target::LeastSquares;
 use crate::random::{PointKind, Points, StreamKey};
 
@@ -90,6 +91,11 @@ impl PointEstimate {
     pub fn sd(&self) -> Vec<f64> {
         let n = self.parameters.len();
         (0..n).map(|i| self.covariance[i * n + i].max(0.0).sqrt()).collect()
+    }
+
+    /// Laplace's normal distribution; it says nothing of held parameters.
+    pub fn normal_approximation(&self) -> NormalApproximation {
+        NormalApproximation { mode: self.parameters.clone(), covariance: self.covariance.clone() }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::shear::{NormalApproximation, Shear, covariance_of_coordinates};
 use super::target::{Rejected, Rejections, Target};
 use super::transform::{Transform, TransformError};
 use crate::random::Stream;
@@ -10,6 +11,7 @@ use crate::random::Stream;
 pub struct Posterior<'a, T: Target> {
     target: &'a T,
     transforms: Vec<Transform>,
+    shear: Option<Shear>,
 }
 
 impl<'a, T: Target> Posterior<'a, T> {
@@ -24,7 +26,28 @@ impl<'a, T: Target> Posterior<'a, T> {
             .enumerate()
             .map(|(index, prior)| Transform::new(prior, index))
             .collect::<Result<_, _>>()?;
-        Ok(Self { target, transforms })
+        Ok(Self { target, transforms, shear: None })
+    }
+
+    /// The posterior in coordinates that keep the ridges of a normal approximation straight ([`Shear`]).
+    ///
+    /// # Errors
+    /// As [`Posterior::new`].
+    pub fn along(target: &'a T, normal: &NormalApproximation) -> Result<Self, TransformError> {
+        let own = Self::new(target)?;
+        let shear = Shear::new(&own.transforms, target.priors(), normal);
+        Ok(Self { shear, ..own })
+    }
+
+    /// A normal approximation's covariance over the coordinates, n x n, to first order at its mode.
+    pub fn covariance(&self, normal: &NormalApproximation) -> Vec<f64> {
+        covariance_of_coordinates(&self.transforms, self.shear.as_ref(), normal)
+    }
+
+    /// The parameter at a place of the order in which they are computed, and how far those before move its coordinate.
+    #[inline]
+    fn at_place(&self, place: usize, parameters: &[f64]) -> (usize, f64) {
+        self.shear.as_ref().map_or((place, 0.0), |shear| (shear.parameter(place), shear.shift(place, parameters)))
     }
 
     /// Number of coordinates.
@@ -32,19 +55,34 @@ impl<'a, T: Target> Posterior<'a, T> {
         self.transforms.len()
     }
 
-    /// The maps of the parameters.
-    pub fn transforms(&self) -> &[Transform] {
-        &self.transforms
-    }
-
     /// The coordinates of parameters (SI).
     pub fn coordinates(&self, parameters: &[f64]) -> Vec<f64> {
-        self.transforms.iter().zip(parameters).map(|(transform, &value)| transform.coordinate(value)).collect()
+        let maps = self.transforms.iter().zip(parameters);
+        let mut coordinates: Vec<f64> = maps.map(|(transform, &value)| transform.coordinate(value)).collect();
+        if let Some(shear) = &self.shear {
+            // A parameter at its bound has a coordinate a little inside.
+            let maps = self.transforms.iter().zip(&coordinates);
+            let inside: Vec<f64> = maps.map(|(transform, &z)| transform.at(z).value).collect();
+            for place in 0..coordinates.len() {
+                coordinates[shear.parameter(place)] -= shear.shift(place, &inside);
+            }
+        }
+        coordinates
     }
 
     /// The parameters (SI) at coordinates.
     pub fn parameters(&self, coordinates: &[f64]) -> Vec<f64> {
-        self.transforms.iter().zip(coordinates).map(|(transform, &z)| transform.at(z).value).collect()
+        let mut parameters = vec![0.0; coordinates.len()];
+        self.write_parameters(coordinates, &mut parameters);
+        parameters
+    }
+
+    /// Writes the parameters (SI) at coordinates.
+    pub fn write_parameters(&self, coordinates: &[f64], parameters: &mut [f64]) {
+        for place in 0..coordinates.len() {
+            let (i, shift) = self.at_place(place, parameters);
+            parameters[i] = self.transforms[i].at(coordinates[i] + shift).value;
+        }
     }
 
     /// Parameters (SI) moved away from their bounds by a hundredth of the interval (of the scale on a half-line).
@@ -152,9 +190,14 @@ impl<T: Target> Evaluator<'_, T> {
         let answer =
             self.posterior.target.log_likelihood_gradient(&self.parameters, &mut self.workspace, &mut self.gradient);
         let log_likelihood = self.checked(answer)?;
-        for (i, g) in gradient.iter_mut().enumerate() {
-            *g += self.gradient[i] * self.slopes[i];
-            if !g.is_finite() {
+        for place in (0..gradient.len()).rev() {
+            let shear = self.posterior.shear.as_ref();
+            let i = shear.map_or(place, |shear| shear.parameter(place));
+            gradient[i] += self.gradient[i] * self.slopes[i];
+            if let Some(shear) = shear {
+                gradient[i] += shear.returned(place, gradient) * self.slopes[i];
+            }
+            if !gradient[i].is_finite() {
                 self.work.rejections.count(&Rejected::new("the gradient is not finite"));
                 return None;
             }
@@ -168,8 +211,9 @@ impl<T: Target> Evaluator<'_, T> {
         let priors = self.posterior.target.priors();
         let (mut log_prior, mut log_slope) = (0.0, 0.0);
         let mut gradient = gradient;
-        for (i, &z) in coordinates.iter().enumerate() {
-            let image = self.posterior.transforms[i].at(z);
+        for place in 0..coordinates.len() {
+            let (i, shift) = self.posterior.at_place(place, &self.parameters);
+            let image = self.posterior.transforms[i].at(coordinates[i] + shift);
             self.parameters[i] = image.value;
             self.slopes[i] = image.slope;
             log_prior += priors[i].log_density(image.value);
@@ -198,6 +242,89 @@ impl<T: Target> Evaluator<'_, T> {
                 self.work.rejections.count(&rejected);
                 None
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Distribution;
+
+    /// A ridge between a uniform, a log-normal and a normal parameter.
+    struct Ridge {
+        names: Vec<String>,
+        priors: Vec<Distribution>,
+    }
+
+    impl Target for Ridge {
+        type Workspace = ();
+
+        fn names(&self) -> &[String] {
+            &self.names
+        }
+
+        fn priors(&self) -> &[Distribution] {
+            &self.priors
+        }
+
+        fn workspace(&self) {}
+
+        fn log_likelihood(&self, x: &[f64], (): &mut ()) -> Result<f64, Rejected> {
+            Ok(-50.0 * (x[0] - x[1]).powi(2) - 20.0 * (x[0] + x[2]).powi(2))
+        }
+
+        fn log_likelihood_gradient(&self, x: &[f64], (): &mut (), gradient: &mut [f64]) -> Result<f64, Rejected> {
+            let (a, b) = (100.0 * (x[0] - x[1]), 40.0 * (x[0] + x[2]));
+            gradient.copy_from_slice(&[-a - b, a, -b]);
+            self.log_likelihood(x, &mut ())
+        }
+    }
+
+    fn ridge() -> (Ridge, NormalApproximation) {
+        let priors = vec![
+            Distribution::Uniform { lower: 0.0, upper: 1.0 },
+            Distribution::LogNormal { median: 0.3, factor: 3.0 },
+            Distribution::Normal { mean: 0.0, sd: 1.0, lower: None, upper: None },
+        ];
+        let covariance = vec![0.01, 0.009, -0.008, 0.009, 0.0125, -0.007, -0.008, -0.007, 0.012];
+        let names = ["a", "b", "c"].map(str::to_owned).to_vec();
+        (Ridge { names, priors }, NormalApproximation { mode: vec![0.15, 0.16, -0.15], covariance })
+    }
+
+    #[test]
+    fn gradients_over_sheared_coordinates_agree_with_central_differences() {
+        let (target, normal) = ridge();
+        let posterior = Posterior::along(&target, &normal).expect("maps");
+        assert!(posterior.shear.is_some());
+        let mut evaluator = posterior.evaluator();
+        let mut gradient = [0.0; 3];
+        for at in [[-2.0, 0.3, -0.4], [0.1, -0.8, 0.2], [-4.0, 0.5, 0.7]] {
+            evaluator.density_gradient(&at, &mut gradient).expect("a density");
+            for i in 0..3 {
+                // Central differences with this step are good to 1e-8 on derivatives of order 1 to 100.
+                let (mut above, mut below) = (at, at);
+                above[i] += 1e-5;
+                below[i] -= 1e-5;
+                let mut total = |z: &[f64]| evaluator.density(z).expect("a density").total();
+                let slope = (total(&above) - total(&below)) / 2e-5;
+                assert!((slope - gradient[i]).abs() < 1e-6 * slope.abs().max(1.0), "{at:?} {i}: {slope} {gradient:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn sheared_coordinates_go_there_and_back_and_keep_the_volume() {
+        let (target, normal) = ridge();
+        let (posterior, plain) = (Posterior::along(&target, &normal).expect("maps"), Posterior::new(&target).expect("maps"));
+        for x in [[0.15, 0.16, -0.15], [0.01, 0.9, 0.4], [0.99, 0.05, -2.0]] {
+            let w = posterior.coordinates(&x);
+            let back = posterior.parameters(&w);
+            assert!(x.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-9), "{x:?} {back:?}");
+            // The same parameters have the same density with or without the shear.
+            let (own, other) = (posterior.evaluator().density(&w), plain.evaluator().density(&plain.coordinates(&x)));
+            let (own, other) = (own.expect("a density").total(), other.expect("a density").total());
+            assert!((own - other).abs() < 1e-9 * own.abs().max(1.0), "{own} {other}");
         }
     }
 }

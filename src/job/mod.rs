@@ -62,4 +62,8 @@ pub trait Job: Send + Sync {
     fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError>;
     /// Takes the blocks' outputs, in order, to the next step.
     fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError>;
+    /// The same, where the outputs are not needed any more: a job with long ones gives their memory up on the way.
+    fn reduce_owned(&self, stage: &str, inputs: &[Vec<u8>], outputs: Vec<Vec<u8>>) -> Result<Step, JobError> {
+        self.reduce(stage, inputs, &outputs)
+    }
 }

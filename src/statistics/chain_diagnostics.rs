@@ -4,7 +4,7 @@
 //! All functions take equally long chains of one quantity. They answer `None` where there is nothing to judge: chains of
 //! fewer than four draws, of different lengths, or with a number that is not finite.
 
-use super::quantile::{quantile_sorted, sorted};
+use super::quantile::quantile_sorted;
 use crate::math::functions::ln;
 use crate::math::special::{beta_quantile, normal_quantile};
 
@@ -22,7 +22,7 @@ pub fn r_hat<C: AsRef<[f64]>>(chains: &[C]) -> Option<f64> {
 
 /// Effective sample size of the rank-normalised draws: how well the bulk is known.
 pub fn ess_bulk<C: AsRef<[f64]>>(chains: &[C]) -> Option<f64> {
-    Some(effective(&rank_normalise(&split(chains)?)))
+    Some(effective(rank_normalise(&split(chains)?)))
 }
 
 /// The smaller effective sample size of the 5 % and 95 % quantiles.
@@ -33,14 +33,14 @@ pub fn ess_tail<C: AsRef<[f64]>>(chains: &[C]) -> Option<f64> {
 
 /// Effective sample size for the mean.
 pub fn ess_mean<C: AsRef<[f64]>>(chains: &[C]) -> Option<f64> {
-    Some(effective(&split(chains)?))
+    Some(effective(split(chains)?.into_iter().map(<[f64]>::to_vec).collect()))
 }
 
 /// Effective sample size for a quantile (`probability` within 0 to 1).
 pub fn ess_quantile<C: AsRef<[f64]>>(chains: &[C], probability: f64) -> Option<f64> {
     let halves = split(chains)?;
     let limit = quantile_sorted(&sorted_draws(chains), probability);
-    Some(effective(&map(&halves, |x| if x <= limit { 1.0 } else { 0.0 })))
+    Some(effective(map(&halves, |x| if x <= limit { 1.0 } else { 0.0 })))
 }
 
 /// Monte Carlo standard error of the mean.
@@ -75,15 +75,15 @@ pub fn mcse_quantile<C: AsRef<[f64]>>(chains: &[C], probability: f64) -> Option<
 }
 
 /// The first and the last half of each chain; the middle draw of an odd number belongs to neither.
-fn split<C: AsRef<[f64]>>(chains: &[C]) -> Option<Vec<Vec<f64>>> {
+fn split<C: AsRef<[f64]>>(chains: &[C]) -> Option<Vec<&[f64]>> {
     let length = chains.first()?.as_ref().len();
     let sound = |chain: &C| chain.as_ref().len() == length && chain.as_ref().iter().all(|x| x.is_finite());
     if length < 4 || !chains.iter().all(sound) {
         return None;
     }
     let half = length / 2;
-    let first = chains.iter().map(|chain| chain.as_ref()[..half].to_vec());
-    let last = chains.iter().map(|chain| chain.as_ref()[length - half..].to_vec());
+    let first = chains.iter().map(|chain| &chain.as_ref()[..half]);
+    let last = chains.iter().map(|chain| &chain.as_ref()[length - half..]);
     Some(first.chain(last).collect())
 }
 
@@ -92,8 +92,10 @@ fn map<C: AsRef<[f64]>>(chains: &[C], f: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
 }
 
 fn sorted_draws<C: AsRef<[f64]>>(chains: &[C]) -> Vec<f64> {
-    let all: Vec<f64> = chains.iter().flat_map(|chain| chain.as_ref().iter().copied()).collect();
-    sorted(&all)
+    let mut all = Vec::with_capacity(chains.iter().map(|chain| chain.as_ref().len()).sum());
+    chains.iter().for_each(|chain| all.extend_from_slice(chain.as_ref()));
+    all.sort_by(f64::total_cmp);
+    all
 }
 
 /// Mean and variance (divisor count - 1), in two passes.
@@ -109,26 +111,29 @@ fn mean_and_variance(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
 }
 
 /// Normal quantiles of the ranks among all chains, equal draws sharing their mean rank (Blom's 3/8).
-fn rank_normalise(chains: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let length = chains[0].len();
-    let all: Vec<f64> = chains.iter().flatten().copied().collect();
-    let mut order: Vec<usize> = (0..all.len()).collect();
-    order.sort_by(|&a, &b| all[a].total_cmp(&all[b]));
-    let mut scores = vec![0.0; all.len()];
+fn rank_normalise<C: AsRef<[f64]>>(chains: &[C]) -> Vec<Vec<f64>> {
+    let length = chains[0].as_ref().len();
+    let count = length * chains.len();
+    let at = |place: u32| chains[place as usize / length].as_ref()[place as usize % length];
+    // Chains of 2^32 draws do not fit into memory.
+    let mut order: Vec<u32> = (0..u32::try_from(count).unwrap_or(u32::MAX)).collect();
+    // Equal draws share a score, so that their order does not matter.
+    order.sort_unstable_by(|&a, &b| at(a).total_cmp(&at(b)));
+    let mut scores = vec![vec![0.0; length]; chains.len()];
     let mut first = 0;
     while first < order.len() {
         let mut last = first;
-        while last + 1 < order.len() && all[order[last + 1]] == all[order[first]] {
+        while last + 1 < order.len() && at(order[last + 1]) == at(order[first]) {
             last += 1;
         }
         let rank = 0.5 * (first + last) as f64 + 1.0;
-        let score = normal_quantile((rank - 0.375) / (all.len() as f64 + 0.25));
+        let score = normal_quantile((rank - 0.375) / (count as f64 + 0.25));
         for &place in &order[first..=last] {
-            scores[place] = score;
+            scores[place as usize / length][place as usize % length] = score;
         }
         first = last + 1;
     }
-    scores.chunks_exact(length).map(<[f64]>::to_vec).collect()
+    scores
 }
 
 fn plain_r_hat(chains: &[Vec<f64>]) -> f64 {
@@ -143,24 +148,22 @@ fn plain_r_hat(chains: &[Vec<f64>]) -> f64 {
 ///
 /// Autocorrelations are summed in pairs while the pairs stay positive, each pair at most as large as the one before.
 /// They are computed lag by lag as far as they are needed.
-fn effective(chains: &[Vec<f64>]) -> f64 {
-    let draws = chains[0].len();
-    let count = (chains.len() * draws) as f64;
+fn effective(chains: Vec<Vec<f64>>) -> f64 {
+    let mut centred = chains;
+    let draws = centred[0].len();
+    let count = (centred.len() * draws) as f64;
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-    for &x in chains.iter().flatten() {
+    for &x in centred.iter().flatten() {
         least = least.min(x);
         most = most.max(x);
     }
     if most - least < 1e-15 {
         return count;
     }
-    let centred: Vec<Vec<f64>> = chains
-        .iter()
-        .map(|chain| {
-            let mean = chain.iter().sum::<f64>() / draws as f64;
-            chain.iter().map(|x| x - mean).collect()
-        })
-        .collect();
+    let means: Vec<f64> = centred.iter().map(|chain| chain.iter().sum::<f64>() / draws as f64).collect();
+    for (chain, mean) in centred.iter_mut().zip(&means) {
+        chain.iter_mut().for_each(|x| *x -= mean);
+    }
     // Mean over the chains of the autocovariance at a lag (divisor: number of draws).
     let autocovariance = |lag: usize| {
         let sums = centred.iter().map(|chain| {
@@ -171,9 +174,8 @@ fn effective(chains: &[Vec<f64>]) -> f64 {
     };
     let within = autocovariance(0) * draws as f64 / (draws as f64 - 1.0);
     let mut variance = within * (draws as f64 - 1.0) / draws as f64;
-    if chains.len() > 1 {
-        let means = chains.iter().map(|chain| chain.iter().sum::<f64>() / draws as f64);
-        variance += mean_and_variance(means).1;
+    if means.len() > 1 {
+        variance += mean_and_variance(means.iter().copied()).1;
     }
     let correlation = |lag: usize| 1.0 - (within - autocovariance(lag)) / variance;
 

@@ -8,4 +8,5 @@ pub mod hand_on;
 mod job_calibration;
 mod laboratory;
 pub mod models;
+mod predictive_scores;
 pub mod samplers;

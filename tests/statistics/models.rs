@@ -252,3 +252,20 @@ pub fn failing() -> Model {
         Ok(-0.5 * precision * (x[0] * x[0] + x[1] * x[1]))
     })
 }
+
+/// Correlation of [`ridge`], and its standard deviations.
+pub const RIDGE: (f64, [f64; 2]) = (0.995, [0.015, 0.0007]);
+
+/// A ridge between two parameters of which the first lies two standard deviations above its bound of 0.75, and its mode.
+pub fn ridge() -> (Model, [f64; 2]) {
+    let (rho, [a, b]) = RIDGE;
+    let mode = [0.78, 0.0348];
+    let model = Model::new(vec![uniform(0.75, 0.95), uniform(0.02, 0.08)], move |x, g| {
+        let (u, v) = ((x[0] - mode[0]) / a, (x[1] - mode[1]) / b);
+        let rest = 1.0 - rho * rho;
+        g[0] = -(u - rho * v) / rest / a;
+        g[1] = -(v - rho * u) / rest / b;
+        Ok(-0.5 * (u * u - 2.0 * rho * u * v + v * v) / rest)
+    });
+    (model, mode)
+}

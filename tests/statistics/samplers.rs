@@ -7,6 +7,7 @@ use bmv::inference::chains::{Chain, Chains};
 use bmv::inference::convergence::{Convergence, ConvergenceLimits, Objection, judge};
 use bmv::inference::metropolis::{self, MetropolisSettings};
 use bmv::inference::nuts::{self, NutsSettings};
+use bmv::inference::shear::NormalApproximation;
 use bmv::inference::smc::{self, SmcResult, SmcSettings};
 use bmv::inference::target::Target;
 use bmv::random::StreamKey;
@@ -150,6 +151,29 @@ fn sequential_monte_carlo_weighs_two_modes() {
     assert!((smc.log_evidence - exact).abs() < 3.0 * smc.log_evidence_error, "{}", smc.log_evidence);
     // The weights of the islands are shares.
     assert!((smc.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn trajectories_follow_a_narrow_ridge_to_a_bound() {
+    let (model, mode) = models::ridge();
+    check_gradient(&model, &[0.79, 0.0349]);
+    let (rho, [a, b]) = models::RIDGE;
+    let covariance = vec![a * a, rho * a * b, rho * a * b, b * b];
+    let normal = Some(NormalApproximation { mode: mode.to_vec(), covariance });
+    // The first parameter is a normal cut two standard deviations below its mode, the second its regression and a rest.
+    let lambda = libm::exp(-2.0 - models::HALF_LN_TAU) / 0.977_249_868_051_820_8;
+    let variance = 1.0 - 2.0 * lambda - lambda * lambda;
+    let (mean, sd) = ([mode[0] + a * lambda, mode[1] + rho * b * lambda], [a, b]);
+    let sd = [sd[0] * variance.sqrt(), sd[1] * (rho * rho * variance + 1.0 - rho * rho).sqrt()];
+    let chains = nuts_chains(&model, &NutsSettings { normal, ..Default::default() });
+    for i in 0..2 {
+        check_moments(&format!("ridge {i}"), &chains, |draw| draw[i], mean[i], sd[i]);
+    }
+    let verdict = verdict(&model, &chains);
+    assert!(verdict.converged, "{:?}", verdict.objections);
+    assert_eq!(chains.chains.iter().map(|chain| chain.moves.divergences).sum::<u64>(), 0);
+    // Nothing of the ridge is left: without the shear it takes ten times the gradients and diverges.
+    assert!(chains.work().gradients < 60_000, "{:?}", chains.work());
 }
 
 #[test]

@@ -61,7 +61,7 @@ fn estimate(pass: &Pass, noise: bool) -> PointEstimate {
 }
 
 fn calibrated(pass: &Pass, noise: bool, sampler: Sampler, warmup: u64, draws: u64) -> Output {
-    let spec = Spec { data: vec![0], parameters: joints(pass), sampler, chains: 4, warmup, draws };
+    let spec = Spec { data: vec![0], parameters: joints(pass), sampler, chains: 4, warmup, draws, acceptance: None };
     let inputs = Inputs {
         model: Arc::new(pass.model.clone()),
         priors: pass.priors.clone(),

@@ -1,5 +1,8 @@
 //! From model and measurements to a likelihood.
 
+use std::sync::Arc;
+
+use super::input_error::InputErrors;
 use super::steady::SteadyPart;
 use super::transient::TransientPart;
 use super::{Datum, Definition, Likelihood, LikelihoodError, Part, SensorPart};
@@ -93,17 +96,20 @@ pub(super) fn build(definition: &Definition<'_>) -> Result<Likelihood, Likelihoo
     let noisy: Vec<(usize, f64)> = (input_errors.iter().enumerate().take(model.inputs.len()))
         .filter_map(|(input, error)| Some((input, error.sigma.filter(|sigma| *sigma > 0.0)?)))
         .collect();
+    let mut known_errors = None;
     if !noisy.is_empty() {
         let symbols: Vec<Symbol> = noisy.iter().map(|&(input, _)| symbol(input, Symbol::Input)).collect();
-        let network = Network::compile(&model, &symbols)?;
+        let sigmas = noisy.iter().map(|&(_, sigma)| sigma).collect();
+        let errors = InputErrors::new(Network::compile(&model, &symbols)?, sigmas);
         for part in &mut parts {
             if let Part::Steady(part) = part {
-                part.set_input_errors(&network, &base, &noisy)?;
+                part.set_input_errors(&errors, &base)?;
             }
         }
+        known_errors = Some(Arc::new(errors));
     }
     let network = Network::compile(&model, &symbols)?;
-    let mut likelihood = Likelihood { unknowns, network, base, parameters, biases, columns, parts, data };
+    let mut likelihood = Likelihood { unknowns, network, base, parameters, biases, columns, parts, data, known_errors };
     let nominal: Vec<f64> = (likelihood.unknowns.priors.iter().enumerate())
         .map(|(place, prior)| match likelihood.parameters.get(place) {
             Some(&parameter) => likelihood.base[parameter],

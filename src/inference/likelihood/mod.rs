@@ -6,9 +6,12 @@
 //! Rows that are held out or ignored, and missing readings, take no part. An evaluation depends on its arguments only.
 
 mod build;
+mod input_error;
 mod steady;
 mod transient;
 mod whitening;
+
+use std::sync::Arc;
 
 use thiserror::Error;
 
@@ -19,6 +22,7 @@ use super::unknown::{Unknowns, Value};
 use crate::random::Distribution;
 use crate::thermal::{self, Network, NetworkError};
 pub(super) use build::is_used;
+use input_error::InputErrors;
 use steady::{SteadyLanes, SteadyPart};
 use transient::TransientPart;
 
@@ -151,8 +155,10 @@ pub struct Likelihood {
     biases: Vec<(usize, usize)>,
     /// Unknown of each differentiated symbol.
     columns: Vec<usize>,
+    /// A measurement each.
     parts: Vec<Part>,
     data: Vec<Datum>,
+    known_errors: Option<Arc<InputErrors>>,
 }
 
 /// What an evaluation leaves in the memory beside residuals and scales.
@@ -211,6 +217,16 @@ impl Likelihood {
             full[position] = *value;
         }
         full
+    }
+
+    /// Covariance that the inputs' known errors give to the readings of all sensors of a steady measurement (its position in
+    /// the definition's list) at given inputs, at nominal parameters: `sensors x sensors`, SI. `None` without such errors,
+    /// for a transient, and where the network has no solution.
+    pub fn input_covariance(&self, measurement: usize, inputs: &[f64]) -> Option<Vec<f64>> {
+        let (errors, Part::Steady(part)) = (self.known_errors.as_ref()?, self.parts.get(measurement)?) else {
+            return None;
+        };
+        errors.covariance(&mut errors.workspace(&self.base), inputs, part.sensors())
     }
 
     /// Solves the steady phases anew at given unknowns; later evaluations start from there, by first-order prediction.

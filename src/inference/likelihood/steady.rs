@@ -1,6 +1,7 @@
 //! Steady phases in the likelihood.
 
 use super::build::is_used;
+use super::input_error::InputErrors;
 use super::whitening::Block;
 use super::{Datum, Likelihood, LikelihoodError, Memory, SensorPart, SteadyState, Wanted};
 use crate::inference::cholesky;
@@ -101,38 +102,15 @@ impl SteadyPart {
         self.phases.iter().map(|phase| phase.readings.len()).max().unwrap_or(0)
     }
 
-    /// Adds the inputs' known errors; `network` has these inputs as its differentiated symbols.
-    pub fn set_input_errors(
-        &mut self,
-        network: &Network,
-        parameters: &[f64],
-        noisy: &[(usize, f64)],
-    ) -> Result<(), LikelihoodError> {
-        let mut workspace = network.workspace();
-        let columns = noisy.len();
-        let mut tangent = vec![0.0; network.quantities() * columns];
-        network.set_parameters(&mut workspace, parameters);
+    /// Adds the inputs' known errors at these parameters.
+    pub fn set_input_errors(&mut self, errors: &InputErrors, parameters: &[f64]) -> Result<(), LikelihoodError> {
+        let mut workspace = errors.workspace(parameters);
         for phase in &mut self.phases {
-            network.set_inputs(&mut workspace, &phase.inputs);
-            let solved = network.solve_steady(&mut workspace, Start::Default).is_ok()
-                && network.quantity_tangent(&mut workspace, &mut tangent).is_ok()
-                && tangent.iter().all(|slope| slope.is_finite());
-            if !solved {
+            let sensors: Vec<SensorPart> = phase.readings.iter().map(|&(sensor, _)| self.sensors[sensor]).collect();
+            let Some(covariance) = errors.covariance(&mut workspace, &phase.inputs, &sensors) else {
                 let (measurement, phase) = (self.name.clone(), phase.name.clone());
                 return Err(LikelihoodError::Covariance { measurement, phase });
-            }
-            let k = phase.readings.len();
-            let mut covariance = vec![0.0; k * k];
-            let row = |reading: usize| {
-                let quantity = self.sensors[phase.readings[reading].0].quantity;
-                &tangent[quantity * columns..(quantity + 1) * columns]
             };
-            for a in 0..k {
-                for b in 0..k {
-                    let terms = row(a).iter().zip(row(b)).zip(noisy);
-                    covariance[a * k + b] = terms.map(|((x, y), (_, sigma))| x * y * sigma * sigma).sum();
-                }
-            }
             phase.covariance = Some(covariance);
         }
         Ok(())

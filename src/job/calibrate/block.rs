@@ -63,7 +63,7 @@ impl SampleOutput {
         let (length, rest) = bytes.split_first_chunk::<8>().ok_or_else(unreadable)?;
         let length = usize::try_from(u64::from_le_bytes(*length)).map_err(|_| unreadable())?;
         let (text, rest) = rest.split_at_checked(length).ok_or_else(unreadable)?;
-        let (mut output, lengths): (Self, [usize; 3]) = from_bytes(text, stage)?;
+        let (mut output, lengths): (Self, [usize; 2]) = from_bytes(text, stage)?;
         let (words, left) = rest.as_chunks::<8>();
         let wanted = lengths.iter().try_fold(0_usize, |sum, length| sum.checked_add(*length));
         if !left.is_empty() || wanted != Some(words.len()) {
@@ -81,12 +81,12 @@ impl SampleOutput {
 }
 
 /// The long lists of a chain, taken out of it.
-fn take(chain: &mut Chain) -> [Vec<f64>; 3] {
-    [&mut chain.draws, &mut chain.log_priors, &mut chain.log_likelihoods].map(std::mem::take)
+fn take(chain: &mut Chain) -> [Vec<f64>; 2] {
+    [&mut chain.draws, &mut chain.log_likelihoods].map(std::mem::take)
 }
 
-fn put(chain: &mut Chain, lists: [Vec<f64>; 3]) {
-    [chain.draws, chain.log_priors, chain.log_likelihoods] = lists;
+fn put(chain: &mut Chain, lists: [Vec<f64>; 2]) {
+    [chain.draws, chain.log_likelihoods] = lists;
 }
 
 /// A block of predictive checks.
@@ -157,7 +157,6 @@ mod tests {
         let chain = Chain {
             dimension: 2,
             draws: vec![1.0, f64::MIN_POSITIVE, 0.1, -0.0],
-            log_priors: vec![-1.0, f64::NEG_INFINITY],
             log_likelihoods: vec![0.3, 1e300],
             ..Chain::default()
         };

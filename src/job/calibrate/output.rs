@@ -55,6 +55,9 @@ pub struct Spec {
     pub warmup: u64,
     /// Draws of a chain that are kept.
     pub draws: u64,
+    /// Mean acceptance that trajectories aim at; the sampler's own where it is `None`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub acceptance: Option<f64>,
 }
 
 /// A posterior that is the prior of a parameter, in the parameter's unit.

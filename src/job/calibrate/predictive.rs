@@ -20,6 +20,10 @@ const BAND_PRECISION: f64 = 1e-4;
 /// Most steps to find a band's end.
 const BAND_ITERATIONS: usize = 100;
 
+/// Covariance that known errors of the inputs give to a row's readings (`sensors x sensors`), by measurement and row;
+/// `None` where there is none.
+pub(super) type InputSpread = Vec<Vec<Option<Vec<f64>>>>;
+
 /// Draws of one kind with what they predict.
 pub(super) struct Draws {
     /// Unknowns, SI, draw by draw.
@@ -29,11 +33,13 @@ pub(super) struct Draws {
 }
 
 impl Draws {
-    /// Predictions of one reading that are numbers, each with the noise's standard deviation.
-    fn of(&self, place: usize, sd: &[f64]) -> Vec<(f64, f64)> {
+    /// Predictions of one reading that are numbers, each with the standard deviation of the noise and of a further,
+    /// independent error of this variance.
+    fn of(&self, place: usize, sd: &[f64], variance: f64) -> Vec<(f64, f64)> {
         let width = self.predicted.readings.len() / self.values.len().max(1);
+        let whole = |sd: f64| if variance > 0.0 { (sd * sd + variance).sqrt() } else { sd };
         (0..self.values.len())
-            .map(|draw| (self.predicted.readings[draw * width + place], sd[draw]))
+            .map(|draw| (self.predicted.readings[draw * width + place], whole(sd[draw])))
             .filter(|(value, _)| value.is_finite())
             .collect()
     }
@@ -93,10 +99,11 @@ pub(super) fn checks(
     order: &[String],
     posterior: &Draws,
     prior: &Draws,
+    spread: &InputSpread,
 ) -> Vec<SensorPredictive> {
     let mut checks = Vec::new();
     let mut first = 0;
-    for measurement in measurements {
+    for (measurement, spread) in measurements.iter().zip(spread) {
         let width = measurement.sensors.len();
         for (sensor, own) in measurement.sensors.iter().enumerate() {
             let noise = posterior.noise(measurement, sensor, order);
@@ -114,11 +121,12 @@ pub(super) fn checks(
             let every = used.len().div_ceil(MOST_ROWS).max(1);
             for (position, &row) in used.iter().enumerate() {
                 let place = first + row * width + sensor;
-                let predicted = posterior.of(place, &noise);
+                let variance = spread[row].as_ref().map_or(0.0, |covariance| covariance[sensor * (width + 1)]);
+                let predicted = posterior.of(place, &noise, variance);
                 if predicted.is_empty() {
                     continue;
                 }
-                let before = prior.of(place, &prior_noise);
+                let before = prior.of(place, &prior_noise, variance);
                 let row = self::row(measurement, row, sensor, &predicted, &before);
                 count(&mut check, &row, &predicted);
                 if position % every == 0 {

@@ -1,12 +1,13 @@
 //! Predictive scores of steady phases: the log density that the rest of the data gave to a phase's readings, all of its
 //! sensors together.
 //!
-//! Held out: `ln mean_s prod_i N(z_i; f_i(s) + bias_i, sd_i)` over posterior draws `s`. Fitted: leave-one-group-out by
-//! Pareto-smoothed importance sampling (Vehtari, Gelman & Gabry 2017) with a phase as the group. Known errors of the
-//! inputs widen a fitted phase's density; a held-out phase is scored by its sensors' noise alone.
+//! Held out: `ln mean_s N(z; f(s) + bias, diag(sd^2) + F S F')` over posterior draws `s`, with what known errors of the
+//! inputs add, as in the likelihood. Fitted: leave-one-group-out by Pareto-smoothed importance sampling (Vehtari, Gelman &
+//! Gabry 2017) with a phase as the group.
 
 use super::output::{HeldOutScore, PhaseScore};
-use super::predictive::Draws;
+use super::predictive::{Draws, InputSpread};
+use crate::inference::cholesky;
 use crate::inference::likelihood::Datum;
 use crate::inference::measurement::{Measurement, Rows};
 use crate::inference::psis::LeaveOneOut;
@@ -62,6 +63,7 @@ pub(super) fn phases(
     good: f64,
     order: &[String],
     posterior: &Draws,
+    spread: &InputSpread,
 ) -> Vec<PhaseScore> {
     let mut scores = Vec::new();
     let mut first = 0;
@@ -79,7 +81,7 @@ pub(super) fn phases(
                     reliable,
                 };
                 if measurement.held_out(row) && !measurement.ignored(row) {
-                    let (readings, density) = density(measurement, row, first, &noise, posterior);
+                    let (readings, density) = density(measurement, row, first, &noise, posterior, spread[index][row].as_deref());
                     if readings > 0 && density.is_finite() {
                         scores.push(score(readings, density, true, true));
                     }
@@ -96,28 +98,51 @@ pub(super) fn phases(
     scores
 }
 
-/// Readings of a row and the log of their joint predictive density. Sensors without a stated noise are left out.
-fn density(measurement: &Measurement, row: usize, first: usize, noise: &[Vec<f64>], posterior: &Draws) -> (u64, f64) {
+/// Readings of a row and the log of their joint predictive density, `inputs` the covariance that the inputs' errors give
+/// to all sensors. Sensors without a stated noise are left out.
+fn density(
+    measurement: &Measurement,
+    row: usize,
+    first: usize,
+    noise: &[Vec<f64>],
+    posterior: &Draws,
+    inputs: Option<&[f64]>,
+) -> (u64, f64) {
     let width = measurement.sensors.len();
     let whole = posterior.predicted.readings.len() / posterior.values.len().max(1);
-    let mut logs = vec![0.0; posterior.values.len()];
-    let mut readings = 0;
-    for sensor in 0..width {
-        let Some(measured) = measurement.reading(row, sensor) else { continue };
-        if !noise[sensor].iter().all(|sd| *sd > 0.0) {
-            continue;
+    let read: Vec<(usize, f64)> = (0..width)
+        .filter(|&sensor| noise[sensor].iter().all(|sd| *sd > 0.0))
+        .filter_map(|sensor| Some((sensor, measurement.reading(row, sensor)?)))
+        .collect();
+    let of_draw = |draw: usize| {
+        let deviation = |&(sensor, measured): &(usize, f64)| {
+            measured - posterior.predicted.readings[draw * whole + first + row * width + sensor]
+        };
+        let Some(inputs) = inputs else {
+            return read.iter().fold(0.0, |log, own| {
+                let sd = noise[own.0][draw];
+                let scaled = deviation(own) / sd;
+                log - (0.5 * scaled * scaled + ln(sd) + HALF_LN_TAU)
+            });
+        };
+        let size = read.len();
+        let mut factor: Vec<f64> =
+            read.iter().flat_map(|a| read.iter().map(|b| inputs[a.0 * width + b.0])).collect();
+        for (place, (sensor, _)) in read.iter().enumerate() {
+            factor[place * (size + 1)] += noise[*sensor][draw] * noise[*sensor][draw];
         }
-        readings += 1;
-        for (draw, log) in logs.iter_mut().enumerate() {
-            let predicted = posterior.predicted.readings[draw * whole + first + row * width + sensor];
-            let sd = noise[sensor][draw];
-            let deviation = (measured - predicted) / sd;
-            *log -= 0.5 * deviation * deviation + ln(sd) + HALF_LN_TAU;
+        let mut whitened: Vec<f64> = read.iter().map(deviation).collect();
+        if cholesky::factor(&mut factor, size).is_err() {
+            return f64::NAN;
         }
-    }
+        cholesky::solve_lower(&factor, &mut whitened);
+        let square: f64 = whitened.iter().map(|value| value * value).sum();
+        -0.5 * (square + cholesky::log_determinant(&factor, size)) - HALF_LN_TAU * size as f64
+    };
+    let mut logs: Vec<f64> = (0..posterior.values.len()).map(of_draw).collect();
     // A draw at which the model failed says nothing.
     logs.retain(|log| log.is_finite());
-    (readings, log_sum_exp(&logs) - ln(logs.len() as f64))
+    (read.len() as u64, log_sum_exp(&logs) - ln(logs.len() as f64))
 }
 
 /// The phases held out, together.

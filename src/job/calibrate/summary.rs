@@ -6,52 +6,61 @@ use crate::inference::chains::Chains;
 /// Draws of all chains with a weight each, which sum to one.
 pub(super) struct Weighted<'a> {
     chains: &'a Chains,
+    /// Weight of a draw, by chain.
     weights: Vec<f64>,
 }
 
 impl<'a> Weighted<'a> {
     /// Every draw of a chain has the chain's weight; equal weights if none are given.
     pub fn new(chains: &'a Chains, of_chains: Option<&[f64]>) -> Self {
-        let mut weights = Vec::with_capacity(chains.len());
-        for (index, chain) in chains.chains.iter().enumerate() {
-            let own = of_chains.and_then(|all| all.get(index)).copied().unwrap_or(1.0);
-            weights.extend(std::iter::repeat_n(own / chain.len().max(1) as f64, chain.len()));
-        }
-        let total: f64 = weights.iter().sum();
+        let mut weights: Vec<f64> = (chains.chains.iter().enumerate())
+            .map(|(index, chain)| {
+                of_chains.and_then(|all| all.get(index)).copied().unwrap_or(1.0) / chain.len().max(1) as f64
+            })
+            .collect();
+        let all = chains.chains.iter().zip(&weights).flat_map(|(chain, own)| std::iter::repeat_n(own, chain.len()));
+        let total: f64 = all.sum();
         for weight in &mut weights {
             *weight /= total;
         }
         Self { chains, weights }
     }
 
-    fn values(&self, parameter: usize) -> Vec<f64> {
-        self.chains.chains.iter().flat_map(|chain| chain.parameter(parameter)).collect()
+    /// Draws of a parameter with their weights.
+    fn values(&self, parameter: usize) -> impl Iterator<Item = (f64, f64)> {
+        self.chains.chains.iter().zip(&self.weights).flat_map(move |(chain, &weight)| {
+            chain.draws.iter().skip(parameter).step_by(chain.dimension.max(1)).map(move |&value| (value, weight))
+        })
     }
 
     /// Mean of a parameter.
     pub fn mean(&self, parameter: usize) -> f64 {
-        self.values(parameter).iter().zip(&self.weights).map(|(x, w)| x * w).sum()
+        self.values(parameter).map(|(x, w)| x * w).sum()
     }
 
     /// Covariance of two parameters.
     pub fn covariance(&self, first: usize, second: usize) -> f64 {
         let (a, b) = (self.mean(first), self.mean(second));
-        let pairs = self.values(first).into_iter().zip(self.values(second));
-        pairs.zip(&self.weights).map(|((x, y), w)| w * (x - a) * (y - b)).sum()
+        self.values(first).zip(self.values(second)).map(|((x, w), (y, _))| w * (x - a) * (y - b)).sum()
     }
 
     /// Quantiles of a parameter: the smallest draws below which lies at least that share of the weight.
     pub fn quantiles(&self, parameter: usize, shares: &[f64]) -> Vec<f64> {
-        let mut pairs: Vec<(f64, f64)> = self.values(parameter).into_iter().zip(self.weights.iter().copied()).collect();
-        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut pairs: Vec<(f64, u32)> = Vec::with_capacity(self.chains.len());
+        for (index, chain) in (0..).zip(&self.chains.chains) {
+            let own = chain.draws.iter().skip(parameter).step_by(chain.dimension.max(1));
+            pairs.extend(own.map(|&value| (value, index)));
+        }
+        // Draws of one chain weigh the same, so that only the order of equal draws of different chains is to be kept.
+        pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         shares
             .iter()
             .map(|share| {
                 let mut below = 0.0;
                 pairs
                     .iter()
-                    .find(|(_, weight)| {
-                        below += weight;
+                    .find(|(_, chain)| {
+                        below += self.weights[*chain as usize];
                         below >= *share
                     })
                     .or(pairs.last())
@@ -79,19 +88,22 @@ impl<'a> Weighted<'a> {
 
     /// At most `most` draws, evenly spaced in cumulated weight.
     pub fn kept(&self, most: usize) -> KeptDraws {
-        let places: Vec<(usize, usize)> = (self.chains.chains.iter().enumerate())
-            .flat_map(|(chain, own)| (0..own.len()).map(move |draw| (chain, draw)))
-            .collect();
-        let count = most.min(places.len());
+        let all = self.chains.len();
+        let count = most.min(all);
+        let mut places = (self.chains.chains.iter().enumerate())
+            .flat_map(|(chain, own)| (0..own.len()).map(move |draw| (chain, draw)));
         let mut kept = KeptDraws::default();
-        let (mut place, mut below) = (0, self.weights.first().copied().unwrap_or(0.0));
+        let Some(mut place) = places.next() else { return kept };
+        let (mut position, mut below) = (0, self.weights[place.0]);
         for k in 0..count {
             let target = (k as f64 + 0.5) / count as f64;
-            while below < target && place + 1 < places.len() {
-                place += 1;
-                below += self.weights[place];
+            while below < target && position + 1 < all {
+                let Some(next) = places.next() else { break };
+                place = next;
+                position += 1;
+                below += self.weights[place.0];
             }
-            let (chain, draw) = places[place];
+            let (chain, draw) = place;
             let own = &self.chains.chains[chain];
             kept.index.push([chain as u64, draw as u64]);
             kept.values.push(own.draw(draw).to_vec());
@@ -110,7 +122,6 @@ mod tests {
         let chain = |from: f64| Chain {
             dimension: 2,
             draws: (0..4).flat_map(|k| [from + f64::from(k), -2.0 * (from + f64::from(k))]).collect(),
-            log_priors: vec![0.0; 4],
             log_likelihoods: (0..4).map(f64::from).collect(),
             ..Chain::default()
         };

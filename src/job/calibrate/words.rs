@@ -35,8 +35,15 @@ pub(super) fn objections(convergence: &Convergence, names: &[String]) -> Vec<Str
                 names[*parameter],
                 number(*value, 0)
             ),
-            Objection::Divergences { count } => format!("{count} trajectories diverged"),
-            Objection::DepthLimited { count } => format!("{count} trajectories were cut short"),
+            Objection::Divergences { count } => format!(
+                "{count} trajectories diverged: the posterior is narrower in places than the sampler's steps, and its draws \
+                 may miss them. Shorter steps help (`\"acceptance\": 0.95` with `\"warmup\": 1000`); where they do not, look \
+                 for parameters at a bound or that act only together, or take `\"sampler\": \"smc\"`"
+            ),
+            Objection::DepthLimited { count } => format!(
+                "{count} trajectories were cut short: the sampler moves too slowly along a direction that the data leave \
+                 open. A longer warm-up helps (`\"warmup\": 1000`), or a parameter fixed"
+            ),
         })
         .collect()
 }

@@ -279,8 +279,7 @@ impl<'a> Run<'a> {
             return self.end(scope, active.position, Outcome::Interrupted);
         };
         let step =
-            self.guarded(&active, Some(&stage.name), None, |job| job.reduce(&stage.name, &stage.inputs, &outputs));
-        drop(outputs);
+            self.guarded(&active, Some(&stage.name), None, |job| job.reduce_owned(&stage.name, &stage.inputs, outputs));
         self.advance(scope, active, step);
     }
 

@@ -249,6 +249,9 @@ written_struct! {
         optional warmup: Spanned<u64>,
         /// Draws of a chain that are kept: 1000, 5000 for `adaptive-metropolis`.
         optional draws: Spanned<u64>,
+        /// Mean acceptance that the steps of `nuts` are adapted to, 0.8 where it is left out; 0.95 takes shorter steps, for
+        /// posteriors in which trajectories diverge.
+        optional acceptance: Spanned<f64>,
     }
 }
 

@@ -39,6 +39,7 @@ pub(super) fn calibrate(
     let least = if sampler == Sampler::Smc { 16 } else { 4 };
     let draws = number(scope, form.draws.as_ref(), draws, least, MOST_DRAWS, "draws of a chain");
     let warmup = number(scope, form.warmup.as_ref(), warmup, 0, MOST_DRAWS, "steps of warm-up");
+    let acceptance = form.acceptance.as_ref().map(|written| acceptance(scope, written, sampler));
     if scope.diagnostics.errors() > before {
         return None;
     }
@@ -46,7 +47,19 @@ pub(super) fn calibrate(
         let command = offered.command.clone();
         return Some(JobSpec::Waiting { kind: "calibrate", measurements: missing, command });
     }
-    Some(JobSpec::Calibrate(Spec { data, parameters, sampler, chains, warmup, draws }))
+    Some(JobSpec::Calibrate(Spec { data, parameters, sampler, chains, warmup, draws, acceptance }))
+}
+
+/// The acceptance that trajectories aim at.
+fn acceptance(scope: &mut Scope, written: &Spanned<f64>, sampler: Sampler) -> f64 {
+    if sampler != Sampler::Nuts {
+        let message = format!("`{}` aims at no acceptance", sampler.name());
+        scope.error(&code::JOB_SETTING, &written.place, message, "leave it out");
+    } else if !(0.5..=0.999).contains(&written.value) {
+        let message = format!("an acceptance of {}", written.value);
+        scope.error(&code::JOB_SETTING, &written.place, message, "a number from 0.5 to 0.999");
+    }
+    written.value
 }
 
 /// Positions of the named measurements, all of the pass where none are named, and names of those whose data are missing.

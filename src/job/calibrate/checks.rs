@@ -1,0 +1,137 @@
+//! Predictive checks of the finished posterior: what it and the prior predict, block by block, and the scores of that.
+
+use super::block::{PredictInput, Predicted, from_bytes, to_bytes};
+use super::output::{CrossValidation, Output};
+use super::predictive::{self, Draws, InputSpread};
+use super::{Calibrate, PREDICT, scores};
+use crate::inference::measurement::{Measurement, Rows};
+use crate::inference::psis::{self, LeaveOneOut};
+use crate::inference::target::{LeastSquares, Target};
+use crate::inference::unknown::settled;
+use crate::job::{JobError, Step};
+use crate::math::special::chi_square_sf;
+use crate::random::{PointKind, Points};
+
+/// Draws of the posterior in the predictive checks.
+const POSTERIOR_CHECKS: usize = 400;
+/// Draws of the prior in the predictive checks; a power of two.
+const PRIOR_CHECKS: usize = 256;
+/// Draws of a block of predictive checks.
+const BLOCK: usize = 50;
+
+impl Calibrate {
+    /// The blocks of predictive checks; the result so far goes with them.
+    pub(super) fn predict_blocks(&self, output: Output) -> Result<Step, JobError> {
+        let all = &output.draws.values;
+        let count = POSTERIOR_CHECKS.min(all.len());
+        let chosen: Vec<Vec<f64>> = (0..count).map(|k| all[(2 * k + 1) * all.len() / (2 * count)].clone()).collect();
+        let priors = self.target.priors();
+        let key = self.stream("calibrate prior");
+        let points = Points::new(PointKind::Sobol, key, PRIOR_CHECKS, priors.len())
+            .or_else(|_| Points::new(PointKind::MonteCarlo, key, PRIOR_CHECKS, priors.len()))
+            .map_err(|e| JobError::Failed(e.to_string()))?;
+        let mut row = vec![0.5; priors.len()];
+        let before: Vec<Vec<f64>> = (0..PRIOR_CHECKS)
+            .map(|index| {
+                points.fill_row(index, &mut row);
+                let at: Vec<f64> = priors.iter().zip(&row).map(|(prior, share)| prior.quantile(*share)).collect();
+                self.target.parameters(&at)
+            })
+            .collect();
+        let mut inputs = Vec::new();
+        for (prior, draws) in [(false, &chosen), (true, &before)] {
+            for draws in draws.chunks(BLOCK) {
+                inputs.push(to_bytes(&PredictInput::Draws { prior, draws: draws.to_vec() })?);
+            }
+        }
+        inputs.push(to_bytes(&PredictInput::Carry(Box::new(output)))?);
+        Ok(Step::Blocks { stage: PREDICT.to_owned(), inputs })
+    }
+
+    /// What some draws predict.
+    pub(super) fn predict(&self, prior: bool, draws: &[Vec<f64>]) -> Predicted {
+        let names = self.likelihood().names();
+        let inputs: Vec<String> = self.inputs.model.inputs.iter().map(|input| input.name.clone()).collect();
+        let nodes: Vec<String> = self.inputs.model.nodes.iter().map(|node| node.name.clone()).collect();
+        let mut workspace = self.predictor.workspace();
+        let mut memory = self.likelihood().workspace();
+        let mut pointwise = vec![0.0; self.likelihood().residual_count()];
+        let mut predicted = Predicted::default();
+        for draw in draws {
+            let full = self.likelihood().full_parameters(draw);
+            let find = |name: &str| names.iter().position(|known| known == name).map(|place| draw[place]);
+            for measurement in self.measurements() {
+                let settled = settled(measurement, &inputs, &nodes, &find);
+                predicted.readings.extend(self.predictor.predict(&mut workspace, &settled, &full).readings);
+            }
+            if !prior {
+                let squares = self.likelihood().pointwise(draw, &mut memory, &mut pointwise);
+                predicted.squares.push(squares.unwrap_or(f64::NAN));
+                if predicted.squares.last().is_some_and(|squares| squares.is_nan()) {
+                    pointwise.fill(f64::NAN);
+                }
+                predicted.pointwise.extend(&pointwise);
+            }
+        }
+        predicted
+    }
+
+    /// What known errors of the inputs add to the readings, by measurement and row.
+    fn input_spread(&self) -> InputSpread {
+        let of_row = |index: usize, measurement: &Measurement, row: usize| match &measurement.rows {
+            Rows::Steady(phases) if !measurement.ignored(row) => {
+                self.likelihood().input_covariance(index, &phases[row].inputs)
+            }
+            _ => None,
+        };
+        (self.measurements().into_iter().enumerate())
+            .map(|(index, measurement)| (0..measurement.len()).map(|row| of_row(index, measurement, row)).collect())
+            .collect()
+    }
+
+    /// Completes the result.
+    pub(super) fn finish(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
+        let mut result = None;
+        let empty = || Draws { values: Vec::new(), predicted: Predicted::default() };
+        let (mut posterior, mut before) = (empty(), empty());
+        for (input, bytes) in inputs.iter().zip(outputs) {
+            match from_bytes(input, stage)? {
+                PredictInput::Carry(output) => result = Some(output),
+                PredictInput::Draws { prior, draws } => {
+                    let own = if prior { &mut before } else { &mut posterior };
+                    let block = Predicted::from_bytes(bytes, stage)?;
+                    own.values.extend(draws);
+                    own.predicted.readings.extend(block.readings);
+                    own.predicted.pointwise.extend(block.pointwise);
+                    own.predicted.squares.extend(block.squares);
+                }
+            }
+        }
+        let mut output = result.ok_or_else(|| JobError::Failed("the summary of the chains is not there".to_owned()))?;
+        let (measurements, spread) = (self.measurements(), self.input_spread());
+        let (model, order) = (&self.inputs.model, &output.order);
+        output.predictive = predictive::checks(&measurements, model, order, &posterior, &before, &spread);
+        output.predictive_draws = posterior.values.len() as u64;
+        let readings = self.likelihood().residual_count();
+        let tails: Vec<f64> = (posterior.predicted.squares.iter())
+            .filter(|squares| squares.is_finite())
+            .map(|&squares| chi_square_sf(squares, readings as f64))
+            .collect();
+        output.p_value = (!tails.is_empty()).then(|| tails.iter().sum::<f64>() / tails.len() as f64);
+        let pointwise = &posterior.predicted.pointwise;
+        let good = psis::greatest_good_shape(posterior.values.len());
+        let validated = |found: &LeaveOneOut| CrossValidation {
+            expected_log_density: found.expected_log_density,
+            standard_error: found.standard_error,
+            effective_parameters: found.effective_parameters,
+            unreliable: found.pareto_k.iter().filter(|k| !(**k <= good)).count() as u64,
+        };
+        output.leave_one_out = psis::leave_one_out(pointwise, readings, 1.0).as_ref().map(validated);
+        let (groups, summed) = scores::by_phase(&measurements, self.likelihood().data(), pointwise);
+        let left_out = psis::leave_one_out(&summed, groups.len(), 1.0);
+        output.leave_one_phase_out = left_out.as_ref().map(validated);
+        output.phases = scores::phases(&measurements, &groups, left_out.as_ref(), good, &output.order, &posterior, &spread);
+        output.held_out = scores::held_out(&output.phases);
+        serde_json::to_value(*output).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
+    }
+}

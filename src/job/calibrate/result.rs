@@ -1,0 +1,240 @@
+//! From the chains to the result: whether they can be believed, the evidence, summaries by parameter.
+
+use super::block::{SampleInput, SampleOutput, from_bytes};
+use super::output::{Evidence, HandedOnPrior, MostProbable, Output, ParameterSummary, Spent, UsedData};
+use super::summary::Weighted;
+use super::{Calibrate, Sampler, words};
+use crate::expression::Unit;
+use crate::inference::chains::{Chain, Chains};
+use crate::inference::convergence::{self, Convergence, ConvergenceLimits};
+use crate::inference::point_estimate::PointEstimate;
+use crate::inference::posterior::Work;
+use crate::inference::rows::used_rows;
+use crate::inference::smc::{self, Island};
+use crate::inference::target::Target;
+use crate::job::handed_on::HandedOn;
+use crate::job::{JobError, Step};
+
+/// Draws kept of all chains.
+const KEPT: usize = 1000;
+/// Scatter of the islands' log evidence above which their weights are too uneven.
+const EVIDENCE_ERROR: f64 = 0.5;
+
+impl Calibrate {
+    /// Judges and summarises the chains; a block's bytes are given up as soon as its chain is read.
+    pub(super) fn after_samples(
+        &self,
+        stage: &str,
+        inputs: &[Vec<u8>],
+        outputs: impl IntoIterator<Item = impl AsRef<[u8]>>,
+    ) -> Result<Step, JobError> {
+        let first = inputs.first().ok_or_else(|| JobError::Failed("there are no chains".to_owned()))?;
+        let estimate = self.target.estimate(&from_bytes::<SampleInput>(first, stage)?.estimate);
+        let (mut chains, mut islands, mut importance) = (Vec::<Chain>::new(), Vec::<Island>::new(), None);
+        for bytes in outputs {
+            match SampleOutput::from_bytes(bytes.as_ref(), stage)? {
+                SampleOutput::Chain(chain) => chains.push(self.target.chain(chain)),
+                SampleOutput::Island(island) => {
+                    let mut island = *island;
+                    island.chain = self.target.chain(island.chain);
+                    islands.push(island);
+                }
+                SampleOutput::Evidence(found) => importance = found,
+            }
+        }
+        let names = self.likelihood().names().to_vec();
+        let mut objections = Vec::new();
+        let mut weights = None;
+        let mut evidence = Evidence {
+            value: estimate.log_evidence,
+            sd: None,
+            method: "laplace".to_owned(),
+            pareto_k: None,
+            laplace: estimate.log_evidence,
+        };
+        let chains = if self.spec.sampler == Sampler::Smc {
+            let result = smc::combine(&names, islands);
+            if !result.finished {
+                objections.push("an island did not reach the posterior within its stages".to_owned());
+            }
+            let error = result.log_evidence_error;
+            if !(error <= EVIDENCE_ERROR) {
+                objections.push(format!("the islands' evidences scatter by {error:.2} in the logarithm"));
+            }
+            evidence.value = Some(result.log_evidence).filter(|value| value.is_finite());
+            evidence.sd = Some(error).filter(|value| value.is_finite());
+            evidence.method = "smc".to_owned();
+            weights = Some(result.weights);
+            result.chains
+        } else {
+            if let Some(found) = &importance {
+                evidence.value = Some(found.log_evidence);
+                evidence.sd = Some(found.log_evidence_error);
+                evidence.method = "importance sampling".to_owned();
+                evidence.pareto_k = found.pareto_k;
+            }
+            Chains { names: names.clone(), chains }
+        };
+        if chains.is_empty() || chains.chains.iter().any(|chain| chain.len() != chains.chains[0].len()) {
+            return Err(JobError::Failed("the chains have no draws, or not equally many".to_owned()));
+        }
+        let judged = convergence::judge(&chains, self.likelihood().priors(), &ConvergenceLimits::default());
+        objections.extend(words::objections(&judged, &names));
+        for own in self.handed_on.iter().filter(|own| !own.converged) {
+            objections.push(format!("the prior is the posterior of {}, whose chains did not converge", own.source));
+        }
+        let mut work = chains.work();
+        work.merge(&estimate.work);
+        if let Some(found) = &importance {
+            work.merge(&found.work);
+        }
+        let output = self.output(&estimate, &chains, weights.as_deref(), &judged, evidence, objections, &work);
+        self.predict_blocks(output)
+    }
+
+    fn output(
+        &self,
+        estimate: &PointEstimate,
+        chains: &Chains,
+        weights: Option<&[f64]>,
+        judged: &Convergence,
+        log_evidence: Evidence,
+        objections: Vec<String>,
+        work: &Work,
+    ) -> Output {
+        let unknowns = self.likelihood().unknowns();
+        let weighted = Weighted::new(chains, weights);
+        let sd = estimate.sd();
+        let parameters = unknowns.names.iter().enumerate().map(|(place, name)| {
+            let text = &unknowns.units[place];
+            let unit = Unit::parse(text).ok();
+            let shown = |value: f64| unit.as_ref().map_or(value, |unit| unit.from_si(value));
+            let spread = |value: f64| unit.as_ref().map_or(value, |unit| unit.difference_from_si(value));
+            let own = &judged.parameters[place];
+            let quantiles = weighted.quantiles(place, &[0.025, 0.5, 0.975]);
+            let summary = ParameterSummary {
+                unit: text.clone(),
+                prior: unknowns.priors[place],
+                handed_on: self.handed_on_prior(place, &shown, &spread),
+                mean: shown(weighted.mean(place)),
+                sd: spread(weighted.covariance(place, place).sqrt()),
+                q025: shown(quantiles[0]),
+                q50: shown(quantiles[1]),
+                q975: shown(quantiles[2]),
+                rhat: own.r_hat,
+                ess_bulk: own.ess_bulk,
+                ess_tail: own.ess_tail,
+                mcse_mean: own.mcse_mean.map(spread),
+                at_bound: own.share_at_lower.unwrap_or(0.0) + own.share_at_upper.unwrap_or(0.0),
+                map: shown(estimate.parameters[place]),
+                laplace_sd: spread(sd[place]),
+            };
+            (name.clone(), summary)
+        });
+        let log_posterior = estimate.log_likelihood + estimate.log_prior;
+        let reached = estimate.descents.iter().filter(|d| d.log_posterior.is_some_and(|p| p > log_posterior - 0.1));
+        let data = self.spec.data.iter().enumerate().map(|(place, &index)| UsedData {
+            measurement: self.inputs.measurements[index].name.clone(),
+            sha256: self.inputs.measurements[index].sha256.clone(),
+            readings: self.likelihood().data().iter().filter(|datum| datum.measurement == place).count() as u64,
+            rows: used_rows(&self.inputs.measurements[index])
+                .iter()
+                .map(|row| (row.label.clone(), row.sha256()))
+                .collect(),
+        });
+        Output {
+            converged: objections.is_empty(),
+            objections,
+            sampler: self.spec.sampler.name().to_owned(),
+            chains: [chains.chains.len() as u64, chains.chains[0].len() as u64],
+            order: unknowns.names.clone(),
+            model_parameters: self.likelihood().model_parameters() as u64,
+            correlations: weighted.correlations(unknowns.len()),
+            most_probable: MostProbable {
+                log_likelihood: estimate.log_likelihood,
+                log_prior: estimate.log_prior,
+                chi_square: estimate.chi_square,
+                starts: [estimate.descents.len() as u64, reached.count() as u64],
+            },
+            tuned: self.tuned(estimate),
+            findings: words::findings(&estimate.findings, &judged.leaning, &unknowns.names),
+            warnings: self.warnings(&log_evidence, work),
+            acceptance: chains.chains.iter().map(|chain| chain.moves.acceptance).collect(),
+            draws: weighted.kept(KEPT),
+            predictive_draws: 0,
+            predictive: Vec::new(),
+            p_value: None,
+            leave_one_out: None,
+            leave_one_phase_out: None,
+            phases: Vec::new(),
+            held_out: None,
+            data: data.collect(),
+            spent: Spent {
+                likelihoods: work.likelihoods,
+                gradients: work.gradients,
+                rejected: work.rejections.total(),
+            },
+            parameters: parameters.collect(),
+            handed_on: self.handed_on.iter().map(HandedOn::summary).collect(),
+            handed_on_fits: self.fits.iter().map(|(_, fit)| fit.clone()).collect(),
+            log_evidence,
+        }
+    }
+
+    /// The posterior that is the prior of an unknown.
+    fn handed_on_prior(
+        &self,
+        place: usize,
+        shown: &dyn Fn(f64) -> f64,
+        spread: &dyn Fn(f64) -> f64,
+    ) -> Option<HandedOnPrior> {
+        let parameter = self.likelihood().unknowns().model.get(place)?;
+        self.handed_on.iter().find_map(|own| {
+            let column = own.parameters.iter().position(|known| known == parameter)?;
+            let [mean, sd, q025, q50, q975] = own.moments(column);
+            let [mean, q025, q50, q975] = [mean, q025, q50, q975].map(shown);
+            Some(HandedOnPrior { source: own.source.clone(), mean, sd: spread(sd), q025, q50, q975 })
+        })
+    }
+
+    /// Most probable unknowns, then the model's other parameters as they were held.
+    fn tuned(&self, estimate: &PointEstimate) -> Vec<(String, f64)> {
+        let names = self.likelihood().names();
+        let mut tuned: Vec<(String, f64)> = names.iter().cloned().zip(estimate.parameters.iter().copied()).collect();
+        let full = self.likelihood().full_parameters(&estimate.parameters);
+        for (parameter, value) in self.inputs.model.parameters.iter().zip(full) {
+            if !names[..self.likelihood().model_parameters()].contains(&parameter.name) {
+                tuned.push((parameter.name.clone(), value));
+            }
+        }
+        tuned
+    }
+
+    fn warnings(&self, evidence: &Evidence, work: &Work) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let (unknowns, readings) = (self.likelihood().dimension(), self.likelihood().data().len());
+        if unknowns > readings {
+            warnings.push(format!(
+                "{unknowns} unknowns stand against {readings} readings: the priors decide a part of the result."
+            ));
+        }
+        if let Some(k) = evidence.pareto_k.filter(|k| *k > 0.7) {
+            warnings.push(format!(
+                "The evidence is not to be trusted (Pareto k of its weights {k:.2}, wanted: 0.7 or less): `\"sampler\": \"smc\"` \
+                 gives it independently."
+            ));
+        }
+        for (source, fit) in &self.fits {
+            warnings.extend(fit.doubts.iter().map(|doubt| {
+                format!(
+                    "The posterior of {source}, the prior here, is only roughly described by a normal distribution of its \
+                     scores: {doubt}."
+                )
+            }));
+        }
+        for (reason, count) in &work.rejections.by_reason {
+            warnings.push(format!("{count} evaluations failed: {reason}."));
+        }
+        warnings
+    }
+}

@@ -1,0 +1,105 @@
+//! Where chains start, and what runs them: chains, islands of particles, the evidence.
+
+use super::block::{SampleInput, SampleOutput, SampleTask, to_bytes};
+use super::{Calibrate, SAMPLE, Sampler};
+use crate::inference::chains::SampleError;
+use crate::inference::importance::{self, ImportanceEstimate, ImportanceSettings};
+use crate::inference::metropolis::{self, MetropolisSettings};
+use crate::inference::nuts::{self, NutsSettings};
+use crate::inference::point_estimate::PointEstimate;
+use crate::inference::posterior::Posterior;
+use crate::inference::smc::{self, SmcSettings};
+use crate::inference::target::Target;
+use crate::job::{JobError, Step};
+
+/// A second mode is used as a start if its log posterior is within this of the best.
+const MODES_WITHIN: f64 = 10.0;
+
+impl Calibrate {
+    /// Starts of the chains, within the priors' supports.
+    fn starts(&self, estimate: &PointEstimate) -> Result<Vec<Vec<f64>>, JobError> {
+        let posterior = Posterior::new(&self.target).map_err(|e| JobError::Failed(e.to_string()))?;
+        let sd = estimate.sd();
+        let best = estimate.descents.iter().filter_map(|d| d.log_posterior).fold(f64::NEG_INFINITY, f64::max);
+        let mut modes = vec![estimate.parameters.clone()];
+        for descent in &estimate.descents {
+            let (Some(end), Some(value)) = (&descent.end, descent.log_posterior) else { continue };
+            let apart = |mode: &Vec<f64>| {
+                (0..end.len()).any(|i| (end[i] - mode[i]).abs() > 5.0 * sd[i].max(1e-6 * mode[i].abs()))
+            };
+            if descent.converged && value > best - MODES_WITHIN && modes.iter().all(apart) {
+                modes.push(end.clone());
+            }
+        }
+        let key = self.stream("calibrate starts");
+        let starts = (0..self.spec.chains).map(|chain| {
+            let mut stream = key.stream(chain);
+            let mode = &modes[usize::try_from(chain).unwrap_or(0) % modes.len()];
+            let moved: Vec<f64> = (0..mode.len())
+                .map(|i| {
+                    let (lower, upper) = self.target.priors()[i].support();
+                    let value = mode[i] + 1.5 * sd[i] * stream.normal();
+                    if value > lower && value < upper { value } else { mode[i] }
+                })
+                .collect();
+            posterior.inner_parameters(&moved)
+        });
+        Ok(starts.collect())
+    }
+
+    /// The blocks of sampling.
+    pub(super) fn after_estimate(&self, estimate: &PointEstimate) -> Result<Step, JobError> {
+        let mut tasks = Vec::new();
+        match self.spec.sampler {
+            Sampler::Smc => tasks.extend((0..self.spec.chains).map(|index| SampleTask::Island { index })),
+            Sampler::Nuts | Sampler::AdaptiveMetropolis => {
+                let starts = self.starts(estimate)?;
+                tasks.extend((0..).zip(starts).map(|(index, start)| SampleTask::Chain { index, start }));
+                tasks.push(SampleTask::Evidence);
+            }
+        }
+        let inputs = tasks.into_iter().map(|task| to_bytes(&SampleInput { estimate: estimate.clone(), task }));
+        Ok(Step::Blocks { stage: SAMPLE.to_owned(), inputs: inputs.collect::<Result<_, _>>()? })
+    }
+
+    /// Runs a chain, an island or the evidence.
+    pub(super) fn sample(&self, input: SampleInput) -> Result<SampleOutput, JobError> {
+        let failed = |e: SampleError| JobError::Failed(e.to_string());
+        let mut target = self.target.clone();
+        let reference = target.parameters(&input.estimate.parameters);
+        target.target_mut().set_reference(&reference);
+        let (warm_up, draws) = (self.spec.warmup, self.spec.draws);
+        match input.task {
+            SampleTask::Chain { index, start } => match self.spec.sampler {
+                Sampler::AdaptiveMetropolis => {
+                    let settings = MetropolisSettings { warm_up, draws, ..MetropolisSettings::default() };
+                    metropolis::sample(&target, &settings, &self.key, index, Some(&start))
+                }
+                Sampler::Nuts | Sampler::Smc => {
+                    let normal = Some(input.estimate.normal_approximation());
+                    let mut settings = NutsSettings { warm_up, draws, normal, ..NutsSettings::default() };
+                    settings.acceptance = self.spec.acceptance.unwrap_or(settings.acceptance);
+                    nuts::sample(&target, &settings, &self.key, index, Some(&start))
+                }
+            }
+            .map(SampleOutput::Chain)
+            .map_err(failed),
+            SampleTask::Island { index } => {
+                let particles = usize::try_from(draws).unwrap_or(usize::MAX);
+                let settings = SmcSettings { particles, islands: self.spec.chains, ..SmcSettings::default() };
+                let island = smc::run_island(&target, &settings, &self.key, index).map_err(failed)?;
+                Ok(SampleOutput::Island(Box::new(island)))
+            }
+            SampleTask::Evidence => {
+                let settings = ImportanceSettings::default();
+                let key = self.stream("calibrate evidence");
+                let found = importance::estimate(&target, &settings, &key, 0, Some(&input.estimate.parameters));
+                let usable = |found: &ImportanceEstimate| {
+                    let numbers = [found.log_evidence, found.log_evidence_error, found.effective];
+                    (numbers.iter().chain(&found.mean).chain(&found.sd)).all(|number| number.is_finite())
+                };
+                Ok(SampleOutput::Evidence(found.ok().filter(usable)))
+            }
+        }
+    }
+}
