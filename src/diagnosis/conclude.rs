@@ -12,11 +12,12 @@ use super::output::{
 use super::problem::is_idle;
 use super::refit::Begin;
 use super::separate;
-use super::weigh::{SURE, Weights, best, groups, held, weigh};
+use super::weigh::{RIVALS_WITHIN, SURE, Weights, best, groups, held, weigh};
 use super::words;
 use super::{Problem, Refit};
 use crate::inference::measurement::Rows;
-use crate::math::special::chi_square_sf;
+use crate::math::functions::pow;
+use crate::math::special::{chi_square_sf, normal_quantile};
 
 /// Sets and effects that are written out.
 const MOST_WRITTEN: usize = 60;
@@ -84,7 +85,7 @@ impl Diagnosis {
                     findings.weights.sets[place] = 0.0;
                 }
             }
-            findings.select();
+            findings.select(self.settings().false_alarm);
             let chosen = &state.refits[findings.selected];
             let explains = !chosen.effects.is_empty() && !self.leaves_too_much(&findings);
             if explains {
@@ -98,10 +99,7 @@ impl Diagnosis {
         let selected: Vec<String> =
             state.refits[findings.selected].effects.iter().map(|&effect| findings.id(effect).to_owned()).collect();
         let separating_experiment = if verdict == Verdict::Ambiguous { separate::experiment(&findings) } else { None };
-        let remaining_p = (findings.selected > 0)
-            .then(|| state.remainders.iter().find(|r| r.effects == state.refits[findings.selected].effects))
-            .flatten()
-            .map(|remainder| remainder.p);
+        let remaining_p = if findings.selected > 0 { findings.remaining_now() } else { None };
         let (heat, goes_with) = missing.map_or_else(Default::default, |missing| (missing.heat, missing.goes_with));
         let mut output = Output {
             verdict,
@@ -134,8 +132,7 @@ impl Diagnosis {
     /// Whether the selected set leaves the model far from the noise while tests go on finding something.
     fn leaves_too_much(&self, findings: &Findings<'_>) -> bool {
         let chosen = &findings.state.refits[findings.selected];
-        let remainder = findings.state.remainders.iter().find(|remainder| remainder.effects == chosen.effects);
-        let found = remainder.is_some_and(|remainder| remainder.p <= self.settings().false_alarm);
+        let found = findings.remaining_now().is_some_and(|p| p <= self.settings().false_alarm);
         let freedom = chosen.residuals.len() as f64 - free(chosen) as f64;
         let far = chi_square_sf(chosen.chi_square, freedom.max(1.0)) < FAR_FROM_NOISE;
         let rather_else = findings.weights.unexplained > 0.5;
@@ -229,6 +226,14 @@ impl Diagnosis {
     }
 }
 
+/// By how much odds are too sure beside which tests still find something: the ratio of the squares of the normal deviates
+/// of what they find and of their level; 1 where they find nothing.
+fn doubt(p: f64, false_alarm: f64) -> f64 {
+    const MOST: f64 = 10.0;
+    let square = |p: f64| normal_quantile(0.5 * p.clamp(1e-300, 1.0)) * normal_quantile(0.5 * p.clamp(1e-300, 1.0));
+    (square(p) / square(false_alarm)).clamp(1.0, MOST)
+}
+
 /// Number of parameters that are not held at a bound.
 fn free(refit: &Refit) -> usize {
     refit.held.iter().zip(&refit.names).filter(|(held, name)| !**held && !is_idle(name)).count()
@@ -241,11 +246,50 @@ fn named(findings: &Findings<'_>, effects: &[usize]) -> String {
 
 impl Findings<'_> {
     /// Selects the most probable set, its rivals and its groups.
-    fn select(&mut self) {
-        self.selected = best(&self.weights).unwrap_or(0);
-        if self.selected != 0 {
-            (self.groups, self.rivals) = groups(&self.state.refits, &self.weights, self.selected);
+    /// While something is still found beside the most probable set, the likelihood is known to be wrong, and odds made with
+    /// it are too sure: their logarithms are divided by how far beyond the level of the tests that is (a likelihood raised
+    /// to a power below 1; Miller & Dunson 2019, J. Am. Stat. Assoc. 114, 1113), and of the sets that are rivals then the one
+    /// with the fewest parameters goes first.
+    fn select(&mut self, false_alarm: f64) {
+        let place = best(&self.weights).unwrap_or(0);
+        self.selected = place;
+        if place == 0 {
+            return;
         }
+        let refits = &self.state.refits;
+        let doubt = self.remaining(place).map_or(1.0, |p| doubt(p, false_alarm));
+        let within = pow(RIVALS_WITHIN, doubt);
+        // What takes more parameters has no claim on doubt.
+        let mut weights = self.weights.clone();
+        for (refit, weight) in refits.iter().zip(&mut weights.sets) {
+            let near = *weight * RIVALS_WITHIN >= self.weights.sets[place];
+            if !near && refit.unknowns.len() > refits[place].unknowns.len() {
+                *weight = 0.0;
+            }
+        }
+        (self.groups, self.rivals) = groups(refits, &weights, place, within);
+        if doubt > 1.0 {
+            let alike = |other: &&usize| refits[**other].effects.len() == refits[place].effects.len();
+            let plainer = |a: usize, b: usize| if refits[b].unknowns.len() < refits[a].unknowns.len() { b } else { a };
+            self.selected = self.rivals.iter().filter(alike).copied().reduce(plainer).unwrap_or(place);
+            (self.groups, self.rivals) = groups(refits, &weights, self.selected, within);
+        }
+    }
+
+    /// Whether the selected set goes before a more probable one.
+    pub fn goes_first(&self) -> bool {
+        best(&self.weights).is_some_and(|place| self.selected != 0 && place != self.selected)
+    }
+
+    /// The family-wise p of what a set leaves, where that was tested.
+    fn remaining(&self, place: usize) -> Option<f64> {
+        let effects = &self.state.refits[place].effects;
+        self.state.remainders.iter().find(|remainder| remainder.effects == *effects).map(|remainder| remainder.p)
+    }
+
+    /// The same of the selected set, or of the most probable one where the selected one goes before it.
+    fn remaining_now(&self) -> Option<f64> {
+        self.remaining(self.selected).or_else(|| self.remaining(best(&self.weights)?))
     }
 
     fn judge(&self) -> Verdict {

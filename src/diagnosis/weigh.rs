@@ -1,19 +1,22 @@
 //! Probabilities of sets of effects.
 //!
 //! Beforehand each kind of effect is missing with probability 0.05, at any of its places in this network alike, and so is
-//! physics that no kind describes: so the number of places is paid for. Probabilities sum to one over "nothing", the
-//! refitted sets and "something else".
+//! physics that no kind describes: so the number of places is paid for. A hidden node between two nodes that the model does
+//! not join is two things at once, a path and a part. Probabilities sum to one over "nothing", the refitted sets and
+//! "something else".
 
 use std::collections::BTreeMap;
 
 use super::{Problem, Refit};
+use crate::effect::Site;
 use crate::math::functions::{exp, ln};
 use crate::math::sum::log_sum_exp;
+use crate::thermal::element::{Element, ElementKind};
 
 /// Probability beforehand that a kind of effect is missing.
 const MISSING: f64 = 0.05;
 /// Sets within this factor of the best are rivals.
-const RIVALS_WITHIN: f64 = 10.0;
+pub const RIVALS_WITHIN: f64 = 10.0;
 /// Most rivals that are taken to hold enough probability.
 const MOST_RIVALS: usize = 5;
 
@@ -43,13 +46,35 @@ impl Odds {
 
     /// Of a set of candidates.
     pub fn of(&self, problem: &Problem, effects: &[usize]) -> f64 {
-        effects.iter().filter_map(|&e| self.0.get(&problem.candidates[e].effect)).sum()
+        let one = |&effect: &usize| {
+            let odds = self.0.get(&problem.candidates[effect].effect)?;
+            let second = if is_path_and_part(problem, effect) { ln(MISSING / (1.0 - MISSING)) } else { 0.0 };
+            Some(odds + second)
+        };
+        effects.iter().filter_map(one).sum()
     }
 
     /// Of "something else".
     pub fn unexplained() -> f64 {
         ln(MISSING / (1.0 - MISSING))
     }
+}
+
+/// Whether an effect is a hidden node between two nodes that nothing in the believed model joins.
+fn is_path_and_part(problem: &Problem, effect: usize) -> bool {
+    let candidate = &problem.candidates[effect];
+    let Site::Pair([a, b]) = candidate.site else { return false };
+    let has_node = problem.catalogue.get(&candidate.effect).is_some_and(|own| own.form.adds.value.node.is_some());
+    let joins = |element: &Element| {
+        let between = match &element.kind {
+            ElementKind::Conductor(own) => own.between,
+            ElementKind::Radiation(own) => own.between,
+            ElementKind::Flow(own) => own.between,
+            ElementKind::Load(_) | ElementKind::Cooler(_) | ElementKind::Heater(_) => return false,
+        };
+        between == [a, b] || between == [b, a]
+    };
+    has_node && !problem.model.elements.iter().any(joins)
 }
 
 /// Probabilities of the sets, in their order, and of something else.
@@ -84,10 +109,10 @@ pub fn best(weights: &Weights) -> Option<usize> {
 
 /// The groups of a set's members, each member first in its own, and the sets that are its rivals, itself first.
 ///
-/// A rival is not larger. Rivals are taken in the order of their probability: those within a factor of 10 of the set, and
+/// A rival is not larger. Rivals are taken in the order of their probability: those within a factor of the set, and
 /// others while the groups together do not hold [`SURE`]. A rival's effects that the set does not have go into the
 /// groups of the members that the rival lacks.
-pub fn groups(refits: &[Refit], weights: &Weights, of: usize) -> (Vec<Vec<usize>>, Vec<usize>) {
+pub fn groups(refits: &[Refit], weights: &Weights, of: usize, within: f64) -> (Vec<Vec<usize>>, Vec<usize>) {
     let own = &refits[of].effects;
     let mut groups: Vec<Vec<usize>> = own.iter().map(|&effect| vec![effect]).collect();
     let mut rivals = vec![of];
@@ -98,7 +123,7 @@ pub fn groups(refits: &[Refit], weights: &Weights, of: usize) -> (Vec<Vec<usize>
     let mut others: Vec<usize> = (0..refits.len()).filter(is_rival).collect();
     others.sort_by(|&a, &b| weights.sets[b].total_cmp(&weights.sets[a]).then(a.cmp(&b)));
     for other in others {
-        let near = weights.sets[other] * RIVALS_WITHIN >= weights.sets[of];
+        let near = weights.sets[other] * within >= weights.sets[of];
         let unsure = held(refits, weights, &groups) < SURE && rivals.len() < MOST_RIVALS;
         if !near && !unsure {
             break;

@@ -27,7 +27,8 @@ fn job(sampler: Sampler, draws: u64, change: &dyn Fn(&mut Measurement)) -> Resul
     let mut data = measurement(&model);
     change(&mut data);
     let (warmup, _) = sampler.defaults();
-    let spec = Spec { data: vec![0], parameters: vec![0, 1, 2, 3], sampler, chains: 4, warmup, draws, acceptance: None };
+    let spec =
+        Spec { data: vec![0], parameters: vec![0, 1, 2, 3], sampler, chains: 4, warmup, draws, acceptance: None };
     let inputs = Inputs {
         model: Arc::new(model),
         priors: priors().to_vec(),

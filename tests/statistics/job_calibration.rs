@@ -97,7 +97,8 @@ fn check(sampler: Sampler, sets: u64, warmup: u64, draws: u64, coverage: std::op
     let mut inside = [0_u32; 4];
     for set in 0..sets {
         let (truth, measurement) = campaign(&model, &network, set);
-        let spec = Spec { data: vec![0], parameters: vec![0, 1, 2], sampler, chains: 2, warmup, draws, acceptance: None };
+        let spec =
+            Spec { data: vec![0], parameters: vec![0, 1, 2], sampler, chains: 2, warmup, draws, acceptance: None };
         let inputs = Inputs {
             model: Arc::clone(&shared),
             priors: priors(),
