@@ -132,9 +132,35 @@ fn of_several_diagnoses_the_first_is_adopted_from_and_no_pass_is_written_twice()
     assert!((nominal - 0.0006).abs() < 1.2e-4, "the fitted size, not the prior's median: {nominal}");
     let again = bmv(root.path(), &["adopt", "hidden/pass-1.json", "radiative-path:box:baffle"]);
     assert_eq!(code(&again), 2);
-    assert!(text(&again.stderr).starts_with("error[adopt-file]"), "{}", text(&again.stderr));
+    assert!(text(&again.stderr).lines().any(|line| line.starts_with("error[adopt-file]")), "labelled once");
     assert!(text(&again.stderr).contains("`pass-2.json` is `pass-1.json` with the same effects already"));
     assert!(!root.path().join("hidden/pass-3.json").exists());
+}
+
+#[test]
+fn what_cannot_be_asked_is_refused_before_anything_runs() {
+    let no_effect = changed(|pass| pass["jobs"]["missing"]["diagnose"]["effects"] = serde_json::json!([]));
+    let held_out = changed(|pass| {
+        pass["measurements"]["balance test"]["steady"]["held_out"] = serde_json::json!({"all": {}});
+        pass["jobs"].as_object_mut().unwrap().clear();
+    });
+    let whole = hidden();
+    let cases: [(&TempDir, &[&str], &str); 5] = [
+        (&no_effect, &["diagnose"], "`missing` considers no effect"),
+        (&held_out, &["lab", "--cases", "2"], "no reading to fit"),
+        (&whole, &["lab", "--cases", "0"], "0 is not in"),
+        (&whole, &["lab", "--effect", "radiative-path", "--amplitude", "nan"], "a number other than 0"),
+        (&whole, &["lab", "--effect", "radiative-path:box:baffle", "--amplitude", "1"], "nearest is `radiative-path:"),
+    ];
+    for (root, arguments, part) in cases {
+        let mut all = vec![arguments[0], "hidden/pass-1.json"];
+        all.extend(&arguments[1..]);
+        let output = bmv(root.path(), &all);
+        let said = text(&output.stderr);
+        assert!(code(&output) == 2 && said.contains(part), "{all:?}: {said}");
+    }
+    let negative = bmv(whole.path(), &["lab", "hidden/pass-1.json", "--effect", "radiative-path", "--amplitude", "-1"]);
+    assert!(text(&negative.stderr).contains("is positive; -1 is not"), "{}", text(&negative.stderr));
 }
 
 /// The study with its pass changed by `change`.

@@ -205,6 +205,14 @@ fn intervals_in_a_steady_measurement() {
 }
 
 #[test]
+fn readings_below_absolute_zero() {
+    let study = Study::new();
+    study.edit("data/balance.csv", "24.5,-20.25", "-400,-20.25");
+    let said = study.said("pass-1.json");
+    assert!(said.contains("-400 degC in `") && said.contains("below absolute zero"), "{said}");
+}
+
+#[test]
 fn cells_that_are_no_numbers() {
     let study = Study::new();
     study.edit("data/balance.csv", r#"24.5,-20.25"#, r#"NaN,"1,5""#);

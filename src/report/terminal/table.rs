@@ -254,6 +254,7 @@ mod tests {
     fn wrapping_breaks_at_blanks_and_within_words_that_are_too_long() {
         assert_eq!(wrapped("aa bb ccccc d", 5), ["aa bb", "ccccc", "d"]);
         assert_eq!(wrapped("abcdefgh", 3), ["abc", "def", "gh"]);
+        assert_eq!(wrapped("conductive-path:a:b", 14), ["conductive-", "path:a:b"]);
         assert_eq!(wrapped("1.5\u{A0}K x", 5), ["1.5 K", "x"]);
         assert_eq!(wrapped("", 5), [""]);
     }

@@ -64,6 +64,9 @@ fn what(output: &Output, selected: &[&EffectResult]) -> Statement {
                 }
                 text = text.plain(".");
             }
+            if let Some(with) = output.goes_with.first() {
+                text = text.plain(" Heat of ").code(&with.node).plain(" goes with ").code(&with.input).plain(".");
+            }
             statement("something unknown", text, Some(Status::Fail))
         }
         (_, selected) => {
