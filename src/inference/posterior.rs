@@ -316,7 +316,8 @@ mod tests {
     #[test]
     fn sheared_coordinates_go_there_and_back_and_keep_the_volume() {
         let (target, normal) = ridge();
-        let (posterior, plain) = (Posterior::along(&target, &normal).expect("maps"), Posterior::new(&target).expect("maps"));
+        let (posterior, plain) =
+            (Posterior::along(&target, &normal).expect("maps"), Posterior::new(&target).expect("maps"));
         for x in [[0.15, 0.16, -0.15], [0.01, 0.9, 0.4], [0.99, 0.05, -2.0]] {
             let w = posterior.coordinates(&x);
             let back = posterior.parameters(&w);

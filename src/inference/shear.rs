@@ -71,8 +71,11 @@ impl Shear {
         for place in 1..order.len() {
             let (before, j) = (&order[..place], order[place]);
             let correlation = |a: usize, b: usize| normal.covariance[a * n + b] / (sd[a] * sd[b]);
-            let mut matrix: Vec<f64> =
-                before.iter().flat_map(|&a| before.iter().map(move |&b| (a, b))).map(|(a, b)| correlation(a, b)).collect();
+            let mut matrix: Vec<f64> = before
+                .iter()
+                .flat_map(|&a| before.iter().map(move |&b| (a, b)))
+                .map(|(a, b)| correlation(a, b))
+                .collect();
             for k in 0..place {
                 matrix[k * place + k] += RIDGE;
             }

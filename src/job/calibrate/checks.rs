@@ -130,7 +130,8 @@ impl Calibrate {
         let (groups, summed) = scores::by_phase(&measurements, self.likelihood().data(), pointwise);
         let left_out = psis::leave_one_out(&summed, groups.len(), 1.0);
         output.leave_one_phase_out = left_out.as_ref().map(validated);
-        output.phases = scores::phases(&measurements, &groups, left_out.as_ref(), good, &output.order, &posterior, &spread);
+        output.phases =
+            scores::phases(&measurements, &groups, left_out.as_ref(), good, &output.order, &posterior, &spread);
         output.held_out = scores::held_out(&output.phases);
         serde_json::to_value(*output).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
     }

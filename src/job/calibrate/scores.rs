@@ -81,7 +81,8 @@ pub(super) fn phases(
                     reliable,
                 };
                 if measurement.held_out(row) && !measurement.ignored(row) {
-                    let (readings, density) = density(measurement, row, first, &noise, posterior, spread[index][row].as_deref());
+                    let (readings, density) =
+                        density(measurement, row, first, &noise, posterior, spread[index][row].as_deref());
                     if readings > 0 && density.is_finite() {
                         scores.push(score(readings, density, true, true));
                     }
@@ -126,8 +127,7 @@ fn density(
             });
         };
         let size = read.len();
-        let mut factor: Vec<f64> =
-            read.iter().flat_map(|a| read.iter().map(|b| inputs[a.0 * width + b.0])).collect();
+        let mut factor: Vec<f64> = read.iter().flat_map(|a| read.iter().map(|b| inputs[a.0 * width + b.0])).collect();
         for (place, (sensor, _)) in read.iter().enumerate() {
             factor[place * (size + 1)] += noise[*sensor][draw] * noise[*sensor][draw];
         }
