@@ -264,7 +264,9 @@ impl Shared<'_> {
         for &(index, prior) in &spec.priors {
             priors[index] = prior;
         }
-        let make = self.propagate(name, &spec.propagate, &priors);
+        let plain = self.propagate(name, &spec.propagate, &priors);
+        let (discrepancy, seed, named) = (spec.discrepancy.clone(), self.pass.seed, name.to_owned());
+        let make = move || plain()?.with_discrepancy(discrepancy.clone(), seed, &named);
         let (own, before, rest) = (vec![spec.posterior.clone()], spec.handed_on.clone(), rest(self.pass, spec));
         let join = |first: Vec<HandedOn>, rest: &[HandedOn]| first.into_iter().chain(rest.iter().cloned()).collect();
         let others = unfilled(&rest);

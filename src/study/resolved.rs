@@ -132,6 +132,8 @@ pub struct Prediction {
     pub priors: Vec<(usize, Distribution)>,
     /// Draws that stood in for some of them.
     pub handed_on: Vec<HandedOnPrior>,
+    /// Errors of the model that are added to quantities.
+    pub discrepancy: Vec<goal::Discrepancy>,
 }
 
 /// A job with its name.

@@ -193,6 +193,7 @@ pub fn radiator() -> Sample {
             interval: Some([0.3131, 0.3158]),
         }],
         handed_on: vec![],
+        discrepancy: vec![],
         converged: None,
     };
     let rule = |name: &str, margin, title: &str| Rule {

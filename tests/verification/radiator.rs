@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use bmv::expression::Symbol;
 use bmv::job::conventional::Basis;
+use bmv::job::goal::Discrepancy;
 use bmv::job::propagate::{Propagate, Sampling, Spec, Sweep};
 use bmv::job::{Job, Step, conventional, propagate};
 use bmv::random::Distribution;
@@ -55,6 +56,28 @@ fn along(pass: &Pass, samples: u64, areas: &[f64]) -> Spec {
     let spec = propagation(pass);
     let sweep = Sweep { values: areas.to_vec(), ..spec.sweep.clone().unwrap() };
     Spec { samples, sampling: Sampling::Sobol, sweep: Some(sweep), ..spec }
+}
+
+#[test]
+fn a_discrepancy_of_the_model_adds_its_variance() {
+    let pass = radiator();
+    let spec = Spec { samples: 16_384, sweep: None, ..along(&pass, 16_384, &[0.1]) };
+    let plain = propagated(&pass, spec.clone(), pass.priors.clone());
+    let quantity = spec.quantities[0];
+    let job = Propagate::new(spec, Arc::new(pass.model.clone()), pass.priors.clone(), pass.seed, "prior").unwrap();
+    let identity = job.identity();
+    let job = job.with_discrepancy(vec![Discrepancy { quantity, sd: 3.0 }], pass.seed, "prior").unwrap();
+    assert_ne!(job.identity(), identity);
+    let added: propagate::Output = run(&job);
+    for (with, without) in added.cases.iter().zip(&plain.cases) {
+        let (with, without) = (&with.quantities[0], &without.quantities[0]);
+        // Independent normal errors: four standard errors of their mean and of the variance with its cross term.
+        let count = 16_384.0_f64;
+        assert!((with.mean - without.mean).abs() < 4.0 * 3.0 / count.sqrt(), "{} {}", with.mean, without.mean);
+        let (own, wanted) = (with.sd * with.sd, without.sd * without.sd + 9.0);
+        let error = (2.0 * 81.0 + 4.0 * 9.0 * without.sd * without.sd).sqrt() / count.sqrt();
+        assert!((own - wanted).abs() < 4.0 * error, "{own} {wanted}");
+    }
 }
 
 #[test]

@@ -20,16 +20,18 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 
+use crate::math::special::normal_quantile;
 use crate::random::{Distribution, PointKind, Points, StreamKey};
 use crate::statistics::clusters::Clusters;
 use crate::thermal::{Batch, Model, Network, Start};
 
 pub use output::{
-    Case, Conditional, Distributed, FailedSample, Joint, MainEffect, Met, Output, Probability, Quantile, Reached,
-    Sampling, Spec, Sweep, Variable,
+    AddedDiscrepancy, Case, Conditional, Distributed, FailedSample, Joint, MainEffect, Met, Output, Probability,
+    Quantile, Reached, Sampling, Spec, Sweep, Variable,
 };
 pub use view::view;
 
+use super::goal::Discrepancy;
 use super::handed_on::HandedOn;
 use super::requirement::Environment;
 use super::{Job, JobError, Step};
@@ -61,6 +63,8 @@ pub struct Propagate {
     /// Quantities of the nominal parameters, by case.
     nominal: Vec<Vec<f64>>,
     handed_on: Vec<HandedOn>,
+    /// What is added to quantities, and a coordinate each of points of their own, which pick the errors.
+    discrepancy: Option<(Vec<Discrepancy>, Points)>,
 }
 
 impl Propagate {
@@ -101,6 +105,7 @@ impl Propagate {
             starts: Vec::new(),
             nominal: Vec::new(),
             handed_on: Vec::new(),
+            discrepancy: None,
         };
         let mut workspace = job.network.workspace();
         for case in 0..job.cases() {
@@ -120,6 +125,39 @@ impl Propagate {
     /// the job's identity.
     pub fn with_handed_on(self, handed_on: Vec<HandedOn>) -> Self {
         Self { handed_on, ..self }
+    }
+
+    /// The same with an error of the model added to quantities: normal, independent from quantity to quantity and of the
+    /// parameters, the same in all cases of a sample. Its points are independent draws, since a second Sobol sequence would
+    /// not be independent of the first. `seed` and `name` as in [`Propagate::new`].
+    ///
+    /// # Errors
+    /// Settings that fit no point set.
+    pub fn with_discrepancy(self, discrepancy: Vec<Discrepancy>, seed: u64, name: &str) -> Result<Self, JobError> {
+        if discrepancy.is_empty() {
+            return Ok(self);
+        }
+        let samples = usize::try_from(self.spec.samples).unwrap_or(usize::MAX);
+        let key = StreamKey::new(seed, name, "discrepancy");
+        let points = Points::new(PointKind::MonteCarlo, key, samples, discrepancy.len())
+            .map_err(|error| JobError::Failed(error.to_string()))?;
+        Ok(Self { discrepancy: Some((discrepancy, points)), ..self })
+    }
+
+    /// Adds the model's errors to the values of a block (`quantities x count`).
+    fn add_discrepancy(&self, first: usize, count: usize, values: &mut [f64]) {
+        let Some((discrepancy, points)) = &self.discrepancy else { return };
+        let width = discrepancy.len();
+        let mut rows = vec![0.5; width * count];
+        points.fill_rows(first, &mut rows);
+        for (column, own) in discrepancy.iter().enumerate() {
+            for position in (0..self.spec.quantities.len()).filter(|&p| self.spec.quantities[p] == own.quantity) {
+                let values = &mut values[position * count..(position + 1) * count];
+                for (value, row) in values.iter_mut().zip(rows.chunks_exact(width)) {
+                    *value += own.sd * normal_quantile(row[column]);
+                }
+            }
+        }
     }
 
     /// Coordinate of the points that picks the draw of a posterior; `None` where all its parameters are fixed.
@@ -256,6 +294,7 @@ impl Propagate {
             }
             done += lanes;
         }
+        self.add_discrepancy(first, count, &mut output.values);
         output
     }
 
@@ -300,6 +339,9 @@ impl Job for Propagate {
         });
         if !self.handed_on.is_empty() {
             identity["handed_on"] = self.handed_on.iter().map(HandedOn::identity).collect();
+        }
+        if let Some((discrepancy, _)) = &self.discrepancy {
+            identity["discrepancy"] = json!(discrepancy);
         }
         identity
     }
@@ -387,6 +429,7 @@ impl Job for Propagate {
             cases,
             reached,
             handed_on: self.handed_on.iter().map(HandedOn::summary).collect(),
+            discrepancy: self.added(),
             converged: (!self.handed_on.is_empty()).then(|| self.handed_on.iter().all(|own| own.converged)),
         };
         serde_json::to_value(output).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
@@ -394,6 +437,16 @@ impl Job for Propagate {
 }
 
 impl Propagate {
+    /// The model's errors by name.
+    fn added(&self) -> Vec<AddedDiscrepancy> {
+        let known = self.discrepancy.iter().flat_map(|(discrepancy, _)| discrepancy);
+        let named = known.map(|own| {
+            let quantity = &self.model.quantities[own.quantity];
+            AddedDiscrepancy { quantity: quantity.name.clone(), sd: own.sd, unit: quantity.unit.clone() }
+        });
+        named.collect()
+    }
+
     fn case_name(&self, case: usize) -> (String, Option<f64>) {
         (self.environment(case).name.clone(), self.design(case).map(|(_, value)| value))
     }

@@ -232,6 +232,17 @@ pub struct Reached {
     pub interval: Option<[f64; 2]>,
 }
 
+/// An error of the model that is added to a quantity: normal with mean 0.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct AddedDiscrepancy {
+    /// The quantity.
+    pub quantity: String,
+    /// Its standard deviation, SI.
+    pub sd: f64,
+    /// SI unit.
+    pub unit: String,
+}
+
 /// Result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Output {
@@ -250,6 +261,9 @@ pub struct Output {
     /// Draws that stood in for priors; errors and intervals are from the number of draws that these are worth.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub handed_on: Vec<HandedOnSummary>,
+    /// Errors of the model that are added to quantities.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub discrepancy: Vec<AddedDiscrepancy>,
     /// Whether the chains behind those draws converged; left out without any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub converged: Option<bool>,

@@ -156,6 +156,7 @@ mod tests {
             cases: vec![case("hot", None, 2), case("hot", Some(0.3), 5)],
             reached: vec![],
             handed_on: vec![],
+            discrepancy: vec![],
             converged: None,
         }
     }

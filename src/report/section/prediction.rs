@@ -58,6 +58,13 @@ fn opening(name: &str, output: &Output) -> Text {
             number::fixed(own.effective, 0)
         ));
     }
+    let added: Vec<String> = (output.posterior.discrepancy.iter())
+        .map(|own| format!("{} {} to {}", significant(own.sd, 3), own.unit, own.quantity))
+        .collect();
+    if !added.is_empty() {
+        let list = added.join(", ");
+        text = text.plain(format!("with an error of the model added, normal with a standard deviation of {list}, "));
+    }
     text.plain(format!(
         "carried to the environments in {} samples a case; other parameters keep their priors. Beside it the same with the priors that \
          the calibration began with. The intervals count what the number of draws leaves open.",

@@ -59,6 +59,15 @@ written_struct! {
 }
 
 written_struct! {
+    /// What is added to the model in a prediction.
+    pub struct WithForm: "what is added to the model" {
+        /// Standard deviation of the model's discrepancy by quantity, as a validation experiment found it: a normal error of
+        /// that size is added to each sample.
+        default(Map::default()) discrepancy: Map<Amount>,
+    }
+}
+
+written_struct! {
     /// Settings of `predict`.
     pub struct PredictForm: "settings of `predict`" {
         /// The `calibrate` job whose posterior is carried: one of this pass by its name, or `{"pass": ..., "job": ...}`. The
@@ -80,8 +89,8 @@ written_struct! {
         default(Vec::new()) joint: Vec<[Spanned<String>; 2]>,
         /// Largest share of failed samples that is tolerated, 0.01 where it is left out.
         optional failure_limit: Spanned<f64>,
-        /// What is added to the model: a discrepancy, effects. This version refuses it.
-        optional with: Node,
+        /// What is added to the model; effects are adopted by the pass.
+        optional with: WithForm,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Goal setting: settings with their defaults, names looked up.
 
-use crate::document::{MapEntry, Sense, Spanned, code};
+use crate::document::{Amount, Map, MapEntry, Sense, Spanned, code};
 use crate::job::goal::{Discrepancy, Spec};
 use crate::job::propagate::Sampling;
 use crate::study::pass::job::{GoalForm, JobForm};
@@ -22,8 +22,15 @@ pub(super) fn goal(scope: &mut Scope, entry: &MapEntry<JobForm>, form: &GoalForm
     let design = if names_one { design_variable(scope, entry, form.design_variable.as_ref(), offered) } else { None };
     let samples = samples(scope, form.samples.as_ref(), Sampling::Sobol);
     let failure_limit = failure_limit(scope, form.failure_limit.as_ref());
+    let discrepancy = discrepancies(scope, &form.discrepancy);
+    let spec = Spec { requirements, environments, parameters, design, samples, discrepancy, failure_limit };
+    (scope.diagnostics.errors() == before).then_some(spec)
+}
+
+/// Standard deviations of the model's errors, by quantity.
+pub(super) fn discrepancies(scope: &mut Scope, written: &Map<Amount>) -> Vec<Discrepancy> {
     let mut discrepancy = Vec::new();
-    for known in &form.discrepancy {
+    for known in written {
         let name = Spanned { value: known.name.clone(), place: known.name_place.clone() };
         let Some(quantity) = scope.quantity(&name) else { continue };
         let unit = unit_of(&scope.resolved.model.quantities[quantity].unit);
@@ -34,8 +41,7 @@ pub(super) fn goal(scope: &mut Scope, entry: &MapEntry<JobForm>, form: &GoalForm
         }
         discrepancy.push(Discrepancy { quantity, sd });
     }
-    let spec = Spec { requirements, environments, parameters, design, samples, discrepancy, failure_limit };
-    (scope.diagnostics.errors() == before).then_some(spec)
+    discrepancy
 }
 
 /// Named parameters, each uncertain.

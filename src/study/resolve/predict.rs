@@ -7,6 +7,7 @@ use crate::random::Distribution;
 use crate::study::pass::job::{JobForm, PredictForm, PropagateForm};
 use crate::study::resolved::{HandedOnPrior, JobSpec, NamedJob, Prediction, Upstream};
 
+use super::goal::discrepancies;
 use super::handed_on::{self, Upstreams};
 use super::jobs::{Offered, propagate};
 use super::scope::Scope;
@@ -30,11 +31,6 @@ pub(super) fn predict(
     (jobs, forms): (&[NamedJob], &Map<JobForm>),
 ) -> Option<JobSpec> {
     let before = scope.diagnostics.errors();
-    if let Some(with) = &form.with {
-        let message =
-            "this version predicts with the posterior alone: `with` (a discrepancy, effects) is not there yet";
-        scope.error(&code::JOB_SETTING, &with.place, message, "leave it out; effects are adopted by the pass");
-    }
     let asked = PropagateForm {
         quantities: form.quantities.clone(),
         samples: form.samples.clone(),
@@ -46,6 +42,16 @@ pub(super) fn predict(
         failure_limit: form.failure_limit.clone(),
     };
     let spec = propagate(scope, &asked, offered);
+    let discrepancy = form.with.as_ref().map_or_else(Vec::new, |with| discrepancies(scope, &with.discrepancy));
+    if let (Some(spec), Some(with)) = (&spec, &form.with) {
+        for (own, written) in discrepancy.iter().zip(&with.discrepancy) {
+            if !spec.quantities.contains(&own.quantity) {
+                let message = format!("`{}` is no quantity of this prediction", written.name);
+                let expected = "one of its `quantities`, or of its requirements where it says none";
+                scope.error(&code::JOB_SETTING, &written.name_place, message, expected);
+            }
+        }
+    }
     let pass;
     let source = match &form.from {
         Some(NameOr::Other(from)) => {
@@ -89,7 +95,7 @@ pub(super) fn predict(
             }
         }
     };
-    let prediction = assemble(scope, source, spec?);
+    let prediction = Prediction { discrepancy, ..assemble(scope, source, spec?) };
     (scope.diagnostics.errors() == before).then(|| JobSpec::Predict(Box::new(prediction)))
 }
 
@@ -179,5 +185,5 @@ fn assemble(scope: &Scope, source: Source<'_>, propagate: crate::job::propagate:
         own.draws.parameters = indices;
         handed_on.push(own);
     }
-    Prediction { propagate, posterior, priors, handed_on }
+    Prediction { propagate, posterior, priors, handed_on, discrepancy: Vec::new() }
 }
