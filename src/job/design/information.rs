@@ -18,7 +18,7 @@ const MOST_STEPS: usize = 8;
 const CLOSE: f64 = 0.02;
 /// Smallest share of a step that is tried.
 const LEAST_SHARE: f64 = 0.02;
-/// Noises of each outer sample where they cost no solution, on a lattice of rank one with these generators by reading
+/// Noises of each outer sample of one reading where they cost no solution, on a lattice of rank one with these generators by reading
 /// (Sloan & Joe 1994, Lattice Methods, ch. 4). Readings beyond the ends of what the prior predicts are rare and tell most:
 /// with one noise a sample the replicates' means are so skewed that three standard errors miss four times too often.
 const NOISES: u32 = 8;
@@ -128,10 +128,12 @@ impl Question<'_> {
         Inner::new(&rows, channels)
     }
 
-    /// Noises of each outer sample: several only where they take no solutions.
+    /// Noises of each outer sample: several only where they take no solutions, and fewer the more readings there are, each of
+    /// which has noises of its own.
     fn noises(&self) -> u32 {
         let is_free = self.estimator == Estimator::Nested && self.learn == self.samples.unknowns;
-        if is_free { NOISES } else { 1 }
+        let readings = u32::try_from(self.channels().max(1)).unwrap_or(u32::MAX);
+        if is_free { (NOISES / readings).max(1).next_power_of_two() } else { 1 }
     }
 
     fn replicate(&self, replicate: usize, work: &mut Work) -> Replicate {

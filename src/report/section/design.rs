@@ -454,7 +454,7 @@ fn method(job: &str, output: &Output) -> Text {
             "nested Monte Carlo with {outer} outer and {inner} inner scrambled Sobol points in 16 replicates, whose scatter gives \
              the standard error{}",
             if output.nuisance.is_empty() {
-                "; each outer sample is read with 8 noises on a lattice".to_owned()
+                "; each outer sample is read with several noises".to_owned()
             } else {
                 format!("; nuisance parameters integrated out by {draws} importance draws a sample")
             }
