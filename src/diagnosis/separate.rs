@@ -7,13 +7,14 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use super::conclude::Findings;
 use super::output::{SeparatingExperiment, Setting};
 use super::signature::linearise;
 use super::{Problem, Refit};
 use crate::inference::cholesky;
+use crate::inference::information::separation;
 use crate::inference::likelihood::{Definition, Likelihood};
 use crate::inference::measurement::{Measurement, Phase, Rows};
 use crate::inference::prediction::Predictor;
@@ -228,10 +229,19 @@ fn judge(
         for (rival, (likelihood, residuals, jacobian)) in rivals.iter().zip(&all).skip(1) {
             let rows: Vec<usize> = (0..residuals.len()).filter(|&row| likelihood.data()[row].row == number).collect();
             let n = rival.fit.names.len();
-            let slopes = DMatrix::from_fn(rows.len(), n, |a, j| jacobian[rows[a] * n + j]);
-            let apart = DVector::from_fn(rows.len(), |a, _| residuals[rows[a]] - all[0].1[rows[a]]);
-            let spread = DMatrix::identity(rows.len(), rows.len()) + &slopes * &rival.covariance * slopes.transpose();
-            let own = spread.cholesky().map_or(0.0, |factor| apart.dot(&factor.solve(&apart)));
+            let of = |residuals: &[f64]| -> Vec<f64> { rows.iter().map(|&row| residuals[row]).collect() };
+            let slopes: Vec<f64> = rows.iter().flat_map(|row| &jacobian[row * n..(row + 1) * n]).copied().collect();
+            // Whitened; residuals of readings of 0 are minus the predictions, and the distance knows no sign.
+            let noise: Vec<f64> =
+                (0..rows.len() * rows.len()).map(|k| f64::from(u8::from(k % (rows.len() + 1) == 0))).collect();
+            let mean = of(residuals);
+            let other = separation::Rival {
+                mean: &mean,
+                derivatives: &slopes,
+                covariance: rival.covariance.as_slice(),
+                parameters: n,
+            };
+            let own = separation::from_truth(&of(&all[0].1), &other, &noise).map_or(0.0, |own| own.distance_squared);
             square = square.min(own);
         }
         let within = (0..nodes.min(problem.model.nodes.len())).all(|node| {

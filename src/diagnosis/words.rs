@@ -138,6 +138,12 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>) -> Vec<String> {
                 .collect();
             words.push(format!("These data cannot tell apart (group {}): {}.", number + 1, ids.join(", ")));
         }
+        if findings.goes_first() {
+            words.push(format!(
+                "Tests still find something beside all of these (p = {}), so that the odds between them are too sure: the plainest goes first.",
+                output.remaining_p.map_or_else(|| "unknown".to_owned(), p_value)
+            ));
+        }
         if let Some(experiment) = &output.separating_experiment {
             words.push(format!(
                 "A phase at the conditions stated below would tell {} apart with probability {}; repeating the best old phase with {}.",

@@ -2,6 +2,7 @@
 
 mod cache;
 mod engine;
+mod jobs;
 mod process;
 mod program;
 mod samples;

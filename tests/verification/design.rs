@@ -40,7 +40,8 @@ pub fn designed(pass: &Pass, spec: Spec, priors: &[Distribution]) -> Output {
 
 /// Value, and three standard errors with the bias.
 fn value(candidate: &Candidate) -> (f64, f64) {
-    (candidate.information_nats.unwrap(), 3.0 * candidate.se.unwrap() + candidate.bias_bound.unwrap())
+    // Of approximations no bias is known.
+    (candidate.information_nats.unwrap(), 3.0 * candidate.se.unwrap() + candidate.bias_bound.unwrap_or(0.0))
 }
 
 const HUAN: &str = r#"{"format": "bmv-network/1", "title": "y = theta^3 d^2 + theta exp(-|0.2 - d|)",
@@ -92,47 +93,43 @@ const PAIRS: [(f64, f64, f64); 10] = [
     (1.0, 1.0, 3.717_167_762),
 ];
 
-/// Mean error over seeds within three of its standard errors and the bias, and few seeds outside their own margins: the
-/// replicates' means are skewed (few samples lie beyond the ends of the prior's readings, and these tell most); three stated
-/// standard errors and the bias held at every d for 67 of 68 seeds. More than 2 misses of 8 then happen once in 5000 runs.
-fn one_experiment(how: &str, seeds: u64) {
+/// Three standard errors and the bias hold at every d, and the optimum is right, for all seeds but `most`: such a margin
+/// is missed by chance in 0.27 % of the cases, and the d share their random numbers.
+fn one_experiment(how: &str, seeds: u64, most: usize) {
     let values: Vec<String> = LONG.iter().map(|(d, _)| d.to_string()).collect();
     let mut pass = huan(&format!(r#"{{"d": [{}]}}"#, values.join(", ")), how);
-    let mut sums = vec![[0.0; 3]; LONG.len()];
-    let mut misses = 0;
+    let mut misses: Vec<(u64, f64, f64, f64)> = Vec::new();
     for seed in 0..seeds {
         pass.seed = seed;
         let output = designed(&pass, settings(&pass), &pass.priors);
-        let mut is_inside = true;
-        for ((candidate, (_, exact)), sum) in output.candidates.iter().zip(LONG).zip(&mut sums) {
+        for (candidate, (d, exact)) in output.candidates.iter().zip(LONG) {
             let (found, margin) = value(candidate);
-            is_inside &= (found - exact).abs() < margin;
-            let (error, bias) = (candidate.se.unwrap(), candidate.bias_bound.unwrap());
-            *sum = [sum[0] + found - exact, sum[1] + error * error, sum[2] + bias];
+            if !((found - exact).abs() < margin) && !misses.iter().any(|(other, ..)| *other == seed) {
+                misses.push((seed, d, found - exact, margin));
+            }
             assert!(!candidate.sees_nothing && candidate.allowed);
         }
-        misses += u64::from(!is_inside);
         let best = output.best.unwrap();
         assert_eq!(best.conditions["d"], 1.0, "{how}");
         assert_eq!(output.convergence.last().unwrap().information_nats, best.information_nats);
     }
-    for ([error, squares, bias], (d, _)) in sums.into_iter().zip(LONG) {
-        assert!(error.abs() < 3.0 * squares.sqrt() + bias, "{how} d = {d}: {error} {squares} {bias}");
-    }
-    assert!(misses <= 2, "{how}: {misses} of {seeds} seeds");
+    assert!(misses.len() <= most, "{how}: {misses:?}");
 }
 
 #[test]
 fn one_experiment_is_that_of_huan_and_marzouk() {
-    one_experiment(r#", "outer": 2048, "inner": 1024"#, 8);
-    one_experiment(r#", "outer": 1024, "inner": 512, "estimator": "importance""#, 2);
+    one_experiment(r#", "outer": 512, "inner": 256"#, 4, 0);
+    one_experiment(r#", "outer": 2048, "inner": 1024"#, 1, 0);
+    one_experiment(r#", "outer": 512, "inner": 256, "estimator": "importance""#, 1, 0);
 }
 
 #[test]
-#[ignore = "nightly: eight times the samples"]
+#[ignore = "nightly: many seeds, eight times the samples"]
 fn one_experiment_converges() {
-    one_experiment(r#", "outer": 16384, "inner": 8192"#, 8);
-    one_experiment(r#", "outer": 16384, "draws": 64, "estimator": "importance""#, 2);
+    // A chance of 0.27 % for each of 100 seeds, of perhaps three times that over all d: more than 3 happen once in 100 runs.
+    one_experiment(r#", "outer": 1024, "inner": 512"#, 100, 3);
+    one_experiment(r#", "outer": 16384, "inner": 8192"#, 2, 0);
+    one_experiment(r#", "outer": 16384, "draws": 64, "estimator": "importance""#, 2, 0);
 }
 
 fn short_prior(how: &str) {
@@ -149,7 +146,7 @@ fn short_prior(how: &str) {
 
 #[test]
 fn a_short_prior_moves_the_optimum() {
-    short_prior(r#", "outer": 2048, "inner": 1024"#);
+    short_prior(r#", "outer": 1024, "inner": 512"#);
 }
 
 fn two_experiments(how: &str) {
@@ -166,7 +163,7 @@ fn two_experiments(how: &str) {
 
 #[test]
 fn two_experiments_are_those_of_huan_and_marzouk() {
-    two_experiments(r#", "outer": 2048, "inner": 1024"#);
+    two_experiments(r#", "outer": 1024, "inner": 512"#);
 }
 
 #[test]
@@ -183,7 +180,7 @@ fn two_phases_are_chosen_one_after_the_other() {
     let picks: Vec<usize> = output.picks.iter().map(|pick| pick.position).collect();
     assert_eq!(picks, [3, 1], "d = 1, then 0.2");
     let last = &output.picks[1];
-    assert!((last.information_nats - 3.737_274_78).abs() < 3.0 * last.se + last.bias_bound, "{last:?}");
+    assert!((last.information_nats - 3.737_274_78).abs() < 3.0 * last.se + last.bias_bound.unwrap(), "{last:?}");
     assert!(output.guarantee.contains("63 %"), "{}", output.guarantee);
 }
 
@@ -245,10 +242,82 @@ fn a_constant_error_of_a_sensor_is_a_nuisance_that_phases_share() {
     assert_eq!(output.nuisance, ["b", "experiment.y.bias"]);
     for (pick, rest) in output.picks.iter().zip([1.062_5_f64, 1.031_25]) {
         let exact = 0.5 * bmv::math::functions::ln((4.0 + rest) / rest);
-        let margin = 3.0 * pick.se + pick.bias_bound;
+        let margin = 3.0 * pick.se + pick.bias_bound.unwrap();
         assert!((pick.information_nats - exact).abs() < margin, "{pick:?} {exact}");
     }
     assert!(output.guarantee.contains("no guarantee"), "{}", output.guarantee);
+}
+
+/// Between the values of a coarse grid lies what is best: `U = 1/2 ln(1 + (100 sin(2 x) (1 - (y - 0.3)^2))^2)` is largest at
+/// `x = pi / 4`, `y = 0.3`.
+#[test]
+fn a_search_finds_the_optimum_between_the_values_of_the_grid() {
+    let model = r#"{"format": "bmv-network/1", "title": "a known optimum",
+     "inputs": {"x": {"unit": "1", "nominal": 1, "range": [0, 2]}, "y": {"unit": "1", "nominal": 0, "range": [0, 1]}},
+     "parameters": {"a": {"unit": "1", "nominal": 0, "prior": {"normal": {"mean": 0, "sd": 1}}}},
+     "quantities": {"q": {"expression": {"of": "a * sin(2 * x) * (1 - (y - 0.3)^2)", "unit": "1"}}}}"#;
+    let job = r#"{"j": {"design": {"conditions": {"x": [0.1, 0.5, 1.2, 1.5], "y": [0, 0.5, 1]}, "search": 16, "outer": 256, "inner": 128,
+        "sensors": {"q": {"measures": "q", "sigma": 0.01}}}}}"#;
+    let pass = pass(model, job);
+    let output = designed(&pass, settings(&pass), &pass.priors);
+    let best = output.best.as_ref().unwrap();
+    // U is flat at its top: 0.02 off in each costs 0.001 nats of ln(100) = 4.6.
+    let [x, y] = ["x", "y"].map(|name| best.conditions[name]);
+    assert!((x - std::f64::consts::FRAC_PI_4).abs() < 0.03 && (y - 0.3).abs() < 0.03, "{x} {y}");
+    assert!(
+        output.candidates[best.candidate].is_found && output.candidates.len() <= 12 + 16,
+        "{}",
+        output.candidates.len()
+    );
+    assert!(output.candidates[..12].iter().all(|candidate| !candidate.is_found));
+}
+
+#[test]
+fn a_search_finds_the_optimum_of_huan_and_marzouk() {
+    // With the short prior it lies at 0.2, where U has a corner: 2.4075 (printed to four decimals).
+    let pass = huan(r#"{"d": [0, 0.35, 0.7, 1]}"#, r#", "outer": 1024, "inner": 512, "search": 16"#);
+    let output = designed(&pass, settings(&pass), &[Distribution::Uniform { lower: 0.0, upper: 0.437_271_7 }]);
+    let best = output.best.unwrap();
+    assert!((best.conditions["d"] - 0.2).abs() < 0.015, "{best:?}");
+    // Within 0.015 of the corner U has fallen by 0.014 at most (slope 1 of ln y').
+    let (found, margin) = value(&output.candidates[best.candidate]);
+    assert!((found - 2.4075).abs() < margin + 0.015, "{found} {margin}");
+}
+
+#[test]
+fn errors_of_inputs_count() {
+    // y = a + x + error, z = x + error: what errs in x is the same in both. Its constant part (variance 0.25) is one for all
+    // phases, the rest (0.09) new in each. Exact by determinants of the readings' covariance with and without a.
+    let erring = r#""x": {"unit": "1", "nominal": 1, "range": [0, 4], "sigma": 0.3, "bias": {"prior": {"normal": {"mean": 0, "sd": 0.5}}}}"#;
+    let model = LINEAR.replace(r#""x": {"unit": "1", "nominal": 1, "range": [0, 4]}"#, erring);
+    let covariance = |phases: usize, learnt: bool| {
+        nalgebra::DMatrix::from_fn(2 * phases, 2 * phases, |i, j| {
+            let noise = if i != j {
+                0.0
+            } else if i % 2 == 0 {
+                0.25 * 0.25
+            } else {
+                0.5 * 0.5
+            };
+            let of_a = if learnt && i % 2 == 0 && j % 2 == 0 { 4.0 } else { 0.0 };
+            noise + of_a + 0.25 + if i / 2 == j / 2 { 0.09 } else { 0.0 }
+        })
+        .determinant()
+    };
+    for estimator in ["nested", "importance", "laplace", "linear"] {
+        let job = format!(
+            r#"{{"j": {{"design": {{"sensors": {SENSORS}, "outer": 2048, "inner": 1024, "conditions": {{"x": [2]}}, "learn": ["a"],
+                "nuisance": [], "pick": 2, "estimator": "{estimator}"}}}}}}"#
+        );
+        let pass = pass(&model, &job);
+        let output = designed(&pass, settings(&pass), &pass.priors);
+        assert_eq!(output.nuisance, ["x.bias"]);
+        for (phases, pick) in output.picks.iter().enumerate() {
+            let exact = 0.5 * bmv::math::functions::ln(covariance(phases + 1, true) / covariance(phases + 1, false));
+            let margin = 3.0 * pick.se + pick.bias_bound.unwrap_or(0.0) + 1e-12;
+            assert!((pick.information_nats - exact).abs() < margin, "{estimator} {pick:?} {exact}");
+        }
+    }
 }
 
 #[test]
@@ -295,6 +364,9 @@ fn what_cannot_be_done_is_refused_at_its_place() {
         (r#""conditions": {"x": [1]}, "outer": 100"#, "job-setting", "outer"),
         (r#""conditions": {"x": [1]}, "outer": 256, "inner": 256"#, "job-setting", "inner"),
         (r#""conditions": {"x": [1]}, "pick": 0"#, "job-setting", "phases"),
+        (r#""conditions": {"x": [1]}, "search": 4"#, "design-conditions", "between"),
+        (r#""conditions": [{"x": 1}, {"x": 2}], "search": 4"#, "design-conditions", "between"),
+        (r#""conditions": {"x": [1, 2]}, "search": 5000"#, "job-setting", "search"),
         (r#""conditions": {"x": [1]}, "limits": {"red": 2}"#, "job-setting", "probability"),
         (r#""conditions": {"x": [1]}, "choose_sensors": 3"#, "job-setting", "sensors"),
         (r#""conditions": {"x": [1]}, "sensors": ["y", "y"]"#, "job-reference", "sensor"),

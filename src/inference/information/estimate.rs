@@ -28,13 +28,24 @@ pub struct Replicate {
     pub marginal_rise: f64,
     /// The same of `ln p(z | theta)`.
     pub conditional_rise: f64,
-    /// Outer samples with fewer than 10 effective inner samples.
+    /// Outer samples with fewer than 10 effective inner samples for most of their noises.
     pub few: u64,
     /// Sum of the effective inner samples.
     pub effective: f64,
 }
 
 impl Replicate {
+    /// Takes in an outer sample whose sums are over `noises` of its readings: their mean.
+    pub fn add_mean(&mut self, own: &Self, noises: u32) {
+        let n = f64::from(noises);
+        self.count += 1;
+        self.sum += own.sum / n;
+        self.marginal_rise += own.marginal_rise / n;
+        self.conditional_rise += own.conditional_rise / n;
+        self.effective += own.effective / n;
+        self.few += u64::from(2 * own.few > u64::from(noises));
+    }
+
     /// The mean, each logarithm's bias taken out once: `2 U_M - U_(M/2)`; `None` without samples.
     pub fn corrected(&self) -> Option<f64> {
         (self.count > 0).then(|| (self.sum - self.marginal_rise + self.conditional_rise) / self.count as f64)

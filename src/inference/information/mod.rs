@@ -10,4 +10,5 @@ pub mod estimate;
 pub mod linear;
 pub mod mixture;
 pub mod nested;
+pub mod search;
 pub mod separation;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use super::output::Output;
+use super::output::{Output, Phase};
 use crate::inference::information::estimate::Replicate;
 use crate::job::JobError;
 
@@ -33,6 +33,8 @@ pub(super) enum Purpose {
     Phase,
     /// A sensor at the best candidate, added to those that were chosen.
     Sensor,
+    /// A phase between the values of the grid: its readings are not known yet.
+    Search,
     /// Nothing: it carries the result so far.
     Carry,
 }
@@ -48,15 +50,34 @@ pub(super) struct InformationInput {
     pub sensors: Vec<usize>,
     /// First replicate and number of replicates.
     pub replicates: [usize; 2],
+    /// Phases that a search found: candidates after those of the settings.
+    pub found: Vec<Phase>,
     /// The result so far.
     pub carry: Option<Box<Output>>,
     /// Its replicates.
     pub carried: Vec<Vec<Replicate>>,
 }
 
+impl InformationInput {
+    /// The same without candidates and without what it carries.
+    pub fn shell(&self) -> Self {
+        Self {
+            purpose: Purpose::Phase,
+            phases: Vec::new(),
+            sensors: self.sensors.clone(),
+            replicates: self.replicates,
+            found: Vec::new(),
+            carry: None,
+            carried: Vec::new(),
+        }
+    }
+}
+
 /// What came out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct InformationOutput {
+    /// Of a phase of a search, whose readings are the numbers behind it.
+    pub head: Option<PredictHead>,
     pub replicates: Vec<Replicate>,
     pub solutions: u64,
 }

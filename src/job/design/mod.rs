@@ -2,7 +2,8 @@
 //! parameters integrated out, limits kept, several phases chosen one after the other, and sensors ranked.
 //!
 //! Stages: `predict` (a block a candidate: noise-free readings of all samples, limits), `information` (blocks of
-//! replicates of a candidate), then `phase N` and `sensor N` for greedy choices. The readings of the samples are solved
+//! replicates of a candidate), `search N` (blocks of phases between the values of the grid, by Bayesian optimisation), then
+//! `phase N` and `sensor N` for greedy choices. The readings of the samples are solved
 //! once: those of a replicate are outer samples there and inner samples of the replicates before it. All candidates see
 //! the same random numbers, so that their differences are known better than their values.
 
@@ -11,6 +12,7 @@ mod information;
 mod output;
 mod plant;
 mod samples;
+mod search;
 mod summary;
 
 use std::sync::Arc;
@@ -18,17 +20,17 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 pub use output::{
-    Axis, Best, Candidate, DesignSensor, Estimator, Observed, Output, Partial, Phase, Pick, Redundant, Spec,
-    UsedSensor, Varied, Violation,
+    Axis, Best, Candidate, DesignSensor, ErringInput, Estimator, Observed, Output, Partial, Phase, Pick, Redundant,
+    Spec, UsedSensor, Varied, Violation,
 };
 
 use super::{Job, JobError, Step};
 use crate::inference::information::estimate::Replicate;
-use crate::random::Distribution;
+use crate::random::{Distribution, StreamKey};
 use crate::thermal::Model;
 use block::{InformationInput, InformationOutput, PredictHead, PredictInput, Purpose, from_bytes, to_bytes};
 use information::Question;
-use plant::{Outside, Plant};
+use plant::{Outside, Place, Plant};
 use samples::{REPLICATES, Samples};
 
 const PREDICT: &str = "predict";
@@ -47,7 +49,11 @@ pub struct Design {
     model: Arc<Model>,
     priors: Vec<Distribution>,
     plant: Plant,
+    /// Of the settings' candidates.
+    places: Vec<Place>,
     samples: Samples,
+    /// Of the points at which a search looks.
+    key: StreamKey,
 }
 
 /// Phases, sensors, and the readings of each phase.
@@ -58,7 +64,12 @@ type Set<'a> = (Vec<usize>, Vec<usize>, Vec<&'a [f64]>);
 struct State {
     output: Output,
     replicates: Vec<Vec<Replicate>>,
+    /// Phases that a search found: candidates after those of the settings.
+    found: Vec<Phase>,
 }
+
+/// What was asked, its predictions, and the replicates found.
+type Told = (InformationInput, Vec<f64>, Vec<Replicate>);
 
 impl Design {
     /// Prepares the job; `name` is its name in the pass, which its random streams are keyed by.
@@ -91,15 +102,17 @@ impl Design {
         let unknowns = samples::unknowns(&spec, &model, &priors);
         let samples = Samples::new(&spec, unknowns.len(), seed, name)?;
         let plant = Plant::new(&spec, &model, &priors, unknowns)?;
-        Ok(Self { spec, model, priors, plant, samples })
+        let places = spec.candidates.iter().map(|phase| plant.place(phase)).collect();
+        let key = StreamKey::new(seed, name, "design search");
+        Ok(Self { spec, model, priors, plant, places, samples, key })
     }
 
     fn all_samples(&self) -> usize {
         REPLICATES * self.samples.size
     }
 
-    /// Noise-free readings of all samples of a candidate.
-    fn predict(&self, candidate: usize) -> (PredictHead, Vec<f64>) {
+    /// Noise-free readings of all samples of a phase.
+    fn predict(&self, at: &Place) -> (PredictHead, Vec<f64>) {
         let (unknowns, sensors, size) = (self.samples.unknowns, self.plant.sensors(), self.samples.size);
         let mut room = self.plant.room();
         let mut outside = Outside { nodes: vec![0; self.model.nodes.len()], ..Outside::default() };
@@ -118,11 +131,11 @@ impl Design {
                         *slot = *value;
                     }
                 }
-                self.plant.readings(candidate, &values[..count * unknowns], &mut room, readings, Some(&mut outside));
+                self.plant.readings(at, &values[..count * unknowns], &mut room, readings, Some(&mut outside));
             }
         }
         let Outside { failed, outside, nodes } = outside;
-        let changes = self.plant.nominal_changes(candidate, &mut room).unwrap_or_default();
+        let changes = self.plant.nominal_changes(at, &mut room).unwrap_or_default();
         (PredictHead { failed, outside, nodes, changes }, readings)
     }
 
@@ -138,22 +151,43 @@ impl Design {
                     phases: phases.clone(),
                     sensors: sensors.clone(),
                     replicates: [first, cut],
+                    found: state.found.clone(),
                     carry: None,
                     carried: Vec::new(),
                 };
                 inputs.push(to_bytes(&head, &numbers)?);
             }
         }
-        let carry = InformationInput {
+        inputs.push(to_bytes(&Self::carry(state, Vec::new()), &[])?);
+        Ok(inputs)
+    }
+
+    /// A block that carries what is known so far; the numbers behind it are the readings of the candidates `with`.
+    fn carry(state: &State, with: Vec<usize>) -> InformationInput {
+        InformationInput {
             purpose: Purpose::Carry,
-            phases: Vec::new(),
+            phases: with,
             sensors: Vec::new(),
             replicates: [0, 0],
+            found: state.found.clone(),
             carry: Some(Box::new(state.output.clone())),
             carried: state.replicates.clone(),
-        };
-        inputs.push(to_bytes(&carry, &[])?);
-        Ok(inputs)
+        }
+    }
+
+    fn question<'a>(&'a self, phases: &'a [Place], read: &'a [usize], predictions: &'a [f64]) -> Question<'a> {
+        Question {
+            plant: &self.plant,
+            samples: &self.samples,
+            sensors: &self.spec.sensors,
+            estimator: self.spec.estimator,
+            learn: self.spec.learn.len(),
+            inner: usize::try_from(self.spec.inner).unwrap_or(usize::MAX),
+            draws: usize::try_from(self.spec.draws).unwrap_or(usize::MAX),
+            phases,
+            read,
+            predictions,
+        }
     }
 
     fn after_predictions(&self, stage: &str, outputs: &[Vec<u8>]) -> Result<Step, JobError> {
@@ -164,7 +198,7 @@ impl Design {
             heads.push(head);
             predictions.push(numbers);
         }
-        let mut state = State { output: self.begun(&heads), replicates: Vec::new() };
+        let mut state = State { output: self.begun(&heads), ..State::default() };
         state.output.solutions = outputs.len() as u64 * self.all_samples() as u64;
         let read: Vec<usize> = (0..self.plant.sensors()).collect();
         let sets: Vec<_> = (state.output.candidates.iter().enumerate())
@@ -177,47 +211,69 @@ impl Design {
 
     fn after_information(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
         let mut state = State::default();
-        // What was asked, its predictions, and the replicates found, set by set.
-        let mut sets: Vec<(InformationInput, Vec<f64>, Vec<Replicate>)> = Vec::new();
-        let mut solutions = 0;
+        let mut sets: Vec<Told> = Vec::new();
+        let (mut searched, mut solutions) = (Vec::new(), 0);
+        let all = self.all_samples() * self.plant.sensors();
         for (input, output) in inputs.iter().zip(outputs) {
             let (head, numbers) = from_bytes::<InformationInput>(input, stage)?;
-            if head.purpose == Purpose::Carry {
-                state.output = head.carry.map(|output| *output).unwrap_or_default();
-                state.replicates = head.carried;
-                continue;
-            }
-            let (found, _) = from_bytes::<InformationOutput>(output, stage)?;
-            solutions += found.solutions;
-            match sets.last_mut() {
-                Some((last, _, replicates)) if last.phases == head.phases && last.sensors == head.sensors => {
-                    replicates.extend(found.replicates);
+            let (told, readings) = from_bytes::<InformationOutput>(output, stage)?;
+            solutions += told.solutions;
+            match head.purpose {
+                Purpose::Carry => {
+                    for (&phase, readings) in head.phases.iter().zip(numbers.chunks_exact(all)) {
+                        let own = InformationInput { phases: vec![phase], ..head.shell() };
+                        let replicates = head.carried.get(phase).cloned().unwrap_or_default();
+                        sets.push((own, readings.to_vec(), replicates));
+                    }
+                    state.output = head.carry.map(|output| *output).unwrap_or_default();
+                    (state.replicates, state.found) = (head.carried, head.found);
                 }
-                _ => sets.push((head, numbers, found.replicates)),
+                Purpose::Search => searched.push((head, told, readings)),
+                Purpose::Phase | Purpose::Sensor => match sets.last_mut() {
+                    Some((last, _, replicates)) if last.phases == head.phases && last.sensors == head.sensors => {
+                        replicates.extend(told.replicates);
+                    }
+                    _ => sets.push((head, numbers, told.replicates)),
+                },
             }
         }
         state.output.solutions += solutions;
+        let is_greedy = stage != INFORMATION && searched.is_empty();
+        if is_greedy {
+            self.add_pick(&mut state.output, &sets);
+            return self.next(&state, &sets);
+        }
         if stage == INFORMATION {
             for (head, _, replicates) in &sets {
                 if let Some(&candidate) = head.phases.last() {
                     state.replicates[candidate].clone_from(replicates);
                 }
             }
-            let best = self.judge(&mut state);
-            if let Some(best) = best {
-                let own = sets.iter().find(|(head, _, _)| head.phases == [best]);
-                if let Some((_, predictions, _)) = own {
-                    self.describe_best(&mut state.output, best, predictions);
-                }
-            }
-        } else {
-            self.add_pick(&mut state.output, &sets);
+        }
+        for (head, told, readings) in searched {
+            self.take_in(&mut state, &mut sets, head, told, readings);
+        }
+        let best = self.judge(&mut state);
+        if let Some(blocks) = self.search(&state, &sets)? {
+            return Ok(blocks);
+        }
+        if let Some(best) = best
+            && let Some((_, predictions, _)) = sets.iter().find(|(head, _, _)| head.phases == [best])
+        {
+            let place = self.place(best, &state.found);
+            self.describe_best(&mut state.output, place.as_ref(), predictions);
         }
         self.next(&state, &sets)
     }
 
+    /// A candidate of the settings, or of those that were found.
+    fn place(&self, candidate: usize, found: &[Phase]) -> Option<Place> {
+        let own = self.places.get(candidate).cloned();
+        own.or_else(|| Some(self.plant.place(found.get(candidate.checked_sub(self.places.len())?)?)))
+    }
+
     /// The next greedy stage, or the result.
-    fn next(&self, state: &State, sets: &[(InformationInput, Vec<f64>, Vec<Replicate>)]) -> Result<Step, JobError> {
+    fn next(&self, state: &State, sets: &[Told]) -> Result<Step, JobError> {
         let output = &state.output;
         let all = self.all_samples() * self.plant.sensors();
         // The readings of a candidate stand last in the blocks that ask for it.
@@ -267,7 +323,7 @@ impl Job for Design {
     }
 
     fn algorithm_version(&self) -> u32 {
-        1
+        2
     }
 
     fn identity(&self) -> Value {
@@ -283,40 +339,32 @@ impl Job for Design {
         let unreadable = |reason: &str| JobError::Unreadable { stage: stage.to_owned(), reason: reason.to_owned() };
         if stage == PREDICT {
             let (head, _) = from_bytes::<PredictInput>(input, stage)?;
-            if head.candidate >= self.spec.candidates.len() {
-                return Err(unreadable("there is no such candidate"));
-            }
-            let (head, readings) = self.predict(head.candidate);
+            let place = self.places.get(head.candidate).ok_or_else(|| unreadable("there is no such candidate"))?;
+            let (head, readings) = self.predict(place);
             return to_bytes(&head, &readings);
         }
         let (head, predictions) = from_bytes::<InformationInput>(input, stage)?;
+        if head.purpose == Purpose::Carry {
+            return to_bytes(&InformationOutput::default(), &[]);
+        }
+        let places: Option<Vec<Place>> = head.phases.iter().map(|&phase| self.place(phase, &head.found)).collect();
+        let places = places.ok_or_else(|| unreadable("there is no such candidate"))?;
+        if head.purpose == Purpose::Search {
+            let [place] = places.as_slice() else { return Err(unreadable("it is not one phase")) };
+            return self.look(place);
+        }
         let [first, count] = head.replicates;
         let expected = head.phases.len() * self.all_samples() * self.plant.sensors();
         let fits = predictions.len() == expected
             && first + count <= REPLICATES
             && head.phases.len() as u64 <= self.spec.pick
-            && head.phases.iter().all(|phase| *phase < self.spec.candidates.len())
             && head.sensors.iter().all(|sensor| *sensor < self.plant.sensors());
         if !fits {
             return Err(unreadable("its readings do not fit"));
         }
-        if head.purpose == Purpose::Carry {
-            return to_bytes(&InformationOutput::default(), &[]);
-        }
-        let question = Question {
-            plant: &self.plant,
-            samples: &self.samples,
-            sensors: &self.spec.sensors,
-            estimator: self.spec.estimator,
-            learn: self.spec.learn.len(),
-            inner: usize::try_from(self.spec.inner).unwrap_or(usize::MAX),
-            draws: usize::try_from(self.spec.draws).unwrap_or(usize::MAX),
-            phases: &head.phases,
-            read: &head.sensors,
-            predictions: &predictions,
-        };
-        let (replicates, solutions) = question.replicates(first..first + count);
-        to_bytes(&InformationOutput { replicates, solutions }, &[])
+        let (replicates, solutions) =
+            self.question(&places, &head.sensors, &predictions).replicates(first..first + count);
+        to_bytes(&InformationOutput { head: None, replicates, solutions }, &[])
     }
 
     fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {

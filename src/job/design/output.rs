@@ -64,6 +64,17 @@ pub struct DesignSensor {
     pub bias: Option<Distribution>,
 }
 
+/// The own error of an input.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ErringInput {
+    /// Index in the model's list.
+    pub input: usize,
+    /// Standard deviation of what is independent from phase to phase, SI.
+    pub sigma: Option<f64>,
+    /// Prior of a constant error, SI.
+    pub bias: Option<Distribution>,
+}
+
 /// Resolved settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spec {
@@ -79,8 +90,12 @@ pub struct Spec {
     pub is_grid: bool,
     /// Sensors.
     pub sensors: Vec<DesignSensor>,
+    /// Inputs that are not exactly what they are said to be.
+    pub input_errors: Vec<ErringInput>,
     /// How information is estimated.
     pub estimator: Estimator,
+    /// Further phases that are sought between the values of the grid.
+    pub search: u64,
     /// Outer samples, a power of two.
     pub outer: u64,
     /// Inner samples, a power of two of at most half of `outer`.
@@ -117,7 +132,7 @@ pub struct Candidate {
     pub information_nats: Option<f64>,
     /// Standard error.
     pub se: Option<f64>,
-    /// Bound of the bias.
+    /// Bound of the bias; `null` for `laplace` and `linear`, whose error of approximation nobody knows.
     pub bias_bound: Option<f64>,
     /// Estimate of a linear model with normal priors.
     pub linear_nats: Option<f64>,
@@ -137,6 +152,9 @@ pub struct Candidate {
     pub few_effective: Option<f64>,
     /// Whether the information is within noise of 0.
     pub sees_nothing: bool,
+    /// Whether the search between the values of the grid found it.
+    #[serde(default)]
+    pub is_found: bool,
 }
 
 /// The best experiment.
@@ -150,8 +168,8 @@ pub struct Best {
     pub information_nats: f64,
     /// Standard error.
     pub se: f64,
-    /// Bound of the bias.
-    pub bias_bound: f64,
+    /// Bound of the bias; `null` where it is not known.
+    pub bias_bound: Option<f64>,
     /// Other allowed candidates that are not told from it: within two standard errors of the difference and the bias.
     pub rivals: Vec<usize>,
 }
@@ -165,8 +183,8 @@ pub struct Pick {
     pub information_nats: f64,
     /// Standard error.
     pub se: f64,
-    /// Bound of the bias.
-    pub bias_bound: f64,
+    /// Bound of the bias; `null` where it is not known.
+    pub bias_bound: Option<f64>,
 }
 
 /// The estimate from the first of the outer samples.
@@ -235,7 +253,7 @@ pub struct Output {
     pub sensors: Vec<UsedSensor>,
     /// Inputs that differ between candidates.
     pub axes: Vec<Axis>,
-    /// Whether the candidates form a grid, the last input fastest.
+    /// Whether the candidates form a grid, the last input fastest; what a search found comes after it.
     pub is_grid: bool,
     /// Outer samples, inner samples, draws of inner integrals by importance sampling.
     pub samples: [u64; 3],

@@ -1,8 +1,9 @@
 //! The model of a design: readings and their derivatives at samples of the unknowns.
 
-use super::output::{Phase, Spec};
+use super::output::{DesignSensor, Phase, Spec};
 use super::samples::{Kind, Unknown};
 use crate::expression::Symbol;
+use crate::inference::cholesky;
 use crate::inference::information::coordinates;
 use crate::job::JobError;
 use crate::random::Distribution;
@@ -25,9 +26,63 @@ pub(super) struct Plant {
     columns: Vec<usize>,
     /// Red and yellow limits by node.
     limits: Vec<[Option<[f64; 2]>; 2]>,
-    /// Where solves of a candidate start; `None` where its nominal state has no solution.
-    starts: Vec<Option<Vec<f64>>>,
-    phases: Vec<Phase>,
+    /// Derivatives by the inputs that err from phase to phase, with the standard deviations of these; none without any.
+    noisy: Option<(Network, Vec<f64>)>,
+}
+
+/// A phase, ready to be solved.
+#[derive(Clone, Debug)]
+pub(super) struct Place {
+    inputs: Vec<f64>,
+    /// Where its solves start; `None` where its nominal state has no solution.
+    start: Option<Vec<f64>>,
+    /// Covariance of the readings by the errors of the inputs, `F S F'`; empty without any.
+    covariance: Vec<f64>,
+}
+
+impl Place {
+    fn start(&self) -> Start<'_> {
+        self.start.as_deref().map_or(Start::Default, Start::Temperatures)
+    }
+}
+
+/// What makes the noise of a phase's readings independent with unit variance.
+#[derive(Clone, Debug)]
+pub(super) struct Whitening {
+    sigmas: Vec<f64>,
+    /// Factor of `diag(sigma^2) + F S F'`; empty where the noise is independent.
+    factor: Vec<f64>,
+}
+
+impl Whitening {
+    /// Of the sensors that are read.
+    pub fn new(place: &Place, sensors: &[DesignSensor], read: &[usize]) -> Self {
+        let sigmas: Vec<f64> = read.iter().map(|&sensor| sensors[sensor].sigma).collect();
+        let n = read.len();
+        let mut factor = Vec::new();
+        if !place.covariance.is_empty() {
+            for (a, &row) in read.iter().enumerate() {
+                for (b, &column) in read.iter().enumerate() {
+                    let own = if a == b { sigmas[a] * sigmas[a] } else { 0.0 };
+                    factor.push(place.covariance[row * sensors.len() + column] + own);
+                }
+            }
+            // Finite derivatives leave it positive definite; others are caught where they arise.
+            if cholesky::factor(&mut factor, n).is_err() {
+                factor.clear();
+            }
+        }
+        Self { sigmas, factor }
+    }
+
+    /// Turns readings (SI) of the sensors that are read, or their differences, into whitened ones.
+    pub fn apply(&self, values: &mut [f64]) {
+        if self.factor.is_empty() {
+            values.iter_mut().zip(&self.sigmas).for_each(|(value, sigma)| *value /= sigma);
+        } else {
+            cholesky::solve_lower(&self.factor, values);
+        }
+    }
 }
 
 /// Room of one block.
@@ -64,10 +119,12 @@ impl Plant {
             Model { quantities: quantities.iter().map(|&q| model.quantities[q].clone()).collect(), ..model.clone() };
         let (mut symbols, mut columns) = (Vec::new(), Vec::new());
         for (place, unknown) in unknowns.iter().enumerate() {
-            if let Kind::Parameter(index) = unknown.kind {
-                symbols.push(Symbol::Parameter(u32::try_from(index).unwrap_or(u32::MAX)));
-                columns.push(place);
+            match unknown.kind {
+                Kind::Parameter(index) => symbols.push(Symbol::Parameter(u32::try_from(index).unwrap_or(u32::MAX))),
+                Kind::Input(index) => symbols.push(Symbol::Input(u32::try_from(index).unwrap_or(u32::MAX))),
+                Kind::Bias(_) => continue,
             }
+            columns.push(place);
         }
         let failed = |e: crate::thermal::NetworkError| JobError::Failed(e.to_string());
         let plain = Network::compile(&model, &[]).map_err(failed)?;
@@ -76,25 +133,56 @@ impl Plant {
             Distribution::Fixed(value) => *value,
             _ => parameter.nominal,
         });
-        let mut plant = Self {
+        let noisy: Vec<(usize, f64)> =
+            spec.input_errors.iter().filter_map(|own| Some((own.input, own.sigma.filter(|s| *s > 0.0)?))).collect();
+        let noisy = if noisy.is_empty() {
+            None
+        } else {
+            let symbol = |&(input, _): &(usize, f64)| Symbol::Input(u32::try_from(input).unwrap_or(u32::MAX));
+            let symbols: Vec<Symbol> = noisy.iter().map(symbol).collect();
+            let network = Network::compile(&model, &symbols).map_err(failed)?;
+            Some((network, noisy.iter().map(|(_, sigma)| *sigma).collect()))
+        };
+        Ok(Self {
             base: base.collect(),
             limits: model.nodes.iter().map(|node| [node.limits.red, node.limits.yellow]).collect(),
             quantities: of_sensor,
-            starts: Vec::new(),
-            phases: spec.candidates.clone(),
             plain,
             tangent,
             unknowns,
             columns,
-        };
-        let mut workspace = plant.plain.workspace();
-        plant.plain.set_parameters(&mut workspace, &plant.base);
-        for phase in &plant.phases {
-            plant.plain.set_inputs(&mut workspace, &phase.inputs);
-            let solved = plant.plain.solve_steady(&mut workspace, Start::Default).is_ok();
-            plant.starts.push(solved.then(|| workspace.temperatures().to_vec()));
+            noisy,
+        })
+    }
+
+    /// Solves a phase at nominal parameters.
+    pub fn place(&self, phase: &Phase) -> Place {
+        let mut workspace = self.plain.workspace();
+        self.plain.set_parameters(&mut workspace, &self.base);
+        self.plain.set_inputs(&mut workspace, &phase.inputs);
+        let solved = self.plain.solve_steady(&mut workspace, Start::Default).is_ok();
+        let start = solved.then(|| workspace.temperatures().to_vec());
+        let covariance = if solved { self.covariance(phase).unwrap_or_default() } else { Vec::new() };
+        Place { inputs: phase.inputs.clone(), start, covariance }
+    }
+
+    /// `F S F'` of the sensors by the inputs that err, at nominal parameters, as in a calibration.
+    fn covariance(&self, phase: &Phase) -> Option<Vec<f64>> {
+        let (network, sigmas) = self.noisy.as_ref()?;
+        let mut workspace = network.workspace();
+        network.set_parameters(&mut workspace, &self.base);
+        network.set_inputs(&mut workspace, &phase.inputs);
+        network.solve_steady(&mut workspace, Start::Default).ok()?;
+        let mut slopes = vec![0.0; network.quantities() * sigmas.len()];
+        network.quantity_tangent(&mut workspace, &mut slopes).ok()?;
+        let row = |sensor: usize| &slopes[self.quantities[sensor] * sigmas.len()..][..sigmas.len()];
+        let mut covariance = Vec::new();
+        for a in 0..self.sensors() {
+            for b in 0..self.sensors() {
+                covariance.push(row(a).iter().zip(row(b)).zip(sigmas).map(|((x, y), s)| x * y * s * s).sum());
+            }
         }
-        Ok(plant)
+        covariance.iter().all(|value: &f64| value.is_finite()).then_some(covariance)
     }
 
     pub fn unknowns(&self) -> &[Unknown] {
@@ -125,15 +213,11 @@ impl Plant {
         }
     }
 
-    fn start(&self, candidate: usize) -> Start<'_> {
-        self.starts[candidate].as_deref().map_or(Start::Default, Start::Temperatures)
-    }
-
-    /// Readings of a candidate phase at `values` (`samples x unknowns`, SI) into `readings` (`samples x sensors`, SI),
+    /// Readings of a phase at `values` (`samples x unknowns`, SI) into `readings` (`samples x sensors`, SI),
     /// which are NaN where there is no solution; `outside` counts limits that were left.
     pub fn readings(
         &self,
-        candidate: usize,
+        at: &Place,
         values: &[f64],
         room: &mut Room,
         readings: &mut [f64],
@@ -142,8 +226,10 @@ impl Plant {
         let (width, sensors) = (self.unknowns.len(), self.sensors());
         let batch = &mut room.batch;
         for lane in 0..LANES {
-            batch.set_inputs(&self.plain, lane, &self.phases[candidate].inputs);
+            batch.set_inputs(&self.plain, lane, &at.inputs);
         }
+        let errs = self.unknowns.iter().any(|unknown| matches!(unknown.kind, Kind::Input(_)));
+        let mut inputs = at.inputs.clone();
         for (rows, out) in values.chunks(width * LANES).zip(readings.chunks_mut(sensors * LANES)) {
             let lanes = rows.len() / width;
             for (place, unknown) in self.unknowns.iter().enumerate() {
@@ -153,7 +239,14 @@ impl Plant {
                     batch.set_parameter_lanes(parameter, lane_values);
                 }
             }
-            self.plain.solve_steady_batch(batch, self.start(candidate));
+            if errs {
+                for lane in 0..LANES {
+                    inputs.copy_from_slice(&at.inputs);
+                    self.shift(&rows[lane.min(lanes - 1) * width..], &mut inputs);
+                    batch.set_inputs(&self.plain, lane, &inputs);
+                }
+            }
+            self.plain.solve_steady_batch(batch, at.start());
             room.solutions += lanes as u64;
             for lane in 0..lanes {
                 let row = &mut out[lane * sensors..(lane + 1) * sensors];
@@ -173,6 +266,15 @@ impl Plant {
                 if let Some(outside) = outside.as_deref_mut() {
                     self.count(batch, lane, is_good, outside);
                 }
+            }
+        }
+    }
+
+    /// Adds the constant errors of the inputs among the values of the unknowns.
+    fn shift(&self, values: &[f64], inputs: &mut [f64]) {
+        for (unknown, value) in self.unknowns.iter().zip(values) {
+            if let Kind::Input(index) = unknown.kind {
+                inputs[index] += value;
             }
         }
     }
@@ -215,7 +317,7 @@ impl Plant {
     /// there is no solution.
     pub fn linearised(
         &self,
-        candidate: usize,
+        place: &Place,
         at: &[f64],
         room: &mut Room,
         readings: &mut [f64],
@@ -225,26 +327,26 @@ impl Plant {
         self.values(at, &mut values);
         let scales: Vec<f64> =
             self.unknowns.iter().zip(at).map(|(unknown, &u)| coordinates::slope(&unknown.prior, u)).collect();
-        self.tangents(candidate, &values, &scales, room, readings, jacobian)
+        self.tangents(place, &values, &scales, room, readings, jacobian)
     }
 
     /// The same at nominal parameters, for a change of one prior standard deviation.
-    pub fn nominal_changes(&self, candidate: usize, room: &mut Room) -> Option<Vec<f64>> {
+    pub fn nominal_changes(&self, at: &Place, room: &mut Room) -> Option<Vec<f64>> {
         let values: Vec<f64> = (self.unknowns.iter())
             .map(|unknown| match unknown.kind {
                 Kind::Parameter(index) => self.base[index],
-                Kind::Bias(_) => unknown.prior.quantile(0.5),
+                Kind::Bias(_) | Kind::Input(_) => unknown.prior.quantile(0.5),
             })
             .collect();
         let scales: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.prior.sd()).collect();
         let mut readings = vec![0.0; self.sensors()];
         let mut jacobian = vec![0.0; self.sensors() * self.unknowns.len()];
-        self.tangents(candidate, &values, &scales, room, &mut readings, &mut jacobian).then_some(jacobian)
+        self.tangents(at, &values, &scales, room, &mut readings, &mut jacobian).then_some(jacobian)
     }
 
     fn tangents(
         &self,
-        candidate: usize,
+        at: &Place,
         values: &[f64],
         scales: &[f64],
         room: &mut Room,
@@ -258,9 +360,11 @@ impl Plant {
         }
         let network = &self.tangent;
         network.set_parameters(&mut room.workspace, &room.parameters);
-        network.set_inputs(&mut room.workspace, &self.phases[candidate].inputs);
+        let mut inputs = at.inputs.clone();
+        self.shift(values, &mut inputs);
+        network.set_inputs(&mut room.workspace, &inputs);
         room.solutions += 1;
-        if network.solve_steady(&mut room.workspace, self.start(candidate)).is_err()
+        if network.solve_steady(&mut room.workspace, at.start()).is_err()
             || network.quantity_tangent(&mut room.workspace, &mut room.slopes).is_err()
         {
             return false;

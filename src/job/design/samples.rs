@@ -17,6 +17,8 @@ pub(super) enum Kind {
     Parameter(usize),
     /// The constant error of a sensor.
     Bias(usize),
+    /// The constant error of an input.
+    Input(usize),
 }
 
 /// An unknown.
@@ -27,7 +29,7 @@ pub(super) struct Unknown {
     pub kind: Kind,
 }
 
-/// The unknowns of a design: those to learn first, then nuisance parameters, then errors of sensors.
+/// The unknowns of a design: those to learn first, then nuisance parameters, then errors of sensors, then of inputs.
 pub(super) fn unknowns(spec: &Spec, model: &Model, priors: &[Distribution]) -> Vec<Unknown> {
     let parameters = spec.learn.iter().chain(&spec.nuisance).map(|&index| Unknown {
         name: model.parameters[index].name.clone(),
@@ -38,7 +40,12 @@ pub(super) fn unknowns(spec: &Spec, model: &Model, priors: &[Distribution]) -> V
         let prior = sensor.bias.filter(|prior| !prior.is_fixed())?;
         Some(Unknown { name: sensor_name("experiment", &sensor.name, "bias"), prior, kind: Kind::Bias(place) })
     });
-    parameters.chain(biases).collect()
+    let inputs = spec.input_errors.iter().filter_map(|own| {
+        let prior = own.bias.filter(|prior| !prior.is_fixed())?;
+        let name = format!("{}.bias", model.inputs[own.input].name);
+        Some(Unknown { name, prior, kind: Kind::Input(own.input) })
+    });
+    parameters.chain(biases).chain(inputs).collect()
 }
 
 /// The point sets of a design.

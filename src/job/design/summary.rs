@@ -2,19 +2,20 @@
 
 use std::collections::BTreeMap;
 
-use super::block::{InformationInput, PredictHead};
+use super::block::PredictHead;
 use super::information::whitened_rows;
 use super::output::{
-    Axis, Best, Candidate, Estimator, Observed, Output, Partial, Pick, Redundant, UsedSensor, Violation,
+    Axis, Best, Candidate, Estimator, Observed, Output, Partial, Phase, Pick, Redundant, UsedSensor, Violation,
 };
+use super::plant::{Place, Whitening};
 use super::samples::REPLICATES;
-use super::{Design, State};
-use crate::inference::information::estimate::{Estimate, Replicate, difference};
+use super::{Design, State, Told};
+use crate::inference::information::estimate::{Estimate, difference};
 use crate::inference::information::linear;
 use crate::statistics::moments::correlation;
 
 /// Largest share of samples without a solution.
-const FAILURE_LIMIT: f64 = 0.01;
+pub(super) const FAILURE_LIMIT: f64 = 0.01;
 /// Correlation from which two sensors tell the same.
 const REDUNDANT: f64 = 0.98;
 /// Share of outer samples with few effective inner samples above which it is said.
@@ -26,41 +27,8 @@ impl Design {
     /// Everything known before information: candidates with their limits and linear estimates.
     pub(super) fn begun(&self, heads: &[PredictHead]) -> Output {
         let spec = &self.spec;
-        let count = |number: u64| number as f64 / self.all_samples() as f64;
-        let has_limits = self.plant.has_limits();
-        let read: Vec<usize> = (0..self.plant.sensors()).collect();
-        let candidates = spec.candidates.iter().zip(heads).map(|(phase, head)| {
-            let conditions: BTreeMap<String, f64> = (spec.varied.iter())
-                .map(|varied| (self.model.inputs[varied.input].name.clone(), phase.inputs[varied.input]))
-                .collect();
-            let shares: [Option<f64>; 2] = [0, 1].map(|k| has_limits[k].then(|| count(head.outside[k])));
-            let most = (0..head.nodes.len()).filter(|&node| head.nodes[node] > 0).max_by_key(|&node| {
-                // The first of several.
-                (head.nodes[node], std::cmp::Reverse(node))
-            });
-            let node = most.map(|node| self.model.nodes[node].name.clone());
-            let failed = count(head.failed);
-            let because = self.refused(failed, shares, node.as_deref());
-            let rows = (!head.changes.is_empty())
-                .then(|| whitened_rows(&head.changes, self.samples.unknowns, &spec.sensors, &read));
-            let linear_nats =
-                rows.and_then(|rows| linear::information(&rows, self.samples.unknowns, spec.learn.len()).ok());
-            Candidate {
-                conditions,
-                information_nats: None,
-                se: None,
-                bias_bound: None,
-                linear_nats,
-                behind_best: None,
-                violation: Violation { red: shares[0], yellow: shares[1], node },
-                allowed: because.is_none(),
-                because,
-                failed,
-                effective_inner: None,
-                few_effective: None,
-                sees_nothing: false,
-            }
-        });
+        let candidates = spec.candidates.iter().zip(&self.places).zip(heads);
+        let candidates = candidates.map(|((phase, place), head)| self.candidate(phase, place, head));
         let names = |range: std::ops::Range<usize>| -> Vec<String> {
             self.plant.unknowns()[range].iter().map(|unknown| unknown.name.clone()).collect()
         };
@@ -90,6 +58,49 @@ impl Design {
         }
     }
 
+    /// A candidate with its limits and its linear estimate.
+    pub(super) fn candidate(&self, phase: &Phase, place: &Place, head: &PredictHead) -> Candidate {
+        let spec = &self.spec;
+        let count = |number: u64| number as f64 / self.all_samples() as f64;
+        let has_limits = self.plant.has_limits();
+        let read: Vec<usize> = (0..self.plant.sensors()).collect();
+        let conditions: BTreeMap<String, f64> = (spec.varied.iter())
+            .map(|varied| (self.model.inputs[varied.input].name.clone(), phase.inputs[varied.input]))
+            .collect();
+        let shares: [Option<f64>; 2] = [0, 1].map(|k| has_limits[k].then(|| count(head.outside[k])));
+        let most = (0..head.nodes.len()).filter(|&node| head.nodes[node] > 0).max_by_key(|&node| {
+            // The first of several.
+            (head.nodes[node], std::cmp::Reverse(node))
+        });
+        let node = most.map(|node| self.model.nodes[node].name.clone());
+        let failed = count(head.failed);
+        let because = self.refused(failed, shares, node.as_deref());
+        let whitening = Whitening::new(place, &spec.sensors, &read);
+        let rows =
+            (!head.changes.is_empty()).then(|| whitened_rows(&head.changes, self.samples.unknowns, &whitening, &read));
+        Candidate {
+            conditions,
+            information_nats: None,
+            se: None,
+            bias_bound: None,
+            linear_nats: rows.and_then(|rows| linear::information(&rows, self.samples.unknowns, spec.learn.len()).ok()),
+            behind_best: None,
+            violation: Violation { red: shares[0], yellow: shares[1], node },
+            allowed: because.is_none(),
+            because,
+            failed,
+            effective_inner: None,
+            few_effective: None,
+            sees_nothing: false,
+            is_found: false,
+        }
+    }
+
+    /// The bound of an estimate's bias, where it is known: that of an approximation is not.
+    fn bias_bound(&self, estimate: &Estimate) -> Option<f64> {
+        matches!(self.spec.estimator, Estimator::Nested | Estimator::Importance).then_some(estimate.bias_bound)
+    }
+
     /// Why a candidate is not allowed.
     fn refused(&self, failed: f64, shares: [Option<f64>; 2], node: Option<&str>) -> Option<String> {
         if failed > FAILURE_LIMIT {
@@ -115,7 +126,7 @@ impl Design {
 
     /// Fills in the candidates' information and finds the best.
     pub(super) fn judge(&self, state: &mut State) -> Option<usize> {
-        let State { output, replicates } = state;
+        let State { output, replicates, .. } = state;
         for (candidate, own) in output.candidates.iter_mut().zip(replicates.iter()) {
             let Some(estimate) = Estimate::of(own) else {
                 if candidate.allowed {
@@ -127,7 +138,7 @@ impl Design {
             let count = own.iter().map(|replicate| replicate.count).sum::<u64>() as f64;
             candidate.information_nats = Some(estimate.value);
             candidate.se = Some(estimate.standard_error).filter(|error| error.is_finite());
-            candidate.bias_bound = Some(estimate.bias_bound);
+            candidate.bias_bound = self.bias_bound(&estimate);
             candidate.sees_nothing = estimate.is_within_noise();
             if matches!(self.spec.estimator, Estimator::Nested | Estimator::Importance) {
                 candidate.effective_inner = Some(own.iter().map(|r| r.effective).sum::<f64>() / count);
@@ -162,10 +173,10 @@ impl Design {
             conditions: candidate.conditions.clone(),
             information_nats: estimate.value,
             se: estimate.standard_error,
-            bias_bound: estimate.bias_bound,
+            bias_bound: self.bias_bound(&estimate),
             rivals,
         });
-        output.picks = vec![pick(best, &estimate)];
+        output.picks = vec![self.pick(best, &estimate)];
         let parts = (0..).map(|power| 1_usize << power).take_while(|count| *count <= REPLICATES);
         let partial = |count: usize| {
             let estimate = Estimate::of(&replicates[best][..count])?;
@@ -180,9 +191,9 @@ impl Design {
     }
 
     /// Observability, correlations and redundant sensors at the best candidate.
-    pub(super) fn describe_best(&self, output: &mut Output, best: usize, predictions: &[f64]) {
+    pub(super) fn describe_best(&self, output: &mut Output, place: Option<&Place>, predictions: &[f64]) {
         let (sensors, unknowns) = (self.plant.sensors(), self.samples.unknowns);
-        if let Some(changes) = self.plant.nominal_changes(best, &mut self.plant.room()) {
+        if let Some(changes) = place.and_then(|place| self.plant.nominal_changes(place, &mut self.plant.room())) {
             output.observability = (self.plant.unknowns().iter().enumerate())
                 .map(|(place, unknown)| Observed {
                     parameter: unknown.name.clone(),
@@ -208,7 +219,7 @@ impl Design {
     }
 
     /// Adds the set that tells most to the greedy choice.
-    pub(super) fn add_pick(&self, output: &mut Output, sets: &[(InformationInput, Vec<f64>, Vec<Replicate>)]) {
+    pub(super) fn add_pick(&self, output: &mut Output, sets: &[Told]) {
         let mut most: Option<(usize, bool, Estimate)> = None;
         for (head, _, replicates) in sets {
             let is_sensor = head.purpose == super::block::Purpose::Sensor;
@@ -221,7 +232,12 @@ impl Design {
         }
         let Some((position, is_sensor, estimate)) = most else { return };
         let list = if is_sensor { &mut output.sensor_picks } else { &mut output.picks };
-        list.push(pick(position, &estimate));
+        list.push(self.pick(position, &estimate));
+    }
+
+    fn pick(&self, position: usize, estimate: &Estimate) -> Pick {
+        let bias_bound = self.bias_bound(estimate);
+        Pick { position, information_nats: estimate.value, se: estimate.standard_error, bias_bound }
     }
 
     /// What the reader must know.
@@ -251,15 +267,26 @@ impl Design {
             )),
             Some(_) => {}
         }
+        if let Some(best) = output.best.as_ref().filter(|_| self.spec.search > 0) {
+            let found = output.candidates.iter().filter(|candidate| candidate.is_found).count();
+            let what = if output.candidates[best.candidate].is_found {
+                "and the best is one of them"
+            } else {
+                "and none of them tells more than the best of the grid"
+            };
+            findings.push(match found {
+                0 => "Between the values of the grid nothing more is to be expected.".to_owned(),
+                _ => format!("Between the values of the grid {found} further phases were sought, {what}."),
+            });
+        }
         let forbidden = output.candidates.iter().filter(|candidate| !candidate.allowed).count();
         if forbidden > 0 && output.best.is_some() {
             findings.push(format!("{forbidden} of {} candidates are not allowed.", output.candidates.len()));
         }
         if let Some(best) = &output.best {
-            if best.bias_bound > BIAS_WORTH_A_WORD.max(3.0 * best.se) {
+            if let Some(bias) = best.bias_bound.filter(|bias| *bias > BIAS_WORTH_A_WORD.max(3.0 * best.se)) {
                 findings.push(format!(
-                    "The bias of the best candidate may be {:.3} nats: more inner samples, or `importance`, would tell.",
-                    best.bias_bound
+                    "The bias of the best candidate may be {bias:.3} nats: more inner samples, or `importance`, would tell."
                 ));
             }
             let few = output.candidates[best.candidate].few_effective.unwrap_or(0.0);
@@ -278,7 +305,8 @@ impl Design {
         }
         if matches!(self.spec.estimator, Estimator::Laplace | Estimator::Linear) {
             findings.push(format!(
-                "The estimator `{}` is an approximation whose error is not part of the numbers: for screening.",
+                "The estimator `{}` is an approximation for screening. The error of the approximation is not known, so that no bound \
+                 of the bias stands beside the numbers; `nested` or `importance` at the candidates that matter would tell it.",
                 output.estimator
             ));
         }
@@ -297,8 +325,4 @@ impl Design {
         }
         output.findings = findings;
     }
-}
-
-fn pick(position: usize, estimate: &Estimate) -> Pick {
-    Pick { position, information_nats: estimate.value, se: estimate.standard_error, bias_bound: estimate.bias_bound }
 }

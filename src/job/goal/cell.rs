@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use super::Goal;
 use super::knowledge::{Known, Sharpened};
-use crate::job::JobError;
 use crate::job::propagate::{Probability, Variable};
 use crate::math::special::normal_cdf;
 use crate::statistics::Interval;
@@ -223,11 +222,5 @@ impl Goal {
             }
         });
         all
-    }
-
-    /// A stored outcome.
-    pub(super) fn outcome_of(bytes: &[u8], stage: &str) -> Result<Outcome, JobError> {
-        serde_json::from_slice(bytes)
-            .map_err(|e| JobError::Unreadable { stage: stage.to_owned(), reason: e.to_string() })
     }
 }

@@ -68,8 +68,8 @@ pub struct Goal {
 enum Input {
     /// The given design with prior knowledge.
     Prior,
-    /// A cell; with the first of a stage what earlier stages found.
-    Cell(Cell, Option<Box<State>>),
+    /// Cells of which those with a design value are one curve; the first block of a stage has what earlier stages found.
+    Cells(Vec<Cell>, Option<Box<State>>),
 }
 
 /// All that was found so far.
@@ -169,15 +169,15 @@ impl Goal {
         Some([*values.first()?, *values.last()?])
     }
 
-    /// Cells of the second stage: levels of knowledge, and the curves over the design variable.
-    fn levels(&self, prior: &Prior) -> Vec<Cell> {
+    /// Blocks of the second stage: levels of knowledge, and the curves over the design variable.
+    fn levels(&self, prior: &Prior) -> Vec<Vec<Cell>> {
         let parameters = self.sharpened(prior);
         let samples = self.spec.samples;
         let mut cells = Vec::new();
         for set in 1..=parameters.len() {
             for ratio in RATIOS {
                 let known = self.known(&parameters, set, ratio);
-                cells.push(Cell { role: Role::Level { set, ratio }, known, design: None, samples });
+                cells.push(vec![Cell { role: Role::Level { set, ratio }, known, design: None, samples }]);
             }
         }
         for set in 0..=parameters.len() {
@@ -185,35 +185,36 @@ impl Goal {
             for &ratio in ratios {
                 let known = self.known(&parameters, set, ratio);
                 let curve = |design| Cell { role: Role::Curve { set, ratio }, known: known.clone(), design, samples };
-                cells.extend(self.design_values().into_iter().map(|value| curve(Some(value))));
+                cells.push(self.design_values().into_iter().map(|value| curve(Some(value))).collect());
             }
         }
+        cells.retain(|cells| !cells.is_empty());
         cells
     }
 
-    /// Cells between the two design values of each curve between which the probability is reached.
+    /// Runs the cells of a block; those between the two design values of its curve between which the probability is reached
+    /// come last.
+    fn run_all(&self, cells: &[Cell]) -> Vec<Outcome> {
+        let mut outcomes: Vec<Outcome> = cells.iter().map(|cell| self.run(cell)).collect();
+        let finer = self.finer(&outcomes);
+        outcomes.extend(finer.iter().map(|cell| self.run(cell)));
+        outcomes
+    }
+
+    /// Cells between the two design values of a curve between which the probability is reached.
     fn finer(&self, outcomes: &[Outcome]) -> Vec<Cell> {
-        let mut roles: Vec<Role> = Vec::new();
-        for outcome in outcomes {
-            if outcome.cell.design.is_some() && !roles.contains(&outcome.cell.role) {
-                roles.push(outcome.cell.role);
-            }
-        }
-        let mut cells = Vec::new();
-        for role in roles {
-            let curve: Vec<&Outcome> = outcomes.iter().filter(|o| o.cell.role == role).collect();
-            let Some(last) = curve.iter().rposition(|o| o.probability().value < self.required) else { continue };
-            let Some(next) = curve.get(last + 1) else { continue };
-            let Some((from, to)) = curve[last].cell.design.zip(next.cell.design) else { continue };
-            let inner = between(from, to, DESIGN_FINER + 2);
-            cells
-                .extend(inner[1..=DESIGN_FINER].iter().map(|&value| Cell { design: Some(value), ..next.cell.clone() }));
-        }
-        cells
+        let curve: Vec<&Outcome> = outcomes.iter().filter(|outcome| outcome.cell.design.is_some()).collect();
+        let last = curve.iter().rposition(|o| o.probability().value < self.required);
+        let Some((last, next)) = last.and_then(|last| Some((curve[last], *curve.get(last + 1)?))) else {
+            return Vec::new();
+        };
+        let Some((from, to)) = last.cell.design.zip(next.cell.design) else { return Vec::new() };
+        let inner = between(from, to, DESIGN_FINER + 2);
+        inner[1..=DESIGN_FINER].iter().map(|&value| Cell { design: Some(value), ..next.cell.clone() }).collect()
     }
 
     /// Shares between the last that is enough and the first that is not.
-    fn search(&self, state: &State) -> Vec<Cell> {
+    fn search(&self, state: &State) -> Vec<Vec<Cell>> {
         let Some((set, [enough, too_much])) = state.target else { return Vec::new() };
         let parameters = self.sharpened(&state.prior);
         let inner = between(enough, too_much, SEARCHED + 2);
@@ -223,7 +224,7 @@ impl Goal {
             design: None,
             samples: self.spec.samples,
         };
-        inner[1..=SEARCHED].iter().map(|&ratio| cell(ratio)).collect()
+        inner[1..=SEARCHED].iter().map(|&ratio| vec![cell(ratio)]).collect()
     }
 
     /// The smallest set that is enough with some share, and the bracket of the share: where the probability is reached with
@@ -262,8 +263,8 @@ impl Goal {
         })
     }
 
-    /// What the experiment would read if each truth held, by the given design and along the design variable.
-    fn truths(&self, state: &State) -> Vec<Cell> {
+    /// What the experiment would read if each truth held, by the given design and along the design variable: a block a truth.
+    fn truths(&self, state: &State) -> Vec<Vec<Cell>> {
         let Some((set, ratio)) = self.experiment(state) else { return Vec::new() };
         let parameters = self.sharpened(&state.prior);
         let known = self.known(&parameters, set, ratio);
@@ -281,18 +282,19 @@ impl Goal {
                     Known { reading: truth + error, ..*known }
                 })
                 .collect();
-            cells.push(Cell { role: Role::Truth { index }, known: known.clone(), design: None, samples });
+            let mut own = vec![Cell { role: Role::Truth { index }, known: known.clone(), design: None, samples }];
             let curve = |design| Cell { role: Role::TruthCurve { index }, known: known.clone(), design, samples };
-            cells.extend(self.design_values().into_iter().map(|value| curve(Some(value))));
+            own.extend(self.design_values().into_iter().map(|value| curve(Some(value))));
+            cells.push(own);
         }
         cells
     }
 
-    /// A stage of cells; what was found goes with the first.
-    fn stage(&self, name: String, cells: Vec<Cell>, state: State) -> Result<Step, JobError> {
+    /// A stage of blocks of cells; what was found goes with the first.
+    fn stage(&self, name: String, blocks: Vec<Vec<Cell>>, state: State) -> Result<Step, JobError> {
         let mut state = Some(Box::new(state));
         let inputs: Result<Vec<Vec<u8>>, _> =
-            cells.into_iter().map(|cell| serde_json::to_vec(&Input::Cell(cell, state.take()))).collect();
+            blocks.into_iter().map(|cells| serde_json::to_vec(&Input::Cells(cells, state.take()))).collect();
         Ok(Step::Blocks { stage: name, inputs: inputs.map_err(|e| JobError::Failed(e.to_string()))? })
     }
 
@@ -301,42 +303,18 @@ impl Goal {
         self.check_failures(&state)?;
         if !state.has_truths {
             state.target = self.bracket(&state);
-            let mut cells = if state.searches < SEARCHES { self.search(&state) } else { Vec::new() };
-            if state.searches == 0 {
-                cells.extend(self.finer(&state.outcomes));
-            }
+            let blocks = if state.searches < SEARCHES { self.search(&state) } else { Vec::new() };
             state.searches += 1;
-            if !cells.is_empty() {
-                return self.stage(format!("closer {}", state.searches), cells, state);
+            if !blocks.is_empty() {
+                return self.stage(format!("closer {}", state.searches), blocks, state);
             }
             state.has_truths = true;
-            let cells = self.truths(&state);
-            if !cells.is_empty() {
-                return self.stage("truths".to_owned(), cells, state);
+            let blocks = self.truths(&state);
+            if !blocks.is_empty() {
+                return self.stage("truths".to_owned(), blocks, state);
             }
         }
-        let truths: Vec<Outcome> =
-            state.outcomes.iter().filter(|o| matches!(o.cell.role, Role::TruthCurve { .. })).cloned().collect();
-        // The finer values of a truth come last: as many as the first ones say there are.
-        let finer = self.finer_once(&truths);
-        if !finer.is_empty() {
-            return self.stage("truths closer".to_owned(), finer, state);
-        }
         serde_json::to_value(self.output(&state)).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
-    }
-
-    /// [`Goal::finer`], once.
-    fn finer_once(&self, outcomes: &[Outcome]) -> Vec<Cell> {
-        let index = |outcome: &Outcome| match outcome.cell.role {
-            Role::TruthCurve { index } => Some(index),
-            _ => None,
-        };
-        let most = outcomes.iter().filter(|o| index(o) == outcomes.first().and_then(index)).count();
-        let is_first = (0..TRUTHS).all(|i| {
-            let count = outcomes.iter().filter(|o| index(o) == Some(i)).count();
-            count == DESIGN_VALUES || count == 0
-        });
-        if is_first && most > 0 { self.finer(outcomes) } else { Vec::new() }
     }
 
     fn check_failures(&self, state: &State) -> Result<(), JobError> {
@@ -376,7 +354,7 @@ impl Job for Goal {
     }
 
     fn algorithm_version(&self) -> u32 {
-        1
+        2
     }
 
     fn identity(&self) -> Value {
@@ -393,7 +371,7 @@ impl Job for Goal {
             .map_err(|e| JobError::Unreadable { stage: stage.to_owned(), reason: e.to_string() })?;
         let bytes = match input {
             Input::Prior => serde_json::to_vec(&self.prior()),
-            Input::Cell(cell, _) => serde_json::to_vec(&self.run(&cell)),
+            Input::Cells(cells, _) => serde_json::to_vec(&self.run_all(&cells)),
         };
         bytes.map_err(|e| JobError::Failed(e.to_string()))
     }
@@ -413,10 +391,11 @@ impl Job for Goal {
                 }
                 self.stage("knowledge".to_owned(), cells, state)
             }
-            Input::Cell(_, state) => {
+            Input::Cells(_, state) => {
                 let mut state = *state.ok_or_else(|| unreadable("earlier stages are not there".to_owned()))?;
                 for bytes in outputs {
-                    state.outcomes.push(Self::outcome_of(bytes, stage)?);
+                    let own: Vec<Outcome> = serde_json::from_slice(bytes).map_err(|e| unreadable(e.to_string()))?;
+                    state.outcomes.extend(own);
                 }
                 self.next(state)
             }

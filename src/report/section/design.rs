@@ -1,6 +1,7 @@
 //! The experiment that teaches most: candidates, the best, limits, sensors.
 
 use crate::job::design::{Candidate, Output, Pick};
+use crate::math::functions::exp;
 use crate::report::number::{self, NONE, Shown, fixed, percent, significant, typeset, with_error};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
 use crate::report::plot::{Axis, Bar, Chart, HeatMap, Layer, Mark, Stroke, bar_chart, heat_map, palette};
@@ -27,7 +28,7 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.extend(picks(output));
         blocks.extend(sensors(output));
         blocks.extend(observability(output));
-        blocks.extend(convergence(output));
+        blocks.extend(convergence(name, output));
         blocks.push(Block::paragraph(method(name, output)));
     }
     (!blocks.is_empty()).then(|| Section { id: "design", title: "Design of experiments".into(), blocks })
@@ -67,10 +68,19 @@ fn verdict(output: &Output) -> Vec<Block> {
             let mut text = Text::new("The candidate that tells most about ");
             text.0.extend(listed(&output.learn).0);
             let value = with_error(best.information_nats, best.se);
-            let text = text
-                .plain(" is ")
-                .strong(conditions(output, best.candidate))
-                .plain(format!(": {value} nats expected, bias at most {}.", significant(best.bias_bound, 2)));
+            let text = text.plain(" is ").strong(conditions(output, best.candidate)).plain(match best.bias_bound {
+                Some(bias) => format!(": {value} nats expected, bias at most {}.", significant(bias, 2)),
+                None => format!(": about {value} nats expected, by an approximation of unknown bias."),
+            });
+            let text = if output.learn.len() == 1 {
+                // exp(-U) is exact for a normal posterior of a normal prior.
+                text.plain(format!(
+                    " A normal posterior would then have about {} of the prior's standard deviation.",
+                    percent(exp(-best.information_nats), 0)
+                ))
+            } else {
+                text
+            };
             blocks.push(Block::Callout(Tone::Verdict, text));
         }
         None => blocks.push(Block::callout(Tone::Warning, "No candidate is allowed and has an estimate.")),
@@ -247,6 +257,7 @@ fn candidates(output: &Output) -> Vec<Block> {
             None if own.sees_nothing => Cell::marked("sees nothing", Status::Caution),
             None if is_best => Cell::marked("best", Status::Ok),
             None if is_rival => "not told from the best".into(),
+            None if own.is_found => "between the grid's values".into(),
             None => Cell::default(),
         });
         row
@@ -274,7 +285,7 @@ fn pick_rows(picks: &[Pick], name: impl Fn(usize) -> Cell) -> Vec<Vec<Cell>> {
             name(pick.position),
             with_error(pick.information_nats, pick.se).into(),
             fixed(gain, 3).into(),
-            significant(pick.bias_bound, 2).into(),
+            pick.bias_bound.map_or_else(|| NONE.to_owned(), |bias| significant(bias, 2)).into(),
         ]
     });
     rows.collect()
@@ -379,7 +390,7 @@ fn observability(output: &Output) -> Option<Block> {
     }))
 }
 
-fn convergence(output: &Output) -> Option<Block> {
+fn convergence(job: &str, output: &Output) -> Option<Block> {
     if output.convergence.len() < 2 || output.estimator == "linear" {
         return None;
     }
@@ -396,7 +407,44 @@ fn convergence(output: &Output) -> Option<Block> {
         ],
         rows: rows.collect(),
     };
-    Some(Block::Details("Convergence of the estimate".into(), vec![Block::Table(table)]))
+    // Of one replicate there is no error, of two Student's factor makes it too wide to be drawn beside the others.
+    let drawn =
+        output.convergence.iter().filter_map(|part| Some((part.samples as f64, part.information_nats, part.se?)));
+    let drawn: Vec<(f64, f64, f64)> = drawn.skip(1).collect();
+    let chart = Chart {
+        x: Axis::new("outer samples"),
+        y: Axis::new("expected information [nats]"),
+        layers: vec![
+            Layer::Band {
+                points: drawn.iter().map(|p| (p.0, p.1 - 2.0 * p.2, p.1 + 2.0 * p.2)).collect(),
+                colour: palette::BLUE,
+                label: "two standard errors".into(),
+            },
+            Layer::Line {
+                points: drawn.iter().map(|p| (p.0, p.1)).collect(),
+                colour: palette::BLUE,
+                stroke: Stroke::Solid,
+                label: String::new(),
+            },
+            Layer::Dots {
+                points: drawn.iter().map(|p| (p.0, p.1)).collect(),
+                colour: palette::BLUE,
+                mark: Mark::Disc,
+                label: String::new(),
+            },
+        ],
+        height: 620,
+        ..Chart::default()
+    };
+    let caption = "The estimate of the best candidate as its outer samples grow.";
+    let figure = (drawn.len() > 1).then(|| Figure {
+        id: format!("{job}-convergence"),
+        drawing: chart.draw(),
+        alternative: caption.to_owned(),
+        caption: caption.into(),
+    });
+    let blocks = figure.map(Block::Figure).into_iter().chain([Block::Table(table)]).collect();
+    Some(Block::Details("Convergence of the estimate".into(), blocks))
 }
 
 fn method(job: &str, output: &Output) -> Text {
@@ -406,7 +454,7 @@ fn method(job: &str, output: &Output) -> Text {
             "nested Monte Carlo with {outer} outer and {inner} inner scrambled Sobol points in 16 replicates, whose scatter gives \
              the standard error{}",
             if output.nuisance.is_empty() {
-                String::new()
+                "; each outer sample is read with several noises".to_owned()
             } else {
                 format!("; nuisance parameters integrated out by {draws} importance draws a sample")
             }
@@ -424,6 +472,12 @@ fn method(job: &str, output: &Output) -> Text {
         output.solutions,
         percent(0.367_879_441_171_442_33, 0)
     ));
+    let found = output.candidates.iter().filter(|candidate| candidate.is_found).count();
+    if found > 0 {
+        text = text.plain(format!(
+            "{found} of the candidates were sought between the grid's values by Bayesian optimisation. "
+        ));
+    }
     text = if output.nuisance.is_empty() {
         text.plain("No other parameter is uncertain in it.")
     } else {

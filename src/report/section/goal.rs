@@ -21,7 +21,17 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.push(Block::List(reasons(output).into_iter().map(Text::from).collect()));
         blocks.push(requirements(output));
         blocks.extend(figure(name, output).map(Block::Figure));
-        blocks.extend(output.knowledge.iter().map(|knowledge| levels(output, knowledge)));
+        for (place, knowledge) in output.knowledge.iter().enumerate() {
+            let table = levels(output, knowledge);
+            if place == 0 {
+                blocks.push(table);
+            } else {
+                blocks.push(Block::Details(
+                    format!("Better knowledge of {}", knowledge.parameters.join(", ")),
+                    vec![table],
+                ));
+            }
+        }
         blocks.push(leading(output));
     }
     (!blocks.is_empty()).then(|| Section { id: "goal", title: "What must be known better".into(), blocks })

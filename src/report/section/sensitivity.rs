@@ -137,10 +137,16 @@ fn of_quantity(job: &str, output: &Output, case: &Case, quantity: &OfQuantity) -
     }
     blocks.extend(tornado(job, output, case, quantity, &order).map(Block::Figure));
     blocks.extend(scatters(job, output, case, quantity).into_iter().map(Block::Figure));
-    blocks.push(table(output, quantity, &order));
-    let details: Vec<Block> = derivatives(output, quantity, &order).into_iter().chain(pairs(quantity)).collect();
+    blocks.extend(table(output, quantity, &order));
+    let details = elementary(output, quantity, &order).into_iter().chain(derivatives(output, quantity, &order));
+    let details: Vec<Block> = details.chain(pairs(quantity)).collect();
     if !details.is_empty() {
-        blocks.push(Block::Details(format!("Derivatives and pairs, {}", quantity.name), details));
+        let what = match (quantity.morris.is_empty(), quantity.local.is_empty()) {
+            (false, false) => "Elementary effects and derivatives",
+            (false, true) => "Elementary effects",
+            (true, _) => "Derivatives and pairs",
+        };
+        blocks.push(Block::Details(format!("{what}, {}", quantity.name), details));
     }
     blocks
 }
@@ -279,7 +285,7 @@ fn scatters(job: &str, output: &Output, case: &Case, quantity: &OfQuantity) -> V
             x: Axis::new(along.title(&parameter.name)),
             y: Axis::new(shown.title(&quantity.name)),
             layers: vec![Layer::Dots { points, colour: palette::BLUE, mark: Mark::Disc, label: String::new() }],
-            height: 760,
+            height: 620,
             ..Chart::default()
         };
         let caption = format!(
@@ -296,11 +302,13 @@ fn scatters(job: &str, output: &Output, case: &Case, quantity: &OfQuantity) -> V
             caption: caption.into(),
         }
     };
-    scatter.parameters.iter().zip(&scatter.x).take(1).map(figure).collect()
+    scatter.parameters.iter().zip(&scatter.x).map(figure).collect()
 }
 
-fn table(output: &Output, quantity: &OfQuantity, order: &[usize]) -> Block {
-    let shown = Shown::quantity(&quantity.unit, quantity.is_temperature).difference();
+fn table(output: &Output, quantity: &OfQuantity, order: &[usize]) -> Option<Block> {
+    if quantity.sobol.is_none() && quantity.derivative.is_empty() {
+        return None;
+    }
     let mut columns = vec![Column::text("Parameter")];
     let sobol = quantity.sobol.as_ref();
     let has_bounds = sobol.is_some_and(|sobol| sobol.total.iter().any(|index| index.bounds.is_some()));
@@ -316,10 +324,6 @@ fn table(output: &Output, quantity: &OfQuantity, order: &[usize]) -> Block {
     }
     if !quantity.derivative.is_empty() {
         columns.push(Column::number("Total effect at most, by derivatives", ""));
-    }
-    if !quantity.morris.is_empty() {
-        columns.push(Column::number("Elementary effect, mean size", shown.unit.clone()));
-        columns.push(Column::number("Elementary effect, scatter", shown.unit.clone()));
     }
     let rows = order
         .iter()
@@ -341,20 +345,43 @@ fn table(output: &Output, quantity: &OfQuantity, order: &[usize]) -> Block {
             if let Some(derivative) = quantity.derivative.get(at) {
                 row.push(significant(derivative.bound.value, 3).into());
             }
-            if let Some(effect) = quantity.morris.get(at) {
-                row.push(number::with_error(effect.mu_star, effect.mu_star_standard_error).into());
-                row.push(shown.number(effect.sigma).into());
-            }
             row
         })
         .collect();
     let caption = format!(
-        "Effects on {}, with 95 % intervals. A tie: the intervals do not tell the parameter from a neighbour. Elementary effects are \
-         changes over the whole prior (Morris 1991), their scatter tells of curvature and interaction; the bound by derivatives \
-         is that of Sobol and Kucherenko (2009).",
+        "Effects on {}, with 95 % intervals. A tie: the intervals do not tell the parameter from a neighbour. The bound by \
+         derivatives is that of Sobol and Kucherenko (2009).",
         quantity.name
     );
-    Block::Table(Table { caption: caption.into(), columns, rows })
+    Some(Block::Table(Table { caption: caption.into(), columns, rows }))
+}
+
+fn elementary(output: &Output, quantity: &OfQuantity, order: &[usize]) -> Option<Block> {
+    if quantity.morris.is_empty() {
+        return None;
+    }
+    let shown = Shown::quantity(&quantity.unit, quantity.is_temperature).difference();
+    let rows = order.iter().filter_map(|&at| {
+        let effect = quantity.morris.get(at)?;
+        Some(vec![
+            Cell::code(&output.parameters[at].name),
+            number::with_error(effect.mu_star, effect.mu_star_standard_error).into(),
+            shown.number(effect.sigma).into(),
+        ])
+    });
+    let caption = format!(
+        "Elementary effects on {}: changes over the whole prior (Morris 1991); their scatter tells of curvature and interaction.",
+        quantity.name
+    );
+    Some(Block::Table(Table {
+        caption: caption.into(),
+        columns: vec![
+            Column::text("Parameter"),
+            Column::number("Mean size", shown.unit.clone()),
+            Column::number("Scatter", shown.unit.clone()),
+        ],
+        rows: rows.collect(),
+    }))
 }
 
 fn derivatives(output: &Output, quantity: &OfQuantity, order: &[usize]) -> Option<Block> {

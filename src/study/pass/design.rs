@@ -29,6 +29,9 @@ written_struct! {
         optional choose_sensors: Spanned<u64>,
         /// How the expected information is estimated, `nested` where it is left out.
         optional estimator: EstimatorForm,
+        /// Further phases that are sought between the values of the grid, where more may be learnt (Bayesian optimisation); none
+        /// where it is left out.
+        optional search: Spanned<u64>,
         /// Outer samples, 4096 where it is left out; a power of two.
         optional outer: Spanned<u64>,
         /// Inner samples, 1024 where it is left out; a power of two of at most half of `outer`.

@@ -1,8 +1,9 @@
 //! Designs of experiments: conditions, sensors and parameters looked up, settings with their defaults.
 
+use crate::document::prior::Prior;
 use crate::document::{Diagnostic, Map, MapEntry, Place, Sense, Spanned, code};
 use crate::inference::measurement::{Sensor, Uncertain};
-use crate::job::design::{DesignSensor, Estimator, Phase, Spec, Varied};
+use crate::job::design::{DesignSensor, ErringInput, Estimator, Phase, Spec, Varied};
 use crate::random::Distribution;
 use crate::study::pass::design::{ConditionsForm, DesignForm, EstimatorForm, LimitsForm, SensorsForm};
 use crate::study::pass::job::{JobForm, SweepForm};
@@ -21,6 +22,8 @@ const MOST_SAMPLES: u64 = 1 << 20;
 const RED: f64 = 0.01;
 /// Most candidates: all their readings are kept until they are judged.
 const MOST_CANDIDATES: usize = 2000;
+/// Most phases of a search.
+const MOST_SEARCHED: u64 = 200;
 /// Most phases of an experiment.
 const MOST_PHASES: u64 = 20;
 
@@ -81,6 +84,29 @@ pub(super) fn design(
         between(scope, pick, 1, MOST_PHASES, "phases");
         pick.value
     });
+    let search = form.search.as_ref().map_or(0, |search| {
+        between(scope, search, 0, MOST_SEARCHED, "phases of a search");
+        let is_range = conditions.as_ref().is_none_or(|own| {
+            // What could not be read has been reported.
+            own.is_grid && own.varied.iter().any(|axis| axis.values.len() > 1)
+        });
+        if search.value > 0 && !is_range {
+            let message = "there is nothing between the candidates to search";
+            let expected = "`conditions` as a grid with at least two values of an input";
+            scope.error(&code::DESIGN_CONDITIONS, &search.place, message, expected);
+        }
+        search.value
+    });
+    let input_errors = (scope.resolved.input_errors.iter().enumerate())
+        .filter_map(|(input, own)| {
+            let bias = match &own.bias {
+                Some(Prior::Distribution(prior)) => Some(*prior).filter(|prior| !prior.is_fixed()),
+                _ => None,
+            };
+            let sigma = own.sigma.filter(|sigma| *sigma > 0.0);
+            (sigma.is_some() || bias.is_some()).then_some(ErringInput { input, sigma, bias })
+        })
+        .collect();
     let estimator = match form.estimator {
         None | Some(EstimatorForm::Nested) => Estimator::Nested,
         Some(EstimatorForm::Importance) => Estimator::Importance,
@@ -98,7 +124,9 @@ pub(super) fn design(
         candidates,
         is_grid,
         sensors,
+        input_errors,
         estimator,
+        search,
         outer,
         inner,
         draws,

@@ -1,0 +1,67 @@
+//! Jobs that choose their next blocks by what came out of the ones before: any number of threads, the same bytes.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use bmv::job::design::{self, Design};
+use bmv::job::goal::{self, Goal};
+use bmv::job::{Job, JobError};
+use bmv::runner::{Cache, Plan};
+use bmv::study::{JobSpec, Pass};
+
+use super::toy::{node, run};
+
+fn radiator() -> Pass {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/radiator/pass-1.json");
+    let Ok(pass) = bmv::study::load(&file) else { panic!("the radiator loads") };
+    pass
+}
+
+/// Everything that a job leaves in the cache.
+fn stored(job: &dyn Fn() -> Result<Arc<dyn Job>, JobError>, threads: usize) -> BTreeMap<PathBuf, Vec<u8>> {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = Plan::new(vec![node("job", job().unwrap())]).unwrap();
+    assert_eq!(run(&plan, &Cache::new(folder.path()), threads).failures(), 0);
+    let files = walkdir::WalkDir::new(folder.path().join("objects")).into_iter().flatten();
+    let files = files.filter(|entry| entry.file_type().is_file());
+    let files = files.map(|entry| {
+        let name = entry.path().strip_prefix(folder.path()).unwrap().to_path_buf();
+        (name, std::fs::read(entry.path()).unwrap())
+    });
+    files.collect()
+}
+
+fn same(blocks: usize, job: &dyn Fn() -> Result<Arc<dyn Job>, JobError>) {
+    let one = stored(job, 1);
+    assert!(one.len() > blocks, "{}", one.len());
+    for threads in [2, 7] {
+        assert!(one == stored(job, threads), "{threads} threads");
+    }
+}
+
+#[test]
+fn a_design_with_its_search_and_its_greedy_choice() {
+    let pass = radiator();
+    let spec = pass.jobs.iter().find_map(|job| match &job.spec {
+        JobSpec::Design(spec) => Some(spec.clone()),
+        _ => None,
+    });
+    let spec = design::Spec { outer: 256, inner: 64, draws: 16, search: 5, pick: 2, ..spec.unwrap() };
+    // 20 candidates twice, 5 phases of the search, 25 pairs.
+    same(65, &|| {
+        let job = Design::new(spec.clone(), Arc::new(pass.model.clone()), pass.priors.clone(), 7, "design")?;
+        Ok(Arc::new(job))
+    });
+}
+
+#[test]
+fn a_goal() {
+    let pass = radiator();
+    let spec = pass.jobs.iter().find_map(|job| match &job.spec {
+        JobSpec::Goal(spec) => Some(spec.clone()),
+        _ => None,
+    });
+    let spec = goal::Spec { samples: 128, ..spec.unwrap() };
+    same(64, &|| Ok(Arc::new(Goal::new(spec.clone(), Arc::new(pass.model.clone()), pass.priors.clone(), 7, "goal")?)));
+}
