@@ -271,7 +271,8 @@ mod tests {
         fn workspace(&self) {}
 
         fn log_likelihood(&self, x: &[f64], (): &mut ()) -> Result<f64, Rejected> {
-            Ok(-50.0 * (x[0] - x[1]).powi(2) - 20.0 * (x[0] + x[2]).powi(2))
+            let (along, across) = (x[0] - x[1], x[0] + x[2]);
+            Ok(-50.0 * along * along - 20.0 * across * across)
         }
 
         fn log_likelihood_gradient(&self, x: &[f64], (): &mut (), gradient: &mut [f64]) -> Result<f64, Rejected> {

@@ -186,7 +186,7 @@ mod tests {
         let own = covariance_of_coordinates(&transforms, Some(&shear), &normal);
         // The rest of a regression has the variance (1 - 0.99^2) of the whole; slopes of the logistic 0.25 and 0.09.
         assert!((own[0] / ((1.0 - 0.99 * 0.99) * 0.01 * 0.01 / 0.0625) - 1.0).abs() < 1e-6, "{own:?}");
-        assert!((own[4] - (0.05_f64 / 0.09).powi(2)).abs() < 1e-12);
+        assert!((own[4] - 0.05 * 0.05 / (0.09 * 0.09)).abs() < 1e-12);
         assert!(own[1].abs() < 1e-7 * (own[0] * own[4]).sqrt() + 1e-9, "{own:?}");
         let plain = covariance_of_coordinates(&transforms, None, &normal);
         assert!((plain[1] / (plain[0] * plain[4]).sqrt() - 0.99).abs() < 1e-12);
