@@ -20,6 +20,9 @@ pub const RIVALS_WITHIN: f64 = 10.0;
 /// Most rivals that are taken to hold enough probability.
 const MOST_RIVALS: usize = 5;
 
+/// Probability below which a set that is not near the best is no rival.
+const LEAST_RIVAL: f64 = 0.01;
+
 /// Log odds by which an unknown function stands behind an effect that has a name.
 const UNKNOWN_FUNCTION: f64 = 3.0;
 /// Probability that a group and its rivals hold together.
@@ -124,7 +127,8 @@ pub fn groups(refits: &[Refit], weights: &Weights, of: usize, within: f64) -> (V
     others.sort_by(|&a, &b| weights.sets[b].total_cmp(&weights.sets[a]).then(a.cmp(&b)));
     for other in others {
         let near = weights.sets[other] * within >= weights.sets[of];
-        let unsure = held(refits, weights, &groups) < SURE && rivals.len() < MOST_RIVALS;
+        let likely = weights.sets[other] >= LEAST_RIVAL;
+        let unsure = likely && held(refits, weights, &groups) < SURE && rivals.len() < MOST_RIVALS;
         if !near && !unsure {
             break;
         }
