@@ -40,6 +40,7 @@ fn wrong_settings_are_told_at_their_place() {
         (r#"{"sensitivity": {"methods": ["sobl"]}}"#, "`sobol`"),
         (r#"{"sensitivity": {"quantities": ["pannel"]}}"#, "unknown quantity or node `pannel`"),
         (r#"{"sensitivity": {"sampels": 5}}"#, "samples"),
+        (r#"{"goal": {"samples": 512}}"#, "too few to tell main effects"),
         (r#"{"goal": {"parameters": ["A"]}}"#, "the prior of `A` is fixed"),
         (r#"{"goal": {"parameters": ["H"]}}"#, "unknown parameter `H`"),
         (r#"{"goal": {"design_variable": "B"}}"#, "`B`"),

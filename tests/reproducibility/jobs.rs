@@ -62,6 +62,6 @@ fn a_goal() {
         JobSpec::Goal(spec) => Some(spec.clone()),
         _ => None,
     });
-    let spec = goal::Spec { samples: 128, ..spec.unwrap() };
+    let spec = goal::Spec { samples: 1024, ..spec.unwrap() };
     same(64, &|| Ok(Arc::new(Goal::new(spec.clone(), Arc::new(pass.model.clone()), pass.priors.clone(), 7, "goal")?)));
 }

@@ -30,7 +30,7 @@ impl Studies {
         studies.change_job(|job| job["samples"] = json!(samples));
         studies.change_pass(|pass| {
             pass["jobs"]["effects"]["sensitivity"]["samples"] = json!(128);
-            pass["jobs"]["goal"]["goal"]["samples"] = json!(128);
+            pass["jobs"]["goal"]["goal"]["samples"] = json!(1024);
         });
         studies.write_cooling();
         studies

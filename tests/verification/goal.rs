@@ -30,9 +30,9 @@ fn radiator(area_m2: f64, change: impl FnOnce(&mut Spec)) -> Output {
 
 #[test]
 fn few_samples_already_tell_what_the_radiator_needs() {
-    // 512 Sobol points know a probability near 0.92 to about 0.005: three times that, and what follows from it.
-    let output = radiator(0.3, |spec| spec.samples = 512);
-    assert!((output.probability.value - 0.919).abs() < 0.015, "{:?}", output.probability);
+    // 1024 Sobol points know a probability near 0.92 to about 0.004: three times that, and what follows from it.
+    let output = radiator(0.3, |spec| spec.samples = 1024);
+    assert!((output.probability.value - 0.919).abs() < 0.012, "{:?}", output.probability);
     assert!((output.prior_design_value.unwrap() - 0.3144).abs() < 2e-3, "{:?}", output.prior_design_value);
     assert_eq!((output.leading[0].parameter.as_str(), output.advice.next), ("eps", Next::ParameterInference));
     let target = output.target.as_ref().expect("reachable");

@@ -276,7 +276,8 @@ impl Design {
             };
             findings.push(match found {
                 0 => "Between the values of the grid nothing more is to be expected.".to_owned(),
-                _ => format!("Between the values of the grid {found} further phases were sought, {what}."),
+                1 => format!("One further phase was tried between the values of the grid, {what}."),
+                _ => format!("{found} further phases were tried between the values of the grid, {what}."),
             });
         }
         let forbidden = output.candidates.iter().filter(|candidate| !candidate.allowed).count();

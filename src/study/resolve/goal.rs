@@ -8,6 +8,9 @@ use crate::study::pass::job::{GoalForm, JobForm};
 use super::jobs::{Offered, design_variable, environments, failure_limit, push_new, requirements, samples};
 use super::scope::{Scope, unit_of};
 
+/// Fewest samples: with fewer no main effect can be told, and so no parameter that leads.
+const FEWEST_SAMPLES: u64 = 1024;
+
 /// Resolves the settings of goal setting.
 pub(super) fn goal(scope: &mut Scope, entry: &MapEntry<JobForm>, form: &GoalForm, offered: &Offered) -> Option<Spec> {
     let before = scope.diagnostics.errors();
@@ -21,6 +24,10 @@ pub(super) fn goal(scope: &mut Scope, entry: &MapEntry<JobForm>, form: &GoalForm
     let names_one = form.design_variable.is_some() || offered.design.iter().count() == 1;
     let design = if names_one { design_variable(scope, entry, form.design_variable.as_ref(), offered) } else { None };
     let samples = samples(scope, form.samples.as_ref(), Sampling::Sobol);
+    if let Some(written) = form.samples.as_ref().filter(|written| written.value < FEWEST_SAMPLES) {
+        let message = format!("{} samples: too few to tell main effects", written.value);
+        scope.error(&code::JOB_SETTING, &written.place, message, "an integer from 1024 on");
+    }
     let failure_limit = failure_limit(scope, form.failure_limit.as_ref());
     let discrepancy = discrepancies(scope, &form.discrepancy);
     let spec = Spec { requirements, environments, parameters, design, samples, discrepancy, failure_limit };
