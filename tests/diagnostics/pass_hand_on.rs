@@ -174,7 +174,7 @@ fn predictions_name_a_calibration() {
     let text = said(r#"{"predict": {"from": "tuned"}}"#);
     assert!(text.contains("unknown calibration `tuned`"), "{text}");
     let text = said(r#"{"predict": {"from": {"pass": "pass-1.json", "job": "tuned"}, "with": {"discrepancy": "gp"}}}"#);
-    assert!(text.contains("expected an object"), "{text}");
+    assert!(text.contains("a string cannot stand here"), "{text}");
     let study = handed_on(r#""jobs": {"flight": {"predict": {"from": {"pass": "pass-1.json", "job": "tuned"}}}}"#);
     let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
     let JobSpec::Predict(spec) = &pass.jobs[0].spec else { panic!("predict") };
