@@ -1,7 +1,8 @@
 //! What the held-out rows say of a set of effects: a paired test of the squared errors, in blocks.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
+use super::levels::{gap, level_of_row};
 use super::output::HeldOutTest;
 use super::signature::linearise;
 use super::{Linear, Problem, Refit};
@@ -25,7 +26,11 @@ const LEAST_BLOCKS: usize = 4;
 /// `stated`: all noise is stated, so that the size of the errors itself can be judged.
 pub(super) fn test(problem: &Problem, believed: &Refit, chosen: &Refit, stated: bool) -> Option<HeldOutTest> {
     let mut blocks: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+    let undecided = undecided(problem, chosen);
     for (before, after) in believed.held_out.iter().zip(&chosen.held_out) {
+        if undecided.contains(&(before.measurement, before.row)) {
+            continue;
+        }
         if before.sigma > 0.0 && before.error.is_finite() && after.error.is_finite() {
             let gain = (before.error * before.error - after.error * after.error) / (before.sigma * before.sigma);
             *blocks.entry((before.measurement, block(problem, before.measurement, before.row))).or_default() += gain;
@@ -39,7 +44,7 @@ pub(super) fn test(problem: &Problem, believed: &Refit, chosen: &Refit, stated: 
     let square = blocks.values().map(|gain| (gain - mean) * (gain - mean)).sum::<f64>();
     let se = (square / (count * (count - 1)).max(1) as f64).sqrt();
     let worse = count >= LEAST_BLOCKS && se > 0.0 && student_t_cdf(mean / se, (count - 1) as f64) < AGAINST;
-    let judged = chi_square(problem, chosen);
+    let judged = chi_square(problem, chosen, &undecided);
     let p = judged.map(|(square, readings)| chi_square_sf(square, readings as f64));
     let clearly_better = mean > CLEARLY * se;
     let bad = stated && p.is_some_and(|p| p < FAR) && !clearly_better;
@@ -48,7 +53,7 @@ pub(super) fn test(problem: &Problem, believed: &Refit, chosen: &Refit, stated: 
         se,
         blocks: count as u64,
         chi_square: judged.map(|(square, _)| square),
-        readings: chosen.held_out.len() as u64,
+        readings: judged.map_or(chosen.held_out.len(), |(_, readings)| readings) as u64,
         p,
         veto: worse || bad,
     })
@@ -57,16 +62,22 @@ pub(super) fn test(problem: &Problem, believed: &Refit, chosen: &Refit, stated: 
 /// Sum of squares of the held-out errors over the covariance of noise and of the parameters after the fit, and their
 /// number: with `F` the slopes of the whitened predictions, `M` the information of the fit,
 /// `r' (I + F M^-1 F')^-1 r = r' r - r' F (M + F' F)^-1 F' r` (Woodbury).
-fn chi_square(problem: &Problem, chosen: &Refit) -> Option<(f64, usize)> {
+///
+/// Parameters that press against a bound count as free: what little they can move is more than nothing.
+fn chi_square(problem: &Problem, chosen: &Refit, left_out: &BTreeSet<(usize, usize)>) -> Option<(f64, usize)> {
     let with = problem.with(&chosen.effects).ok()?;
     let fitted = linear(&with, chosen)?;
     let mut exchanged = with;
-    for measurement in &mut exchanged.measurements {
+    for (index, measurement) in exchanged.measurements.iter_mut().enumerate() {
         exchange(measurement);
+        let width = measurement.sensors.len();
+        for &(_, row) in left_out.iter().filter(|(own, _)| *own == index) {
+            measurement.readings[row * width..(row + 1) * width].fill(None);
+        }
     }
     let predicted = linear(&exchanged, chosen)?;
     let n = fitted.parameters();
-    let free: Vec<usize> = (0..n).filter(|&i| fitted.lower[i] < 0.0 && fitted.upper[i] > 0.0).collect();
+    let free: Vec<usize> = (0..n).filter(|&i| fitted.lower[i] < fitted.upper[i]).collect();
     let k = free.len();
     let mut matrix = vec![0.0; k * k];
     let slopes = fitted.jacobian.chunks_exact(n.max(1));
@@ -94,6 +105,30 @@ fn chi_square(problem: &Problem, chosen: &Refit) -> Option<(f64, usize)> {
     cholesky::solve_lower(&matrix, &mut right);
     let square = residuals.iter().map(|r| r * r).sum::<f64>() - right.iter().map(|v| v * v).sum::<f64>();
     (predicted.readings > 0).then_some((square.max(0.0), predicted.readings))
+}
+
+/// Held-out rows on which the fitted rows do not decide: those between the two levels where a set has a threshold.
+fn undecided(problem: &Problem, chosen: &Refit) -> BTreeSet<(usize, usize)> {
+    let known = chosen.by_name();
+    let mut rows = BTreeSet::new();
+    for &position in &chosen.effects {
+        let candidate = &problem.candidates[position];
+        let Some(effect) = problem.catalogue.get(&candidate.effect) else { continue };
+        for parameter in effect.parameters(&problem.model, &candidate.bound) {
+            let value = known.get(&format!("{}.{}", candidate.id, parameter.name));
+            let gap = value.and_then(|value| gap(problem, candidate, effect, &parameter, *value));
+            let Some([below, above]) = gap else { continue };
+            for (index, measurement) in problem.measurements.iter().enumerate() {
+                for row in (0..measurement.len()).filter(|&row| measurement.held_out(row)) {
+                    let level = level_of_row(problem, candidate, effect, &parameter, measurement, row);
+                    if level.is_some_and(|level| below < level && level < above) {
+                        rows.insert((index, row));
+                    }
+                }
+            }
+        }
+    }
+    rows
 }
 
 fn linear(problem: &Problem, chosen: &Refit) -> Option<Linear> {

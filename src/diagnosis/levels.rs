@@ -4,7 +4,7 @@
 use super::Problem;
 use crate::effect::{Bound, Candidate, Effect, EffectParameter};
 use crate::expression::Symbol;
-use crate::inference::measurement::Rows;
+use crate::inference::measurement::{Measurement, Rows};
 use crate::math::functions::ln;
 use crate::random::Distribution;
 
@@ -30,58 +30,86 @@ pub(super) fn thresholds(
     Some((0..count).map(|k| middles[(2 * k + 1) * middles.len() / (2 * count)]).collect())
 }
 
-/// Logarithm of the share of a uniform prior that lies between the levels about a value (SI) of such a parameter. `None`
-/// where it has no levels or another prior.
-pub(super) fn log_share(
+/// The levels about a value (SI) of such a parameter, or the ends of its prior. `None` where it has no levels or its prior
+/// is not uniform.
+pub(super) fn gap(
     problem: &Problem,
     candidate: &Candidate,
     effect: &Effect,
     parameter: &EffectParameter,
     value: f64,
-) -> Option<f64> {
+) -> Option<[f64; 2]> {
     let Distribution::Uniform { lower, upper } = parameter.prior else { return None };
     let levels = levels(problem, candidate, effect, parameter)?;
     let below = levels.iter().copied().filter(|level| *level <= value).fold(lower, f64::max);
     let above = levels.iter().copied().filter(|level| *level > value).fold(upper, f64::min);
-    Some(ln(((above - below) / (upper - lower)).clamp(SAME, 1.0)))
+    Some([below, above])
 }
 
-/// Distinct levels, ascending, of the input whose unit a parameter has.
-fn levels(problem: &Problem, candidate: &Candidate, effect: &Effect, parameter: &EffectParameter) -> Option<Vec<f64>> {
+/// Logarithm of the share of the prior that lies between these levels.
+pub(super) fn log_share(parameter: &EffectParameter, [below, above]: [f64; 2]) -> f64 {
+    let (lower, upper) = parameter.prior.support();
+    ln(((above - below) / (upper - lower)).clamp(SAME, 1.0))
+}
+
+/// The value of what such a parameter is compared with in a row of a measurement: an input of a phase, or the reading of a
+/// sensor on the node.
+pub(super) fn level_of_row(
+    problem: &Problem,
+    candidate: &Candidate,
+    effect: &Effect,
+    parameter: &EffectParameter,
+    measurement: &Measurement,
+    row: usize,
+) -> Option<f64> {
+    let Rows::Steady(phases) = &measurement.rows else { return None };
+    match bound(candidate, effect, parameter)? {
+        Bound::Input(input) => phases[row].inputs.get(input).copied(),
+        Bound::Node(node) => {
+            on_node(problem, measurement, node).into_iter().find_map(|sensor| measurement.reading(row, sensor))
+        }
+    }
+}
+
+/// What stands for the input whose unit a parameter has.
+fn bound(candidate: &Candidate, effect: &Effect, parameter: &EffectParameter) -> Option<Bound> {
     let form = &effect.form.parameters.iter().find(|form| form.name == parameter.written)?.value;
     let like = &form.unit_of.as_ref()?.value;
     let position = effect.form.inputs.iter().position(|input| input.name == *like)?;
-    let mut levels = of_bound(problem, *candidate.bound.get(position)?)?;
-    levels.sort_by(f64::total_cmp);
-    let range = levels.last()? - levels.first()?;
-    levels.dedup_by(|b, a| *b - *a <= SAME * range);
-    Some(levels)
+    candidate.bound.get(position).copied()
 }
 
-/// Values of an input in the phases; of a node the readings of the sensors on it.
-fn of_bound(problem: &Problem, bound: Bound) -> Option<Vec<f64>> {
-    let mut found = Vec::new();
+/// Sensors that read the temperature of a node.
+fn on_node(problem: &Problem, measurement: &Measurement, node: usize) -> Vec<usize> {
+    let is_on = |sensor: &usize| {
+        let quantity = problem.model.quantities.get(measurement.sensors[*sensor].quantity);
+        let symbol = u32::try_from(node).ok().map(Symbol::Node);
+        quantity.zip(symbol).is_some_and(|(quantity, symbol)| {
+            problem.model.graph.symbols(quantity.value.expression()).into_iter().eq([symbol])
+        })
+    };
+    (0..measurement.sensors.len()).filter(is_on).collect()
+}
+
+/// Distinct levels, ascending, of the input whose unit a parameter has, in the phases that are fitted.
+fn levels(problem: &Problem, candidate: &Candidate, effect: &Effect, parameter: &EffectParameter) -> Option<Vec<f64>> {
+    let bound = bound(candidate, effect, parameter)?;
+    let mut levels = Vec::new();
     for measurement in &problem.measurements {
         let Rows::Steady(phases) = &measurement.rows else { return None };
         let fitted = (0..phases.len()).filter(|&row| !measurement.held_out(row) && !measurement.ignored(row));
         match bound {
-            Bound::Input(input) => found.extend(fitted.filter_map(|row| phases[row].inputs.get(input).copied())),
+            Bound::Input(input) => levels.extend(fitted.filter_map(|row| phases[row].inputs.get(input).copied())),
             Bound::Node(node) => {
-                let on_node = |quantity: usize| {
-                    let value = problem.model.quantities.get(quantity).map(|own| own.value.expression());
-                    let symbol = u32::try_from(node).ok().map(Symbol::Node);
-                    value
-                        .zip(symbol)
-                        .is_some_and(|(value, symbol)| problem.model.graph.symbols(value).into_iter().eq([symbol]))
-                };
-                let sensors: Vec<usize> = (0..measurement.sensors.len())
-                    .filter(|&sensor| on_node(measurement.sensors[sensor].quantity))
-                    .collect();
+                let sensors = on_node(problem, measurement, node);
                 for row in fitted {
-                    found.extend(sensors.iter().filter_map(|&sensor| measurement.reading(row, sensor)));
+                    levels.extend(sensors.iter().filter_map(|&sensor| measurement.reading(row, sensor)));
                 }
             }
         }
     }
-    Some(found)
+    levels.sort_by(f64::total_cmp);
+    let range = levels.last()? - levels.first()?;
+    levels.dedup_by(|b, a| *b - *a <= SAME * range);
+    Some(levels)
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::levels::log_share;
+use super::levels::{gap, log_share};
 use super::{Hypothesis, Problem};
 use crate::expression::Unit;
 use crate::inference::likelihood::Likelihood;
@@ -146,7 +146,8 @@ impl Problem {
             for parameter in parameters.iter().filter(|parameter| !parameter.amplitude) {
                 let Some(place) = place_of(&format!("{}.{}", candidate.id, parameter.name)) else { continue };
                 let (value, sd) = (found.parameters[place], found.sd()[place]);
-                let Some(share) = log_share(self, candidate, effect, parameter, value) else { continue };
+                let Some(gap) = gap(self, candidate, effect, parameter, value) else { continue };
+                let share = log_share(parameter, gap);
                 let (lower, upper) = parameter.prior.support();
                 // A threshold that the data see is held where they say, and its curvature is told.
                 if sd == 0.0 || sd > exp(share) * (upper - lower) {
