@@ -263,7 +263,7 @@ impl Findings<'_> {
         let mut weights = self.weights.clone();
         for (refit, weight) in refits.iter().zip(&mut weights.sets) {
             let near = *weight * RIVALS_WITHIN >= self.weights.sets[place];
-            if !near && refit.unknowns.len() > refits[place].unknowns.len() {
+            if doubt > 1.0 && !near && refit.unknowns.len() > refits[place].unknowns.len() {
                 *weight = 0.0;
             }
         }
