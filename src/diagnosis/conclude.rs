@@ -106,7 +106,7 @@ impl Diagnosis {
             words: Vec::new(),
             probability_nothing: nothing,
             probability_unexplained: findings.weights.unexplained,
-            misfit: misfit(&problem, state),
+            misfit: misfit(state),
             effects: self.effects(&findings),
             models: models(&findings),
             selected,
@@ -299,11 +299,10 @@ impl Findings<'_> {
     }
 }
 
-fn misfit(problem: &Problem, state: &State) -> Misfit {
+fn misfit(state: &State) -> Misfit {
     let believed = &state.refits[0];
     let freedom = (believed.residuals.len() as f64 - free(believed) as f64).max(1.0);
     let tests = state.screening.family.tests.iter();
-    let _ = problem;
     Misfit {
         reduced_chi2: believed.chi_square / freedom,
         family_wise_p: state.screening.family.p,

@@ -11,13 +11,14 @@ use super::refit::Begin;
 use super::screen::{Lead, Screening};
 use super::weigh::{best, weigh};
 use super::{Problem, Refit, Settings};
+use crate::effect::Effect;
 use crate::random::StreamKey;
 
 /// Single effects that are fitted at first.
 const SINGLES: usize = 30;
 /// Pairs that are fitted at first.
 const PAIRS: usize = 30;
-/// Exchanges of channels that are fitted whatever they look like.
+/// Most exchanges of channels that are fitted whatever their linearisation says.
 const EXCHANGES: usize = 4;
 /// Single effects that are fitted where no test finds anything.
 const SINGLES_OF_NOTHING: usize = 10;
@@ -242,7 +243,7 @@ impl Diagnosis {
 
     fn is_unknown_function(&self, effect: usize) -> bool {
         let effect = self.problem.catalogue.get(&self.problem.candidates[effect].effect);
-        effect.is_some_and(|effect| effect.form.adds.value.curve.is_some())
+        effect.is_some_and(Effect::is_unknown_function)
     }
 
     /// Settles the noise anew beside the best fitted effect or pair; before, it was settled beside a linearised one. Where it

@@ -2,12 +2,13 @@
 //! predictions there say nothing of what the sensors would read.
 
 use super::{Problem, Refit};
+use crate::effect::Effect;
 use crate::inference::target::{LeastSquares, Target};
 
 /// The candidates that exchange channels and, nothing being refitted, leave less than the believed model does: at its fit or
 /// at the priors' medians. Positions, at most `count`, those that leave least first.
 pub(super) fn likeliest(problem: &Problem, believed: &Refit, count: usize) -> Vec<usize> {
-    let exchanges = |effect: &str| problem.catalogue.get(effect).is_some_and(|own| own.form.adds.value.swap.is_some());
+    let exchanges = |effect: &str| problem.catalogue.get(effect).is_some_and(Effect::exchanges_channels);
     let Some(without) = left(problem, believed, &[]) else { return Vec::new() };
     let mut found: Vec<(f64, usize)> = (0..problem.candidates.len())
         .filter(|&position| exchanges(&problem.candidates[position].effect))

@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 
 use super::{Problem, Refit};
-use crate::effect::Site;
+use crate::effect::{Effect, Site};
 use crate::math::functions::{exp, ln};
 use crate::math::sum::log_sum_exp;
 use crate::thermal::element::{Element, ElementKind};
@@ -40,7 +40,7 @@ impl Odds {
             *counts.entry(candidate.effect.clone()).or_default() += 1;
         }
         let odds = |effect: &str, count: usize| {
-            let unknown = problem.catalogue.get(effect).is_some_and(|effect| effect.form.adds.value.curve.is_some());
+            let unknown = problem.catalogue.get(effect).is_some_and(Effect::is_unknown_function);
             let behind = if unknown { UNKNOWN_FUNCTION } else { 0.0 };
             ln(MISSING / (1.0 - MISSING)) - ln(count.max(1) as f64) - behind
         };

@@ -90,6 +90,16 @@ impl AddsForm {
 }
 
 impl Effect {
+    /// Whether it is an unknown function, whose curve is learnt.
+    pub fn is_unknown_function(&self) -> bool {
+        self.form.adds.value.curve.is_some()
+    }
+
+    /// Whether it exchanges the channels of two sensors.
+    pub fn exchanges_channels(&self) -> bool {
+        self.form.adds.value.swap.is_some()
+    }
+
     /// Checks an effect as written; `json` is its file. `None` after an error.
     pub fn new(name: &str, form: EffectForm, json: serde_json::Value, diagnostics: &mut Diagnostics) -> Option<Self> {
         let before = diagnostics.errors();

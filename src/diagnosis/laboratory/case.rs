@@ -15,7 +15,7 @@ use super::topology::{Topology, network};
 use super::truth::Truth;
 use crate::diagnosis::Problem;
 use crate::document::hash::sha256_hex;
-use crate::effect::{Catalogue, SensorChange, SensorPlace, candidates};
+use crate::effect::{Catalogue, Effect, SensorChange, SensorPlace, candidates};
 use crate::inference::measurement::Rows;
 use crate::random::StreamKey;
 
@@ -100,7 +100,7 @@ fn attempted(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, stream: u64
 /// Fills in readings with noise, where there are any: case `number` has the streams from `1e6 number` on. The noise of a
 /// sensor goes with it to the channel that it is wired to.
 pub fn read(problem: &mut Problem, clean: &[Vec<f64>], truth: &Truth, key: &StreamKey, number: u64) {
-    let exchanges = |effect: &str| problem.catalogue.get(effect).is_some_and(|own| own.form.adds.value.swap.is_some());
+    let exchanges = |effect: &str| problem.catalogue.get(effect).is_some_and(Effect::exchanges_channels);
     let exchanged: Vec<SensorChange> = (truth.effects.iter())
         .filter(|hidden| exchanges(&hidden.effect))
         .filter_map(|hidden| Some(SensorChange::Swap { sensors: hidden.place.clone().try_into().ok()? }))

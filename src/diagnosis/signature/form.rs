@@ -64,7 +64,7 @@ impl Forms {
         if let Some(reason) = self.unseen(written, candidate) {
             return Form::Unseen(reason);
         }
-        if effect.form.adds.value.swap.is_some() {
+        if effect.exchanges_channels() {
             return Form::Swap;
         }
         if self.smooth[&candidate.effect] && !gives_storage(problem, effect, candidate) {

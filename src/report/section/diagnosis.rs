@@ -59,7 +59,7 @@ pub(super) fn verdict(output: &Output) -> Text {
     let meaning = match output.verdict {
         Verdict::Adequate => ": nothing is missing that these data could show.",
         Verdict::Identified => ": one set of effects explains the misfit, and no rival comes near it.",
-        Verdict::Ambiguous => ": several sets of effects explain the misfit about equally well with these data.",
+        Verdict::Ambiguous => ": several sets of effects explain the misfit, and these data do not settle which.",
         Verdict::Unexplained => ": something is missing, and nothing in the catalogue explains it.",
     };
     Text::default().strong(output.verdict.word()).plain(meaning)

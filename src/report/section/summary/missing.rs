@@ -1,6 +1,8 @@
 //! What diagnoses and the passes before say on the first screen: what is missing, how sure that is, what it does to the
 //! error, what else it could be, and what became of the error since the pass before.
 
+use std::collections::BTreeSet;
+
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{EffectResult, Heat, HeldOutTest, Output};
 use crate::report::number::{fixed, significant, with_unit};
@@ -103,11 +105,30 @@ fn how_sure(output: &Output, selected: &[&EffectResult]) -> Statement {
             let each: Vec<String> = selected.iter().map(|effect| fixed(effect.log_bayes_factor, 1)).collect();
             let factor =
                 if each.is_empty() { String::new() } else { format!(" Log Bayes factors: {}.", each.join(", ")) };
-            (chance(model.probability), format!("Probability of this set.{factor} {}", p(output.misfit.family_wise_p)))
+            let wrong = p(output.misfit.family_wise_p);
+            if output.verdict == Verdict::Ambiguous {
+                let own = chance(model.probability);
+                (
+                    chance(held(output)),
+                    format!("Probability that it is one of the rivals; of this set {own}.{factor} {wrong}"),
+                )
+            } else {
+                (chance(model.probability), format!("Probability of this set.{factor} {wrong}"))
+            }
         }
     };
     let label = format!("How sure: {}", output.verdict.word());
     Statement { label, value, text: text.into(), status: None }
+}
+
+/// Probability of the sets that have an effect of every group.
+fn held(output: &Output) -> f64 {
+    let groups: BTreeSet<u64> = output.effects.iter().filter_map(|effect| effect.group).collect();
+    let has = |ids: &[String], group: u64| {
+        output.effects.iter().any(|effect| effect.group == Some(group) && ids.contains(&effect.id))
+    };
+    let hits = output.models.iter().filter(|model| groups.iter().all(|group| has(&model.effects, *group)));
+    hits.map(|model| model.probability).sum()
 }
 
 fn error(output: &Output, selected: &[&EffectResult]) -> Option<Statement> {
