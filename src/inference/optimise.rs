@@ -107,7 +107,9 @@ pub fn minimise<O: Objective>(
         penalised |= at.penalty_gradient.iter().any(|g| *g != 0.0);
         for (i, s) in scale.iter_mut().enumerate() {
             let norm = at.jacobian.iter().skip(i).step_by(n).map(|j| j * j).sum::<f64>().sqrt();
-            *s = norm.max(f64::MIN_POSITIVE.sqrt());
+            // What changes nothing over its whole range, as a threshold between two levels of the data, is to stay where
+            // it is: scaled by its own vanishing slope alone it would run to a bound, and take the other steps with it.
+            *s = norm.max(1.0 / (bounds.upper[i] - bounds.lower[i])).max(f64::MIN_POSITIVE.sqrt());
         }
         let free = free_variables(&x, &at.gradient, bounds);
         if free.is_empty() {
@@ -279,4 +281,69 @@ pub fn hessian<O: Objective>(objective: &mut O, x: &[f64], bounds: &Bounds) -> O
         }
     }
     Some(hessian)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::functions::exp;
+
+    /// A step of unknown size at an unknown threshold, between two of ten levels: `r = y - a s((level - t) / width)`.
+    struct StepAtThreshold {
+        readings: [f64; 10],
+    }
+
+    impl StepAtThreshold {
+        const WIDTH: f64 = 0.01;
+
+        fn share(level: usize, threshold: f64) -> f64 {
+            1.0 / (1.0 + exp((threshold - level as f64) / Self::WIDTH))
+        }
+    }
+
+    impl Objective for StepAtThreshold {
+        fn dimension(&self) -> usize {
+            2
+        }
+
+        fn rows(&self) -> usize {
+            10
+        }
+
+        fn value(&mut self, x: &[f64], residuals: &mut [f64]) -> Option<f64> {
+            for (level, r) in residuals.iter_mut().enumerate() {
+                *r = x[0] * Self::share(level, x[1]) - self.readings[level];
+            }
+            Some(0.0)
+        }
+
+        fn slopes(
+            &mut self,
+            x: &[f64],
+            residuals: &mut [f64],
+            jacobian: &mut [f64],
+            penalty_gradient: &mut [f64],
+        ) -> Option<f64> {
+            penalty_gradient.fill(0.0);
+            for level in 0..10 {
+                let share = Self::share(level, x[1]);
+                jacobian[2 * level] = share;
+                jacobian[2 * level + 1] = -x[0] * share * (1.0 - share) / Self::WIDTH;
+            }
+            self.value(x, residuals)
+        }
+    }
+
+    /// Between two levels the threshold has a slope of some 1e-11: it must neither run away nor hold the size back. The
+    /// minimum in the size is the mean of the readings above the threshold; its neighbours pull at it from neither side.
+    #[test]
+    fn a_threshold_between_two_levels_leaves_the_step_its_size() {
+        let mut objective = StepAtThreshold { readings: [0.1, -0.2, 0.0, -0.1, 3.1, 2.9, 3.0, 3.2, 2.8, 3.0] };
+        let bounds = Bounds { lower: vec![-10.0, 0.0], upper: vec![10.0, 9.0] };
+        for threshold in [3.3, 3.5, 3.75] {
+            let found = minimise(&mut objective, &[0.5, threshold], &bounds, 60).unwrap();
+            assert!((found.x[0] - 3.0).abs() < 1e-6, "from {threshold}: {:?}", found.x);
+            assert!(found.x[1] > 3.0 && found.x[1] < 4.0, "from {threshold}: {:?}", found.x);
+        }
+    }
 }

@@ -5,12 +5,16 @@
 //! refitted leaves `|r|^2 (1 - cos^2)` to first order. The nearest by that are refitted in full. A candidate with more
 //! parameters than the truth's effects (a curve, a hidden node) is no rival: it pays for its freedom. The believed model
 //! itself is one: what it leaves may be too little to show. Distances are measured with the noise that there truly is.
+//! A threshold is tried between each two of the data's levels: each is a rival of its own, of which the nearest counts.
+
+use std::collections::BTreeSet;
 
 use super::hide::{Hidden, HideError, told};
 use super::refit::{self, Refit};
 use super::truth::{NoiseTruth, Rival};
 use crate::diagnosis::Problem;
-use crate::effect::Candidate;
+use crate::diagnosis::levels::thresholds;
+use crate::effect::{Candidate, EffectParameter};
 use crate::inference::measurement::Uncertain;
 use crate::inference::target::{LeastSquares, Target};
 
@@ -43,7 +47,8 @@ fn with_true_noise(problem: &Problem, noise: NoiseTruth) -> Problem {
 /// # Errors
 /// [`HideError`] where the believed model has no likelihood.
 pub fn rivals(problem: &Problem, hidden: &Hidden) -> Result<Vec<Rival>, HideError> {
-    let problem = with_true_noise(problem, hidden.truth.noise);
+    let mut problem = with_true_noise(problem, hidden.truth.noise);
+    problem.measurements = refit::with_readings(&problem.measurements, &hidden.clean);
     let truth: Vec<usize> = (0..problem.candidates.len())
         .filter(|&position| hidden.truth.effects.iter().any(|own| own.id == problem.candidates[position].id))
         .collect();
@@ -56,38 +61,47 @@ pub fn rivals(problem: &Problem, hidden: &Hidden) -> Result<Vec<Rival>, HideErro
     let hidden = &Hidden { refit: refit::fit(&likelihood, &[start])?, ..hidden.clone() };
     let freedom = truth.iter().map(|&position| parameters(&problem, position).len()).max().unwrap_or(usize::MAX);
     let basis = Basis::new(&hidden.refit);
-    let spans: Vec<(usize, Vec<Vec<f64>>)> = columns(&problem, hidden, freedom)?
-        .into_iter()
-        .map(|(position, columns)| (position, basis.orthonormal(&columns, &[])))
-        .collect();
     let left = &hidden.refit.residuals;
+    let spans: Vec<Reach> = columns(&problem, hidden, freedom)?
+        .into_iter()
+        .map(|reach| {
+            let columns = basis.orthonormal(&reach.columns, &[]);
+            let likeliest = match (columns.as_slice(), reach.columns.as_slice(), reach.amplitude) {
+                ([q], [column], Some((name, _))) => Some((name, dot(q, left) / dot(q, column))),
+                _ => None,
+            };
+            Reach { columns, amplitude: likeliest, ..reach }
+        })
+        .collect();
     let total: f64 = left.iter().map(|r| r * r).sum();
     let explained = |span: &[Vec<f64>]| span.iter().map(|q| square(dot(q, left))).sum::<f64>();
-    let mut found: Vec<(Vec<usize>, f64)> = Vec::new();
-    for (position, span) in &spans {
-        if truth.len() != 1 || truth[0] != *position {
-            found.push((vec![*position], explained(span)));
+    let mut found: Vec<(Vec<usize>, &Reach, f64)> = Vec::new();
+    for span in &spans {
+        if truth.len() != 1 || truth[0] != span.position {
+            found.push((vec![span.position], span, explained(&span.columns)));
         }
     }
     if truth.len() == 2 {
         // One of the two, with something else in place of the other.
-        for &kept in &truth {
-            let Some((_, own)) = spans.iter().find(|(position, _)| *position == kept) else { continue };
-            for (position, span) in spans.iter().filter(|(position, _)| !truth.contains(position)) {
-                let rest = basis.orthonormal(span, own);
-                found.push((vec![kept, *position], explained(own) + explained(&rest)));
+        for own in spans.iter().filter(|own| truth.contains(&own.position)) {
+            for span in spans.iter().filter(|span| !truth.contains(&span.position)) {
+                let rest = basis.orthonormal(&span.columns, &own.columns);
+                let share = explained(&own.columns) + explained(&rest);
+                found.push((vec![own.position, span.position], span, share));
             }
         }
     }
-    found.sort_by(|a, b| b.1.total_cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
+    found.sort_by(|a, b| b.2.total_cmp(&a.2).then_with(|| a.0.cmp(&b.0)));
+    let mut seen = BTreeSet::new();
+    found.retain(|(positions, ..)| seen.insert(positions.clone()));
     found.truncate(KEPT);
     let mut rivals = vec![Rival { effects: Vec::new(), cosine: 0.0, delta2: hidden.refit.chi_square() }];
-    for (rank, (positions, share)) in found.into_iter().enumerate() {
+    for (rank, (positions, reach, share)) in found.into_iter().enumerate() {
         let cosine = (share / total.max(f64::MIN_POSITIVE)).min(1.0).sqrt();
         let mut delta2 = (total - share).max(0.0);
         if rank < REFITTED
             && delta2 < FAR
-            && let Ok(refit) = refitted(&problem, hidden, &positions)
+            && let Ok(refit) = refitted(&problem, hidden, &positions, reach)
         {
             delta2 = refit;
         }
@@ -98,8 +112,8 @@ pub fn rivals(problem: &Problem, hidden: &Hidden) -> Result<Vec<Rival>, HideErro
     Ok(rivals)
 }
 
-/// What candidates leave when they are refitted with all parameters.
-fn refitted(problem: &Problem, hidden: &Hidden, positions: &[usize]) -> Result<f64, HideError> {
+/// What candidates leave when they are refitted with all parameters, from the shape and the amplitude of one of them.
+fn refitted(problem: &Problem, hidden: &Hidden, positions: &[usize], reach: &Reach) -> Result<f64, HideError> {
     // A prior ten times as wide: whether the readings tell, not whether it is plausible.
     let hypothesis = problem.hypothesis(positions, 10.0).map_err(HideError::Hypothesis)?;
     let likelihood = refit::hypothesis_likelihood(problem, &hypothesis, &hidden.clean)?;
@@ -115,16 +129,38 @@ fn refitted(problem: &Problem, hidden: &Hidden, positions: &[usize]) -> Result<f
             let median = prior.quantile(0.5);
             // An effect's amplitudes may be 0; what cannot is a shape, which begins at its median.
             let start = if lower <= 0.0 && upper >= 0.0 { amplitude.clamp(lower, upper) } else { median };
-            values.push((hypothesis.model.parameters[parameter].name.clone(), start));
+            let name = &hypothesis.model.parameters[parameter].name;
+            let start = reach.shape.iter().find(|(own, _)| own == name).map_or(start, |(_, value)| *value);
+            values.push((name.clone(), start));
+        }
+        if let (true, Some((name, value))) = (starts.is_empty(), &reach.amplitude) {
+            let mut likeliest = values.clone();
+            likeliest.iter_mut().filter(|(own, _)| own == name).for_each(|(_, own)| *own = *value);
+            starts.push(refit::start(&likelihood, &likeliest));
         }
         starts.push(refit::start(&likelihood, &values));
     }
     Ok(refit::fit(&likelihood, &starts)?.chi_square())
 }
 
+/// Values of shapes by the names of their parameters, SI; empty: those of the priors' medians.
+type Shape = Vec<(String, f64)>;
+
+/// What a candidate can do.
+struct Reach {
+    /// Its position.
+    position: usize,
+    /// The shape it has here.
+    shape: Shape,
+    /// Name of its amplitude where it has only one, with its likeliest value, SI, once that is known.
+    amplitude: Option<(String, f64)>,
+    /// Whitened columns, each over all rows.
+    columns: Vec<Vec<f64>>,
+}
+
 /// Whitened columns of all candidates that the test sees and that have no more parameters than `freedom` (one at least),
 /// by position; rows of the priors are 0.
-fn columns(problem: &Problem, hidden: &Hidden, freedom: usize) -> Result<Found, HideError> {
+fn columns(problem: &Problem, hidden: &Hidden, freedom: usize) -> Result<Vec<Reach>, HideError> {
     let rows = hidden.refit.residuals.len();
     let mut all = Vec::new();
     let seen: Vec<usize> = (0..problem.candidates.len())
@@ -147,11 +183,11 @@ fn columns(problem: &Problem, hidden: &Hidden, freedom: usize) -> Result<Found, 
         let chunk = &seen[begin..begin + take];
         begin += take;
         let found = if smooth { slopes(problem, hidden, chunk) } else { probed(problem, hidden, chunk[0]) };
-        for (position, mut columns) in found.unwrap_or_default() {
-            for column in &mut columns {
+        for mut reach in found.unwrap_or_default() {
+            for column in &mut reach.columns {
                 column.resize(rows, 0.0);
             }
-            all.push((position, columns));
+            all.push(reach);
         }
     }
     Ok(all)
@@ -164,39 +200,73 @@ fn sees(problem: &Problem, candidate: &Candidate) -> bool {
     (candidate.steady && has(false)) || (candidate.transient && has(true))
 }
 
-/// Columns by position of the candidate.
-type Found = Vec<(usize, Vec<Vec<f64>>)>;
+/// Shapes at which a candidate is tried: one reach for each threshold between the data's levels; else a single reach, of
+/// columns at quantiles of the priors.
+fn shapes(problem: &Problem, position: usize) -> Vec<Vec<Shape>> {
+    let candidate = &problem.candidates[position];
+    let named = |parameter: &EffectParameter, value: f64| (format!("{}.{}", candidate.id, parameter.name), value);
+    let own: Vec<EffectParameter> = parameters(problem, position).into_iter().filter(|own| !own.amplitude).collect();
+    if let [parameter] = own.as_slice()
+        && let Some(effect) = problem.catalogue.get(&candidate.effect)
+        && let Some(levels) = thresholds(problem, candidate, effect, parameter)
+    {
+        return levels.into_iter().map(|level| vec![vec![named(parameter, level)]]).collect();
+    }
+    let shares = if own.is_empty() { &[0.5][..] } else { &[0.25, 0.5, 0.75][..] };
+    let at = |share: &f64| own.iter().map(|parameter| named(parameter, parameter.prior.quantile(*share))).collect();
+    vec![shares.iter().map(at).collect()]
+}
 
-/// Columns of effects that are smooth at 0: derivatives there, shapes at two quantiles of their priors.
-fn slopes(problem: &Problem, hidden: &Hidden, chunk: &[usize]) -> Result<Found, HideError> {
+/// Columns of effects that are smooth at 0: derivatives there, at the shapes at which they are tried.
+fn slopes(problem: &Problem, hidden: &Hidden, chunk: &[usize]) -> Result<Vec<Reach>, HideError> {
     let hypothesis = problem.hypothesis(chunk, 1.0).map_err(HideError::Hypothesis)?;
     let likelihood = refit::hypothesis_likelihood(problem, &hypothesis, &hidden.clean)?;
-    let mut found: Found = chunk.iter().map(|&position| (position, Vec::new())).collect();
-    let shaped = (0..hypothesis.amplitudes.len()).any(|place| is_shaped(problem, chunk[place]));
+    let mut found: Vec<Reach> = Vec::new();
     let mut memory = likelihood.workspace();
     let n = likelihood.dimension();
     let m = likelihood.residual_count();
-    for share in if shaped { &[0.25, 0.5, 0.75][..] } else { &[0.5][..] } {
+    // The shapes of all candidates of the chunk side by side: by round, the reach and the shape of each.
+    let mut rounds: Vec<Vec<(usize, usize, Shape)>> = Vec::new();
+    for (place, &position) in chunk.iter().enumerate() {
+        let mut round = 0;
+        for tried in shapes(problem, position) {
+            let reach = found.len();
+            found.push(Reach {
+                position,
+                shape: if tried.len() == 1 { tried[0].clone() } else { Shape::new() },
+                amplitude: only_amplitude(problem, position).map(|name| (name, 0.0)),
+                columns: Vec::new(),
+            });
+            for shape in tried {
+                rounds.resize_with(rounds.len().max(round + 1), Vec::new);
+                rounds[round].push((place, reach, shape));
+                round += 1;
+            }
+        }
+    }
+    for round in rounds {
         let mut values: Vec<(String, f64)> =
             hidden.refit.names.iter().cloned().zip(hidden.refit.unknowns.iter().copied()).collect();
         for (place, range) in hypothesis.amplitudes.iter().enumerate() {
-            let parameters = parameters(problem, chunk[place]);
-            for (index, parameter) in range.clone().zip(&parameters) {
-                let value = if parameter.amplitude { 0.0 } else { parameter.prior.quantile(*share) };
+            for (index, parameter) in range.clone().zip(&parameters(problem, chunk[place])) {
+                let value = if parameter.amplitude { 0.0 } else { parameter.prior.quantile(0.5) };
                 values.push((hypothesis.model.parameters[index].name.clone(), value));
             }
+        }
+        for (name, value) in round.iter().flat_map(|(_, _, shape)| shape) {
+            values.iter_mut().filter(|(own, _)| own == name).for_each(|(_, own)| *own = *value);
         }
         let at = refit::start(&likelihood, &values);
         let (mut residuals, mut jacobian, mut offset) = (vec![0.0; m], vec![0.0; m * n], vec![0.0; n]);
         if likelihood.jacobian(&at, &mut memory, &mut residuals, &mut jacobian, &mut offset).is_err() {
             continue;
         }
-        for (place, range) in hypothesis.amplitudes.iter().enumerate() {
-            let parameters = parameters(problem, chunk[place]);
-            for (index, _) in range.clone().zip(&parameters).filter(|(_, parameter)| parameter.amplitude) {
+        for (place, reach, _) in round {
+            let own = hypothesis.amplitudes[place].clone().zip(parameters(problem, chunk[place]));
+            for (index, _) in own.filter(|(_, parameter)| parameter.amplitude) {
                 let name = &hypothesis.model.parameters[index].name;
                 let Some(unknown) = likelihood.names().iter().position(|own| own == name) else { continue };
-                found[place].1.push(jacobian.iter().skip(unknown).step_by(n).map(|slope| -slope).collect());
+                found[reach].columns.push(jacobian.iter().skip(unknown).step_by(n).map(|slope| -slope).collect());
             }
         }
     }
@@ -204,7 +274,7 @@ fn slopes(problem: &Problem, hidden: &Hidden, chunk: &[usize]) -> Result<Found, 
 }
 
 /// Columns of an effect that is not smooth at 0: what it does at each of some plausible sizes.
-fn probed(problem: &Problem, hidden: &Hidden, position: usize) -> Result<Found, HideError> {
+fn probed(problem: &Problem, hidden: &Hidden, position: usize) -> Result<Vec<Reach>, HideError> {
     let hypothesis = problem.hypothesis(&[position], 1.0).map_err(HideError::Hypothesis)?;
     let likelihood = refit::hypothesis_likelihood(problem, &hypothesis, &hidden.clean)?;
     let mut memory = likelihood.workspace();
@@ -228,17 +298,21 @@ fn probed(problem: &Problem, hidden: &Hidden, position: usize) -> Result<Found, 
             break;
         }
     }
-    Ok(vec![(position, columns)])
+    Ok(vec![Reach { position, shape: Shape::new(), amplitude: None, columns }])
 }
 
-fn parameters(problem: &Problem, position: usize) -> Vec<crate::effect::EffectParameter> {
+fn parameters(problem: &Problem, position: usize) -> Vec<EffectParameter> {
     let candidate = &problem.candidates[position];
     let effect = problem.catalogue.get(&candidate.effect);
     effect.map(|effect| effect.parameters(&problem.model, &candidate.bound)).unwrap_or_default()
 }
 
-fn is_shaped(problem: &Problem, position: usize) -> bool {
-    parameters(problem, position).iter().any(|parameter| !parameter.amplitude)
+/// Name of a candidate's amplitude, if it has one alone.
+fn only_amplitude(problem: &Problem, position: usize) -> Option<String> {
+    let own = parameters(problem, position);
+    let mut amplitudes = own.iter().filter(|parameter| parameter.amplitude);
+    let first = amplitudes.next()?;
+    amplitudes.next().is_none().then(|| format!("{}.{}", problem.candidates[position].id, first.name))
 }
 
 /// Orthonormal columns that span what the free parameters can do.
