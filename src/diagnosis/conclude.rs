@@ -25,6 +25,8 @@ const MOST_WRITTEN: usize = 60;
 const LEAST_TESTED: f64 = 1e-3;
 /// Probability of an effect below which the heat that it would carry is not told.
 const LEAST_TOLD: f64 = 1e-3;
+/// Length of the change of all predictions, in standard deviations of the noise, below which an effect changes nothing.
+const MOVES_NOTHING: f64 = 0.01;
 /// p-value of the remaining sum of squares below which a set does not bring the model near the noise.
 const FAR_FROM_NOISE: f64 = 1e-3;
 
@@ -200,6 +202,7 @@ impl Diagnosis {
             probability,
             log_bayes_factor: refit.log_evidence - before.log_evidence,
             log_bayes_factor_scales: scales,
+            changes_nothing: changes_nothing(before, refit),
             group,
             amplitudes,
             rmse_k: RmseChange {
@@ -297,6 +300,12 @@ impl Findings<'_> {
         let sure = held(&self.state.refits, &self.weights, &self.groups) >= SURE;
         if alone && sure { Verdict::Identified } else { Verdict::Ambiguous }
     }
+}
+
+/// Whether two fits predict the same, to less than any table shows.
+fn changes_nothing(before: &Refit, after: &Refit) -> bool {
+    let moved = before.residuals.iter().zip(&after.residuals).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+    before.residuals.len() == after.residuals.len() && moved.sqrt() < MOVES_NOTHING
 }
 
 fn misfit(state: &State) -> Misfit {

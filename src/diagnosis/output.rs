@@ -123,6 +123,10 @@ pub struct EffectResult {
     pub log_bayes_factor: f64,
     /// The same with the amplitude's prior at half and at double scale.
     pub log_bayes_factor_scales: Option<[f64; 2]>,
+    /// Whether its fit leaves every prediction where it is without it: the data speak against it, or cannot see it. Tables
+    /// leave it out.
+    #[serde(default)]
+    pub changes_nothing: bool,
     /// Number of its group; effects of one group cannot be told apart with these data.
     pub group: Option<u64>,
     /// Its parameters at the fit of its best set.
