@@ -9,7 +9,6 @@ use super::options::RunOptions;
 use super::output::tell;
 use super::status::{Failure, Status};
 use super::studies::{self, Loaded, LoadedPass};
-use crate::document::Diagnostic;
 use crate::runner::engine::local;
 use crate::runner::{EventLog, Finished, Listener, Plan, Progress, RunSummary, Settings};
 use crate::study::Pass;
@@ -120,16 +119,10 @@ pub fn execute_loaded(
         });
         pass.refused.retain(|refused| wanted(&definition, &refused.kind, &refused.name));
     };
-    let mut said: Vec<Diagnostic> = Vec::new();
     for pass in &mut passes {
         retain(pass, &wanted);
-        for diagnostic in pass.refused.iter().flat_map(|refused| &refused.diagnostics) {
-            if !said.contains(diagnostic) {
-                tell(&diagnostic.render(context.coloured));
-                said.push(diagnostic.clone());
-            }
-        }
     }
+    studies::tell_refused(&passes, context.coloured);
     for pass in &mut older {
         retain(pass, &|pass, _, name| is_judge(pass, name));
     }

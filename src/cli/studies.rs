@@ -251,6 +251,17 @@ pub fn load(paths: &[PathBuf], coloured: bool) -> Result<Loaded, Failure> {
     Ok(all)
 }
 
+/// Tells what is wrong with the jobs that cannot be made, each thing once.
+pub fn tell_refused(passes: &[LoadedPass], coloured: bool) {
+    let mut said: Vec<&Diagnostic> = Vec::new();
+    for diagnostic in passes.iter().flat_map(|pass| &pass.refused).flat_map(|refused| &refused.diagnostics) {
+        if !said.contains(&diagnostic) {
+            tell(&diagnostic.render(coloured));
+            said.push(diagnostic);
+        }
+    }
+}
+
 /// The parents of passes, as far as they are not among them and can be loaded by themselves.
 pub fn parents(passes: &[LoadedPass]) -> Loaded {
     let mut wanted: Vec<PathBuf> = Vec::new();
