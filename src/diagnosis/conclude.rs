@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::carried::carried;
-use super::engine::{Diagnosis, State};
+use super::engine::{Diagnosis, State, TIMES_THE_STEPS};
 use super::heat;
 use super::held_out;
 use super::output::{
@@ -59,12 +59,13 @@ impl Findings<'_> {
 impl Diagnosis {
     /// The verdict on what was found.
     pub fn conclude(&self, state: &State) -> Output {
-        let problem = self.settled(&state.noise);
+        let problem = self.settled(&state.noise, &state.most_steps);
         let believed = &state.refits[0];
         let finds = state.screening.family.p <= self.settings().false_alarm;
         let missing = finds.then(|| heat::missing_heat(&problem, believed)).flatten();
         let weights = weigh(&problem, &state.refits, missing.as_ref().map(|missing| missing.log_evidence));
         let mut warnings = state.warnings.clone();
+        warnings.extend(given_up(state));
         let mut findings =
             Findings { problem: &problem, state, weights, selected: 0, groups: Vec::new(), rivals: Vec::new() };
         let nothing = findings.weights.sets[0];
@@ -125,6 +126,8 @@ impl Diagnosis {
                 state.screening.pairs_screened,
                 state.refits.len().saturating_sub(1) as u64,
             ],
+            handed_on: Vec::new(),
+            converged: None,
             warnings,
         };
         output.words = words::verdict(&output, &findings);
@@ -300,6 +303,18 @@ impl Findings<'_> {
         let sure = held(&self.state.refits, &self.weights, &self.groups) >= SURE;
         if alone && sure { Verdict::Identified } else { Verdict::Ambiguous }
     }
+}
+
+/// What is said of fits in which transients were given up.
+fn given_up(state: &State) -> Option<String> {
+    let points: u64 = state.refits.iter().map(|refit| refit.given_up).sum();
+    let sets = state.refits.iter().filter(|refit| refit.given_up > 0).count();
+    (points > 0).then(|| {
+        format!(
+            "fits of {sets} sets of effects left out {points} points at which a transient took more than {TIMES_THE_STEPS} \
+             times the steps of the believed model"
+        )
+    })
 }
 
 /// Whether two fits predict the same, to less than any table shows.

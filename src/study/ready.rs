@@ -137,14 +137,7 @@ pub fn blocked(pass: &Pass, name: &str) -> Option<Blocked> {
     match &pass.jobs.iter().find(|job| job.name == name)?.spec {
         JobSpec::Propagate(_) | JobSpec::Conventional(_) => pass.handed_on.iter().find_map(of),
         JobSpec::Calibrate(spec) => priors_of(pass, &spec.parameters).iter().find_map(of),
-        JobSpec::Diagnose(spec) => priors_of(pass, &spec.parameters).first().map(|own| {
-            wrong(format!(
-                "a diagnosis takes distributions as priors, and {} has the draws of {}; name other `parameters`, or \
-                 give the prior that they began with",
-                suggest::listed(own.draws.names.iter().map(String::as_str), NAMED),
-                own.draws.source
-            ))
-        }),
+        JobSpec::Diagnose(spec) => priors_of(pass, &spec.parameters).iter().find_map(of),
         JobSpec::Sensitivity(_) | JobSpec::Goal(_) | JobSpec::Design(_) => pass.handed_on.first().map(|own| {
             wrong(format!(
                 "it takes independent distributions as priors, and {} has the draws of {}",
@@ -381,8 +374,21 @@ impl Shared<'_> {
             input_errors: input_errors(pass),
             catalogue: Arc::clone(&pass.catalogue),
             candidates,
+            joint: Vec::new(),
+            most_steps: Vec::new(),
         };
-        Ok(Readiness::Ready(Arc::new(Diagnose::new(spec.clone(), problem, pass.seed, name)?)))
+        let draws = priors_of(pass, &spec.parameters);
+        let known = Diagnose::new(spec.clone(), problem.clone(), pass.seed, name)?;
+        if draws.is_empty() {
+            return Ok(Readiness::Ready(Arc::new(known)));
+        }
+        let known = known.with_handed_on(unfilled(&draws).into_iter().map(|own| own.with_no_draws()).collect())?;
+        let (own, spec, seed, name) = (draws.clone(), spec.clone(), pass.seed, name.to_owned());
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Job>, JobError> {
+            let job = Diagnose::new(spec.clone(), problem.clone(), seed, &name)?;
+            Ok(Arc::new(job.with_handed_on(filled(&own, &mut results.iter())?)?))
+        };
+        after(&[&draws], Arc::new(known), Box::new(prepare))
     }
 
     fn comparison(&self, spec: &compare::Spec) -> Result<Readiness, JobError> {

@@ -48,7 +48,7 @@ fn the_same_rows_are_refused_and_named() {
 
 #[test]
 fn what_takes_distributions_does_not_run_with_draws() {
-    for job in [r#"{"diagnose": {}}"#, r#"{"sensitivity": {}}"#] {
+    for job in [r#"{"goal": {"design_variable": {"A": {"from": 0.01, "to": 0.1}}}}"#, r#"{"sensitivity": {}}"#] {
         let study = handed_on(&format!(r#"{} "jobs": {{"next": {job}}}"#, held_out(r#""P1""#)));
         let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
         let jobs = ready(&pass);
@@ -57,6 +57,19 @@ fn what_takes_distributions_does_not_run_with_draws() {
         assert!(plain.message.contains("`G` has the draws of `tuned` of `pass-1.json`"), "{}", plain.message);
         assert_eq!((plain.code.as_str(), plain.path.as_str()), ("job-refused", "jobs.next"));
     }
+}
+
+#[test]
+fn a_diagnosis_waits_for_the_posterior_that_is_its_prior() {
+    let study = handed_on(&format!(r#"{} "jobs": {{"next": {{"diagnose": {{}}}}}}"#, held_out(r#""P1""#)));
+    let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
+    let jobs = ready(&pass);
+    let Readiness::After(waiting) = &jobs[0].1 else { panic!("after the calibration of the first pass") };
+    assert_eq!((waiting.from[0].file.as_str(), waiting.from[0].job.as_str()), ("pass-1.json", "tuned"));
+    // Of a parameter that is not inferred nothing enters.
+    let study = handed_on(r#""jobs": {"next": {"diagnose": {"parameters": []}}}"#);
+    let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
+    assert!(matches!(ready(&pass)[0].1, Readiness::Ready(_)));
 }
 
 #[test]

@@ -293,6 +293,14 @@ fn method(output: &Output) -> String {
         chance(output.probability_unexplained),
         output.unseen.len()
     );
+    for own in &output.handed_on {
+        text.push_str(&format!(
+            " The prior of {} is the posterior of {}, as a normal distribution of its {} draws.",
+            own.parameters.join(", "),
+            own.source.replace('`', ""),
+            own.draws
+        ));
+    }
     if let Some(p) = output.remaining_p {
         text.push_str(&format!(" What the selected set leaves: p = {}.", significant(p, 2)));
     }
