@@ -239,9 +239,16 @@ pub fn load(paths: &[PathBuf], coloured: bool) -> Result<Loaded, Failure> {
     }
     for (orphan, missing) in take_orphans(&mut all.nodes) {
         let Some(entry) = all.passes.iter_mut().find(|pass| pass.jobs.contains(&orphan)) else { continue };
-        entry.jobs.retain(|id| *id != orphan);
         let pass = Arc::clone(&entry.pass);
         let Some(job) = pass.jobs.iter().find(|job| id(&entry.shown, &job.name) == orphan) else { continue };
+        // A comparison shows what there is to show.
+        if let Some(readiness) = study::delivered(&pass, job)
+            && let Some((node, _)) = node(&entry.shown, &pass, job.name.clone(), readiness)
+        {
+            all.nodes.push(node);
+            continue;
+        }
+        entry.jobs.retain(|id| *id != orphan);
         let reason = format!("it builds on `{missing}`, which has no result");
         let mut diagnostics = vec![study::refusal(job, reason)];
         // Of a pass that was not asked for nothing else tells what is wrong.

@@ -111,6 +111,18 @@ pub fn ready(pass: &Pass) -> Vec<(String, Readiness)> {
     pass.jobs.iter().map(|named| (named.name.clone(), take(named))).collect()
 }
 
+/// A comparison of a pass without the tuned state; `None` for other jobs.
+pub fn delivered(pass: &Pass, named: &NamedJob) -> Option<Readiness> {
+    let JobSpec::Compare(spec) = &named.spec else { return None };
+    let shared = Shared {
+        pass,
+        model: Arc::new(pass.model.clone()),
+        measurements: Arc::new(pass.measurements.clone()),
+        refused: spec.calibration.iter().cloned().collect(),
+    };
+    shared.comparison(spec).ok()
+}
+
 /// What is wrong with the definition of a job, in general: at its name.
 pub fn refusal(named: &NamedJob, reason: impl std::fmt::Display) -> Diagnostic {
     let message = format!("{}{reason}", refusal_prefix(&named.name));

@@ -113,7 +113,7 @@ fn a_job_that_cannot_be_made_keeps_only_what_builds_on_it_from_running() {
     let (said, printed) = (text(&output.stderr), text(&output.stdout));
     assert_eq!(code(&output), 2, "{said}");
     assert!(said.contains("error[job-refused]: job `fit` cannot be made: there is no reading to fit"), "{said}");
-    assert!(said.contains("plate/pass-1.json:10:12") && said.contains("at jobs.fit"), "{said}");
+    assert!(said.contains("plate/pass-1.json:10:12") && said.contains("at $.jobs.fit"), "{said}");
     assert!(said.contains("job `flight` cannot be made: it builds on `plate/pass-1.json:fit`"), "{said}");
     assert!(printed.contains("delivered: ") && printed.contains("spread: "), "{printed}");
     // Nothing is wrong with what is asked for alone.
@@ -146,7 +146,7 @@ fn what_builds_on_a_job_of_another_pass_that_cannot_be_made_says_why() {
 fn a_report_says_which_job_failed_and_why() {
     let root = plate();
     let model = root.path().join("plate/model.json");
-    let changed = fs::read_to_string(&model).unwrap().replace(r#""power": "Q""#, r#""power": "Q + 0 * log(G - 0.45)""#);
+    let changed = fs::read_to_string(&model).unwrap().replace(r#""power": "Q""#, r#""power": "Q + 1e-9 * log(G - 0.45)""#);
     fs::write(&model, changed).unwrap();
     let output = bmv(root.path(), &["report", "plate", "--out", "reports"]);
     assert_eq!(code(&output), 3, "{}", text(&output.stderr));

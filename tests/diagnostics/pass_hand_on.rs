@@ -55,7 +55,7 @@ fn what_takes_distributions_does_not_run_with_draws() {
         let Readiness::Refused(why) = &jobs[0].1 else { panic!("{job} runs with the original prior") };
         let plain = why[0].plain();
         assert!(plain.message.contains("`G` has the draws of `tuned` of `pass-1.json`"), "{}", plain.message);
-        assert_eq!((plain.code.as_str(), plain.path.as_str()), ("job-refused", "jobs.next"));
+        assert_eq!((plain.code.as_str(), plain.path.as_str()), ("job-refused", "$.jobs.next"));
     }
 }
 
