@@ -146,7 +146,8 @@ fn what_builds_on_a_job_of_another_pass_that_cannot_be_made_says_why() {
 fn a_report_says_which_job_failed_and_why() {
     let root = plate();
     let model = root.path().join("plate/model.json");
-    let changed = fs::read_to_string(&model).unwrap().replace(r#""power": "Q""#, r#""power": "Q + 1e-9 * log(G - 0.45)""#);
+    let changed =
+        fs::read_to_string(&model).unwrap().replace(r#""power": "Q""#, r#""power": "Q + 1e-9 * log(G - 0.45)""#);
     fs::write(&model, changed).unwrap();
     let output = bmv(root.path(), &["report", "plate", "--out", "reports"]);
     assert_eq!(code(&output), 3, "{}", text(&output.stderr));
