@@ -152,5 +152,5 @@ fn a_report_says_which_job_failed_and_why() {
     let output = bmv(root.path(), &["report", "plate", "--out", "reports"]);
     assert_eq!(code(&output), 3, "{}", text(&output.stderr));
     let report = fs::read_to_string(root.path().join("reports/plate/pass-1/report.md")).unwrap();
-    assert!(report.contains("Job prior has no result: ") && report.contains("solves failed"), "{report}");
+    assert!(report.contains("Job prior has no result: ") && report.contains("samples failed"), "{report}");
 }
