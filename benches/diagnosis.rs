@@ -36,6 +36,8 @@ fn problem(path: &Path) -> Option<Problem> {
         input_errors: Vec::new(),
         catalogue,
         candidates,
+        joint: Vec::new(),
+        most_steps: Vec::new(),
     })
 }
 
@@ -146,6 +148,8 @@ fn panel() -> Problem {
         input_errors: Vec::new(),
         catalogue,
         candidates: all,
+        joint: Vec::new(),
+        most_steps: Vec::new(),
     }
 }
 

@@ -117,11 +117,12 @@ pub fn execute_loaded(
                 wanted(&definition, node.task.kind(), &node.name)
             })
         });
-        pass.refused.retain(|(kind, name)| wanted(&definition, kind, name));
+        pass.refused.retain(|refused| wanted(&definition, &refused.kind, &refused.name));
     };
     for pass in &mut passes {
         retain(pass, &wanted);
     }
+    studies::tell_refused(&passes, context.coloured);
     for pass in &mut older {
         retain(pass, &|pass, _, name| is_judge(pass, name));
     }

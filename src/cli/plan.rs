@@ -21,13 +21,17 @@ pub(super) struct PlanVerb {
 
 impl PlanVerb {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
-        let plan = Plan::new(studies::load(&self.paths.paths, context.coloured)?.nodes)?;
+        let loaded = studies::load(&self.paths.paths, context.coloured)?;
+        studies::tell_refused(&loaded.passes, context.coloured);
+        let is_refused = loaded.passes.iter().any(|pass| !pass.refused.is_empty());
+        let status = if is_refused { Status::WrongInput } else { Status::Done };
+        let plan = Plan::new(loaded.nodes)?;
         let settings = self.options.settings();
         let history = WorkHistory::read(&self.options.cache.events());
         let lines = plan.preview(&self.options.cache.cache(), None, settings.force, &history);
         if self.json {
             print_json(&lines)?;
-            return Ok(Status::Done);
+            return Ok(status);
         }
         let mut rows = vec![["job", "kind", "key", "state", "work"].map(str::to_owned).to_vec()];
         for line in &lines {
@@ -52,6 +56,6 @@ impl PlanVerb {
             }
         };
         print(&format!("{}\n{to_run} of {} jobs to run{length}\n", table(&rows), lines.len()))?;
-        Ok(Status::Done)
+        Ok(status)
     }
 }

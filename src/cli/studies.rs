@@ -1,5 +1,6 @@
 //! Where the verbs meet the rooms that load studies and render reports.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -9,10 +10,11 @@ use super::archive::study_name;
 use super::execute::Executed;
 use super::output::{escaped, tell};
 use super::status::Failure;
+use crate::document::Diagnostic;
 use crate::job::{Job, JobError, compare, predict, propagate, sensitivity};
 use crate::report::assemble::{FinishedJob, Surroundings, assemble};
 use crate::report::{History, JobEntry, JobResult, PassErrors, PassReport};
-use crate::runner::{Node, Ready, Task};
+use crate::runner::{Node, Outcome, Ready, RunnerError, Task};
 use crate::study::ready::{Deferred, Readiness};
 use crate::study::resolved::Upstream;
 use crate::study::{self, Pass, discover};
@@ -33,10 +35,33 @@ pub struct LoadedPass {
     pub jobs: Vec<String>,
     /// Jobs that do not run now, each with its reason.
     pub not_run: Vec<String>,
-    /// Kind and name of the jobs that do not run as they are written.
-    pub refused: Vec<(String, String)>,
+    /// Jobs that cannot be made from their definition.
+    pub refused: Vec<RefusedJob>,
     /// The pass.
     pub pass: Arc<Pass>,
+}
+
+/// A job that cannot be made from its definition.
+#[derive(Clone, Debug)]
+pub struct RefusedJob {
+    /// Kind.
+    pub kind: String,
+    /// Name.
+    pub name: String,
+    /// What is wrong, at its place.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl LoadedPass {
+    /// Notes that a job cannot be made.
+    fn refuse(&mut self, name: &str, diagnostics: Vec<Diagnostic>) {
+        let prefix = study::refusal_prefix(name);
+        let plain = |message: &'_ String| message.strip_prefix(&prefix).unwrap_or(message).to_owned();
+        let why: Vec<String> = diagnostics.iter().map(|diagnostic| plain(&diagnostic.message)).collect();
+        self.not_run.push(format!("Job {name} has no result: {}.", why.join("; ")));
+        let kind = self.pass.jobs.iter().find(|job| job.name == name).map_or("", |job| job.spec.kind());
+        self.refused.push(RefusedJob { kind: kind.to_owned(), name: name.to_owned(), diagnostics });
+    }
 }
 
 /// Passes with their jobs, ready to plan.
@@ -103,7 +128,7 @@ fn node(shown_pass: &str, pass: &Pass, name: String, readiness: Readiness) -> Op
     let (from, task): (Vec<Upstream>, Box<dyn Task>) = match readiness {
         Readiness::Ready(job) => (Vec::new(), Box::new(Ready(job))),
         Readiness::After(deferred) => (deferred.from.clone(), Box::new(After(deferred))),
-        Readiness::NotRun(_) => return None,
+        Readiness::NotRun(_) | Readiness::Refused(_) => return None,
     };
     let is_own = |upstream: &&Upstream| upstream.file == pass.file;
     let ids = from.iter().map(|upstream| {
@@ -118,8 +143,14 @@ fn node(shown_pass: &str, pass: &Pass, name: String, readiness: Readiness) -> Op
     Some((node, others))
 }
 
-/// Adds the jobs of other passes that a pass's jobs need, and those that these need.
-fn add_upstream(nodes: &mut Vec<Node>, pass: &Pass, needed: Vec<(String, String)>) -> Result<(), Failure> {
+/// Adds the jobs of other passes that a pass's jobs need, and those that these need; `refused` gets what is wrong with
+/// those that cannot be made, by id.
+fn add_upstream(
+    nodes: &mut Vec<Node>,
+    refused: &mut BTreeMap<String, Vec<Diagnostic>>,
+    pass: &Pass,
+    needed: Vec<(String, String)>,
+) {
     for other in &pass.upstream {
         let wanted: Vec<&String> = needed.iter().filter(|(file, _)| *file == other.file).map(|(_, job)| job).collect();
         let shown_pass = shown(&other.folder, &other.file);
@@ -127,27 +158,41 @@ fn add_upstream(nodes: &mut Vec<Node>, pass: &Pass, needed: Vec<(String, String)
         if wanted.iter().all(|job| is_there(nodes, job)) {
             continue;
         }
-        let jobs = ready(&shown_pass, other)?;
         let mut further = Vec::new();
-        for (name, readiness) in jobs {
-            if wanted.contains(&&name)
-                && !is_there(nodes, &name)
-                && let Some((node, needed)) = node(&shown_pass, other, name, readiness)
-            {
+        for (name, readiness) in study::ready(other) {
+            if !wanted.contains(&&name) || is_there(nodes, &name) {
+                continue;
+            }
+            if let Readiness::Refused(diagnostics) = &readiness {
+                refused.insert(id(&shown_pass, &name), diagnostics.clone());
+            }
+            if let Some((node, needed)) = node(&shown_pass, other, name, readiness) {
                 nodes.push(node);
                 further.extend(needed);
             }
         }
-        add_upstream(nodes, other, further)?;
+        add_upstream(nodes, refused, other, further);
     }
-    Ok(())
 }
 
-fn ready(shown: &str, pass: &Pass) -> Result<Vec<(String, Readiness)>, Failure> {
-    crate::study::ready(pass).map_err(|(job, error)| Failure::input(format!("{shown}: job `{job}`: {error}")))
+/// Takes the jobs out that build on one that is not among them, and those that build on these: gives id and what is
+/// missing.
+fn take_orphans(nodes: &mut Vec<Node>) -> Vec<(String, String)> {
+    let mut orphans = Vec::new();
+    loop {
+        let known: BTreeSet<String> = nodes.iter().map(|node| node.id.clone()).collect();
+        let missing = |node: &Node| node.from.iter().find(|from| !known.contains(*from)).cloned();
+        let before = orphans.len();
+        orphans.extend(nodes.iter().filter_map(|node| Some((node.id.clone(), missing(node)?))));
+        if orphans.len() == before {
+            return orphans;
+        }
+        nodes.retain(|node| missing(node).is_none());
+    }
 }
 
-/// Loads the passes found under these paths, and the jobs of other passes of their studies that their jobs need.
+/// Loads the passes found under these paths, and the jobs of other passes of their studies that their jobs need. A job
+/// that cannot be made keeps none but those from running that build on it.
 ///
 /// # Errors
 /// What is wrong with the files, rendered at its place.
@@ -159,7 +204,6 @@ pub fn load(paths: &[PathBuf], coloured: bool) -> Result<Loaded, Failure> {
         if !pass.warnings.is_empty() {
             all.notes.push(pass.warnings.render(coloured, MOST_DIAGNOSTICS));
         }
-        let jobs = ready(&shown, &pass)?;
         let mut entry = LoadedPass {
             file: pass.file.clone(),
             jobs: Vec::new(),
@@ -170,18 +214,15 @@ pub fn load(paths: &[PathBuf], coloured: bool) -> Result<Loaded, Failure> {
             study,
         };
         let pass = Arc::clone(&entry.pass);
-        all.notes.extend(pass.refused.iter().map(|refused| refused.diagnostic.render(coloured)));
         let mut own_needed = Vec::new();
-        for (name, readiness) in jobs {
-            if let Readiness::NotRun(reason) = &readiness {
-                entry.not_run.push(format!("Job {name} did not run: {reason}."));
-                if pass.refused.iter().any(|refused| refused.job == name) {
-                    let kind = pass.jobs.iter().find(|job| job.name == name).map_or("", |job| job.spec.kind());
-                    entry.refused.push((kind.to_owned(), name));
-                } else {
+        for (name, readiness) in study::ready(&pass) {
+            match &readiness {
+                Readiness::NotRun(reason) => {
+                    entry.not_run.push(format!("Job {name} did not run: {reason}."));
                     all.notes.push(format!("{shown}: job `{name}` does not run: {reason}"));
                 }
-                continue;
+                Readiness::Refused(diagnostics) => entry.refuse(&name, diagnostics.clone()),
+                Readiness::Ready(_) | Readiness::After(_) => {}
             }
             if let Some((node, needed)) = node(&shown, &pass, name, readiness) {
                 entry.jobs.push(node.id.clone());
@@ -192,10 +233,40 @@ pub fn load(paths: &[PathBuf], coloured: bool) -> Result<Loaded, Failure> {
         needed.push((pass, own_needed));
         all.passes.push(entry);
     }
+    let mut refused = BTreeMap::new();
     for (pass, needed) in needed {
-        add_upstream(&mut all.nodes, &pass, needed)?;
+        add_upstream(&mut all.nodes, &mut refused, &pass, needed);
+    }
+    for (orphan, missing) in take_orphans(&mut all.nodes) {
+        let Some(entry) = all.passes.iter_mut().find(|pass| pass.jobs.contains(&orphan)) else { continue };
+        let pass = Arc::clone(&entry.pass);
+        let Some(job) = pass.jobs.iter().find(|job| id(&entry.shown, &job.name) == orphan) else { continue };
+        // A comparison shows what there is to show.
+        if let Some(readiness) = study::delivered(&pass, job)
+            && let Some((node, _)) = node(&entry.shown, &pass, job.name.clone(), readiness)
+        {
+            all.nodes.push(node);
+            continue;
+        }
+        entry.jobs.retain(|id| *id != orphan);
+        let reason = format!("it builds on `{missing}`, which has no result");
+        let mut diagnostics = vec![study::refusal(job, reason)];
+        // Of a pass that was not asked for nothing else tells what is wrong.
+        diagnostics.extend(refused.get(&missing).into_iter().flatten().cloned());
+        entry.refuse(&job.name, diagnostics);
     }
     Ok(all)
+}
+
+/// Tells what is wrong with the jobs that cannot be made, each thing once.
+pub fn tell_refused(passes: &[LoadedPass], coloured: bool) {
+    let mut said: Vec<&Diagnostic> = Vec::new();
+    for diagnostic in passes.iter().flat_map(|pass| &pass.refused).flat_map(|refused| &refused.diagnostics) {
+        if !said.contains(&diagnostic) {
+            tell(&diagnostic.render(coloured));
+            said.push(diagnostic);
+        }
+    }
 }
 
 /// The parents of passes, as far as they are not among them and can be loaded by themselves.
@@ -323,6 +394,26 @@ pub fn view<'p>(pass: &'p LoadedPass, executed: &Executed) -> Result<PassReport<
     view_in(pass, executed, Surroundings::default())
 }
 
+/// Which of a pass's jobs failed or were skipped, each with the reason.
+fn failures(pass: &LoadedPass, executed: &Executed) -> impl Iterator<Item = String> {
+    pass.jobs.iter().filter_map(|id| {
+        let name = &executed.plan.nodes()[executed.plan.find(id)?].name;
+        match executed.summary.outcomes.get(id)? {
+            Outcome::Failed(error) => {
+                let reason = match error.as_ref() {
+                    RunnerError::Job { source, .. } => source.to_string(),
+                    other => other.to_string(),
+                };
+                Some(format!("Job {name} has no result: {reason}."))
+            }
+            Outcome::Skipped { upstream } => {
+                Some(format!("Job {name} has no result: it builds on {upstream}, which has none."))
+            }
+            Outcome::Finished(_) | Outcome::Interrupted => None,
+        }
+    })
+}
+
 pub(super) fn view_in<'p>(
     pass: &'p LoadedPass,
     executed: &Executed,
@@ -335,7 +426,8 @@ pub(super) fn view_in<'p>(
             FinishedJob { name: &node.name, kind: node.task.kind(), key: job.key.as_str(), result: &job.stored.value }
         })
         .collect();
-    let surroundings = Surroundings { study: study_name(&pass.study), warnings: pass.not_run.clone(), ..surroundings };
+    let warnings = pass.not_run.iter().cloned().chain(failures(pass, executed)).collect();
+    let surroundings = Surroundings { study: study_name(&pass.study), warnings, ..surroundings };
     assemble(&pass.pass, &jobs, surroundings).map_err(|error| Failure::job(format!("{}: {error}", pass.shown)))
 }
 

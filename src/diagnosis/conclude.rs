@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::carried::carried;
-use super::engine::{Diagnosis, State};
+use super::engine::{Diagnosis, State, TIMES_THE_STEPS};
 use super::heat;
 use super::held_out;
 use super::output::{
@@ -25,6 +25,8 @@ const MOST_WRITTEN: usize = 60;
 const LEAST_TESTED: f64 = 1e-3;
 /// Probability of an effect below which the heat that it would carry is not told.
 const LEAST_TOLD: f64 = 1e-3;
+/// Length of the change of all predictions, in standard deviations of the noise, below which an effect changes nothing.
+const MOVES_NOTHING: f64 = 0.01;
 /// p-value of the remaining sum of squares below which a set does not bring the model near the noise.
 const FAR_FROM_NOISE: f64 = 1e-3;
 
@@ -57,12 +59,13 @@ impl Findings<'_> {
 impl Diagnosis {
     /// The verdict on what was found.
     pub fn conclude(&self, state: &State) -> Output {
-        let problem = self.settled(&state.noise);
+        let problem = self.settled(&state.noise, &state.most_steps);
         let believed = &state.refits[0];
         let finds = state.screening.family.p <= self.settings().false_alarm;
         let missing = finds.then(|| heat::missing_heat(&problem, believed)).flatten();
         let weights = weigh(&problem, &state.refits, missing.as_ref().map(|missing| missing.log_evidence));
         let mut warnings = state.warnings.clone();
+        warnings.extend(given_up(state));
         let mut findings =
             Findings { problem: &problem, state, weights, selected: 0, groups: Vec::new(), rivals: Vec::new() };
         let nothing = findings.weights.sets[0];
@@ -123,6 +126,8 @@ impl Diagnosis {
                 state.screening.pairs_screened,
                 state.refits.len().saturating_sub(1) as u64,
             ],
+            handed_on: Vec::new(),
+            converged: None,
             warnings,
         };
         output.words = words::verdict(&output, &findings);
@@ -200,6 +205,7 @@ impl Diagnosis {
             probability,
             log_bayes_factor: refit.log_evidence - before.log_evidence,
             log_bayes_factor_scales: scales,
+            changes_nothing: changes_nothing(before, refit),
             group,
             amplitudes,
             rmse_k: RmseChange {
@@ -297,6 +303,24 @@ impl Findings<'_> {
         let sure = held(&self.state.refits, &self.weights, &self.groups) >= SURE;
         if alone && sure { Verdict::Identified } else { Verdict::Ambiguous }
     }
+}
+
+/// What is said of fits in which transients were given up.
+fn given_up(state: &State) -> Option<String> {
+    let points: u64 = state.refits.iter().map(|refit| refit.given_up).sum();
+    let sets = state.refits.iter().filter(|refit| refit.given_up > 0).count();
+    (points > 0).then(|| {
+        format!(
+            "fits of {sets} sets of effects left out {points} points at which a transient took more than {TIMES_THE_STEPS} \
+             times the steps of the believed model"
+        )
+    })
+}
+
+/// Whether two fits predict the same, to less than any table shows.
+fn changes_nothing(before: &Refit, after: &Refit) -> bool {
+    let moved = before.residuals.iter().zip(&after.residuals).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+    before.residuals.len() == after.residuals.len() && moved.sqrt() < MOVES_NOTHING
 }
 
 fn misfit(state: &State) -> Misfit {

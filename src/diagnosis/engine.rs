@@ -12,6 +12,8 @@ use super::screen::{Lead, Screening};
 use super::weigh::{best, weigh};
 use super::{Problem, Refit, Settings};
 use crate::effect::Effect;
+use crate::inference::joint_prior::JointPrior;
+use crate::inference::measurement::Rows;
 use crate::random::StreamKey;
 
 /// Single effects that are fitted at first.
@@ -28,6 +30,10 @@ const BESIDE: usize = 8;
 const MOST_ROUNDS: u32 = 8;
 /// Starts of the believed model.
 const STARTS: usize = 8;
+/// A transient of a hypothesis may take this many times the steps of the believed model.
+pub(super) const TIMES_THE_STEPS: u64 = 50;
+/// And so many in any case: they cost nothing.
+const LEAST_OF_MOST_STEPS: u64 = 2000;
 
 /// A diagnosis of a problem.
 #[derive(Debug)]
@@ -75,6 +81,9 @@ pub struct State {
     pub rounds: u32,
     /// Noise that was estimated.
     pub noise: Vec<SettledSensor>,
+    /// Attempted steps after which a hypothesis's transient is given up, by measurement; empty without transients.
+    #[serde(default)]
+    pub most_steps: Vec<u64>,
     /// What screening of the believed model found.
     pub screening: Screening,
     /// Fits; the first is the believed model's.
@@ -140,6 +149,12 @@ impl Diagnosis {
         Self { problem, settings, key }
     }
 
+    /// The same with joint priors of some of the problem's parameters, by their places in its list, which share none.
+    pub fn with_joint_priors(mut self, joint: Vec<JointPrior>) -> Self {
+        self.problem.joint = joint;
+        self
+    }
+
     /// What is diagnosed.
     pub fn problem(&self) -> &Problem {
         &self.problem
@@ -155,9 +170,9 @@ impl Diagnosis {
         &self.key
     }
 
-    /// The problem with the estimated noise as if it were known.
-    pub(super) fn settled(&self, noise: &[SettledSensor]) -> Problem {
-        let mut problem = self.problem.clone();
+    /// The problem with the estimated noise as if it were known, and bounds on the steps of transients.
+    pub(super) fn settled(&self, noise: &[SettledSensor], most_steps: &[u64]) -> Problem {
+        let mut problem = Problem { most_steps: most_steps.to_vec(), ..self.problem.clone() };
         for one in noise {
             settle(&mut problem.measurements[one.measurement], one.sensor, &one.noise);
         }
@@ -171,13 +186,26 @@ impl Diagnosis {
     pub fn screen(&self) -> Result<State, String> {
         let begin = Begin { starts: Vec::new(), from_prior: STARTS, scale: 1.0 };
         let declared = self.problem.refit(&[], &begin, &self.key)?;
-        let noise = self.settle_noise(&self.problem, &declared, true)?;
-        self.screen_with(&declared, noise)
+        let most_steps = self.most_steps(&declared)?;
+        let noise = self.settle_noise(&self.settled(&[], &most_steps), &declared, true)?;
+        self.screen_with(&declared, noise, most_steps)
+    }
+
+    /// Attempted steps after which a transient is given up: many times those of the believed model at its fit. In a wrong
+    /// hypothesis an integrator may crawl, and what it would find there counts for nothing.
+    fn most_steps(&self, fitted: &Refit) -> Result<Vec<u64>, String> {
+        if !self.problem.measurements.iter().any(|own| matches!(own.rows, Rows::Transient { .. })) {
+            return Ok(Vec::new());
+        }
+        let believed = self.problem.hypothesis(&[], 1.0).and_then(|own| own.likelihood(&self.problem));
+        let likelihood = believed.map_err(|error| error.to_string())?;
+        let steps = likelihood.transient_steps(&fitted.unknowns).map_err(|rejected| rejected.to_string())?;
+        Ok(steps.into_iter().map(|steps| steps.saturating_mul(TIMES_THE_STEPS).max(LEAST_OF_MOST_STEPS)).collect())
     }
 
     /// Fits the believed model, from another fit of it, with settled noise, and screens all effects and pairs.
-    fn screen_with(&self, fitted: &Refit, noise: Vec<SettledSensor>) -> Result<State, String> {
-        let problem = self.settled(&noise);
+    fn screen_with(&self, fitted: &Refit, noise: Vec<SettledSensor>, most_steps: Vec<u64>) -> Result<State, String> {
+        let problem = self.settled(&noise, &most_steps);
         let mut believed = fitted.clone();
         if !noise.is_empty() {
             let begin = Begin { starts: vec![believed.by_name()], from_prior: 2, scale: 1.0 };
@@ -187,6 +215,7 @@ impl Diagnosis {
         let mut state = State {
             rounds: 0,
             noise,
+            most_steps,
             screening: screening.clone(),
             refits: vec![believed],
             pending: Vec::new(),
@@ -226,7 +255,7 @@ impl Diagnosis {
     /// # Errors
     /// Why it cannot be fitted.
     pub fn refit(&self, state: &State, order: &Order) -> Result<Refit, String> {
-        let problem = self.settled(&state.noise);
+        let problem = self.settled(&state.noise, &state.most_steps);
         let base = state.refits.get(order.from).map(Refit::by_name).unwrap_or_default();
         let starts = order.starts.iter().map(|own| {
             let mut start = base.clone();
@@ -259,13 +288,14 @@ impl Diagnosis {
         let best = (0..state.refits.len()).filter(plain).reduce(better);
         let (false, Some(best)) = (state.noise.is_empty(), best) else { return Ok(None) };
         let best = &state.refits[best];
-        let with = self.problem.with(&best.effects).map_err(|error| error.to_string())?;
+        let bounded = self.settled(&[], &state.most_steps);
+        let with = bounded.with(&best.effects).map_err(|error| error.to_string())?;
         let noise = self.settle_noise(&with, best, false)?;
         let changed = noise.iter().zip(&state.noise).any(|(new, old)| new.noise.differs(&old.noise));
         if !changed {
             return Ok(None);
         }
-        let mut next = self.screen_with(&state.refits[0], noise)?;
+        let mut next = self.screen_with(&state.refits[0], noise, state.most_steps.clone())?;
         next.rounds = state.rounds;
         next.warnings.clone_from(&state.warnings);
         for refit in &state.refits[1..] {
@@ -294,7 +324,7 @@ impl Diagnosis {
         if set.is_empty() || state.rounds > MOST_ROUNDS || state.remainders.iter().any(|r| r.effects == set) {
             return state;
         }
-        let problem = self.settled(&state.noise);
+        let problem = self.settled(&state.noise, &state.most_steps);
         match self.screen_beside(&problem, &state.refits[place]) {
             Err(why) => state.warn(why),
             Ok(screening) => {

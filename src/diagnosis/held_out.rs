@@ -68,6 +68,8 @@ fn chi_square(problem: &Problem, chosen: &Refit, left_out: &BTreeSet<(usize, usi
     let with = problem.with(&chosen.effects).ok()?;
     let fitted = linear(&with, chosen)?;
     let mut exchanged = with;
+    // These rows may take any number of times the steps of the fitted ones.
+    exchanged.most_steps.clear();
     for (index, measurement) in exchanged.measurements.iter_mut().enumerate() {
         exchange(measurement);
         let width = measurement.sensors.len();

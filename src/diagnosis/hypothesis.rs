@@ -144,13 +144,14 @@ impl Hypothesis {
     /// [`HypothesisError::Likelihood`].
     pub fn likelihood(&self, problem: &Problem) -> Result<Likelihood, HypothesisError> {
         let measurements: Vec<&Measurement> = self.measurements.iter().collect();
-        Ok(Likelihood::new(&Definition {
+        let likelihood = Likelihood::new(&Definition {
             model: &self.model,
             priors: &self.priors,
             parameters: &self.parameters,
             measurements: &measurements,
             input_errors: &problem.input_errors,
-        })?)
+        })?;
+        Ok(problem.informed(likelihood, &problem.most_steps))
     }
 }
 

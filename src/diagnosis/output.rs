@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::inference::joint_prior::Fit;
+
 /// What is said of a model against its data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -123,6 +125,10 @@ pub struct EffectResult {
     pub log_bayes_factor: f64,
     /// The same with the amplitude's prior at half and at double scale.
     pub log_bayes_factor_scales: Option<[f64; 2]>,
+    /// Whether its fit leaves every prediction where it is without it: the data speak against it, or cannot see it. Tables
+    /// leave it out.
+    #[serde(default)]
+    pub changes_nothing: bool,
     /// Number of its group; effects of one group cannot be told apart with these data.
     pub group: Option<u64>,
     /// Its parameters at the fit of its best set.
@@ -262,6 +268,23 @@ pub struct HeldOutTest {
     pub veto: bool,
 }
 
+/// A posterior that is the prior of some parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PriorOfDraws {
+    /// Where it comes from.
+    pub source: String,
+    /// The parameters.
+    pub parameters: Vec<String>,
+    /// Number of draws.
+    pub draws: u64,
+    /// How many independent draws they are worth.
+    pub effective: f64,
+    /// Whether the chains that they come from converged.
+    pub converged: bool,
+    /// How well the normal distribution of their scores describes them.
+    pub fit: Fit,
+}
+
 /// The result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Output {
@@ -299,6 +322,12 @@ pub struct Output {
     pub remaining_p: Option<f64>,
     /// Numbers of effects screened, pairs screened and sets fitted.
     pub looked_at: [u64; 3],
+    /// Posteriors that are priors.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub handed_on: Vec<PriorOfDraws>,
+    /// That chains behind a prior did not converge; `None` where none did so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub converged: Option<bool>,
     /// What went wrong on the way.
     pub warnings: Vec<String>,
 }

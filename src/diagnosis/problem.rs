@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use super::HypothesisError;
 use crate::effect::{Candidate, Catalogue};
-use crate::inference::likelihood::{InputError, LikelihoodError};
+use crate::inference::joint_prior::JointPrior;
+use crate::inference::likelihood::{InputError, Likelihood, LikelihoodError};
 use crate::inference::measurement::Measurement;
 use crate::random::Distribution;
 use crate::thermal::{Model, Parameter};
@@ -29,9 +30,19 @@ pub struct Problem {
     pub catalogue: Arc<Catalogue>,
     /// Effects at places, of [`crate::effect::candidates`].
     pub candidates: Vec<Candidate>,
+    /// Joint priors of some of `parameters`, by their places there; whitened coordinates stand for these in every fit.
+    pub joint: Vec<JointPrior>,
+    /// Attempted steps after which a measurement's transient is given up, by measurement; empty: never.
+    pub most_steps: Vec<u64>,
 }
 
 impl Problem {
+    /// A likelihood of the problem's parameters, and perhaps others after them, with the joint priors; `most_steps` are those
+    /// of its measurements.
+    pub(super) fn informed(&self, likelihood: Likelihood, most_steps: &[u64]) -> Likelihood {
+        likelihood.with_joint_priors(self.joint.clone()).with_most_steps(most_steps.to_vec())
+    }
+
     /// The problem with something to infer. Where nothing is, as in a model whose parameters are all fixed, it gets a
     /// parameter that acts on nothing, with a standard normal prior: residuals, evidence and every effect's direction
     /// stay as they are, and the least squares have a column.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::levels::{gap, log_share};
 use super::{Hypothesis, Problem};
 use crate::expression::Unit;
-use crate::inference::likelihood::Likelihood;
+use crate::inference::likelihood::{GIVEN_UP, Likelihood};
 use crate::inference::measurement::Measurement;
 use crate::inference::point_estimate::{PointEstimate, PointSettings, estimate};
 use crate::inference::prediction::Predictor;
@@ -73,6 +73,9 @@ pub struct Refit {
     pub rmse_held_out_k: Option<f64>,
     /// The held-out readings.
     pub held_out: Vec<HeldOut>,
+    /// Points of the fit at which a transient took too many steps and was given up.
+    #[serde(default)]
+    pub given_up: u64,
 }
 
 /// Where a fit begins and how hard it tries.
@@ -121,6 +124,7 @@ impl Problem {
             chi_square: found.chi_square,
             held: found.held.iter().map(Option::is_some).collect(),
             amplitudes: amplitudes(&hypothesis, &likelihood, &found),
+            given_up: given_up(&found),
             unknowns: found.parameters,
             names: likelihood.names().to_vec(),
             residuals,
@@ -157,6 +161,12 @@ impl Problem {
         }
         sum
     }
+}
+
+/// Points at which a transient was given up.
+fn given_up(found: &PointEstimate) -> u64 {
+    let reasons = found.work.rejections.by_reason.iter();
+    reasons.filter(|(reason, _)| reason.contains(GIVEN_UP)).map(|(_, count)| count).sum()
 }
 
 fn amplitudes(hypothesis: &Hypothesis, likelihood: &Likelihood, found: &PointEstimate) -> Vec<Vec<Amplitude>> {

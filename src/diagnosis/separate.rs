@@ -134,6 +134,7 @@ impl<'a> Rival<'a> {
             input_errors: &problem.input_errors,
         })
         .ok()?;
+        let likelihood = problem.informed(likelihood, &[]);
         let known = self.fit.by_name();
         let at: Vec<f64> = likelihood.names().iter().map(|name| known.get(name).copied()).collect::<Option<_>>()?;
         let linear = linearise(&likelihood, &at).ok()?;

@@ -6,13 +6,11 @@
 
 use super::chains::Chain;
 use super::identifiability::{Finding, Share};
-use super::joint_prior::JointPrior;
+use super::joint_prior::{JointPrior, STANDARD, unknowns_at};
 use super::point_estimate::PointEstimate;
 use super::target::{LeastSquares, Rejected, Target};
 use crate::random::Distribution;
 
-/// The standard normal prior of a whitened coordinate.
-const STANDARD: Distribution = Distribution::Normal { mean: 0.0, sd: 1.0, lower: None, upper: None };
 /// Shares below this are not named in a direction.
 const NOTICEABLE: f64 = 0.1;
 
@@ -59,14 +57,7 @@ impl<T: Target> Informed<T> {
 
     /// The target's own parameters (SI) at coordinates.
     pub fn parameters(&self, coordinates: &[f64]) -> Vec<f64> {
-        let mut parameters = coordinates.to_vec();
-        for prior in &self.joint {
-            let whitened: Vec<f64> = prior.places().iter().map(|&place| coordinates[place]).collect();
-            for (&place, value) in prior.places().iter().zip(prior.at(&whitened).0) {
-                parameters[place] = value;
-            }
-        }
-        parameters
+        unknowns_at(&self.joint, coordinates).0
     }
 
     /// Writes the parameters and slopes at coordinates.

@@ -30,6 +30,9 @@ const ERRORS: f64 = 3.0;
 /// The Kolmogorov-Smirnov distance over the root of the number of draws that chance exceeds once in a hundred.
 const KOLMOGOROV: f64 = 1.63;
 
+/// The prior of a whitened coordinate.
+pub const STANDARD: Distribution = Distribution::Normal { mean: 0.0, sd: 1.0, lower: None, upper: None };
+
 /// Why draws have no density.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum JointPriorError {
@@ -187,6 +190,32 @@ impl JointPrior {
     pub fn log_slope(&self, slopes: &[f64]) -> f64 {
         let n = slopes.len();
         slopes.iter().map(|slope| ln(slope.abs())).sum::<f64>() + 0.5 * cholesky::log_determinant(&self.factor, n)
+    }
+}
+
+/// The unknowns (SI) at coordinates of which some are whitened by these joint priors, and each prior's slopes there.
+pub fn unknowns_at(joint: &[JointPrior], coordinates: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let mut unknowns = coordinates.to_vec();
+    let mut all = Vec::with_capacity(joint.len());
+    for prior in joint {
+        let whitened: Vec<f64> = prior.places.iter().map(|&place| coordinates[place]).collect();
+        let (values, slopes) = prior.at(&whitened);
+        for (&place, value) in prior.places.iter().zip(values) {
+            unknowns[place] = value;
+        }
+        all.push(slopes);
+    }
+    (unknowns, all)
+}
+
+/// Turns derivatives by the unknowns into derivatives by such coordinates, in place.
+pub fn pull_back(joint: &[JointPrior], slopes: &[Vec<f64>], derivatives: &mut [f64]) {
+    for (prior, slopes) in joint.iter().zip(slopes) {
+        let mut part: Vec<f64> = prior.places.iter().map(|&place| derivatives[place]).collect();
+        prior.pull_back(slopes, &mut part);
+        for (&place, value) in prior.places.iter().zip(part) {
+            derivatives[place] = value;
+        }
     }
 }
 

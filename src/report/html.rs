@@ -3,7 +3,7 @@
 use serde::Serialize;
 use thiserror::Error;
 
-use super::page::{Block, Cell, Column, Inline, Numbering, Page, Status, Text, Tone};
+use super::page::{Block, Cell, Column, Inline, Numbering, Page, Status, Table, Text, Tone};
 
 const TEMPLATE: &str = include_str!("../../templates/report.html");
 const STYLE: &str = include_str!("../../templates/report.css");
@@ -71,7 +71,7 @@ enum FlatBlock<'a> {
     Heading { id: String, number: String, title: &'a str },
     Paragraph { text: &'a Text },
     List { items: &'a [Text] },
-    Table { number: usize, caption: &'a Text, columns: &'a [Column], rows: Vec<Vec<FlatCell<'a>>> },
+    Table { number: usize, caption: &'a Text, columns: &'a [Column], stacks: bool, rows: Vec<Vec<FlatCell<'a>>> },
     Figure { number: usize, id: String, caption: &'a Text, svg: String },
     Callout { tone: Tone, word: &'static str, text: &'a Text },
     Statements { statements: Vec<FlatStatement<'a>> },
@@ -84,6 +84,8 @@ enum FlatBlock<'a> {
 struct FlatCell<'a> {
     text: &'a [Inline],
     class: String,
+    /// What stands beside it where rows stand as lists.
+    label: String,
 }
 
 #[derive(Serialize)]
@@ -103,9 +105,25 @@ fn class(status: Option<Status>) -> &'static str {
     }
 }
 
-fn cell<'a>(cell: &'a Cell, column: Option<&Column>) -> FlatCell<'a> {
+/// Columns of a table that is too wide for a phone, and those of them that hold text.
+const WIDE: [usize; 2] = [5, 3];
+/// Rows up to which a table is still read as a list.
+const MOST_STACKED: usize = 40;
+
+/// Whether the rows of a table stand as lists on a narrow screen: many columns of text leave none of them room there.
+fn stacks(table: &Table) -> bool {
+    let texts = table.columns.iter().filter(|column| !column.is_numeric).count();
+    table.columns.len() >= WIDE[0] && texts >= WIDE[1] && table.rows.len() <= MOST_STACKED
+}
+
+fn label(column: &Column) -> String {
+    if column.unit.is_empty() { column.title.clone() } else { format!("{} [{}]", column.title, column.unit) }
+}
+
+fn cell<'a>(cell: &'a Cell, column: Option<&Column>, stacks: bool) -> FlatCell<'a> {
     let side = if column.is_some_and(|c| c.is_numeric) { "number" } else { "text" };
-    FlatCell { text: &cell.text.0, class: format!("{side} {}", class(cell.status)).trim_end().to_owned() }
+    let label = column.filter(|_| stacks).map(label).unwrap_or_default();
+    FlatCell { text: &cell.text.0, class: format!("{side} {}", class(cell.status)).trim_end().to_owned(), label }
 }
 
 struct Flat<'a> {
@@ -130,10 +148,12 @@ impl<'a> Flat<'a> {
                     number: self.numbering.table(),
                     caption: &table.caption,
                     columns: &table.columns,
-                    rows: table
-                        .rows
-                        .iter()
-                        .map(|row| row.iter().enumerate().map(|(i, c)| cell(c, table.columns.get(i))).collect())
+                    stacks: stacks(table),
+                    rows: (table.rows.iter())
+                        .map(|row| {
+                            let cells = row.iter().enumerate();
+                            cells.map(|(i, own)| cell(own, table.columns.get(i), stacks(table))).collect()
+                        })
                         .collect(),
                 },
                 Block::Figure(figure) => {

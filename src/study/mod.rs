@@ -24,7 +24,7 @@ pub mod window;
 pub use discover::{Found, discover};
 pub use folder::Folder;
 pub use problem::problem;
-pub use ready::ready;
+pub use ready::{delivered, ready, refusal, refusal_prefix};
 pub use resolve::{effects, load};
 pub use resolved::{AdoptedEffect, JobSpec, NamedJob, ParameterChange, Pass};
 pub use schema::schema;

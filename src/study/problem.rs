@@ -20,6 +20,8 @@ pub fn problem(pass: &Pass) -> Problem {
         measurements: pass.measurements.clone(),
         input_errors: input_errors(pass),
         catalogue: Arc::clone(&pass.catalogue),
+        joint: Vec::new(),
+        most_steps: Vec::new(),
     };
     problem.with_something_to_infer()
 }

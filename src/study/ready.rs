@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use crate::diagnosis::Problem;
-use crate::document::suggest;
+use crate::document::{Diagnostic, code, suggest};
 use crate::effect::candidates;
 use crate::inference::likelihood::InputError;
 use crate::inference::measurement::Measurement;
@@ -25,7 +25,7 @@ use crate::thermal::Model;
 
 use super::model::Prior;
 use super::resolve::sensor_places;
-use super::resolved::{HandedOnPrior, JobSpec, Pass, Prediction, Upstream};
+use super::resolved::{Blocked, HandedOnPrior, JobSpec, NamedJob, Pass, Prediction, Upstream};
 
 /// Parameters named in a message.
 const NAMED: usize = 12;
@@ -36,8 +36,10 @@ pub enum Readiness {
     Ready(Arc<dyn Job>),
     /// It can run when calibrations of the study have their results.
     After(Box<Deferred>),
-    /// It does not run; the reason in a line.
+    /// It does not run now; the reason in a line.
     NotRun(String),
+    /// It cannot be made from its definition; what is wrong, at its place.
+    Refused(Vec<Diagnostic>),
 }
 
 /// Makes a job from the results that it waits for.
@@ -82,61 +84,84 @@ struct Shared<'p> {
     pass: &'p Pass,
     model: Arc<Model>,
     measurements: Arc<Vec<Measurement>>,
+    /// Calibrations that cannot be made.
+    refused: Vec<String>,
 }
 
-/// The jobs of a pass in order, each by its name.
-///
-/// # Errors
-/// The name of a job that cannot be made from its definition, with the reason: a network without a path to a boundary,
-/// a nominal case that does not solve.
-pub fn ready(pass: &Pass) -> Result<Vec<(String, Readiness)>, (String, JobError)> {
-    let shared =
-        Shared { pass, model: Arc::new(pass.model.clone()), measurements: Arc::new(pass.measurements.clone()) };
-    let jobs = pass.jobs.iter().map(|named| {
-        let job = match blocked(pass, &named.name) {
-            Some(reason) => Ok(Readiness::NotRun(reason)),
-            None => shared.job(&named.name, &named.spec),
-        };
-        job.map(|job| (named.name.clone(), job)).map_err(|error| (named.name.clone(), error))
-    });
-    jobs.collect()
+/// The jobs of a pass in order, each by its name. One that cannot be made from its definition (a network without a path
+/// to a boundary, a nominal case that does not solve) keeps none of the others.
+pub fn ready(pass: &Pass) -> Vec<(String, Readiness)> {
+    let mut shared = Shared {
+        pass,
+        model: Arc::new(pass.model.clone()),
+        measurements: Arc::new(pass.measurements.clone()),
+        refused: pass.refused.iter().map(|refused| refused.job.clone()).collect(),
+    };
+    // Comparisons show the delivered state where the tuned one cannot be had: so calibrations come first.
+    let is_calibration = |named: &NamedJob| matches!(named.spec, JobSpec::Calibrate(_));
+    let calibrations = pass.jobs.iter().filter(|named| is_calibration(named));
+    let mut made: Vec<(&str, Readiness)> =
+        calibrations.map(|named| (named.name.as_str(), shared.readiness(named))).collect();
+    let cannot = made.iter().filter(|(_, readiness)| matches!(readiness, Readiness::Refused(_)));
+    shared.refused.extend(cannot.map(|(name, _)| (*name).to_owned()));
+    let mut take = |named: &NamedJob| {
+        let known = made.iter().position(|(name, _)| *name == named.name);
+        known.map_or_else(|| shared.readiness(named), |known| made.swap_remove(known).1)
+    };
+    pass.jobs.iter().map(|named| (named.name.clone(), take(named))).collect()
+}
+
+/// A comparison of a pass without the tuned state; `None` for other jobs.
+pub fn delivered(pass: &Pass, named: &NamedJob) -> Option<Readiness> {
+    let JobSpec::Compare(spec) = &named.spec else { return None };
+    let shared = Shared {
+        pass,
+        model: Arc::new(pass.model.clone()),
+        measurements: Arc::new(pass.measurements.clone()),
+        refused: spec.calibration.iter().cloned().collect(),
+    };
+    shared.comparison(spec).ok()
+}
+
+/// What is wrong with the definition of a job, in general: at its name.
+pub fn refusal(named: &NamedJob, reason: impl std::fmt::Display) -> Diagnostic {
+    let message = format!("{}{reason}", refusal_prefix(&named.name));
+    Diagnostic::error(&code::JOB_REFUSED, &named.place, message)
+}
+
+/// What stands before the reason in the message of a [`refusal`].
+pub fn refusal_prefix(name: &str) -> String {
+    format!("job `{name}` cannot be made: ")
 }
 
 /// Why a job of a pass does not run now; `None` where it does.
-pub fn blocked(pass: &Pass, name: &str) -> Option<String> {
+pub fn blocked(pass: &Pass, name: &str) -> Option<Blocked> {
     if let Some(refused) = pass.refused.iter().find(|refused| refused.job == name) {
-        return Some(refused.diagnostic.message.clone());
+        return Some(Blocked { reason: refused.diagnostic.message.clone(), is_wrong: true });
     }
-    let of = |own: &HandedOnPrior| {
-        let reason = own.blocked.as_ref()?;
-        Some(format!("it builds on the posterior of {}, which does not run: {reason}", own.draws.source))
+    let after = |source: &str, own: &Blocked| Blocked {
+        reason: format!("it builds on the posterior of {source}, which does not run: {}", own.reason),
+        is_wrong: own.is_wrong,
     };
+    let of = |own: &HandedOnPrior| Some(after(&own.draws.source, own.blocked.as_ref()?));
+    let wrong = |reason: String| Blocked { reason, is_wrong: true };
+    let waits = |reason: String| Blocked { reason, is_wrong: false };
     match &pass.jobs.iter().find(|job| job.name == name)?.spec {
         JobSpec::Propagate(_) | JobSpec::Conventional(_) => pass.handed_on.iter().find_map(of),
         JobSpec::Calibrate(spec) => priors_of(pass, &spec.parameters).iter().find_map(of),
-        JobSpec::Diagnose(spec) => priors_of(pass, &spec.parameters).first().map(|own| {
-            format!(
-                "a diagnosis takes distributions as priors, and {} has the draws of {}; name other `parameters`, or \
-                 give the prior that they began with",
-                suggest::listed(own.draws.names.iter().map(String::as_str), NAMED),
-                own.draws.source
-            )
-        }),
+        JobSpec::Diagnose(spec) => priors_of(pass, &spec.parameters).iter().find_map(of),
         JobSpec::Sensitivity(_) | JobSpec::Goal(_) | JobSpec::Design(_) => pass.handed_on.first().map(|own| {
-            format!(
+            wrong(format!(
                 "it takes independent distributions as priors, and {} has the draws of {}",
                 suggest::listed(own.draws.names.iter().map(String::as_str), NAMED),
                 own.draws.source
-            )
+            ))
         }),
         JobSpec::Predict(spec) => {
             let own = match &spec.posterior.from {
-                Some(from) if from.file == pass.file => blocked(pass, &from.job).map(|reason| {
-                    format!(
-                        "it builds on the posterior of {}, which does not run: {reason}",
-                        spec.posterior.draws.source
-                    )
-                }),
+                Some(from) if from.file == pass.file => {
+                    blocked(pass, &from.job).map(|own| after(&spec.posterior.draws.source, &own))
+                }
                 _ => of(&spec.posterior),
             };
             own.or_else(|| rest(pass, spec).iter().find_map(of)).or_else(|| spec.handed_on.iter().find_map(of))
@@ -147,14 +172,15 @@ pub fn blocked(pass: &Pass, name: &str) -> Option<String> {
             let runs = |name: &str| {
                 pass.jobs.iter().any(|other| other.name == name && matches!(other.spec, JobSpec::Calibrate(_)))
             };
-            (!runs(calibration) || blocked(pass, calibration).is_some())
-                .then(|| format!("it shows the tuned state of `{calibration}`, which does not run"))
+            let own = if runs(calibration) { blocked(pass, calibration) } else { Some(waits(String::new())) };
+            let reason = || format!("it shows the tuned state of `{calibration}`, which does not run");
+            own.map(|own| Blocked { reason: reason(), ..own })
         }
-        JobSpec::Waiting { measurements, command, .. } => Some(format!(
+        JobSpec::Waiting { measurements, command, .. } => Some(waits(format!(
             "the data of {} are not here; bring them with `{command}`",
             measurements.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
-        )),
-        JobSpec::NotYet { reason, .. } => Some(reason.clone()),
+        ))),
+        JobSpec::NotYet { reason, .. } => Some(waits(reason.clone())),
     }
 }
 
@@ -207,6 +233,20 @@ fn after(draws: &[&[HandedOnPrior]], known: Arc<dyn Job>, prepare: Prepare) -> R
 }
 
 impl Shared<'_> {
+    fn readiness(&self, named: &NamedJob) -> Readiness {
+        let own = self.pass.refused.iter().filter(|refused| refused.job == named.name);
+        let own: Vec<Diagnostic> = own.map(|refused| refused.diagnostic.clone()).collect();
+        match blocked(self.pass, &named.name) {
+            Some(_) if !own.is_empty() => Readiness::Refused(own),
+            Some(Blocked { reason, is_wrong: false }) => Readiness::NotRun(reason),
+            Some(Blocked { reason, is_wrong: true }) => Readiness::Refused(vec![refusal(named, reason)]),
+            None => {
+                let job = self.job(&named.name, &named.spec);
+                job.unwrap_or_else(|error| Readiness::Refused(vec![refusal(named, error)]))
+            }
+        }
+    }
+
     fn job(&self, name: &str, spec: &JobSpec) -> Result<Readiness, JobError> {
         match spec {
             JobSpec::Propagate(spec) => self.propagation(name, spec),
@@ -346,13 +386,26 @@ impl Shared<'_> {
             input_errors: input_errors(pass),
             catalogue: Arc::clone(&pass.catalogue),
             candidates,
+            joint: Vec::new(),
+            most_steps: Vec::new(),
         };
-        Ok(Readiness::Ready(Arc::new(Diagnose::new(spec.clone(), problem, pass.seed, name)?)))
+        let draws = priors_of(pass, &spec.parameters);
+        let known = Diagnose::new(spec.clone(), problem.clone(), pass.seed, name)?;
+        if draws.is_empty() {
+            return Ok(Readiness::Ready(Arc::new(known)));
+        }
+        let known = known.with_handed_on(unfilled(&draws).into_iter().map(|own| own.with_no_draws()).collect())?;
+        let (own, spec, seed, name) = (draws.clone(), spec.clone(), pass.seed, name.to_owned());
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Job>, JobError> {
+            let job = Diagnose::new(spec.clone(), problem.clone(), seed, &name)?;
+            Ok(Arc::new(job.with_handed_on(filled(&own, &mut results.iter())?)?))
+        };
+        after(&[&draws], Arc::new(known), Box::new(prepare))
     }
 
     fn comparison(&self, spec: &compare::Spec) -> Result<Readiness, JobError> {
         let nominal: Vec<f64> = self.pass.model.parameters.iter().map(|parameter| parameter.nominal).collect();
-        let shown = spec.calibration.clone().filter(|name| !is_refused(self.pass, name));
+        let shown = spec.calibration.clone().filter(|name| !self.refused.contains(name));
         let spec = compare::Spec { calibration: shown.clone(), ..spec.clone() };
         let (model, measurements) = (Arc::clone(&self.model), Arc::clone(&self.measurements));
         let make = move || Compare::new(spec.clone(), Arc::clone(&model), Arc::clone(&measurements), nominal.clone());

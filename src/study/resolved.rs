@@ -94,11 +94,21 @@ pub struct HandedOnPrior {
     /// The calibration that gives them; `None` for a file.
     pub from: Option<Upstream>,
     /// Why it does not run now.
-    pub blocked: Option<String>,
+    pub blocked: Option<Blocked>,
     /// The readings that it was had from, those behind its own priors with them.
     pub behind: Vec<DataBehind>,
     /// Where the study asks for it.
     pub place: Place,
+}
+
+/// Why a job does not run now.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Blocked {
+    /// In a line.
+    pub reason: String,
+    /// Whether its definition is wrong, or that of a job that it builds on; else it waits for data, or for a version that
+    /// runs it.
+    pub is_wrong: bool,
 }
 
 /// Readings behind a posterior.
@@ -141,6 +151,8 @@ pub struct Prediction {
 pub struct NamedJob {
     /// Name.
     pub name: String,
+    /// Where the study asks for it.
+    pub place: Place,
     /// What is to be done.
     pub spec: JobSpec,
 }

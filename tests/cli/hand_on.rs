@@ -92,3 +92,65 @@ fn a_sensor_without_noise_stops_the_calibration_and_not_the_comparison() {
     assert!(said.contains("[no-sigma]") && said.contains("plate/pass-1.json:7:"), "{said}");
     assert!(text(&output.stdout).contains("delivered: RMSE"), "the comparison ran");
 }
+
+/// Both phases of the plate are held out, so that its calibration cannot be made.
+fn nothing_to_fit(jobs_of_first: &str) -> tempfile::TempDir {
+    let root = plate();
+    jobs(root.path(), jobs_of_first);
+    let path = root.path().join("plate/pass-1.json");
+    let pass = fs::read_to_string(&path).unwrap().replace(r#"["P2"]"#, r#"["P1", "P2"]"#);
+    fs::write(&path, pass).unwrap();
+    root
+}
+
+#[test]
+fn a_job_that_cannot_be_made_keeps_only_what_builds_on_it_from_running() {
+    let root = nothing_to_fit(
+        r#"{"fit": {"calibrate": {}}, "delivered": {"compare": {"from": "fit"}},
+    "flight": {"predict": {"from": "fit"}}, "spread": {"propagate": {"samples": 64}}}"#,
+    );
+    let output = bmv(root.path(), &["run", "plate"]);
+    let (said, printed) = (text(&output.stderr), text(&output.stdout));
+    assert_eq!(code(&output), 2, "{said}");
+    assert!(said.contains("error[job-refused]: job `fit` cannot be made: there is no reading to fit"), "{said}");
+    assert!(said.contains("plate/pass-1.json:10:12") && said.contains("at $.jobs.fit"), "{said}");
+    assert!(said.contains("job `flight` cannot be made: it builds on `plate/pass-1.json:fit`"), "{said}");
+    assert!(printed.contains("delivered: ") && printed.contains("spread: "), "{printed}");
+    // Nothing is wrong with what is asked for alone.
+    let output = bmv(root.path(), &["run", "plate", "--job", "propagate"]);
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    assert!(!text(&output.stderr).contains("job-refused"));
+    let output = bmv(root.path(), &["show", "plate/pass-1.json", "flight"]);
+    assert_eq!(code(&output), 2, "{}", text(&output.stderr));
+    let output = bmv(root.path(), &["report", "plate", "--out", "reports"]);
+    assert_eq!(code(&output), 2, "{}", text(&output.stderr));
+    let report = fs::read_to_string(root.path().join("reports/plate/pass-1/report.md")).unwrap();
+    for part in ["Job fit has no result: there is no reading to fit", "Job flight has no result: it builds on"] {
+        assert!(report.contains(part), "{part}\n{report}");
+    }
+}
+
+#[test]
+fn what_builds_on_a_job_of_another_pass_that_cannot_be_made_says_why() {
+    let root = nothing_to_fit(r#"{"fit": {"calibrate": {}}}"#);
+    fs::write(root.path().join("plate/pass-2.json"), SECOND).unwrap();
+    let output = bmv(root.path(), &["run", "plate/pass-2.json"]);
+    let said = text(&output.stderr);
+    assert_eq!(code(&output), 2, "{said}");
+    assert!(said.contains("job `more` cannot be made: it builds on `plate/pass-1.json:fit`"), "{said}");
+    assert_eq!(said.matches("job `fit` cannot be made: there is no reading to fit").count(), 1, "{said}");
+    assert!(text(&output.stdout).contains("comparison: "), "{}", text(&output.stdout));
+}
+
+#[test]
+fn a_report_says_which_job_failed_and_why() {
+    let root = plate();
+    let model = root.path().join("plate/model.json");
+    let changed =
+        fs::read_to_string(&model).unwrap().replace(r#""power": "Q""#, r#""power": "Q + 1e-9 * log(G - 0.45)""#);
+    fs::write(&model, changed).unwrap();
+    let output = bmv(root.path(), &["report", "plate", "--out", "reports"]);
+    assert_eq!(code(&output), 3, "{}", text(&output.stderr));
+    let report = fs::read_to_string(root.path().join("reports/plate/pass-1/report.md")).unwrap();
+    assert!(report.contains("Job prior has no result: ") && report.contains("samples failed"), "{report}");
+}

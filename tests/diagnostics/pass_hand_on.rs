@@ -48,13 +48,28 @@ fn the_same_rows_are_refused_and_named() {
 
 #[test]
 fn what_takes_distributions_does_not_run_with_draws() {
-    for job in [r#"{"diagnose": {}}"#, r#"{"sensitivity": {}}"#] {
+    for job in [r#"{"goal": {"design_variable": {"A": {"from": 0.01, "to": 0.1}}}}"#, r#"{"sensitivity": {}}"#] {
         let study = handed_on(&format!(r#"{} "jobs": {{"next": {job}}}"#, held_out(r#""P1""#)));
         let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
-        let jobs = ready(&pass).expect("ready");
-        let Readiness::NotRun(reason) = &jobs[0].1 else { panic!("{job} runs with the original prior") };
-        assert!(reason.contains("`G` has the draws of `tuned` of `pass-1.json`"), "{reason}");
+        let jobs = ready(&pass);
+        let Readiness::Refused(why) = &jobs[0].1 else { panic!("{job} runs with the original prior") };
+        let plain = why[0].plain();
+        assert!(plain.message.contains("`G` has the draws of `tuned` of `pass-1.json`"), "{}", plain.message);
+        assert_eq!((plain.code.as_str(), plain.path.as_str()), ("job-refused", "$.jobs.next"));
     }
+}
+
+#[test]
+fn a_diagnosis_waits_for_the_posterior_that_is_its_prior() {
+    let study = handed_on(&format!(r#"{} "jobs": {{"next": {{"diagnose": {{}}}}}}"#, held_out(r#""P1""#)));
+    let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
+    let jobs = ready(&pass);
+    let Readiness::After(waiting) = &jobs[0].1 else { panic!("after the calibration of the first pass") };
+    assert_eq!((waiting.from[0].file.as_str(), waiting.from[0].job.as_str()), ("pass-1.json", "tuned"));
+    // Of a parameter that is not inferred nothing enters.
+    let study = handed_on(r#""jobs": {"next": {"diagnose": {"parameters": []}}}"#);
+    let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
+    assert!(matches!(ready(&pass)[0].1, Readiness::Ready(_)));
 }
 
 #[test]
@@ -65,7 +80,7 @@ fn other_rows_of_the_same_file_are_allowed() {
     assert_eq!((pass.handed_on[0].draws.names.as_slice(), pass.handed_on[0].behind.len()), (&["G".to_owned()][..], 1));
     // Scores are taken by the prior that the calibration began with.
     assert_eq!(pass.priors[0], bmv::random::Distribution::Uniform { lower: 0.2, upper: 1.4 });
-    let jobs = ready(&pass).expect("ready");
+    let jobs = ready(&pass);
     let Readiness::After(waiting) = &jobs[0].1 else { panic!("after the calibration of the first pass") };
     assert_eq!((waiting.from[0].file.as_str(), waiting.from[0].job.as_str()), ("pass-1.json", "tuned"));
 }
@@ -94,7 +109,7 @@ fn a_parameter_that_is_not_calibrated_may_have_any_posterior() {
     let study = handed_on(extra);
     study.edit("pass-2.json", r#"{"G""#, r#"{"A": {"prior": {"uniform": [0.03, 0.05]}, "because": "paint"}, "G""#);
     let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
-    assert!(matches!(ready(&pass).expect("ready")[0].1, Readiness::Ready(_)));
+    assert!(matches!(ready(&pass)[0].1, Readiness::Ready(_)));
 }
 
 #[test]
@@ -141,7 +156,7 @@ fn files_of_draws() {
     study.put("data/draws.csv", "draw,G [W/K]\n1,0.4\n2,0.5\n3,0.62\n");
     let pass = study.load();
     assert_eq!(pass.handed_on[0].draws.draws, [[0.4], [0.5], [0.62]]);
-    let jobs = ready(&pass).expect("ready");
+    let jobs = ready(&pass);
     assert!(matches!(jobs[0].1, Readiness::Ready(_)), "draws of a file wait for nothing");
     for (text, part) in [
         ("G [W/K]\n0.4\n", "has 1 draws"),
@@ -191,7 +206,7 @@ fn a_sensor_without_noise_stops_its_calibration_alone() {
     assert_eq!((plain.code.as_str(), plain.line, pass.refused[0].job.as_str()), ("no-sigma", 6, "tuned"));
     assert!(plain.message.contains("sensor `panel` of `balance` has no `sigma`"), "{}", plain.message);
     assert!(plain.help.is_some_and(|help| help.contains(r#"write "sigma": {"value": ..., "unit": "K"}"#)));
-    let jobs = ready(&pass).expect("the others");
+    let jobs = ready(&pass);
     assert!(matches!(&jobs[1].1, Readiness::Ready(job) if job.kind() == "compare"), "without the tuned state");
-    assert!(matches!(&jobs[3].1, Readiness::NotRun(reason) if reason.contains("has no `sigma`")));
+    assert!(matches!(&jobs[3].1, Readiness::Refused(why) if why[0].message.contains("has no `sigma`")));
 }

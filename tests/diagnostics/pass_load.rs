@@ -80,7 +80,7 @@ fn a_comparison_from_nominal_shows_no_calibration() {
 fn a_comparison_waits_for_its_calibration() {
     let study = Study::new();
     study.edit("pass-1.json", r#""panel": {"measures": "panel"}"#, r#""panel": {"measures": "panel", "sigma": 0.5}"#);
-    let jobs = bmv::study::ready(&study.load()).expect("ready");
+    let jobs = bmv::study::ready(&study.load());
     let Readiness::After(waiting) = &jobs[1].1 else { panic!("after the calibration") };
     assert_eq!((waiting.from.len(), waiting.from[0].job.as_str()), (1, "tuned"));
     let result = |json| [std::sync::Arc::new(json)];

@@ -118,3 +118,21 @@ fn an_adequate_model_comes_with_what_would_have_shown() {
     has(&own, &["`heat-load` | 1 | 0.012 W | `board` | 0.012 W | `board` |", "none is needed"]);
     assert!(!summary.contains("What else it could be"), "{summary}");
 }
+
+#[test]
+fn effects_that_change_nothing_are_counted_and_not_listed() {
+    let mut sample = diagnosed("adequate");
+    let Some(JobResult::Diagnose(output)) = sample.results.last_mut().map(|job| &mut job.result) else {
+        panic!("a diagnosis")
+    };
+    for effect in output.effects.iter_mut().filter(|effect| effect.id.starts_with("heat-load")) {
+        effect.changes_nothing = true;
+    }
+    let report = rendered(&sample);
+    let markdown = report.markdown.replace('\u{A0}', " ");
+    let own = markdown.split(". What is missing").nth(1).expect("a section");
+    has(own, &["`radiative-path`", "Of 3 more the best size is one that changes nothing."]);
+    assert!(!own.contains("`heat-load` | `board`"), "{own}");
+    // On a phone a row of this table is a list, each value beside its heading.
+    has(&report.html, &["<div class=\"table stacks\"", "data-label=\"RMSE, held out [K]\""]);
+}

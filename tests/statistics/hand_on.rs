@@ -99,7 +99,7 @@ impl<'s> Results<'s> {
             return Arc::clone(known);
         }
         let pass = load(&self.study.join(file)).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
-        let (_, readiness) = ready(&pass).unwrap().into_iter().find(|(name, _)| name == job).unwrap();
+        let (_, readiness) = ready(&pass).into_iter().find(|(name, _)| name == job).unwrap();
         let job_ready = match readiness {
             Readiness::Ready(job) => job,
             Readiness::After(deferred) => {
@@ -110,6 +110,7 @@ impl<'s> Results<'s> {
                 job
             }
             Readiness::NotRun(reason) => panic!("{reason}"),
+            Readiness::Refused(wrong) => panic!("{wrong:?}"),
         };
         let result = Arc::new(run(job_ready.as_ref()).unwrap());
         self.known.insert((file.to_owned(), job.to_owned()), Arc::clone(&result));

@@ -35,7 +35,7 @@ fn moments_are_exact_within_their_standard_errors_in_all_samplings() {
     assert!((mean - 126.3966285).abs() < 1e-7 && (sd - 67.24918143).abs() < 1e-7, "{mean} {sd}");
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/verification/flux/pass-1.json");
     let Ok(pass) = bmv::study::load(&file) else { panic!("the study loads") };
-    let jobs = bmv::study::ready(&pass).unwrap_or_else(|(name, error)| panic!("{name}: {error}"));
+    let jobs = bmv::study::ready(&pass);
     // Largest errors of mean and standard deviation in standard errors of independent draws: 4 by chance alone. The mean
     // is nearly a sum of functions of one variable, whose error slices remove; the square is not. Sobol points do both.
     for (name, largest, largest_of_sd) in

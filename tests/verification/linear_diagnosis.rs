@@ -3,10 +3,13 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use bmv::diagnosis::{Diagnosis, Problem, Settings, Verdict};
+use bmv::job::{Job, Step};
 use bmv::math::functions::{exp, ln};
 use bmv::random::StreamKey;
+use bmv::study::ready::Readiness;
 use nalgebra::{DMatrix, DVector};
 
 const MODEL: &str = r#"{
@@ -145,4 +148,213 @@ fn the_family_wise_level_is_kept() {
         found += i32::from(output.verdict != Verdict::Adequate);
     }
     assert!((14..=48).contains(&found), "{found} of 300 at 0.1");
+}
+
+/// Heats of both plates are unknown, so that the posterior of some phases has them correlated.
+const BOTH_UNKNOWN: [[f64; 2]; 2] = [[0.5, 0.6], [1.0, 0.3]];
+/// Phases of the first pass; the others are those of the second.
+const FIRST: usize = 3;
+
+/// Readings of phases, as a matrix of the heats' effects and what is left without any.
+fn design(phases: std::ops::Range<usize>) -> (DMatrix<f64>, DVector<f64>) {
+    let rows = 2 * phases.start..2 * phases.end;
+    let zero = readings(0.0, [0.0; 2], [0.0; 2]);
+    let of = |heat: [f64; 2]| (readings(0.0, heat, [0.0; 2]) - &zero).rows(rows.start, rows.len()).into_owned();
+    (DMatrix::from_columns(&[of([1.0, 0.0]), of([0.0, 1.0])]), zero.rows(rows.start, rows.len()).into_owned())
+}
+
+/// Mean and covariance of the heats after the first pass, exactly.
+fn after_first(measured: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
+    let (x, zero) = design(0..FIRST);
+    let mut information = x.transpose() * &x / (SIGMA * SIGMA);
+    let mut pull = x.transpose() * (measured.rows(0, 2 * FIRST) - zero) / (SIGMA * SIGMA);
+    for (place, [mean, sd]) in BOTH_UNKNOWN.into_iter().enumerate() {
+        information[(place, place)] += 1.0 / (sd * sd);
+        pull[place] += mean / (sd * sd);
+    }
+    let covariance = information.try_inverse().expect("positive");
+    (&covariance * pull, covariance)
+}
+
+/// Log density of the second pass's readings of the model with effects, heats being normal.
+fn log_evidence_after(
+    measured: &DVector<f64>,
+    (mean, spread): (&DVector<f64>, &DMatrix<f64>),
+    effects: &[String],
+) -> f64 {
+    let (x, zero) = design(FIRST..PHASES.len());
+    let count = x.nrows();
+    let mut covariance = DMatrix::from_diagonal_element(count, count, SIGMA * SIGMA) + &x * spread * x.transpose();
+    for name in effects {
+        let own = column(name).rows(2 * FIRST, count).into_owned();
+        covariance += &own * own.transpose();
+    }
+    let left = measured.rows(2 * FIRST, count) - zero - &x * mean;
+    let factor = covariance.cholesky().expect("positive");
+    let log_determinant = 2.0 * factor.l().diagonal().iter().map(|d| ln(*d)).sum::<f64>();
+    -0.5 * (left.dot(&factor.solve(&left)) + log_determinant + count as f64 * ln(core::f64::consts::TAU))
+}
+
+/// A study of two passes: the posterior of the first is the prior of the second, which is diagnosed.
+fn two_passes(folder: &Path, measured: &DVector<f64>) {
+    let model = MODEL.replace(
+        r#""P_0": {"unit": "W", "nominal": 1, "prior": {"normal": {"mean": 1, "sd": 0.3}}, "source": "assumed"}"#,
+        r#""P_A": {"unit": "W", "nominal": 0.5, "prior": {"normal": {"mean": 0.5, "sd": 0.6}}, "source": "assumed"},
+           "P_B": {"unit": "W", "nominal": 1, "prior": {"normal": {"mean": 1, "sd": 0.3}}, "source": "assumed"}"#,
+    );
+    let model = model.replace(r#""power": "P_0"}"#, r#""power": "P_B"}, "standby": {"into": "A", "power": "P_A"}"#);
+    let data = |rows: std::ops::Range<usize>| {
+        let mut table = String::from("phase,T_sink [K],Q [W],A [K],B [K]\n");
+        for row in rows {
+            let [sink, q] = PHASES[row];
+            table.push_str(&format!("P{row},{sink},{q},{:e},{:e}\n", measured[2 * row], measured[2 * row + 1]));
+        }
+        table
+    };
+    let pass = |parameters: &str, file: &str, jobs: &str| {
+        format!(
+            r#"{{"format": "bmv-pass/1", "title": "Linear", "parent": null, "seed": 3, "parameters": {{{parameters}}},
+            "measurements": {{"{file}": {{"steady": {{"file": "{file}.csv", "sensors": {{
+                "A": {{"measures": "A", "sigma": {{"value": 0.2, "unit": "K"}}}}, "B": {{"measures": "B", "sigma": {{"value": 0.2, "unit": "K"}}}}}}}}}}}},
+            "jobs": {{{jobs}}}}}"#
+        )
+    };
+    let prior = r#"{"prior": {"posterior": {"pass": "pass-1.json", "job": "fit"}}, "because": "handed on"}"#;
+    let handed_on = format!(r#""P_A": {prior}, "P_B": {prior}"#);
+    let diagnose = r#""missing": {"diagnose": {"effects": ["heat-load", "sensor-bias"]}}"#;
+    for (name, text) in [
+        ("model.json", model),
+        ("first.csv", data(0..FIRST)),
+        ("second.csv", data(FIRST..PHASES.len())),
+        ("pass-1.json", pass("", "first", r#""fit": {"calibrate": {}}"#)),
+        ("pass-2.json", pass(&handed_on, "second", diagnose)),
+    ] {
+        std::fs::write(folder.join(name), text).expect("written");
+    }
+}
+
+#[test]
+fn a_posterior_as_prior_gives_the_evidence_of_sequential_bayes() {
+    let key = StreamKey::new(10, "linear", "noise");
+    let measured = noisy(readings(1.1, [0.3, 0.0], [0.5, 0.0]), &key, 0);
+    let folder = tempfile::tempdir().expect("a folder");
+    two_passes(folder.path(), &measured);
+    // Draws of the exact posterior in the place of a calibration's.
+    let (mean, covariance) = after_first(&measured);
+    assert!(covariance[(0, 1)].abs() > 0.3 * (covariance[(0, 0)] * covariance[(1, 1)]).sqrt(), "{covariance}");
+    let factor = covariance.clone().cholesky().expect("positive").l();
+    let mut stream = key.stream(1);
+    const DRAWS: usize = 20_000;
+    let draws: Vec<DVector<f64>> =
+        (0..DRAWS).map(|_| &mean + &factor * DVector::from_fn(2, |_, _| stream.normal())).collect();
+    let ess = serde_json::json!({"ess_bulk": DRAWS as f64, "ess_tail": DRAWS as f64});
+    let values: Vec<Vec<f64>> = draws.iter().map(|draw| draw.iter().copied().collect()).collect();
+    let result = serde_json::json!({"converged": true, "order": ["P_A", "P_B"],
+        "parameters": {"P_A": ess, "P_B": ess}, "draws": {"values": values}});
+    let pass = bmv::study::load(&folder.path().join("pass-2.json"));
+    let pass = pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)));
+    let (_, readiness) = bmv::study::ready(&pass).into_iter().next().expect("a job");
+    let Readiness::After(waiting) = readiness else { panic!("after the calibration") };
+    let job = waiting.prepare(&[Arc::new(result)]).expect("a density");
+    assert_eq!(job.identity(), waiting.identity(), "known before the calibration ran");
+    let output: bmv::diagnosis::Output = serde_json::from_value(run(job.as_ref())).expect("a diagnosis");
+    assert_eq!(output.handed_on[0].parameters, ["P_A", "P_B"]);
+    assert!(output.warnings.is_empty() && output.converged.is_none(), "{:?}", output.warnings);
+
+    let sample_mean = draws.iter().sum::<DVector<f64>>() / DRAWS as f64;
+    let sample_covariance =
+        draws.iter().map(|d| (d - &sample_mean) * (d - &sample_mean).transpose()).sum::<DMatrix<f64>>()
+            / (DRAWS as f64 - 1.0);
+    let odds = ln(0.05 / 0.95 / 2.0);
+    let log_weight =
+        |effects: &[String]| log_evidence_after(&measured, (&mean, &covariance), effects) + odds * effects.len() as f64;
+    let best = output.models.first().expect("models");
+    assert!(output.models.len() >= 5, "{:?}", output.models);
+    for model in &output.models {
+        // Of the draws' own moments exactly: to the fit's accuracy.
+        let own = log_evidence_after(&measured, (&sample_mean, &sample_covariance), &model.effects);
+        assert!((model.log_evidence - own).abs() < 1e-6, "{:?}: {} {own}", model.effects, model.log_evidence);
+        // Of sequential Bayes to what 20 000 draws leave: each entry of the covariance is known to a hundredth, which a
+        // sum of squares of ten readings takes ten times at most.
+        let exact = log_evidence_after(&measured, (&mean, &covariance), &model.effects);
+        assert!((model.log_evidence - exact).abs() < 0.1, "{:?}: {} {exact}", model.effects, model.log_evidence);
+        let ratio = exp(log_weight(&model.effects) - log_weight(&best.effects));
+        let found = model.probability / best.probability;
+        assert!((found - ratio).abs() < 0.05 * ratio.max(0.1), "{:?}: {found} {ratio}", model.effects);
+    }
+}
+
+#[test]
+fn draws_that_are_not_normal_are_refused_as_a_prior() {
+    let key = StreamKey::new(11, "linear", "noise");
+    let folder = tempfile::tempdir().expect("a folder");
+    two_passes(folder.path(), &readings(1.0, [0.5, 0.0], [0.0; 2]));
+    let mut stream = key.stream(0);
+    let values: Vec<Vec<f64>> = (0..2000)
+        .map(|_| {
+            let side = if stream.uniform() < 0.5 { 0.0 } else { 1.0 };
+            vec![side + 0.1 * stream.normal(), 1.0 + 0.1 * stream.normal()]
+        })
+        .collect();
+    let ess = serde_json::json!({"ess_bulk": 2000.0, "ess_tail": 2000.0});
+    let result = serde_json::json!({"converged": true, "order": ["P_A", "P_B"],
+        "parameters": {"P_A": ess, "P_B": ess}, "draws": {"values": values}});
+    let pass = bmv::study::load(&folder.path().join("pass-2.json")).unwrap_or_else(|_| panic!("it loads"));
+    let (_, readiness) = bmv::study::ready(&pass).into_iter().next().expect("a job");
+    let Readiness::After(waiting) = readiness else { panic!("after the calibration") };
+    let Err(error) = waiting.prepare(&[Arc::new(result)]) else { panic!("it is taken") };
+    assert!(error.to_string().contains("cannot be a prior here: a normal distribution of the scores"), "{error}");
+}
+
+/// A heat that swings ten thousand times in a test of an hour: where it is large, an integrator must follow it.
+const RIPPLE: &str = r#"{"format": "bmv-effect/1", "title": "Ripple", "applies": {"node": {}},
+    "parameters": {"power": {"unit": "W", "prior": {"normal": {"mean": 0, "sd": 1000}}, "description": "amplitude", "plausible": 1000}},
+    "adds": {"load": "power * sin(20 * t)"}, "equation": "Q = P sin(20 t)", "signature": "a ripple", "confused_with": ["heat-load"],
+    "separate": "a faster logger", "source": "made up"}"#;
+
+#[test]
+fn a_transient_that_crawls_is_given_up_and_said() {
+    let key = StreamKey::new(12, "linear", "noise");
+    let folder = tempfile::tempdir().expect("a folder");
+    let [a, b] = plates(280.0, 2.0, 1.0);
+    let mut stream = key.stream(0);
+    let mut table = String::from("time [s],A [K],B [K]\n");
+    for row in 0..60 {
+        let read = [a, b].map(|value| value + SIGMA * stream.normal());
+        table.push_str(&format!("{},{:e},{:e}\n", 60 * row, read[0], read[1]));
+    }
+    let sensor = |name: &str| format!(r#""{name}": {{"measures": "{name}", "sigma": {{"value": 0.2, "unit": "K"}}}}"#);
+    let pass = format!(
+        r#"{{"format": "bmv-pass/1", "title": "Crawl", "parent": null, "seed": 3,
+        "measurements": {{"test": {{"transient": {{"file": "data.csv", "initial": {{"steady": {{}}}}, "sensors": {{{}, {}}}}}}}}},
+        "jobs": {{"missing": {{"diagnose": {{"effects": ["ripple"]}}}}}}}}"#,
+        sensor("A"),
+        sensor("B")
+    );
+    std::fs::create_dir(folder.path().join("effects")).expect("made");
+    for (name, text) in
+        [("model.json", MODEL), ("data.csv", &table), ("effects/ripple.json", RIPPLE), ("pass-1.json", &pass)]
+    {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    }
+    let pass = bmv::study::load(&folder.path().join("pass-1.json"));
+    let pass = pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)));
+    let (_, readiness) = bmv::study::ready(&pass).into_iter().next().expect("a job");
+    let Readiness::Ready(job) = readiness else { panic!("ready") };
+    let output: bmv::diagnosis::Output = serde_json::from_value(run(job.as_ref())).expect("a diagnosis");
+    let said = |what: &str| output.warnings.iter().any(|warning| warning.contains(what));
+    assert!(said("the transient `test` is given up") || said("more than 50 times the steps"), "{:?}", output.warnings);
+}
+
+fn run(job: &dyn Job) -> serde_json::Value {
+    let mut step = job.begin().expect("it begins");
+    loop {
+        match step {
+            Step::Done(value) => return value,
+            Step::Blocks { stage, inputs } => {
+                let outputs: Result<Vec<_>, _> = inputs.iter().map(|input| job.block(&stage, input)).collect();
+                step = job.reduce(&stage, &inputs, &outputs.expect("blocks")).expect("a step");
+            }
+        }
+    }
 }

@@ -174,7 +174,7 @@ fn sizes_by_probability_before_and_after_a_measurement_of_the_emittance() {
 #[test]
 fn sizes_by_margin_rules() {
     let pass = radiator();
-    let jobs = bmv::study::ready(&pass).unwrap_or_else(|(name, error)| panic!("{name}: {error}"));
+    let jobs = bmv::study::ready(&pass);
     let Some((_, Readiness::Ready(job))) = jobs.iter().find(|(name, _)| name == "margins") else { panic!("margins") };
     let result: conventional::Output = run(job.as_ref());
     let size = |rule: &str, basis: Basis| {

@@ -90,6 +90,8 @@ fn problem(measurements: Vec<Measurement>, input_errors: Vec<InputError>) -> Pro
         input_errors,
         catalogue,
         candidates,
+        joint: Vec::new(),
+        most_steps: Vec::new(),
     }
 }
 

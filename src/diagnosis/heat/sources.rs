@@ -141,7 +141,7 @@ impl Sources {
                             *reading = None;
                         }
                     }
-                    self.add_field(problem, &model, &alone, rows, &names, first)?;
+                    self.add_field(problem, &model, (index, &alone), rows, &names, first)?;
                 }
             }
             Rows::Transient { inputs, .. } => {
@@ -162,7 +162,7 @@ impl Sources {
                     }
                 }
                 let rows = data.into_iter().map(|(position, _)| position).collect();
-                self.add_field(problem, &model, measurement, rows, &names, first)?;
+                self.add_field(problem, &model, (index, measurement), rows, &names, first)?;
             }
         }
         (self.list.len() <= MOST_SOURCES).then_some(())
@@ -172,7 +172,7 @@ impl Sources {
         &mut self,
         problem: &Problem,
         model: &Model,
-        measurement: &Measurement,
+        (index, measurement): (usize, &Measurement),
         rows: Vec<usize>,
         names: &[String],
         first: usize,
@@ -191,6 +191,7 @@ impl Sources {
             input_errors: &problem.input_errors,
         })
         .ok()?;
+        let likelihood = problem.informed(likelihood, problem.most_steps.get(index..=index).unwrap_or_default());
         let of_believed: BTreeMap<&str, usize> =
             self.likelihood.names().iter().enumerate().map(|(place, name)| (name.as_str(), place)).collect();
         let own = likelihood.names().iter();

@@ -143,5 +143,7 @@ fn believed(
         input_errors: Vec::new(),
         catalogue: Arc::clone(catalogue),
         candidates,
+        joint: Vec::new(),
+        most_steps: Vec::new(),
     })
 }

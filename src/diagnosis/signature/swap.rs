@@ -64,6 +64,7 @@ fn predictions(base: &Base<'_>) -> Result<Vec<Vec<f64>>, String> {
         input_errors: &input_errors,
     };
     let likelihood = Likelihood::new(&definition).map_err(|error| error.to_string())?;
+    let likelihood = problem.informed(likelihood, &problem.most_steps);
     let mut residuals = vec![0.0; likelihood.residual_count()];
     likelihood
         .residuals(&base.carried(&likelihood), &mut likelihood.workspace(), &mut residuals)

@@ -108,6 +108,9 @@ codes! { PASS_CODES:
     DATA_USED_TWICE = "data-used-twice", "data that already stand behind the prior",
         "A posterior handed on as a prior contains what its calibration learned from its readings. Fitting the same readings again counts them twice: the result looks more certain than the data allow. Rows that were held out then may be used now; to use the same rows, go back to the original priors and calibrate on all data at once.",
         "wrong: a prior from `tuned` of `pass-1.json`, and `calibrate` on the phases that `tuned` had\nright: \"held_out\" for those phases, or the parameter's original prior";
+    JOB_REFUSED = "job-refused", "a job that cannot be made from its definition",
+        "Each setting of the job is right by itself, and yet nothing can be computed: a network without a path to a boundary, nothing to infer, no reading that is fitted, a prior that the job cannot take, a job that it builds on and that cannot be made. The other jobs of the pass run; at the end the exit status is 2, and the report says which job has no result.",
+        "wrong: {\"sensitivity\": {}} where a parameter has a posterior as its prior\nright: the parameter's original prior, or {\"propagate\": {}}";
     NO_SIGMA = "no-sigma", "a sensor without noise in a calibration",
         "How closely a model must follow a reading is decided by the noise of its sensor. A comparison works without it, a calibration does not: it needs the standard deviation as a value, or a prior under which it is inferred.",
         "wrong: \"panel\": {\"measures\": \"panel\"}\nright: \"panel\": {\"measures\": \"panel\", \"sigma\": {\"value\": 0.25, \"unit\": \"K\"}}";

@@ -109,7 +109,19 @@ pub(super) fn build(definition: &Definition<'_>) -> Result<Likelihood, Likelihoo
         known_errors = Some(Arc::new(errors));
     }
     let network = Network::compile(&model, &symbols)?;
-    let mut likelihood = Likelihood { unknowns, network, base, parameters, biases, columns, parts, data, known_errors };
+    let mut likelihood = Likelihood {
+        unknowns,
+        network,
+        base,
+        parameters,
+        biases,
+        columns,
+        parts,
+        data,
+        known_errors,
+        joint: Vec::new(),
+        most_steps: Vec::new(),
+    };
     let nominal: Vec<f64> = (likelihood.unknowns.priors.iter().enumerate())
         .map(|(place, prior)| match likelihood.parameters.get(place) {
             Some(&parameter) => likelihood.base[parameter],

@@ -4,6 +4,9 @@
 //! by sensor over time in a transient (`noise`), by phase in steady data, `diag(sigma^2) + F S F'` where inputs have
 //! known errors of their own, `F` the derivatives of the readings with respect to the inputs at nominal parameters.
 //! Rows that are held out or ignored, and missing readings, take no part. An evaluation depends on its arguments only.
+//!
+//! Where parameters have a joint prior ([`Likelihood::with_joint_priors`]), whitened coordinates with standard normal priors
+//! stand in their place among the unknowns, under their names, in everything that is asked of the likelihood.
 
 mod build;
 mod input_error;
@@ -11,10 +14,12 @@ mod steady;
 mod transient;
 mod whitening;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use thiserror::Error;
 
+use super::joint_prior::{JointPrior, STANDARD, pull_back, unknowns_at};
 use super::measurement::Measurement;
 use super::noise::Noise;
 use super::target::{LeastSquares, Rejected, Target};
@@ -27,6 +32,9 @@ use steady::{SteadyLanes, SteadyPart};
 use transient::TransientPart;
 
 pub use whitening::Whitening;
+
+/// In the reason of a rejection: a transient that takes far more steps than it should.
+pub const GIVEN_UP: &str = "is given up";
 
 /// Half of ln(2 pi).
 const HALF_LN_TAU: f64 = 0.918_938_533_204_672_7;
@@ -159,6 +167,10 @@ pub struct Likelihood {
     parts: Vec<Part>,
     data: Vec<Datum>,
     known_errors: Option<Arc<InputErrors>>,
+    /// Joint priors; none: coordinates are the unknowns.
+    joint: Vec<JointPrior>,
+    /// Attempted steps after which the transient of a measurement is given up; may be shorter, or empty: never.
+    most_steps: Vec<u64>,
 }
 
 /// What an evaluation leaves in the memory beside residuals and scales.
@@ -195,6 +207,44 @@ impl Likelihood {
         build::build(definition)
     }
 
+    /// The same with joint priors of some of the chosen parameters, which share none.
+    pub fn with_joint_priors(mut self, joint: Vec<JointPrior>) -> Self {
+        for &place in joint.iter().flat_map(JointPrior::places) {
+            self.unknowns.priors[place] = STANDARD;
+        }
+        self.joint = joint;
+        self
+    }
+
+    /// The same with a number of attempted steps, by measurement, after which a transient is given up: the point is then
+    /// rejected ([`GIVEN_UP`]).
+    pub fn with_most_steps(mut self, most_steps: Vec<u64>) -> Self {
+        self.most_steps = most_steps;
+        self
+    }
+
+    /// The unknowns at coordinates.
+    fn at<'c>(&self, coordinates: &'c [f64]) -> Cow<'c, [f64]> {
+        if self.joint.is_empty() {
+            return Cow::Borrowed(coordinates);
+        }
+        Cow::Owned(unknowns_at(&self.joint, coordinates).0)
+    }
+
+    /// Attempted steps of each measurement's transient, 0 for steady phases.
+    ///
+    /// # Errors
+    /// As [`Target::log_likelihood`].
+    pub fn transient_steps(&self, unknowns: &[f64]) -> Result<Vec<u64>, Rejected> {
+        let unknowns = self.at(unknowns);
+        let full = self.full_of(&unknowns);
+        let steps = self.parts.iter().map(|part| match part {
+            Part::Steady(_) => Ok(0),
+            Part::Transient(part) => part.attempted_steps(self, &unknowns, &full),
+        });
+        steps.collect()
+    }
+
     /// The unknowns with their priors and SI units: chosen parameters, then what is inferred of the data.
     pub fn unknowns(&self) -> &Unknowns {
         &self.unknowns
@@ -212,6 +262,10 @@ impl Likelihood {
 
     /// All parameters of the model, SI, at given unknowns.
     pub fn full_parameters(&self, unknowns: &[f64]) -> Vec<f64> {
+        self.full_of(&self.at(unknowns))
+    }
+
+    fn full_of(&self, unknowns: &[f64]) -> Vec<f64> {
         let mut full = self.base.clone();
         for (&position, value) in self.parameters.iter().zip(unknowns) {
             full[position] = *value;
@@ -232,7 +286,8 @@ impl Likelihood {
     /// Solves the steady phases anew at given unknowns; later evaluations start from there, by first-order prediction.
     /// A phase that does not solve there starts from the boundaries' mean.
     pub fn set_reference(&mut self, unknowns: &[f64]) {
-        let full = self.full_parameters(unknowns);
+        let unknowns = self.at(unknowns).into_owned();
+        let full = self.full_of(&unknowns);
         let mut shifts = vec![0.0; self.network.nominal_inputs().len()];
         for &(input, place) in &self.biases {
             shifts[input] = unknowns[place];
@@ -251,7 +306,8 @@ impl Likelihood {
     /// As [`Target::log_likelihood`].
     pub fn steady_states(&self, unknowns: &[f64]) -> Result<Vec<SteadyState>, Rejected> {
         let mut memory = self.workspace();
-        let full = self.full_parameters(unknowns);
+        let unknowns = &*self.at(unknowns);
+        let full = self.full_of(unknowns);
         let mut network = self.network.workspace();
         self.network.set_parameters(&mut network, &full);
         self.network.set_time(&mut network, 0.0);
@@ -278,7 +334,27 @@ impl Likelihood {
     }
 
     /// Fills the memory's residuals and scales, and what is wanted besides; returns the offset.
-    fn evaluate(&self, unknowns: &[f64], memory: &mut Memory, wanted: &mut Wanted<'_>) -> Result<f64, Rejected> {
+    fn evaluate(&self, coordinates: &[f64], memory: &mut Memory, wanted: &mut Wanted<'_>) -> Result<f64, Rejected> {
+        if self.joint.is_empty() {
+            return self.evaluate_at(coordinates, memory, wanted);
+        }
+        let (unknowns, slopes) = unknowns_at(&self.joint, coordinates);
+        let offset = self.evaluate_at(&unknowns, memory, wanted)?;
+        match wanted {
+            Wanted::Values => {}
+            Wanted::Jacobian => {
+                for row in memory.jacobian.chunks_exact_mut(unknowns.len()) {
+                    pull_back(&self.joint, &slopes, row);
+                }
+                pull_back(&self.joint, &slopes, &mut memory.scale_gradient);
+            }
+            Wanted::Gradient(gradient) => pull_back(&self.joint, &slopes, gradient),
+        }
+        Ok(offset)
+    }
+
+    /// The same at given unknowns, derivatives by these.
+    fn evaluate_at(&self, unknowns: &[f64], memory: &mut Memory, wanted: &mut Wanted<'_>) -> Result<f64, Rejected> {
         for (&position, value) in self.parameters.iter().zip(unknowns) {
             memory.parameters[position] = *value;
         }

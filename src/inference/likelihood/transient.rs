@@ -2,19 +2,21 @@
 
 use super::build::is_used;
 use super::whitening::Block;
-use super::{Datum, Likelihood, Memory, SensorPart};
+use super::{Datum, GIVEN_UP, Likelihood, Memory, SensorPart};
 use crate::inference::lag;
 use crate::inference::measurement::{Initial, InputTable, Measurement, Rows};
 use crate::inference::noise::Series;
 use crate::inference::target::Rejected;
 use crate::inference::unknown::{ALL, Unknowns, Value, shifted, start_name};
 use crate::thermal::transient::{InitialState, TransientRequest};
-use crate::thermal::{Model, NodeKind, TransientError};
+use crate::thermal::{Model, NodeKind, Transient, TransientError};
 
 /// A transient and its readings that take part in the fit.
 #[derive(Clone, Debug)]
 pub(super) struct TransientPart {
     name: String,
+    /// Position of the measurement.
+    index: usize,
     inputs: InputTable,
     start: Begin,
     sensors: Vec<SensorPart>,
@@ -77,7 +79,7 @@ impl TransientPart {
             }
             readings.push(own);
         }
-        Self { name: measurement.name.clone(), inputs, start, sensors, readings, rows }
+        Self { name: measurement.name.clone(), index, inputs, start, sensors, readings, rows }
     }
 
     /// Positions of its residuals.
@@ -96,35 +98,15 @@ impl TransientPart {
         if self.rows == 0 {
             return Ok(());
         }
-        let network = &likelihood.network;
-        let moved: InputTable;
-        let inputs = if likelihood.biases.is_empty() {
-            &self.inputs
-        } else {
-            let mut shifts = vec![0.0; memory.inputs.len()];
-            for &(input, place) in &likelihood.biases {
-                shifts[input] = unknowns[place];
-            }
-            moved = shifted(&self.inputs, &shifts);
-            &moved
+        let solution = self.solve(likelihood, unknowns, &memory.parameters, slopes)?;
+        let fitted: &[usize] = match &self.start {
+            Begin::Temperatures { fitted, .. } => fitted,
+            Begin::Steady | Begin::Periodic => &[],
         };
-        let temperatures: Vec<f64>;
-        let (initial, fitted, seeds): (_, &[usize], &[Vec<f64>]) = match &self.start {
-            Begin::Temperatures { values, fitted, seeds } => {
-                temperatures = values.iter().map(|value| value.at(unknowns)).collect();
-                (InitialState::Temperatures(&temperatures), fitted, seeds)
-            }
-            Begin::Steady => (InitialState::Steady, &[], &[]),
-            Begin::Periodic => (InitialState::Periodic, &[], &[]),
-        };
-        let mut request = TransientRequest::new(&memory.parameters, inputs, initial, &self.inputs.times_s[..self.rows]);
-        request.seeds = seeds;
-        request.sensitivities = slopes;
-        let solution = network.solve_transient(&request).map_err(|error| self.rejected(&error))?;
 
         let n = unknowns.len();
         let width = likelihood.columns.len() + fitted.len();
-        let quantities = network.quantities();
+        let quantities = likelihood.network.quantities();
         let mut column_values = vec![0.0; self.rows];
         let mut lag_slope = vec![0.0; self.rows];
         for (sensor, readings) in self.sensors.iter().zip(&self.readings) {
@@ -176,6 +158,61 @@ impl TransientPart {
         Ok(())
     }
 
+    /// Steps that it takes, rejected ones among them.
+    pub fn attempted_steps(
+        &self,
+        likelihood: &Likelihood,
+        unknowns: &[f64],
+        parameters: &[f64],
+    ) -> Result<u64, Rejected> {
+        if self.rows == 0 {
+            return Ok(0);
+        }
+        Ok(self.solve(likelihood, unknowns, parameters, false)?.stats.attempts())
+    }
+
+    /// Integrates to the last row that is used.
+    fn solve(
+        &self,
+        likelihood: &Likelihood,
+        unknowns: &[f64],
+        parameters: &[f64],
+        slopes: bool,
+    ) -> Result<Transient, Rejected> {
+        let network = &likelihood.network;
+        let moved: InputTable;
+        let inputs = if likelihood.biases.is_empty() {
+            &self.inputs
+        } else {
+            let mut shifts = vec![0.0; network.nominal_inputs().len()];
+            for &(input, place) in &likelihood.biases {
+                shifts[input] = unknowns[place];
+            }
+            moved = shifted(&self.inputs, &shifts);
+            &moved
+        };
+        let temperatures: Vec<f64>;
+        let (initial, seeds): (_, &[Vec<f64>]) = match &self.start {
+            Begin::Temperatures { values, seeds, .. } => {
+                temperatures = values.iter().map(|value| value.at(unknowns)).collect();
+                (InitialState::Temperatures(&temperatures), seeds)
+            }
+            Begin::Steady => (InitialState::Steady, &[]),
+            Begin::Periodic => (InitialState::Periodic, &[]),
+        };
+        let mut request = TransientRequest::new(parameters, inputs, initial, &self.inputs.times_s[..self.rows]);
+        request.seeds = seeds;
+        request.sensitivities = slopes;
+        let limit = likelihood.most_steps.get(self.index).copied();
+        request.options.most_steps = limit.unwrap_or(request.options.most_steps);
+        network.solve_transient(&request).map_err(|error| match (&error, limit) {
+            (TransientError::TooManySteps { .. }, Some(_)) => Rejected::new(format!(
+                "the transient `{}` {GIVEN_UP}: it takes far more steps than expected",
+                self.name
+            )),
+            _ => self.rejected(&error),
+        })
+    }
     /// Its sensors.
     pub fn sensors(&self) -> &[SensorPart] {
         &self.sensors

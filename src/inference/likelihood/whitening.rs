@@ -30,6 +30,7 @@ impl Likelihood {
     /// [`Rejected`] for a covariance that is not positive definite.
     pub fn whitening(&self, unknowns: &[f64]) -> Result<Whitening, Rejected> {
         let mut blocks = Vec::new();
+        let unknowns = &*self.at(unknowns);
         for part in &self.parts {
             match part {
                 Part::Steady(part) => part.whitening(unknowns, &mut blocks)?,

@@ -7,7 +7,9 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use super::handed_on::HandedOn;
 use super::{Job, JobError, Step};
+use crate::diagnosis::output::PriorOfDraws;
 use crate::diagnosis::{Diagnosis, Order, Output, Problem, Refit, Settings, State};
 use crate::random::StreamKey;
 
@@ -36,6 +38,9 @@ pub struct Spec {
 pub struct Diagnose {
     spec: Spec,
     diagnosis: Diagnosis,
+    handed_on: Vec<HandedOn>,
+    /// Posteriors that are priors, with how well a density describes them.
+    priors: Vec<PriorOfDraws>,
 }
 
 /// Input of a block of refits. All blocks of a stage carry what was found before.
@@ -54,7 +59,56 @@ impl Diagnose {
         let problem = problem.with_something_to_infer();
         problem.hypothesis(&[], 1.0).and_then(|believed| believed.likelihood(&problem)).map_err(failed)?;
         let key = StreamKey::new(seed, name, "diagnose");
-        Ok(Self { diagnosis: Diagnosis::new(problem, spec.settings.clone(), key), spec })
+        let diagnosis = Diagnosis::new(problem, spec.settings.clone(), key);
+        Ok(Self { diagnosis, spec, handed_on: Vec::new(), priors: Vec::new() })
+    }
+
+    /// The same with posteriors in place of the priors of some parameters. Those without draws yet count for the job's
+    /// identity alone. Of a posterior of more parameters than are inferred here, the others are averaged over.
+    ///
+    /// # Errors
+    /// Draws that no density describes, with what deviates.
+    pub fn with_handed_on(self, handed_on: Vec<HandedOn>) -> Result<Self, JobError> {
+        let problem = self.diagnosis.problem();
+        let (mut joint, mut priors) = (Vec::new(), Vec::new());
+        for own in handed_on.iter().filter(|own| !own.draws.is_empty()) {
+            let density = own.density(&problem.parameters, &problem.priors).map_err(|error| {
+                JobError::Failed(format!("the posterior of {} cannot be a prior here: {error}", own.source))
+            })?;
+            let Some(density) = density else { continue };
+            let name = |&place: &usize| problem.model.parameters[problem.parameters[place]].name.clone();
+            priors.push(PriorOfDraws {
+                source: own.source.clone(),
+                parameters: density.places().iter().map(name).collect(),
+                draws: own.draws.len() as u64,
+                effective: own.effective,
+                converged: own.converged,
+                fit: density.fit().clone(),
+            });
+            joint.push(density);
+        }
+        let diagnosis = self.diagnosis.with_joint_priors(joint);
+        Ok(Self { diagnosis, handed_on, priors, ..self })
+    }
+
+    /// What is told of the priors beside the diagnosis.
+    fn finish(&self, mut output: Output) -> Output {
+        for own in &self.priors {
+            output.warnings.extend(own.fit.doubts.iter().map(|doubt| {
+                format!(
+                    "as a prior, the posterior of {} is described roughly by a normal distribution: {doubt}",
+                    own.source
+                )
+            }));
+            if !own.converged {
+                output.converged = Some(false);
+                output
+                    .warnings
+                    .push(format!("the prior is the posterior of {}, whose chains did not converge", own.source));
+            }
+        }
+        output.handed_on.clone_from(&self.priors);
+        output
     }
 
     fn next(&self, state: State) -> Result<Step, JobError> {
@@ -100,7 +154,7 @@ impl Job for Diagnose {
             .map(|effect| json!({ "name": effect.name, "file": effect.json }))
             .collect();
         let candidates: Vec<&str> = problem.candidates.iter().map(|candidate| candidate.id.as_str()).collect();
-        json!({
+        let mut identity = json!({
             "parameters": self.spec.parameters,
             "settings": self.spec.settings,
             "effects": effects,
@@ -109,10 +163,17 @@ impl Job for Diagnose {
             "priors": problem.priors,
             "input_errors": errors,
             "data": data,
-        })
+        });
+        if !self.handed_on.is_empty() {
+            identity["handed_on"] = self.handed_on.iter().map(HandedOn::identity).collect();
+        }
+        identity
     }
 
     fn begin(&self) -> Result<Step, JobError> {
+        if let Some(own) = self.handed_on.iter().find(|own| own.draws.is_empty()) {
+            return Err(JobError::Failed(format!("the posterior of {} has no draws", own.source)));
+        }
         Ok(Step::Blocks { stage: SCREEN.to_owned(), inputs: vec![Vec::new()] })
     }
 
@@ -146,7 +207,7 @@ impl Job for Diagnose {
             }
             _ => {
                 let output: Output = from_bytes(first, stage)?;
-                serde_json::to_value(output).map(Step::Done).map_err(failed)
+                serde_json::to_value(self.finish(output)).map(Step::Done).map_err(failed)
             }
         }
     }

@@ -122,13 +122,16 @@ fn place(effect: &EffectResult) -> Text {
 fn effects(output: &Output) -> Option<Block> {
     let is_selected = |effect: &EffectResult| output.selected.contains(&effect.id);
     let mut shown: Vec<&EffectResult> = Vec::new();
-    for (position, effect) in output.effects.iter().enumerate() {
+    // A fit that goes back to the model without the effect says only that it is not that.
+    let (idle, others): (Vec<&EffectResult>, Vec<&EffectResult>) =
+        output.effects.iter().partition(|effect| effect.changes_nothing && !is_selected(effect));
+    for (position, &effect) in others.iter().enumerate() {
         let is_worth = effect.probability >= WORTH_A_LINE && position < MOST_EFFECTS;
         if position < LEAST_EFFECTS || is_worth || is_selected(effect) {
             shown.push(effect);
         }
     }
-    let more = output.effects.len() - shown.len();
+    let more = others.len() - shown.len();
     let rows = shown.into_iter().map(|effect| {
         let RmseChange { train, held_out } = effect.rmse_k;
         vec![
@@ -154,13 +157,18 @@ fn effects(output: &Output) -> Option<Block> {
             text.plain(".")
         }
     };
-    let more = match more {
+    let mut left_out = match more {
         0 => String::new(),
         more => format!(" {more} more were fitted and are less probable: bmv diagnose --json lists them."),
     };
+    match idle.len() {
+        0 => {}
+        1 => left_out.push_str(" Of 1 more the best size is one that changes nothing."),
+        idle => left_out.push_str(&format!(" Of {idle} more the best size is one that changes nothing.")),
+    }
     let caption = what.plain(format!(
         " The probability counts every set that an effect belongs to; size and errors are those of its best set, \
-         before and after it. These data cannot tell apart what is of one group.{more}"
+         before and after it. These data cannot tell apart what is of one group.{left_out}"
     ));
     (!rows.is_empty()).then(|| {
         Block::Table(Table {
@@ -231,7 +239,10 @@ fn tests(output: &Output) -> Option<Block> {
         .misfit
         .tests
         .iter()
-        .map(|test| vec![test.name.clone().into(), Cell::code(&test.at), significant(test.p, 2).into()])
+        .map(|test| {
+            let at = if test.at.is_empty() { NONE.into() } else { Cell::code(&test.at) };
+            vec![test.name.clone().into(), at, significant(test.p, 2).into()]
+        })
         .collect();
     (!rows.is_empty()).then(|| {
         Block::Table(Table {
@@ -282,6 +293,14 @@ fn method(output: &Output) -> String {
         chance(output.probability_unexplained),
         output.unseen.len()
     );
+    for own in &output.handed_on {
+        text.push_str(&format!(
+            " The prior of {} is the posterior of {}, as a normal distribution of its {} draws.",
+            own.parameters.join(", "),
+            own.source.replace('`', ""),
+            own.draws
+        ));
+    }
     if let Some(p) = output.remaining_p {
         text.push_str(&format!(" What the selected set leaves: p = {}.", significant(p, 2)));
     }

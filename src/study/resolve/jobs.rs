@@ -90,7 +90,7 @@ pub(super) fn jobs(
     }
     let named = |specs: &[Option<JobSpec>]| -> Vec<NamedJob> {
         let all = forms.iter().zip(specs);
-        all.filter_map(|(entry, spec)| Some(NamedJob { name: entry.name.clone(), spec: spec.clone()? })).collect()
+        all.filter_map(|(entry, spec)| Some(NamedJob { name: entry.name.clone(), place: entry.name_place.clone(), spec: spec.clone()? })).collect()
     };
     let known = named(&specs);
     for (entry, spec) in forms.iter().zip(&mut specs) {
@@ -101,8 +101,9 @@ pub(super) fn jobs(
     named(&specs)
 }
 
-/// The comparison at nominal parameters that a pass with measurements gets though no job asks for one.
-pub fn implied_comparison(jobs: &[NamedJob], offered: &Offered) -> Option<NamedJob> {
+/// The comparison at nominal parameters that a pass with measurements gets though no job asks for one; `place` is that of
+/// the measurements.
+pub fn implied_comparison(jobs: &[NamedJob], offered: &Offered, place: Option<&Place>) -> Option<NamedJob> {
     const NAME: &str = "comparison";
     let data: Vec<usize> = offered.measurements.iter().filter_map(|(_, position)| *position).collect();
     let asked = jobs.iter().any(|job| job.spec.kind() == "compare" || job.name == NAME);
@@ -111,7 +112,7 @@ pub fn implied_comparison(jobs: &[NamedJob], offered: &Offered) -> Option<NamedJ
     }
     let criteria = offered.profiles.iter().find(|profile| profile.name == profile::DEFAULT)?.clone();
     let spec = JobSpec::Compare(compare::Spec { data, criteria, from: NOMINAL.to_owned(), calibration: None });
-    Some(NamedJob { name: NAME.to_owned(), spec })
+    Some(NamedJob { name: NAME.to_owned(), place: place?.clone(), spec })
 }
 
 /// A job that this version does not run: its settings are an object, the measurements that it names exist.

@@ -295,7 +295,8 @@ fn resolve(
     let mut jobs = jobs::jobs(&mut scope, &form.jobs, &offered, &mut upstreams);
     used_twice::check(&mut scope, &jobs, &form.jobs, &measurements, &handed_on);
     let refused = noise::refused(&scope, &jobs, form, &measurements);
-    jobs.extend(jobs::implied_comparison(&jobs, &offered));
+    let measured = form.measurements.iter().next().map(|entry| &entry.name_place);
+    jobs.extend(jobs::implied_comparison(&jobs, &offered, measured));
     calibrate::show_in_comparisons(&mut jobs, &form.jobs);
     let definition_sha256 = definition(lineage, model_file, model_tree, own);
     let groups = group_places(&scope.resolved.groups, &measurements);

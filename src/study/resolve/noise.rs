@@ -37,7 +37,7 @@ pub(super) fn refused(scope: &Scope, jobs: &[NamedJob], form: &PassForm, measure
                     "write \"sigma\": {{\"value\": ..., \"unit\": \"{unit}\"}}, or \"sigma\": {{\"prior\": {{\"lognormal\": \
                      {{\"median\": ..., \"factor\": ...}}}}, \"unit\": \"{unit}\"}} to infer it"
                 );
-                let diagnostic = Diagnostic::warning(&code::NO_SIGMA, &entry.name_place, message)
+                let diagnostic = Diagnostic::error(&code::NO_SIGMA, &entry.name_place, message)
                     .expected("a sensor with `sigma`")
                     .help(help);
                 refused.push(Refused { job: job.name.clone(), diagnostic });

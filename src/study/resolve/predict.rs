@@ -60,7 +60,7 @@ pub(super) fn predict(
             let found = handed_on::calibration(scope, &pass, &job.value, &job.place)?;
             let posterior = handed_on::of_calibration(&pass, &job.value, &from.place, found);
             let Some(found) = found else {
-                let reason = posterior.blocked.unwrap_or_default();
+                let reason = posterior.blocked.map(|blocked| blocked.reason).unwrap_or_default();
                 let settings = serde_json::json!({ "from": { "pass": pass.file, "job": job.value } });
                 return Some(JobSpec::NotYet { kind: "predict", settings, reason });
             };

@@ -310,8 +310,8 @@ impl<'a> Integrator<'a> {
         let mut last_error: f64 = 1.0;
         let mut failures = 0;
         while self.time_s < end_s {
-            if self.stats.steps >= self.options.most_steps {
-                return Err(TransientError::TooManySteps { time_s: self.time_s, steps: self.stats.steps });
+            if self.stats.attempts() >= self.options.most_steps {
+                return Err(TransientError::TooManySteps { time_s: self.time_s, steps: self.stats.attempts() });
             }
             let corner = self.reader.next_corner(self.time_s).filter(|&corner| corner < end_s);
             let stop = corner.unwrap_or(end_s);

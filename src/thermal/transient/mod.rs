@@ -34,7 +34,7 @@ pub struct TransientOptions {
     pub longest_step_s: f64,
     /// Constant steps of this length, s, without error control (for studies of convergence).
     pub fixed_step_s: Option<f64>,
-    /// Steps after which the integration gives up.
+    /// Steps, rejected ones among them, after which the integration gives up.
     pub most_steps: u64,
 }
 
@@ -123,6 +123,13 @@ pub struct TransientStats {
     pub residual_evaluations: u64,
     /// Switchings of thermostats.
     pub events: u64,
+}
+
+impl TransientStats {
+    /// Steps tried.
+    pub fn attempts(&self) -> u64 {
+        self.steps + self.rejected + self.unsolved
+    }
 }
 
 /// A thermostat that switched.

@@ -2,7 +2,7 @@
 
 use super::chance;
 use crate::diagnosis::Verdict;
-use crate::diagnosis::output::{Heat, Output};
+use crate::diagnosis::output::{EffectResult, Heat, Output};
 use crate::report::number::significant;
 use crate::report::page::{Block, Figure, slug};
 use crate::report::plot::{Axis, Bar, HeatMap, bar_chart, heat_map, palette};
@@ -21,7 +21,8 @@ fn probabilities(job: &str, output: &Output) -> Option<Figure> {
     if output.verdict == Verdict::Adequate || output.effects.is_empty() {
         return None;
     }
-    let shown = output.effects.iter().take(MOST_BARS).filter(|effect| effect.probability >= 5e-4);
+    let worth = |effect: &&EffectResult| !effect.changes_nothing || output.selected.contains(&effect.id);
+    let shown = output.effects.iter().filter(worth).take(MOST_BARS).filter(|effect| effect.probability >= 5e-4);
     let mut bars: Vec<Bar> = shown
         .map(|effect| Bar {
             label: effect.id.clone(),
