@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::carried::carried;
-use super::engine::{Diagnosis, State};
+use super::engine::{Diagnosis, Remainder, State};
 use super::heat;
 use super::held_out;
 use super::output::{
@@ -39,6 +39,16 @@ pub(super) struct Findings<'a> {
     pub groups: Vec<Vec<usize>>,
     /// Fits that are rivals of the selected one, itself first.
     pub rivals: Vec<usize>,
+    /// What sets leave that were not screened before.
+    pub late: Vec<Remainder>,
+}
+
+/// What held-out rows leave of the sets.
+struct Vetoed {
+    /// Those that they speak against, ascending.
+    sets: Vec<usize>,
+    /// Probabilities of the others, and of something else, when these are out of the question.
+    without: Weights,
 }
 
 impl Findings<'_> {
@@ -63,8 +73,15 @@ impl Diagnosis {
         let missing = finds.then(|| heat::missing_heat(&problem, believed)).flatten();
         let weights = weigh(&problem, &state.refits, missing.as_ref().map(|missing| missing.log_evidence));
         let mut warnings = state.warnings.clone();
-        let mut findings =
-            Findings { problem: &problem, state, weights, selected: 0, groups: Vec::new(), rivals: Vec::new() };
+        let mut findings = Findings {
+            problem: &problem,
+            state,
+            weights,
+            selected: 0,
+            groups: Vec::new(),
+            rivals: Vec::new(),
+            late: Vec::new(),
+        };
         let nothing = findings.weights.sets[0];
         let mut verdict = Verdict::Adequate;
         let mut held_out_test = None;
@@ -73,16 +90,17 @@ impl Diagnosis {
             let stated = self.estimates_sigma().is_none();
             held_out_test = best(&findings.weights)
                 .and_then(|place| held_out::test(&problem, believed, &state.refits[place], stated));
-            // What the held-out rows speak against is not it: its probability goes to what no set explains.
-            for place in 1..state.refits.len() {
-                if findings.weights.sets[place] < LEAST_TESTED {
-                    continue;
-                }
-                let refit = &state.refits[place];
-                if held_out::test(&problem, believed, refit, stated).is_some_and(|test| test.veto) {
-                    warnings.push(format!("the held-out rows speak against {}", named(&findings, &refit.effects)));
-                    findings.weights.unexplained += findings.weights.sets[place];
-                    findings.weights.sets[place] = 0.0;
+            let vetoed =
+                findings.veto(|refit| held_out::test(&problem, believed, refit, stated).is_some_and(|test| test.veto));
+            for &place in &vetoed.sets {
+                let effects = named(&findings, &state.refits[place].effects);
+                warnings.push(format!("the held-out rows speak against {effects}"));
+            }
+            if !vetoed.sets.is_empty() {
+                let place = best(&vetoed.without).unwrap_or(0);
+                if place > 0 && self.leaves_nothing(&mut findings, place) {
+                    findings.weights = vetoed.without;
+                    held_out_test = held_out::test(&problem, believed, &state.refits[place], stated);
                 }
             }
             findings.select(self.settings().false_alarm);
@@ -127,6 +145,18 @@ impl Diagnosis {
         };
         output.words = words::verdict(&output, &findings);
         output
+    }
+
+    /// Whether tests find nothing beside a set; what it leaves is screened where that was not done.
+    fn leaves_nothing(&self, findings: &mut Findings<'_>, place: usize) -> bool {
+        let refit = &findings.state.refits[place];
+        let known = findings.remaining(place);
+        let p = known.or_else(|| Some(self.screen_beside(findings.problem, refit).ok()?.family.p));
+        let Some(p) = p else { return false };
+        if known.is_none() {
+            findings.late.push(Remainder { effects: refit.effects.clone(), p });
+        }
+        p > self.settings().false_alarm
     }
 
     /// Whether the selected set leaves the model far from the noise while tests go on finding something.
@@ -207,6 +237,7 @@ impl Diagnosis {
                 held_out: [before.rmse_held_out_k, refit.rmse_held_out_k],
             },
             watts,
+            prior_width: position.map_or(1.0, |position| refit.widths[position]),
             carries,
             confused_with: file
                 .map(|file| file.form.confused_with.iter().map(|name| name.value.clone()).collect())
@@ -245,6 +276,33 @@ fn named(findings: &Findings<'_>, effects: &[usize]) -> String {
 }
 
 impl Findings<'_> {
+    /// Takes their probability from the sets that the held-out rows speak against, and gives it to what no set explains.
+    ///
+    /// Where a set is left that explains all, that is too much: a flexible curve with the best fit to the rows that it saw
+    /// would take the effect that made them along when it fails on others. The probabilities given that the vetoed sets are
+    /// out of the question stand in the result; sets that gain by it are tested too.
+    fn veto(&mut self, is_vetoed: impl Fn(&Refit) -> bool) -> Vetoed {
+        let mut without = self.weights.clone();
+        let mut tested = vec![false; without.sets.len()];
+        let mut sets = Vec::new();
+        while let Some(place) = (1..tested.len()).find(|&place| !tested[place] && without.sets[place] >= LEAST_TESTED) {
+            tested[place] = true;
+            if !is_vetoed(&self.state.refits[place]) {
+                continue;
+            }
+            sets.push(place);
+            self.weights.unexplained += self.weights.sets[place];
+            self.weights.sets[place] = 0.0;
+            without.sets[place] = 0.0;
+            let total = without.sets.iter().sum::<f64>() + without.unexplained;
+            if total > 0.0 {
+                without.sets.iter_mut().chain([&mut without.unexplained]).for_each(|weight| *weight /= total);
+            }
+        }
+        sets.sort_unstable();
+        Vetoed { sets, without }
+    }
+
     /// Selects the most probable set, its rivals and its groups.
     /// While something is still found beside the most probable set, the likelihood is known to be wrong, and odds made with
     /// it are too sure: their logarithms are divided by how far beyond the level of the tests that is (a likelihood raised
@@ -284,7 +342,8 @@ impl Findings<'_> {
     /// The family-wise p of what a set leaves, where that was tested.
     fn remaining(&self, place: usize) -> Option<f64> {
         let effects = &self.state.refits[place].effects;
-        self.state.remainders.iter().find(|remainder| remainder.effects == *effects).map(|remainder| remainder.p)
+        let mut known = self.state.remainders.iter().chain(&self.late);
+        known.find(|remainder| remainder.effects == *effects).map(|remainder| remainder.p)
     }
 
     /// The same of the selected set, or of the most probable one where the selected one goes before it.

@@ -259,7 +259,7 @@ impl Diagnosis {
         let best = (0..state.refits.len()).filter(plain).reduce(better);
         let (false, Some(best)) = (state.noise.is_empty(), best) else { return Ok(None) };
         let best = &state.refits[best];
-        let with = self.problem.with(&best.effects).map_err(|error| error.to_string())?;
+        let with = self.problem.with(best).map_err(|error| error.to_string())?;
         let noise = self.settle_noise(&with, best, false)?;
         let changed = noise.iter().zip(&state.noise).any(|(new, old)| new.noise.differs(&old.noise));
         if !changed {
@@ -339,8 +339,8 @@ impl Diagnosis {
     }
 
     /// Screens what a fitted set leaves.
-    fn screen_beside(&self, problem: &Problem, refit: &Refit) -> Result<Screening, String> {
-        let with = problem.with(&refit.effects).map_err(|error| error.to_string())?;
+    pub(super) fn screen_beside(&self, problem: &Problem, refit: &Refit) -> Result<Screening, String> {
+        let with = problem.with(refit).map_err(|error| error.to_string())?;
         self.screen_problem(&with, refit, false)
     }
 
