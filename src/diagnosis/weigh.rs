@@ -112,9 +112,10 @@ pub fn best(weights: &Weights) -> Option<usize> {
 
 /// The groups of a set's members, each member first in its own, and the sets that are its rivals, itself first.
 ///
-/// A rival is not larger. Rivals are taken in the order of their probability: those within a factor of the set, and
-/// others while the groups together do not hold [`SURE`]. A rival's effects that the set does not have go into the
-/// groups of the members that the rival lacks.
+/// A rival is not larger. Rivals are taken in the order of their probability: those within a factor of the set, those that
+/// predict the same, and others while the groups together do not hold [`SURE`]. Between sets that predict the same only the
+/// odds beforehand decide, which are conventions (how many places a kind of effect has): no data tell them apart. A rival's
+/// effects that the set does not have go into the groups of the members that the rival lacks.
 pub fn groups(refits: &[Refit], weights: &Weights, of: usize, within: f64) -> (Vec<Vec<usize>>, Vec<usize>) {
     let own = &refits[of].effects;
     let mut groups: Vec<Vec<usize>> = own.iter().map(|&effect| vec![effect]).collect();
@@ -129,8 +130,12 @@ pub fn groups(refits: &[Refit], weights: &Weights, of: usize, within: f64) -> (V
         let near = weights.sets[other] * within >= weights.sets[of];
         let likely = weights.sets[other] >= LEAST_RIVAL;
         let unsure = likely && held(refits, weights, &groups) < SURE && rivals.len() < MOST_RIVALS;
-        if !near && !unsure {
-            break;
+        let same = likely && rivals.len() < MOST_RIVALS && predict_the_same(&refits[of], &refits[other]);
+        if !near && !unsure && !same {
+            if !likely {
+                break;
+            }
+            continue;
         }
         let effects = &refits[other].effects;
         let absent: Vec<usize> = own.iter().copied().filter(|effect| !effects.contains(effect)).collect();
@@ -145,6 +150,12 @@ pub fn groups(refits: &[Refit], weights: &Weights, of: usize, within: f64) -> (V
         rivals.push(other);
     }
     (groups, rivals)
+}
+
+/// Whether the predictions of two fits differ by less than a standard deviation, all fitted readings together.
+fn predict_the_same(a: &Refit, b: &Refit) -> bool {
+    let square: f64 = a.residuals.iter().zip(&b.residuals).map(|(a, b)| (a - b) * (a - b)).sum();
+    a.residuals.len() == b.residuals.len() && square < 1.0
 }
 
 /// Probability of the sets that have an effect of every group.

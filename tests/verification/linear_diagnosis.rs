@@ -75,6 +75,11 @@ fn log_evidence_of_widths(readings_k: &DVector<f64>, effects: &[String], width: 
 }
 
 fn problem(folder: &Path, readings_k: &DVector<f64>) -> Problem {
+    problem_of(folder, readings_k, &["heat-load", "sensor-bias"])
+}
+
+/// With the effects of these kinds as candidates.
+fn problem_of(folder: &Path, readings_k: &DVector<f64>, kinds: &[&str]) -> Problem {
     let mut table = String::from("phase,T_sink [K],Q [W],A [K],B [K]\n");
     for (row, [sink, q]) in PHASES.iter().enumerate() {
         table.push_str(&format!("P{row},{sink},{q},{:e},{:e}\n", readings_k[2 * row], readings_k[2 * row + 1]));
@@ -92,7 +97,7 @@ fn problem(folder: &Path, readings_k: &DVector<f64>) -> Problem {
     }
     let pass = bmv::study::load(&folder.join("pass-1.json"));
     let mut problem = bmv::study::problem(&pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20))));
-    problem.candidates.retain(|own| ["heat-load", "sensor-bias"].contains(&own.effect.as_str()));
+    problem.candidates.retain(|own| kinds.contains(&own.effect.as_str()));
     problem
 }
 
@@ -154,6 +159,22 @@ fn what_is_larger_than_thought_plausible_has_the_evidence_of_a_wider_prior() {
             assert!(exact >= log_evidence_of_widths(&measured, &effects, other) + ln(odds) - 1e-9, "{heat} W");
         }
     }
+}
+
+/// All of A's heat leaves through 0.5 W/K, so that 2.9 W into A and a sink that is 5.8 K warmer are one thing to any data. The
+/// odds beforehand are 14 to 1: one place with 3 K against two with 1 W.
+#[test]
+fn what_predicts_the_same_is_not_told_apart() {
+    let key = StreamKey::new(11, "linear", "noise");
+    let measured = noisy(readings(1.0, [2.9, 0.0], [0.0; 2]), &key, 0);
+    let folder = tempfile::tempdir().expect("a folder");
+    let problem = problem_of(folder.path(), &measured, &["heat-load", "sink-offset"]);
+    let output = Diagnosis::new(problem, Settings::default(), key).run().expect("a diagnosis");
+    assert_eq!(output.selected, ["sink-offset:sink"], "{:?}", output.words);
+    assert_eq!(output.verdict, Verdict::Ambiguous, "{:?}", output.words);
+    let group = |id: &str| output.effects.iter().find(|effect| effect.id == id).and_then(|effect| effect.group);
+    assert_eq!(group("heat-load:A"), Some(1), "{:?}", output.words);
+    assert!(output.effects[0].probability > 0.91);
 }
 
 /// Data sets of the believed model itself, parameter drawn from its prior, at a level of 0.1: the number found is within
