@@ -12,7 +12,7 @@ use super::output::{
 use super::problem::is_idle;
 use super::refit::Begin;
 use super::separate;
-use super::weigh::{RIVALS_WITHIN, SURE, Weights, best, groups, held, weigh};
+use super::weigh::{RIVALS_WITHIN, SURE, Weights, best, groups, held, veto, weigh};
 use super::words;
 use super::{Problem, Refit};
 use crate::inference::measurement::Rows;
@@ -41,14 +41,6 @@ pub(super) struct Findings<'a> {
     pub rivals: Vec<usize>,
     /// What sets leave that were not screened before.
     pub late: Vec<Remainder>,
-}
-
-/// What held-out rows leave of the sets.
-struct Vetoed {
-    /// Those that they speak against, ascending.
-    sets: Vec<usize>,
-    /// Probabilities of the others, and of something else, when these are out of the question.
-    without: Weights,
 }
 
 impl Findings<'_> {
@@ -90,8 +82,11 @@ impl Diagnosis {
             let stated = self.estimates_sigma().is_none();
             held_out_test = best(&findings.weights)
                 .and_then(|place| held_out::test(&problem, believed, &state.refits[place], stated));
-            let vetoed =
-                findings.veto(|refit| held_out::test(&problem, believed, refit, stated).is_some_and(|test| test.veto));
+            let is_vetoed = |place: usize| {
+                held_out::test(&problem, believed, &state.refits[place], stated).is_some_and(|test| test.veto)
+            };
+            let vetoed = veto(&findings.weights, LEAST_TESTED, is_vetoed);
+            findings.weights = vetoed.with.clone();
             for &place in &vetoed.sets {
                 let effects = named(&findings, &state.refits[place].effects);
                 warnings.push(format!("the held-out rows speak against {effects}"));
@@ -276,33 +271,6 @@ fn named(findings: &Findings<'_>, effects: &[usize]) -> String {
 }
 
 impl Findings<'_> {
-    /// Takes their probability from the sets that the held-out rows speak against, and gives it to what no set explains.
-    ///
-    /// Where a set is left that explains all, that is too much: a flexible curve with the best fit to the rows that it saw
-    /// would take the effect that made them along when it fails on others. The probabilities given that the vetoed sets are
-    /// out of the question stand in the result; sets that gain by it are tested too.
-    fn veto(&mut self, is_vetoed: impl Fn(&Refit) -> bool) -> Vetoed {
-        let mut without = self.weights.clone();
-        let mut tested = vec![false; without.sets.len()];
-        let mut sets = Vec::new();
-        while let Some(place) = (1..tested.len()).find(|&place| !tested[place] && without.sets[place] >= LEAST_TESTED) {
-            tested[place] = true;
-            if !is_vetoed(&self.state.refits[place]) {
-                continue;
-            }
-            sets.push(place);
-            self.weights.unexplained += self.weights.sets[place];
-            self.weights.sets[place] = 0.0;
-            without.sets[place] = 0.0;
-            let total = without.sets.iter().sum::<f64>() + without.unexplained;
-            if total > 0.0 {
-                without.sets.iter_mut().chain([&mut without.unexplained]).for_each(|weight| *weight /= total);
-            }
-        }
-        sets.sort_unstable();
-        Vetoed { sets, without }
-    }
-
     /// Selects the most probable set, its rivals and its groups.
     /// While something is still found beside the most probable set, the likelihood is known to be wrong, and odds made with
     /// it are too sure: their logarithms are divided by how far beyond the level of the tests that is (a likelihood raised

@@ -250,6 +250,13 @@ impl Refit {
         self.names.iter().cloned().zip(self.unknowns.iter().copied()).collect()
     }
 
+    /// Whether an effect of the set does nothing: a bound holds its first parameter at 0.
+    pub fn does_nothing(&self, effect: usize) -> bool {
+        let position = self.effects.iter().position(|&own| own == effect);
+        let first = position.and_then(|position| self.amplitudes[position].first());
+        first.is_some_and(|amplitude| amplitude.at_bound && amplitude.value == 0.0)
+    }
+
     /// Predicts all rows at the fit and scores them.
     fn score(&mut self, hypothesis: &Hypothesis, likelihood: &Likelihood) -> Result<(), String> {
         let predictor = Predictor::new(&hypothesis.model, &[]).map_err(|error| error.to_string())?;
