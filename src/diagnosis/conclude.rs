@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::carried::carried;
-use super::engine::{Diagnosis, State, TIMES_THE_STEPS};
+use super::engine::{Diagnosis, Remainder, State, TIMES_THE_STEPS};
 use super::heat;
 use super::held_out;
 use super::output::{
@@ -12,7 +12,7 @@ use super::output::{
 use super::problem::is_idle;
 use super::refit::Begin;
 use super::separate;
-use super::weigh::{RIVALS_WITHIN, SURE, Weights, best, groups, held, weigh};
+use super::weigh::{RIVALS_WITHIN, SURE, Weights, best, groups, held, veto, weigh};
 use super::words;
 use super::{Problem, Refit};
 use crate::inference::measurement::Rows;
@@ -41,6 +41,8 @@ pub(super) struct Findings<'a> {
     pub groups: Vec<Vec<usize>>,
     /// Fits that are rivals of the selected one, itself first.
     pub rivals: Vec<usize>,
+    /// What sets leave that were not screened before.
+    pub late: Vec<Remainder>,
 }
 
 impl Findings<'_> {
@@ -66,8 +68,15 @@ impl Diagnosis {
         let weights = weigh(&problem, &state.refits, missing.as_ref().map(|missing| missing.log_evidence));
         let mut warnings = state.warnings.clone();
         warnings.extend(given_up(state));
-        let mut findings =
-            Findings { problem: &problem, state, weights, selected: 0, groups: Vec::new(), rivals: Vec::new() };
+        let mut findings = Findings {
+            problem: &problem,
+            state,
+            weights,
+            selected: 0,
+            groups: Vec::new(),
+            rivals: Vec::new(),
+            late: Vec::new(),
+        };
         let nothing = findings.weights.sets[0];
         let mut verdict = Verdict::Adequate;
         let mut held_out_test = None;
@@ -76,16 +85,20 @@ impl Diagnosis {
             let stated = self.estimates_sigma().is_none();
             held_out_test = best(&findings.weights)
                 .and_then(|place| held_out::test(&problem, believed, &state.refits[place], stated));
-            // What the held-out rows speak against is not it: its probability goes to what no set explains.
-            for place in 1..state.refits.len() {
-                if findings.weights.sets[place] < LEAST_TESTED {
-                    continue;
-                }
-                let refit = &state.refits[place];
-                if held_out::test(&problem, believed, refit, stated).is_some_and(|test| test.veto) {
-                    warnings.push(format!("the held-out rows speak against {}", named(&findings, &refit.effects)));
-                    findings.weights.unexplained += findings.weights.sets[place];
-                    findings.weights.sets[place] = 0.0;
+            let is_vetoed = |place: usize| {
+                held_out::test(&problem, believed, &state.refits[place], stated).is_some_and(|test| test.veto)
+            };
+            let vetoed = veto(&findings.weights, LEAST_TESTED, is_vetoed);
+            findings.weights = vetoed.with.clone();
+            for &place in &vetoed.sets {
+                let effects = named(&findings, &state.refits[place].effects);
+                warnings.push(format!("the held-out rows speak against {effects}"));
+            }
+            if !vetoed.sets.is_empty() {
+                let place = best(&vetoed.without).unwrap_or(0);
+                if place > 0 && self.leaves_nothing(&mut findings, place) {
+                    findings.weights = vetoed.without;
+                    held_out_test = held_out::test(&problem, believed, &state.refits[place], stated);
                 }
             }
             findings.select(self.settings().false_alarm);
@@ -132,6 +145,18 @@ impl Diagnosis {
         };
         output.words = words::verdict(&output, &findings);
         output
+    }
+
+    /// Whether tests find nothing beside a set; what it leaves is screened where that was not done.
+    fn leaves_nothing(&self, findings: &mut Findings<'_>, place: usize) -> bool {
+        let refit = &findings.state.refits[place];
+        let known = findings.remaining(place);
+        let p = known.or_else(|| Some(self.screen_beside(findings.problem, refit).ok()?.family.p));
+        let Some(p) = p else { return false };
+        if known.is_none() {
+            findings.late.push(Remainder { effects: refit.effects.clone(), p });
+        }
+        p > self.settings().false_alarm
     }
 
     /// Whether the selected set leaves the model far from the noise while tests go on finding something.
@@ -213,6 +238,7 @@ impl Diagnosis {
                 held_out: [before.rmse_held_out_k, refit.rmse_held_out_k],
             },
             watts,
+            prior_width: position.map_or(1.0, |position| refit.widths[position]),
             carries,
             confused_with: file
                 .map(|file| file.form.confused_with.iter().map(|name| name.value.clone()).collect())
@@ -290,7 +316,8 @@ impl Findings<'_> {
     /// The family-wise p of what a set leaves, where that was tested.
     fn remaining(&self, place: usize) -> Option<f64> {
         let effects = &self.state.refits[place].effects;
-        self.state.remainders.iter().find(|remainder| remainder.effects == *effects).map(|remainder| remainder.p)
+        let mut known = self.state.remainders.iter().chain(&self.late);
+        known.find(|remainder| remainder.effects == *effects).map(|remainder| remainder.p)
     }
 
     /// The same of the selected set, or of the most probable one where the selected one goes before it.

@@ -97,13 +97,24 @@ pub struct State {
 }
 
 impl State {
-    /// Takes the fits of the pending sets, in order.
+    /// Takes the fits of the pending sets, in order. Of two fits of a set the better one stays.
     pub fn take(&mut self, refits: Vec<Result<Refit, String>>) {
         for refit in refits {
             match refit {
-                Ok(refit) => self.refits.push(refit),
+                Ok(refit) => match self.refits.iter_mut().find(|known| known.effects == refit.effects) {
+                    Some(known) if refit.log_evidence > known.log_evidence => *known = refit,
+                    Some(_) => {}
+                    None => self.refits.push(refit),
+                },
                 Err(why) => self.warn(why),
             }
+        }
+    }
+
+    /// Orders a set once more where it was fitted, with a fit of a larger set as its start.
+    fn order_again(&mut self, effects: Vec<usize>, from: usize) {
+        if !self.pending.iter().any(|order| order.effects == effects) {
+            self.pending.push(Order { effects, starts: vec![BTreeMap::new()], from });
         }
     }
 
@@ -289,7 +300,7 @@ impl Diagnosis {
         let (false, Some(best)) = (state.noise.is_empty(), best) else { return Ok(None) };
         let best = &state.refits[best];
         let bounded = self.settled(&[], &state.most_steps);
-        let with = bounded.with(&best.effects).map_err(|error| error.to_string())?;
+        let with = bounded.with(best).map_err(|error| error.to_string())?;
         let noise = self.settle_noise(&with, best, false)?;
         let changed = noise.iter().zip(&state.noise).any(|(new, old)| new.noise.differs(&old.noise));
         if !changed {
@@ -341,8 +352,33 @@ impl Diagnosis {
                 }
             }
         }
+        self.order_like(&mut state, place);
         self.replace_members(&problem, &mut state, place);
         state
+    }
+
+    /// Orders the sets in which another law stands at the place of a member. At the believed fit, which a strong effect bends,
+    /// their linearisations may have missed the best of them.
+    fn order_like(&self, state: &mut State, place: usize) {
+        let set = state.refits[place].effects.clone();
+        let candidates = &self.problem.candidates;
+        let unseen: Vec<usize> = state.screening.unseen.iter().map(|(candidate, _)| *candidate).collect();
+        for &member in &set {
+            let own = &candidates[member];
+            let rest: Vec<usize> = set.iter().copied().filter(|&other| other != member).collect();
+            let is_like = |&other: &usize| {
+                let one = &candidates[other];
+                one.place == own.place
+                    && one.where_kind == own.where_kind
+                    && (one.input.is_none() || one.input == own.input)
+                    && !set.contains(&other)
+                    && !self.is_unknown_function(other)
+                    && !unseen.contains(&other)
+            };
+            for candidate in (0..candidates.len()).filter(is_like).take(BESIDE) {
+                state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &rest, place);
+            }
+        }
     }
 
     /// Orders the sets in which another effect stands in the place of a member, and those without it.
@@ -357,6 +393,10 @@ impl Diagnosis {
                 state.order(&[], &rest, place);
                 continue;
             };
+            // What does nothing is not needed: without it the fit is at least as good, unless it stopped elsewhere.
+            if state.refits[place].does_nothing(member) && !rest.is_empty() {
+                state.order_again(rest.clone(), place);
+            }
             match self.screen_beside(problem, &state.refits[from]) {
                 Err(why) => state.warn(why),
                 Ok(screening) => {
@@ -369,8 +409,8 @@ impl Diagnosis {
     }
 
     /// Screens what a fitted set leaves.
-    fn screen_beside(&self, problem: &Problem, refit: &Refit) -> Result<Screening, String> {
-        let with = problem.with(&refit.effects).map_err(|error| error.to_string())?;
+    pub(super) fn screen_beside(&self, problem: &Problem, refit: &Refit) -> Result<Screening, String> {
+        let with = problem.with(refit).map_err(|error| error.to_string())?;
         self.screen_problem(&with, refit, false)
     }
 

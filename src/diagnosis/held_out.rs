@@ -65,7 +65,7 @@ pub(super) fn test(problem: &Problem, believed: &Refit, chosen: &Refit, stated: 
 ///
 /// Parameters that press against a bound count as free: what little they can move is more than nothing.
 fn chi_square(problem: &Problem, chosen: &Refit, left_out: &BTreeSet<(usize, usize)>) -> Option<(f64, usize)> {
-    let with = problem.with(&chosen.effects).ok()?;
+    let with = problem.with(chosen).ok()?;
     let fitted = linear(&with, chosen)?;
     let mut exchanged = with;
     // These rows may take any number of times the steps of the fitted ones.

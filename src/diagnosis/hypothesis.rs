@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use super::Problem;
+use super::{Problem, Refit};
 use crate::effect::apply::LEAST_CAPACITY_J_PER_K;
+use crate::effect::parameter::widened;
 use crate::effect::{
     Applied, ApplyError, Candidate, Effect, EffectParameter, Instance, SensorChange, SensorPlace, Site, apply,
 };
@@ -44,11 +45,23 @@ pub enum HypothesisError {
 }
 
 impl Problem {
-    /// Adds effects, in the order given. `scale` multiplies the priors of their amplitudes (1 leaves them).
+    /// Adds effects, in the order given. `scale` widens the priors of their amplitudes (1 leaves them).
     ///
     /// # Errors
     /// [`HypothesisError::Apply`] where they do not fit.
     pub fn hypothesis(&self, effects: &[usize], scale: f64) -> Result<Hypothesis, HypothesisError> {
+        self.hypothesis_of_widths(effects, &vec![scale; effects.len()])
+    }
+
+    /// The same with a width for each effect.
+    ///
+    /// # Errors
+    /// [`HypothesisError::Apply`] where they do not fit.
+    pub(super) fn hypothesis_of_widths(
+        &self,
+        effects: &[usize],
+        widths: &[f64],
+    ) -> Result<Hypothesis, HypothesisError> {
         let mut hypothesis = Hypothesis {
             effects: effects.to_vec(),
             model: (*self.model).clone(),
@@ -57,18 +70,20 @@ impl Problem {
             amplitudes: Vec::new(),
             measurements: self.measurements.clone(),
         };
-        for &effect in effects {
-            hypothesis.add(self, effect, scale)?;
+        for (&effect, &width) in effects.iter().zip(widths) {
+            hypothesis.add(self, effect, width)?;
         }
         Ok(hypothesis)
     }
 
-    /// The problem whose believed model has these effects. The candidates are the same.
+    /// The problem whose believed model has the effects of a fit, with priors as wide as the fit took them. The candidates
+    /// are the same.
     ///
     /// # Errors
     /// [`HypothesisError::Apply`] where they do not fit.
-    pub fn with(&self, effects: &[usize]) -> Result<Problem, HypothesisError> {
-        let Hypothesis { model, priors, parameters, measurements, .. } = self.hypothesis(effects, 1.0)?;
+    pub fn with(&self, fit: &Refit) -> Result<Problem, HypothesisError> {
+        let Hypothesis { model, priors, parameters, measurements, .. } =
+            self.hypothesis_of_widths(&fit.effects, &fit.widths)?;
         Ok(Problem { model: Arc::new(model), priors, parameters, measurements, ..self.clone() })
     }
 }
@@ -88,7 +103,7 @@ impl Hypothesis {
             }
         }
         for parameter in parameters.iter_mut().filter(|parameter| parameter.amplitude && scale != 1.0) {
-            parameter.prior = crate::effect::parameter::scaled(parameter.prior, scale);
+            parameter.prior = widened(parameter.prior, scale);
         }
         self.add_as(candidate, effect, &candidate.id, parameters)?;
         Ok(())

@@ -12,19 +12,27 @@ use crate::random::Distribution;
 const MOST: usize = 24;
 /// Levels nearer than this share of their range are one.
 const SAME: f64 = 0.005;
+/// Thresholds that are tried in what varies continuously.
+const MOST_OF_COURSE: usize = 7;
 
 /// Values of a parameter that has the unit of one of the effect's inputs, SI: the middles between the input's levels in the
-/// phases that are fitted. `None` where it has no such unit, in transients, and where there are no two levels.
+/// phases that are fitted; where there are transients, and more levels than a few, evenly between the least and the greatest
+/// of the rows that are fitted. `None` where it has no such unit, and where there are no two levels.
 pub(super) fn thresholds(
     problem: &Problem,
     candidate: &Candidate,
     effect: &Effect,
     parameter: &EffectParameter,
 ) -> Option<Vec<f64>> {
-    let levels = levels(problem, candidate, effect, parameter)?;
+    let (levels, steady) = all_levels(problem, candidate, effect, parameter)?;
     let middles: Vec<f64> = levels.windows(2).map(|two| 0.5 * (two[0] + two[1])).collect();
     if middles.is_empty() {
         return None;
+    }
+    if !steady && middles.len() > MOST_OF_COURSE {
+        let (least, most) = (levels[0], levels[levels.len() - 1]);
+        let at = |k: usize| least + (most - least) * (k as f64 + 0.5) / MOST_OF_COURSE as f64;
+        return Some((0..MOST_OF_COURSE).map(at).collect());
     }
     let count = middles.len().min(MOST);
     Some((0..count).map(|k| middles[(2 * k + 1) * middles.len() / (2 * count)]).collect())
@@ -91,16 +99,31 @@ fn on_node(problem: &Problem, measurement: &Measurement, node: usize) -> Vec<usi
     (0..measurement.sensors.len()).filter(is_on).collect()
 }
 
-/// Distinct levels, ascending, of the input whose unit a parameter has, in the phases that are fitted.
+/// Distinct levels in steady phases. `None` where there are transients: there the likelihood tells where a threshold is.
 fn levels(problem: &Problem, candidate: &Candidate, effect: &Effect, parameter: &EffectParameter) -> Option<Vec<f64>> {
+    all_levels(problem, candidate, effect, parameter).filter(|(_, steady)| *steady).map(|(levels, _)| levels)
+}
+
+/// Distinct levels, ascending, of the input whose unit a parameter has, in the rows that are fitted, and whether all rows are
+/// steady phases. `None` where it has no such unit, and without any level.
+fn all_levels(
+    problem: &Problem,
+    candidate: &Candidate,
+    effect: &Effect,
+    parameter: &EffectParameter,
+) -> Option<(Vec<f64>, bool)> {
     let bound = bound(candidate, effect, parameter)?;
     let mut levels = Vec::new();
     for measurement in &problem.measurements {
-        let Rows::Steady(phases) = &measurement.rows else { return None };
-        let fitted = (0..phases.len()).filter(|&row| !measurement.held_out(row) && !measurement.ignored(row));
-        match bound {
-            Bound::Input(input) => levels.extend(fitted.filter_map(|row| phases[row].inputs.get(input).copied())),
-            Bound::Node(node) => {
+        let fitted = (0..measurement.len()).filter(|&row| !measurement.held_out(row) && !measurement.ignored(row));
+        match (bound, &measurement.rows) {
+            (Bound::Input(input), Rows::Steady(phases)) => {
+                levels.extend(fitted.filter_map(|row| phases[row].inputs.get(input).copied()));
+            }
+            (Bound::Input(input), Rows::Transient { inputs, .. }) => {
+                levels.extend(fitted.map(|row| inputs.in_row(row, input)));
+            }
+            (Bound::Node(node), _) => {
                 let sensors = on_node(problem, measurement, node);
                 for row in fitted {
                     levels.extend(sensors.iter().filter_map(|&sensor| measurement.reading(row, sensor)));
@@ -111,5 +134,6 @@ fn levels(problem: &Problem, candidate: &Candidate, effect: &Effect, parameter: 
     levels.sort_by(f64::total_cmp);
     let range = levels.last()? - levels.first()?;
     levels.dedup_by(|b, a| *b - *a <= SAME * range);
-    Some(levels)
+    let steady = problem.measurements.iter().all(|measurement| matches!(measurement.rows, Rows::Steady(_)));
+    Some((levels, steady))
 }

@@ -4,7 +4,7 @@
 //! pair of effects that explains most, by least squares on the linearised problem; what is left is given, sensor by
 //! sensor, the most likely Ornstein-Uhlenbeck process with white noise beside it (`inference::noise`), its variance
 //! enlarged by the freedom that the fit took. A stated sigma stands: then only the share and the time of the correlation
-//! are sought, and kept if they earn more than their freedom (Schwarz 1978).
+//! are sought, by the shape of the errors, and kept if they earn more than their freedom (Schwarz 1978).
 
 use serde::{Deserialize, Serialize};
 
@@ -160,14 +160,16 @@ pub fn most_likely(measurement: &Measurement, series: &SensorRows, errors: &[f64
             let mut whitened = errors.to_vec();
             let scales = unit.whiten(&series.times_s, &mut whitened);
             let square = whitened.iter().map(|e| e * e).sum::<f64>() / freedom;
-            let variance = known.total.map_or(square / count, |total| total * total).max(f64::MIN_POSITIVE);
+            // What is correlated shows in the shape of the errors, whatever their size. At a stated size that is too large,
+            // a correlated part that never shows would take up what is too much.
+            let variance = (square / count).max(f64::MIN_POSITIVE);
             let mut log_likelihood = scales - 0.5 * count * ln(variance) - 0.5 * square / variance;
             if share > 0.0 && known.shares.len() > 1 {
                 // Schwarz' price of two more parameters.
                 log_likelihood -= ln(count);
             }
             if best.as_ref().is_none_or(|(value, _)| log_likelihood > *value) {
-                best = Some((log_likelihood, split(variance.sqrt(), share, time)));
+                best = Some((log_likelihood, split(known.total.unwrap_or(variance.sqrt()), share, time)));
             }
             if share == 0.0 {
                 break;
@@ -269,6 +271,23 @@ mod tests {
             assert!(tau > 250.0 && tau < 1800.0, "{found:?}");
             assert!(found.white.unwrap_or(0.0) < 0.2, "{found:?}");
         }
+    }
+
+    /// An engineer states a sigma that is on the safe side: 0.25 K for noise of 0.2 K.
+    #[test]
+    fn a_sigma_that_is_stated_too_large_is_no_correlation() {
+        let (rows, step) = (1000, 60.0);
+        let series = SensorRows {
+            measurement: 0,
+            sensor: 0,
+            rows: (0..rows).collect(),
+            times_s: (0..rows).map(|k| k as f64 * step).collect(),
+        };
+        let stated = measurement(rows, step, Some(0.25));
+        let found = |seed| most_likely(&stated, &series, &drawn(rows, step, &SettledNoise::white(0.2), seed), 1.0);
+        let white = (0..40).filter(|&seed| found(seed) == SettledNoise::white(0.25)).count();
+        // As with a sigma that is right.
+        assert!(white >= 38, "{white}");
     }
 
     #[test]

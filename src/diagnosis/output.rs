@@ -138,6 +138,9 @@ pub struct EffectResult {
     /// Heat that it gives the node to which it gives most, W: smallest and largest over the fitted rows, negative where
     /// it takes heat; `None` where it moves none, as on sensors.
     pub watts: Option<[f64; 2]>,
+    /// How many times as wide as the catalogue's the priors of its amplitudes had to be.
+    #[serde(default = "one")]
+    pub prior_width: f64,
     /// Heat that it gives each node, by phase or stretch of time; empty for effects that are less probable than 0.001.
     #[serde(default)]
     pub carries: Vec<Carried>,
@@ -145,6 +148,10 @@ pub struct EffectResult {
     pub confused_with: Vec<String>,
     /// What would tell it apart, from its file.
     pub separate: String,
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 /// A set of effects.

@@ -13,8 +13,8 @@ use crate::inference::point_estimate::{PointEstimate, PointSettings, estimate};
 use crate::inference::prediction::Predictor;
 use crate::inference::target::{LeastSquares, Target};
 use crate::inference::unknown::settled;
-use crate::math::functions::exp;
-use crate::random::StreamKey;
+use crate::math::functions::{exp, ln};
+use crate::random::{Distribution, StreamKey};
 
 /// A parameter of an effect after the fit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -51,7 +51,9 @@ pub struct HeldOut {
 pub struct Refit {
     /// Effects by their positions in the problem's list.
     pub effects: Vec<usize>,
-    /// Laplace log evidence, bounds considered.
+    /// How many times as wide as the catalogue's each effect's priors are.
+    pub widths: Vec<f64>,
+    /// Laplace log evidence, bounds considered; with the odds of the widths beforehand.
     pub log_evidence: f64,
     /// Log likelihood.
     pub log_likelihood: f64,
@@ -92,13 +94,75 @@ pub struct Begin {
 /// Most steps of a descent.
 const MOST_STEPS: u64 = 60;
 
+/// How many times as wide as the catalogue's the priors of an effect's amplitudes may have to be, each with its odds
+/// beforehand. The catalogue cannot know whether it is asked about a detector or about a satellite of five tons.
+const WIDTHS: [(f64, f64); 3] = [(1.0, 1.0), (10.0, 0.1), (100.0, 0.01)];
+
 impl Problem {
     /// Fits the model with effects.
+    ///
+    /// What the catalogue says of plausible amplitudes may be wrong by orders of magnitude, and the tails of a normal prior
+    /// would then outvote any data. So the prior of each effect is a mixture of [`WIDTHS`] (contamination: Berger & Berliner
+    /// 1986, Ann. Statist. 14, 461), of which the component counts that explains most.
     ///
     /// # Errors
     /// Why there is no fit: effects that do not go together, a likelihood that cannot be evaluated.
     pub fn refit(&self, effects: &[usize], begin: &Begin, key: &StreamKey) -> Result<Refit, String> {
-        let hypothesis = self.hypothesis(effects, begin.scale).map_err(|error| error.to_string())?;
+        let mut places = vec![0; effects.len()];
+        let mut best = self.refit_of_widths(effects, &places, begin, key)?;
+        loop {
+            let wider = self.wider(&best, &places, begin.scale);
+            if wider == places {
+                return Ok(best);
+            }
+            places = wider;
+            let begin = Begin { starts: vec![best.by_name()], from_prior: 0, scale: begin.scale };
+            match self.refit_of_widths(effects, &places, &begin, key) {
+                Ok(next) if next.log_evidence > best.log_evidence => best = next,
+                _ => return Ok(best),
+            }
+        }
+    }
+
+    /// The next widths of those effects whose fit lies so far out that a wider prior might pay: it saves at most half the
+    /// square of the distance from the prior's centre, and costs its odds and, for each amplitude, the ratio of the
+    /// widths.
+    fn wider(&self, fit: &Refit, places: &[usize], scale: f64) -> Vec<usize> {
+        let known = fit.by_name();
+        let next = |(&effect, &place): (&usize, &usize)| {
+            let candidate = &self.candidates[effect];
+            let (Some(own), Some(to)) = (self.catalogue.get(&candidate.effect), WIDTHS.get(place + 1)) else {
+                return place;
+            };
+            let from = WIDTHS[place];
+            let mut gain = ln(to.1 / from.1);
+            for parameter in own.parameters(&self.model, &candidate.bound).iter().filter(|own| own.amplitude) {
+                let centre_and_sd = match parameter.prior {
+                    Distribution::Normal { mean, sd, .. } => Some((mean, sd)),
+                    Distribution::HalfNormal { scale } => Some((0.0, scale)),
+                    _ => None,
+                };
+                let value = known.get(&format!("{}.{}", candidate.id, parameter.name));
+                if let (Some((centre, sd)), Some(value)) = (centre_and_sd, value) {
+                    let deviate = (value - centre) / (sd * from.0 * scale);
+                    gain += 0.5 * deviate * deviate - ln(to.0 / from.0);
+                }
+            }
+            if gain > 0.0 { place + 1 } else { place }
+        };
+        fit.effects.iter().zip(places).map(next).collect()
+    }
+
+    fn refit_of_widths(
+        &self,
+        effects: &[usize],
+        places: &[usize],
+        begin: &Begin,
+        key: &StreamKey,
+    ) -> Result<Refit, String> {
+        let widths: Vec<f64> = places.iter().map(|&place| begin.scale * WIDTHS[place].0).collect();
+        let odds: f64 = places.iter().map(|&place| ln(WIDTHS[place].1)).sum();
+        let hypothesis = self.hypothesis_of_widths(effects, &widths).map_err(|error| error.to_string())?;
         let likelihood = hypothesis.likelihood(self).map_err(|error| error.to_string())?;
         let settings = PointSettings {
             starts: begin.from_prior,
@@ -119,7 +183,8 @@ impl Problem {
         let log_evidence = found.log_evidence.filter(|value| value.is_finite()).ok_or("the fit has no curvature")?;
         let mut refit = Refit {
             effects: effects.to_vec(),
-            log_evidence: log_evidence + self.log_shares(effects, &likelihood, &found),
+            widths,
+            log_evidence: log_evidence + odds + self.log_shares(effects, &likelihood, &found),
             log_likelihood: found.log_likelihood,
             chi_square: found.chi_square,
             held: found.held.iter().map(Option::is_some).collect(),
@@ -193,6 +258,13 @@ impl Refit {
     /// Its unknowns by name, SI.
     pub fn by_name(&self) -> BTreeMap<String, f64> {
         self.names.iter().cloned().zip(self.unknowns.iter().copied()).collect()
+    }
+
+    /// Whether an effect of the set does nothing: a bound holds its first parameter at 0.
+    pub fn does_nothing(&self, effect: usize) -> bool {
+        let position = self.effects.iter().position(|&own| own == effect);
+        let first = position.and_then(|position| self.amplitudes[position].first());
+        first.is_some_and(|amplitude| amplitude.at_bound && amplitude.value == 0.0)
     }
 
     /// Predicts all rows at the fit and scores them.

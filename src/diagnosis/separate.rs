@@ -91,7 +91,7 @@ struct Rival<'a> {
 
 impl<'a> Rival<'a> {
     fn new(problem: &Problem, fit: &'a Refit) -> Option<Self> {
-        let with = problem.with(&fit.effects).ok()?;
+        let with = problem.with(fit).ok()?;
         let likelihood = with.hypothesis(&[], 1.0).ok()?.likelihood(&with).ok()?;
         let linear = linearise(&likelihood, &fit.unknowns).ok()?;
         let n = linear.parameters();

@@ -101,6 +101,45 @@ pub fn weigh(problem: &Problem, refits: &[Refit], unexplained: Option<f64>) -> W
     Weights { sets, unexplained }
 }
 
+/// What is left of the weights when sets are vetoed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vetoed {
+    /// The vetoed sets, ascending.
+    pub sets: Vec<usize>,
+    /// Their probability given to what no set explains.
+    pub with: Weights,
+    /// The probabilities of the others and of something else when the vetoed sets are out of the question.
+    pub without: Weights,
+}
+
+/// Asks, of every set of at least some probability, whether it is vetoed; also of those that come to it as others go. The
+/// first, "nothing", is not asked.
+///
+/// Where a set is left that explains all, giving what is lost to something else is too much: a flexible curve with the best
+/// fit to the rows that it saw would take the effect that made them along when it fails on others.
+pub fn veto(weights: &Weights, least: f64, is_vetoed: impl Fn(usize) -> bool) -> Vetoed {
+    let mut vetoed = Vetoed { sets: Vec::new(), with: weights.clone(), without: weights.clone() };
+    let mut asked = vec![false; weights.sets.len()];
+    let next = |asked: &[bool], left: &Weights| (1..asked.len()).find(|&set| !asked[set] && left.sets[set] >= least);
+    while let Some(set) = next(&asked, &vetoed.without) {
+        asked[set] = true;
+        if !is_vetoed(set) {
+            continue;
+        }
+        vetoed.sets.push(set);
+        vetoed.with.unexplained += weights.sets[set];
+        vetoed.with.sets[set] = 0.0;
+        let left = &mut vetoed.without;
+        left.sets[set] = 0.0;
+        let total = left.sets.iter().sum::<f64>() + left.unexplained;
+        if total > 0.0 {
+            left.sets.iter_mut().chain([&mut left.unexplained]).for_each(|weight| *weight /= total);
+        }
+    }
+    vetoed.sets.sort_unstable();
+    vetoed
+}
+
 /// Position of the most probable set.
 pub fn best(weights: &Weights) -> Option<usize> {
     let better = |best: Option<usize>, next: usize| match best {
@@ -112,9 +151,10 @@ pub fn best(weights: &Weights) -> Option<usize> {
 
 /// The groups of a set's members, each member first in its own, and the sets that are its rivals, itself first.
 ///
-/// A rival is not larger. Rivals are taken in the order of their probability: those within a factor of the set, and
-/// others while the groups together do not hold [`SURE`]. A rival's effects that the set does not have go into the
-/// groups of the members that the rival lacks.
+/// A rival is not larger. Rivals are taken in the order of their probability: those within a factor of the set, those that
+/// predict the same, and others while the groups together do not hold [`SURE`]. Between sets that predict the same only the
+/// odds beforehand decide, which are conventions (how many places a kind of effect has): no data tell them apart. A rival's
+/// effects that the set does not have go into the groups of the members that the rival lacks.
 pub fn groups(refits: &[Refit], weights: &Weights, of: usize, within: f64) -> (Vec<Vec<usize>>, Vec<usize>) {
     let own = &refits[of].effects;
     let mut groups: Vec<Vec<usize>> = own.iter().map(|&effect| vec![effect]).collect();
@@ -129,8 +169,12 @@ pub fn groups(refits: &[Refit], weights: &Weights, of: usize, within: f64) -> (V
         let near = weights.sets[other] * within >= weights.sets[of];
         let likely = weights.sets[other] >= LEAST_RIVAL;
         let unsure = likely && held(refits, weights, &groups) < SURE && rivals.len() < MOST_RIVALS;
-        if !near && !unsure {
-            break;
+        let same = likely && rivals.len() < MOST_RIVALS && predict_the_same(&refits[of], &refits[other]);
+        if !near && !unsure && !same {
+            if !likely {
+                break;
+            }
+            continue;
         }
         let effects = &refits[other].effects;
         let absent: Vec<usize> = own.iter().copied().filter(|effect| !effects.contains(effect)).collect();
@@ -147,8 +191,34 @@ pub fn groups(refits: &[Refit], weights: &Weights, of: usize, within: f64) -> (V
     (groups, rivals)
 }
 
+/// Whether the predictions of two fits differ by less than a standard deviation, all fitted readings together.
+fn predict_the_same(a: &Refit, b: &Refit) -> bool {
+    let square: f64 = a.residuals.iter().zip(&b.residuals).map(|(a, b)| (a - b) * (a - b)).sum();
+    a.residuals.len() == b.residuals.len() && square < 1.0
+}
+
 /// Probability of the sets that have an effect of every group.
 pub fn held(refits: &[Refit], weights: &Weights, groups: &[Vec<usize>]) -> f64 {
     let hits = |refit: &Refit| groups.iter().all(|group| group.iter().any(|effect| refit.effects.contains(effect)));
     refits.iter().zip(&weights.sets).filter(|(refit, _)| hits(refit)).map(|(_, weight)| weight).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A curve at 0.9 and, once it is gone, another at 1e-4 are vetoed; what is left is 0.08 + 0.01 + 0.0099.
+    #[test]
+    fn vetoed_sets_go_to_something_else_or_out_of_the_question() {
+        let weights = Weights { sets: vec![0.0, 0.9, 0.08, 1e-4, 0.01], unexplained: 0.0099 };
+        let found = veto(&weights, 2e-3, |set| set == 1 || set == 3);
+        assert_eq!(found.sets, [1]);
+        assert!((found.with.unexplained - 0.9099).abs() < 1e-12 && found.with.sets[2] == 0.08);
+        let found = veto(&weights, 5e-4, |set| set == 1 || set == 3);
+        assert_eq!(found.sets, [1, 3], "1e-4 / 0.1 is above the least");
+        assert!((found.without.sets[2] - 0.08 / 0.0999).abs() < 1e-12, "{found:?}");
+        assert!((found.without.unexplained - 0.0099 / 0.0999).abs() < 1e-12);
+        let nothing = veto(&weights, 1e-3, |_| false);
+        assert_eq!((nothing.with, nothing.without), (weights.clone(), weights));
+    }
 }

@@ -17,16 +17,28 @@ fn p_value(p: f64) -> String {
     if p < 1e-4 { format!("{p:.0e}") } else { format!("{p:.4}") }
 }
 
-/// The size of an effect: its first parameter.
+/// The size of an effect, after a comma: its first parameter. Nothing for one that has none, and for a curve, of which the
+/// first knot says nothing.
 fn size(effect: &EffectResult) -> String {
-    let first = effect.amplitudes.iter().next();
+    let first = effect.amplitudes.iter().next().filter(|(name, _)| *name != "knot_1");
     first.map_or_else(String::new, |(name, amount)| {
         let unit = if amount.unit == "1" { String::new() } else { format!(" {}", amount.unit) };
         if amount.at_bound {
-            return format!("{name} {}{unit}, at a bound", short(amount.value, 3));
+            return format!(", {name} {}{unit}, at a bound", short(amount.value, 3));
         }
-        format!("{name} {}{unit}", with_error(amount.value, amount.sd))
+        format!(", {name} {}{unit}", with_error(amount.value, amount.sd))
     })
+}
+
+/// That an effect is larger than thought.
+fn surprising(effect: &EffectResult) -> String {
+    if effect.prior_width <= 1.0 {
+        return String::new();
+    }
+    format!(
+        " It is larger than what the catalogue takes for plausible, whose prior had to be {} times as wide: can it be so large here?",
+        effect.prior_width
+    )
 }
 
 /// The heat that an effect moves, where it moves any.
@@ -108,13 +120,14 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>) -> Vec<String> {
         Verdict::Identified | Verdict::Ambiguous => {
             for effect in &selected {
                 words.push(format!(
-                    "Missing: {} ({}), {}{}; probability {}, log Bayes factor {:.1}.",
+                    "Missing: {} ({}){}{}; probability {}, log Bayes factor {:.1}.{}",
                     effect.title,
                     effect.id,
                     size(effect),
                     carried(effect),
                     percent(effect.probability),
-                    effect.log_bayes_factor
+                    effect.log_bayes_factor,
+                    surprising(effect)
                 ));
             }
         }

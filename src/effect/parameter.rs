@@ -61,6 +61,15 @@ pub fn scaled(distribution: Distribution, factor: f64) -> Distribution {
     }
 }
 
+/// A prior whose normal part is so many times as wide; its bounds, and what is no normal distribution, stay.
+pub fn widened(distribution: Distribution, factor: f64) -> Distribution {
+    match distribution {
+        Distribution::Normal { mean, sd, lower, upper } => Distribution::Normal { mean, sd: sd * factor, lower, upper },
+        Distribution::HalfNormal { scale } => Distribution::HalfNormal { scale: scale * factor },
+        other => other,
+    }
+}
+
 /// The SI unit of a dimension over others as people read it: `W/Pa`, not `m3/s`.
 fn si_per(above: Dimension, below: &[Dimension]) -> Unit {
     let plain = Unit::si(below.iter().fold(above, |dimension, own| dimension.over(*own)));

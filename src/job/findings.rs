@@ -55,6 +55,9 @@ pub struct Finding {
     /// Amplitudes by name.
     #[serde(default)]
     pub amplitudes: BTreeMap<String, Amplitude>,
+    /// How many times as wide as the catalogue's the priors of its amplitudes had to be.
+    #[serde(default)]
+    pub prior_width: Option<f64>,
     /// RMSE before and after, K.
     #[serde(default)]
     pub rmse_k: Rmse,

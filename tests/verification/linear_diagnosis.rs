@@ -61,9 +61,14 @@ fn column(name: &str) -> DVector<f64> {
 
 /// Log density of readings of the model with effects.
 fn log_evidence(readings_k: &DVector<f64>, effects: &[String]) -> f64 {
+    log_evidence_of_widths(readings_k, effects, 1.0)
+}
+
+/// The same with amplitudes whose priors are so many times as wide.
+fn log_evidence_of_widths(readings_k: &DVector<f64>, effects: &[String], width: f64) -> f64 {
     let mut covariance = DMatrix::from_diagonal_element(16, 16, SIGMA * SIGMA);
-    for name in effects.iter().map(String::as_str).chain(["P_0"]) {
-        let own = column(name);
+    for (name, width) in effects.iter().map(|name| (name.as_str(), width)).chain([("P_0", 1.0)]) {
+        let own = column(name) * width;
         covariance += &own * own.transpose();
     }
     let left = readings_k - readings(1.0, [0.0; 2], [0.0; 2]);
@@ -73,6 +78,11 @@ fn log_evidence(readings_k: &DVector<f64>, effects: &[String]) -> f64 {
 }
 
 fn problem(folder: &Path, readings_k: &DVector<f64>) -> Problem {
+    problem_of(folder, readings_k, &["heat-load", "sensor-bias"])
+}
+
+/// With the effects of these kinds as candidates.
+fn problem_of(folder: &Path, readings_k: &DVector<f64>, kinds: &[&str]) -> Problem {
     let mut table = String::from("phase,T_sink [K],Q [W],A [K],B [K]\n");
     for (row, [sink, q]) in PHASES.iter().enumerate() {
         table.push_str(&format!("P{row},{sink},{q},{:e},{:e}\n", readings_k[2 * row], readings_k[2 * row + 1]));
@@ -90,7 +100,7 @@ fn problem(folder: &Path, readings_k: &DVector<f64>) -> Problem {
     }
     let pass = bmv::study::load(&folder.join("pass-1.json"));
     let mut problem = bmv::study::problem(&pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20))));
-    problem.candidates.retain(|own| ["heat-load", "sensor-bias"].contains(&own.effect.as_str()));
+    problem.candidates.retain(|own| kinds.contains(&own.effect.as_str()));
     problem
 }
 
@@ -127,6 +137,47 @@ fn evidences_and_probabilities_are_those_of_normal_densities() {
     // Together with nothing else and something else they are 1.
     let total: f64 = models.values().map(|(_, probability)| probability).sum::<f64>() + output.probability_unexplained;
     assert!((total - 1.0).abs() < 1e-9, "{total}");
+}
+
+/// 12 W too much in A are 12 standard deviations of what the catalogue thinks plausible: a prior ten times as wide, which has
+/// odds of 0.1 against the catalogue's, explains them; 200 W need one that is a hundred times as wide (0.01).
+#[test]
+fn what_is_larger_than_thought_plausible_has_the_evidence_of_a_wider_prior() {
+    let key = StreamKey::new(10, "linear", "noise");
+    for (heat, width, odds) in [(1.5, 1.0, 1.0), (12.0, 10.0, 0.1), (200.0, 100.0, 0.01)] {
+        let measured = noisy(readings(1.1, [heat, 0.0], [0.0; 2]), &key, 0);
+        let folder = tempfile::tempdir().expect("a folder");
+        let problem = problem(folder.path(), &measured);
+        let output = Diagnosis::new(problem, Settings::default(), key).run().expect("a diagnosis");
+        assert_eq!(output.selected, ["heat-load:A"], "{heat} W");
+        let own = &output.effects[0];
+        assert_eq!(own.prior_width, width);
+        // The prior that counts pulls by (0.2 K / 2 K/W)^2 / 8 / width^2 of the heat at most; the noise by 0.04 W.
+        assert!((own.amplitudes["power"].value - heat).abs() < 0.2, "{heat} W: {:?}", own.amplitudes);
+        let effects = ["heat-load:A".to_owned()];
+        let model = output.models.iter().find(|model| model.effects == effects).expect("fitted");
+        let exact = log_evidence_of_widths(&measured, &effects, width) + ln(odds);
+        assert!((model.log_evidence - exact).abs() < 1e-6, "{heat} W: {} {exact}", model.log_evidence);
+        for (other, odds) in [(1.0, 1.0), (10.0, 0.1), (100.0, 0.01)] {
+            assert!(exact >= log_evidence_of_widths(&measured, &effects, other) + ln(odds) - 1e-9, "{heat} W");
+        }
+    }
+}
+
+/// All of A's heat leaves through 0.5 W/K, so that 2.9 W into A and a sink that is 5.8 K warmer are one thing to any data. The
+/// odds beforehand are 14 to 1: one place with 3 K against two with 1 W.
+#[test]
+fn what_predicts_the_same_is_not_told_apart() {
+    let key = StreamKey::new(11, "linear", "noise");
+    let measured = noisy(readings(1.0, [2.9, 0.0], [0.0; 2]), &key, 0);
+    let folder = tempfile::tempdir().expect("a folder");
+    let problem = problem_of(folder.path(), &measured, &["heat-load", "sink-offset"]);
+    let output = Diagnosis::new(problem, Settings::default(), key).run().expect("a diagnosis");
+    assert_eq!(output.selected, ["sink-offset:sink"], "{:?}", output.words);
+    assert_eq!(output.verdict, Verdict::Ambiguous, "{:?}", output.words);
+    let group = |id: &str| output.effects.iter().find(|effect| effect.id == id).and_then(|effect| effect.group);
+    assert_eq!(group("heat-load:A"), Some(1), "{:?}", output.words);
+    assert!(output.effects[0].probability > 0.91);
 }
 
 /// Data sets of the believed model itself, parameter drawn from its prior, at a level of 0.1: the number found is within

@@ -22,4 +22,5 @@ mod signature;
 mod solar_monitor;
 mod solar_monitor_flight;
 mod steady;
+mod threshold_diagnosis;
 mod transient;

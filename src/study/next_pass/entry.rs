@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 
 use crate::document::prior::support;
 use crate::document::{Sense, suggest};
+use crate::effect::parameter::widened;
 use crate::effect::{Bound, Effect, EffectParameter};
 use crate::expression::Unit;
 use crate::job::findings::{Amplitude, Finding, Findings, Rmse};
@@ -101,11 +102,15 @@ fn parameter(effect: &Effect, parameter: &EffectParameter, finding: &Finding, bo
     let form = effect.form.parameters.get(&parameter.written).map(|entry| &entry.value);
     let written = form.filter(|form| form.per.is_empty()).and_then(|form| form.unit.as_ref());
     let own = |field: &str| effect.json.pointer(&format!("/parameters/{}/{field}", parameter.written));
-    if let (Some(written), Some(prior)) = (written, own("prior")) {
+    // What the diagnosis took for the amplitude's prior; the catalogue's would pull it back.
+    let width = finding.prior_width.filter(|width| parameter.amplitude && *width != 1.0);
+    let prior = width.map_or(parameter.prior, |width| widened(parameter.prior, width));
+    if let (Some(written), Some(in_file)) = (written, own("prior")) {
         fields.push(("unit".to_owned(), Item::text(&written.unit.text)));
         let nominal = fitted(&written.unit).or_else(|| own("nominal").map(catalogued));
         fields.extend(nominal.map(|nominal| ("nominal".to_owned(), nominal)));
-        fields.push(("prior".to_owned(), catalogued(prior)));
+        let wide = width.map(|_| distribution(&prior, &written.unit, parameter.sense));
+        fields.push(("prior".to_owned(), wide.unwrap_or_else(|| catalogued(in_file))));
         return Item::Object(fields);
     }
     // The scale follows from what the effect's inputs stand for.
@@ -115,7 +120,7 @@ fn parameter(effect: &Effect, parameter: &EffectParameter, finding: &Finding, bo
     let catalogued = || Item::number(rounded(in_unit(parameter.nominal, &unit, parameter.sense)));
     let nominal = fitted(&unit).or_else(|| stated().then(catalogued));
     fields.extend(nominal.map(|nominal| ("nominal".to_owned(), nominal)));
-    fields.push(("prior".to_owned(), distribution(&parameter.prior, &unit, parameter.sense)));
+    fields.push(("prior".to_owned(), distribution(&prior, &unit, parameter.sense)));
     Item::Object(fields)
 }
 
