@@ -373,7 +373,8 @@ impl Diagnosis {
                     && (one.input.is_none() || one.input == own.input)
                     && !set.contains(&other)
                     && !self.is_unknown_function(other)
-                    && !unseen.contains(&other)
+                    // What plausible sizes would not show, larger ones may.
+                    && (one.steady || !unseen.contains(&other))
             };
             for candidate in (0..candidates.len()).filter(is_like).take(BESIDE) {
                 state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &rest, place);
