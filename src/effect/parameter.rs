@@ -85,14 +85,18 @@ fn si_per(above: Dimension, below: &[Dimension]) -> Unit {
             None => powers.push((text, 1)),
         }
     }
-    let parts: Vec<String> =
-        powers.into_iter().map(|(text, power)| if power == 1 { text } else { format!("{text}{power}") }).collect();
+    let raised = |(text, power): (String, usize)| match (text.chars().all(char::is_alphabetic), power) {
+        (true, 1) => text,
+        (true, power) => format!("{text}{power}"),
+        // A name made of several, such as `W/m2`.
+        (false, power) => vec![format!("({text})"); power].join(" "),
+    };
+    let parts: Vec<String> = powers.into_iter().map(raised).collect();
     let text = match parts.as_slice() {
         [] => above,
-        [one] => format!("{above}/{one}"),
+        [one] if !one.contains(' ') => format!("{above}/{one}"),
         several => format!("{above}/({})", several.join(" ")),
     };
-    // A name made of several, such as `W/m2`, does not go below a line so simply.
     Unit::parse(&text).ok().filter(|unit| unit.dimension == plain.dimension && unit.factor == 1.0).unwrap_or(plain)
 }
 
@@ -176,4 +180,29 @@ impl Effect {
 /// A scale of a prior: half the distance between its 16 % and 84 % quantiles.
 fn spread(prior: &Distribution) -> f64 {
     0.5 * (prior.quantile(0.84) - prior.quantile(0.16))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Heat over powers, fluxes and pressures is written as an engineer would; the same dimension cancels.
+    #[test]
+    fn a_unit_over_others_is_one_that_people_read() {
+        let dimension = |text: &str| Unit::parse(text).unwrap().dimension;
+        let cases: [(&[&str], &str); 6] = [
+            (&["Pa"], "W/Pa"),
+            (&["W"], "1"),
+            (&["K", "K"], "W/K2"),
+            (&["W/m2", "W"], "1/(W/m2)"),
+            (&["W/m2", "A"], "W/((W/m2) A)"),
+            (&["W/m2", "W/m2"], "W/((W/m2) (W/m2))"),
+        ];
+        for (below, expected) in cases {
+            let below: Vec<Dimension> = below.iter().map(|text| dimension(text)).collect();
+            let unit = si_per(dimension("W"), &below);
+            assert_eq!(unit.text, expected);
+            assert_eq!(unit.dimension, below.iter().fold(dimension("W"), |above, own| above.over(*own)));
+        }
+    }
 }
