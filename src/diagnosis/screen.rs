@@ -24,10 +24,8 @@ const MOST_PARTNERS: usize = 12;
 const MOST_IN_PAIRS: usize = 1500;
 /// The same for the pair beside which the noise is settled.
 const MOST_BESIDE_NOISE: usize = 400;
-/// Entries of all directions above which not all are held.
-const MOST_ENTRIES: usize = 40_000_000;
-/// Directions that are held then.
-const MOST_KEPT: usize = 3000;
+/// Numbers of all columns above which only the best directions are held: 200 MB, of which a screening needs a few copies.
+const MOST_ENTRIES: usize = 25_000_000;
 /// Draws of the family-wise probability.
 const DRAWS: usize = 1000;
 /// Draws of the probability that is critical for a member: 8 % of it are 1 % of a detectable amplitude.
@@ -95,50 +93,55 @@ struct Scored {
 }
 
 impl Scored {
-    fn new(linear: &Linear, directions: Vec<Direction>) -> Self {
-        let prepared = Prepared::new(linear);
-        let scores = directions.iter().map(|direction| prepared.score(direction)).collect();
-        Self { prepared, directions, scores }
+    /// Takes a direction and scores it.
+    fn take(&mut self, direction: Direction) {
+        self.scores.push(self.prepared.score(&direction));
+        self.directions.push(direction);
     }
 
-    /// Scores all directions at a fit. Where they are too many to be held, only the best are kept; the number of the others
+    /// Scores all wanted directions at a fit. Where they are too many to be held, only the best are kept; the number of the others
     /// stands last.
     fn best(
         problem: &Problem,
         likelihood: &Likelihood,
         unknowns: &[f64],
         linear: &Linear,
+        wanted: impl Fn(&Direction) -> bool,
     ) -> Result<(Self, Vec<signature::Unseen>, u64), String> {
-        let keep = if problem.candidates.len() * linear.rows > MOST_ENTRIES { MOST_KEPT } else { usize::MAX };
         let mut scored = Self { prepared: Prepared::new(linear), directions: Vec::new(), scores: Vec::new() };
-        let mut left_out = 0;
+        let (mut left_out, mut held) = (0, 0);
         let mut give = |direction: Direction| {
-            let score = scored.prepared.score(&direction);
-            scored.directions.push(direction);
-            scored.scores.push(score);
-            if scored.directions.len() >= keep.saturating_mul(2) {
-                left_out += scored.keep(keep);
+            if !wanted(&direction) {
+                return;
+            }
+            held += direction.columns.len();
+            scored.take(direction);
+            if held >= 2 * MOST_ENTRIES {
+                left_out += scored.keep(MOST_ENTRIES);
+                held = scored.directions.iter().map(|direction| direction.columns.len()).sum();
             }
         };
         let unseen = signature::for_each_direction(problem, likelihood, unknowns, &mut give);
         let unseen = unseen.map_err(|error| error.to_string())?;
-        left_out += scored.keep(keep);
+        left_out += scored.keep(MOST_ENTRIES);
         Ok((scored, unseen, left_out))
     }
 
-    /// Keeps the best directions, in their order, and gives the number of the others.
-    fn keep(&mut self, count: usize) -> u64 {
+    /// Keeps the best directions whose columns have no more numbers together, in their order, and gives the number of the
+    /// others.
+    fn keep(&mut self, entries: usize) -> u64 {
         let before = self.directions.len();
-        if before <= count {
-            return 0;
-        }
         let mut order: Vec<usize> = (0..before).collect();
         order.sort_by(|&a, &b| self.fall(b).total_cmp(&self.fall(a)).then(a.cmp(&b)));
-        order.truncate(count);
+        let mut held = 0;
+        order.retain(|&place| {
+            held += self.directions[place].columns.len();
+            held <= entries
+        });
         order.sort_unstable();
         self.directions = order.iter().map(|&place| std::mem::take(&mut self.directions[place])).collect();
         self.scores = order.iter().map(|&place| self.scores[place].clone()).collect();
-        (before - count) as u64
+        (before - order.len()) as u64
     }
 
     /// What orders directions: the fall of the sum of squares, less two for each freedom beyond the first.
@@ -175,7 +178,7 @@ impl Diagnosis {
     pub(super) fn screen_problem(&self, problem: &Problem, refit: &Refit, whole: bool) -> Result<Screening, String> {
         let likelihood = self.likelihood(problem)?;
         let linear = signature::linearise(&likelihood, &refit.unknowns).map_err(|e| e.to_string())?;
-        let (scored, unseen, left_out) = Scored::best(problem, &likelihood, &refit.unknowns, &linear)?;
+        let (scored, unseen, left_out) = Scored::best(problem, &likelihood, &refit.unknowns, &linear, |_| true)?;
         let (groups, names) = groups(problem, &likelihood);
         let estimated = self.estimates_sigma();
         let extras = Extras { groups: &groups, bounds: true, priors: true, omnibus: estimated.is_none() };
@@ -347,7 +350,9 @@ impl Diagnosis {
             likelihood.unknowns().names.iter().map(|name| known.get(name).copied().unwrap_or_default()).collect();
         let linear = signature::linearise(&likelihood, &unknowns).map_err(|e| e.to_string())?;
         let directions = if beside_pair {
-            signature::directions(&bare, &likelihood, &unknowns).map_err(|e| e.to_string())?.0
+            // A curve beside which the noise is settled could take the noise for physics.
+            let single = |direction: &Direction| direction.amplitudes() == 1;
+            Scored::best(&bare, &likelihood, &unknowns, &linear, single)?.0.directions
         } else {
             Vec::new()
         };
@@ -410,16 +415,18 @@ impl Diagnosis {
                 white.jacobian[row * n + parameter] = value;
             }
         }
-        let whitened = directions.iter().map(|direction| {
+        let mut scored = Scored { prepared: Prepared::new(&white), directions: Vec::new(), scores: Vec::new() };
+        for direction in directions {
             let mut own = direction.clone();
-            let rows = linear.rows.max(1);
-            own.columns.chunks_exact_mut(rows).for_each(whiten);
-            own
-        });
-        let scored = Scored::new(&white, whitened.collect());
+            whiten(&mut own.columns);
+            scored.take(own);
+            if scored.directions.len() >= 2 * MOST_BESIDE_NOISE {
+                scored.keep(MOST_BESIDE_NOISE * linear.rows);
+            }
+        }
         let best: Vec<usize> = match scored.pairs(MOST_BESIDE_NOISE, 1).first() {
             Some((pair, _, _)) => pair.to_vec(),
-            None => scored.ranked().into_iter().filter(|&d| directions[d].amplitudes() == 1).take(1).collect(),
+            None => scored.ranked().into_iter().take(1).collect(),
         };
         let columns: Vec<Column<'_>> = best
             .iter()

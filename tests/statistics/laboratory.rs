@@ -3,14 +3,15 @@
 
 use std::sync::Arc;
 
-use bmv::diagnosis::Problem;
 use bmv::diagnosis::laboratory::{
     Case, HideError, NoiseTruth, Recipe, TestKind, Topology, Trial, Wish, case, drawn_case, folder, refit, score,
     standard, world::World,
 };
+use bmv::diagnosis::{Diagnosis, Problem, Settings};
 use bmv::document::Diagnostics;
 use bmv::effect::Catalogue;
 use bmv::math::special::chi_square_quantile;
+use bmv::random::StreamKey;
 
 const SEED: u64 = 20_240_517;
 
@@ -174,6 +175,38 @@ fn every_effect_can_be_hidden() {
         assert_eq!(case.truth.effects[0].effect, effect.name);
         check(&case, 0.5);
     }
+}
+
+/// A strong path bends the believed fit, at which the laws of heat between its nodes look alike and too small to be seen:
+/// once one of them is found, every other is fitted at its place.
+#[test]
+fn all_laws_at_the_place_of_what_is_found_are_fitted() {
+    let wish = Wish { only: Some("conductive-path".to_owned()), size: Some(40.0), ..Wish::default() };
+    let case = case(&catalogue(), &recipe(Topology::Star, TestKind::Steady, wish), SEED, 2).expect("drawn");
+    let diagnosis = Diagnosis::new(case.problem.clone(), Settings::default(), StreamKey::new(SEED, "test", "laws"));
+    let mut state = diagnosis.screen().expect("screened");
+    loop {
+        let orders = diagnosis.orders(&state);
+        if orders.is_empty() {
+            break;
+        }
+        state.take(orders.iter().map(|order| diagnosis.refit(&state, order)).collect());
+        state = diagnosis.extend(state);
+    }
+    let candidates = &case.problem.candidates;
+    let path = candidates.iter().find(|own| own.id == case.truth.effects[0].id).expect("a candidate");
+    for law in ["conductive-path", "radiative-path", "convection"] {
+        let alike = |own: &&usize| candidates[**own].effect == law && candidates[**own].place == path.place;
+        let found =
+            state.refits.iter().any(|refit| refit.effects.len() == 1 && refit.effects.iter().any(|own| alike(&own)));
+        assert!(found, "{law} at {:?}", path.place);
+    }
+    let id = |place: &usize| candidates[*place].id.as_str();
+    assert!(
+        diagnosis.conclude(&state).selected.iter().any(|own| *own == path.id),
+        "{:?}",
+        state.refits.iter().map(|refit| refit.effects.iter().map(id).collect::<Vec<_>>()).collect::<Vec<_>>()
+    );
 }
 
 /// Trials of a laboratory on two threads; each is a function of its number alone.
