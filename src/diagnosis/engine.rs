@@ -14,6 +14,7 @@ use super::{Problem, Refit, Settings};
 use crate::effect::Effect;
 use crate::inference::joint_prior::JointPrior;
 use crate::inference::measurement::Rows;
+use crate::inference::target::Target;
 use crate::random::StreamKey;
 
 /// Single effects that are fitted at first.
@@ -24,6 +25,10 @@ const PAIRS: usize = 30;
 const EXCHANGES: usize = 4;
 /// Single effects that are fitted where no test finds anything.
 const SINGLES_OF_NOTHING: usize = 10;
+/// Single effects that are fitted beside those where the screening of a bent model says so.
+const SINGLES_UNBENT: usize = 12;
+/// A parameter this near the ends of its prior, as a probability, bends the model.
+const BENT: f64 = 0.02;
 /// Effects that are tried beside a set, or in the place of one of its members.
 const BESIDE: usize = 8;
 /// Most rounds of extension.
@@ -243,12 +248,39 @@ impl Diagnosis {
                 state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &[], 0);
             }
         }
+        if finds {
+            for lead in self.leads_unbent(&problem, &state.refits[0])?.iter().take(SINGLES_UNBENT) {
+                state.order(&[lead], &[], 0);
+            }
+        }
         if finds && self.settings.most > 1 {
             for pair in screening.pairs.iter().take(PAIRS) {
                 state.order(&[&pair[0], &pair[1]], &[], 0);
             }
         }
         Ok(state)
+    }
+
+    /// What stands out where the parameters are as they were believed beforehand, if the fit bends them far from there: about
+    /// a fit that a strong effect has bent, its linearisation may not look like it any more. The starts hold the parameters.
+    fn leads_unbent(&self, problem: &Problem, believed: &Refit) -> Result<Vec<Lead>, String> {
+        let likelihood = self.likelihood(problem)?;
+        let mut unbent = believed.clone();
+        let mut bent = false;
+        let model = problem.parameters.len();
+        for (value, prior) in unbent.unknowns.iter_mut().zip(likelihood.priors()).take(model) {
+            bent |= *value <= prior.quantile(BENT) || *value >= prior.quantile(1.0 - BENT);
+            *value = prior.quantile(0.5);
+        }
+        if !bent {
+            return Ok(Vec::new());
+        }
+        let mut leads = self.screen_problem(problem, &unbent, false)?.leads;
+        let parameters: BTreeMap<String, f64> = unbent.by_name().into_iter().collect();
+        for start in leads.iter_mut().flat_map(|lead| &mut lead.starts) {
+            start.extend(parameters.iter().map(|(name, value)| (name.clone(), *value)));
+        }
+        Ok(leads)
     }
 
     /// Whether the tests find that something is missing.

@@ -254,7 +254,7 @@ impl Diagnosis {
         Ok(screening)
     }
 
-    fn likelihood(&self, problem: &Problem) -> Result<Likelihood, String> {
+    pub(super) fn likelihood(&self, problem: &Problem) -> Result<Likelihood, String> {
         let believed = problem.hypothesis(&[], 1.0).map_err(|error| error.to_string())?;
         believed.likelihood(problem).map_err(|error| error.to_string())
     }

@@ -181,8 +181,9 @@ fn every_effect_can_be_hidden() {
 /// once one of them is found, every other is fitted at its place.
 #[test]
 fn all_laws_at_the_place_of_what_is_found_are_fitted() {
-    let wish = Wish { only: Some("conductive-path".to_owned()), size: Some(40.0), ..Wish::default() };
-    let case = case(&catalogue(), &recipe(Topology::Star, TestKind::Steady, wish), SEED, 2).expect("drawn");
+    let only = Some("conductive-path".to_owned());
+    let wish = Wish { only, size: None, amplitude: Some(2.0), ..Wish::default() };
+    let case = case(&catalogue(), &recipe(Topology::Boards, TestKind::Steady, wish), SEED, 4).expect("drawn");
     let diagnosis = Diagnosis::new(case.problem.clone(), Settings::default(), StreamKey::new(SEED, "test", "laws"));
     let mut state = diagnosis.screen().expect("screened");
     loop {
