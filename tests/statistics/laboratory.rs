@@ -204,7 +204,7 @@ fn all_laws_at_the_place_of_what_is_found_are_fitted() {
     }
     let id = |place: &usize| candidates[*place].id.as_str();
     assert!(
-        diagnosis.conclude(&state).selected.iter().any(|own| *own == path.id),
+        diagnosis.conclude(&state).selected.contains(&path.id),
         "{:?}",
         state.refits.iter().map(|refit| refit.effects.iter().map(id).collect::<Vec<_>>()).collect::<Vec<_>>()
     );
