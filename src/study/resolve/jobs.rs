@@ -90,7 +90,10 @@ pub(super) fn jobs(
     }
     let named = |specs: &[Option<JobSpec>]| -> Vec<NamedJob> {
         let all = forms.iter().zip(specs);
-        all.filter_map(|(entry, spec)| Some(NamedJob { name: entry.name.clone(), place: entry.name_place.clone(), spec: spec.clone()? })).collect()
+        all.filter_map(|(entry, spec)| {
+            Some(NamedJob { name: entry.name.clone(), place: entry.name_place.clone(), spec: spec.clone()? })
+        })
+        .collect()
     };
     let known = named(&specs);
     for (entry, spec) in forms.iter().zip(&mut specs) {
