@@ -102,7 +102,7 @@ impl Problem {
     /// Fits the model with effects.
     ///
     /// What the catalogue says of plausible amplitudes may be wrong by orders of magnitude, and the tails of a normal prior
-    /// would then outvote any data. So the prior of each effect is a mixture of [`WIDTHS`] (contamination: Berger & Berliner
+    /// would then outvote any data. So the prior of each effect is a mixture of three widths (contamination: Berger & Berliner
     /// 1986, Ann. Statist. 14, 461), of which the component counts that explains most.
     ///
     /// # Errors
