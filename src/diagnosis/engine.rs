@@ -247,10 +247,10 @@ impl Diagnosis {
             for candidate in likeliest(&problem, &state.refits[0], EXCHANGES) {
                 state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &[], 0);
             }
-        }
-        if finds {
-            for lead in self.leads_unbent(&problem, &state.refits[0])?.iter().take(SINGLES_UNBENT) {
-                state.order(&[lead], &[], 0);
+            match self.leads_unbent(&problem, &state.refits[0]) {
+                Ok(leads) => leads.iter().take(SINGLES_UNBENT).for_each(|lead| state.order(&[lead], &[], 0)),
+                // The model may have no solution there.
+                Err(why) => state.warn(why),
             }
         }
         if finds && self.settings.most > 1 {
@@ -276,9 +276,8 @@ impl Diagnosis {
             return Ok(Vec::new());
         }
         let mut leads = self.screen_problem(problem, &unbent, false)?.leads;
-        let parameters: BTreeMap<String, f64> = unbent.by_name().into_iter().collect();
         for start in leads.iter_mut().flat_map(|lead| &mut lead.starts) {
-            start.extend(parameters.iter().map(|(name, value)| (name.clone(), *value)));
+            start.extend(unbent.by_name());
         }
         Ok(leads)
     }

@@ -99,8 +99,8 @@ impl Scored {
         self.directions.push(direction);
     }
 
-    /// Scores all wanted directions at a fit. Where they are too many to be held, only the best are kept; the number of the others
-    /// stands last.
+    /// Scores all wanted directions at a fit. Where they are too many to be held, only the best are kept; the number of the
+    /// others stands last.
     fn best(
         problem: &Problem,
         likelihood: &Likelihood,
