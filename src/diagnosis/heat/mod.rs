@@ -176,7 +176,8 @@ pub(super) fn missing_heat(problem: &Problem, believed: &Refit) -> Option<Missin
     let with = Evidence::new(&state.linear).log_evidence(&amplitudes(&state, &chosen))?;
     // Biases alone are an effect of the catalogue, not something else.
     let has_heat = chosen.iter().any(|&(place, _)| matches!(list[place].kind, Kind::Node(_)));
-    let log_evidence = if has_heat { believed.log_evidence + with - without - price } else { f64::NEG_INFINITY };
+    // Not as a difference to the believed fit: where that is bent by millions, its linearisation is off by thousands.
+    let log_evidence = if has_heat { with + sources.constant(&state, believed)? - price } else { f64::NEG_INFINITY };
     let (_, amplitudes, sds) = solve(&state, &chosen)?;
     let mut heat = Vec::new();
     for ((&(place, _), watts), sd) in chosen.iter().zip(&amplitudes).zip(sds) {
@@ -188,4 +189,51 @@ pub(super) fn missing_heat(problem: &Problem, believed: &Refit) -> Option<Missin
     let watts: Vec<(&Source, f64)> =
         chosen.iter().zip(&amplitudes).map(|(&(place, _), watts)| (&list[place], *watts)).collect();
     Some(MissingHeat { log_evidence, heat, goes_with: relations(problem, &watts) })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::diagnosis::laboratory::{Recipe, TestKind, Topology, Wish, case};
+    use crate::diagnosis::refit::Begin;
+    use crate::document::Diagnostics;
+    use crate::effect::Catalogue;
+    use crate::random::StreamKey;
+
+    /// Where the believed fit is bent, it need not have come to its end: what heat explains does not depend on it. With a
+    /// difference to the believed fit's evidence the two would differ by what that is wrong by.
+    #[test]
+    fn the_evidence_does_not_depend_on_where_the_believed_fit_stopped() {
+        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+        let wish = Wish { only: Some("heat-load".to_owned()), size: Some(5.0), ..Wish::default() };
+        let recipe = Recipe { topology: Some(Topology::Star), test: Some(TestKind::Steady), wish, rivals: false };
+        let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+        let begin = Begin { starts: Vec::new(), from_prior: 2, scale: 1.0 };
+        let fitted = problem.refit(&[], &begin, &StreamKey::new(1, "test", "heat")).unwrap();
+        let best = missing_heat(&problem, &fitted).unwrap();
+        assert!(best.log_evidence > fitted.log_evidence + 10.0, "{} {}", best.log_evidence, fitted.log_evidence);
+        let mut stopped = fitted.clone();
+        for (value, held) in stopped.unknowns.iter_mut().zip(&fitted.held) {
+            *value *= if *held { 1.0 } else { 1.001 };
+        }
+        stopped.log_evidence -= 1e6;
+        let found = missing_heat(&problem, &stopped).unwrap();
+        // Both settle until half the sum of squares falls by less than 0.02, and the model is nearly linear.
+        assert!((found.log_evidence - best.log_evidence).abs() < 0.5, "{} {}", found.log_evidence, best.log_evidence);
+        for (one, other) in found.heat.iter().zip(&best.heat) {
+            assert!((one.watts - other.watts).abs() < 0.1 * one.sd, "{one:?} {other:?}");
+        }
+        // Where all is nearly linear and the fit is at its end, it is the difference that it was.
+        let sources = Sources::new(&problem).unwrap();
+        let state = sources.at(&fitted.unknowns, &vec![0.0; sources.list().len()]).unwrap();
+        let without = Evidence::new(&state.linear).log_evidence(&[]).unwrap();
+        let constant = sources.constant(&state, &fitted).unwrap();
+        assert!(
+            (without + constant - fitted.log_evidence).abs() < 0.05,
+            "{without} {constant} {}",
+            fitted.log_evidence
+        );
+    }
 }

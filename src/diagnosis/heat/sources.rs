@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 
 use crate::diagnosis::products::dot;
 use crate::diagnosis::signature::linearise;
-use crate::diagnosis::{Linear, Problem};
+use crate::diagnosis::{Linear, Problem, Refit};
 use crate::expression::{Names, Scope, Symbol, parse};
 use crate::inference::likelihood::{Definition, Likelihood};
 use crate::inference::measurement::{Measurement, Rows};
 use crate::inference::natural::NaturalObjective;
 use crate::inference::target::Target;
+use crate::math::functions::ln;
 use crate::random::Distribution;
 use crate::thermal::element::{Element, ElementKind, Load};
 use crate::thermal::{Model, NodeKind, Parameter};
@@ -245,6 +246,20 @@ impl Sources {
         }
         let (unknowns, amplitudes) = (unknowns.to_vec(), amplitudes.to_vec());
         half_square.is_finite().then_some(State { unknowns, amplitudes, linear, columns, half_square })
+    }
+
+    /// What the logarithm of an evidence of the whitened, standardised problem is short of that of the readings: the
+    /// normalisation of the noise, which is settled, and of the priors, whose rows are standardised.
+    pub fn constant(&self, state: &State, believed: &Refit) -> Option<f64> {
+        let linear = &state.linear;
+        let objective = NaturalObjective::new(&self.likelihood).ok()?;
+        let noise = believed.log_likelihood + 0.5 * believed.chi_square;
+        let prior_rows = &linear.residuals[linear.readings..];
+        let priors = objective.log_prior(&objective.coordinates(&state.unknowns)) + 0.5 * dot(prior_rows, prior_rows);
+        let widths = objective.bounds();
+        let widths = widths.lower.iter().zip(&widths.upper).map(|(lower, upper)| upper - lower);
+        let widths: f64 = widths.filter(|width| width.is_finite()).map(ln).sum();
+        Some(noise + priors + widths + 0.5 * linear.rows as f64 * ln(2.0 * std::f64::consts::PI))
     }
 
     /// Unknowns (SI) after a step of the believed model's natural coordinates.
