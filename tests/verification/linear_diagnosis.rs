@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
+use bmv::diagnosis::refit::Begin;
 use bmv::diagnosis::{Diagnosis, Problem, Settings, Verdict};
+use bmv::inference::measurement::Uncertain;
 use bmv::job::{Job, Step};
 use bmv::math::functions::{exp, ln};
 use bmv::random::StreamKey;
@@ -66,7 +68,12 @@ fn log_evidence(readings_k: &DVector<f64>, effects: &[String]) -> f64 {
 
 /// The same with amplitudes whose priors are so many times as wide.
 fn log_evidence_of_widths(readings_k: &DVector<f64>, effects: &[String], width: f64) -> f64 {
-    let mut covariance = DMatrix::from_diagonal_element(16, 16, SIGMA * SIGMA);
+    log_evidence_with_noise(readings_k, effects, width, SIGMA)
+}
+
+/// The same with other noise, K.
+fn log_evidence_with_noise(readings_k: &DVector<f64>, effects: &[String], width: f64, sigma_k: f64) -> f64 {
+    let mut covariance = DMatrix::from_diagonal_element(16, 16, sigma_k * sigma_k);
     for (name, width) in effects.iter().map(|name| (name.as_str(), width)).chain([("P_0", 1.0)]) {
         let own = column(name) * width;
         covariance += &own * own.transpose();
@@ -162,6 +169,29 @@ fn what_is_larger_than_thought_plausible_has_the_evidence_of_a_wider_prior() {
             assert!(exact >= log_evidence_of_widths(&measured, &effects, other) + ln(odds) - 1e-9, "{heat} W");
         }
     }
+}
+
+/// With noise of 20 K the data know 20 W of heat to 2.5 W, more than what the catalogue thinks plausible: beneath its prior the
+/// fit lies only about 20 / (1 + 2.5^2) = 2.8 of its standard deviations out, and yet one ten times as wide explains far more.
+#[test]
+fn a_prior_that_outvotes_the_data_is_widened() {
+    let key = StreamKey::new(12, "linear", "noise");
+    let sigma = 20.0;
+    let mut stream = key.stream(0);
+    let measured = readings(1.0, [20.0, 0.0], [0.0; 2]).map(|value| value + sigma * stream.normal());
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut problem = problem(folder.path(), &measured);
+    for sensor in &mut problem.measurements[0].sensors {
+        sensor.sigma = Some(Uncertain::Known(sigma));
+    }
+    let heat = problem.candidates.iter().position(|own| own.id == "heat-load:A").expect("a candidate");
+    let begin = Begin { starts: vec![BTreeMap::new()], from_prior: 0, scale: 1.0 };
+    let fit = problem.refit(&[heat], &begin, &key).expect("a fit");
+    let effects = ["heat-load:A".to_owned()];
+    let of_width = |width: f64, odds: f64| log_evidence_with_noise(&measured, &effects, width, sigma) + ln(odds);
+    assert!(of_width(10.0, 0.1) > of_width(1.0, 1.0) + 3.0 && of_width(10.0, 0.1) > of_width(100.0, 0.01));
+    assert_eq!(fit.widths, [10.0]);
+    assert!((fit.log_evidence - of_width(10.0, 0.1)).abs() < 1e-6, "{}", fit.log_evidence);
 }
 
 /// All of A's heat leaves through 0.5 W/K, so that 2.9 W into A and a sink that is 5.8 K warmer are one thing to any data. The
