@@ -126,6 +126,9 @@ fn at_length(effect: &Effect) -> String {
         let prior = prior.map_or_else(|| "uniform over the input's range".to_owned(), in_words);
         row("  prior", format!("{prior}; sign {}", parameter.sign.word()));
     }
+    if effect.needs_gas() {
+        row("needs", "a gas; where a boundary below 100 K or an input pressure below 100 Pa tells of vacuum, its odds are a twentieth".to_owned());
+    }
     let seen: Vec<&str> = form.seen_by.iter().map(|by| by.word()).collect();
     row("seen by", seen.join(", "));
     row("signature", optional(&form.signature));

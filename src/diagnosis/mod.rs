@@ -24,6 +24,7 @@ pub mod hypothesis;
 pub mod laboratory;
 pub mod levels;
 mod linear;
+mod medium;
 mod noise;
 pub mod null_maximum;
 pub mod output;

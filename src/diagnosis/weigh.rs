@@ -1,14 +1,16 @@
 //! Probabilities of sets of effects.
 //!
 //! Beforehand each kind of effect is missing with probability 0.05, at any of its places in this network alike, and so is
-//! physics that no kind describes: so the number of places is paid for. A hidden node between two nodes that the model does
+//! physics that no kind describes: so the number of places is paid for. What is out of place, such as convection in
+//! vacuum, is less probable. A hidden node between two nodes that the model does
 //! not join is two things at once, a path and a part. Probabilities sum to one over "nothing", the refitted sets and
 //! "something else".
 
 use std::collections::BTreeMap;
 
+use super::medium::{is_pressure, is_vacuum};
 use super::{Problem, Refit};
-use crate::effect::{Effect, Site};
+use crate::effect::{Bound, Effect, Site};
 use crate::math::functions::{exp, ln};
 use crate::math::sum::log_sum_exp;
 use crate::thermal::element::{Element, ElementKind};
@@ -25,12 +27,18 @@ const LEAST_RIVAL: f64 = 0.01;
 
 /// Log odds by which an unknown function stands behind an effect that has a name.
 const UNKNOWN_FUNCTION: f64 = 3.0;
+/// Log odds by which an effect stands behind others where its physics is out of place: a twentieth, not nothing, as the
+/// model may say too little of where it is.
+const OUT_OF_PLACE: f64 = 3.0;
 /// Probability that a group and its rivals hold together.
 pub const SURE: f64 = 0.91;
 
 /// Log prior odds, against "nothing", of one instance of each kind of effect.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Odds(BTreeMap<String, f64>);
+pub struct Odds {
+    kinds: BTreeMap<String, f64>,
+    vacuum: bool,
+}
 
 impl Odds {
     /// Counts the places of each kind.
@@ -44,15 +52,30 @@ impl Odds {
             let behind = if unknown { UNKNOWN_FUNCTION } else { 0.0 };
             ln(MISSING / (1.0 - MISSING)) - ln(count.max(1) as f64) - behind
         };
-        Self(counts.into_iter().map(|(effect, count)| (effect.clone(), odds(&effect, count))).collect())
+        let kinds = counts.into_iter().map(|(effect, count)| (effect.clone(), odds(&effect, count))).collect();
+        Self { kinds, vacuum: is_vacuum(problem) }
+    }
+
+    /// Whether a candidate's physics is out of place: it needs a gas in vacuum, or something that any input may stand for
+    /// is a pressure (heat moves through a gas between two temperatures; no pressure is a source of it).
+    pub fn is_out_of_place(&self, problem: &Problem, candidate: usize) -> bool {
+        let candidate = &problem.candidates[candidate];
+        let Some(effect) = problem.catalogue.get(&candidate.effect) else { return false };
+        let mut bound = effect.form.inputs.iter().zip(&candidate.bound);
+        self.vacuum && effect.needs_gas()
+            || bound.any(|(form, bound)| {
+                form.value.unit.is_none()
+                    && matches!(bound, Bound::Input(input) if is_pressure(&problem.model.inputs[*input]))
+            })
     }
 
     /// Of a set of candidates.
     pub fn of(&self, problem: &Problem, effects: &[usize]) -> f64 {
         let one = |&effect: &usize| {
-            let odds = self.0.get(&problem.candidates[effect].effect)?;
+            let odds = self.kinds.get(&problem.candidates[effect].effect)?;
+            let place = if self.is_out_of_place(problem, effect) { OUT_OF_PLACE } else { 0.0 };
             let second = if is_path_and_part(problem, effect) { ln(MISSING / (1.0 - MISSING)) } else { 0.0 };
-            Some(odds + second)
+            Some(odds + second - place)
         };
         effects.iter().filter_map(one).sum()
     }

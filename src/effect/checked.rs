@@ -8,7 +8,7 @@ use crate::document::{
 };
 use crate::expression::{Dependence, Dimension, ExprId, Graph, Names, Symbol};
 
-use super::form::{AddsForm, AppliesForm, CurveForm, EffectForm, ParameterForm, Sign};
+use super::form::{AddsForm, AppliesForm, CurveForm, EffectForm, Medium, ParameterForm, Sign};
 use super::place::PlaceKind;
 
 /// An effect whose file has been checked: its expressions parse, its names are known, its parts fit together.
@@ -93,6 +93,11 @@ impl Effect {
     /// Whether it is an unknown function, whose curve is learnt.
     pub fn is_unknown_function(&self) -> bool {
         self.form.adds.value.curve.is_some()
+    }
+
+    /// Whether it needs a gas about the hardware.
+    pub fn needs_gas(&self) -> bool {
+        self.form.medium == Some(Medium::Gas)
     }
 
     /// Whether it exchanges the channels of two sensors.

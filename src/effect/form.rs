@@ -25,6 +25,8 @@ written_struct! {
         default(Map::default()) parameters: Map<ParameterForm>,
         /// What it adds to the model.
         required adds: Spanned<AddsForm>,
+        /// What must surround the hardware.
+        optional medium: Medium,
         /// Data that can see it.
         default(vec![SeenBy::Steady, SeenBy::Transient]) seen_by: Vec<SeenBy>,
         /// The equation, for people.
@@ -63,6 +65,14 @@ written_words! {
         "sensors" => Sensors,
         /// Others, such as a study's own.
         "other" => Other,
+    }
+}
+
+written_words! {
+    /// What surrounds the hardware.
+    pub enum Medium: "a medium" {
+        /// Air or another gas, near the pressure of the atmosphere.
+        "gas" => Gas,
     }
 }
 

@@ -4,6 +4,7 @@ use super::draw::{Draw, short};
 use super::hide::HideError;
 use super::truth::{HiddenEffect, HiddenValue, Outside};
 use crate::diagnosis::Problem;
+use crate::diagnosis::weigh::Odds;
 use crate::effect::EffectParameter;
 use crate::inference::measurement::{Measurement, Rows};
 use crate::thermal::NodeKind;
@@ -89,9 +90,11 @@ pub(super) fn draw_effect(
     taken: &[Chosen],
     draw: &mut Draw,
 ) -> Result<Chosen, HideError> {
+    let odds = Odds::new(problem);
     let fits = |position: &usize| {
         let candidate = &problem.candidates[*position];
         is_seen(problem, *position)
+            && (only.is_some() || !odds.is_out_of_place(problem, *position))
             && only.is_none_or(|only| candidate.id == only || candidate.effect == only)
             && !taken.iter().any(|other| problem.candidates[other.candidate].effect == candidate.effect)
     };
