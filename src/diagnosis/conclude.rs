@@ -12,7 +12,7 @@ use super::output::{
 use super::problem::is_idle;
 use super::refit::Begin;
 use super::separate;
-use super::weigh::{RIVALS_WITHIN, SURE, Weights, best, groups, held, veto, weigh};
+use super::weigh::{RIVALS_WITHIN, SURE, Weights, best, groups, held, nothing_stands, veto, weigh};
 use super::words;
 use super::{Problem, Refit};
 use crate::inference::measurement::Rows;
@@ -43,6 +43,8 @@ pub(super) struct Findings<'a> {
     pub rivals: Vec<usize>,
     /// What sets leave that were not screened before.
     pub late: Vec<Remainder>,
+    /// Whether nothing stands although tests find something.
+    pub doubted: bool,
 }
 
 impl Findings<'_> {
@@ -76,11 +78,14 @@ impl Diagnosis {
             groups: Vec::new(),
             rivals: Vec::new(),
             late: Vec::new(),
+            doubted: false,
         };
         let nothing = findings.weights.sets[0];
+        findings.doubted = finds && nothing_stands(nothing, state.screening.family.p);
         let mut verdict = Verdict::Adequate;
         let mut held_out_test = None;
-        if finds {
+        let missing = missing.filter(|_| !findings.doubted);
+        if finds && !findings.doubted {
             verdict = Verdict::Unexplained;
             let stated = self.estimates_sigma().is_none();
             held_out_test = best(&findings.weights)

@@ -4,7 +4,7 @@
 //! pair of effects that explains most, by least squares on the linearised problem; what is left is given, sensor by
 //! sensor, the most likely Ornstein-Uhlenbeck process with white noise beside it (`inference::noise`), its variance
 //! enlarged by the freedom that the fit took. A stated sigma stands: then only the share and the time of the correlation
-//! are sought, by the shape of the errors, and kept if they earn more than their freedom (Schwarz 1978).
+//! are sought, at that size or a smaller one, and kept if they earn more than their freedom (Schwarz 1978).
 
 use serde::{Deserialize, Serialize};
 
@@ -99,6 +99,8 @@ struct Known {
 const SHARES: [f64; 13] = [0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.87, 0.95, 0.99, 1.0];
 /// Number of correlation times that are tried.
 const TIMES: usize = 18;
+/// Relative standard deviation of stated sizes about the truth.
+const STATED_WITHIN: f64 = 0.1;
 /// Fewest readings of a sensor whose correlation is estimated.
 const LEAST_READINGS: usize = 30;
 
@@ -160,10 +162,9 @@ pub fn most_likely(measurement: &Measurement, series: &SensorRows, errors: &[f64
             let mut whitened = errors.to_vec();
             let scales = unit.whiten(&series.times_s, &mut whitened);
             let square = whitened.iter().map(|e| e * e).sum::<f64>() / freedom;
-            // What is correlated shows in the shape of the errors, whatever their size. At a stated size that is too large,
-            // a correlated part that never shows would take up what is too much.
-            let variance = (square / count).max(f64::MIN_POSITIVE);
-            let mut log_likelihood = scales - 0.5 * count * ln(variance) - 0.5 * square / variance;
+            let free = (square / count).max(f64::MIN_POSITIVE);
+            let (variance, penalty) = known.total.map_or((free, 0.0), |total| size(free, total * total));
+            let mut log_likelihood = scales - 0.5 * count * ln(variance) - 0.5 * square / variance - penalty;
             if share > 0.0 && known.shares.len() > 1 {
                 // Schwarz' price of two more parameters.
                 log_likelihood -= ln(count);
@@ -177,6 +178,16 @@ pub fn most_likely(measurement: &Measurement, series: &SensorRows, errors: &[f64
         }
     }
     best.map_or(SettledNoise::white(1.0), |(_, noise)| noise)
+}
+
+/// The variance that errors have whose size is stated, and half the square of the deviate by which it lies below. Stated
+/// sizes are often too large: at the stated one a correlated part that never shows would take up what is too much. But they
+/// are near, and never taken for too small: readings that are close in time tell the ratio of variance and correlation time
+/// only, so that a size left free makes the time wrong, and with it the noise of every difference.
+fn size(free: f64, stated: f64) -> (f64, f64) {
+    let variance = free.min(stated);
+    let deviate = 0.5 * ln(variance / stated) / STATED_WITHIN;
+    (variance, 0.5 * deviate * deviate)
 }
 
 /// Noise of a standard deviation of which a share of the variance is correlated.

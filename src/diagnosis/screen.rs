@@ -10,6 +10,7 @@ use super::family::{Extras, Family, MemberKind};
 use super::null_maximum::Sampling;
 use super::pairs::best_pairs;
 use super::score::{Column, Prepared, Score};
+use super::weigh::nothing_stands;
 use super::{Direction, Linear, Problem, Refit, noise, signature};
 use crate::inference::likelihood::Likelihood;
 use crate::inference::measurement::{Rows, Uncertain};
@@ -238,7 +239,7 @@ impl Diagnosis {
                 screening.unseen.push((position, why.to_owned()));
             }
         }
-        if whole && p > self.settings().false_alarm {
+        if whole && nothing_stands(1.0, p) {
             let sampling = Sampling { draws: DRAWS_OF_CRITICAL, ..sampling };
             let critical_p = family.critical(self.settings().false_alarm, &sampling);
             for direction in scored.directions.iter().filter(|direction| direction.amplitudes() == 1) {

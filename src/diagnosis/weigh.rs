@@ -30,6 +30,8 @@ const UNKNOWN_FUNCTION: f64 = 3.0;
 /// Log odds by which an effect stands behind others where its physics is out of place: a twentieth, not nothing, as the
 /// model may say too little of where it is.
 const OUT_OF_PLACE: f64 = 3.0;
+/// Probability at which nothing stands whatever the tests find.
+const STANDS: f64 = 0.2;
 /// Probability that a group and its rivals hold together.
 pub const SURE: f64 = 0.91;
 
@@ -122,6 +124,14 @@ pub fn weigh(problem: &Problem, refits: &[Refit], unexplained: Option<f64>) -> W
         logs.into_iter().map(|log| if total.is_finite() { exp(log - total) } else { 0.0 }).collect();
     let unexplained = sets.pop().unwrap_or(0.0);
     Weights { sets, unexplained }
+}
+
+/// Whether "nothing" stands although a test finds something with this p: it keeps a fifth of the probability, also against an
+/// unspecified alternative that is as likely as the p allows, by a Bayes factor of at most `1 / (-e p ln p)` (Sellke, Bayarri &
+/// Berger 2001, Am. Stat. 55, 62, eq. 3). A test knows the noise as it was settled; the odds ask for something that made it.
+pub fn nothing_stands(nothing: f64, p: f64) -> bool {
+    let least = -std::f64::consts::E * p.min(exp(-1.0)) * ln(p.min(exp(-1.0)));
+    nothing / (1.0 + nothing * exp(Odds::unexplained()) / least) >= STANDS
 }
 
 /// What is left of the weights when sets are vetoed.
@@ -229,6 +239,13 @@ pub fn held(refits: &[Refit], weights: &Weights, groups: &[Vec<usize>]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nothing_stands_while_no_test_is_clear_and_no_set_takes_its_probability() {
+        assert!(nothing_stands(1.0, 0.9) && nothing_stands(1.0, 0.005) && nothing_stands(0.3, 0.005));
+        // 1 / (1 / 0.2 + 0.0526 / 0.072) = 0.17; at p = 1e-4 an alternative may be 400 times as likely.
+        assert!(!nothing_stands(0.2, 0.005) && !nothing_stands(1.0, 1e-4) && !nothing_stands(1.0, 0.0));
+    }
 
     /// A curve at 0.9 and, once it is gone, another at 1e-4 are vetoed; what is left is 0.08 + 0.01 + 0.0099.
     #[test]

@@ -108,10 +108,18 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>) -> Vec<String> {
     let selected: Vec<&EffectResult> =
         output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id)).collect();
     match output.verdict {
-        Verdict::Adequate => words.push(format!(
-            "Nothing is missing that these data could show: {} effects and {} pairs were tried.",
-            output.looked_at[0], output.looked_at[1]
-        )),
+        Verdict::Adequate => {
+            words.push(format!(
+                "Nothing is missing that these data could show: {} effects and {} pairs were tried.",
+                output.looked_at[0], output.looked_at[1]
+            ));
+            if findings.doubted {
+                words.push(format!(
+                    "A test finds something, but nothing that could have made it is likely enough: that nothing is missing keeps a probability of {}. More data, or the noise told, would settle it.",
+                    percent(output.probability_nothing)
+                ));
+            }
+        }
         Verdict::Unexplained => words.push(format!(
             "Something is missing, and none of {} effects, alone or in sets of up to {}, explains it: see the missing heat by node.",
             output.looked_at[0],

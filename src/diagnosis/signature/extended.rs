@@ -1,5 +1,7 @@
 //! Exact derivatives of many effects at once: sensitivities of a model that holds them all with amplitude 0.
 
+use rayon::prelude::*;
+
 use super::variant::{self, Variant};
 use super::{Base, Found};
 use crate::diagnosis::hypothesis::HypothesisError;
@@ -7,25 +9,29 @@ use crate::diagnosis::linear::Direction;
 use crate::inference::likelihood::Likelihood;
 use crate::inference::target::{LeastSquares, Target};
 
+/// Most variants that are solved together; blocks of them are solved beside one another.
+const TOGETHER: usize = 256;
+
 /// Solves variants together; where they do not go together, in halves, so that one that fails spoils no other.
 pub(super) fn solve(base: &Base<'_>, variants: &[Variant<'_>], found: &mut [Found]) {
-    if variants.is_empty() {
-        return;
+    let blocks: Vec<Vec<Solved>> = variants.par_chunks(TOGETHER).map(|block| solved(base, block)).collect();
+    for (variant, direction) in variants.iter().zip(blocks.into_iter().flatten()) {
+        variant::put(&mut found[variant.asked], direction);
     }
+}
+
+/// A variant's direction, `None` where nothing depends on it, or why there is none.
+type Solved = Result<Option<Direction>, String>;
+
+fn solved(base: &Base<'_>, variants: &[Variant<'_>]) -> Vec<Solved> {
     match together(base, variants) {
-        Ok(directions) => {
-            for (variant, direction) in variants.iter().zip(directions) {
-                variant::put(&mut found[variant.asked], Ok(direction));
-            }
-        }
-        Err(reason) => {
-            if let [variant] = variants {
-                variant::put(&mut found[variant.asked], Err(reason));
-                return;
-            }
+        Ok(directions) => directions.into_iter().map(Ok).collect(),
+        Err(reason) if variants.len() < 2 => variants.iter().map(|_| Err(reason.clone())).collect(),
+        Err(_) => {
             let (first, second) = variants.split_at(variants.len() / 2);
-            solve(base, first, found);
-            solve(base, second, found);
+            let mut all = solved(base, first);
+            all.extend(solved(base, second));
+            all
         }
     }
 }

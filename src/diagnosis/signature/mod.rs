@@ -13,6 +13,7 @@ mod probe;
 mod swap;
 mod variant;
 
+use rayon::prelude::*;
 use thiserror::Error;
 
 use super::hypothesis::HypothesisError;
@@ -146,11 +147,17 @@ pub fn for_each_direction(
         let smooth: Vec<(usize, &Form<'_>)> =
             block.iter().copied().zip(&forms).filter(|(_, form)| matches!(form, Form::Smooth { .. })).collect();
         let mut exact = exact(&base, phases.as_ref(), &smooth).into_iter();
+        let probe = |(&position, form): (&usize, &Form<'_>)| match form {
+            Form::Probe { effect } => Some(probe::directions(&base, position, effect)),
+            _ => None,
+        };
+        let probed: Vec<Found> = block.par_iter().zip(&forms).filter_map(probe).collect();
+        let mut probed = probed.into_iter();
         for (&position, form) in block.iter().zip(&forms) {
             let found = match form {
                 Form::Unseen(reason) => Err(reason.clone()),
                 Form::Smooth { .. } => exact.next().unwrap_or_else(|| Err(String::new())),
-                Form::Probe { effect } => probe::directions(&base, position, effect),
+                Form::Probe { .. } => probed.next().unwrap_or_else(|| Err(String::new())),
                 Form::Swap => swaps.direction(&base, position),
             };
             match found {

@@ -96,7 +96,9 @@ fn how_sure(output: &Output, selected: &[&EffectResult]) -> Statement {
     });
     let (value, text) = match (output.verdict, best) {
         (Verdict::Adequate, _) => {
-            (format!("p = {}", significant(output.misfit.family_wise_p, 2)), "Over all tests together.".to_owned())
+            let nothing = chance(output.probability_nothing);
+            let text = format!("Over all tests together. That nothing is missing has a probability of {nothing}.");
+            (format!("p = {}", significant(output.misfit.family_wise_p, 2)), text)
         }
         (Verdict::Unexplained, _) | (_, None) => {
             (chance(output.probability_unexplained), p(output.misfit.family_wise_p))
