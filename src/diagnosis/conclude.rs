@@ -81,7 +81,8 @@ impl Diagnosis {
             doubted: false,
         };
         let nothing = findings.weights.sets[0];
-        findings.doubted = finds && nothing_stands(nothing, state.screening.family.p);
+        // Where all noise is told, the p is what it says.
+        findings.doubted = finds && !state.noise.is_empty() && nothing_stands(nothing, state.screening.family.p);
         let mut verdict = Verdict::Adequate;
         let mut held_out_test = None;
         let missing = missing.filter(|_| !findings.doubted);

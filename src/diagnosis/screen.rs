@@ -239,7 +239,7 @@ impl Diagnosis {
                 screening.unseen.push((position, why.to_owned()));
             }
         }
-        if whole && nothing_stands(1.0, p) {
+        if whole && (p > self.settings().false_alarm || nothing_stands(1.0, p)) {
             let sampling = Sampling { draws: DRAWS_OF_CRITICAL, ..sampling };
             let critical_p = family.critical(self.settings().false_alarm, &sampling);
             for direction in scored.directions.iter().filter(|direction| direction.amplitudes() == 1) {
