@@ -34,7 +34,9 @@ pub(super) fn is_vacuum(problem: &Problem) -> bool {
     for measurement in &problem.measurements {
         for row in (0..measurement.len()).filter(|&row| !measurement.ignored(row)) {
             let (input, time_s): (Box<dyn Fn(usize) -> f64>, f64) = match &measurement.rows {
-                Rows::Steady(phases) => (Box::new(move |input| phases[row].inputs[input]), 0.0),
+                Rows::Steady(phases) => {
+                    (Box::new(move |own| phases[row].inputs.get(own).copied().unwrap_or(f64::NAN)), 0.0)
+                }
                 Rows::Transient { inputs, .. } => (Box::new(move |own| inputs.in_row(row, own)), inputs.times_s[row]),
             };
             let value = |symbol: Symbol| match symbol {
