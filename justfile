@@ -12,9 +12,9 @@ test:
 ci:
     .ci/run
 
-# slow statistical checks, large cases, regression of archived results
+# slow statistical checks, large cases, regression of archived results, all studies' reports
 nightly:
-    cargo test --release -- --include-ignored
+    cargo run --release -- report && cargo test --release -- --include-ignored
 
 # benchmarks of everything that has a speed target
 bench:
