@@ -127,7 +127,11 @@ fn at_length(effect: &Effect) -> String {
         row("  prior", format!("{prior}; sign {}", parameter.sign.word()));
     }
     if effect.needs_gas() {
-        row("needs", "a gas; where a boundary below 100 K or an input pressure below 100 Pa tells of vacuum, its odds are a twentieth".to_owned());
+        row(
+            "needs",
+            "a gas; improbable where a very cold boundary or a low pressure among the inputs tells of vacuum"
+                .to_owned(),
+        );
     }
     let seen: Vec<&str> = form.seen_by.iter().map(|by| by.word()).collect();
     row("seen by", seen.join(", "));

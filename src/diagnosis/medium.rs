@@ -7,7 +7,7 @@ use crate::thermal::{Input, NodeKind};
 
 /// Pressure below which nothing convects, Pa: a thousandth of the atmosphere's, where Rayleigh's number is a millionth.
 const NO_CONVECTION_PA: f64 = 100.0;
-/// Temperature of a boundary below which it is space or a shroud in vacuum, K: rooms with cold nitrogen end above.
+/// Temperature of a boundary below which it is taken for space or a shroud in vacuum, K.
 const NO_ROOM_K: f64 = 100.0;
 
 /// Whether an input is a pressure.

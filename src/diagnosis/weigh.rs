@@ -2,9 +2,8 @@
 //!
 //! Beforehand each kind of effect is missing with probability 0.05, at any of its places in this network alike, and so is
 //! physics that no kind describes: so the number of places is paid for. What is out of place, such as convection in
-//! vacuum, is less probable. A hidden node between two nodes that the model does
-//! not join is two things at once, a path and a part. Probabilities sum to one over "nothing", the refitted sets and
-//! "something else".
+//! vacuum, is less probable. A hidden node between two nodes that the model does not join is two things at once, a path
+//! and a part. Probabilities sum to one over "nothing", the refitted sets and "something else".
 
 use std::collections::BTreeMap;
 
@@ -30,7 +29,7 @@ const UNKNOWN_FUNCTION: f64 = 3.0;
 /// Log odds by which an effect stands behind others where its physics is out of place: a twentieth, not nothing, as the
 /// model may say too little of where it is.
 const OUT_OF_PLACE: f64 = 3.0;
-/// Probability at which nothing stands whatever the tests find.
+/// Probability at which "nothing" stands against a test that is not clear.
 const STANDS: f64 = 0.2;
 /// Probability that a group and its rivals hold together.
 pub const SURE: f64 = 0.91;
@@ -130,7 +129,8 @@ pub fn weigh(problem: &Problem, refits: &[Refit], unexplained: Option<f64>) -> W
 /// unspecified alternative that is as likely as the p allows, by a Bayes factor of at most `1 / (-e p ln p)` (Sellke, Bayarri &
 /// Berger 2001, Am. Stat. 55, 62, eq. 3). A test knows the noise as it was settled; the odds ask for something that made it.
 pub fn nothing_stands(nothing: f64, p: f64) -> bool {
-    let least = -std::f64::consts::E * p.min(exp(-1.0)) * ln(p.min(exp(-1.0)));
+    let p = p.min(exp(-1.0));
+    let least = -std::f64::consts::E * p * ln(p);
     nothing / (1.0 + nothing * exp(Odds::unexplained()) / least) >= STANDS
 }
 

@@ -176,7 +176,7 @@ pub(super) fn missing_heat(problem: &Problem, believed: &Refit) -> Option<Missin
     let with = Evidence::new(&state.linear).log_evidence(&amplitudes(&state, &chosen))?;
     // Biases alone are an effect of the catalogue, not something else.
     let has_heat = chosen.iter().any(|&(place, _)| matches!(list[place].kind, Kind::Node(_)));
-    // Not as a difference to the believed fit: where that is bent by millions, its linearisation is off by thousands.
+    // Not as a difference to the believed fit: where that is bent to sums of squares of 1e8, it is off by millions.
     let log_evidence = if has_heat { with + sources.constant(&state, believed)? - price } else { f64::NEG_INFINITY };
     let (_, amplitudes, sds) = solve(&state, &chosen)?;
     let mut heat = Vec::new();
@@ -222,6 +222,7 @@ mod tests {
         let found = missing_heat(&problem, &stopped).unwrap();
         // Both settle until half the sum of squares falls by less than 0.02, and the model is nearly linear.
         assert!((found.log_evidence - best.log_evidence).abs() < 0.5, "{} {}", found.log_evidence, best.log_evidence);
+        assert_eq!(found.heat.len(), best.heat.len());
         for (one, other) in found.heat.iter().zip(&best.heat) {
             assert!((one.watts - other.watts).abs() < 0.1 * one.sd, "{one:?} {other:?}");
         }
