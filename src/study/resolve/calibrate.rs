@@ -1,11 +1,12 @@
 //! Calibrations: settings with their defaults, names looked up; and which comparisons show their result.
 
-use crate::document::{Diagnostic, Map, MapEntry, Spanned, code};
+use crate::document::{Map, MapEntry, Spanned, code};
 use crate::job::calibrate::{Sampler, Spec};
 use crate::study::pass::job::{CalibrateForm, JobForm, SamplerForm};
 use crate::study::resolved::{JobSpec, NamedJob};
 
-use super::jobs::{Offered, measurement, push_new};
+use super::chosen::{data, parameters_or_all};
+use super::jobs::Offered;
 use super::scope::Scope;
 
 /// Chains where a job says nothing.
@@ -24,7 +25,7 @@ pub(super) fn calibrate(
 ) -> Option<JobSpec> {
     let before = scope.diagnostics.errors();
     let (data, missing) = data(scope, entry, form.data.as_ref(), "calibrate on", offered);
-    let parameters = parameters(scope, form.parameters.as_ref(), offered);
+    let parameters = parameters_or_all(scope, form.parameters.as_ref(), offered.priors);
     let sampler = match form.sampler {
         None | Some(SamplerForm::Nuts) => Sampler::Nuts,
         Some(SamplerForm::AdaptiveMetropolis) => Sampler::AdaptiveMetropolis,
@@ -60,63 +61,6 @@ fn acceptance(scope: &mut Scope, written: &Spanned<f64>, sampler: Sampler) -> f6
         scope.error(&code::JOB_SETTING, &written.place, message, "a number from 0.5 to 0.999");
     }
     written.value
-}
-
-/// Positions of the named measurements, all of the pass where none are named, and names of those whose data are missing.
-pub(super) fn data(
-    scope: &mut Scope,
-    entry: &MapEntry<JobForm>,
-    written: Option<&Vec<Spanned<String>>>,
-    purpose: &str,
-    offered: &Offered,
-) -> (Vec<usize>, Vec<String>) {
-    let (mut data, mut missing) = (Vec::new(), Vec::new());
-    let mut add = |name: &str, position: Option<usize>| match position {
-        Some(position) => push_new(&mut data, position),
-        None => missing.push(name.to_owned()),
-    };
-    match written {
-        Some(names) => {
-            for name in names {
-                if let Some(position) = measurement(scope, &name.value, &name.place, offered) {
-                    add(&name.value, position);
-                }
-            }
-        }
-        None => offered.measurements.iter().for_each(|(name, position)| add(name, *position)),
-    }
-    if data.is_empty() && missing.is_empty() && !scope.diagnostics.has_errors() {
-        let message = format!("`{}` has no measurement to {purpose}", entry.name);
-        scope.error(&code::JOB_REFERENCE, &entry.name_place, message, "at least one entry under `measurements`");
-    }
-    (data, missing)
-}
-
-/// The chosen parameters; all that are not fixed where none are named.
-pub(super) fn parameters(scope: &mut Scope, written: Option<&Vec<Spanned<String>>>, offered: &Offered) -> Vec<usize> {
-    let Some(names) = written else {
-        return (0..offered.priors.len()).filter(|&index| !offered.priors[index].is_fixed()).collect();
-    };
-    let mut chosen = Vec::new();
-    for name in names {
-        match scope.resolved.parameter(&name.value) {
-            Some(index) if offered.priors[index].is_fixed() => {
-                let message = format!("the prior of `{}` is fixed", name.value);
-                scope.diagnostics.push(
-                    Diagnostic::error(&code::JOB_REFERENCE, &name.place, message)
-                        .help("leave it out, or give it a prior with a spread"),
-                );
-            }
-            Some(index) => push_new(&mut chosen, index),
-            None => {
-                let known: Vec<String> =
-                    scope.resolved.model.parameters.iter().map(|parameter| parameter.name.clone()).collect();
-                let known: Vec<&str> = known.iter().map(String::as_str).collect();
-                scope.unknown(&code::JOB_REFERENCE, "parameter", &name.value, &name.place, &known);
-            }
-        }
-    }
-    chosen
 }
 
 pub(super) fn number(

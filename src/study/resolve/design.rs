@@ -9,6 +9,7 @@ use crate::study::pass::design::{ConditionsForm, DesignForm, EstimatorForm, Limi
 use crate::study::pass::job::{JobForm, SweepForm};
 use crate::study::pass::measurement::SensorForm;
 
+use super::chosen::{parameters, uncertain};
 use super::jobs::{Offered, environments, push_new, spaced};
 use super::scope::Scope;
 
@@ -35,17 +36,18 @@ pub(super) fn design(
     offered: &Offered,
 ) -> Option<Spec> {
     let before = scope.diagnostics.errors();
+    let all = uncertain(offered.priors).into_iter();
     let learn = match &form.learn {
         Some(names) => parameters(scope, names, offered.priors),
         None => {
             let named = form.nuisance.iter().flatten().filter_map(|name| scope.resolved.parameter(&name.value));
             let named: Vec<usize> = named.collect();
-            uncertain(offered.priors).filter(|index| !named.contains(index)).collect()
+            all.clone().filter(|index| !named.contains(index)).collect()
         }
     };
     let nuisance = match &form.nuisance {
         Some(names) => parameters(scope, names, offered.priors),
-        None => uncertain(offered.priors).filter(|index| !learn.contains(index)).collect(),
+        None => all.filter(|index| !learn.contains(index)).collect(),
     };
     for name in form.nuisance.iter().flatten() {
         if form.learn.is_some() && scope.resolved.parameter(&name.value).is_some_and(|index| learn.contains(&index)) {
@@ -135,32 +137,6 @@ pub(super) fn design(
         pick,
         choose_sensors,
     })
-}
-
-fn uncertain(priors: &[Distribution]) -> impl Iterator<Item = usize> + '_ {
-    (0..priors.len()).filter(|&index| !priors[index].is_fixed())
-}
-
-/// Named parameters with a prior that is not fixed.
-fn parameters(scope: &mut Scope, names: &[Spanned<String>], priors: &[Distribution]) -> Vec<usize> {
-    let mut chosen = Vec::new();
-    for name in names {
-        match scope.resolved.parameter(&name.value) {
-            Some(index) if priors[index].is_fixed() => {
-                let message = format!("the prior of `{}` is fixed", name.value);
-                let diagnostic = Diagnostic::error(&code::JOB_REFERENCE, &name.place, message);
-                scope.diagnostics.push(diagnostic.help("leave it out, or give it a prior with a spread"));
-            }
-            Some(index) => push_new(&mut chosen, index),
-            None => {
-                let known: Vec<String> =
-                    scope.resolved.model.parameters.iter().map(|parameter| parameter.name.clone()).collect();
-                let known: Vec<&str> = known.iter().map(String::as_str).collect();
-                scope.unknown(&code::JOB_REFERENCE, "parameter", &name.value, &name.place, &known);
-            }
-        }
-    }
-    chosen
 }
 
 struct Conditions {

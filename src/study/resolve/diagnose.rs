@@ -7,7 +7,8 @@ use crate::study::pass::job::{DiagnoseForm, JobForm};
 use crate::study::resolved::JobSpec;
 
 use super::adopt::own_file;
-use super::calibrate::{data, number, parameters};
+use super::calibrate::number;
+use super::chosen::{data, parameters_or_all};
 use super::jobs::Offered;
 use super::scope::Scope;
 
@@ -23,7 +24,7 @@ pub(super) fn diagnose(
 ) -> Option<JobSpec> {
     let before = scope.diagnostics.errors();
     let (data, missing) = data(scope, entry, form.data.as_ref(), "diagnose", offered);
-    let parameters = parameters(scope, form.parameters.as_ref(), offered);
+    let parameters = parameters_or_all(scope, form.parameters.as_ref(), offered.priors);
     let defaults = Settings::default();
     let most = number(scope, form.most.as_ref(), defaults.most, 1, MOST, "effects at once");
     let false_alarm = form.false_alarm.as_ref().map_or(defaults.false_alarm, |written| {

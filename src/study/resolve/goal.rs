@@ -5,7 +5,8 @@ use crate::job::goal::{Discrepancy, Spec};
 use crate::job::propagate::Sampling;
 use crate::study::pass::job::{GoalForm, JobForm};
 
-use super::jobs::{Offered, design_variable, environments, failure_limit, push_new, requirements, samples};
+use super::chosen::parameters;
+use super::jobs::{Offered, design_variable, environments, failure_limit, requirements, samples};
 use super::scope::{Scope, unit_of};
 
 /// Fewest samples: with fewer no main effect can be told, and so no parameter that leads.
@@ -20,7 +21,7 @@ pub(super) fn goal(scope: &mut Scope, entry: &MapEntry<JobForm>, form: &GoalForm
         scope.error(&code::JOB_REFERENCE, &entry.name_place, message, "at least one entry under `requirements`");
     }
     let environments = environments(scope, form.environments.as_ref(), offered);
-    let parameters = parameters(scope, form.parameters.as_ref(), offered);
+    let parameters = parameters(scope, form.parameters.as_deref().unwrap_or_default(), offered.priors);
     let names_one = form.design_variable.is_some() || offered.design.iter().count() == 1;
     let design = if names_one { design_variable(scope, entry, form.design_variable.as_ref(), offered) } else { None };
     let samples = samples(scope, form.samples.as_ref(), Sampling::Sobol);
@@ -49,25 +50,4 @@ pub(super) fn discrepancies(scope: &mut Scope, written: &Map<Amount>) -> Vec<Dis
         discrepancy.push(Discrepancy { quantity, sd });
     }
     discrepancy
-}
-
-/// Named parameters, each uncertain.
-fn parameters(scope: &mut Scope, names: Option<&Vec<Spanned<String>>>, offered: &Offered) -> Vec<usize> {
-    let mut chosen = Vec::new();
-    for name in names.into_iter().flatten() {
-        match scope.resolved.parameter(&name.value) {
-            Some(index) if offered.priors[index].is_fixed() => {
-                let message = format!("the prior of `{}` is fixed: it is known already", name.value);
-                scope.error(&code::JOB_REFERENCE, &name.place, message, "a parameter whose prior has a spread");
-            }
-            Some(index) => push_new(&mut chosen, index),
-            None => {
-                let known: Vec<String> =
-                    scope.resolved.model.parameters.iter().map(|parameter| parameter.name.clone()).collect();
-                let known: Vec<&str> = known.iter().map(String::as_str).collect();
-                scope.unknown(&code::JOB_REFERENCE, "parameter", &name.value, &name.place, &known);
-            }
-        }
-    }
-    chosen
 }

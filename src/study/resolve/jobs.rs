@@ -17,6 +17,7 @@ use crate::study::pass::job::{
 use crate::study::profile;
 use crate::study::resolved::{HandedOnPrior, JobSpec, NamedJob};
 
+use super::chosen::data;
 use super::handed_on::Upstreams;
 use super::scope::Scope;
 
@@ -461,26 +462,7 @@ fn compare(
     offered: &Offered,
 ) -> Option<JobSpec> {
     let before = scope.diagnostics.errors();
-    let mut data = Vec::new();
-    let mut missing = Vec::new();
-    let mut add = |name: &str, position: Option<usize>| match position {
-        Some(position) => push_new(&mut data, position),
-        None => missing.push(name.to_owned()),
-    };
-    match &form.data {
-        Some(names) => {
-            for name in names {
-                if let Some(position) = measurement(scope, &name.value, &name.place, offered) {
-                    add(&name.value, position);
-                }
-            }
-        }
-        None => offered.measurements.iter().for_each(|(name, position)| add(name, *position)),
-    }
-    if data.is_empty() && missing.is_empty() && !scope.diagnostics.has_errors() {
-        let message = format!("`{}` has no measurement to compare with", entry.name);
-        scope.error(&code::JOB_REFERENCE, &entry.name_place, message, "at least one entry under `measurements`");
-    }
+    let (data, missing) = data(scope, entry, form.data.as_ref(), "compare with", offered);
     let name = form.criteria.as_ref().map_or(profile::DEFAULT, |name| name.value.as_str());
     let criteria = offered.profiles.iter().find(|profile| profile.name == name).cloned();
     if let (None, Some(written)) = (&criteria, &form.criteria) {

@@ -5,6 +5,7 @@ mod adopt_parameter;
 mod adopt_place;
 mod calibrate;
 pub mod changes;
+mod chosen;
 pub mod data;
 mod design;
 mod diagnose;

@@ -1,0 +1,77 @@
+//! What jobs choose by name: uncertain parameters, measurements.
+
+use crate::document::{Diagnostic, MapEntry, Spanned, code};
+use crate::random::Distribution;
+use crate::study::pass::job::JobForm;
+
+use super::jobs::{Offered, measurement, push_new};
+use super::scope::Scope;
+
+/// Positions of the parameters that are not fixed.
+pub(super) fn uncertain(priors: &[Distribution]) -> Vec<usize> {
+    (0..priors.len()).filter(|&index| !priors[index].is_fixed()).collect()
+}
+
+/// Positions of the named parameters, each of which must have a prior that is not fixed.
+pub(super) fn parameters(scope: &mut Scope, names: &[Spanned<String>], priors: &[Distribution]) -> Vec<usize> {
+    let mut chosen = Vec::new();
+    for name in names {
+        match scope.resolved.parameter(&name.value) {
+            Some(index) if priors[index].is_fixed() => {
+                let message = format!("the prior of `{}` is fixed", name.value);
+                let diagnostic = Diagnostic::error(&code::JOB_REFERENCE, &name.place, message);
+                scope.diagnostics.push(diagnostic.help("leave it out, or give it a prior with a spread"));
+            }
+            Some(index) => push_new(&mut chosen, index),
+            None => {
+                let known: Vec<String> =
+                    scope.resolved.model.parameters.iter().map(|parameter| parameter.name.clone()).collect();
+                let known: Vec<&str> = known.iter().map(String::as_str).collect();
+                scope.unknown(&code::JOB_REFERENCE, "parameter", &name.value, &name.place, &known);
+            }
+        }
+    }
+    chosen
+}
+
+/// The named parameters; all that are not fixed where none are named.
+pub(super) fn parameters_or_all(
+    scope: &mut Scope,
+    names: Option<&Vec<Spanned<String>>>,
+    priors: &[Distribution],
+) -> Vec<usize> {
+    match names {
+        Some(names) => parameters(scope, names, priors),
+        None => uncertain(priors),
+    }
+}
+
+/// Positions of the named measurements, all of the pass where none are named, and names of those whose data are missing.
+pub(super) fn data(
+    scope: &mut Scope,
+    entry: &MapEntry<JobForm>,
+    written: Option<&Vec<Spanned<String>>>,
+    purpose: &str,
+    offered: &Offered,
+) -> (Vec<usize>, Vec<String>) {
+    let (mut data, mut missing) = (Vec::new(), Vec::new());
+    let mut add = |name: &str, position: Option<usize>| match position {
+        Some(position) => push_new(&mut data, position),
+        None => missing.push(name.to_owned()),
+    };
+    match written {
+        Some(names) => {
+            for name in names {
+                if let Some(position) = measurement(scope, &name.value, &name.place, offered) {
+                    add(&name.value, position);
+                }
+            }
+        }
+        None => offered.measurements.iter().for_each(|(name, position)| add(name, *position)),
+    }
+    if data.is_empty() && missing.is_empty() && !scope.diagnostics.has_errors() {
+        let message = format!("`{}` has no measurement to {purpose}", entry.name);
+        scope.error(&code::JOB_REFERENCE, &entry.name_place, message, "at least one entry under `measurements`");
+    }
+    (data, missing)
+}
