@@ -2,7 +2,7 @@
 //!
 //! `problem`: what is diagnosed. `hypothesis`: the model with a set of effects added. `linear`, `signature`: the whitened
 //! problem at a fit and the directions in which effects would move it. `score`, `pairs`, `family`, `detectable`: what
-//! stands out, and how surely (`bounded`, `null_maximum`: what these rest on). `evidence`: of linear models in closed form. `noise`: noise that is not wholly known. `refit`, `weigh`: fits, evidence, probabilities.
+//! stands out, and how surely (`bounded`, `null_maximum`: what these rest on). `evidence`: of linear models in closed form. `noise`: noise that is not wholly known. `refit`, `width`, `weigh`: fits, evidence, probabilities.
 //! `heat`, `carried`, `held_out`, `separate`: what is missing whatever its name, what heat a fitted effect carries, what the held-out rows say, which test would part
 //! rivals. `engine`, `conclude`, `words`: the course, the verdict, the sentences. `output`: the result.
 
@@ -41,6 +41,7 @@ mod settings;
 mod several;
 pub mod signature;
 mod weigh;
+mod width;
 mod words;
 
 pub use engine::{Diagnosis, Order, State};

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::levels::{gap, log_share};
+use super::width::{Amplitudes, WIDTHS};
 use super::{Hypothesis, Problem};
 use crate::expression::Unit;
 use crate::inference::likelihood::{GIVEN_UP, Likelihood};
@@ -14,7 +15,7 @@ use crate::inference::prediction::Predictor;
 use crate::inference::target::{LeastSquares, Target};
 use crate::inference::unknown::settled;
 use crate::math::functions::{exp, ln};
-use crate::random::{Distribution, StreamKey};
+use crate::random::StreamKey;
 
 /// A parameter of an effect after the fit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -94,70 +95,30 @@ pub struct Begin {
 /// Most steps of a descent.
 const MOST_STEPS: u64 = 60;
 
-/// How many times as wide as the catalogue's the priors of an effect's amplitudes may have to be, each with its odds
-/// beforehand. The catalogue cannot know whether it is asked about a detector or about a satellite of five tons.
-const WIDTHS: [(f64, f64); 3] = [(1.0, 1.0), (10.0, 0.1), (100.0, 0.01)];
-
 impl Problem {
     /// Fits the model with effects.
     ///
-    /// What the catalogue says of plausible amplitudes may be wrong by orders of magnitude, and the tails of a normal prior
-    /// would then outvote any data. So the prior of each effect is a mixture of three widths (contamination: Berger & Berliner
-    /// 1986, Ann. Statist. 14, 461), of which the component counts that explains most.
+    /// The priors of its amplitudes are mixtures of widths, see [`Amplitudes`]: wider ones are fitted, narrower ones counted.
     ///
     /// # Errors
     /// Why there is no fit: effects that do not go together, a likelihood that cannot be evaluated.
     pub fn refit(&self, effects: &[usize], begin: &Begin, key: &StreamKey) -> Result<Refit, String> {
         let mut places = vec![0; effects.len()];
-        let mut best = self.refit_of_widths(effects, &places, begin, key)?;
+        let (mut best, mut amplitudes) = self.refit_of_widths(effects, &places, begin, key)?;
         loop {
-            let wider = self.wider(&best, &places, begin.scale);
+            let wider = amplitudes.wider(&places);
             if wider == places {
-                return Ok(best);
+                break;
+            }
+            let begin = Begin { starts: vec![best.by_name()], from_prior: 0, scale: begin.scale };
+            match self.refit_of_widths(effects, &wider, &begin, key) {
+                Ok(next) if next.0.log_evidence > best.log_evidence => (best, amplitudes) = next,
+                _ => break,
             }
             places = wider;
-            let begin = Begin { starts: vec![best.by_name()], from_prior: 0, scale: begin.scale };
-            match self.refit_of_widths(effects, &places, &begin, key) {
-                Ok(next) if next.log_evidence > best.log_evidence => best = next,
-                _ => return Ok(best),
-            }
         }
-    }
-
-    /// The next widths of those effects for which a wider prior pays, as far as the curvature at the fit tells. For one
-    /// amplitude in a linear model this is exact: data that alone say `a` with the standard deviation `d` have, beneath a normal
-    /// prior of standard deviation `s`, the evidence `N(a; centre, s^2 + d^2)` (Gelman et al. 2013, section 2.5); the fit beneath
-    /// that prior has the standard deviation `f` with `1 / f^2 = 1 / s^2 + 1 / d^2` and lies at `f^2 / d^2` of the way to `a`.
-    fn wider(&self, fit: &Refit, places: &[usize], scale: f64) -> Vec<usize> {
-        let known = fit.by_name();
-        let next = |((&effect, amplitudes), &place): ((&usize, &Vec<Amplitude>), &usize)| {
-            let candidate = &self.candidates[effect];
-            let (Some(own), Some(to)) = (self.catalogue.get(&candidate.effect), WIDTHS.get(place + 1)) else {
-                return place;
-            };
-            let from = WIDTHS[place];
-            let mut gain = ln(to.1 / from.1);
-            for parameter in own.parameters(&self.model, &candidate.bound).iter().filter(|own| own.amplitude) {
-                let centre_and_sd = match parameter.prior {
-                    Distribution::Normal { mean, sd, .. } => Some((mean, sd)),
-                    Distribution::HalfNormal { scale } => Some((0.0, scale)),
-                    _ => None,
-                };
-                let value = known.get(&format!("{}.{}", candidate.id, parameter.name));
-                let fitted = amplitudes.iter().find(|own| own.name == parameter.name);
-                if let (Some((centre, sd)), Some(value), Some(fitted)) = (centre_and_sd, value, fitted) {
-                    let (narrow, wide) = (sd * from.0 * scale, sd * to.0 * scale);
-                    // What a bound holds says nothing of its own; what no data see is at the prior's width.
-                    let share = (parameter.unit.difference_to_si(fitted.sd) / narrow).min(0.999);
-                    let before = narrow * narrow / (1.0 - share * share);
-                    let after = before + wide * wide - narrow * narrow;
-                    let away = (value - centre) * before / (narrow * narrow);
-                    gain += 0.5 * (away * away * (1.0 / before - 1.0 / after) - ln(after / before));
-                }
-            }
-            if gain > 0.0 { place + 1 } else { place }
-        };
-        fit.effects.iter().zip(&fit.amplitudes).zip(places).map(next).collect()
+        best.log_evidence += amplitudes.narrower(&places);
+        Ok(best)
     }
 
     fn refit_of_widths(
@@ -166,9 +127,9 @@ impl Problem {
         places: &[usize],
         begin: &Begin,
         key: &StreamKey,
-    ) -> Result<Refit, String> {
-        let widths: Vec<f64> = places.iter().map(|&place| begin.scale * WIDTHS[place].0).collect();
-        let odds: f64 = places.iter().map(|&place| ln(WIDTHS[place].1)).sum();
+    ) -> Result<(Refit, Amplitudes), String> {
+        let widths: Vec<f64> = places.iter().map(|&place| begin.scale * WIDTHS[place].factor).collect();
+        let odds: f64 = places.iter().map(|&place| ln(WIDTHS[place].odds)).sum();
         let hypothesis = self.hypothesis_of_widths(effects, &widths).map_err(|error| error.to_string())?;
         let likelihood = hypothesis.likelihood(self).map_err(|error| error.to_string())?;
         let settings = PointSettings {
@@ -188,6 +149,7 @@ impl Problem {
             .residuals(&found.parameters, &mut likelihood.workspace(), &mut residuals)
             .map_err(|rejected| rejected.to_string())?;
         let log_evidence = found.log_evidence.filter(|value| value.is_finite()).ok_or("the fit has no curvature")?;
+        let widths_at = Amplitudes::at(&hypothesis, &found, &self.which_are_amplitudes(effects));
         let mut refit = Refit {
             effects: effects.to_vec(),
             widths,
@@ -205,7 +167,18 @@ impl Problem {
             held_out: Vec::new(),
         };
         refit.score(&hypothesis, &likelihood)?;
-        Ok(refit)
+        Ok((refit, widths_at))
+    }
+
+    /// Of each effect's parameters, which are amplitudes.
+    fn which_are_amplitudes(&self, effects: &[usize]) -> Vec<Vec<bool>> {
+        let of = |&effect: &usize| {
+            let candidate = &self.candidates[effect];
+            let own = self.catalogue.get(&candidate.effect);
+            let parameters = own.map(|own| own.parameters(&self.model, &candidate.bound)).unwrap_or_default();
+            parameters.iter().map(|parameter| parameter.amplitude).collect()
+        };
+        effects.iter().map(of).collect()
     }
 }
 
