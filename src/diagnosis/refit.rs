@@ -248,6 +248,9 @@ impl Refit {
     }
 
     /// Predicts all rows at the fit and scores them.
+    ///
+    /// # Errors
+    /// A row, held out perhaps, in which the model has no solution.
     fn score(&mut self, hypothesis: &Hypothesis, likelihood: &Likelihood) -> Result<(), String> {
         let predictor = Predictor::new(&hypothesis.model, &[]).map_err(|error| error.to_string())?;
         let full = likelihood.full_parameters(&self.unknowns);
@@ -266,6 +269,10 @@ impl Refit {
                 for sensor in 0..width {
                     let Some(reading) = measurement.reading(row, sensor) else { continue };
                     let error = reading - predicted[row * width + sensor];
+                    if !error.is_finite() {
+                        // What has no solution where nothing was fitted predicts nothing there.
+                        return Err(format!("no solution in row {} of `{}`", row + 1, measurement.name));
+                    }
                     let kelvin = hypothesis.model.quantities[measurement.sensors[sensor].quantity].unit == "K";
                     if measurement.held_out(row) {
                         let sigma = total_sigma(&settled, sensor);

@@ -448,6 +448,45 @@ fn a_transient_that_crawls_is_given_up_and_said() {
     assert!(said("the transient `test` is given up") || said("more than 50 times the steps"), "{:?}", output.warnings);
 }
 
+/// A heat with the root of how much warmer the sink is than 262 K: in a phase at 260 K there is none.
+const ROOT: &str = r#"{"format": "bmv-effect/1", "title": "Root", "applies": {"node": {}}, "inputs": {"u": {"unit": "K"}},
+    "parameters": {"power": {"unit": "W/K^0.5", "prior": {"normal": {"mean": 0, "sd": 1}}, "description": "scale", "plausible": 1}},
+    "adds": {"load": "power * sqrt(u - 262)"}, "equation": "Q = P sqrt(u - 262 K)", "signature": "a root",
+    "confused_with": ["heat-load"], "separate": "a colder sink", "source": "made up"}"#;
+
+#[test]
+fn a_set_without_a_solution_in_a_held_out_row_is_left_out_and_said() {
+    let key = StreamKey::new(13, "linear", "noise");
+    let folder = tempfile::tempdir().expect("a folder");
+    let measured = noisy(readings(1.0, [3.0, 0.0], [0.0; 2]), &key, 0);
+    let mut table = String::from("phase,T_sink [K],Q [W],A [K],B [K]\n");
+    for (row, [sink, q]) in PHASES.iter().enumerate() {
+        table.push_str(&format!("P{row},{sink},{q},{:e},{:e}\n", measured[2 * row], measured[2 * row + 1]));
+    }
+    let sensor = |name: &str| format!(r#""{name}": {{"measures": "{name}", "sigma": {{"value": 0.2, "unit": "K"}}}}"#);
+    let pass = format!(
+        r#"{{"format": "bmv-pass/1", "title": "Root", "parent": null, "seed": 3,
+        "measurements": {{"test": {{"steady": {{"file": "data.csv", "held_out": {{"phases": ["P6"]}}, "sensors": {{{}, {}}}}}}}}},
+        "jobs": {{"missing": {{"diagnose": {{"effects": ["root", "heat-load"]}}}}}}}}"#,
+        sensor("A"),
+        sensor("B")
+    );
+    std::fs::create_dir(folder.path().join("effects")).expect("made");
+    for (name, text) in
+        [("model.json", MODEL), ("data.csv", &table), ("effects/root.json", ROOT), ("pass-1.json", &pass)]
+    {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    }
+    let pass = bmv::study::load(&folder.path().join("pass-1.json"));
+    let pass = pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)));
+    let (_, readiness) = bmv::study::ready(&pass).into_iter().next().expect("a job");
+    let Readiness::Ready(job) = readiness else { panic!("ready") };
+    let output: bmv::diagnosis::Output = serde_json::from_value(run(job.as_ref())).expect("a diagnosis");
+    assert_eq!(output.selected, ["heat-load:A"], "{:?}", output.words);
+    let said = |warning: &String| warning.contains("root:A:T_sink") && warning.contains("no solution in row 7");
+    assert!(output.warnings.iter().any(said), "{:?}", output.warnings);
+}
+
 fn run(job: &dyn Job) -> serde_json::Value {
     let mut step = job.begin().expect("it begins");
     loop {
