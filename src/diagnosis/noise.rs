@@ -150,34 +150,114 @@ fn known(measurement: &Measurement, sensor: usize, times_s: &[f64]) -> Known {
     Known { total, shares, times_s: times }
 }
 
-/// The most likely noise of a sensor; `errors` are what is left of its readings, SI, `freedom` the share of the rows
-/// that the fit did not take (above 0, at most 1).
-pub fn most_likely(measurement: &Measurement, series: &SensorRows, errors: &[f64], freedom: f64) -> SettledNoise {
-    let known = known(measurement, series.sensor, &series.times_s);
-    let count = errors.len().max(1) as f64;
-    let mut best: Option<(f64, SettledNoise)> = None;
-    for &share in &known.shares {
-        for &time in &known.times_s {
-            let unit = split(1.0, share, time);
-            let mut whitened = errors.to_vec();
-            let scales = unit.whiten(&series.times_s, &mut whitened);
-            let square = whitened.iter().map(|e| e * e).sum::<f64>() / freedom;
-            let free = (square / count).max(f64::MIN_POSITIVE);
-            let (variance, penalty) = known.total.map_or((free, 0.0), |total| size(free, total * total));
-            let mut log_likelihood = scales - 0.5 * count * ln(variance) - 0.5 * square / variance - penalty;
-            if share > 0.0 && known.shares.len() > 1 {
-                // Schwarz' price of two more parameters.
-                log_likelihood -= ln(count);
-            }
-            if best.as_ref().is_none_or(|(value, _)| log_likelihood > *value) {
-                best = Some((log_likelihood, split(known.total.unwrap_or(variance.sqrt()), share, time)));
-            }
-            if share == 0.0 {
-                break;
+/// What is left of a sensor's readings, and what its noise may be.
+struct Sought<'a> {
+    series: &'a SensorRows,
+    /// What is left, SI.
+    errors: &'a [f64],
+    /// Share of the rows that the fit did not take.
+    freedom: f64,
+    known: Known,
+}
+
+/// Noise and its log likelihood, less the price of what was chosen.
+type Weighed = (f64, SettledNoise);
+
+impl Sought<'_> {
+    fn count(&self) -> f64 {
+        self.errors.len().max(1) as f64
+    }
+
+    /// Noise of which a share of the variance is correlated, of its most likely size.
+    fn at(&self, share: f64, time_s: f64) -> Weighed {
+        let unit = split(1.0, share, time_s);
+        let mut whitened = self.errors.to_vec();
+        let scales = unit.whiten(&self.series.times_s, &mut whitened);
+        let square = whitened.iter().map(|e| e * e).sum::<f64>() / self.freedom;
+        let count = self.count();
+        let free = (square / count).max(f64::MIN_POSITIVE);
+        let (variance, penalty) = self.known.total.map_or((free, 0.0), |total| size(free, total * total));
+        let log_likelihood = scales - 0.5 * count * ln(variance) - 0.5 * square / variance - penalty;
+        (log_likelihood, split(self.known.total.unwrap_or(variance.sqrt()), share, time_s))
+    }
+
+    /// Its most likely noise whatever that of the others is. Two more parameters have Schwarz' price.
+    fn alone(&self) -> Weighed {
+        let price = if self.known.shares.len() > 1 { ln(self.count()) } else { 0.0 };
+        let mut best: Option<Weighed> = None;
+        for &share in &self.known.shares {
+            // Without correlation there is no time.
+            let times = if share > 0.0 { self.known.times_s.as_slice() } else { &self.known.times_s[..1] };
+            for &time in times {
+                let (log_likelihood, noise) = self.at(share, time);
+                let value = log_likelihood - if share > 0.0 { price } else { 0.0 };
+                if best.is_none_or(|(known, _)| value > known) {
+                    best = Some((value, noise));
+                }
             }
         }
+        best.unwrap_or((f64::NEG_INFINITY, SettledNoise::white(1.0)))
     }
-    best.map_or(SettledNoise::white(1.0), |(_, noise)| noise)
+}
+
+/// The most likely noise of sensors, one for each list of what is left of its readings, SI; `freedom` is the share of the
+/// rows that the fit did not take (above 0, at most 1).
+///
+/// Sensors of a measurement of whose correlation nothing is stated hang on one logger and in one chamber: they have the same
+/// share and time where that explains more than one for each does, and then a sensor departs from the others, to white
+/// noise too, only at the price of parameters of its own. What the parameters and the best pair took of a sensor's slow
+/// noise would else make white noise of it, and whatever moves that sensor alone would be found.
+pub fn most_likely(
+    measurements: &[Measurement],
+    series: &[SensorRows],
+    errors: &[Vec<f64>],
+    freedom: f64,
+) -> Vec<SettledNoise> {
+    let sought: Vec<Sought<'_>> = (series.iter().zip(errors))
+        .map(|(series, errors)| {
+            let known = known(&measurements[series.measurement], series.sensor, &series.times_s);
+            Sought { series, errors, freedom, known }
+        })
+        .collect();
+    let alone: Vec<Weighed> = sought.iter().map(Sought::alone).collect();
+    let mut found: Vec<SettledNoise> = alone.iter().map(|(_, noise)| *noise).collect();
+    for (position, measurement) in measurements.iter().enumerate() {
+        let is_open = |one: &Sought<'_>| {
+            let own = &measurement.sensors[one.series.sensor];
+            one.series.measurement == position && own.correlation_time_s.is_none() && own.white.is_none()
+        };
+        let members: Vec<usize> = (0..sought.len()).filter(|&place| is_open(&sought[place])).collect();
+        for (place, noise) in together(&sought, &alone, &members) {
+            found[place] = noise;
+        }
+    }
+    found
+}
+
+/// The noise of those members that have the same, where they have.
+fn together(sought: &[Sought<'_>], alone: &[Weighed], members: &[usize]) -> Vec<(usize, SettledNoise)> {
+    let longest = members.iter().copied().max_by_key(|&place| sought[place].errors.len());
+    let Some(longest) = longest.map(|place| &sought[place].known).filter(|known| known.shares.len() > 1) else {
+        return Vec::new();
+    };
+    let at = |share: f64, time: f64| -> Vec<Weighed> { members.iter().map(|&m| sought[m].at(share, time)).collect() };
+    let sum = |all: &[Weighed]| all.iter().map(|(value, _)| value).sum::<f64>();
+    let correlated = longest.shares.iter().filter(|share| **share > 0.0);
+    let all = correlated.flat_map(|&share| longest.times_s.iter().map(move |&time| at(share, time)));
+    let better = |a: Vec<Weighed>, b: Vec<Weighed>| if sum(&b) > sum(&a) { b } else { a };
+    let Some(same) = all.reduce(better) else { return Vec::new() };
+    let readings: f64 = members.iter().map(|&place| sought[place].count()).sum();
+    let mut gain = -ln(readings);
+    let mut found = Vec::new();
+    for (&place, (value, noise)) in members.iter().zip(same) {
+        let (own, own_noise) = alone[place];
+        let departs = own - if own_noise.correlation_time_s.is_none() { ln(sought[place].count()) } else { 0.0 };
+        gain += value.max(departs) - own;
+        if value >= departs {
+            found.push((place, noise));
+        }
+    }
+    if gain > 0.0 { found } else { Vec::new() }
 }
 
 /// The variance that errors have whose size is stated, and half the square of the deviate by which it lies below. Stated
@@ -254,6 +334,45 @@ mod tests {
             .collect()
     }
 
+    fn alone(measurement: &Measurement, series: &SensorRows, errors: &[f64]) -> SettledNoise {
+        most_likely(std::slice::from_ref(measurement), std::slice::from_ref(series), &[errors.to_vec()], 1.0)[0]
+    }
+
+    /// Sensors of one measurement with noise of 0.3 K, each drawn with its own.
+    fn of_many(noises: &[SettledNoise], rows: usize, seed: u64) -> Vec<SettledNoise> {
+        let step = 60.0;
+        let mut measured = measurement(rows, step, Some(0.3));
+        measured.sensors = vec![measured.sensors[0].clone(); noises.len()];
+        let times_s: Vec<f64> = (0..rows).map(|k| k as f64 * step).collect();
+        let series: Vec<SensorRows> = (0..noises.len())
+            .map(|sensor| SensorRows { measurement: 0, sensor, rows: (0..rows).collect(), times_s: times_s.clone() })
+            .collect();
+        let errors: Vec<Vec<f64>> =
+            (0..).zip(noises).map(|(place, noise)| drawn(rows, step, noise, 100 * seed + place)).collect();
+        most_likely(&[measured], &series, &errors, 1.0)
+    }
+
+    /// A third of the variance correlated over two intervals is too little for one sensor of 150 readings to earn its price
+    /// always, and enough for six together; one such sensor among five white ones stays alone.
+    #[test]
+    fn sensors_that_are_alike_are_judged_together() {
+        let correlated = split(0.3, 0.3, 120.0);
+        let (mut lone, mut all, mut few) = (0, 0, 0);
+        for seed in 0..20 {
+            let six = of_many(&[correlated; 6], 150, seed);
+            all += six.iter().filter(|noise| noise.correlation_time_s.is_some()).count();
+            lone += usize::from(of_many(&[correlated], 150, seed)[0].correlation_time_s.is_some());
+            let mut mixed = [SettledNoise::white(0.3); 6];
+            mixed[0] = split(0.3, 0.9, 900.0);
+            let found = of_many(&mixed, 150, seed);
+            assert!(found[0].correlation_time_s.is_some(), "{found:?}");
+            few += found[1..].iter().filter(|noise| noise.correlation_time_s.is_some()).count();
+        }
+        assert!(all >= 110 && lone <= 15, "{all} of 120, {lone} of 20");
+        // Schwarz' price is passed by chance in less than 1 of 100.
+        assert!(few <= 4, "{few} of 100");
+    }
+
     #[test]
     fn white_noise_of_known_size_stays_white_and_correlated_noise_is_found() {
         let (rows, step) = (400, 60.0);
@@ -267,7 +386,7 @@ mod tests {
         let mut white = 0;
         for seed in 0..40 {
             let errors = drawn(rows, step, &SettledNoise::white(0.4), seed);
-            let found = most_likely(&stated, &series, &errors, 1.0);
+            let found = alone(&stated, &series, &errors);
             white += usize::from(found.correlation_time_s.is_none());
             assert!((found.total() - 0.4).abs() < 1e-12);
         }
@@ -276,7 +395,7 @@ mod tests {
         let truth = SettledNoise { sigma: 0.4, correlation_time_s: Some(600.0), white: None };
         for seed in 0..20 {
             let errors = drawn(rows, step, &truth, seed);
-            let found = most_likely(&stated, &series, &errors, 1.0);
+            let found = alone(&stated, &series, &errors);
             let tau = found.correlation_time_s.unwrap();
             // At a known size 400 differences tell the time to sqrt(2 / 400) = 0.07; 3.5 of them, and half a step of the grid,
             // which is a factor of 1.29. With a size left free the relative error would be sqrt(2 tau / T) = 0.22.
@@ -296,7 +415,7 @@ mod tests {
             times_s: (0..rows).map(|k| k as f64 * step).collect(),
         };
         let stated = measurement(rows, step, Some(0.25));
-        let found = |seed| most_likely(&stated, &series, &drawn(rows, step, &SettledNoise::white(0.2), seed), 1.0);
+        let found = |seed| alone(&stated, &series, &drawn(rows, step, &SettledNoise::white(0.2), seed));
         let white = (0..40).filter(|&seed| found(seed) == SettledNoise::white(0.25)).count();
         // As with a sigma that is right.
         assert!(white >= 38, "{white}");
@@ -313,7 +432,7 @@ mod tests {
         };
         let open = measurement(rows, step, None);
         let errors = drawn(rows, step, &SettledNoise::white(0.1), 3);
-        let found = most_likely(&open, &series, &errors, 1.0);
+        let found = alone(&open, &series, &errors);
         // The relative error of a standard deviation from 600 is 0.03; 3.5 of them.
         assert!((found.total() - 0.1).abs() < 0.0105, "{found:?}");
     }

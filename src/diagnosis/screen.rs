@@ -378,9 +378,10 @@ impl Diagnosis {
             let before = settled.clone();
             let errors = self.errors_of_best_pair(&linear, &directions, &series, &settled);
             let freedom = 1.0 - (linear.parameters() + 2) as f64 / linear.readings.max(1) as f64;
-            for (one, rows) in settled.iter_mut().zip(&series) {
-                let own: Vec<f64> = rows.rows.iter().map(|&row| errors[row]).collect();
-                one.noise = noise::most_likely(&original[rows.measurement], rows, &own, freedom.max(0.1));
+            let own = series.iter().map(|one| one.rows.iter().map(|&row| errors[row]).collect::<Vec<f64>>());
+            let found = noise::most_likely(original, &series, &own.collect::<Vec<_>>(), freedom.max(0.1));
+            for (one, noise) in settled.iter_mut().zip(found) {
+                one.noise = noise;
             }
             if settled == before {
                 break;
