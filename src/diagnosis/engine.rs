@@ -31,6 +31,8 @@ const SINGLES_UNBENT: usize = 12;
 const BENT: f64 = 0.02;
 /// Effects that are tried beside a set, or in the place of one of its members.
 const BESIDE: usize = 8;
+/// Falls of the sum of squares that differ by less are those of rivals: by a factor of 100 in probability.
+const NEAR: f64 = 9.2;
 /// Most rounds of extension.
 const MOST_ROUNDS: u32 = 8;
 /// Starts of the believed model.
@@ -159,6 +161,13 @@ impl State {
     }
 }
 
+/// The best effects, of those within [`NEAR`] of the first as many as these two numbers allow.
+fn near(leads: &[Lead], least: usize, most: usize) -> impl Iterator<Item = &Lead> {
+    let best = leads.first().map_or(0.0, |lead| lead.fall);
+    let count = leads.iter().filter(|lead| best - lead.fall < NEAR).count();
+    leads.iter().take(count.clamp(least, most))
+}
+
 impl Diagnosis {
     /// A diagnosis; all random numbers come from `key`.
     pub fn new(problem: Problem, settings: Settings, key: StreamKey) -> Self {
@@ -267,7 +276,8 @@ impl Diagnosis {
         let likelihood = self.likelihood(problem)?;
         let mut unbent = believed.clone();
         let mut bent = false;
-        let model = problem.parameters.len();
+        // Of the model as it is believed: effects that were added stay as they were fitted.
+        let model = self.problem.parameters.len();
         for (value, prior) in unbent.unknowns.iter_mut().zip(likelihood.priors()).take(model) {
             bent |= *value <= prior.quantile(BENT) || *value >= prior.quantile(1.0 - BENT);
             *value = prior.quantile(0.5);
@@ -372,7 +382,7 @@ impl Diagnosis {
             Ok(screening) => {
                 state.remainders.push(Remainder { effects: set.clone(), p: screening.family.p });
                 if self.finds(&screening) && (set.len() as u64) < self.settings.most {
-                    for lead in screening.leads.iter().take(2 * BESIDE) {
+                    for lead in near(&screening.leads, 2 * BESIDE, SINGLES) {
                         state.order(&[lead], &set, place);
                     }
                     if set.len() as u64 + 2 <= self.settings.most {
@@ -383,9 +393,25 @@ impl Diagnosis {
                 }
             }
         }
+        self.order_unbent(&problem, &mut state, place);
         self.order_like(&mut state, place);
         self.replace_members(&problem, &mut state, place);
         state
+    }
+
+    /// Orders the sets with one more effect that stands out where the parameters are as they were believed beforehand, if what
+    /// is still missing bends the fit with the set: a parameter that a bound holds gives way only far from there, which
+    /// no linearisation at the bound tells.
+    fn order_unbent(&self, problem: &Problem, state: &mut State, place: usize) {
+        let set = state.refits[place].effects.clone();
+        if set.len() as u64 >= self.settings.most {
+            return;
+        }
+        let with = problem.with(&state.refits[place]).map_err(|error| error.to_string());
+        match with.and_then(|with| self.leads_unbent(&with, &state.refits[place])) {
+            Ok(leads) => leads.iter().take(BESIDE).for_each(|lead| state.order(&[lead], &set, place)),
+            Err(why) => state.warn(why),
+        }
     }
 
     /// Orders the sets in which another law stands at the place of a member. At the believed fit, which a strong effect bends,
@@ -432,7 +458,7 @@ impl Diagnosis {
             match self.screen_beside(problem, &state.refits[from]) {
                 Err(why) => state.warn(why),
                 Ok(screening) => {
-                    for lead in screening.leads.iter().take(BESIDE) {
+                    for lead in near(&screening.leads, BESIDE, 2 * BESIDE) {
                         state.order(&[lead], &rest, from);
                     }
                 }
