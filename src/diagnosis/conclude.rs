@@ -12,6 +12,7 @@ use super::output::{
 use super::problem::is_idle;
 use super::refit::Begin;
 use super::separate;
+use super::still;
 use super::weigh::{RIVALS_WITHIN, SURE, Weights, best, groups, held, nothing_stands, veto, weigh};
 use super::words;
 use super::{Problem, Refit};
@@ -70,6 +71,9 @@ impl Diagnosis {
         let weights = weigh(&problem, &state.refits, missing.as_ref().map(|missing| missing.log_evidence));
         let mut warnings = state.warnings.clone();
         warnings.extend(given_up(state));
+        if finds {
+            warnings.extend(still::warnings(&problem, believed));
+        }
         let mut findings = Findings {
             problem: &problem,
             state,
@@ -113,6 +117,8 @@ impl Diagnosis {
             if explains {
                 verdict = findings.judge();
             } else {
+                // The test was that of a set which is not adopted.
+                held_out_test = None;
                 findings.selected = 0;
                 findings.groups.clear();
                 findings.rivals.clear();

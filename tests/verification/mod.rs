@@ -1,5 +1,6 @@
 //! Numerics against analytic results, published values and golden numbers.
 
+mod bent_diagnosis;
 pub mod build;
 mod comparison;
 mod derivatives;
