@@ -49,15 +49,16 @@ pub(super) fn warnings(problem: &Problem, believed: &Refit) -> Vec<String> {
             let Some(still) = still(&readings, &own, sigma) else { continue };
             let unit = Unit::parse(&sensor.unit).ok();
             let shown = |si: f64| unit.as_ref().map_or(si, |unit| unit.from_si(si));
-            let moved = unit.as_ref().map_or(still.moves, |unit| unit.difference_from_si(still.moves));
             let [from, to] = still.rows.map(|row| table.times_s[row]);
             said.push(format!(
-                "sensor `{}` of `{}` reads {} {} without a change from {from} s to {to} s, while the model moves by {moved:.1}: was the channel \
+                "sensor `{}` of `{}` reads {} {} without a change from {from} s to {to} s, while the model moves by {:.1} {}: was the channel \
                  frozen, or at the end of its range? Empty its cells there, and diagnose again",
                 sensor.name,
                 measurement.name,
                 (shown(still.reading) * 1e6).round() / 1e6,
                 sensor.unit,
+                still.moves,
+                hypothesis.model.quantities[sensor.quantity].unit,
             ));
         }
     }
