@@ -216,10 +216,12 @@ fn fixed(prior: &crate::random::Distribution, nominal: f64) -> f64 {
     }
 }
 
-/// The noise of a case: correlated over two to thirty rows of the fastest transient, if at all.
+/// The noise of a case: correlated over two to thirty rows of the fastest transient, if at all, wholly in every second case
+/// and in others with white noise beside it.
 fn noise(problem: &Problem, wish: &Wish, draw: &mut Draw) -> NoiseTruth {
     let rows = draw.scale(2.0, 30.0);
     let correlated = draw.happens(0.5);
+    let share = if draw.happens(0.5) { 1.0 } else { draw.between(0.2, 1.0) };
     let steps = problem.measurements.iter().filter_map(|measurement| match &measurement.rows {
         Rows::Transient { inputs, .. } if inputs.times_s.len() > 1 => {
             let last = inputs.times_s.len() - 1;
@@ -229,7 +231,7 @@ fn noise(problem: &Problem, wish: &Wish, draw: &mut Draw) -> NoiseTruth {
     });
     let step_s = steps.fold(f64::INFINITY, f64::min);
     if step_s.is_finite() && wish.correlated.unwrap_or(correlated) {
-        NoiseTruth::Correlated { correlation_time_s: short(rows * step_s) }
+        NoiseTruth::Correlated { correlation_time_s: short(rows * step_s), share: short(share) }
     } else {
         NoiseTruth::AsTold
     }

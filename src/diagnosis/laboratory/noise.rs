@@ -22,8 +22,9 @@ pub fn noise(measurement: &Measurement, position: u64, truth: NoiseTruth, key: &
         let (correlated, white, tau_s) = match (truth, nominal(&sensor.correlation_time_s)) {
             (NoiseTruth::AsTold, Some(tau_s)) => (sigma, white, Some(tau_s)),
             (NoiseTruth::AsTold, None) => (0.0, (sigma * sigma + white * white).sqrt(), None),
-            (NoiseTruth::Correlated { correlation_time_s }, _) => {
-                ((sigma * sigma + white * white).sqrt(), 0.0, Some(correlation_time_s))
+            (NoiseTruth::Correlated { correlation_time_s, share }, _) => {
+                let total = (sigma * sigma + white * white).sqrt();
+                (total * share.sqrt(), total * (1.0 - share).sqrt(), Some(correlation_time_s))
             }
         };
         let mut stream = key.stream(1000 * position + place as u64);

@@ -30,12 +30,13 @@ const FAR: f64 = 60.0;
 /// The problem with its noise known as it truly is.
 fn with_true_noise(problem: &Problem, noise: NoiseTruth) -> Problem {
     let mut problem = told(problem);
-    if let NoiseTruth::Correlated { correlation_time_s } = noise {
+    if let NoiseTruth::Correlated { correlation_time_s, share } = noise {
         for sensor in problem.measurements.iter_mut().flat_map(|measurement| &mut measurement.sensors) {
             let nominal = |value: &Option<Uncertain>| value.as_ref().map_or(0.0, Uncertain::nominal);
             let (correlated, white) = (nominal(&sensor.sigma), nominal(&sensor.white));
-            sensor.sigma = Some(Uncertain::Known((correlated * correlated + white * white).sqrt()));
-            sensor.white = None;
+            let variance = correlated * correlated + white * white;
+            sensor.sigma = Some(Uncertain::Known((variance * share).sqrt()));
+            sensor.white = (share < 1.0).then(|| Uncertain::Known((variance * (1.0 - share)).sqrt()));
             sensor.correlation_time_s = Some(Uncertain::Known(correlation_time_s));
         }
     }

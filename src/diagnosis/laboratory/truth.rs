@@ -74,10 +74,12 @@ impl Outside {
 pub enum NoiseTruth {
     /// As the sensors state it.
     AsTold,
-    /// Ornstein-Uhlenbeck with the stated standard deviation and a correlation time that is not told.
+    /// Ornstein-Uhlenbeck and white noise, together of the stated standard deviation: a correlation that is not told.
     Correlated {
         /// The correlation time, s.
         correlation_time_s: f64,
+        /// Share of the variance that is correlated.
+        share: f64,
     },
 }
 
