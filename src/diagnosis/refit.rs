@@ -98,7 +98,7 @@ const MOST_STEPS: u64 = 60;
 impl Problem {
     /// Fits the model with effects.
     ///
-    /// The priors of its amplitudes are mixtures of widths, see [`Amplitudes`]: wider ones are fitted, narrower ones counted.
+    /// The priors of its amplitudes are mixtures of widths: wider ones are fitted, narrower ones counted.
     ///
     /// # Errors
     /// Why there is no fit: effects that do not go together, a likelihood that cannot be evaluated.
