@@ -116,7 +116,7 @@ enum Verb {
     History(history::HistoryVerb),
     /// Show results as tables, or as they are stored
     Show(show::Show),
-    /// Show what would run, what is cached, and how long it takes
+    /// Check all files, and show what would run, what is cached, and how long it takes
     Plan(plan::PlanVerb),
     /// Look after the cache
     #[command(subcommand)]
