@@ -10,9 +10,7 @@ use super::studies::LoadedPass;
 use super::{Context, studies};
 use crate::document::{Diagnostics, suggest};
 use crate::job::findings::Findings;
-use crate::study::next_pass::{
-    Asked, NextPass, ambiguity, destination, next_pass, probability_text, refuse_twin, write,
-};
+use crate::study::next_pass::{Asked, NextPass, ambiguity, destination, next_pass, probability_text, twin, write};
 
 /// Diagnostics printed of one refusal.
 const MOST_DIAGNOSTICS: usize = 20;
@@ -64,7 +62,12 @@ impl Adopt {
         let next = next_pass(&pass.pass, &job, &findings, &asked, self.force, &path).map_err(refused)?;
         if self.out.is_none() {
             let ids: Vec<&str> = next.adopted.iter().map(|(_, finding)| finding.id.as_str()).collect();
-            refuse_twin(&pass.pass, &ids, &asked.command()).map_err(refused)?;
+            if let Some(twin) = twin(&pass.pass, &ids) {
+                let (shown, own) = (escaped(&twin.display().to_string()), escaped(&pass.file));
+                let there = format!("{shown} is {own} with the same effects already; nothing is written");
+                print(&format!("{there} (--out FILE writes another pass all the same)\n{}", now_try(pass, &twin)))?;
+                return Ok(executed.status());
+            }
         }
         write(&next.text, &path, self.force && self.out.is_some(), &asked.command()).map_err(refused)?;
         print(&told(pass, &path, &next, &findings))?;
@@ -90,8 +93,12 @@ fn told(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, findings: &Findings
         let jobs = suggest::listed(next.extended.iter().map(String::as_str), 12);
         text.push_str(&format!("{} names its parameters; those of the effects were added\n", escaped(&jobs)));
     }
+    text + &now_try(pass, path)
+}
+
+/// The next commands.
+fn now_try(pass: &LoadedPass, path: &Path) -> String {
     let study = escaped(&pass.study.display().to_string());
     let study = if study.is_empty() { ".".to_owned() } else { study };
-    text.push_str(&format!("now try\nbmv run {shown}\nbmv history {study}\n"));
-    text
+    format!("now try\nbmv run {}\nbmv history {study}\n", escaped(&path.display().to_string()))
 }

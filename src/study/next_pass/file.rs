@@ -47,11 +47,8 @@ pub fn destination(pass: &Pass, out: Option<&Path>, place: &Place) -> Result<Pat
     Ok(out.to_owned())
 }
 
-/// Refuses what a pass of the same folder is already: a child of this one with the same effects.
-///
-/// # Errors
-/// The name of that pass.
-pub fn refuse_twin(pass: &Pass, ids: &[&str], place: &Place) -> Result<(), Diagnostics> {
+/// The pass of the same folder that is already what would be written: a child of this one with the same effects.
+pub fn twin(pass: &Pass, ids: &[&str]) -> Option<PathBuf> {
     let mut wanted: Vec<&str> = ids.to_vec();
     wanted.sort_unstable();
     let is_twin = |other: &Pass| {
@@ -60,12 +57,7 @@ pub fn refuse_twin(pass: &Pass, ids: &[&str], place: &Place) -> Result<(), Diagn
         added.sort_unstable();
         other.parents.first() == Some(&pass.file) && added == wanted
     };
-    let children = passes(&pass.folder).into_iter().filter_map(|path| load(&path).ok());
-    let Some(twin) = children.into_iter().find(is_twin) else { return Ok(()) };
-    let message = format!("`{}` is `{}` with the same effects already", twin.file, pass.file);
-    Err(one(Diagnostic::error(&code::ADOPT_FILE, place, message)
-        .expected("effects that no pass has adopted from it")
-        .help("--out FILE writes another pass all the same")))
+    passes(&pass.folder).into_iter().find(|path| load(path).is_ok_and(|other| is_twin(&other)))
 }
 
 /// Writes the text of a pass, after it has been loaded from a file beside and found right.

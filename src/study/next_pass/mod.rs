@@ -12,7 +12,7 @@ mod text;
 
 pub use choose::{Asked, ambiguity};
 pub use entry::probability_text;
-pub use file::{destination, refuse_twin, write};
+pub use file::{destination, twin, write};
 
 use std::path::Path;
 
