@@ -292,7 +292,7 @@ impl Refit {
 }
 
 /// Standard deviation of one reading of a sensor whose noise is settled, SI; 0 where it is not stated.
-fn total_sigma(measurement: &Measurement, sensor: usize) -> f64 {
+pub(super) fn total_sigma(measurement: &Measurement, sensor: usize) -> f64 {
     let own = &measurement.sensors[sensor];
     let part = |value: &Option<crate::inference::measurement::Uncertain>| value.as_ref().map_or(0.0, |v| v.nominal());
     let (sigma, white) = (part(&own.sigma), part(&own.white));

@@ -1,8 +1,9 @@
 //! Channels that stand still while the model moves: frozen or saturated, which no physics of the hardware explains.
 
+use super::refit::total_sigma;
 use super::{Problem, Refit};
 use crate::expression::Unit;
-use crate::inference::measurement::{Measurement, Rows};
+use crate::inference::measurement::Rows;
 use crate::inference::prediction::Predictor;
 use crate::inference::unknown::settled;
 
@@ -32,9 +33,8 @@ pub(super) fn warnings(problem: &Problem, believed: &Refit) -> Vec<String> {
     };
     let full = likelihood.full_parameters(&believed.unknowns);
     let known = believed.by_name();
-    let names = |list: Vec<&String>| -> Vec<String> { list.into_iter().cloned().collect() };
-    let inputs = names(hypothesis.model.inputs.iter().map(|input| &input.name).collect());
-    let nodes = names(hypothesis.model.nodes.iter().map(|node| &node.name).collect());
+    let inputs: Vec<String> = hypothesis.model.inputs.iter().map(|input| input.name.clone()).collect();
+    let nodes: Vec<String> = hypothesis.model.nodes.iter().map(|node| node.name.clone()).collect();
     let mut workspace = predictor.workspace();
     for measurement in &problem.measurements {
         let Rows::Transient { inputs: table, .. } = &measurement.rows else { continue };
@@ -45,7 +45,7 @@ pub(super) fn warnings(problem: &Problem, believed: &Refit) -> Vec<String> {
             let readings: Vec<Option<f64>> =
                 (0..measurement.len()).map(|row| measurement.reading(row, place)).collect();
             let own: Vec<f64> = predicted.iter().skip(place).step_by(width.max(1)).copied().collect();
-            let sigma = total(&settled, place);
+            let sigma = total_sigma(&settled, place);
             let Some(still) = still(&readings, &own, sigma) else { continue };
             let unit = Unit::parse(&sensor.unit).ok();
             let shown = |si: f64| unit.as_ref().map_or(si, |unit| unit.from_si(si));
@@ -63,13 +63,6 @@ pub(super) fn warnings(problem: &Problem, believed: &Refit) -> Vec<String> {
         }
     }
     said
-}
-
-/// Standard deviation of a reading, SI.
-fn total(measurement: &Measurement, sensor: usize) -> f64 {
-    let own = &measurement.sensors[sensor];
-    let part = |value: &Option<crate::inference::measurement::Uncertain>| value.as_ref().map_or(0.0, |v| v.nominal());
-    (part(&own.sigma) * part(&own.sigma) + part(&own.white) * part(&own.white)).sqrt()
 }
 
 /// The longest stretch that stands still. Coarse steps make readings that are the same too, but not while the temperature goes

@@ -25,7 +25,7 @@ pub struct Width {
 /// The catalogue's width and wider ones, which are fitted where they pay.
 pub const WIDTHS: [Width; 3] =
     [Width { factor: 1.0, odds: 1.0 }, Width { factor: 10.0, odds: 0.1 }, Width { factor: 100.0, odds: 0.01 }];
-/// Narrower ones. They pay where the data see far less than the catalogue's width, so that the fit is the same.
+/// Narrower ones. They pay where the data see far less than the catalogue's width, so that they hardly move the fit.
 const NARROWER: [Width; 2] = [Width { factor: 0.1, odds: 0.3 }, Width { factor: 0.01, odds: 0.09 }];
 
 /// The amplitudes with a normal prior that no bound holds, at a fit.

@@ -417,7 +417,6 @@ const RIPPLE: &str = r#"{"format": "bmv-effect/1", "title": "Ripple", "applies":
 #[test]
 fn a_transient_that_crawls_is_given_up_and_said() {
     let key = StreamKey::new(12, "linear", "noise");
-    let folder = tempfile::tempdir().expect("a folder");
     let [a, b] = plates(280.0, 2.0, 1.0);
     let mut stream = key.stream(0);
     let mut table = String::from("time [s],A [K],B [K]\n");
@@ -433,17 +432,7 @@ fn a_transient_that_crawls_is_given_up_and_said() {
         sensor("A"),
         sensor("B")
     );
-    std::fs::create_dir(folder.path().join("effects")).expect("made");
-    for (name, text) in
-        [("model.json", MODEL), ("data.csv", &table), ("effects/ripple.json", RIPPLE), ("pass-1.json", &pass)]
-    {
-        std::fs::write(folder.path().join(name), text).expect("written");
-    }
-    let pass = bmv::study::load(&folder.path().join("pass-1.json"));
-    let pass = pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)));
-    let (_, readiness) = bmv::study::ready(&pass).into_iter().next().expect("a job");
-    let Readiness::Ready(job) = readiness else { panic!("ready") };
-    let output: bmv::diagnosis::Output = serde_json::from_value(run(job.as_ref())).expect("a diagnosis");
+    let output = diagnosed(&table, ("effects/ripple.json", RIPPLE), &pass);
     let said = |what: &str| output.warnings.iter().any(|warning| warning.contains(what));
     assert!(said("the transient `test` is given up") || said("more than 50 times the steps"), "{:?}", output.warnings);
 }
@@ -457,7 +446,6 @@ const ROOT: &str = r#"{"format": "bmv-effect/1", "title": "Root", "applies": {"n
 #[test]
 fn a_set_without_a_solution_in_a_held_out_row_is_left_out_and_said() {
     let key = StreamKey::new(13, "linear", "noise");
-    let folder = tempfile::tempdir().expect("a folder");
     let measured = noisy(readings(1.0, [3.0, 0.0], [0.0; 2]), &key, 0);
     let mut table = String::from("phase,T_sink [K],Q [W],A [K],B [K]\n");
     for (row, [sink, q]) in PHASES.iter().enumerate() {
@@ -471,20 +459,24 @@ fn a_set_without_a_solution_in_a_held_out_row_is_left_out_and_said() {
         sensor("A"),
         sensor("B")
     );
+    let output = diagnosed(&table, ("effects/root.json", ROOT), &pass);
+    assert_eq!(output.selected, ["heat-load:A"], "{:?}", output.words);
+    let said = |warning: &String| warning.contains("root:A:T_sink") && warning.contains("no solution in row 7");
+    assert!(output.warnings.iter().any(said), "{:?}", output.warnings);
+}
+
+/// The diagnosis of a study with an effect of its own.
+fn diagnosed(table: &str, effect: (&str, &str), pass: &str) -> bmv::diagnosis::Output {
+    let folder = tempfile::tempdir().expect("a folder");
     std::fs::create_dir(folder.path().join("effects")).expect("made");
-    for (name, text) in
-        [("model.json", MODEL), ("data.csv", &table), ("effects/root.json", ROOT), ("pass-1.json", &pass)]
-    {
+    for (name, text) in [("model.json", MODEL), ("data.csv", table), effect, ("pass-1.json", pass)] {
         std::fs::write(folder.path().join(name), text).expect("written");
     }
     let pass = bmv::study::load(&folder.path().join("pass-1.json"));
     let pass = pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)));
     let (_, readiness) = bmv::study::ready(&pass).into_iter().next().expect("a job");
     let Readiness::Ready(job) = readiness else { panic!("ready") };
-    let output: bmv::diagnosis::Output = serde_json::from_value(run(job.as_ref())).expect("a diagnosis");
-    assert_eq!(output.selected, ["heat-load:A"], "{:?}", output.words);
-    let said = |warning: &String| warning.contains("root:A:T_sink") && warning.contains("no solution in row 7");
-    assert!(output.warnings.iter().any(said), "{:?}", output.warnings);
+    serde_json::from_value(run(job.as_ref())).expect("a diagnosis")
 }
 
 fn run(job: &dyn Job) -> serde_json::Value {
