@@ -9,7 +9,7 @@ use super::status::{Failure, Status};
 use super::studies::LoadedPass;
 use super::{Context, studies};
 use crate::document::{Diagnostics, suggest};
-use crate::job::findings::Findings;
+use crate::job::findings::{Finding, Findings};
 use crate::study::next_pass::{Asked, NextPass, ambiguity, destination, next_pass, probability_text, twin, write};
 
 /// Diagnostics printed of one refusal.
@@ -86,6 +86,9 @@ fn told(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, findings: &Findings
         text.push_str(&format!("  {}: {}{probability}{against}\n", escaped(name), escaped(&finding.id)));
     }
     let chosen: Vec<_> = next.adopted.iter().map(|(_, finding)| *finding).collect();
+    if let Some([before, after]) = chosen.first().and_then(|finding| worse(finding)) {
+        text.push_str(&format!("with it the error on the held-out rows rises from {before:.2} to {after:.2} K\n"));
+    }
     for line in ambiguity(findings, &chosen, &pass.pass.model) {
         text.push_str(&format!("{}\n", escaped(&line)));
     }
@@ -94,6 +97,13 @@ fn told(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, findings: &Findings
         text.push_str(&format!("{} names its parameters; those of the effects were added\n", escaped(&jobs)));
     }
     text + &now_try(pass, path)
+}
+
+/// Errors on the held-out rows before and after, K, where they rise by more than a twentieth.
+fn worse(finding: &Finding) -> Option<[f64; 2]> {
+    let [before, after] = finding.rmse_k.held_out?;
+    let (before, after) = (before?, after?);
+    (after > 1.05 * before).then_some([before, after])
 }
 
 /// The next commands.

@@ -102,7 +102,7 @@ impl Diagnosis {
             findings.weights = vetoed.with.clone();
             for &place in &vetoed.sets {
                 let effects = named(&findings, &state.refits[place].effects);
-                warnings.push(format!("the held-out rows speak against {effects}"));
+                warnings.push(format!("{} {effects}", words::AGAINST));
             }
             if !vetoed.sets.is_empty() {
                 let place = best(&vetoed.without).unwrap_or(0);
@@ -155,7 +155,7 @@ impl Diagnosis {
             converged: None,
             warnings,
         };
-        output.words = words::verdict(&output, &findings);
+        output.words = words::verdict(&output, &findings, self.settings().false_alarm);
         output
     }
 
@@ -216,7 +216,8 @@ impl Diagnosis {
             .map(|position| {
                 let list = refit.amplitudes[position].iter();
                 list.map(|a| {
-                    let amount = Amount { value: a.value, sd: a.sd, unit: a.unit.clone(), at_bound: a.at_bound };
+                    let value = if a.at_bound { a.mode } else { a.mean };
+                    let amount = Amount { value, sd: a.sd, unit: a.unit.clone(), at_bound: a.at_bound };
                     (a.name.clone(), amount)
                 })
                 .collect()

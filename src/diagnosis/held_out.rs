@@ -16,23 +16,28 @@ const AGAINST: f64 = 0.01;
 const FAR: f64 = 1e-3;
 /// Standard errors by which a set is clearly better.
 const CLEARLY: f64 = 2.0;
+/// Times by which the squared errors have grown where a set is far worse: its RMSE is twice as large.
+const FAR_WORSE: f64 = 4.0;
 /// Correlation times of a block.
 const TIMES_OF_BLOCK: f64 = 3.0;
 /// Fewest blocks that are tested.
 const LEAST_BLOCKS: usize = 4;
 
 /// Tests whether a set predicts the held-out rows worse than the believed model, or predicts them badly without being
-/// clearly better. A block is a phase, or three correlation times of a transient. `None` without held-out rows.
+/// clearly better; with twice the error and beyond what the parameters leave open it is worse however few blocks there are. A block is a phase, or three correlation times of a transient. `None` without held-out rows.
 /// `stated`: all noise is stated, so that the size of the errors itself can be judged.
 pub(super) fn test(problem: &Problem, believed: &Refit, chosen: &Refit, stated: bool) -> Option<HeldOutTest> {
     let mut blocks: BTreeMap<(usize, usize), f64> = BTreeMap::new();
     let undecided = undecided(problem, chosen);
+    let mut squares = [0.0; 2];
     for (before, after) in believed.held_out.iter().zip(&chosen.held_out) {
         if undecided.contains(&(before.measurement, before.row)) {
             continue;
         }
         if before.sigma > 0.0 && before.error.is_finite() && after.error.is_finite() {
             let gain = (before.error * before.error - after.error * after.error) / (before.sigma * before.sigma);
+            squares[0] += before.error * before.error / (before.sigma * before.sigma);
+            squares[1] += after.error * after.error / (before.sigma * before.sigma);
             *blocks.entry((before.measurement, block(problem, before.measurement, before.row))).or_default() += gain;
         }
     }
@@ -47,7 +52,7 @@ pub(super) fn test(problem: &Problem, believed: &Refit, chosen: &Refit, stated: 
     let judged = chi_square(problem, chosen, &undecided);
     let p = judged.map(|(square, readings)| chi_square_sf(square, readings as f64));
     let clearly_better = mean > CLEARLY * se;
-    let bad = stated && p.is_some_and(|p| p < FAR) && !clearly_better;
+    let bad = p.is_some_and(|p| p < FAR) && (stated && !clearly_better || far_worse(squares));
     Some(HeldOutTest {
         gain: mean,
         se,
@@ -57,6 +62,11 @@ pub(super) fn test(problem: &Problem, believed: &Refit, chosen: &Refit, stated: 
         p,
         veto: worse || bad,
     })
+}
+
+/// Whether the errors have doubled, from the sums of their squares before and after.
+fn far_worse([before, after]: [f64; 2]) -> bool {
+    after > FAR_WORSE * before
 }
 
 /// Sum of squares of the held-out errors over the covariance of noise and of the parameters after the fit, and their
@@ -168,5 +178,16 @@ fn block(problem: &Problem, measurement: usize, row: usize) -> usize {
             let length = (TIMES_OF_BLOCK * longest).max(0.02 * span).max(f64::MIN_POSITIVE);
             ((inputs.times_s[row] - inputs.times_s.first().unwrap_or(&0.0)) / length) as usize
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_that_doubles_is_far_worse() {
+        // 1.2 to 7.2 K, 1.3 to 2.4 K.
+        assert!(far_worse([1.2 * 1.2, 7.2 * 7.2]) && !far_worse([1.3 * 1.3, 2.4 * 2.4]));
     }
 }

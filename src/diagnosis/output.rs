@@ -78,9 +78,9 @@ pub struct Misfit {
 /// A number with its spread and unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Amount {
-    /// Most probable value.
+    /// Mean, with the bounds of all parameters considered; the bound where the fit pressed it against one.
     pub value: f64,
-    /// Standard deviation; 0 at a bound.
+    /// Standard deviation, with the bounds considered.
     pub sd: f64,
     /// Unit.
     pub unit: String,

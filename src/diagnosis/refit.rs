@@ -8,6 +8,7 @@ use super::levels::{gap, log_share};
 use super::width::{Amplitudes, WIDTHS};
 use super::{Hypothesis, Problem};
 use crate::expression::Unit;
+use crate::inference::between_bounds::Moments;
 use crate::inference::likelihood::{GIVEN_UP, Likelihood};
 use crate::inference::measurement::Measurement;
 use crate::inference::point_estimate::{PointEstimate, PointSettings, estimate};
@@ -25,8 +26,10 @@ pub struct Amplitude {
     /// Its unit.
     pub unit: String,
     /// Most probable value, in the unit.
-    pub value: f64,
-    /// Laplace standard deviation, in the unit; 0 at a bound.
+    pub mode: f64,
+    /// Mean between the bounds of all parameters ([`crate::inference::between_bounds`]), in the unit.
+    pub mean: f64,
+    /// Standard deviation between them, in the unit.
     pub sd: f64,
     /// Whether the fit pressed it against a bound.
     pub at_bound: bool,
@@ -136,6 +139,7 @@ impl Problem {
             starts: begin.from_prior,
             most_iterations: MOST_STEPS,
             findings: false,
+            moments: true,
             ..PointSettings::default()
         };
         let place = |start: &BTreeMap<String, f64>| -> Vec<f64> {
@@ -216,7 +220,8 @@ fn given_up(found: &PointEstimate) -> u64 {
 
 fn amplitudes(hypothesis: &Hypothesis, likelihood: &Likelihood, found: &PointEstimate) -> Vec<Vec<Amplitude>> {
     let full = likelihood.full_parameters(&found.parameters);
-    let sd = found.sd();
+    let own = found.between_bounds.clone();
+    let own = own.unwrap_or_else(|| Moments { mean: found.parameters.clone(), sd: found.sd() });
     let one = |index: usize| {
         let parameter = &hypothesis.model.parameters[index];
         let unit = Unit::parse(&parameter.unit).ok();
@@ -226,8 +231,9 @@ fn amplitudes(hypothesis: &Hypothesis, likelihood: &Likelihood, found: &PointEst
         Amplitude {
             name: parameter.name.rsplit('.').next().unwrap_or(&parameter.name).to_owned(),
             unit: parameter.unit.clone(),
-            value: shown(full[index]),
-            sd: place.map_or(0.0, |place| spread(sd[place])),
+            mode: shown(full[index]),
+            mean: shown(place.map_or(full[index], |place| own.mean[place])),
+            sd: place.map_or(0.0, |place| spread(own.sd[place])),
             at_bound: place.is_some_and(|place| found.held[place].is_some()),
         }
     };
@@ -244,7 +250,7 @@ impl Refit {
     pub fn does_nothing(&self, effect: usize) -> bool {
         let position = self.effects.iter().position(|&own| own == effect);
         let first = position.and_then(|position| self.amplitudes[position].first());
-        first.is_some_and(|amplitude| amplitude.at_bound && amplitude.value == 0.0)
+        first.is_some_and(|amplitude| amplitude.at_bound && amplitude.mode == 0.0)
     }
 
     /// Predicts all rows at the fit and scores them.

@@ -11,6 +11,7 @@ use super::null_maximum::Sampling;
 use super::pairs::best_pairs;
 use super::score::{Column, Prepared, Score};
 use super::weigh::nothing_stands;
+use super::words;
 use super::{Direction, Linear, Problem, Refit, noise, signature};
 use crate::inference::likelihood::Likelihood;
 use crate::inference::measurement::{Rows, Uncertain};
@@ -195,7 +196,7 @@ impl Diagnosis {
                 MemberKind::Direction(d) => ("effects", problem.candidates[scored.directions[d].candidate].id.clone()),
                 MemberKind::Group(group) => ("means of residuals", names[group].clone()),
                 MemberKind::Bound(parameter) => {
-                    ("parameters at bounds", refit.names.get(parameter).cloned().unwrap_or_default())
+                    (words::AT_BOUNDS, refit.names.get(parameter).cloned().unwrap_or_default())
                 }
                 MemberKind::Prior(_) => ("distance from the priors", String::new()),
                 MemberKind::Omnibus => ("sum of squares", String::new()),

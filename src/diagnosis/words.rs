@@ -1,7 +1,20 @@
 //! The verdict in sentences.
 
+use super::Problem;
 use super::conclude::Findings;
-use super::output::{EffectResult, Output, Verdict};
+use super::output::{EffectResult, Output, SeparatingExperiment, Verdict};
+use crate::inference::measurement::Measurement;
+
+/// A proposed phase this far beyond all readings is remarked on, K.
+const FAR_BEYOND_K: f64 = 30.0;
+/// How a warning of rows that were held out begins.
+pub(super) const AGAINST: &str = "the held-out rows speak against";
+/// The name of the test of parameters at their bounds.
+pub(super) const AT_BOUNDS: &str = "parameters at bounds";
+/// p at which a test is clear.
+const CLEARLY: f64 = 1e-6;
+/// Factor by which an error has risen.
+const RISES: f64 = 1.05;
 
 /// A probability as people read it.
 fn percent(probability: f64) -> String {
@@ -58,14 +71,22 @@ fn with_error(value: f64, sd: f64) -> String {
         let decimals = decimals as usize;
         return format!("{value:.decimals$} ± {sd:.decimals$}");
     }
-    format!("{} ± {}", short(value, 3), short(sd, 2))
+    let largest = value.abs().max(sd);
+    if !(sd > 0.0 && largest < f64::INFINITY) {
+        return format!("{} ± {}", short(value, 3), short(sd, 2));
+    }
+    // One power of ten for both.
+    let power = (crate::math::functions::ln(largest) / core::f64::consts::LN_10).floor();
+    let unit = crate::math::functions::pow(10.0, power);
+    format!("({})e{power}", with_error(value / unit, sd / unit))
 }
 
 /// A number to some significant digits.
 fn short(value: f64, digits: usize) -> String {
     let magnitude = value.abs();
     if magnitude == 0.0 || !magnitude.is_finite() {
-        return format!("{value}");
+        // Not "-0".
+        return format!("{}", value + 0.0);
     }
     let power = (crate::math::functions::ln(magnitude) / core::f64::consts::LN_10).floor();
     if !(-4.0..6.0).contains(&power) {
@@ -86,8 +107,37 @@ fn fall([before, after]: [Option<f64>; 2]) -> Option<String> {
     Some(format!("{before:.2} to {after:.2} K", before = before?, after = after?))
 }
 
+/// That a proposed phase goes far beyond all readings so far.
+fn beyond_what_was_measured(experiment: &SeparatingExperiment, problem: &Problem) -> Option<String> {
+    let kelvin = |measurement: &Measurement, sensor: usize| {
+        problem.model.quantities[measurement.sensors[sensor].quantity].is_temperature
+    };
+    let mut measured = [f64::INFINITY, f64::NEG_INFINITY];
+    let mut names = Vec::new();
+    for own in &problem.measurements {
+        for sensor in (0..own.sensors.len()).filter(|&sensor| kelvin(own, sensor)) {
+            names.push(own.sensors[sensor].name.as_str());
+            for reading in (0..own.len()).filter_map(|row| own.reading(row, sensor)) {
+                measured = [measured[0].min(reading), measured[1].max(reading)];
+            }
+        }
+    }
+    let predicted = experiment.predictions.iter().filter(|(sensor, _)| names.contains(&sensor.as_str()));
+    let predicted = predicted.flat_map(|(sensor, values)| values.iter().map(move |value| (sensor, *value)));
+    let beyond = |value: f64| (value - measured[1]).max(measured[0] - value);
+    let (sensor, value) = predicted.max_by(|a, b| beyond(a.1).total_cmp(&beyond(b.1)))?;
+    (beyond(value) > FAR_BEYOND_K).then(|| {
+        format!(
+            "There `{sensor}` would read {:.0} degC, while all readings so far lie between {:.0} and {:.0} degC: is the hardware made for that?",
+            value - 273.15,
+            measured[0] - 273.15,
+            measured[1] - 273.15
+        )
+    })
+}
+
 /// The sentences: how wrong, what is missing, how sure, what it does to the error, what else it could be.
-pub(super) fn verdict(output: &Output, findings: &Findings<'_>) -> Vec<String> {
+pub(super) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64) -> Vec<String> {
     let mut words = Vec::new();
     let misfit = &output.misfit;
     let mut error = format!(
@@ -120,11 +170,16 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>) -> Vec<String> {
                 ));
             }
         }
-        Verdict::Unexplained => words.push(format!(
-            "Something is missing, and none of {} effects, alone or in sets of up to {}, explains it: see the missing heat by node.",
-            output.looked_at[0],
-            findings.state.refits.iter().map(|refit| refit.effects.len()).max().unwrap_or(0)
-        )),
+        Verdict::Unexplained => {
+            words.push(format!(
+                "Something is missing, and none of {} effects, alone or in sets of up to {}, explains it: see the missing heat by node.",
+                output.looked_at[0],
+                findings.state.refits.iter().map(|refit| refit.effects.len()).max().unwrap_or(0)
+            ));
+            if output.warnings.iter().any(|warning| warning.starts_with(AGAINST)) {
+                words.push("What fits the fitted rows fails on the held-out ones.".to_owned());
+            }
+        }
         Verdict::Identified | Verdict::Ambiguous => {
             for effect in &selected {
                 words.push(format!(
@@ -149,7 +204,30 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>) -> Vec<String> {
             let held_out = held_out.map_or_else(String::new, |fall| format!(", on the held-out rows from {fall}"));
             let with = if selected.len() == 1 { "With it" } else { "With them" };
             words.push(format!("{with} the RMSE on the fitted rows goes from {train}{held_out}."));
+            if let (Some(before), Some(after)) = (before.rmse_held_out_k, after.rmse_held_out_k)
+                && after > RISES * before
+            {
+                words.push(
+                    "On the held-out rows the error rises: what was found need not hold beyond the rows that were fitted."
+                        .to_owned(),
+                );
+            }
         }
+    }
+    let pressed = misfit.tests.iter().find(|test| test.name == AT_BOUNDS && test.p <= CLEARLY);
+    if let Some(test) = pressed.filter(|_| output.verdict != Verdict::Adequate) {
+        words.push(format!(
+            "In the model as believed `{}` is pressed against an end of its prior (p = {}): is that prior wide enough?",
+            test.at,
+            p_value(test.p)
+        ));
+    }
+    let left = output.remaining_p.filter(|p| *p <= false_alarm && !findings.goes_first());
+    if let Some(p) = left.filter(|_| !selected.is_empty()) {
+        words.push(format!(
+            "Tests still find something beside what is selected (p = {}): something smaller is missing too, or the noise is not what it is taken for.",
+            p_value(p)
+        ));
     }
     if output.verdict == Verdict::Ambiguous {
         for (number, group) in findings.groups.iter().enumerate().filter(|(_, group)| group.len() > 1) {
@@ -167,12 +245,27 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>) -> Vec<String> {
         }
         if let Some(experiment) = &output.separating_experiment {
             words.push(format!(
-                "A phase at the conditions stated below would tell {} apart with probability {}; repeating the best old phase with {}.",
+                "A steady phase at the conditions stated below would tell {} apart with probability {}; repeating the best old phase with {}.",
                 joined(&experiment.between),
                 percent(experiment.probability),
                 percent(experiment.repeat_probability)
             ));
+            words.extend(beyond_what_was_measured(experiment, findings.problem));
         }
     }
     words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read_with_their_errors() {
+        assert_eq!(with_error(0.05143, 0.00273), "0.0514 ± 0.0027");
+        assert_eq!(with_error(8_680_000.0, 449_161.0), "(8.68 ± 0.45)e6");
+        assert_eq!(with_error(-1234.0, 250.0), "(-1.23 ± 0.25)e3");
+        assert_eq!(with_error(1.0, 0.0), "1.00 ± 0");
+        assert_eq!(short(-0.0, 2), "0");
+    }
 }

@@ -58,6 +58,7 @@ impl Catalogue {
         for (name, text) in EMBEDDED {
             catalogue.read(name, &format!("{name}.json"), text.as_bytes(), diagnostics);
         }
+        catalogue.effects.iter_mut().for_each(|effect| effect.embedded = true);
         catalogue
     }
 

@@ -24,6 +24,8 @@ pub struct Effect {
     pub groups: bool,
     /// Its file.
     pub json: serde_json::Value,
+    /// Whether it is the program's own, whose sizes are meant for any hardware; a study's own are meant for that study's.
+    pub embedded: bool,
 }
 
 /// Kinds of place that an addition fits, with its name.
@@ -112,7 +114,14 @@ impl Effect {
         if places.is_empty() {
             wrong(&form.applies.place, "the effect has no kind of place", "such as {\"pair\": {}}", diagnostics);
         }
-        let effect = Self { name: name.to_owned(), groups: form.applies.value.group.is_some(), places, form, json };
+        let effect = Self {
+            name: name.to_owned(),
+            groups: form.applies.value.group.is_some(),
+            places,
+            form,
+            json,
+            embedded: false,
+        };
         effect.check_additions(diagnostics);
         effect.check_names(diagnostics);
         for entry in &effect.form.parameters {

@@ -16,6 +16,8 @@ written_struct! {
         required title: String,
         /// Heading under which `bmv effects` lists it.
         default(Family::Other) family: Family,
+        /// Its name, as `bmv effects NAME --json` prints it; the name of the file is what counts.
+        optional name: String,
         /// What it may act on: one or several kinds of place.
         required applies: Spanned<AppliesForm>,
         /// What it needs of the model beside its place; each is bound to an input of the model, or to a node where

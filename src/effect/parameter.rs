@@ -30,6 +30,8 @@ pub struct EffectParameter {
     pub probes: Vec<f64>,
     /// Scale of plausible amplitudes, SI.
     pub plausible: f64,
+    /// How many times the catalogue's sizes these are, since the model's hardware is that much larger.
+    pub enlarged: f64,
     /// Whether it is an amplitude: the effect vanishes while all are 0.
     pub amplitude: bool,
     /// What it is.
@@ -135,6 +137,7 @@ impl Effect {
             sign: form.sign,
             probes: Vec::new(),
             plausible: 0.0,
+            enlarged: 1.0,
             amplitude: !form.shape,
             description: form.description.clone().unwrap_or_default(),
         };
@@ -167,7 +170,8 @@ impl Effect {
             below.push(input.dimension(model).unwrap_or(Dimension::NONE));
             largest *= input.largest(model);
         }
-        let factor = 1.0 / largest;
+        parameter.enlarged = if self.embedded { enlarged(own.dimension, model) } else { 1.0 };
+        let factor = parameter.enlarged / largest;
         parameter.unit = if form.per.is_empty() { own.clone() } else { si_per(own.dimension, &below) };
         parameter.prior = scaled(prior, factor);
         parameter.nominal = nominal.map_or_else(|| parameter.prior.quantile(0.5), |value| value * factor);
@@ -177,6 +181,30 @@ impl Effect {
     }
 }
 
+/// Median of the nodes' heat capacities for which the catalogue's sizes are meant, J/K: an instrument's.
+const MEANT_FOR_J_PER_K: f64 = 500.0;
+/// The same of what meets at a node, W/K.
+const MEANT_FOR_W_PER_K: f64 = 1.0;
+
+/// How many times the catalogue's sizes are plausible in a model: whole powers of ten by which its nodes store or exchange
+/// more than an instrument's. A satellite's panel or a house has leaks and parts in proportion; smaller hardware keeps the
+/// catalogue's, as small sizes are plausible anywhere.
+fn enlarged(dimension: Dimension, model: &Model) -> f64 {
+    let of = |text: &str| Unit::parse(text).map(|unit| unit.dimension).ok();
+    let ratio = if Some(dimension) == of("J/K") {
+        model.size().capacity / MEANT_FOR_J_PER_K
+    } else if ["W", "W/K", "W/K^1.25", "W/(K Pa)", "m2"].into_iter().any(|heat| Some(dimension) == of(heat)) {
+        model.size().conductance / MEANT_FOR_W_PER_K
+    } else {
+        return 1.0;
+    };
+    let mut factor = 1.0;
+    while 10.0 * factor <= ratio && factor < 1e9 {
+        factor *= 10.0;
+    }
+    factor
+}
+
 /// A scale of a prior: half the distance between its 16 % and 84 % quantiles.
 fn spread(prior: &Distribution) -> f64 {
     0.5 * (prior.quantile(0.84) - prior.quantile(0.16))
@@ -184,7 +212,41 @@ fn spread(prior: &Distribution) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Catalogue;
     use super::*;
+    use crate::thermal::element::{Conductor, Element, ElementKind};
+    use crate::thermal::{Limits, Node, NodeKind};
+
+    /// A node that stores and exchanges so much, beside a boundary.
+    fn hardware(capacity: f64, conductance: f64) -> Model {
+        let mut model = Model::default();
+        let [capacity, cold, conductance] = [capacity, 290.0, conductance].map(|value| model.graph.number(value));
+        let node =
+            |name: &str, kind| Node { name: name.to_owned(), kind, area: None, alias: None, limits: Limits::default() };
+        model.nodes = vec![
+            node("inside", NodeKind::Diffusion { capacity }),
+            node("outside", NodeKind::Boundary { temperature: cold }),
+        ];
+        let kind = ElementKind::Conductor(Conductor { between: [0, 1], conductance });
+        model.elements = vec![Element { name: "wall".to_owned(), kind }];
+        model
+    }
+
+    /// A house of 10 MJ/K that loses 120 W/K may hide parts of 2 MJ/K behind 10 W/K; an instrument those of the catalogue.
+    #[test]
+    fn sizes_are_plausible_for_the_hardware() {
+        let catalogue = Catalogue::embedded(&mut Diagnostics::new());
+        let plausible = |effect: &str, model: &Model| -> Vec<f64> {
+            catalogue.get(effect).unwrap().parameters(model, &[]).iter().map(|own| own.plausible).collect()
+        };
+        let (house, head) = (hardware(1e7, 120.0), hardware(700.0, 2.0));
+        assert_eq!(plausible("hidden-node", &head), [200.0, 0.1]);
+        assert_eq!(plausible("hidden-node", &house), [2e6, 10.0]);
+        assert_eq!(plausible("sensor-bias", &house), plausible("sensor-bias", &head));
+        let mut own = catalogue.get("hidden-node").unwrap().clone();
+        own.embedded = false;
+        assert_eq!(own.parameters(&house, &[])[0].plausible, 200.0, "a study's own effect is meant for its hardware");
+    }
 
     /// Heat over powers, fluxes and pressures is written as an engineer would; the same dimension cancels.
     #[test]

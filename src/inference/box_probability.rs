@@ -42,9 +42,7 @@ pub fn log_box_probability(covariance: &[f64], lower: &[f64], upper: &[f64]) -> 
             let (below, above) = (normal_cdf(a), normal_cdf(b));
             product *= above - below;
             if i + 1 < k {
-                // Folded points (Genz & Bretz 2009) make the integrand periodic.
-                let fraction = ((f64::from(point) + 1.0) * steps[i]).fract();
-                let u = (2.0 * fraction - 1.0).abs();
+                let u = folded(point, steps[i]);
                 let z = normal_quantile((below + u * (above - below)).clamp(1e-300, 1.0 - 1e-16));
                 drawn[i] = if mirrored { -z } else { z };
             }
@@ -54,8 +52,14 @@ pub fn log_box_probability(covariance: &[f64], lower: &[f64], upper: &[f64]) -> 
     Some(ln(sum / f64::from(points)))
 }
 
+/// Richtmyer's point of a number along one variable, folded (Genz & Bretz 2009), which makes the integrand periodic.
+pub(super) fn folded(point: u32, step: f64) -> f64 {
+    let fraction = ((f64::from(point) + 1.0) * step).fract();
+    (2.0 * fraction - 1.0).abs()
+}
+
 /// Fractions of the roots of the first primes.
-fn richtmyer_steps(count: usize) -> Vec<f64> {
+pub(super) fn richtmyer_steps(count: usize) -> Vec<f64> {
     let mut steps = Vec::with_capacity(count);
     let mut candidate: u32 = 2;
     while steps.len() < count {

@@ -1,6 +1,7 @@
 //! Priors, measurements, likelihood, point estimates, samplers, evidence, predictive checks.
 
 pub mod adaptation;
+pub mod between_bounds;
 pub mod box_probability;
 pub mod chains;
 pub mod cholesky;

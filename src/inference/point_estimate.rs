@@ -6,6 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::between_bounds::{Moments, moments};
 use super::chains::{SampleError, most_frequent};
 use super::identifiability::{self, Finding};
 use super::laplace::Laplace;
@@ -28,11 +29,13 @@ pub struct PointSettings {
     pub exact_hessian: bool,
     /// Look for what is wrong with the fit; else there are no findings.
     pub findings: bool,
+    /// Take the moments between bounds.
+    pub moments: bool,
 }
 
 impl Default for PointSettings {
     fn default() -> Self {
-        Self { starts: 8, most_iterations: 200, exact_hessian: false, findings: true }
+        Self { starts: 8, most_iterations: 200, exact_hessian: false, findings: true, moments: false }
     }
 }
 
@@ -78,6 +81,9 @@ pub struct PointEstimate {
     pub covariance: Vec<f64>,
     /// Laplace log evidence, bounds considered; `None` where no curvature could be had.
     pub log_evidence: Option<f64>,
+    /// Means and standard deviations with bounds considered, SI, to first order in the coordinates; where they are asked for and exist.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub between_bounds: Option<Moments>,
     /// What is wrong with the fit.
     pub findings: Vec<Finding>,
     /// The starts.
@@ -147,7 +153,26 @@ pub fn estimate<T: LeastSquares>(
     } else {
         Vec::new()
     };
-    Ok(assemble(&objective, &best, &bounds, &curvature, findings, descents))
+    let mut estimate = assemble(&objective, &best, &bounds, &curvature, findings, descents);
+    if settings.moments {
+        estimate.between_bounds = between_bounds(&objective, &best, &bounds, &curvature);
+    }
+    Ok(estimate)
+}
+
+/// The moments of the parameters.
+fn between_bounds<T: LeastSquares>(
+    objective: &NaturalObjective<'_, T>,
+    best: &Minimum,
+    bounds: &Bounds,
+    curvature: &[f64],
+) -> Option<Moments> {
+    let free = free_variables(&best.x, &best.gradient, bounds);
+    let own = moments(&best.x, &best.gradient, bounds, curvature, &free)?;
+    let mean = objective.parameters(&own.mean);
+    let slope = |i: usize| if objective.logarithmic()[i] { mean[i] } else { 1.0 };
+    let sd = own.sd.iter().enumerate().map(|(i, sd)| sd * slope(i)).collect();
+    Some(Moments { mean, sd })
 }
 
 /// Starts: those given, the prior's medians, Sobol points of the prior (Monte Carlo in too many dimensions).
@@ -231,6 +256,7 @@ fn assemble<T: LeastSquares>(
         held,
         covariance,
         log_evidence,
+        between_bounds: None,
         findings,
         descents,
         work: objective.work.clone(),

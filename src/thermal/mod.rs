@@ -13,6 +13,7 @@ mod linear;
 pub mod model;
 pub mod network;
 pub mod newton;
+mod size;
 pub mod steady;
 pub mod tangent;
 pub mod transient;
@@ -22,6 +23,7 @@ pub use batch::Batch;
 pub use model::{Input, Limits, Model, Node, NodeKind, Parameter, Quantity, QuantityValue};
 pub use network::{Network, NetworkError, Workspace};
 pub use newton::SteadyStats;
+pub use size::Size;
 pub use steady::{Start, SteadyError};
 pub use tangent::UnsolvedError;
 pub use transient::{

@@ -1,8 +1,11 @@
 //! A thermal model, resolved: SI units, names replaced by indices, expressions parsed.
 
+use std::sync::OnceLock;
+
 use crate::expression::{ExprId, Graph};
 
 use super::element::Element;
+use super::size::Size;
 
 /// A resolved model. Expressions live in `graph`; `Symbol::Parameter(i)`, `Symbol::Input(i)` and
 /// `Symbol::Node(i)` index the lists below.
@@ -22,6 +25,15 @@ pub struct Model {
     pub elements: Vec<Element>,
     /// Named quantities, in the order of the file.
     pub quantities: Vec<Quantity>,
+    /// Its size when that was first asked for: what effects add to it does not change what it is to them.
+    pub size: OnceLock<Size>,
+}
+
+impl Model {
+    /// How large its hardware is.
+    pub fn size(&self) -> Size {
+        *self.size.get_or_init(|| Size::of(self))
+    }
 }
 
 /// A parameter's name and nominal value; its prior belongs to inference.

@@ -151,6 +151,7 @@ pub fn radiator() -> Sample {
             is_temperature: true,
             value: QuantityValue::Instant(t),
         }],
+        ..Model::default()
     };
     let limit = 308.15;
     let met = |requirement: &str, quantity: &str, probability| Met {
@@ -453,6 +454,7 @@ fn temperature_model(names: &[&str]) -> Model {
         nodes,
         elements,
         quantities,
+        ..Model::default()
     }
 }
 

@@ -305,10 +305,11 @@ fn method(output: &Output) -> String {
         text.push_str(&format!(" What the selected set leaves: p = {}.", significant(p, 2)));
     }
     if let Some(test) = &output.held_out_test {
+        let way = if test.gain < 0.0 { "rises" } else { "falls" };
         text.push_str(&format!(
-            " Held-out rows, in {} blocks: squared error falls by {} \u{00B1} {} a block in units of the noise.",
+            " Held-out rows, in {} blocks: squared error {way} by {} \u{00B1} {} a block in units of the noise.",
             test.blocks,
-            significant(test.gain, 3),
+            significant(test.gain.abs(), 3),
             significant(test.se, 2)
         ));
     }

@@ -30,11 +30,14 @@ pub fn section(history: &History) -> Option<Section> {
         }
         blocks.push(Block::Paragraph(text.plain(".")));
     }
-    if measured.iter().any(|pass| pass.converged == Some(false)) {
-        blocks.push(Block::callout(
-            Tone::Warning,
-            "A calibration did not converge; its tuned state is a point at which the model was run, its evidence is not to be trusted.",
-        ));
+    let unconverged: Vec<&str> =
+        measured.iter().filter(|pass| pass.converged == Some(false)).map(|pass| pass.pass.as_str()).collect();
+    if !unconverged.is_empty() {
+        let text = format!(
+            "The calibration of {} did not converge: the tuned state is a point at which the model was run, the evidence is not to be trusted.",
+            unconverged.join(", ")
+        );
+        blocks.push(Block::callout(Tone::Warning, text));
     }
     if measured.len() > 1 {
         blocks.push(Block::Figure(figure(history, &measured, first)));

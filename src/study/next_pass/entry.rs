@@ -109,7 +109,8 @@ fn parameter(effect: &Effect, parameter: &EffectParameter, finding: &Finding, bo
         fields.push(("unit".to_owned(), Item::text(&written.unit.text)));
         let nominal = fitted(&written.unit).or_else(|| own("nominal").map(catalogued));
         fields.extend(nominal.map(|nominal| ("nominal".to_owned(), nominal)));
-        let wide = width.map(|_| distribution(&prior, &written.unit, parameter.sense));
+        let is_other = width.is_some() || parameter.enlarged != 1.0;
+        let wide = is_other.then(|| distribution(&prior, &written.unit, parameter.sense));
         fields.push(("prior".to_owned(), wide.unwrap_or_else(|| catalogued(in_file))));
         return Item::Object(fields);
     }
