@@ -8,6 +8,7 @@ use super::output::{escaped, print};
 use super::status::{Failure, Status};
 use super::studies::LoadedPass;
 use super::{Context, studies};
+use crate::diagnosis::RISES;
 use crate::document::{Diagnostics, suggest};
 use crate::job::findings::{Finding, Findings};
 use crate::study::next_pass::{Asked, NextPass, ambiguity, destination, next_pass, probability_text, twin, write};
@@ -103,7 +104,7 @@ fn told(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, findings: &Findings
 fn worse(finding: &Finding) -> Option<[f64; 2]> {
     let [before, after] = finding.rmse_k.held_out?;
     let (before, after) = (before?, after?);
-    (after > 1.05 * before).then_some([before, after])
+    (after > RISES * before).then_some([before, after])
 }
 
 /// The next commands.

@@ -216,8 +216,9 @@ impl Diagnosis {
             .map(|position| {
                 let list = refit.amplitudes[position].iter();
                 list.map(|a| {
-                    let value = if a.at_bound { a.mode } else { a.mean };
-                    let amount = Amount { value, sd: a.sd, unit: a.unit.clone(), at_bound: a.at_bound };
+                    let (value, sd) = if a.at_bound { (a.mode, 0.0) } else { (a.mean, a.sd) };
+                    let (unit, at_bound) = (a.unit.clone(), a.at_bound);
+                    let amount = Amount { value, sd, most_probable: a.mode, unit, at_bound };
                     (a.name.clone(), amount)
                 })
                 .collect()

@@ -51,7 +51,7 @@ pub use family::{Extras, Family, FamilyWise, Member, MemberKind};
 pub use hypothesis::{Hypothesis, HypothesisError};
 pub use linear::{Direction, Linear};
 pub use null_maximum::Sampling;
-pub use output::{Output, Verdict};
+pub use output::{Output, RISES, Verdict};
 pub use problem::Problem;
 pub use refit::Refit;
 pub use score::{Prepared, Score};

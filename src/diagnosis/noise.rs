@@ -6,7 +6,7 @@
 //! enlarged by the freedom that the fit took. A stated sigma stands: then only the share and the time of the correlation
 //! are sought, at that size or a smaller one. White noise and noise with any share and time are as likely beforehand: the likelihood's
 //! mean over shares and times is weighed against that of white noise, which charges their freedom for what it is worth in these data
-//! (Schwarz' price of `ln n` charges six times too much for what some hundred readings tell of a slow part).
+//! (Schwarz' price of `ln n` charges three times as much for what some hundred readings tell of a slow part).
 
 use serde::{Deserialize, Serialize};
 
@@ -254,10 +254,10 @@ pub fn most_likely(
 
 /// The noise of those members that have the same.
 fn together(sought: &[Sought<'_>], alone: &[Weighed], members: &[usize]) -> Vec<(usize, SettledNoise)> {
-    let longest = members.iter().copied().max_by_key(|&place| sought[place].errors.len());
-    let Some(longest) = longest.map(|place| &sought[place].known).filter(|known| known.shares.len() > 1) else {
-        return Vec::new();
-    };
+    // Times that are allowed for all: those of a sensor whose size is not stated, if there is one.
+    let tried = members.iter().copied().filter(|&place| sought[place].known.shares.len() > 1);
+    let longest = tried.max_by_key(|&place| (sought[place].known.total.is_none(), sought[place].errors.len()));
+    let Some(longest) = longest.map(|place| &sought[place].known) else { return Vec::new() };
     let departs = |place: usize| alone[place].0 - LIKE_THE_OTHERS;
     let at = |(share, time)| -> Vec<Weighed> { members.iter().map(|&m| sought[m].at(share, time)).collect() };
     let value = |all: &Vec<Weighed>| -> f64 { members.iter().zip(all).map(|(&m, own)| own.0.max(departs(m))).sum() };
@@ -362,8 +362,8 @@ mod tests {
         most_likely(&[measured], &series, &errors, 1.0)
     }
 
-    /// A fifth of the variance correlated over two intervals is too little to be told by one sensor of 150 readings in most
-    /// cases, and enough for six together; one such sensor among five white ones stays alone.
+    /// A fifth of the variance correlated over two intervals is told by one sensor of 150 readings in half of the
+    /// cases, and by six together nearly always; one such sensor among five white ones stays alone.
     #[test]
     fn sensors_that_are_alike_are_judged_together() {
         let correlated = split(0.3, 0.2, 120.0);
@@ -400,8 +400,9 @@ mod tests {
             white += usize::from(found.correlation_time_s.is_none());
             assert!((found.total() - 0.4).abs() < 1e-12);
         }
-        // The mean over shares and times passes the likelihood of white noise by chance in some 3 of 100.
-        assert!(white >= 38, "{white}");
+        // The mean over shares and times passes the likelihood of white noise by chance in 5 of 100 at 400 readings; more than 6 of 40
+        // then come in 1 of 200 such tests.
+        assert!(white >= 34, "{white}");
         let truth = SettledNoise { sigma: 0.4, correlation_time_s: Some(600.0), white: None };
         for seed in 0..20 {
             let errors = drawn(rows, step, &truth, seed);
@@ -428,7 +429,7 @@ mod tests {
         let found = |seed| alone(&stated, &series, &drawn(rows, step, &SettledNoise::white(0.2), seed));
         let white = (0..40).filter(|&seed| found(seed) == SettledNoise::white(0.25)).count();
         // As with a sigma that is right.
-        assert!(white >= 38, "{white}");
+        assert!(white >= 34, "{white}");
     }
 
     #[test]

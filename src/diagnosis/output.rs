@@ -75,13 +75,19 @@ pub struct Misfit {
     pub tests: Vec<Test>,
 }
 
+/// Factor by which an error has risen, and that is said.
+pub const RISES: f64 = 1.05;
+
 /// A number with its spread and unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Amount {
-    /// Mean, with the bounds of all parameters considered; the bound where the fit pressed it against one.
+    /// Mean, with the bounds of all parameters considered (of the logarithm where the prior is logarithmic); the bound where the fit
+    /// pressed it against one.
     pub value: f64,
-    /// Standard deviation, with the bounds considered.
+    /// Standard deviation, with the bounds considered; 0 at a bound.
     pub sd: f64,
+    /// Most probable value together with all other parameters: errors and heats are those of the fit with it.
+    pub most_probable: f64,
     /// Unit.
     pub unit: String,
     /// Whether the fit pressed it against a bound.

@@ -1,7 +1,7 @@
 //! How wide the priors of effects' amplitudes are.
 //!
-//! What the catalogue says of plausible amplitudes may be wrong by orders of magnitude: it cannot know whether it is asked
-//! about a detector or about a satellite of five tons. So the prior of each effect is a mixture of widths, narrower and
+//! What the catalogue says of plausible amplitudes may be wrong by orders of magnitude: it knows how large the hardware is on the
+//! whole, but not at the place that it is asked about. So the prior of each effect is a mixture of widths, narrower and
 //! wider than the catalogue's (contamination: Berger & Berliner 1986, Ann. Statist. 14, 461), of which the component counts
 //! that explains most. Without wider ones the tails of a normal prior outvote any data; without narrower ones an effect is
 //! the less credible the smaller a part of its plausible range the data need, though small leaks are as common as large ones.

@@ -2,7 +2,7 @@
 
 use super::Problem;
 use super::conclude::Findings;
-use super::output::{EffectResult, Output, SeparatingExperiment, Verdict};
+use super::output::{EffectResult, Output, RISES, SeparatingExperiment, Verdict};
 use crate::inference::measurement::Measurement;
 
 /// A proposed phase this far beyond all readings is remarked on, K.
@@ -13,8 +13,6 @@ pub(super) const AGAINST: &str = "the held-out rows speak against";
 pub(super) const AT_BOUNDS: &str = "parameters at bounds";
 /// p at which a test is clear.
 const CLEARLY: f64 = 1e-6;
-/// Factor by which an error has risen.
-const RISES: f64 = 1.05;
 
 /// A probability as people read it.
 fn percent(probability: f64) -> String {
@@ -72,11 +70,12 @@ fn with_error(value: f64, sd: f64) -> String {
         return format!("{value:.decimals$} ± {sd:.decimals$}");
     }
     let largest = value.abs().max(sd);
-    if !(sd > 0.0 && largest < f64::INFINITY) {
+    let power = (crate::math::functions::ln(largest) / core::f64::consts::LN_10).floor();
+    // Far more digits than anybody reads, or nothing to divide by.
+    if !(sd > 1e-6 * largest && largest < f64::INFINITY) || power == 0.0 {
         return format!("{} ± {}", short(value, 3), short(sd, 2));
     }
     // One power of ten for both.
-    let power = (crate::math::functions::ln(largest) / core::f64::consts::LN_10).floor();
     let unit = crate::math::functions::pow(10.0, power);
     format!("({})e{power}", with_error(value / unit, sd / unit))
 }
@@ -124,6 +123,10 @@ fn beyond_what_was_measured(experiment: &SeparatingExperiment, problem: &Problem
     }
     let predicted = experiment.predictions.iter().filter(|(sensor, _)| names.contains(&sensor.as_str()));
     let predicted = predicted.flat_map(|(sensor, values)| values.iter().map(move |value| (sensor, *value)));
+    let predicted = predicted.filter(|(_, value)| value.is_finite());
+    if measured[0] > measured[1] {
+        return None;
+    }
     let beyond = |value: f64| (value - measured[1]).max(measured[0] - value);
     let (sensor, value) = predicted.max_by(|a, b| beyond(a.1).total_cmp(&beyond(b.1)))?;
     (beyond(value) > FAR_BEYOND_K).then(|| {
@@ -266,6 +269,8 @@ mod tests {
         assert_eq!(with_error(8_680_000.0, 449_161.0), "(8.68 ± 0.45)e6");
         assert_eq!(with_error(-1234.0, 250.0), "(-1.23 ± 0.25)e3");
         assert_eq!(with_error(1.0, 0.0), "1.00 ± 0");
+        assert_eq!(with_error(1.0, 1e-8), "1.00 ± 1.0e-8");
+        assert_eq!(with_error(f64::NAN, 1.0), "NaN ± 1.0");
         assert_eq!(short(-0.0, 2), "0");
     }
 }

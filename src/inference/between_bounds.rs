@@ -1,22 +1,25 @@
 //! Means and standard deviations of the normal approximation of a density between bounds.
 //!
 //! About the largest value in the box the density is taken as `exp(-g'd - d'Hd / 2)`, `d` the step from there, cut at the bounds. A
-//! variable that is held at a bound still spreads from it by what its gradient allows, and takes along the free ones that trade
-//! for it; so the free part's covariance alone says too little of them. The moments are taken by importance sampling on
-//! Richtmyer's points, in a fixed order and number: the held variables are drawn each from its own density along the ray on which
-//! the free ones follow, the free ones that a bound may cut by separation of variables (Genz 1992), and the points are weighed by
-//! what this leaves out. Free variables that no bound reaches follow by regression, exactly. Without bounds near, the moments are the
-//! point and the covariance of the normal approximation.
+//! variable that is held at a bound still spreads from it by what its gradient allows, and takes along the others that trade for it; so
+//! the covariance of the free part alone says too little of them. The moments are taken by importance sampling on Richtmyer's points, in
+//! a fixed order and number. Variables that a steep gradient holds (their steps are small, and so is what couples them) are drawn each
+//! from its own density along the ray on which the others follow; the rest is normal about the point where its gradient vanishes,
+//! and those of it that a bound may cut are drawn by separation of variables (Genz 1992). The points are weighed by what this leaves
+//! out. Variables that no bound reaches follow by regression, exactly. Without bounds near, the moments are the point and the
+//! covariance of the normal approximation.
 
 use serde::{Deserialize, Serialize};
 
 use super::box_probability::{folded, richtmyer_steps};
 use super::cholesky;
-use super::laplace::Laplace;
+use super::laplace;
 use super::optimise::Bounds;
 use crate::math::functions::{exp, ln_1p};
 use crate::math::special::{ln_normal_interval, normal_cdf, normal_quantile};
 
+/// A gradient holds a variable where it is more than so many times the root of the curvature.
+const STEEP: f64 = 4.0;
 /// Points of the rule; moments are then right to one to three hundredths of the standard deviation.
 const POINTS: u32 = 1024;
 /// A bound this many standard deviations away cuts nothing.
@@ -46,9 +49,9 @@ impl Held {
     /// The step below which a share `u` lies.
     fn quantile(&self, u: f64) -> f64 {
         // So steep that the curvature changes nothing (relative 1 / 1800), or none.
-        const STEEP: f64 = 30.0;
+        const ALONE: f64 = 30.0;
         let root = self.curvature.sqrt();
-        if self.gradient >= STEEP * root {
+        if self.gradient >= ALONE * root {
             let share = 1.0 - exp(-self.gradient * self.width);
             return if share < 1e-8 { u * self.width } else { -ln_1p(-u * share) / self.gradient };
         }
@@ -64,41 +67,81 @@ impl Held {
     }
 }
 
+/// The variables, those that a steep gradient holds apart from the rest.
+struct Parts {
+    held: Vec<usize>,
+    rest: Vec<usize>,
+    /// Of the rest, row by row.
+    covariance: Vec<f64>,
+    /// How the rest follows a step of each held one, rest x held.
+    follow: Vec<f64>,
+    rays: Vec<Held>,
+    /// Curvature left along pairs of steps, held x held.
+    cross: Vec<f64>,
+}
+
+impl Parts {
+    fn of(at: &[f64], gradient: &[f64], bounds: &Bounds, curvature: &[f64], free: &[usize]) -> Option<Self> {
+        let n = at.len();
+        let all_held: Vec<usize> = (0..n).filter(|i| !free.contains(i)).collect();
+        let apart = Self::with(at, gradient, bounds, curvature, all_held)?;
+        let is_steep = |ray: &Held| ray.gradient > STEEP * ray.curvature.sqrt();
+        let steep = apart.held.iter().zip(&apart.rays).filter(|(_, ray)| is_steep(ray));
+        let held: Vec<usize> = steep.map(|(&i, _)| i).collect();
+        if held.len() == apart.held.len() {
+            return Some(apart);
+        }
+        Self::with(at, gradient, bounds, curvature, held)
+    }
+
+    fn with(at: &[f64], gradient: &[f64], bounds: &Bounds, curvature: &[f64], held: Vec<usize>) -> Option<Self> {
+        let n = at.len();
+        let rest: Vec<usize> = (0..n).filter(|i| !held.contains(i)).collect();
+        let (k, m) = (rest.len(), held.len());
+        let covariance = cholesky::inverse(&laplace::factor(at, bounds, curvature, &rest)?, k);
+        let follow: Vec<f64> = (0..k * m)
+            .map(|place| {
+                let pull = |j: usize| covariance[place / m * k + j] * curvature[rest[j] * n + held[place % m]];
+                -(0..k).map(pull).sum::<f64>()
+            })
+            .collect();
+        let left = |a: usize, b: usize| {
+            let taken: f64 = (0..k).map(|j| curvature[held[a] * n + rest[j]] * follow[j * m + b]).sum();
+            curvature[held[a] * n + held[b]] + taken
+        };
+        let rays: Vec<Held> = (0..m)
+            .map(|a| Held {
+                inwards: if at[held[a]] <= bounds.lower[held[a]] { 1.0 } else { -1.0 },
+                gradient: gradient[held[a]].abs(),
+                curvature: left(a, a).max(0.0),
+                width: bounds.upper[held[a]] - bounds.lower[held[a]],
+            })
+            .collect();
+        let cross = (0..m * m)
+            .map(|place| left(place / m, place % m) * rays[place / m].inwards * rays[place % m].inwards)
+            .collect();
+        Some(Self { held, rest, covariance, follow, rays, cross })
+    }
+}
+
 /// Moments of the density whose negative logarithm has this gradient and curvature (n x n) at a point where the variables that are not
 /// `free` stand at a bound. `None` where the curvature is negative or nothing limits a variable, or where the points are too few.
 ///
-/// Cost: points x n^2 where bounds are near.
+/// Cost: n^3, and points x n^2 where bounds are near.
 pub fn moments(at: &[f64], gradient: &[f64], bounds: &Bounds, curvature: &[f64], free: &[usize]) -> Option<Moments> {
     let n = at.len();
-    let held: Vec<usize> = (0..n).filter(|i| !free.contains(i)).collect();
-    let covariance = Laplace::new(at, gradient, bounds, curvature, free)?.covariance;
-    let (k, m) = (free.len(), held.len());
-    // How the free variables follow a step of a held one, k x m, and the curvature that is left along the steps, m x m.
-    let follow: Vec<f64> = (0..k * m)
-        .map(|place| {
-            -(0..k).map(|j| covariance[place / m * k + j] * curvature[free[j] * n + held[place % m]]).sum::<f64>()
-        })
-        .collect();
-    let left = |a: usize, b: usize| {
-        let taken: f64 = (0..k).map(|j| curvature[held[a] * n + free[j]] * follow[j * m + b]).sum();
-        curvature[held[a] * n + held[b]] + taken
-    };
-    let rays: Vec<Held> = (0..m)
-        .map(|a| Held {
-            inwards: if at[held[a]] <= bounds.lower[held[a]] { 1.0 } else { -1.0 },
-            gradient: gradient[held[a]].abs(),
-            curvature: left(a, a).max(0.0),
-            width: bounds.upper[held[a]] - bounds.lower[held[a]],
-        })
-        .collect();
+    let parts = Parts::of(at, gradient, bounds, curvature, free)?;
+    let Parts { held, rest, covariance, follow, rays, cross } = &parts;
+    let (k, m) = (rest.len(), held.len());
+    // Where the gradient of the rest vanishes; that of free variables does at the point.
+    let slope: Vec<f64> = rest.iter().map(|&i| if free.contains(&i) { 0.0 } else { gradient[i] }).collect();
+    let centre: Vec<f64> =
+        (0..k).map(|i| at[rest[i]] - (0..k).map(|j| covariance[i * k + j] * slope[j]).sum::<f64>()).collect();
     if rays.iter().any(|ray| ray.reach().is_infinite()) {
         return None;
     }
-    let cross: Vec<f64> = (0..m * m)
-        .map(|place| left(place / m, place % m) * rays[place / m].inwards * rays[place % m].inwards)
-        .collect();
     let sd: Vec<f64> = (0..k).map(|i| covariance[i * k + i].max(0.0).sqrt()).collect();
-    let room = |i: usize| (bounds.lower[free[i]] - at[free[i]], bounds.upper[free[i]] - at[free[i]]);
+    let room = |i: usize| (bounds.lower[rest[i]] - centre[i], bounds.upper[rest[i]] - centre[i]);
     let mut near: Vec<usize> = (0..k)
         .filter(|&i| {
             let moved: f64 = rays.iter().enumerate().map(|(a, ray)| (follow[i * m + a] * ray.reach()).abs()).sum();
@@ -166,6 +209,9 @@ pub fn moments(at: &[f64], gradient: &[f64], bounds: &Bounds, curvature: &[f64],
     let mean: Vec<f64> = first.iter().map(|v| v / sum).collect();
     let spread = |a: usize, b: usize| second[a.max(b) * size + a.min(b)] / sum - mean[a] * mean[b];
     let mut moments = Moments { mean: at.to_vec(), sd: vec![0.0; n] };
+    for (&i, centre) in rest.iter().zip(&centre) {
+        moments.mean[i] = *centre;
+    }
     for (a, &i) in held.iter().enumerate() {
         moments.mean[i] += rays[a].inwards * mean[a];
         moments.sd[i] = spread(a, a).max(0.0).sqrt();
@@ -183,8 +229,8 @@ pub fn moments(at: &[f64], gradient: &[f64], bounds: &Bounds, curvature: &[f64],
         onto[m..].copy_from_slice(&regression);
         let own = if near.contains(&i) { 0.0 } else { (covariance[i * k + i] - explained).max(0.0) };
         let carried: f64 = (0..size).map(|a| (0..size).map(|b| onto[a] * spread(a, b) * onto[b]).sum::<f64>()).sum();
-        moments.mean[free[i]] += onto.iter().zip(&mean).map(|(o, v)| o * v).sum::<f64>();
-        moments.sd[free[i]] = (own + carried).max(0.0).sqrt();
+        moments.mean[rest[i]] += onto.iter().zip(&mean).map(|(o, v)| o * v).sum::<f64>();
+        moments.sd[rest[i]] = (own + carried).max(0.0).sqrt();
     }
     let finite = moments.mean.iter().chain(&moments.sd).all(|v| v.is_finite());
     finite.then_some(moments)
@@ -197,7 +243,7 @@ mod tests {
 
     /// Moments by quadrature over a box of two variables.
     fn by_quadrature(gradient: [f64; 2], h: [f64; 3], lower: [f64; 2], upper: [f64; 2]) -> Moments {
-        let rule = gauss_legendre(200);
+        let rule = gauss_legendre(400);
         let integral = |of: &dyn Fn(f64, f64) -> f64| {
             rule.integrate(lower[0], upper[0], |x| {
                 rule.integrate(lower[1], upper[1], |y| {
@@ -238,6 +284,16 @@ mod tests {
     fn free_variables_near_their_bounds_are_cut() {
         compare([0.0; 2], [1.0, 0.6, 2.0], [-0.3, -9.0], [5.0, 9.0], &[0, 1]);
         compare([0.0; 2], [1.0, -0.6, 2.0], [-0.3, -0.1], [5.0, 0.4], &[0, 1]);
+    }
+
+    /// Two that a gentle gradient holds at opposite bounds and at the same, far apart along a ridge.
+    #[test]
+    fn held_variables_that_trade_spread_along_their_ridge() {
+        for r in [0.7, 0.9, 0.99] {
+            compare([0.5, -0.5], [100.0, 100.0 * r, 100.0], [0.0, -9.0], [9.0, 0.0], &[]);
+            compare([0.5, 0.5], [100.0, -100.0 * r, 100.0], [0.0, 0.0], [9.0, 9.0], &[]);
+            compare([60.0, 0.5], [100.0, -100.0 * r, 100.0], [0.0, 0.0], [9.0, 9.0], &[]);
+        }
     }
 
     #[test]

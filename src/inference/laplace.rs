@@ -25,10 +25,7 @@ impl Laplace {
     pub fn new(at: &[f64], gradient: &[f64], bounds: &Bounds, curvature: &[f64], free: &[usize]) -> Option<Self> {
         let n = at.len();
         let k = free.len();
-        let mut own: Vec<f64> = free.iter().flat_map(|&i| free.iter().map(move |&j| curvature[i * n + j])).collect();
-        floor_eigenvalues(&mut own, at, bounds, free);
-        let mut factor = own;
-        cholesky::factor(&mut factor, k).ok()?;
+        let factor = factor(at, bounds, curvature, free)?;
         let covariance = cholesky::inverse(&factor, k);
         let room = |ends: &[f64]| -> Vec<f64> { free.iter().map(|&i| ends[i] - at[i]).collect() };
         let inside = log_box_probability(&covariance, &room(&bounds.lower), &room(&bounds.upper));
@@ -43,6 +40,15 @@ impl Laplace {
         }
         Some(Self { covariance, log_volume: inside.map(|inside| volume + inside) })
     }
+}
+
+/// Cholesky factor of the curvature of the free variables, `None` where it is negative or undefined.
+pub(super) fn factor(at: &[f64], bounds: &Bounds, curvature: &[f64], free: &[usize]) -> Option<Vec<f64>> {
+    let n = at.len();
+    let mut own: Vec<f64> = free.iter().flat_map(|&i| free.iter().map(move |&j| curvature[i * n + j])).collect();
+    floor_eigenvalues(&mut own, at, bounds, free);
+    cholesky::factor(&mut own, free.len()).ok()?;
+    Some(own)
 }
 
 /// Raises the curvature of directions that data and prior leave open to one that cannot be told from none across the

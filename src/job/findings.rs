@@ -71,7 +71,10 @@ pub struct Amplitude {
     /// Standard deviation.
     #[serde(default)]
     pub sd: Option<f64>,
-    /// Unit of both.
+    /// Value of the fit.
+    #[serde(default)]
+    pub most_probable: Option<f64>,
+    /// Unit of all.
     pub unit: String,
 }
 

@@ -11,7 +11,7 @@ fn effect(id: &str, probability: f64, group: Option<u64>) -> Value {
     let parts: Vec<&str> = id.split(':').collect();
     json!({"id": id, "effect": parts[0], "title": "Path between two nodes", "where": parts[1..].to_vec(), "where_kind": "nodes",
         "input": null, "probability": probability, "log_bayes_factor": 41.25, "log_bayes_factor_scales": null, "group": group,
-        "amplitudes": {"conductance": {"value": 0.0491, "sd": 0.0031, "unit": "W/K", "at_bound": false}},
+        "amplitudes": {"conductance": {"value": 0.0491, "sd": 0.0031, "most_probable": 0.0490, "unit": "W/K", "at_bound": false}},
         "rmse_k": {"train": [0.71, 0.26], "held_out": [0.83, 0.27]}, "watts": [0.1, 2.0],
         "carries": [carried("board", "P01", 0.1), carried("board", "P02", 2.0), carried("baseplate", "P01", -0.1), carried("baseplate", "P02", -2.0)],
         "confused_with": ["radiative-path"], "separate": "another temperature"})

@@ -141,7 +141,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        7
+        8
     }
 
     fn identity(&self) -> Value {

@@ -129,9 +129,10 @@ fn parameter(effect: &Effect, parameter: &EffectParameter, finding: &Finding, bo
 /// the prior.
 fn fitted(parameter: &EffectParameter, amplitude: &Amplitude, unit: &Unit) -> Option<f64> {
     let own = Unit::parse(&amplitude.unit).ok().filter(|own| own.dimension == unit.dimension)?;
+    let value = amplitude.most_probable.or(amplitude.value)?;
     let si = match parameter.sense {
-        Sense::Absolute => own.to_si(amplitude.value?),
-        Sense::Difference => own.difference_to_si(amplitude.value?),
+        Sense::Absolute => own.to_si(value),
+        Sense::Difference => own.difference_to_si(value),
     };
     let short: f64 = format!("{:.3e}", in_unit(si, unit, parameter.sense)).parse().ok()?;
     let back = match parameter.sense {
