@@ -41,6 +41,7 @@ mod settings;
 mod several;
 pub mod signature;
 mod still;
+mod taken;
 mod weigh;
 mod width;
 mod words;

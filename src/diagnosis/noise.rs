@@ -6,10 +6,12 @@
 //! enlarged by the freedom that the fit took. A stated sigma stands: then only the share and the time of the correlation
 //! are sought, at that size or a smaller one. White noise and noise with any share and time are as likely beforehand: the likelihood's
 //! mean over shares and times is weighed against that of white noise, which charges their freedom for what it is worth in these data
-//! (Schwarz' price of `ln n` charges three times as much for what some hundred readings tell of a slow part).
+//! (Schwarz' price of `ln n` charges three times as much for what some hundred readings tell of a slow part). What the fit has taken of
+//! the slow part is made good by the restricted likelihood ([`super::taken`]).
 
 use serde::{Deserialize, Serialize};
 
+use super::taken::Taken;
 use crate::inference::measurement::{Measurement, Rows, Uncertain};
 use crate::inference::noise::{Noise, Series};
 use crate::inference::unknown::Value;
@@ -102,6 +104,10 @@ struct Known {
 const SHARES: [f64; 13] = [0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.87, 0.95, 0.99, 1.0];
 /// Number of correlation times that are tried.
 const TIMES: usize = 18;
+/// Falls of the log likelihood of the errors within which noise is tried with what the fit has taken.
+const NEAR: f64 = 25.0;
+/// Falls of the log likelihood within which noise is likely.
+const LIKELY: f64 = 2.0;
 /// Log odds beforehand by which a sensor has the noise of the others rather than its own.
 const LIKE_THE_OTHERS: f64 = 3.0;
 /// Relative standard deviation of stated sizes about the truth.
@@ -219,8 +225,8 @@ fn of_grid<T>(tried: impl Iterator<Item = T>, value: impl Fn(&T) -> f64) -> Opti
     best.map(|best| (log_sum_exp(&logs) - ln(logs.len() as f64), best))
 }
 
-/// The most likely noise of sensors, one for each list of what is left of its readings, SI; `freedom` is the share of the
-/// rows that the fit did not take (above 0, at most 1).
+/// The most likely noise of sensors, from what a fit has left of their readings, SI; `freedom` is the share of the rows that the
+/// fit did not take (above 0, at most 1), `current` the noise that others have while that of one measurement is sought.
 ///
 /// Sensors of a measurement of whose correlation nothing is stated hang on one logger and in one chamber: they have the same
 /// share and time, or all have white noise, and a sensor departs from the others only at a price. What the parameters and the best pair took of a sensor's slow noise would else make white noise of it, and whatever
@@ -228,10 +234,13 @@ fn of_grid<T>(tried: impl Iterator<Item = T>, value: impl Fn(&T) -> f64) -> Opti
 pub fn most_likely(
     measurements: &[Measurement],
     series: &[SensorRows],
-    errors: &[Vec<f64>],
+    taken: &Taken,
     freedom: f64,
+    current: &[SettledNoise],
 ) -> Vec<SettledNoise> {
-    let sought: Vec<Sought<'_>> = (series.iter().zip(errors))
+    let errors: Vec<Vec<f64>> =
+        series.iter().map(|one| one.rows.iter().map(|&row| taken.errors[row]).collect()).collect();
+    let sought: Vec<Sought<'_>> = (series.iter().zip(&errors))
         .map(|(series, errors)| {
             let known = known(&measurements[series.measurement], series.sensor, &series.times_s);
             Sought { series, errors, freedom, known }
@@ -245,7 +254,12 @@ pub fn most_likely(
             one.series.measurement == position && own.correlation_time_s.is_none() && own.white.is_none()
         };
         let members: Vec<usize> = (0..sought.len()).filter(|&place| is_open(&sought[place])).collect();
-        for (place, noise) in together(&sought, &alone, &members) {
+        let correction = |noises: &[Weighed]| {
+            let mut all = current.to_vec();
+            members.iter().zip(noises).for_each(|(&place, (_, noise))| all[place] = *noise);
+            taken.correction(series, &all)
+        };
+        for (place, noise) in together(&sought, &alone, &members, correction) {
             found[place] = noise;
         }
     }
@@ -253,21 +267,48 @@ pub fn most_likely(
 }
 
 /// The noise of those members that have the same.
-fn together(sought: &[Sought<'_>], alone: &[Weighed], members: &[usize]) -> Vec<(usize, SettledNoise)> {
+fn together(
+    sought: &[Sought<'_>],
+    alone: &[Weighed],
+    members: &[usize],
+    correction: impl Fn(&[Weighed]) -> f64,
+) -> Vec<(usize, SettledNoise)> {
     // Times that are allowed for all: those of a sensor whose size is not stated, if there is one.
     let tried = members.iter().copied().filter(|&place| sought[place].known.shares.len() > 1);
     let longest = tried.max_by_key(|&place| (sought[place].known.total.is_none(), sought[place].errors.len()));
     let Some(longest) = longest.map(|place| &sought[place].known) else { return Vec::new() };
-    let departs = |place: usize| alone[place].0 - LIKE_THE_OTHERS;
-    let at = |(share, time)| -> Vec<Weighed> { members.iter().map(|&m| sought[m].at(share, time)).collect() };
-    let value = |all: &Vec<Weighed>| -> f64 { members.iter().zip(all).map(|(&m, own)| own.0.max(departs(m))).sum() };
-    let white = at((0.0, longest.times_s[0]));
-    let same = match of_grid(grid(longest).map(at), value) {
-        Some((evidence, correlated)) if evidence > value(&white) => correlated,
-        _ => white,
+    // With the same noise, but for those that depart.
+    let at = |share: f64, time: f64| -> (f64, Vec<Weighed>) {
+        let own = members.iter().map(|&m| (sought[m].at(share, time), (alone[m].0 - LIKE_THE_OTHERS, alone[m].1)));
+        let all: Vec<Weighed> = own.map(|(own, departs)| if own.0 >= departs.0 { own } else { departs }).collect();
+        (all.iter().map(|(value, _)| value).sum(), all)
     };
-    let alike = members.iter().zip(same).filter(|(place, own)| own.0 >= departs(**place));
-    alike.map(|(&place, (_, noise))| (place, noise)).collect()
+    let mut tried: Vec<(f64, f64, Vec<Weighed>)> = Vec::new();
+    for (share, time) in grid(longest) {
+        let (value, all) = at(share, time);
+        tried.push((value, share * time, all));
+    }
+    let best = tried.iter().map(|(value, ..)| *value).fold(f64::NEG_INFINITY, f64::max);
+    for (value, _, all) in &mut tried {
+        // What is far from the best stays so: the correction changes little from one noise to the next.
+        *value += if best - *value < NEAR { correction(all) } else { f64::NEG_INFINITY };
+    }
+    let (white, all) = at(0.0, longest.times_s[0]);
+    let white = (white + correction(&all), all);
+    let logs: Vec<f64> = tried.iter().map(|(value, ..)| *value).collect();
+    let total = log_sum_exp(&logs);
+    let same = if total - ln(logs.len() as f64) > white.0 {
+        // Of what is likely, the one whose slow part is as strong as it is on the average: what is tested for is slow, and the most
+        // likely noise is as often too weak there as it is too strong.
+        let mean: f64 = tried.iter().map(|(value, slow, _)| exp(value - total) * slow).sum();
+        let best = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let far = |slow: f64| ln(slow / mean).abs();
+        let likely = tried.into_iter().filter(|(value, ..)| best - value < LIKELY);
+        likely.min_by(|a, b| far(a.1).total_cmp(&far(b.1))).map_or(white.1, |(_, _, all)| all)
+    } else {
+        white.1
+    };
+    members.iter().copied().zip(same.into_iter().map(|(_, noise)| noise)).collect()
 }
 
 /// The variance that errors have whose size is stated, and half the square of the deviate by which it lies below. Stated
@@ -345,7 +386,9 @@ mod tests {
     }
 
     fn alone(measurement: &Measurement, series: &SensorRows, errors: &[f64]) -> SettledNoise {
-        most_likely(std::slice::from_ref(measurement), std::slice::from_ref(series), &[errors.to_vec()], 1.0)[0]
+        let taken = Taken { columns: Vec::new(), errors: errors.to_vec() };
+        let current = [SettledNoise::white(1.0)];
+        most_likely(std::slice::from_ref(measurement), std::slice::from_ref(series), &taken, 1.0, &current)[0]
     }
 
     /// Sensors of one measurement with noise of 0.3 K, each drawn with its own.
@@ -355,11 +398,15 @@ mod tests {
         measured.sensors = vec![measured.sensors[0].clone(); noises.len()];
         let times_s: Vec<f64> = (0..rows).map(|k| k as f64 * step).collect();
         let series: Vec<SensorRows> = (0..noises.len())
-            .map(|sensor| SensorRows { measurement: 0, sensor, rows: (0..rows).collect(), times_s: times_s.clone() })
+            .map(|sensor| {
+                let own = (sensor * rows..(sensor + 1) * rows).collect();
+                SensorRows { measurement: 0, sensor, rows: own, times_s: times_s.clone() }
+            })
             .collect();
-        let errors: Vec<Vec<f64>> =
-            (0..).zip(noises).map(|(place, noise)| drawn(rows, step, noise, 100 * seed + place)).collect();
-        most_likely(&[measured], &series, &errors, 1.0)
+        let errors =
+            (0..).zip(noises).flat_map(|(place, noise)| drawn(rows, step, noise, 100 * seed + place)).collect();
+        let taken = Taken { columns: Vec::new(), errors };
+        most_likely(&[measured], &series, &taken, 1.0, &vec![SettledNoise::white(1.0); noises.len()])
     }
 
     /// A fifth of the variance correlated over two intervals is told by one sensor of 150 readings in half of the

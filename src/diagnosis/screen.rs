@@ -4,12 +4,14 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::bounded::Place;
 use super::detectable::detectable;
 use super::engine::{Diagnosis, SettledSensor};
 use super::family::{Extras, Family, MemberKind};
 use super::null_maximum::Sampling;
 use super::pairs::best_pairs;
 use super::score::{Column, Prepared, Score};
+use super::taken::Taken;
 use super::weigh::nothing_stands;
 use super::words;
 use super::{Direction, Linear, Problem, Refit, noise, signature};
@@ -377,10 +379,10 @@ impl Diagnosis {
             .collect();
         for _ in 0..NOISE_ROUNDS {
             let before = settled.clone();
-            let errors = self.errors_of_best_pair(&linear, &directions, &series, &settled);
+            let taken = self.taken_by_best_pair(&linear, &directions, &series, &settled);
             let freedom = 1.0 - (linear.parameters() + 2) as f64 / linear.readings.max(1) as f64;
-            let own = series.iter().map(|one| one.rows.iter().map(|&row| errors[row]).collect::<Vec<f64>>());
-            let found = noise::most_likely(original, &series, &own.collect::<Vec<_>>(), freedom.max(0.1));
+            let current: Vec<noise::SettledNoise> = settled.iter().map(|one| one.noise).collect();
+            let found = noise::most_likely(original, &series, &taken, freedom.max(0.1), &current);
             for (one, noise) in settled.iter_mut().zip(found) {
                 one.noise = noise;
             }
@@ -391,14 +393,14 @@ impl Diagnosis {
         Ok(settled)
     }
 
-    /// What the parameters and the best pair of effects leave of the readings of sensors with unit noise, SI.
-    fn errors_of_best_pair(
+    /// What the parameters and the best pair of effects take of the readings of sensors with unit noise, and leave, SI.
+    fn taken_by_best_pair(
         &self,
         linear: &Linear,
         directions: &[Direction],
         series: &[noise::SensorRows],
         settled: &[SettledSensor],
-    ) -> Vec<f64> {
+    ) -> Taken {
         let whiten = |column: &mut [f64]| {
             for (one, rows) in settled.iter().zip(series) {
                 let mut own: Vec<f64> = rows.rows.iter().map(|&row| column[row]).collect();
@@ -441,15 +443,30 @@ impl Diagnosis {
         let fit = scored.prepared.fit(&columns);
         let step = scored.prepared.step();
         let mut errors = linear.residuals.clone();
-        for (row, error) in errors.iter_mut().enumerate() {
-            for parameter in 0..n {
-                *error -= linear.jacobian[row * n + parameter] * (step[parameter] + fit.x[parameter]);
+        let mut columns = Vec::new();
+        let mut take = |column: Vec<f64>, size: f64, place: Place| {
+            errors.iter_mut().zip(&column).for_each(|(error, own)| *error -= own * size);
+            if place == Place::Free {
+                columns.push(column);
             }
-            for (position, &d) in best.iter().enumerate() {
-                *error -= directions[d].column(0)[row] * fit.x[n + position];
-            }
+        };
+        for parameter in 0..n {
+            let column = (0..linear.rows).map(|row| linear.jacobian[row * n + parameter]).collect();
+            take(column, step[parameter] + fit.x[parameter], fit.places[parameter]);
         }
-        errors
+        for (position, &d) in best.iter().enumerate() {
+            // As it was before it was whitened; of those that were scored only the best are kept.
+            let own = &scored.directions[d];
+            let is_own = |other: &&Direction| {
+                other.candidate == own.candidate
+                    && other.parameters == own.parameters
+                    && other.shape == own.shape
+                    && other.probe == own.probe
+            };
+            let Some(original) = directions.iter().find(is_own) else { continue };
+            take(original.column(0).to_vec(), fit.x[n + position], fit.places[n + position]);
+        }
+        Taken { columns, errors }
     }
 }
 
