@@ -9,6 +9,9 @@ use super::noise::{SensorRows, SettledNoise};
 use crate::inference::cholesky;
 use crate::math::dense::dot;
 
+/// Share of a column's square that is added to it: far above rounding, far below what data tell.
+const RIDGE: f64 = 1e-12;
+
 /// A fit's columns and errors, by row: readings of open sensors in SI, all else in standard deviations.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Taken {
@@ -19,8 +22,8 @@ pub struct Taken {
 }
 
 impl Taken {
-    /// What is to be added to the log likelihood of the errors where the sensors have these noises, but for a constant; 0 where the
-    /// columns are not independent.
+    /// What is to be added to the log likelihood of the errors where the sensors have these noises, but for a constant; 0 where a column
+    /// is nothing.
     pub fn correction(&self, series: &[SensorRows], noises: &[SettledNoise]) -> f64 {
         let k = self.columns.len();
         let whitened = |column: &[f64]| {
@@ -43,13 +46,15 @@ impl Taken {
                 (matrix[i * k + j], matrix[j * k + i]) = (product, product);
             }
         }
-        // To the scale of each column, which is a constant of the fit only where all have the same.
+        // Columns of very different size would spoil the factor.
         let scales: Vec<f64> = (0..k).map(|i| matrix[i * k + i].sqrt()).collect();
         if scales.iter().any(|scale| !(*scale > 0.0)) {
             return 0.0;
         }
         let mut scaled: Vec<f64> =
             (0..k * k).map(|place| matrix[place] / (scales[place / k] * scales[place % k])).collect();
+        // Columns that act only together would have a factor under one noise and none under the next.
+        (0..k).for_each(|i| scaled[i * k + i] += RIDGE);
         if cholesky::factor(&mut scaled, k).is_err() {
             return 0.0;
         }
