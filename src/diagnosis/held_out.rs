@@ -24,7 +24,8 @@ const TIMES_OF_BLOCK: f64 = 3.0;
 const LEAST_BLOCKS: usize = 4;
 
 /// Tests whether a set predicts the held-out rows worse than the believed model, or predicts them badly without being
-/// clearly better; with twice the error and beyond what the parameters leave open it is worse however few blocks there are. A block is a phase, or three correlation times of a transient. `None` without held-out rows.
+/// clearly better; with twice the error and beyond what the parameters leave open it is worse however few blocks there are. A block
+/// is a phase, or three correlation times of a transient. `None` without held-out rows.
 /// `stated`: all noise is stated, so that the size of the errors itself can be judged.
 pub(super) fn test(problem: &Problem, believed: &Refit, chosen: &Refit, stated: bool) -> Option<HeldOutTest> {
     let mut blocks: BTreeMap<(usize, usize), f64> = BTreeMap::new();

@@ -229,8 +229,8 @@ fn of_grid<T>(tried: impl Iterator<Item = T>, value: impl Fn(&T) -> f64) -> Opti
 /// fit did not take (above 0, at most 1), `current` the noise that others have while that of one measurement is sought.
 ///
 /// Sensors of a measurement of whose correlation nothing is stated hang on one logger and in one chamber: they have the same
-/// share and time, or all have white noise, and a sensor departs from the others only at a price. What the parameters and the best pair took of a sensor's slow noise would else make white noise of it, and whatever
-/// moves that sensor alone would be found.
+/// share and time, or all have white noise, and a sensor departs from the others only at a price. What the parameters and the
+/// best pair took of a sensor's slow noise would else make white noise of it, and whatever moves that sensor alone would be found.
 pub fn most_likely(
     measurements: &[Measurement],
     series: &[SensorRows],

@@ -159,11 +159,8 @@ fn error(output: &Output, selected: &[&EffectResult]) -> Option<Statement> {
         None => (train.0, train.1, format!("{with}, RMSE tuned on the readings of the fit; none is held out.")),
     };
     // A calibration infers its noise beside the model as it is, a diagnosis beside what it lacks.
-    let text = if !output.noise.values().any(|own| own.estimated) {
-        text
-    } else {
-        format!("{text} Both with the noise as it was settled here.")
-    };
+    let is_settled = output.noise.values().any(|own| own.estimated);
+    let text = if is_settled { format!("{text} Both with the noise as it was settled here.") } else { text };
     let speaks_against = output.held_out_test.as_ref().is_some_and(|test: &HeldOutTest| test.veto);
     let text = if speaks_against { format!("{text} The held-out readings speak against it.") } else { text };
     let status = Some(if fell && !speaks_against { Status::Ok } else { Status::Caution });
