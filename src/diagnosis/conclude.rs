@@ -17,7 +17,7 @@ use super::weigh::{RIVALS_WITHIN, SURE, Weights, best, groups, held, nothing_sta
 use super::words;
 use super::{Problem, Refit};
 use crate::inference::measurement::Rows;
-use crate::math::functions::pow;
+use crate::math::functions::{ln, pow};
 use crate::math::special::{chi_square_sf, normal_quantile};
 
 /// Sets and effects that are written out.
@@ -65,8 +65,10 @@ impl Diagnosis {
     /// The verdict on what was found.
     pub fn conclude(&self, state: &State) -> Output {
         let problem = self.settled(&state.noise, &state.most_steps);
-        let believed = &state.refits[0];
         let finds = state.screening.family.p <= self.settings().false_alarm;
+        let stated = self.estimates_sigma().is_none();
+        let state = &if finds { self.moved(state, &problem, stated) } else { state.clone() };
+        let believed = &state.refits[0];
         let missing = finds.then(|| heat::missing_heat(&problem, believed)).flatten();
         let weights = weigh(&problem, &state.refits, missing.as_ref().map(|missing| missing.log_evidence));
         let mut warnings = state.warnings.clone();
@@ -92,7 +94,6 @@ impl Diagnosis {
         let missing = missing.filter(|_| !findings.doubted);
         if finds && !findings.doubted {
             verdict = Verdict::Unexplained;
-            let stated = self.estimates_sigma().is_none();
             held_out_test = best(&findings.weights)
                 .and_then(|place| held_out::test(&problem, believed, &state.refits[place], stated));
             let is_vetoed = |place: usize| {
@@ -102,7 +103,7 @@ impl Diagnosis {
             findings.weights = vetoed.with.clone();
             for &place in &vetoed.sets {
                 let effects = named(&findings, &state.refits[place].effects);
-                warnings.push(format!("{} {effects}", words::AGAINST));
+                warnings.push(format!("{} {effects}", held_out::SAYS_AGAINST));
             }
             if !vetoed.sets.is_empty() {
                 let place = best(&vetoed.without).unwrap_or(0);
@@ -157,6 +158,30 @@ impl Diagnosis {
         };
         output.words = words::verdict(&output, &findings, self.settings().false_alarm);
         output
+    }
+
+    /// Where the held-out rows veto a set with its thresholds in the likeliest gaps, and not in others, which the fitted rows leave
+    /// open, the likeliest of these counts.
+    fn moved(&self, state: &State, problem: &Problem, stated: bool) -> State {
+        let mut moved = state.clone();
+        let weights = weigh(problem, &state.refits, None);
+        let is_vetoed =
+            |refit: &Refit| held_out::test(problem, &state.refits[0], refit, stated).is_some_and(|test| test.veto);
+        for (refit, weight) in moved.refits.iter_mut().zip(&weights.sets).skip(1) {
+            if *weight < LEAST_TESTED || !is_vetoed(refit) {
+                continue;
+            }
+            let begin = Begin { starts: vec![refit.by_name()], from_prior: 0, scale: 1.0 };
+            let Ok(all) = problem.refits_over_gaps(&refit.effects, &begin, self.key()) else { continue };
+            let highest = all.iter().map(|one| one.log_evidence).fold(f64::NEG_INFINITY, f64::max);
+            let is_open = |other: &Refit| other.log_evidence + ln(RIVALS_WITHIN) >= highest && !is_vetoed(other);
+            let better = |a: Refit, b: Refit| if b.log_evidence > a.log_evidence { b } else { a };
+            let Some(other) = all.into_iter().filter(is_open).reduce(better) else { continue };
+            let ids: Vec<&str> = refit.effects.iter().map(|&effect| problem.candidates[effect].id.as_str()).collect();
+            moved.warnings.push(format!("{} {}", held_out::SAYS_MOVED, ids.join(" + ")));
+            *refit = other;
+        }
+        moved
     }
 
     /// Whether tests find nothing beside a set; what it leaves is screened where that was not done.

@@ -10,6 +10,11 @@ use crate::inference::cholesky;
 use crate::inference::measurement::{Measurement, Rows};
 use crate::math::special::{chi_square_sf, student_t_cdf};
 
+/// How the warning of a set that is vetoed begins.
+pub(super) const SAYS_AGAINST: &str = "the held-out rows speak against";
+/// How the warning of a set with a threshold that they place begins.
+pub(super) const SAYS_MOVED: &str = "a threshold lies where the held-out rows allow it, not in the gap between two levels that fits \
+                                slightly better and fails on them; they have taken part in the choice:";
 /// Probability below which the test speaks against a set.
 const AGAINST: f64 = 0.01;
 /// Probability of the errors' size below which it speaks against a set that is not clearly better.

@@ -17,22 +17,28 @@ const MOST_OF_COURSE: usize = 7;
 
 /// Values of a parameter that has the unit of one of the effect's inputs, SI: the middles between the input's levels in the
 /// phases that are fitted; where there are transients, and more levels than a few, evenly between the least and the greatest
-/// of the rows that are fitted. `None` where it has no such unit, and where there are no two levels.
+/// of the rows that are fitted; for a node without a sensor evenly over the temperatures that others had there. `None` where it
+/// has no such unit, and where there are no two levels.
 pub(super) fn thresholds(
     problem: &Problem,
     candidate: &Candidate,
     effect: &Effect,
     parameter: &EffectParameter,
 ) -> Option<Vec<f64>> {
-    let (levels, steady) = all_levels(problem, candidate, effect, parameter)?;
+    let steady = all_steady(problem);
+    let evenly = |[least, most]: [f64; 2], count: usize| -> Vec<f64> {
+        (0..count).map(|k| least + (most - least) * (k as f64 + 0.5) / count as f64).collect()
+    };
+    let Some((levels, _)) = all_levels(problem, candidate, effect, parameter) else {
+        let Bound::Node(_) = bound(candidate, effect, parameter)? else { return None };
+        return Some(evenly(span(problem)?, if steady { MOST } else { MOST_OF_COURSE }));
+    };
     let middles: Vec<f64> = levels.windows(2).map(|two| 0.5 * (two[0] + two[1])).collect();
     if middles.is_empty() {
         return None;
     }
     if !steady && middles.len() > MOST_OF_COURSE {
-        let (least, most) = (levels[0], levels[levels.len() - 1]);
-        let at = |k: usize| least + (most - least) * (k as f64 + 0.5) / MOST_OF_COURSE as f64;
-        return Some((0..MOST_OF_COURSE).map(at).collect());
+        return Some(evenly([levels[0], levels[levels.len() - 1]], MOST_OF_COURSE));
     }
     let count = middles.len().min(MOST);
     Some((0..count).map(|k| middles[(2 * k + 1) * middles.len() / (2 * count)]).collect())
@@ -52,6 +58,21 @@ pub(super) fn gap(
     let below = levels.iter().copied().filter(|level| *level <= value).fold(lower, f64::max);
     let above = levels.iter().copied().filter(|level| *level > value).fold(upper, f64::min);
     Some([below, above])
+}
+
+/// Values of such a parameter in the middles of the gaps before and after that of a value (SI). None beyond the outermost
+/// levels: there all rows lie on one side.
+pub(super) fn beside(
+    problem: &Problem,
+    candidate: &Candidate,
+    effect: &Effect,
+    parameter: &EffectParameter,
+    value: f64,
+) -> [Option<f64>; 2] {
+    let Some(levels) = levels(problem, candidate, effect, parameter) else { return [None; 2] };
+    let above = levels.partition_point(|level| *level <= value);
+    let middle = |gap: usize| Some(0.5 * (levels.get(gap)? + levels.get(gap + 1)?));
+    [above.checked_sub(2).and_then(middle), middle(above)]
 }
 
 /// Logarithm of the share of the prior that lies between these levels.
@@ -134,6 +155,24 @@ fn all_levels(
     levels.sort_by(f64::total_cmp);
     let range = levels.last()? - levels.first()?;
     levels.dedup_by(|b, a| *b - *a <= SAME * range);
-    let steady = problem.measurements.iter().all(|measurement| matches!(measurement.rows, Rows::Steady(_)));
-    Some((levels, steady))
+    Some((levels, all_steady(problem)))
+}
+
+fn all_steady(problem: &Problem) -> bool {
+    problem.measurements.iter().all(|measurement| matches!(measurement.rows, Rows::Steady(_)))
+}
+
+/// The least and the greatest of the fitted temperatures, K. `None` where they are one, or none.
+fn span(problem: &Problem) -> Option<[f64; 2]> {
+    let mut span = [f64::INFINITY, f64::NEG_INFINITY];
+    for measurement in &problem.measurements {
+        let kelvin = |sensor: &usize| problem.model.quantities[measurement.sensors[*sensor].quantity].unit == "K";
+        for row in (0..measurement.len()).filter(|&row| !measurement.held_out(row) && !measurement.ignored(row)) {
+            let sensors = (0..measurement.sensors.len()).filter(kelvin);
+            for reading in sensors.filter_map(|sensor| measurement.reading(row, sensor)) {
+                span = [span[0].min(reading), span[1].max(reading)];
+            }
+        }
+    }
+    (span[0] < span[1]).then_some(span)
 }

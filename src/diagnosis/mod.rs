@@ -2,7 +2,7 @@
 //!
 //! `problem`: what is diagnosed. `hypothesis`: the model with a set of effects added. `linear`, `signature`: the whitened
 //! problem at a fit and the directions in which effects would move it. `score`, `pairs`, `family`, `detectable`: what
-//! stands out, and how surely (`bounded`, `null_maximum`: what these rest on). `evidence`: of linear models in closed form. `noise`: noise that is not wholly known. `refit`, `width`, `weigh`: fits, evidence, probabilities.
+//! stands out, and how surely (`bounded`, `null_maximum`: what these rest on). `evidence`: of linear models in closed form. `noise`: noise that is not wholly known. `refit`, `gaps`, `width`, `weigh`: fits, places of thresholds, evidence, probabilities.
 //! `heat`, `carried`, `held_out`, `still`, `separate`: what is missing whatever its name, what heat a fitted effect carries, what the held-out rows say, which channels stand still, which test would part
 //! rivals. `engine`, `conclude`, `words`: the course, the verdict, the sentences. `output`: the result.
 
@@ -18,6 +18,7 @@ pub mod family;
 mod family_tests;
 #[cfg(test)]
 mod fixture;
+mod gaps;
 mod heat;
 mod held_out;
 pub mod hypothesis;

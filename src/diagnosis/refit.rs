@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::levels::{gap, log_share};
+use super::gaps::{Flat, together};
 use super::width::{Amplitudes, WIDTHS};
 use super::{Hypothesis, Problem};
 use crate::expression::Unit;
@@ -15,7 +15,7 @@ use crate::inference::point_estimate::{PointEstimate, PointSettings, estimate};
 use crate::inference::prediction::Predictor;
 use crate::inference::target::{LeastSquares, Target};
 use crate::inference::unknown::settled;
-use crate::math::functions::{exp, ln};
+use crate::math::functions::ln;
 use crate::random::StreamKey;
 
 /// A parameter of an effect after the fit.
@@ -101,20 +101,33 @@ const MOST_STEPS: u64 = 60;
 impl Problem {
     /// Fits the model with effects.
     ///
-    /// The priors of its amplitudes are mixtures of widths: wider ones are fitted, narrower ones counted.
+    /// The priors of its amplitudes are mixtures of widths: wider ones are fitted, narrower ones counted. Thresholds are
+    /// sought in all gaps between the data's levels, and the evidence is the sum over them.
     ///
     /// # Errors
     /// Why there is no fit: effects that do not go together, a likelihood that cannot be evaluated.
     pub fn refit(&self, effects: &[usize], begin: &Begin, key: &StreamKey) -> Result<Refit, String> {
+        together(self.refits_over_gaps(effects, begin, key)?).ok_or_else(|| "no fit".to_owned())
+    }
+
+    /// Fits with thresholds where the starts, and what descends from there, have them. Without `moments` the amplitudes have
+    /// the most probable values for means, and standard deviations by the curvature.
+    pub(super) fn refit_here(
+        &self,
+        effects: &[usize],
+        begin: &Begin,
+        key: &StreamKey,
+        moments: bool,
+    ) -> Result<Refit, String> {
         let mut places = vec![0; effects.len()];
-        let (mut best, mut amplitudes) = self.refit_of_widths(effects, &places, begin, key)?;
+        let (mut best, mut amplitudes) = self.refit_of_widths(effects, &places, begin, key, moments)?;
         loop {
             let wider = amplitudes.wider(&places);
             if wider == places {
                 break;
             }
             let begin = Begin { starts: vec![best.by_name()], from_prior: 0, scale: begin.scale };
-            match self.refit_of_widths(effects, &wider, &begin, key) {
+            match self.refit_of_widths(effects, &wider, &begin, key, moments) {
                 Ok(next) if next.0.log_evidence > best.log_evidence => (best, amplitudes) = next,
                 _ => break,
             }
@@ -130,6 +143,7 @@ impl Problem {
         places: &[usize],
         begin: &Begin,
         key: &StreamKey,
+        moments: bool,
     ) -> Result<(Refit, Amplitudes), String> {
         let widths: Vec<f64> = places.iter().map(|&place| begin.scale * WIDTHS[place].factor).collect();
         let odds: f64 = places.iter().map(|&place| ln(WIDTHS[place].odds)).sum();
@@ -139,7 +153,7 @@ impl Problem {
             starts: begin.from_prior,
             most_iterations: MOST_STEPS,
             findings: false,
-            moments: true,
+            moments,
             ..PointSettings::default()
         };
         let place = |start: &BTreeMap<String, f64>| -> Vec<f64> {
@@ -154,14 +168,16 @@ impl Problem {
             .map_err(|rejected| rejected.to_string())?;
         let log_evidence = found.log_evidence.filter(|value| value.is_finite()).ok_or("the fit has no curvature")?;
         let widths_at = Amplitudes::at(&hypothesis, &found, &self.which_are_amplitudes(effects));
+        // Laplace's evidence is too high where the likelihood is flat in a gap and falls beyond it, which no curvature tells.
+        let flat = self.flat(effects, &likelihood, &found);
         let mut refit = Refit {
             effects: effects.to_vec(),
             widths,
-            log_evidence: log_evidence + odds + self.log_shares(effects, &likelihood, &found),
+            log_evidence: log_evidence + odds + flat.iter().map(|flat| flat.log_share).sum::<f64>(),
             log_likelihood: found.log_likelihood,
             chi_square: found.chi_square,
             held: found.held.iter().map(Option::is_some).collect(),
-            amplitudes: amplitudes(&hypothesis, &likelihood, &found),
+            amplitudes: amplitudes(&hypothesis, &likelihood, &found, &flat),
             given_up: given_up(&found),
             unknowns: found.parameters,
             names: likelihood.names().to_vec(),
@@ -186,42 +202,24 @@ impl Problem {
     }
 }
 
-impl Problem {
-    /// What the Laplace evidence of effects with thresholds is too high by: between two levels of the data the likelihood is
-    /// flat, and beyond them it falls, which no curvature tells. The sum of the logarithms of the priors' shares there.
-    fn log_shares(&self, effects: &[usize], likelihood: &Likelihood, found: &PointEstimate) -> f64 {
-        let place_of = |name: &str| likelihood.names().iter().position(|own| own == name);
-        let mut sum = 0.0;
-        for &position in effects {
-            let candidate = &self.candidates[position];
-            let Some(effect) = self.catalogue.get(&candidate.effect) else { continue };
-            let parameters = effect.parameters(&self.model, &candidate.bound);
-            for parameter in parameters.iter().filter(|parameter| !parameter.amplitude) {
-                let Some(place) = place_of(&format!("{}.{}", candidate.id, parameter.name)) else { continue };
-                let (value, sd) = (found.parameters[place], found.sd()[place]);
-                let Some(gap) = gap(self, candidate, effect, parameter, value) else { continue };
-                let share = log_share(parameter, gap);
-                let (lower, upper) = parameter.prior.support();
-                // A threshold that the data see is held where they say, and its curvature is told.
-                if sd == 0.0 || sd > exp(share) * (upper - lower) {
-                    sum += share;
-                }
-            }
-        }
-        sum
-    }
-}
-
 /// Points at which a transient was given up.
 fn given_up(found: &PointEstimate) -> u64 {
     let reasons = found.work.rejections.by_reason.iter();
     reasons.filter(|(reason, _)| reason.contains(GIVEN_UP)).map(|(_, count)| count).sum()
 }
 
-fn amplitudes(hypothesis: &Hypothesis, likelihood: &Likelihood, found: &PointEstimate) -> Vec<Vec<Amplitude>> {
+fn amplitudes(
+    hypothesis: &Hypothesis,
+    likelihood: &Likelihood,
+    found: &PointEstimate,
+    flat: &[Flat],
+) -> Vec<Vec<Amplitude>> {
     let full = likelihood.full_parameters(&found.parameters);
     let own = found.between_bounds.clone();
-    let own = own.unwrap_or_else(|| Moments { mean: found.parameters.clone(), sd: found.sd() });
+    let mut own = own.unwrap_or_else(|| Moments { mean: found.parameters.clone(), sd: found.sd() });
+    for flat in flat {
+        [own.mean[flat.place], own.sd[flat.place]] = flat.moments();
+    }
     let one = |index: usize| {
         let parameter = &hypothesis.model.parameters[index];
         let unit = Unit::parse(&parameter.unit).ok();

@@ -13,7 +13,6 @@ use super::pairs::best_pairs;
 use super::score::{Column, Prepared, Score};
 use super::taken::Taken;
 use super::weigh::nothing_stands;
-use super::words;
 use super::{Direction, Linear, Problem, Refit, noise, signature};
 use crate::inference::likelihood::Likelihood;
 use crate::inference::measurement::{Rows, Uncertain};
@@ -36,6 +35,8 @@ const DRAWS: usize = 1000;
 const DRAWS_OF_CRITICAL: usize = 250;
 /// Rounds in which the noise is settled.
 const NOISE_ROUNDS: usize = 3;
+/// The name of the test of parameters at their bounds.
+pub(super) const AT_BOUNDS: &str = "parameters at bounds";
 /// Power at which amplitudes are said to be detectable.
 const POWER: f64 = 0.9;
 /// Best directions of an effect that are starts of its fit.
@@ -197,9 +198,7 @@ impl Diagnosis {
             let (name, at) = match member.kind {
                 MemberKind::Direction(d) => ("effects", problem.candidates[scored.directions[d].candidate].id.clone()),
                 MemberKind::Group(group) => ("means of residuals", names[group].clone()),
-                MemberKind::Bound(parameter) => {
-                    (words::AT_BOUNDS, refit.names.get(parameter).cloned().unwrap_or_default())
-                }
+                MemberKind::Bound(parameter) => (AT_BOUNDS, refit.names.get(parameter).cloned().unwrap_or_default()),
                 MemberKind::Prior(_) => ("distance from the priors", String::new()),
                 MemberKind::Omnibus => ("sum of squares", String::new()),
             };

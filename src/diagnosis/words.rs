@@ -2,15 +2,13 @@
 
 use super::Problem;
 use super::conclude::Findings;
+use super::held_out::SAYS_AGAINST;
 use super::output::{EffectResult, Output, RISES, SeparatingExperiment, Verdict};
+use super::screen::AT_BOUNDS;
 use crate::inference::measurement::Measurement;
 
 /// A proposed phase this far beyond all readings is remarked on, K.
 const FAR_BEYOND_K: f64 = 30.0;
-/// How a warning of rows that were held out begins.
-pub(super) const AGAINST: &str = "the held-out rows speak against";
-/// The name of the test of parameters at their bounds.
-pub(super) const AT_BOUNDS: &str = "parameters at bounds";
 /// p at which a test is clear.
 const CLEARLY: f64 = 1e-6;
 
@@ -179,7 +177,7 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 output.looked_at[0],
                 findings.state.refits.iter().map(|refit| refit.effects.len()).max().unwrap_or(0)
             ));
-            if output.warnings.iter().any(|warning| warning.starts_with(AGAINST)) {
+            if output.warnings.iter().any(|warning| warning.starts_with(SAYS_AGAINST)) {
                 words.push("What fits the fitted rows fails on the held-out ones.".to_owned());
             }
         }
