@@ -13,6 +13,7 @@ use super::problem::is_idle;
 use super::refit::Begin;
 use super::separate;
 use super::still;
+use super::trend;
 use super::weigh::{RIVALS_WITHIN, SURE, Weights, best, groups, held, nothing_stands, veto, weigh};
 use super::words;
 use super::{Problem, Refit};
@@ -127,6 +128,7 @@ impl Diagnosis {
         }
         let selected: Vec<String> =
             state.refits[findings.selected].effects.iter().map(|&effect| findings.id(effect).to_owned()).collect();
+        warnings.extend(trend::warnings(&problem, &state.refits[findings.selected].effects));
         let separating_experiment = if verdict == Verdict::Ambiguous { separate::experiment(&findings) } else { None };
         let remaining_p = if findings.selected > 0 { findings.remaining_now() } else { None };
         let (heat, goes_with) = missing.map_or_else(Default::default, |missing| (missing.heat, missing.goes_with));

@@ -9,7 +9,7 @@ use super::exchange::likeliest;
 use super::noise::{SettledNoise, settle};
 use super::refit::Begin;
 use super::screen::{Lead, Screening};
-use super::weigh::{best, weigh};
+use super::weigh::weigh;
 use super::{Problem, Refit, Settings};
 use crate::effect::Effect;
 use crate::inference::joint_prior::JointPrior;
@@ -18,7 +18,7 @@ use crate::inference::target::Target;
 use crate::random::StreamKey;
 
 /// Single effects that are fitted at first.
-const SINGLES: usize = 30;
+pub(super) const SINGLES: usize = 30;
 /// Pairs that are fitted at first.
 const PAIRS: usize = 30;
 /// Most exchanges of channels that are fitted whatever their linearisation says.
@@ -29,12 +29,6 @@ const SINGLES_OF_NOTHING: usize = 10;
 const SINGLES_UNBENT: usize = 12;
 /// A parameter this near the ends of its prior, as a probability, bends the model.
 const BENT: f64 = 0.02;
-/// Effects that are tried beside a set, or in the place of one of its members.
-const BESIDE: usize = 8;
-/// Falls of the sum of squares that differ by less are those of rivals: by a factor of 100 in probability.
-const NEAR: f64 = 9.2;
-/// Most rounds of extension.
-const MOST_ROUNDS: u32 = 8;
 /// Starts of the believed model.
 const STARTS: usize = 8;
 /// A transient of a hypothesis may take this many times the steps of the believed model.
@@ -86,6 +80,9 @@ pub struct Remainder {
 pub struct State {
     /// Rounds of fits that were finished.
     pub rounds: u32,
+    /// Those of them that went on from another set than the best.
+    #[serde(default)]
+    pub aside: u32,
     /// Noise that was estimated.
     pub noise: Vec<SettledSensor>,
     /// Attempted steps after which a hypothesis's transient is given up, by measurement; empty without transients.
@@ -119,25 +116,30 @@ impl State {
     }
 
     /// Orders a set once more where it was fitted, with a fit of a larger set as its start.
-    fn order_again(&mut self, effects: Vec<usize>, from: usize) {
+    pub(super) fn order_again(&mut self, effects: Vec<usize>, from: usize) {
         if !self.pending.iter().any(|order| order.effects == effects) {
             self.pending.push(Order { effects, starts: vec![BTreeMap::new()], from });
         }
     }
 
-    fn warn(&mut self, why: String) {
+    /// Whether what a set leaves was tested and went into orders.
+    pub(super) fn is_gone_on_from(&self, place: usize) -> bool {
+        self.remainders.iter().any(|remainder| remainder.effects == self.refits[place].effects)
+    }
+
+    pub(super) fn warn(&mut self, why: String) {
         if !self.warnings.contains(&why) {
             self.warnings.push(why);
         }
     }
 
-    fn is_known(&self, effects: &[usize]) -> bool {
+    pub(super) fn is_known(&self, effects: &[usize]) -> bool {
         self.refits.iter().any(|refit| refit.effects == effects)
             || self.pending.iter().any(|order| order.effects == effects)
     }
 
     /// Orders a fit of a set, unless it is there.
-    fn order(&mut self, leads: &[&Lead], with: &[usize], from: usize) {
+    pub(super) fn order(&mut self, leads: &[&Lead], with: &[usize], from: usize) {
         let mut effects: Vec<usize> = leads.iter().map(|lead| lead.candidate).chain(with.iter().copied()).collect();
         effects.sort_unstable();
         effects.dedup();
@@ -159,13 +161,6 @@ impl State {
         starts.truncate(4);
         self.pending.push(Order { effects, starts, from });
     }
-}
-
-/// The best effects, of those within [`NEAR`] of the first as many as these two numbers allow.
-fn near(leads: &[Lead], least: usize, most: usize) -> impl Iterator<Item = &Lead> {
-    let best = leads.first().map_or(0.0, |lead| lead.fall);
-    let count = leads.iter().filter(|lead| best - lead.fall < NEAR).count();
-    leads.iter().take(count.clamp(least, most))
 }
 
 impl Diagnosis {
@@ -239,6 +234,7 @@ impl Diagnosis {
         let screening = self.screen_problem(&problem, &believed, true)?;
         let mut state = State {
             rounds: 0,
+            aside: 0,
             noise,
             most_steps,
             screening: screening.clone(),
@@ -272,7 +268,7 @@ impl Diagnosis {
 
     /// What stands out where the parameters are as they were believed beforehand, if the fit bends them far from there: about
     /// a fit that a strong effect has bent, its linearisation may not look like it any more. The starts hold the parameters.
-    fn leads_unbent(&self, problem: &Problem, believed: &Refit) -> Result<Vec<Lead>, String> {
+    pub(super) fn leads_unbent(&self, problem: &Problem, believed: &Refit) -> Result<Vec<Lead>, String> {
         let likelihood = self.likelihood(problem)?;
         let mut unbent = believed.clone();
         let mut bent = false;
@@ -293,7 +289,7 @@ impl Diagnosis {
     }
 
     /// Whether the tests find that something is missing.
-    fn finds(&self, screening: &Screening) -> bool {
+    pub(super) fn finds(&self, screening: &Screening) -> bool {
         screening.family.p <= self.settings.false_alarm
     }
 
@@ -322,14 +318,14 @@ impl Diagnosis {
         problem.refit(&order.effects, &begin, &self.key).map_err(|why| format!("{}: {why}", names.join(" + ")))
     }
 
-    fn is_unknown_function(&self, effect: usize) -> bool {
+    pub(super) fn is_unknown_function(&self, effect: usize) -> bool {
         let effect = self.problem.catalogue.get(&self.problem.candidates[effect].effect);
         effect.is_some_and(Effect::is_unknown_function)
     }
 
     /// Settles the noise anew beside the best fitted effect or pair; before, it was settled beside a linearised one. Where it
     /// changes, everything is screened and fitted again. `None` where it stays.
-    fn settle_again(&self, state: &State) -> Result<Option<State>, String> {
+    pub(super) fn settle_again(&self, state: &State) -> Result<Option<State>, String> {
         let weights = weigh(&self.problem, &state.refits, None);
         // An unknown function, or a third effect, could take noise for physics.
         let plain = |place: &usize| {
@@ -357,113 +353,6 @@ impl Diagnosis {
             }
         }
         Ok(Some(next))
-    }
-
-    /// Tests what the best set leaves, and orders the sets that go on from it.
-    pub fn extend(&self, mut state: State) -> State {
-        state.pending.clear();
-        state.rounds += 1;
-        if state.rounds == 1 {
-            match self.settle_again(&state) {
-                Ok(Some(next)) => return next,
-                Ok(None) => {}
-                Err(why) => state.warn(why),
-            }
-        }
-        let weights = weigh(&self.problem, &state.refits, None);
-        let Some(place) = best(&weights) else { return state };
-        let set = state.refits[place].effects.clone();
-        if set.is_empty() || state.rounds > MOST_ROUNDS || state.remainders.iter().any(|r| r.effects == set) {
-            return state;
-        }
-        let problem = self.settled(&state.noise, &state.most_steps);
-        match self.screen_beside(&problem, &state.refits[place]) {
-            Err(why) => state.warn(why),
-            Ok(screening) => {
-                state.remainders.push(Remainder { effects: set.clone(), p: screening.family.p });
-                if self.finds(&screening) && (set.len() as u64) < self.settings.most {
-                    for lead in near(&screening.leads, 2 * BESIDE, SINGLES) {
-                        state.order(&[lead], &set, place);
-                    }
-                    if set.len() as u64 + 2 <= self.settings.most {
-                        for pair in screening.pairs.iter().take(BESIDE) {
-                            state.order(&[&pair[0], &pair[1]], &set, place);
-                        }
-                    }
-                }
-            }
-        }
-        self.order_unbent(&problem, &mut state, place);
-        self.order_like(&mut state, place);
-        self.replace_members(&problem, &mut state, place);
-        state
-    }
-
-    /// Orders the sets with one more effect that stands out where the parameters are as they were believed beforehand, if what
-    /// is still missing bends the fit with the set: a parameter that a bound holds gives way only far from there, which
-    /// no linearisation at the bound tells.
-    fn order_unbent(&self, problem: &Problem, state: &mut State, place: usize) {
-        let set = state.refits[place].effects.clone();
-        if set.len() as u64 >= self.settings.most {
-            return;
-        }
-        let with = problem.with(&state.refits[place]).map_err(|error| error.to_string());
-        match with.and_then(|with| self.leads_unbent(&with, &state.refits[place])) {
-            Ok(leads) => leads.iter().take(BESIDE).for_each(|lead| state.order(&[lead], &set, place)),
-            Err(why) => state.warn(why),
-        }
-    }
-
-    /// Orders the sets in which another law stands at the place of a member. At the believed fit, which a strong effect bends,
-    /// their linearisations may have missed the best of them.
-    fn order_like(&self, state: &mut State, place: usize) {
-        let set = state.refits[place].effects.clone();
-        let candidates = &self.problem.candidates;
-        let unseen: Vec<usize> = state.screening.unseen.iter().map(|(candidate, _)| *candidate).collect();
-        for &member in &set {
-            let own = &candidates[member];
-            let rest: Vec<usize> = set.iter().copied().filter(|&other| other != member).collect();
-            let is_like = |&other: &usize| {
-                let one = &candidates[other];
-                one.place == own.place
-                    && one.where_kind == own.where_kind
-                    && (one.input.is_none() || one.input == own.input)
-                    && !set.contains(&other)
-                    && !self.is_unknown_function(other)
-                    // What plausible sizes would not show, larger ones may.
-                    && (one.steady || !unseen.contains(&other))
-            };
-            for candidate in (0..candidates.len()).filter(is_like).take(BESIDE) {
-                state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &rest, place);
-            }
-        }
-    }
-
-    /// Orders the sets in which another effect stands in the place of a member, and those without it.
-    fn replace_members(&self, problem: &Problem, state: &mut State, place: usize) {
-        let set = state.refits[place].effects.clone();
-        if set.len() < 2 {
-            return;
-        }
-        for &member in &set {
-            let rest: Vec<usize> = set.iter().copied().filter(|&other| other != member).collect();
-            let Some(from) = state.refits.iter().position(|refit| refit.effects == rest) else {
-                state.order(&[], &rest, place);
-                continue;
-            };
-            // What does nothing is not needed: without it the fit is at least as good, unless it stopped elsewhere.
-            if state.refits[place].does_nothing(member) && !rest.is_empty() {
-                state.order_again(rest.clone(), place);
-            }
-            match self.screen_beside(problem, &state.refits[from]) {
-                Err(why) => state.warn(why),
-                Ok(screening) => {
-                    for lead in near(&screening.leads, BESIDE, 2 * BESIDE) {
-                        state.order(&[lead], &rest, from);
-                    }
-                }
-            }
-        }
     }
 
     /// Screens what a fitted set leaves.

@@ -3,8 +3,8 @@
 //! `problem`: what is diagnosed. `hypothesis`: the model with a set of effects added. `linear`, `signature`: the whitened
 //! problem at a fit and the directions in which effects would move it. `score`, `pairs`, `family`, `detectable`: what
 //! stands out, and how surely (`bounded`, `null_maximum`: what these rest on). `evidence`: of linear models in closed form. `noise`: noise that is not wholly known. `refit`, `gaps`, `width`, `weigh`: fits, places of thresholds, evidence, probabilities.
-//! `heat`, `carried`, `held_out`, `still`, `separate`: what is missing whatever its name, what heat a fitted effect carries, what the held-out rows say, which channels stand still, which test would part
-//! rivals. `engine`, `conclude`, `words`: the course, the verdict, the sentences. `output`: the result.
+//! `heat`, `carried`, `held_out`, `still`, `trend`, `separate`: what is missing whatever its name, what heat a fitted effect carries, what the held-out rows say, which channels stand still, which inputs follow time, which test would part
+//! rivals. `engine`, `search`, `conclude`, `words`: the course, the sets that are fitted, the verdict, the sentences. `output`: the result.
 
 pub mod bounded;
 mod carried;
@@ -37,12 +37,14 @@ pub mod score;
 #[cfg(test)]
 mod score_tests;
 mod screen;
+mod search;
 mod separate;
 mod settings;
 mod several;
 pub mod signature;
 mod still;
 mod taken;
+mod trend;
 mod weigh;
 mod width;
 mod words;

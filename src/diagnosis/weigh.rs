@@ -113,10 +113,15 @@ pub struct Weights {
     pub unexplained: f64,
 }
 
+/// Logarithms of what sets weigh by evidence and prior, not normalised.
+pub fn log_weights(problem: &Problem, refits: &[Refit]) -> Vec<f64> {
+    let odds = Odds::new(problem);
+    refits.iter().map(|refit| refit.log_evidence + odds.of(problem, &refit.effects)).collect()
+}
+
 /// Weighs sets by evidence and prior; `unexplained` is the log evidence of something else, where it is known.
 pub fn weigh(problem: &Problem, refits: &[Refit], unexplained: Option<f64>) -> Weights {
-    let odds = Odds::new(problem);
-    let mut logs: Vec<f64> = refits.iter().map(|refit| refit.log_evidence + odds.of(problem, &refit.effects)).collect();
+    let mut logs = log_weights(problem, refits);
     logs.push(unexplained.map_or(f64::NEG_INFINITY, |evidence| evidence + Odds::unexplained()));
     let total = log_sum_exp(&logs);
     let mut sets: Vec<f64> =

@@ -7,6 +7,8 @@ use super::output::{EffectResult, Output, RISES, SeparatingExperiment, Verdict};
 use super::screen::AT_BOUNDS;
 use crate::inference::measurement::Measurement;
 
+/// The first parameter of a curve.
+const FIRST_KNOT: &str = "knot_1";
 /// A proposed phase this far beyond all readings is remarked on, K.
 const FAR_BEYOND_K: f64 = 30.0;
 /// p at which a test is clear.
@@ -29,7 +31,7 @@ fn p_value(p: f64) -> String {
 /// The size of an effect, after a comma: its first parameter. Nothing for one that has none, and for a curve, of which the
 /// first knot says nothing.
 fn size(effect: &EffectResult) -> String {
-    let first = effect.amplitudes.iter().next().filter(|(name, _)| *name != "knot_1");
+    let first = effect.amplitudes.iter().next().filter(|(name, _)| *name != FIRST_KNOT);
     first.map_or_else(String::new, |(name, amount)| {
         let unit = if amount.unit == "1" { String::new() } else { format!(" {}", amount.unit) };
         if amount.at_bound {
@@ -54,10 +56,19 @@ fn surprising(effect: &EffectResult) -> String {
 fn carried(effect: &EffectResult) -> String {
     let (Some([least, most]), Some(first)) = (effect.watts, effect.carries.first()) else { return String::new() };
     let node = &first.node;
-    if most <= 0.0 {
-        return format!(", which takes {} to {} W from {node}", short(-most, 2), short(-least, 2));
+    let range = |least: f64, most: f64| match (short(least, 2), short(most, 2)) {
+        (least, most) if least == most => format!("{least} W"),
+        (least, most) => format!("{least} to {most} W"),
+    };
+    if effect.amplitudes.contains_key(FIRST_KNOT) {
+        // A curve's level trades for whatever else is constant there.
+        let swing = short(most - least, 2);
+        return format!(", heat that varies by {swing} W into {node} ({})", range(least, most));
     }
-    format!(", which gives {node} {} to {} W", short(least, 2), short(most, 2))
+    if most <= 0.0 {
+        return format!(", which takes {} from {node}", range(-most, -least));
+    }
+    format!(", which gives {node} {}", range(least, most))
 }
 
 /// A value and its spread, to two digits of the spread.
@@ -156,6 +167,12 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
         p_value(misfit.family_wise_p)
     ));
     words.push(error);
+    if !findings.state.noise.is_empty() {
+        words.push(
+            "The noise of these fits is the one that was settled here (see noise): a calibration that infers its own may follow the readings more closely, or less."
+                .to_owned(),
+        );
+    }
     let selected: Vec<&EffectResult> =
         output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id)).collect();
     match output.verdict {
@@ -195,6 +212,12 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 ));
             }
         }
+    }
+    if selected.len() > 1 {
+        words.push(format!(
+            "Of sets of several effects the most promising were fitted, not all: probabilities are among {} sets.",
+            output.looked_at[2]
+        ));
     }
     if !selected.is_empty() {
         let place = findings.selected;

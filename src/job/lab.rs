@@ -123,7 +123,7 @@ impl Job for Lab {
     }
 
     fn algorithm_version(&self) -> u32 {
-        6
+        7
     }
 
     fn identity(&self) -> Value {

@@ -132,7 +132,7 @@ impl Job for Calibrate {
     }
 
     fn algorithm_version(&self) -> u32 {
-        5
+        6
     }
 
     fn identity(&self) -> Value {

@@ -72,6 +72,12 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
     if let Some(note) = &report.reconstructed {
         blocks.push(Block::callout(Tone::Reconstructed, note.clone()));
     }
+    for (name, _) in report.calibrations().filter(|(_, output)| !output.converged) {
+        let text = Text::new("The calibration ")
+            .code(name)
+            .plain(" did not converge: tuned numbers are not to be relied upon.");
+        blocks.push(Block::callout(Tone::Warning, text));
+    }
     blocks.extend(report.warnings.iter().map(|w| Block::callout(Tone::Warning, w.clone())));
     if report.results.is_empty() {
         blocks.push(Block::callout(
