@@ -80,7 +80,7 @@ pub struct Remainder {
 pub struct State {
     /// Rounds of fits that were finished.
     pub rounds: u32,
-    /// Those of them that went on from another set than the best.
+    /// How often it was gone on from another set than the best.
     #[serde(default)]
     pub aside: u32,
     /// Noise that was estimated.

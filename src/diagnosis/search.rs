@@ -14,8 +14,8 @@ const BESIDE: usize = 8;
 const NEAR: f64 = 9.2;
 /// Most rounds of extension.
 const MOST_ROUNDS: u32 = 8;
-/// Most rounds in which other sets than the best one are gone on from.
-const MOST_ROUNDS_ASIDE: u32 = 6;
+/// Most times that other sets than the best one are gone on from.
+const MOST_ASIDE: u32 = 6;
 /// Single effects from which sets are sought that the best one does not lead to.
 const MOST_SEEDS: usize = 3;
 /// Exchanges of channels that are fitted beside a set that is gone on from.
@@ -44,13 +44,13 @@ impl Diagnosis {
         let Some(place) = best(&weights) else { return state };
         let problem = self.settled(&state.noise, &state.most_steps);
         if state.is_gone_on_from(place) {
-            while state.pending.is_empty() && state.aside < MOST_ROUNDS_ASIDE {
+            while state.pending.is_empty() && state.aside < MOST_ASIDE {
                 let Some(place) = self.aside(&state, place) else { break };
                 state.aside += 1;
                 self.go_on(&problem, &mut state, place);
                 self.replace_members(&problem, &mut state, place);
             }
-        } else if !state.refits[place].effects.is_empty() && state.rounds - state.aside <= MOST_ROUNDS {
+        } else if !state.refits[place].effects.is_empty() && state.rounds.saturating_sub(state.aside) <= MOST_ROUNDS {
             self.go_on(&problem, &mut state, place);
             self.order_unbent(&problem, &mut state, place);
             self.order_like(&mut state, place);
