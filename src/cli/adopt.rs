@@ -87,8 +87,9 @@ fn told(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, findings: &Findings
         text.push_str(&format!("  {}: {}{probability}{against}\n", escaped(name), escaped(&finding.id)));
     }
     let chosen: Vec<_> = next.adopted.iter().map(|(_, finding)| *finding).collect();
-    if let Some([before, after]) = chosen.first().and_then(|finding| worse(finding)) {
-        text.push_str(&format!("with it the error on the held-out rows rises from {before:.2} to {after:.2} K\n"));
+    for (id, [before, after]) in chosen.iter().filter_map(|finding| Some((&finding.id, worse(finding)?))) {
+        let id = escaped(id);
+        text.push_str(&format!("with {id} the error on the held-out rows rises from {before:.2} to {after:.2} K\n"));
     }
     for line in ambiguity(findings, &chosen, &pass.pass.model) {
         text.push_str(&format!("{}\n", escaped(&line)));

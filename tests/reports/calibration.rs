@@ -57,6 +57,8 @@ fn with(output: Output) -> Sample {
 #[test]
 fn the_verdict_stands_before_the_numbers() {
     let report = rendered(&calibrated());
+    let summary = report.markdown.split("\n## ").nth(1).expect("a summary");
+    assert!(summary.contains("did not converge: tuned numbers are not to be relied upon"), "{summary}");
     let section = report.markdown.rsplit("Calibration").next().expect("a section").to_owned();
     let place = |text: &str| section.find(text).unwrap_or_else(|| panic!("{text}: {section}"));
     assert!(place("did not converge") < place("R-hat of G is 1.300"));
