@@ -68,7 +68,8 @@ impl Diagnosis {
         let problem = self.settled(&state.noise, &state.most_steps);
         let finds = state.screening.family.p <= self.settings().false_alarm;
         let stated = self.estimates_sigma().is_none();
-        let state = &if finds { self.moved(state, &problem, stated) } else { state.clone() };
+        let moved = finds.then(|| self.moved(state, &problem, stated));
+        let state = moved.as_ref().unwrap_or(state);
         let believed = &state.refits[0];
         let missing = finds.then(|| heat::missing_heat(&problem, believed)).flatten();
         let weights = weigh(&problem, &state.refits, missing.as_ref().map(|missing| missing.log_evidence));
@@ -170,7 +171,7 @@ impl Diagnosis {
         let is_vetoed =
             |refit: &Refit| held_out::test(problem, &state.refits[0], refit, stated).is_some_and(|test| test.veto);
         for (refit, weight) in moved.refits.iter_mut().zip(&weights.sets).skip(1) {
-            if *weight < LEAST_TESTED || !is_vetoed(refit) {
+            if *weight < LEAST_TESTED || !problem.has_thresholds(&refit.effects) || !is_vetoed(refit) {
                 continue;
             }
             let begin = Begin { starts: vec![refit.by_name()], from_prior: 0, scale: 1.0 };

@@ -92,6 +92,11 @@ impl Problem {
         }
     }
 
+    /// Whether a set has thresholds that lie between levels.
+    pub(super) fn has_thresholds(&self, effects: &[usize]) -> bool {
+        !self.thresholds_of(effects).is_empty()
+    }
+
     /// The thresholds of a set that lie between levels.
     fn thresholds_of(&self, effects: &[usize]) -> Vec<Threshold> {
         let mut thresholds = Vec::new();

@@ -29,7 +29,7 @@ pub(super) fn thresholds(
     let evenly = |[least, most]: [f64; 2], count: usize| -> Vec<f64> {
         (0..count).map(|k| least + (most - least) * (k as f64 + 0.5) / count as f64).collect()
     };
-    let Some((levels, _)) = all_levels(problem, candidate, effect, parameter) else {
+    let Some(levels) = all_levels(problem, candidate, effect, parameter) else {
         let Bound::Node(_) = bound(candidate, effect, parameter)? else { return None };
         return Some(evenly(span(problem)?, if steady { MOST } else { MOST_OF_COURSE }));
     };
@@ -122,17 +122,17 @@ fn on_node(problem: &Problem, measurement: &Measurement, node: usize) -> Vec<usi
 
 /// Distinct levels in steady phases. `None` where there are transients: there the likelihood tells where a threshold is.
 fn levels(problem: &Problem, candidate: &Candidate, effect: &Effect, parameter: &EffectParameter) -> Option<Vec<f64>> {
-    all_levels(problem, candidate, effect, parameter).filter(|(_, steady)| *steady).map(|(levels, _)| levels)
+    all_levels(problem, candidate, effect, parameter).filter(|_| all_steady(problem))
 }
 
-/// Distinct levels, ascending, of the input whose unit a parameter has, in the rows that are fitted, and whether all rows are
-/// steady phases. `None` where it has no such unit, and without any level.
+/// Distinct levels, ascending, of the input whose unit a parameter has, in the rows that are fitted. `None` where it has no
+/// such unit, and without any level.
 fn all_levels(
     problem: &Problem,
     candidate: &Candidate,
     effect: &Effect,
     parameter: &EffectParameter,
-) -> Option<(Vec<f64>, bool)> {
+) -> Option<Vec<f64>> {
     let bound = bound(candidate, effect, parameter)?;
     let mut levels = Vec::new();
     for measurement in &problem.measurements {
@@ -155,7 +155,7 @@ fn all_levels(
     levels.sort_by(f64::total_cmp);
     let range = levels.last()? - levels.first()?;
     levels.dedup_by(|b, a| *b - *a <= SAME * range);
-    Some((levels, all_steady(problem)))
+    Some(levels)
 }
 
 fn all_steady(problem: &Problem) -> bool {

@@ -22,7 +22,7 @@ pub(super) fn warnings(problem: &Problem, effects: &[usize]) -> Vec<String> {
         });
         for input in inputs.filter(|&input| follows_time(problem, input)) {
             said.push(format!(
-                "`{}` goes with `{}`, which rises or falls throughout the test: it may stand for anything else that changed with time",
+                "`{}` goes with `{}`, which rises or falls throughout the test: the effect may stand for anything else that changed with time",
                 candidate.id, problem.model.inputs[input].name
             ));
         }
