@@ -1,10 +1,49 @@
-//! Printing: documents on standard output, messages on standard error, tables of text.
+//! Printing: documents on standard output, messages on standard error, tables of text. Whatever a text was made of,
+//! nothing in it steers the terminal: this is held here, for all verbs.
 
+use std::borrow::Cow;
 use std::io::{self, ErrorKind, Write};
 
 use serde::Serialize;
 
+use crate::document::visible::{escaped_json, escaped_lines};
 pub use crate::report::terminal::escaped;
+
+/// Begins a sequence of control.
+const ESCAPE: &str = "\u{1b}[";
+
+/// A text whose hidden characters are shown by their codes. Line breaks stay, and so do colours, bold and their end, which
+/// this program sets itself; no other sequence of control does.
+fn safe(text: &str) -> Cow<'_, str> {
+    if !text.contains(ESCAPE) {
+        return escaped_lines(text);
+    }
+    let mut parts = text.split(ESCAPE);
+    let mut out = escaped_lines(parts.next().unwrap_or_default()).into_owned();
+    for part in parts {
+        let colour = part.split_once('m').filter(|(codes, _)| codes.split(';').all(is_colour));
+        let rest = match colour {
+            Some((codes, rest)) => {
+                out.push_str(&format!("{ESCAPE}{codes}m"));
+                rest
+            }
+            None => {
+                out.push_str(&escaped_lines(ESCAPE));
+                part
+            }
+        };
+        out.push_str(&escaped_lines(rest));
+    }
+    Cow::Owned(out)
+}
+
+/// Whether a code sets a colour of the text, bold, or nothing.
+fn is_colour(code: &str) -> bool {
+    match code.parse::<u8>() {
+        Ok(code) => matches!(code, 0 | 1 | 22 | 30..=37 | 39 | 90..=97),
+        Err(_) => code.is_empty(),
+    }
+}
 
 /// Prints text on standard output. A reader that has seen enough (`| head`) is no error.
 ///
@@ -12,7 +51,7 @@ pub use crate::report::terminal::escaped;
 /// Any other refusal of the system.
 pub fn print(text: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(safe(text).as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         other => other,
     }
@@ -24,12 +63,12 @@ pub fn print(text: &str) -> io::Result<()> {
 /// As [`print`].
 pub fn print_json(value: &impl Serialize) -> io::Result<()> {
     let text = serde_json::to_string_pretty(value).map_err(io::Error::other)?;
-    print(&format!("{text}\n"))
+    print(&format!("{}\n", escaped_json(&text)))
 }
 
 /// Tells something on standard error; a closed one is no error.
 pub fn tell(message: &str) {
-    let _ = writeln!(io::stderr().lock(), "{message}");
+    let _ = writeln!(io::stderr().lock(), "{}", safe(message));
 }
 
 /// Rows of cells in columns, two blanks apart; the first row is the heading.
@@ -56,6 +95,21 @@ pub fn table(rows: &[Vec<String>]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nothing_but_colours_steers_the_terminal() {
+        let own = "\u{1b}[1;31merror:\u{1b}[0m a\n\u{1b}[94mb\u{1b}[m";
+        assert_eq!(safe(own), own);
+        for (wild, shown) in [
+            ("a\u{1b}[2Jb", "a\\u{1b}[2Jb"),
+            ("\u{1b}[8mhidden\u{1b}[0m", "\\u{1b}[8mhidden\u{1b}[0m"),
+            ("\u{1b}]0;title\u{7}", "\\u{1b}]0;title\\u{7}"),
+            ("\u{1b}[31", "\\u{1b}[31"),
+            ("\u{9b}2J\u{202e}\0\r", "\\u{9b}2J\\u{202e}\\u{0}\\r"),
+        ] {
+            assert_eq!(safe(wild), shown);
+        }
+    }
 
     #[test]
     fn columns_are_as_wide_as_their_widest_cell() {

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::status::Failure;
 use super::studies;
-use crate::study::Folder;
 use crate::study::pinned::{self, Obtained, State};
+use crate::study::{Folder, Reader};
 
 /// A pinned measurement, checked or brought.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
@@ -25,7 +25,7 @@ pub(super) struct PinnedFile {
 pub(super) fn pinned(paths: &[PathBuf], bring: bool, from: Option<&Path>) -> Result<Vec<PinnedFile>, Failure> {
     let folders = pinned::search_folders(from, std::env::var_os("BMV_DATA").as_deref());
     let mut found: Vec<PinnedFile> = Vec::new();
-    for (study, _, pass) in studies::passes(paths, false)? {
+    for (study, _, pass) in studies::passes(&Reader::default(), paths, false)? {
         let folder = Folder::open(&study).map_err(|error| Failure::input(error.to_string()))?;
         for entry in &pass.pinned {
             let file = study.join(&entry.file).display().to_string();

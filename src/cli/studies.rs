@@ -10,14 +10,14 @@ use super::archive::study_name;
 use super::execute::Executed;
 use super::output::{escaped, tell};
 use super::status::Failure;
-use crate::document::Diagnostic;
+use crate::document::{Diagnostic, Diagnostics};
 use crate::job::{Job, JobError, compare, predict, propagate, sensitivity};
 use crate::report::assemble::{FinishedJob, Surroundings, assemble};
 use crate::report::{History, JobEntry, JobResult, PassErrors, PassReport};
 use crate::runner::{Node, Outcome, Ready, RunnerError, Task};
 use crate::study::ready::{Deferred, Readiness};
 use crate::study::resolved::Upstream;
-use crate::study::{self, Pass, discover};
+use crate::study::{self, Pass, Reader, discover};
 
 /// Diagnostics printed of one file.
 const MOST_DIAGNOSTICS: usize = 50;
@@ -97,16 +97,25 @@ impl Task for After {
     }
 }
 
-/// The passes under these paths, all that is wrong with all of them in one message.
-pub(super) fn passes(paths: &[PathBuf], coloured: bool) -> Result<Vec<(PathBuf, PathBuf, Pass)>, Failure> {
+/// The passes under these paths, all that is wrong with all of them in one message, each thing once.
+pub(super) fn passes(
+    reader: &Reader,
+    paths: &[PathBuf],
+    coloured: bool,
+) -> Result<Vec<(PathBuf, PathBuf, Arc<Pass>)>, Failure> {
     let studies = discover(paths).map_err(|error| Failure::input(error.to_string()))?;
     let mut loaded = Vec::new();
     let mut wrong = Vec::new();
+    let mut said = Diagnostics::new();
     for study in studies {
         for path in study.passes {
-            match crate::study::load(&path) {
+            match reader.load(&path) {
                 Ok(pass) => loaded.push((study.folder.clone(), path, pass)),
-                Err(diagnostics) => wrong.push(diagnostics.render(coloured, MOST_DIAGNOSTICS)),
+                Err(diagnostics) => {
+                    // A pass tells what is wrong with the passes that it builds upon too.
+                    wrong.push(diagnostics.without(&said).render(coloured, MOST_DIAGNOSTICS));
+                    said.extend(&diagnostics);
+                }
             }
         }
     }
@@ -197,9 +206,13 @@ fn take_orphans(nodes: &mut Vec<Node>) -> Vec<(String, String)> {
 /// # Errors
 /// What is wrong with the files, rendered at its place.
 pub fn load(paths: &[PathBuf], coloured: bool) -> Result<Loaded, Failure> {
+    load_with(&Reader::default(), paths, coloured)
+}
+
+fn load_with(reader: &Reader, paths: &[PathBuf], coloured: bool) -> Result<Loaded, Failure> {
     let mut all = Loaded::default();
     let mut needed = Vec::new();
-    for (study, path, pass) in passes(paths, coloured)? {
+    for (study, path, pass) in passes(reader, paths, coloured)? {
         let shown = path.display().to_string();
         if !pass.warnings.is_empty() {
             all.notes.push(pass.warnings.render(coloured, MOST_DIAGNOSTICS));
@@ -209,7 +222,7 @@ pub fn load(paths: &[PathBuf], coloured: bool) -> Result<Loaded, Failure> {
             jobs: Vec::new(),
             not_run: Vec::new(),
             refused: Vec::new(),
-            pass: Arc::new(pass),
+            pass,
             shown: shown.clone(),
             study,
         };
@@ -282,9 +295,10 @@ pub fn parents(passes: &[LoadedPass]) -> Loaded {
         }
     }
     let mut all = Loaded::default();
+    let reader = Reader::default();
     for path in wanted {
         // A parent may lack what its children add; its own report then tells what is wrong with it.
-        let Ok(loaded) = load(&[path], false) else { continue };
+        let Ok(loaded) = load_with(&reader, &[path], false) else { continue };
         all.passes.extend(loaded.passes);
         all.nodes.extend(loaded.nodes);
     }
@@ -343,7 +357,7 @@ pub fn one_pass(path: &Path) -> Result<(), Failure> {
 /// A pass that cannot be loaded, or that has no such job.
 pub fn job_of_kind(path: &Path, kind: &str, name: Option<&str>, coloured: bool) -> Result<String, Failure> {
     let shown = path.display();
-    let loaded = passes(&[path.to_owned()], coloured)?;
+    let loaded = passes(&Reader::default(), &[path.to_owned()], coloured)?;
     let jobs = loaded.iter().flat_map(|(_, _, pass)| &pass.jobs).filter(|job| job.spec.kind() == kind);
     let jobs: Vec<&str> = jobs.map(|job| job.name.as_str()).collect();
     match (name, jobs.as_slice()) {

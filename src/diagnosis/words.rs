@@ -25,7 +25,12 @@ fn percent(probability: f64) -> String {
 
 /// A p-value as people read it.
 fn p_value(p: f64) -> String {
-    if p < 1e-4 { format!("{p:.0e}") } else { format!("{p:.4}") }
+    match p {
+        // Smaller than any float.
+        0.0 => "0".to_owned(),
+        p if p < 1e-4 => format!("{p:.0e}"),
+        p => format!("{p:.4}"),
+    }
 }
 
 /// The size of an effect, after a comma: its first parameter. Nothing for one that has none, and for a curve, of which the
@@ -283,6 +288,11 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_p_value_below_every_float_is_0() {
+        assert_eq!([0.0, 3e-7, 0.05].map(p_value), ["0", "3e-7", "0.0500"]);
+    }
 
     #[test]
     fn sizes_are_read_with_their_errors() {

@@ -23,7 +23,7 @@ impl<'a> Fields<'a> {
         let Value::Object(entries) = &node.value else { return wrong_type(node, what, diagnostics) };
         for entry in entries {
             if !known.contains(&entry.key.as_str()) {
-                let near = suggest::nearest(&entry.key, known.iter().copied());
+                let near = diagnostics.nearest(&entry.key, known.iter().copied());
                 let help = match near {
                     Some(near) => format!("did you mean `{near}`?"),
                     None if known.is_empty() => "the object has no fields: write {}".to_owned(),
@@ -75,7 +75,7 @@ pub fn one_kind<'a>(node: &'a Node, kinds: &[&str], what: &str, diagnostics: &mu
     match entries.as_slice() {
         [one] if kinds.contains(&one.key.as_str()) => Some(one),
         [one] => {
-            let near = suggest::nearest(&one.key, kinds.iter().copied());
+            let near = diagnostics.nearest(&one.key, kinds.iter().copied());
             let diagnostic =
                 Diagnostic::error(&code::UNKNOWN_KIND, &one.key_place, format!("unknown kind `{}` of {what}", one.key))
                     .expected(format!("one of {}", suggest::listed(kinds.iter().copied(), 20)))
@@ -106,7 +106,7 @@ pub fn word<'a>(node: &'a Node, words: &[&str], what: &str, diagnostics: &mut Di
     if words.contains(&text.as_str()) {
         return Some(text);
     }
-    let near = suggest::nearest(text, words.iter().copied());
+    let near = diagnostics.nearest(text, words.iter().copied());
     diagnostics.push(
         Diagnostic::error(&code::UNKNOWN_KIND, &node.place, format!("unknown {what} `{text}`"))
             .expected(expected)

@@ -1,10 +1,14 @@
 //! Errors and warnings at their places, collected and shown in the source.
 
+use std::borrow::Cow;
+
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use serde::Serialize;
 
 use super::code::Code;
 use super::source::{Place, floor_boundary};
+use super::suggest;
+use super::visible::{escaped, is_hidden, shortened};
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, PartialOrd, Ord)]
@@ -86,17 +90,17 @@ impl Diagnostic {
             Severity::Error => Level::ERROR,
             Severity::Warning => Level::WARNING,
         };
-        let label = self.expected.clone().unwrap_or_default();
-        let mut group = Group::with_title(level.primary_title(self.message.as_str()).id(self.code.name));
+        let label = self.expected.as_deref().map(visible).unwrap_or_default();
+        let mut group = Group::with_title(level.primary_title(visible(&self.message)).id(self.code.name));
         group = shown(group, &self.place, AnnotationKind::Primary, label);
         for (place, what) in &self.related {
-            group = shown(group, place, AnnotationKind::Context, what.clone());
+            group = shown(group, place, AnnotationKind::Context, visible(what));
         }
         if !self.place.path.is_empty() {
-            group = group.element(Level::NOTE.message(format!("at {}", self.place.path)));
+            group = group.element(Level::NOTE.message(visible(&format!("at {}", self.place.path))));
         }
         if let Some(help) = &self.help {
-            group = group.element(Level::HELP.message(help.as_str()));
+            group = group.element(Level::HELP.message(visible(help)));
         }
         let renderer = if coloured { Renderer::styled() } else { Renderer::plain() };
         renderer.render(&[group])
@@ -117,6 +121,12 @@ impl Diagnostic {
             help: self.help.clone(),
         }
     }
+}
+
+/// A text of a message as it is printed: short enough to be read, without anything that steers a terminal. Whoever
+/// writes a message need not think of it.
+fn visible(text: &str) -> String {
+    escaped(&shortened(text)).into_owned()
 }
 
 /// Lines of a source longer than this are shown around the place only, in bytes.
@@ -143,16 +153,29 @@ fn shown<'a>(group: Group<'a>, place: &'a Place, kind: AnnotationKind, label: St
     let position = place.position();
     let end = end.min(last);
     let label = if label.is_empty() { None } else { Some(label) };
-    let snippet = Snippet::source(&text[first..last])
+    // Each hidden character becomes one of three bytes, so that the line keeps its columns.
+    let part = |from: usize, to: usize| -> String { text[from..to].chars().map(drawn).collect() };
+    let (before, marked) = (part(first, start), part(start, end));
+    let span = before.len()..before.len() + marked.len();
+    let snippet = Snippet::source(before + &marked + &part(end, last))
         .line_start(position.line)
-        .annotation(kind.span(start - first..end - first).label(label));
-    let name = place.source.name();
+        .annotation(kind.span(span).label(label));
+    let name = visible(place.source.name());
     if cut {
         // Columns of a part of the line would be wrong: the place is given apart.
         let origin = Origin::path(name).line(position.line).char_column(position.column);
         return group.element(origin).element(snippet);
     }
     group.element(snippet.path(name))
+}
+
+/// A character of a source as it is drawn: a hidden one as U+FFFD; blanks stay.
+fn drawn(character: char) -> char {
+    if is_hidden(character) && !matches!(character, '\t' | '\r' | '\n') {
+        char::REPLACEMENT_CHARACTER
+    } else {
+        character
+    }
 }
 
 /// A finding as data, for `--json` and tests. Lines and columns count from 1, columns in characters.
@@ -181,6 +204,9 @@ pub struct PlainDiagnostic {
 /// No more findings than this are kept; the rest is counted.
 const KEPT: usize = 1000;
 
+/// Behind so many errors no name is suggested any more.
+const SUGGESTED: usize = 100;
+
 /// The findings of a run over some files.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Diagnostics {
@@ -195,23 +221,60 @@ impl Diagnostics {
         Self::default()
     }
 
-    /// Adds a finding.
-    pub fn push(&mut self, diagnostic: Diagnostic) {
+    /// Adds a finding; of very long texts the beginning and the end are kept.
+    pub fn push(&mut self, mut diagnostic: Diagnostic) {
         match diagnostic.severity {
             Severity::Error => self.errors += 1,
             Severity::Warning => self.warnings += 1,
         }
         if self.list.len() < KEPT {
+            for text in [Some(&mut diagnostic.message), diagnostic.expected.as_mut(), diagnostic.help.as_mut()] {
+                let Some(text) = text else { continue };
+                if let Cow::Owned(short) = shortened(text) {
+                    *text = short;
+                }
+            }
             self.list.push(diagnostic);
         }
     }
 
-    /// Adds all findings of another collection.
-    pub fn extend(&mut self, other: Self) {
-        self.errors += other.errors;
-        self.warnings += other.warnings;
-        self.list.extend(other.list);
-        self.list.truncate(KEPT);
+    /// Adds a finding, unless it is here already.
+    pub fn push_once(&mut self, diagnostic: Diagnostic) {
+        if !self.list.contains(&diagnostic) {
+            self.push(diagnostic);
+        }
+    }
+
+    /// Adds all findings of another collection that are not here yet: of a file that several others name, each thing is
+    /// said once.
+    pub fn extend(&mut self, other: &Self) {
+        let mut kept = 0;
+        for diagnostic in &other.list {
+            kept += 1;
+            self.push_once(diagnostic.clone());
+        }
+        // What was not kept there cannot be compared.
+        let errors = other.list.iter().filter(|diagnostic| diagnostic.severity == Severity::Error).count();
+        self.errors += other.errors - errors;
+        self.warnings += other.warnings - (kept - errors);
+    }
+
+    /// The findings without those of another collection.
+    pub fn without(&self, other: &Self) -> Self {
+        let mut rest = self.clone();
+        rest.list.retain(|diagnostic| !other.list.contains(diagnostic));
+        let errors = |list: &[Diagnostic]| list.iter().filter(|own| own.severity == Severity::Error).count();
+        let said = self.list.len() - rest.list.len();
+        let errors_said = errors(&self.list) - errors(&rest.list);
+        rest.errors -= errors_said;
+        rest.warnings -= said - errors_said;
+        rest
+    }
+
+    /// The candidate nearest to a name that nothing has, for a suggestion. Behind a hundred errors there is none: nobody
+    /// reads so far, and among many names each takes its time.
+    pub fn nearest<'a>(&self, name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+        if self.errors < SUGGESTED { suggest::nearest(name, candidates) } else { None }
     }
 
     /// Number of errors.
@@ -272,7 +335,7 @@ impl Diagnostics {
 mod tests {
     use super::*;
     use crate::document::code;
-    use crate::document::source::{Source, Span};
+    use crate::document::source::{JsonPath, Source, Span};
 
     fn at(text: &str, start: usize, end: usize) -> Place {
         Place::in_text(&Source::new("a.csv", text), Span::new(start, end))
@@ -317,9 +380,64 @@ mod tests {
     }
 
     #[test]
-    fn terminal_controls_in_a_file_are_not_passed_on() {
-        let text = "\u{1b}[31mred\u{7}";
-        let shown = Diagnostic::error(&code::SYNTAX, &at(text, 0, 3), "wrong \u{1b}[2J").render(false);
-        assert!(!shown.contains('\u{1b}') && !shown.contains('\u{7}'), "{shown:?}");
+    fn no_part_of_a_finding_passes_on_what_steers_a_terminal() {
+        let wild = "x\u{1b}[31m\u{7}\0\u{202e}\u{9b}2J\u{200b}";
+        let source = Source::new(format!("{wild}.json"), format!("{wild} {wild}\r\n"));
+        let place = |start, end| Place {
+            source: source.clone(),
+            span: Span::new(start, end),
+            path: JsonPath::root().key(wild).index(0),
+        };
+        let finding = Diagnostic::error(&code::SYNTAX, &place(0, 3), wild)
+            .expected(wild)
+            .help(format!("write\n{wild}"))
+            .related(&place(4, 6), wild);
+        for coloured in [false, true] {
+            let shown = finding.render(coloured);
+            // The renderer's own colours are all that may be left.
+            let plain: String = if coloured {
+                let after_code = |part: &str| part.split_once('m').map_or(String::new(), |(_, rest)| rest.to_owned());
+                let mut parts = shown.split("\u{1b}[");
+                parts.next().map(str::to_owned).into_iter().chain(parts.map(after_code)).collect()
+            } else {
+                shown
+            };
+            let bad = |character: char| is_hidden(character) && character != '\n';
+            assert!(!plain.contains(bad), "{plain:?}");
+            assert!(plain.contains("x\\u{1b}[31m\\u{7}\\u{0}\\u{202e}"), "{plain}");
+        }
+    }
+
+    #[test]
+    fn texts_beyond_reading_are_cut() {
+        let mut diagnostics = Diagnostics::new();
+        let long = "x".repeat(1_000_000);
+        diagnostics
+            .push(Diagnostic::error(&code::SYNTAX, &at("a", 0, 1), long.clone()).expected(long.clone()).help(long));
+        assert!(diagnostics.render(false, 9).len() < 10_000);
+        assert!(diagnostics.plain()[0].message.len() < 2000);
+    }
+
+    #[test]
+    fn a_finding_of_a_file_that_several_name_is_counted_once() {
+        let finding = |start| Diagnostic::error(&code::SYNTAX, &at("abc", start, start + 1), "wrong");
+        let (mut one, mut two) = (Diagnostics::new(), Diagnostics::new());
+        one.push(finding(0));
+        two.push(finding(0));
+        two.push(finding(1));
+        let rest = two.without(&one);
+        assert_eq!((rest.errors(), rest.plain().len()), (1, 1));
+        one.extend(&two);
+        assert_eq!((one.errors(), one.plain().len()), (2, 2));
+    }
+
+    #[test]
+    fn names_are_suggested_up_to_a_hundred_errors() {
+        let mut diagnostics = Diagnostics::new();
+        for _ in 0..100 {
+            assert_eq!(diagnostics.nearest("nodse", ["nodes"]), Some("nodes"));
+            diagnostics.push(Diagnostic::error(&code::SYNTAX, &at("a", 0, 1), "wrong"));
+        }
+        assert_eq!(diagnostics.nearest("nodse", ["nodes"]), None);
     }
 }

@@ -151,7 +151,7 @@ fn report(error: &ParseError, place: &Place, scope: &Scope<'_>, diagnostics: &mu
     if let (Some(name), None) = (&error.name, &error.help) {
         let functions = crate::expression::scope::RESERVED.iter().copied().filter(|r| r.len() > 2);
         let candidates: Vec<&str> = scope.all().chain(functions).collect();
-        let near = suggest::nearest(name, candidates.iter().copied());
+        let near = diagnostics.nearest(name, candidates.iter().copied());
         diagnostic = match near {
             Some(near) => diagnostic.help(format!("did you mean `{near}`?")),
             None if scope.all().next().is_none() => diagnostic.help("the model has no parameters and inputs"),

@@ -1,8 +1,8 @@
 //! JSON to a tree that knows its places, with every error of a file and not the first only.
 //!
 //! Stricter than needed nowhere, kinder in messages: comments, trailing commas, single quotes, NaN and the like get
-//! their own message, and reading goes on behind them. Depth and size are limited, so that no file overflows the
-//! stack.
+//! their own message, and reading goes on behind them. Depth, size and the number of values are limited, so that no file
+//! overflows the stack or fills the memory.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use super::code;
 use super::diagnostic::{Diagnostic, Diagnostics};
 pub use super::number::Number;
 use super::number::number_fault;
-use super::source::{Place, Source, Span, push_key};
+use super::source::{JsonPath, Place, Source, Span};
 use super::suggest;
 
 /// Arrays and objects nested deeper are refused.
@@ -19,6 +19,9 @@ pub const DEPTH: usize = 128;
 
 /// Files larger than this are refused, in bytes.
 pub const SIZE: usize = 64 << 20;
+
+/// Files with more values (numbers, strings, arrays, objects, ...) are refused.
+pub const VALUES: usize = 1_000_000;
 
 /// Reading stops after so many errors.
 const ERRORS: usize = 200;
@@ -104,36 +107,36 @@ impl Node {
 }
 
 /// Reads bytes as UTF-8; an error names the first byte that is none.
-pub fn decode(name: &str, bytes: &[u8], diagnostics: &mut Diagnostics) -> Arc<Source> {
-    match std::str::from_utf8(bytes) {
-        Ok(text) => Source::new(name, text),
-        Err(error) => {
-            let source = Source::new(name, String::from_utf8_lossy(bytes));
-            let start = error.valid_up_to();
-            let end = source.text()[start..].chars().next().map_or(start, |c| start + c.len_utf8());
-            let byte = bytes.get(start).copied().unwrap_or_default();
-            let utf16 = bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]);
-            diagnostics.push(
-                Diagnostic::error(
-                    &code::NOT_UTF8,
-                    &Place::in_text(&source, Span::new(start, end)),
-                    format!("the file is not UTF-8: byte 0x{byte:02x} at offset {start}"),
-                )
-                .help(if utf16 {
-                    "the file looks like UTF-16: save it as UTF-8 (without byte order mark)"
-                } else {
-                    "save the file as UTF-8"
-                }),
-            );
-            source
-        }
-    }
+pub fn decode(name: &str, bytes: Vec<u8>, diagnostics: &mut Diagnostics) -> Arc<Source> {
+    let error = match String::from_utf8(bytes) {
+        Ok(text) => return Source::new(name, text),
+        Err(error) => error,
+    };
+    let bytes = error.as_bytes();
+    let source = Source::new(name, String::from_utf8_lossy(bytes));
+    let start = error.utf8_error().valid_up_to();
+    let end = source.text()[start..].chars().next().map_or(start, |c| start + c.len_utf8());
+    let byte = bytes.get(start).copied().unwrap_or_default();
+    let utf16 = bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]);
+    diagnostics.push(
+        Diagnostic::error(
+            &code::NOT_UTF8,
+            &Place::in_text(&source, Span::new(start, end)),
+            format!("the file is not UTF-8: byte 0x{byte:02x} at offset {start}"),
+        )
+        .help(if utf16 {
+            "the file looks like UTF-16: save it as UTF-8 (without byte order mark)"
+        } else {
+            "save the file as UTF-8"
+        }),
+    );
+    source
 }
 
 /// Reads and parses a file's bytes: [`decode`], then [`parse`]. `None` where the bytes are no UTF-8.
 pub fn parse_bytes(name: &str, bytes: &[u8], diagnostics: &mut Diagnostics) -> Option<Node> {
     let before = diagnostics.errors();
-    let source = decode(name, bytes, diagnostics);
+    let source = decode(name, bytes.to_vec(), diagnostics);
     if diagnostics.errors() > before {
         return None;
     }
@@ -144,7 +147,8 @@ pub fn parse_bytes(name: &str, bytes: &[u8], diagnostics: &mut Diagnostics) -> O
 /// [`Value::Invalid`] in the gaps. `None` where the structure itself is broken off.
 pub fn parse(source: &Arc<Source>, diagnostics: &mut Diagnostics) -> Option<Node> {
     let before = diagnostics.errors();
-    let mut parser = Parser { source, text: source.text(), at: 0, depth: 0, path: "$".to_owned(), before, diagnostics };
+    let path = JsonPath::root();
+    let mut parser = Parser { source, text: source.text(), at: 0, depth: 0, values: 0, path, before, diagnostics };
     parser.document().ok()
 }
 
@@ -189,14 +193,15 @@ struct Parser<'a> {
     text: &'a str,
     at: usize,
     depth: usize,
-    path: String,
+    values: usize,
+    path: JsonPath,
     before: usize,
     diagnostics: &'a mut Diagnostics,
 }
 
 impl<'a> Parser<'a> {
     fn place(&self, start: usize, end: usize) -> Place {
-        Place { source: Arc::clone(self.source), span: Span::new(start, end), path: Arc::from(self.path.as_str()) }
+        Place { source: Arc::clone(self.source), span: Span::new(start, end), path: self.path.clone() }
     }
 
     fn error(&mut self, code: &'static code::Code, start: usize, end: usize, message: impl Into<String>, help: &str) {
@@ -292,6 +297,12 @@ impl<'a> Parser<'a> {
         let start = self.at;
         if self.diagnostics.errors() - self.before > ERRORS {
             // A file that is no JSON at all would only repeat itself.
+            return Err(Broken);
+        }
+        self.values += 1;
+        if self.values > VALUES {
+            let message = format!("the file has more than {VALUES} values");
+            self.error(&code::TOO_LARGE, start, start + 1, message, "measured data belong into CSV files");
             return Err(Broken);
         }
         let value = match self.peek() {
@@ -408,11 +419,11 @@ impl<'a> Parser<'a> {
             self.at += 1;
             return Ok(Value::Array(items));
         }
-        let length = self.path.len();
+        let own = self.path.clone();
         loop {
-            self.path.push_str(&format!("[{}]", items.len()));
+            self.path = own.index(items.len());
             let item = self.value();
-            self.path.truncate(length);
+            self.path.clone_from(&own);
             items.push(item?);
             if !self.next_item(']')? {
                 return Ok(Value::Array(items));
@@ -429,15 +440,15 @@ impl<'a> Parser<'a> {
             self.at += 1;
             return Ok(Value::Object(entries));
         }
-        let length = self.path.len();
+        let own = self.path.clone();
         loop {
             let start = self.at;
             let key = self.key()?;
             let end = self.at;
-            push_key(&mut self.path, key.as_deref().unwrap_or("?"));
+            self.path = own.key(key.as_deref().unwrap_or("?"));
             let key_place = self.place(start, end);
             let node = self.field();
-            self.path.truncate(length);
+            self.path.clone_from(&own);
             let node = node?;
             if let Some(key) = key {
                 if let Some(&first) = seen.get(&key) {
@@ -524,7 +535,28 @@ impl<'a> Parser<'a> {
             None => return self.broken_off("`:`"),
         }
         self.skip();
-        self.value()
+        let node = self.value()?;
+        Ok(self.without_decimal_comma(node))
+    }
+
+    /// A field's value; a number behind which a comma and digits follow at once, `0,6`, was meant as one number: behind a
+    /// field's value a key would follow, which is a string.
+    fn without_decimal_comma(&mut self, node: Node) -> Node {
+        let rest = &self.text[self.at..];
+        let fraction = rest.strip_prefix(',').map_or("", |rest| {
+            let end = rest.find(|c: char| !(c.is_ascii_digit() || matches!(c, 'e' | 'E' | '+' | '-')));
+            &rest[..end.unwrap_or(rest.len())]
+        });
+        let begins = fraction.starts_with(|c: char| c.is_ascii_digit());
+        if !begins || !matches!(node.value, Value::Number(Number::Unsigned(_) | Number::Signed(_))) {
+            return node;
+        }
+        let (start, end) = (node.place.span.start, self.at + 1 + fraction.len());
+        let meant = format!("{}.{fraction}", node.place.text());
+        let message = format!("`{}` is no JSON number: it has a decimal comma", &self.text[start..end]);
+        self.error(&code::INVALID_NUMBER, start, end, message, &format!("write {meant}"));
+        self.at = end;
+        Node { value: Value::Invalid, place: self.place(start, end) }
     }
 
     fn single_quoted(&mut self) {

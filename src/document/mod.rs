@@ -16,6 +16,7 @@ pub mod quantity;
 pub mod schema;
 pub mod source;
 pub mod suggest;
+pub mod visible;
 pub mod written;
 
 pub use declare::Empty;
@@ -28,5 +29,5 @@ pub use map::{Map, MapEntry};
 pub use prior::{Prior, PriorForm};
 pub use quantity::{Amount, Scalar, Sense, WrittenUnit};
 pub use schema::Schemas;
-pub use source::{Place, Position, Source, Span};
+pub use source::{JsonPath, Place, Position, Source, Span};
 pub use written::{NameOr, OneOrMany, Spanned, Written, read_file};

@@ -1,5 +1,6 @@
 //! Which names are allowed, and what is said of one that is not known.
 
+use super::visible::is_hidden;
 use super::{Diagnostic, Diagnostics, Map, Place, code, suggest};
 use crate::expression::scope::RESERVED;
 
@@ -75,7 +76,7 @@ pub fn unknown<'a>(
     known: impl Iterator<Item = &'a str> + Clone,
     diagnostics: &mut Diagnostics,
 ) {
-    let near = suggest::nearest(name, known.clone());
+    let near = diagnostics.nearest(name, known.clone());
     let mut diagnostic = Diagnostic::error(&code::UNKNOWN_REFERENCE, place, format!("unknown {what} `{name}`"));
     diagnostic = match near {
         Some(near) => diagnostic.help(format!("did you mean `{near}`?")),
@@ -83,25 +84,4 @@ pub fn unknown<'a>(
         None => diagnostic.help(format!("the {what}s are {}", suggest::listed(known, 12))),
     };
     diagnostics.push(diagnostic.expected(format!("the name of a {what}")));
-}
-/// Whether a character would not be seen or would change how its neighbours are shown: controls, zero widths, and the
-/// marks that turn the direction of writing.
-fn is_hidden(character: char) -> bool {
-    character.is_control()
-        || matches!(character, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn marks_that_turn_the_direction_of_writing_are_hidden_and_letters_are_not() {
-        for hidden in ['\u{202e}', '\u{2067}', '\u{200b}', '\u{feff}', '\u{9b}', '\n'] {
-            assert!(is_hidden(hidden), "{hidden:?}");
-        }
-        for shown in ['a', 'ä', '温', 'µ', '°', ' ', '-'] {
-            assert!(!is_hidden(shown), "{shown:?}");
-        }
-    }
 }

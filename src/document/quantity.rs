@@ -141,8 +141,23 @@ pub fn report_dimension(unit: &Unit, place: &Place, expected: Dimension, diagnos
         same if same == unit.text => format!("the unit `{same}` does not fit here"),
         si => format!("the unit `{}` does not fit here: in SI it is {si}", unit.text),
     };
-    diagnostics
-        .push(Diagnostic::error(&code::WRONG_DIMENSION, place, message).expected(format!("a unit of {expected}")));
+    let mut diagnostic =
+        Diagnostic::error(&code::WRONG_DIMENSION, place, message).expected(format!("a unit of {expected}"));
+    let meant = unit.without_coulomb().filter(|meant| Unit::parse(meant).is_ok_and(|own| own.dimension == expected));
+    diagnostic.help = meant.map(|meant| coulomb(&meant));
+    diagnostics.push(diagnostic);
+}
+
+fn coulomb(meant: &str) -> String {
+    format!("`C` is the coulomb: write `{meant}` for degrees Celsius")
+}
+
+/// Warns of a coulomb in a unit that nothing else is held against.
+pub fn warn_of_coulomb(unit: &Unit, place: &Place, diagnostics: &mut Diagnostics) {
+    if let Some(meant) = unit.without_coulomb() {
+        let message = format!("the unit `{}` is {} in SI", unit.text, unit.dimension);
+        diagnostics.push(Diagnostic::warning(&code::COULOMB, place, message).help(coulomb(&meant)));
+    }
 }
 
 impl Written for Amount {

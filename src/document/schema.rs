@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
+use super::written::SCHEMA_LINK;
+
 /// Shared definitions of a schema.
 #[derive(Clone, Debug, Default)]
 pub struct Schemas {
@@ -39,10 +41,16 @@ impl Schemas {
         json!({"$ref": format!("#/$defs/{name}")})
     }
 
-    /// The whole schema of a file.
+    /// The whole schema of a file, which may link to its schema.
     pub fn document<T: super::written::Written>(title: &str) -> Value {
         let mut schemas = Self::new();
         let root = T::schema(&mut schemas);
+        let name = root["$ref"].as_str().and_then(|reference| reference.strip_prefix("#/$defs/"));
+        let definition = name.and_then(|name| schemas.definitions.get_mut(name));
+        if let Some(properties) = definition.and_then(|own| own["properties"].as_object_mut()) {
+            let link = json!({"type": "string", "description": "The JSON Schema of this file, for editors."});
+            properties.insert(SCHEMA_LINK.to_owned(), link);
+        }
         let mut document = json!({
             "$schema": "https://json-schema.org/draft/2020-12/schema",
             "title": title,

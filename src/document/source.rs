@@ -68,7 +68,67 @@ pub(super) fn floor_boundary(text: &str, byte: usize) -> usize {
     byte
 }
 
-/// Where something stands: file, bytes, and JSON path (`$.nodes.board.capacity`).
+/// A JSON path, shown as `$.nodes.board.capacity`. It is a last step and a link to the path before it, which all members
+/// of an object or array share: a long key is kept once, however many values stand under it. Reading limits the depth.
+#[derive(Clone, Default, PartialEq, Eq)]
+pub struct JsonPath(Option<Arc<Step>>);
+
+#[derive(PartialEq, Eq)]
+enum Step {
+    Root,
+    Key(JsonPath, Box<str>),
+    Index(JsonPath, usize),
+}
+
+impl JsonPath {
+    /// The path of a whole document.
+    pub fn root() -> Self {
+        Self(Some(Arc::new(Step::Root)))
+    }
+
+    /// The path of a field.
+    pub fn key(&self, key: &str) -> Self {
+        Self(Some(Arc::new(Step::Key(self.clone(), key.into()))))
+    }
+
+    /// The path of a member of an array.
+    pub fn index(&self, index: usize) -> Self {
+        Self(Some(Arc::new(Step::Index(self.clone(), index))))
+    }
+
+    /// Whether it is that of a place outside JSON.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_none()
+    }
+}
+
+impl std::fmt::Display for JsonPath {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut steps = Vec::new();
+        let mut at = self;
+        while let Some(step) = &at.0 {
+            steps.push(step.as_ref());
+            at = match step.as_ref() {
+                Step::Root => break,
+                Step::Key(before, _) | Step::Index(before, _) => before,
+            };
+        }
+        steps.into_iter().rev().try_for_each(|step| match step {
+            Step::Root => f.write_str("$"),
+            Step::Key(_, key) if is_plain(key) => write!(f, ".{key}"),
+            Step::Key(_, key) => write!(f, "[{}]", super::canonical::quoted(key)),
+            Step::Index(_, index) => write!(f, "[{index}]"),
+        })
+    }
+}
+
+/// Whether a key stands in a path behind a point, without quotes.
+fn is_plain(key: &str) -> bool {
+    key.chars().next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_')
+        && key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
+/// Where something stands: file, bytes, and JSON path.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Place {
     /// The file.
@@ -76,7 +136,7 @@ pub struct Place {
     /// The bytes.
     pub span: Span,
     /// The JSON path; empty outside JSON.
-    pub path: Arc<str>,
+    pub path: JsonPath,
 }
 
 impl std::fmt::Debug for Place {
@@ -88,7 +148,7 @@ impl std::fmt::Debug for Place {
 impl Place {
     /// A place in a file that is not JSON, such as a cell of a table.
     pub fn in_text(source: &Arc<Source>, span: Span) -> Self {
-        Self { source: Arc::clone(source), span, path: Arc::from("") }
+        Self { source: Arc::clone(source), span, path: JsonPath::default() }
     }
 
     /// Line and column of the first character.
@@ -126,27 +186,6 @@ impl Place {
         place.span = Span::new(base + first, base + last.max(first));
         place
     }
-
-    /// The path of a field of the object at this place, for a field that is missing.
-    pub fn field_path(&self, name: &str) -> Arc<str> {
-        let mut path = self.path.to_string();
-        push_key(&mut path, name);
-        Arc::from(path)
-    }
-}
-
-/// Appends a key to a JSON path: `.name`, or `["a name"]` where it is no plain word.
-pub(super) fn push_key(path: &mut String, key: &str) {
-    let plain = key.chars().next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_')
-        && key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    if plain {
-        path.push('.');
-        path.push_str(key);
-    } else {
-        path.push('[');
-        path.push_str(&super::canonical::quoted(key));
-        path.push(']');
-    }
 }
 
 #[cfg(test)]
@@ -165,10 +204,18 @@ mod tests {
     #[test]
     fn places_inside_strings_allow_for_escapes() {
         let source = Source::new("a.json", r#""G\u00e9 + \"x""#);
-        let place = Place { source: source.clone(), span: Span::new(0, source.text().len()), path: Arc::from("$") };
+        let place = Place { source: source.clone(), span: Span::new(0, source.text().len()), path: JsonPath::root() };
         // Decoded: `Gé + "x`, where x is byte 7.
         assert_eq!(place.inside_string(7, 8).text(), "x");
         assert_eq!(place.inside_string(1, 3).text(), r"\u00e9");
         assert_eq!(place.inside_string(0, 1).text(), "G");
+    }
+
+    #[test]
+    fn paths_show_plain_keys_bare_and_others_quoted() {
+        let path = JsonPath::root().key("nodes").key("a \"b\"").index(3);
+        assert_eq!(path.to_string(), r#"$.nodes["a \"b\""][3]"#);
+        assert_eq!(JsonPath::default().to_string(), "");
+        assert!(JsonPath::default().is_empty() && !path.is_empty());
     }
 }

@@ -3,54 +3,100 @@
 /// Names farther away than this share of their length are no suggestion.
 const NEAR: usize = 3;
 
+/// Longer names are not compared and not listed whole, in characters.
+const LONGEST: usize = 200;
+
+/// Characters shown of a name that is longer.
+const SHOWN: usize = 60;
+
 /// Number of insertions, deletions, replacements and swaps of neighbours between two texts (optimal string
-/// alignment; Damerau 1964). Case is ignored.
-pub fn distance(a: &str, b: &str) -> usize {
-    let a: Vec<char> = a.chars().flat_map(char::to_lowercase).collect();
-    let b: Vec<char> = b.chars().flat_map(char::to_lowercase).collect();
-    let mut before = vec![0; b.len() + 1];
+/// alignment; Damerau 1964), if it is at most `most`. The cost is the length of a text times `most`.
+fn distance(a: &[char], b: &[char], most: usize) -> Option<usize> {
+    if a.len().abs_diff(b.len()) > most {
+        return None;
+    }
+    let beyond = a.len().max(b.len()) + 1;
+    let mut before = vec![beyond; b.len() + 1];
     let mut above: Vec<usize> = (0..=b.len()).collect();
-    let mut row = vec![0; b.len() + 1];
+    let mut row = vec![beyond; b.len() + 1];
     for i in 1..=a.len() {
-        row[0] = i;
-        for j in 1..=b.len() {
+        // Farther from the diagonal than `most` there are more insertions or deletions than that alone.
+        let (first, last) = (i.saturating_sub(most).max(1), i.saturating_add(most).min(b.len()));
+        row[first - 1] = if first == 1 { i } else { beyond };
+        let mut least = row[first - 1];
+        for j in first..=last {
             let change = usize::from(a[i - 1] != b[j - 1]);
-            row[j] = (above[j] + 1).min(row[j - 1] + 1).min(above[j - 1] + change);
+            let deleted = if j < i.saturating_add(most) { above[j] + 1 } else { beyond };
+            row[j] = deleted.min(row[j - 1] + 1).min(above[j - 1] + change);
             if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
                 row[j] = row[j].min(before[j - 2] + 1);
             }
+            least = least.min(row[j]);
+        }
+        // The least of a row never falls again.
+        if least > most {
+            return None;
         }
         std::mem::swap(&mut before, &mut above);
         std::mem::swap(&mut above, &mut row);
     }
-    above[b.len()]
+    Some(above[b.len()]).filter(|distance| *distance <= most)
 }
 
-/// The candidate nearest to `name`, if one is near enough to be meant; the first of several equally near.
+/// Puts a text's characters in lower case into `out`.
+fn lower(text: &str, out: &mut Vec<char>) {
+    out.clear();
+    out.extend(text.chars().flat_map(char::to_lowercase));
+}
+
+/// The candidate nearest to `name`, if one is near enough to be meant; the first of several equally near. Where a file
+/// is read, [`Diagnostics::nearest`](super::Diagnostics::nearest) bounds how often this is asked.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    // Texts far longer than any name are not compared: the cost grows with the product of the lengths.
-    let length = name.chars().count();
-    if length > 200 {
+    let (mut own, mut other) = (Vec::new(), Vec::new());
+    if name.len() > 4 * LONGEST {
         return None;
     }
-    candidates
-        .into_iter()
-        .filter(|c| c.len() <= 400)
-        .map(|c| (distance(name, c), c))
-        .filter(|&(d, c)| d <= (length.max(c.chars().count()) / NEAR).max(1) && d < length.max(2))
-        .min_by_key(|&(d, _)| d)
-        .map(|(_, c)| c)
+    lower(name, &mut own);
+    if own.len() > LONGEST {
+        return None;
+    }
+    let mut best: Option<(usize, &str)> = None;
+    for candidate in candidates {
+        // A character has at most four bytes, so this leaves out nothing that is near, and most of what is not at once.
+        if candidate.len() > 8 * own.len().max(1) || own.len() > 2 * candidate.len().max(1) {
+            continue;
+        }
+        lower(candidate, &mut other);
+        let allowed = (own.len().max(other.len()) / NEAR).max(1).min(own.len().max(2) - 1);
+        let most = match best {
+            Some((0, _)) => break,
+            Some((distance, _)) => allowed.min(distance - 1),
+            None => allowed,
+        };
+        if let Some(distance) = distance(&own, &other, most) {
+            best = Some((distance, candidate));
+        }
+    }
+    best.map(|(_, candidate)| candidate)
 }
 
 /// "`a`, `b` and `c`", at most `most` names, then how many more there are.
 pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>, most: usize) -> String {
-    let names: Vec<String> = names.into_iter().map(|n| format!("`{n}`")).collect();
-    let shown = names.len().min(most);
-    match (shown, names.len() - shown) {
-        (0, 0) => "none".to_owned(),
-        (1, 0) => names[0].clone(),
-        (_, 0) => format!("{} and {}", names[..shown - 1].join(", "), names[shown - 1]),
-        (_, more) => format!("{} and {more} more", names[..shown].join(", ")),
+    let mut names = names.into_iter();
+    let shown: Vec<String> = names.by_ref().take(most).map(quoted).collect();
+    let more = names.count();
+    match (shown.as_slice(), more) {
+        ([], 0) => "none".to_owned(),
+        ([one], 0) => one.clone(),
+        ([first @ .., last], 0) => format!("{} and {last}", first.join(", ")),
+        (_, more) => format!("{} and {more} more", shown.join(", ")),
+    }
+}
+
+fn quoted(name: &str) -> String {
+    match name.char_indices().nth(LONGEST) {
+        None => format!("`{name}`"),
+        Some(_) => format!("`{}...`", name.chars().take(SHOWN).collect::<String>()),
     }
 }
 
@@ -58,12 +104,59 @@ pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>, most: usize) -> Stri
 mod tests {
     use super::*;
 
+    fn within(a: &str, b: &str, most: usize) -> Option<usize> {
+        let chars = |text: &str| text.chars().collect::<Vec<_>>();
+        distance(&chars(a), &chars(b), most)
+    }
+
     #[test]
     fn distances_by_hand() {
-        assert_eq!(distance("kitten", "sitting"), 3);
-        assert_eq!(distance("nodse", "nodes"), 1);
-        assert_eq!(distance("", "abc"), 3);
-        assert_eq!(distance("Board", "board"), 0);
+        assert_eq!(within("kitten", "sitting", 9), Some(3));
+        assert_eq!(within("nodse", "nodes", 9), Some(1));
+        assert_eq!(within("", "abc", 9), Some(3));
+        assert_eq!(within("abc", "", 3), Some(3));
+    }
+
+    /// The whole table, as the definition has it.
+    fn by_definition(a: &[char], b: &[char]) -> usize {
+        let mut table = vec![vec![0; b.len() + 1]; a.len() + 1];
+        for i in 0..=a.len() {
+            for j in 0..=b.len() {
+                table[i][j] = if i == 0 || j == 0 {
+                    i + j
+                } else {
+                    let change = usize::from(a[i - 1] != b[j - 1]);
+                    let plain = (table[i - 1][j] + 1).min(table[i][j - 1] + 1).min(table[i - 1][j - 1] + change);
+                    let swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+                    if swapped { plain.min(table[i - 2][j - 2] + 1) } else { plain }
+                };
+            }
+        }
+        table[a.len()][b.len()]
+    }
+
+    #[test]
+    fn a_bound_changes_no_distance_within_it() {
+        let word = |mut code: usize, length: usize| -> Vec<char> {
+            let mut letters = Vec::new();
+            for _ in 0..length {
+                letters.push(['a', 'b', 'c'][code % 3]);
+                code /= 3;
+            }
+            letters
+        };
+        for (length, other) in [(4, 4), (4, 3), (2, 4), (5, 2)] {
+            for one in 0..3_usize.pow(length as u32) {
+                for two in (0..3_usize.pow(other as u32)).step_by(2) {
+                    let (a, b) = (word(one, length), word(two, other));
+                    let whole = by_definition(&a, &b);
+                    for most in 0..=5 {
+                        let expected = Some(whole).filter(|whole| *whole <= most);
+                        assert_eq!(distance(&a, &b, most), expected, "{a:?} {b:?} {most}");
+                    }
+                }
+            }
+        }
     }
 
     #[test]
@@ -72,11 +165,16 @@ mod tests {
         assert_eq!(nearest("x", ["capacity", "area"]), None);
         assert_eq!(nearest("G_bj", ["G_bi", "G_bh", "G_eh"]), Some("G_bi"));
         assert_eq!(nearest("board", []), None);
+        assert_eq!(nearest("Board", ["bored", "board"]), Some("board"));
+        assert_eq!(nearest("n", ["m", "no"]), Some("m"));
+        assert_eq!(nearest(&"x".repeat(300), ["x"]), None);
     }
 
     #[test]
     fn lists_say_how_many_more() {
         assert_eq!(listed(["a", "b", "c"], 8), "`a`, `b` and `c`");
         assert_eq!(listed(["a", "b", "c"], 2), "`a`, `b` and 1 more");
+        assert_eq!((listed(["a"], 2), listed([], 2)), ("`a`".to_owned(), "none".to_owned()));
+        assert!(listed([&*"a".repeat(100_000)], 2).len() < 100);
     }
 }

@@ -318,6 +318,21 @@ pub fn check_format(node: &Node, format: &str, diagnostics: &mut Diagnostics) ->
     false
 }
 
+/// The field with which a file tells an editor its JSON Schema.
+pub const SCHEMA_LINK: &str = "$schema";
+
+/// Parses a file of a study. A link to its schema is for editors: it is a string, and no part of what the file says.
+pub fn read_document(name: &str, bytes: &[u8], diagnostics: &mut Diagnostics) -> Option<Node> {
+    let mut node = super::json::parse_bytes(name, bytes, diagnostics)?;
+    if let Value::Object(entries) = &mut node.value
+        && let Some(position) = entries.iter().position(|entry| entry.key == SCHEMA_LINK)
+    {
+        // The place of a link that is no string is reported; the rest is read.
+        String::read(&entries.remove(position).node, diagnostics);
+    }
+    Some(node)
+}
+
 /// Reads a file's bytes: JSON, its format, then the type. Beside the value stands the tree that it came from.
 pub fn read_file<T: Written>(
     name: &str,
@@ -325,7 +340,7 @@ pub fn read_file<T: Written>(
     format: &str,
     diagnostics: &mut Diagnostics,
 ) -> Option<(T, Node)> {
-    let node = super::json::parse_bytes(name, bytes, diagnostics)?;
+    let node = read_document(name, bytes, diagnostics)?;
     if !check_format(&node, format, diagnostics) {
         return None;
     }

@@ -2,7 +2,7 @@
 //!
 //! To add an effect to the program: a file in `src/effect/catalogue` and a line in the list below.
 
-use crate::document::{Diagnostic, Diagnostics, Node, Schemas, code, read_file, suggest};
+use crate::document::{Diagnostic, Diagnostics, Node, Schemas, code, read_file};
 
 use super::checked::Effect;
 use super::form::{EffectForm, FORMAT};
@@ -77,7 +77,7 @@ impl Catalogue {
     pub fn check(&self, diagnostics: &mut Diagnostics) {
         for effect in &self.effects {
             for other in effect.form.confused_with.iter().filter(|other| self.get(&other.value).is_none()) {
-                let near = suggest::nearest(&other.value, self.names());
+                let near = diagnostics.nearest(&other.value, self.names());
                 diagnostics.push(
                     Diagnostic::error(
                         &code::UNKNOWN_EFFECT,

@@ -64,7 +64,8 @@ impl Unit {
             return Err(fault(parser.at, parser.at + c.len_utf8(), format!("unexpected `{c}` in a unit")));
         }
         if !factor.is_normal() {
-            return Err(fault(0, text.len(), format!("the unit's factor {factor:e} is out of range")));
+            let size = if factor < 1.0 { "small" } else { "large" };
+            return Err(fault(0, text.len(), format!("the unit is too {size} for a float")));
         }
         Ok(Self { text: trimmed.to_owned(), dimension, factor, offset: 0.0 })
     }
@@ -87,6 +88,25 @@ impl Unit {
     /// An SI difference in this unit.
     pub fn difference_from_si(&self, value: f64) -> f64 {
         value / self.factor
+    }
+
+    /// What to write instead where the coulomb stands in the unit, in a thermal model most likely for degrees Celsius:
+    /// `degC` alone, `K` in a product. `None` without a coulomb.
+    pub fn without_coulomb(&self) -> Option<String> {
+        if self.text == "C" {
+            return Some("degC".to_owned());
+        }
+        let mut instead = String::with_capacity(self.text.len());
+        let mut rest = self.text.as_str();
+        while let Some(start) = rest.find(char::is_alphabetic) {
+            let length = rest[start..].find(|c: char| !c.is_alphabetic()).unwrap_or(rest.len() - start);
+            let (before, word) = (&rest[..start], &rest[start..start + length]);
+            instead.push_str(before);
+            instead.push_str(if word == "C" { "K" } else { word });
+            rest = &rest[start + length..];
+        }
+        instead.push_str(rest);
+        (instead != self.text).then_some(instead)
     }
 
     /// Whether it is an absolute scale with a zero of its own (degC).
@@ -439,6 +459,17 @@ impl Parser<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_coulomb_is_most_likely_meant_for_celsius() {
+        let instead = |text: &str| Unit::parse(text).expect("a unit").without_coulomb();
+        assert_eq!(instead("C").as_deref(), Some("degC"));
+        assert_eq!(instead("W/C").as_deref(), Some("W/K"));
+        assert_eq!(instead("J/(kg C)").as_deref(), Some("J/(kg K)"));
+        for other in ["degC", "W/K", "cd", "mC", "1"] {
+            assert_eq!(instead(other), None, "{other}");
+        }
+    }
 
     #[test]
     fn conversions_by_hand() {

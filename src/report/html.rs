@@ -3,6 +3,8 @@
 use serde::Serialize;
 use thiserror::Error;
 
+use crate::document::visible::escaped_lines;
+
 use super::page::{Block, Cell, Column, Inline, Numbering, Page, Status, Table, Text, Tone};
 
 const TEMPLATE: &str = include_str!("../../templates/report.html");
@@ -44,7 +46,8 @@ pub fn render(page: &Page) -> Result<String, HtmlError> {
         style: STYLE,
         sections,
     })?;
-    Ok(tera.render("report.html", &context)?)
+    // Names and texts of the study are what could hold hidden characters; neither page nor drawings need any.
+    Ok(escaped_lines(&tera.render("report.html", &context)?).into_owned())
 }
 
 #[derive(Serialize)]

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use crate::document::visible::escaped_lines;
+
 use super::page::{Block, Cell, Column, Figure, Inline, Numbering, Page, Section, Status, Table, Text};
 
 /// The page as Markdown; figures are links to `plots/NAME.svg`.
@@ -20,7 +22,8 @@ pub fn render(page: &Page) -> String {
         out.push_str("\n---\n");
         paragraph(&mut out, &inline(&page.footer, false));
     }
-    out
+    // Marks that turn the direction of writing are no control characters, which became blanks.
+    escaped_lines(&out).into_owned()
 }
 
 struct Writer {
@@ -213,6 +216,17 @@ mod tests {
         assert_eq!(escape("[a](https://example.org)\n# b"), "\\[a\\](https&#58;//example.org) \\# b");
         assert_eq!(at_line_start("1. no list"), "1\\. no list");
         assert_eq!(at_line_start("- no list"), "\\- no list");
+    }
+
+    #[test]
+    fn a_title_cannot_turn_the_line() {
+        let text = render(&Page {
+            title: "a\u{1b}[2J\u{202e}b".into(),
+            subtitle: Text::default(),
+            footer: Text::default(),
+            sections: Vec::new(),
+        });
+        assert!(text.starts_with("# a \\[2J\\u{202e}b\n"), "{text:?}");
     }
 
     #[test]

@@ -5,6 +5,8 @@ mod table;
 
 use std::fmt::Write as _;
 
+use crate::document::visible;
+
 use super::page::{Block, Inline, Section, Statement, Status, Table, Text};
 use table::Entry;
 
@@ -34,14 +36,9 @@ pub fn render(sections: &[Section], layout: Layout) -> String {
     writer.out
 }
 
-/// Text without the characters that steer a terminal: control characters and those that turn the direction of writing
-/// are shown by their codes.
+/// Text without the characters that steer a terminal, which are shown by their codes.
 pub fn escaped(text: &str) -> String {
-    let steers = |c: char| {
-        c.is_control()
-            || matches!(c, '\u{200B}'..='\u{200F}' | '\u{2028}'..='\u{202E}' | '\u{2066}'..='\u{2069}' | '\u{FEFF}')
-    };
-    text.chars().flat_map(|c| if steers(c) { c.escape_default().collect::<Vec<_>>() } else { vec![c] }).collect()
+    visible::escaped(text).into_owned()
 }
 
 struct Writer {

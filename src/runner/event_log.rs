@@ -10,6 +10,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
+use crate::document::visible::escaped_json;
+
 use super::error::RunnerError;
 use super::events::{Event, Listener};
 use super::key::Key;
@@ -68,7 +70,7 @@ impl Listener for EventLog {
         let Ok(line) = serde_json::to_string(&Line { at_s: now_s(), event }) else { return };
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         // A log that cannot be written (full disk) must not stop a run.
-        let _ = writeln!(file, "{line}");
+        let _ = writeln!(file, "{}", escaped_json(&line));
         if !matches!(event, Event::BlockDone { .. }) {
             let _ = file.flush();
         }

@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
+use crate::document::visible::escaped;
+
 use super::events::{Event, Listener};
 
 /// Plain lines about one job come at most this often.
@@ -163,10 +165,12 @@ impl Shown {
         running.since.elapsed().as_secs_f64()
     }
 
+    /// Tells a line. Names of jobs and reasons come from files: nothing in them steers the terminal.
     fn line(&mut self, line: &str) {
+        let line = escaped(line);
         // A closed standard error must not end a run.
         let _ = match &mut self.out {
-            Out::Bars(bars) => bars.println(line),
+            Out::Bars(bars) => bars.println(line.as_ref()),
             Out::Lines(writer) => writeln!(writer, "{line}"),
         };
     }
@@ -187,7 +191,7 @@ impl Running {
 
 fn new_bar(job: &str) -> ProgressBar {
     const TEMPLATE: &str = "{prefix} {msg} [{bar:30}] {pos}/{len} {per_sec} {eta} left";
-    let bar = ProgressBar::new(0).with_prefix(job.to_owned());
+    let bar = ProgressBar::new(0).with_prefix(escaped(job).into_owned());
     match ProgressStyle::with_template(TEMPLATE) {
         Ok(style) => bar.with_style(style.progress_chars("=> ")),
         Err(_) => bar,
@@ -247,7 +251,7 @@ mod tests {
                 blocks_cached: 0,
                 work_s: 0.1,
             },
-            Event::JobFailed { job: "x".into(), reason: "no path to a boundary".into() },
+            Event::JobFailed { job: "x\u{1b}[2J".into(), reason: "no path to a \u{202e}boundary\n".into() },
             Event::RunFinished { finished: 3, failed: 1, interrupted: false },
         ] {
             progress.hear(&event);
@@ -256,7 +260,7 @@ mod tests {
         let expected = "1 job to run on 1 thread, 2 in the cache\n\
                         pass-1:before: started (propagate)\n\
                         pass-1:before: done in 0.0 s (1 block run)\n\
-                        x: FAILED: no path to a boundary\n\
+                        x\\u{1b}[2J: FAILED: no path to a \\u{202e}boundary\\n\n\
                         3 jobs with a result, 1 without one\n";
         assert_eq!(text, expected);
     }

@@ -1,8 +1,15 @@
-//! The folder of a study: nothing that a study names lies outside it.
+//! The folder of a study: nothing that a study names lies outside it, and nothing is read that is no plain file or too
+//! large for the memory.
 
+use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
 use thiserror::Error;
+
+use crate::document::json;
+
+/// Tables larger than this are refused, in bytes.
+pub const TABLE_SIZE: usize = 256 << 20;
 
 /// Why a path is refused or cannot be read.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -24,6 +31,16 @@ pub enum FolderError {
     Missing {
         /// As written.
         path: String,
+    },
+    /// The file is larger than may be read.
+    #[error("the file `{path}` has {bytes} bytes; at most {limit} are read")]
+    TooLarge {
+        /// As written.
+        path: String,
+        /// Its bytes, as many as were seen.
+        bytes: u64,
+        /// The limit.
+        limit: usize,
     },
     /// The file system refuses.
     #[error("`{path}` cannot be read: {reason}")]
@@ -98,22 +115,46 @@ impl Folder {
         }
     }
 
-    /// The bytes of a file of the folder.
+    /// The bytes of a JSON file of the folder.
     ///
     /// # Errors
-    /// A path that is refused, a file that is missing or unreadable.
+    /// A path that is refused, a file that is missing, unreadable, no plain file or too large.
     pub fn read(&self, relative: &str) -> Result<Vec<u8>, FolderError> {
+        self.read_at_most(relative, json::SIZE)
+    }
+
+    /// The bytes of a CSV file of the folder.
+    ///
+    /// # Errors
+    /// As [`Folder::read`].
+    pub fn read_table(&self, relative: &str) -> Result<Vec<u8>, FolderError> {
+        self.read_at_most(relative, TABLE_SIZE)
+    }
+
+    /// Whether there is a plain file at a path that is not refused.
+    pub fn has_file(&self, relative: &str) -> bool {
+        self.place(relative).is_ok_and(|place| place.is_file())
+    }
+
+    /// The bytes of a plain file. Kind and size are looked at first: to open a pipe waits for its writer, and the size of
+    /// a file says nothing about the room on its disk.
+    fn read_at_most(&self, relative: &str, limit: usize) -> Result<Vec<u8>, FolderError> {
         let place = self.place(relative)?;
-        match place.metadata() {
-            Err(_) => return Err(FolderError::Missing { path: relative.to_owned() }),
-            Ok(data) if !data.is_file() => {
-                let reason = "it is no file".to_owned();
-                return Err(FolderError::Unreadable { path: relative.to_owned(), reason });
-            }
-            Ok(_) => {}
+        let path = || relative.to_owned();
+        let too_large = |bytes: u64| FolderError::TooLarge { path: path(), bytes, limit };
+        let unreadable = |reason: String| FolderError::Unreadable { path: path(), reason };
+        let data = place.metadata().map_err(|_| FolderError::Missing { path: path() })?;
+        if !data.is_file() {
+            return Err(unreadable("it is no file".to_owned()));
         }
-        std::fs::read(&place)
-            .map_err(|error| FolderError::Unreadable { path: relative.to_owned(), reason: error.to_string() })
+        if data.len() > limit as u64 {
+            return Err(too_large(data.len()));
+        }
+        let mut bytes = Vec::new();
+        let read = std::fs::File::open(&place).and_then(|file| file.take(limit as u64 + 1).read_to_end(&mut bytes));
+        read.map_err(|error| unreadable(error.to_string()))?;
+        // It may have grown since.
+        if bytes.len() > limit { Err(too_large(bytes.len() as u64)) } else { Ok(bytes) }
     }
 
     /// Names of the JSON files of a folder below, without `.json`, sorted; none where it does not exist.
@@ -151,6 +192,39 @@ mod tests {
         assert!(matches!(folder.read("data/b.csv"), Err(FolderError::Missing { .. })));
         assert!(matches!(folder.read("data"), Err(FolderError::Unreadable { .. })));
         assert!(folder.place("new/deep/file.csv").is_ok());
+        assert!(folder.has_file("data/a.csv") && !folder.has_file("data") && !folder.has_file("../x"));
+    }
+
+    #[test]
+    fn a_file_is_refused_by_its_size_before_it_is_read() {
+        let inside = tempfile::tempdir().expect("a folder");
+        // Without blocks on the disk: reading it whole would fill the memory.
+        let sparse = std::fs::File::create(inside.path().join("a.csv")).expect("made");
+        sparse.set_len(6 << 30).expect("sized");
+        let folder = Folder::open(inside.path()).expect("opened");
+        let limits = [(folder.read("a.csv"), json::SIZE), (folder.read_table("a.csv"), TABLE_SIZE)];
+        for (read, own) in limits {
+            assert!(
+                matches!(read, Err(FolderError::TooLarge { limit, bytes, .. }) if limit == own && bytes == 6 << 30)
+            );
+        }
+        sparse.set_len(json::SIZE as u64 + 1).expect("sized");
+        assert!(matches!(folder.read("a.csv"), Err(FolderError::TooLarge { .. })));
+        assert_eq!(folder.read_table("a.csv").expect("read").len(), json::SIZE + 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_plain_file_is_not_opened() {
+        let inside = tempfile::tempdir().expect("a folder");
+        let pipe = inside.path().join("pipe.json");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo");
+        assert!(made.success());
+        let _socket = std::os::unix::net::UnixListener::bind(inside.path().join("socket.json")).expect("bound");
+        let folder = Folder::open(inside.path()).expect("opened");
+        for name in ["pipe.json", "socket.json"] {
+            assert!(matches!(folder.read(name), Err(FolderError::Unreadable { .. })), "{name}");
+        }
     }
 
     #[cfg(unix)]

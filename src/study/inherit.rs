@@ -4,12 +4,16 @@
 //! it. `title`, `description`, `model` and `seed` are inherited where they are not given. Jobs are not inherited.
 //! The trees are merged before they are read, so that every entry keeps its place in the file that wrote it.
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
 use crate::document::code;
 use crate::document::diagnostic::{Diagnostic, Diagnostics};
-use crate::document::json::{self, Entry, Node, Value};
-use crate::document::suggest;
+use crate::document::json::{Entry, Node, Value};
+use crate::document::source::{Place, Source, Span};
 
 use super::folder::{Folder, FolderError};
+use super::reader::Reader;
 
 /// Sections whose entries are inherited by name.
 pub(super) const NAMED: &[&str] =
@@ -17,13 +21,16 @@ pub(super) const NAMED: &[&str] =
 /// Fields that are inherited as they are.
 const PLAIN: &[&str] = &["title", "description", "model", "seed"];
 
+/// Most parents of a pass, one behind the other.
+const MOST_PARENTS: usize = 100;
+
 /// A pass file as written.
 #[derive(Clone, Debug)]
 pub struct PassFile {
     /// Its name within the study's folder.
     pub name: String,
     /// The tree.
-    pub tree: Node,
+    pub tree: Arc<Node>,
 }
 
 /// A pass, its parents behind it, nearest first.
@@ -37,11 +44,17 @@ pub struct Lineage {
 
 /// Reads a pass of a folder and its parents and merges them. `None` where the pass itself cannot be read; errors go
 /// to `diagnostics`.
-pub fn lineage(folder: &Folder, name: &str, diagnostics: &mut Diagnostics) -> Result<Option<Lineage>, FolderError> {
-    let bytes = folder.read(name)?;
-    let Some(tree) = json::parse_bytes(&folder.shown_name(name), &bytes, diagnostics) else { return Ok(None) };
+pub fn lineage(
+    reader: &Reader,
+    folder: &Folder,
+    name: &str,
+    diagnostics: &mut Diagnostics,
+) -> Result<Option<Lineage>, FolderError> {
+    let own = reader.tree(folder, name)?;
+    diagnostics.extend(&own.diagnostics);
+    let Some(tree) = own.tree else { return Ok(None) };
     let mut files = vec![PassFile { name: plain_name(name), tree }];
-    while let Some(next) = parent(folder, &files, diagnostics) {
+    while let Some(next) = parent(reader, folder, &files, diagnostics) {
         files.push(next);
     }
     let mut merged: Option<Node> = None;
@@ -55,7 +68,7 @@ pub fn lineage(folder: &Folder, name: &str, diagnostics: &mut Diagnostics) -> Re
 }
 
 /// The next parent of the last file; `None` where there is none or it cannot be used.
-fn parent(folder: &Folder, files: &[PassFile], diagnostics: &mut Diagnostics) -> Option<PassFile> {
+fn parent(reader: &Reader, folder: &Folder, files: &[PassFile], diagnostics: &mut Diagnostics) -> Option<PassFile> {
     let node = files.last()?.tree.get("parent")?;
     // Anything but a string is reported when the merged pass, or this parent as a pass, is read.
     let Value::String(name) = &node.value else { return None };
@@ -69,10 +82,18 @@ fn parent(folder: &Folder, files: &[PassFile], diagnostics: &mut Diagnostics) ->
         );
         return None;
     }
-    match folder.read(name) {
-        Ok(bytes) => {
-            let tree = json::parse_bytes(&folder.shown_name(name), &bytes, diagnostics)?;
-            Some(PassFile { name: plain_name(name), tree })
+    if files.len() > MOST_PARENTS {
+        let message = format!("`{}` has more than {MOST_PARENTS} parents, one behind the other", files[0].name);
+        diagnostics.push(
+            Diagnostic::error(&code::TOO_LONG_CHAIN, &node.place, message)
+                .help("write what a later pass inherits into a pass with \"parent\": null"),
+        );
+        return None;
+    }
+    match reader.tree(folder, name) {
+        Ok(parsed) => {
+            diagnostics.extend(&parsed.diagnostics);
+            Some(PassFile { name: plain_name(name), tree: parsed.tree? })
         }
         Err(error) => {
             diagnostics.push(folder_diagnostic(&error, node));
@@ -87,7 +108,7 @@ pub(super) fn folder_diagnostic(error: &FolderError, node: &Node) -> Diagnostic 
 }
 
 /// What is wrong with a path, at its place.
-pub(super) fn folder_diagnostic_at(error: &FolderError, place: &crate::document::source::Place) -> Diagnostic {
+pub(super) fn folder_diagnostic_at(error: &FolderError, place: &Place) -> Diagnostic {
     match error {
         FolderError::NotPlain { .. } | FolderError::LeadsOut { .. } => {
             Diagnostic::error(&code::PATH_REFUSED, place, error.to_string())
@@ -95,7 +116,14 @@ pub(super) fn folder_diagnostic_at(error: &FolderError, place: &crate::document:
         FolderError::Missing { .. } | FolderError::Unreadable { .. } => {
             Diagnostic::error(&code::FILE_MISSING, place, error.to_string())
         }
+        FolderError::TooLarge { .. } => Diagnostic::error(&code::TOO_LARGE, place, error.to_string()),
     }
+}
+
+/// What is wrong with a file that no other names, at its beginning.
+pub(super) fn unnamed_file_diagnostic(folder: &Folder, file: &str, error: &FolderError) -> Diagnostic {
+    let nowhere = Place::in_text(&Source::new(folder.shown_name(file), ""), Span::default());
+    folder_diagnostic_at(error, &nowhere)
 }
 
 /// A file's name within the study in its plainest form.
@@ -143,15 +171,16 @@ fn overlay(before: Option<&Node>, section: &str, own: &Node, diagnostics: &mut D
         Some(Value::Object(entries)) => entries.clone(),
         Some(_) | None => Vec::new(),
     };
+    // Keys of a section are unique, so that places stay as they are until the end.
+    let known: HashMap<String, usize> =
+        entries.iter().enumerate().map(|(position, entry)| (entry.key.clone(), position)).collect();
+    let mut removed = Vec::new();
     for entry in new {
-        let position = entries.iter().position(|other| other.key == entry.key);
-        match (position, &entry.node.value) {
-            (Some(position), Value::Null) => {
-                entries.remove(position);
-            }
+        match (known.get(&entry.key).copied(), &entry.node.value) {
+            (Some(position), Value::Null) => removed.push(position),
             (Some(position), _) => entries[position] = entry.clone(),
             (None, Value::Null) => {
-                let near = suggest::nearest(&entry.key, entries.iter().map(|other| other.key.as_str()));
+                let near = diagnostics.nearest(&entry.key, entries.iter().map(|other| other.key.as_str()));
                 diagnostics.push(
                     Diagnostic::error(
                         &code::NOTHING_TO_REMOVE,
@@ -165,6 +194,12 @@ fn overlay(before: Option<&Node>, section: &str, own: &Node, diagnostics: &mut D
             (None, _) => entries.push(entry.clone()),
         }
     }
+    removed.sort_unstable();
+    let mut position = 0;
+    entries.retain(|_| {
+        position += 1;
+        removed.binary_search(&(position - 1)).is_err()
+    });
     Node { value: Value::Object(entries), place: own.place.clone() }
 }
 
@@ -184,7 +219,7 @@ mod tests {
     fn merged(files: &[(&str, &str)], name: &str) -> (serde_json::Value, Vec<String>) {
         let (_root, folder) = study(files);
         let mut diagnostics = Diagnostics::new();
-        let lineage = lineage(&folder, name, &mut diagnostics).expect("a file").expect("a tree");
+        let lineage = lineage(&Reader::default(), &folder, name, &mut diagnostics).expect("a file").expect("a tree");
         let messages = diagnostics.plain().into_iter().map(|plain| plain.message).collect();
         (lineage.merged.to_json(), messages)
     }
@@ -214,6 +249,21 @@ mod tests {
             "jobs": {"new": {}}, "environments": {"hot": {}}, "seed": 7
         });
         assert_eq!(tree, expected);
+    }
+
+    #[test]
+    fn a_chain_of_parents_has_an_end() {
+        let files: Vec<(String, String)> = (0..=MOST_PARENTS + 1)
+            .map(|index| {
+                let parent = if index == 0 { "null".to_owned() } else { format!("\"p{}.json\"", index - 1) };
+                (format!("p{index}.json"), format!("{{\"parent\": {parent}, \"seed\": {index}}}"))
+            })
+            .collect();
+        let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
+        let (_, messages) = merged(&files, &format!("p{MOST_PARENTS}.json"));
+        assert_eq!(messages, [""; 0]);
+        let (_, messages) = merged(&files, &format!("p{}.json", MOST_PARENTS + 1));
+        assert_eq!(messages, ["`p101.json` has more than 100 parents, one behind the other"]);
     }
 
     #[test]

@@ -10,6 +10,7 @@ use crate::expression::Dimension;
 use crate::job::compare::Criteria;
 
 use super::folder::Folder;
+use super::inherit::unnamed_file_diagnostic;
 
 /// The format's name in the file.
 const FORMAT: &str = "bmv-criteria/1";
@@ -109,7 +110,13 @@ pub fn load<'a>(
     if let Some(folder) = folder {
         for name in folder.json_names(FOLDER) {
             let file = format!("{FOLDER}/{name}.json");
-            let Ok(bytes) = folder.read(&file) else { continue };
+            let bytes = match folder.read(&file) {
+                Ok(bytes) => bytes,
+                Err(error) => {
+                    diagnostics.push(unnamed_file_diagnostic(folder, &file, &error));
+                    continue;
+                }
+            };
             let shown = folder.shown_name(&file);
             let read = crate::document::read_file::<ProfileForm>(&shown, &bytes, FORMAT, diagnostics);
             let Some((form, node)) = read else { continue };

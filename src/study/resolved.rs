@@ -45,6 +45,8 @@ pub struct Pass {
     pub handed_on: Vec<HandedOnPrior>,
     /// The passes whose calibrations are used.
     pub upstream: Vec<Arc<Pass>>,
+    /// How many passes hand their posteriors on, one to the next, up to this one.
+    pub handed_on_depth: usize,
     /// Own errors of the inputs, in the model's order.
     pub input_errors: Vec<InputError>,
     /// Requirements in the order of the file.
@@ -78,7 +80,7 @@ pub struct Pass {
 }
 
 /// A calibration of a study.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Upstream {
     /// File of its pass within the study.
     pub file: String,
@@ -119,7 +121,7 @@ pub struct DataBehind {
     /// The measurement there.
     pub measurement: String,
     /// Rows.
-    pub rows: Vec<UsedRow>,
+    pub rows: Arc<Vec<UsedRow>>,
 }
 
 /// A job that does not run as it is written.

@@ -9,6 +9,7 @@ use crate::expression::Dimension;
 use crate::job::conventional::{Margin, Rule};
 
 use super::folder::Folder;
+use super::inherit::unnamed_file_diagnostic;
 
 /// The format's name in the file.
 const FORMAT: &str = "bmv-rule/1";
@@ -84,7 +85,13 @@ pub fn load(folder: Option<&Folder>, diagnostics: &mut Diagnostics) -> Vec<(Rule
     let Some(folder) = folder else { return rules };
     for name in folder.json_names(FOLDER) {
         let file = format!("{FOLDER}/{name}.json");
-        let Ok(bytes) = folder.read(&file) else { continue };
+        let bytes = match folder.read(&file) {
+            Ok(bytes) => bytes,
+            Err(error) => {
+                diagnostics.push(unnamed_file_diagnostic(folder, &file, &error));
+                continue;
+            }
+        };
         let read = crate::document::read_file::<RuleForm>(&folder.shown_name(&file), &bytes, FORMAT, diagnostics);
         let Some((form, node)) = read else { continue };
         let Some(rule) = form.resolve(&name, diagnostics) else { continue };

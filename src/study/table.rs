@@ -2,7 +2,8 @@
 //!
 //! A first line of headers, `NAME [unit]`, then a line a row. Blanks round headers and cells are trimmed, an empty
 //! cell is a missing reading, empty lines are skipped, quotes are those of RFC 4180. Cells are read column by column
-//! as asked for, so that what nothing uses is never an error, and every problem keeps its place in the text.
+//! as asked for, so that what nothing uses is never an error, and every problem keeps its place in the text. Problems
+//! that repeat down a column are told a few times and then counted.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -12,6 +13,10 @@ use crate::document::code::{self, Code};
 
 /// Problems kept of one file; the others are counted.
 const PROBLEMS_KEPT: usize = 20;
+/// Problems of one kind kept of one column; the others are counted at the last of these.
+const ALIKE_KEPT: usize = 3;
+/// Most cells that are read of one file.
+const MOST_CELLS: usize = 10_000_000;
 
 /// Something wrong at a place of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,6 +29,19 @@ pub struct Problem {
     pub message: String,
     /// What to write instead.
     pub help: Option<String>,
+    /// How many more of its kind there are in its column, behind it.
+    pub alike: usize,
+}
+
+/// What is wrong with a cell, in general: problems of one kind in one column are counted together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Fault {
+    Cells,
+    Empty,
+    Repeated,
+    NotANumber,
+    NotFinite,
+    Order,
 }
 
 /// The problems of a file, the first of them kept.
@@ -31,18 +49,43 @@ pub struct Problem {
 pub struct Problems {
     /// The first problems, in the order found.
     pub kept: Vec<Problem>,
-    /// How many more there were.
+    /// How many more there were, those aside that are counted at one that is kept.
     pub more: usize,
+    /// Of each kind in each column, how many are kept and which is the last.
+    kinds: HashMap<(usize, Fault), (usize, Option<usize>)>,
 }
 
 impl Problems {
     /// Adds a problem.
     pub fn add(&mut self, code: &'static Code, range: Range<usize>, message: impl Into<String>, help: Option<&str>) {
         if self.kept.len() < PROBLEMS_KEPT {
-            self.kept.push(Problem { code, range, message: message.into(), help: help.map(str::to_owned) });
+            let (message, help) = (message.into(), help.map(str::to_owned));
+            self.kept.push(Problem { code, range, message, help, alike: 0 });
         } else {
             self.more += 1;
         }
+    }
+
+    /// Adds a problem of a cell of a column, or counts it with its like.
+    fn add_like(
+        &mut self,
+        (column, fault): (usize, Fault),
+        range: Range<usize>,
+        message: impl FnOnce() -> String,
+        help: Option<&str>,
+    ) {
+        let (count, last) = self.kinds.entry((column, fault)).or_default();
+        *count += 1;
+        if *count > ALIKE_KEPT {
+            match last.and_then(|last| self.kept.get_mut(last)) {
+                Some(last) => last.alike += 1,
+                None => self.more += 1,
+            }
+            return;
+        }
+        *last = (self.kept.len() < PROBLEMS_KEPT).then_some(self.kept.len()).or(*last);
+        let code = if fault == Fault::Cells { &code::TABLE_SHAPE } else { &code::TABLE_CELL };
+        self.add(code, range, message(), help);
     }
 
     /// Whether there are none.
@@ -163,6 +206,7 @@ impl<'t> Table<'t> {
         let mut seen: HashMap<String, ()> = HashMap::new();
         let mut last_times: Vec<Option<f64>> = vec![None; wanted.len()];
         let mut ranges = Vec::new();
+        let mut cells_read = 0;
         let mut start = self.body;
         while start < self.text.len() {
             let Some(next) = record(self.text, start, self.separator, &mut ranges, problems) else { break };
@@ -173,9 +217,21 @@ impl<'t> Table<'t> {
             if ranges.len() != self.headers.len() {
                 let range = ranges[0].start..ranges[ranges.len() - 1].end;
                 let (found, expected) = (ranges.len(), self.headers.len());
-                let message = format!("this row has {found} cells, the line of headers has {expected}");
-                problems.add(&code::TABLE_SHAPE, range, message, None);
+                let message = || format!("this row has {found} cells, the line of headers has {expected}");
+                let comma = self.separator == b',' && found > expected;
+                let help = comma.then_some(
+                    "a decimal is written with a point, 0.6, or the cells are separated by something else than a \
+                     comma: \"separator\": \";\"",
+                );
+                problems.add_like((0, Fault::Cells), range, message, help);
                 continue;
+            }
+            cells_read += wanted.len();
+            if cells_read > MOST_CELLS {
+                let message = format!("the file has more than {MOST_CELLS} cells that are read");
+                let help = "thin the record out, or split it into several measurements";
+                problems.add(&code::TOO_LARGE, ranges[0].clone(), message, Some(help));
+                break;
             }
             for (place, &(index, cells)) in wanted.iter().enumerate() {
                 let range = &ranges[index];
@@ -184,44 +240,32 @@ impl<'t> Table<'t> {
                 match &mut columns[place] {
                     Column::Names(values) => {
                         if text.is_empty() {
-                            problems.add(
-                                &code::TABLE_CELL,
-                                range.clone(),
-                                format!("the `{name}` of this row is empty"),
-                                None,
-                            );
+                            let message = || format!("the `{name}` of this row is empty");
+                            problems.add_like((index, Fault::Empty), range.clone(), message, None);
                         } else if seen.insert(text.clone().into_owned(), ()).is_some() {
-                            problems.add(
-                                &code::TABLE_CELL,
-                                range.clone(),
-                                format!("`{text}` stands twice under `{name}`"),
-                                None,
-                            );
+                            let message = || format!("`{text}` stands twice under `{name}`");
+                            problems.add_like((index, Fault::Repeated), range.clone(), message, None);
                         }
                         values.push(text.into_owned());
                     }
                     Column::Numbers(values) => {
                         let number = match number(&text) {
                             Ok(number) => number,
-                            Err((message, help)) => {
-                                problems.add(&code::TABLE_CELL, range.clone(), message, help);
+                            Err((fault, message, help)) => {
+                                problems.add_like((index, fault), range.clone(), || message, Some(&help));
                                 values.push(None);
                                 continue;
                             }
                         };
                         if number.is_none() && cells != Cells::Readings {
-                            let message = format!("`{name}` has no value in this row");
-                            problems.add(
-                                &code::TABLE_CELL,
-                                range.clone(),
-                                message,
-                                Some("only a sensor's reading may be missing"),
-                            );
+                            let message = || format!("`{name}` has no value in this row");
+                            let help = Some("only a sensor's reading may be missing");
+                            problems.add_like((index, Fault::Empty), range.clone(), message, help);
                         }
                         if let (Cells::Times, Some(time)) = (cells, number) {
                             if let Some(last) = last_times[place].filter(|last| time <= *last) {
-                                let message = format!("time {time} is not after {last}, the time of the row before");
-                                problems.add(&code::TABLE_CELL, range.clone(), message, None);
+                                let message = || format!("time {time} is not after {last}, the time of the row before");
+                                problems.add_like((index, Fault::Order), range.clone(), message, None);
                             }
                             last_times[place] = Some(time);
                         }
@@ -303,20 +347,27 @@ fn header(text: &str, range: Range<usize>) -> Header {
     Header { text: text.to_owned(), name: name.to_owned(), unit, range }
 }
 
-/// A cell's number; `None` where it is empty.
-fn number(cell: &str) -> Result<Option<f64>, (String, Option<&'static str>)> {
+/// A cell's number; `None` where it is empty. What is wrong with a cell that holds none, and what to write instead.
+fn number(cell: &str) -> Result<Option<f64>, (Fault, String, String)> {
     if cell.is_empty() {
         return Ok(None);
     }
+    let missing = || "leave the cell of a missing reading empty".to_owned();
     match cell.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(Some(number)),
-        Ok(_) => Err((format!("`{cell}` is not a finite number"), Some("leave the cell of a missing reading empty"))),
+        Ok(_) => Err((Fault::NotFinite, format!("`{cell}` is not a finite number"), missing())),
         Err(_) => {
-            let comma = cell.contains(',') && cell.replacen(',', ".", 1).parse::<f64>().is_ok();
-            let help = if comma { "write a decimal point" } else { "leave the cell of a missing reading empty" };
-            Err((format!("`{cell}` is not a number"), Some(help)))
+            let help = number_with_comma(cell).map(|point| format!("a decimal is written with a point: write {point}"));
+            Err((Fault::NotANumber, format!("`{cell}` is not a number"), help.unwrap_or_else(missing)))
         }
     }
+}
+
+/// The number that a cell with one decimal comma means, as it should be written: `0,6` is 0.6, `1.234,5` is 1234.5.
+fn number_with_comma(cell: &str) -> Option<String> {
+    let (whole, fraction) = cell.split_once(',')?;
+    let written = format!("{}.{fraction}", whole.replace('.', ""));
+    written.parse::<f64>().is_ok_and(f64::is_finite).then_some(written)
 }
 
 #[cfg(test)]
@@ -408,11 +459,46 @@ mod tests {
     }
 
     #[test]
+    fn problems_that_repeat_down_a_column_are_counted() {
+        let text = format!("a,b\n{}", "x,\n".repeat(100));
+        let (_, problems) = read(&text, &[(0, Cells::Readings), (1, Cells::Numbers)]);
+        let seen: Vec<(&str, usize)> = problems.kept.iter().map(|p| (p.message.as_str(), p.alike)).collect();
+        let (wrong, empty) = ("`x` is not a number", "`b` has no value in this row");
+        assert_eq!(seen, [(wrong, 0), (empty, 0), (wrong, 0), (empty, 0), (wrong, 97), (empty, 97)]);
+        assert_eq!(problems.more, 0);
+    }
+
+    #[test]
     fn problems_are_counted_beyond_a_cap() {
-        let mut text = "a\n".to_owned();
-        text.push_str(&"x\n".repeat(100));
-        let (_, problems) = read(&text, &[(0, Cells::Readings)]);
-        assert_eq!((problems.kept.len(), problems.more), (20, 80));
+        let columns: Vec<String> = (0..30).map(|column| format!("c{column}")).collect();
+        let text = format!("{}\n{}", columns.join(","), format!("{}x\n", "x,".repeat(29)).repeat(5));
+        let wanted: Vec<(usize, Cells)> = (0..30).map(|column| (column, Cells::Readings)).collect();
+        let (_, problems) = read(&text, &wanted);
+        let alike: usize = problems.kept.iter().map(|problem| problem.alike).sum();
+        assert_eq!((problems.kept.len(), problems.kept.len() + problems.more + alike), (20, 150));
+    }
+
+    #[test]
+    fn a_decimal_comma_is_answered_with_the_number_it_means() {
+        let help = |text: &str, separator| {
+            let mut problems = Problems::default();
+            let table = Table::new(text, separator, &mut problems).expect("headers");
+            table.read(&[(1, Cells::Readings)], &mut problems);
+            problems.kept.first().and_then(|problem| problem.help.clone()).unwrap_or_default()
+        };
+        assert_eq!(help("p;a\nP1;0,6\n", b';'), "a decimal is written with a point: write 0.6");
+        assert_eq!(help("p;a\nP1;-1.234,5e3\n", b';'), "a decimal is written with a point: write -1234.5e3");
+        assert_eq!(help("p,a\nP1,\"0,6\"\n", b','), "a decimal is written with a point: write 0.6");
+        assert!(help("p,a\nP1,0,6\n", b',').contains("0.6"));
+        assert_eq!(help("p;a\nP1;1,2,3\n", b';'), "leave the cell of a missing reading empty");
+    }
+
+    #[test]
+    fn a_table_of_too_many_cells_is_not_read_to_its_end() {
+        let text = format!("a\n{}", "1\n".repeat(MOST_CELLS + 2));
+        let (columns, problems) = read(&text, &[(0, Cells::Readings)]);
+        assert_eq!(columns[0].numbers().len(), MOST_CELLS);
+        assert_eq!(problems.kept[0].code, &code::TOO_LARGE);
     }
 
     #[test]

@@ -13,7 +13,7 @@ EXPRESSION_ARGUMENTS = "expression-arguments", "a function with the wrong number
     "exp, log, sqrt, sin, cos, tanh, abs and step take one argument; smoothstep one (the ramp from 0 to 1) or three (lower edge, upper edge, x); clamp three (x, lower, upper); min and max two or more; interp a table's name and x.",
     "wrong: clamp(x, 1)\nright: clamp(x, 0, 1)";
 EXPRESSION_DEPTH = "expression-depth", "an expression that is too long or too deep",
-    "Expressions are limited to 100000 bytes and 100 levels of brackets, so that a hostile file cannot exhaust the stack. Split it with parameters, or put a curve into a table.",
+    "Expressions are limited to 20000 bytes, 1000 operations and 64 levels of brackets, so that a hostile file cannot exhaust the stack. Split it with parameters, or put a curve into a table.",
     "\"interp(louver, T)\" instead of a polynomial of a hundred terms";
 UNDEFINED_VALUE = "undefined-value", "an expression without a value",
     "A part of the expression that holds no name is already undefined: a division by zero, the root or logarithm of a negative number, a real power of a negative number.",
@@ -27,6 +27,9 @@ UNIT_SYNTAX = "unit-syntax", "a unit that does not parse",
 WRONG_DIMENSION = "wrong-dimension", "a unit of another kind",
     "The unit given measures something else than what is asked for here, such as watts where a temperature belongs. Values are converted to SI where they are read, so a wrong unit would be a wrong number.",
     "wrong: \"sigma\": {\"value\": 0.25, \"unit\": \"W\"}\nright: \"sigma\": {\"value\": 0.25, \"unit\": \"K\"}";
+COULOMB = "coulomb", "the coulomb where degrees Celsius are most likely meant (warning)",
+    "C is the SI unit of charge. A thermal model hardly has charges, so that `C` is most likely meant for degrees Celsius, which are `degC`; in a product, as a standard deviation or as a difference they are `K`.",
+    "suspicious: \"T_if\": {\"unit\": \"C\", \"nominal\": 20}\nright: \"T_if\": {\"unit\": \"degC\", \"nominal\": 20}";
 NEEDS_NUMBER = "needs-number", "an expression where a number is needed",
     "Here a value must be known before the model runs: a number in SI, or {\"value\": ..., \"unit\": ...}. An expression string is allowed only where a part of the model is described.",
     "wrong: \"range\": [\"T_min\", 60]\nright: \"range\": [-40, 60]";

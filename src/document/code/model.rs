@@ -30,6 +30,12 @@ INVALID_TABLE = "invalid-table", "a table that is no function",
 NESTED_OVER_TIME = "nested-over-time", "a quantity over time inside another",
     "A maximum, minimum or mean over a transient is one number for the whole run, so it cannot stand in an expression or difference that is evaluated at every instant. Put over_time outermost.",
     "wrong: {\"difference\": [{\"over_time\": {\"maximum\": \"sdd\"}}, \"sink\"]}\nright: {\"over_time\": {\"maximum\": {\"difference\": [\"sdd\", \"sink\"]}}}";
+UNCONNECTED = "unconnected-node", "a node that nothing leads to",
+    "No element touches the node, neither in the model nor by an effect that the pass adopts: nothing determines its temperature, in a steady state or otherwise. Often a name in `between` is another than was meant. A node with a given temperature needs no connection.",
+    "wrong: \"nodes\": {\"plate\": {\"capacity\": 900}} without an element\nright: \"conductors\": {\"bolts\": {\"between\": [\"plate\", \"interface\"], \"conductance\": 0.5}}";
+POSSIBLY_NEGATIVE = "possibly-negative", "a value that may have an impossible sign (warning)",
+    "A conductance, exchange area or heat capacity is 0 or more. At the nominal values this one is, but where one parameter or input takes a value that its prior or range allows (of a prior without an end the outer 0.1 %), or at a temperature of a boundary, it is not. The model then moves heat uphill, or has no solution. Bound the prior or the range, or the expression by max(0, ...).",
+    "suspicious: \"prior\": {\"normal\": {\"mean\": 0.1, \"sd\": 0.1}} of a conductance\nfine: \"prior\": {\"normal\": {\"mean\": 0.1, \"sd\": 0.1, \"lower\": 0}}";
 EMPTY_MODEL = "empty-model", "a model with nothing in it",
     "A model has nodes, or (without nodes) quantities as expressions of its parameters and inputs. This one has neither, so there is nothing to compute.",
     "right: \"quantities\": {\"y\": {\"expression\": {\"of\": \"a * x\", \"unit\": \"1\"}}}";

@@ -99,6 +99,9 @@ codes! { PASS_CODES:
     PRIOR_NOT_READ = "prior-not-read", "draws where they cannot be a prior",
         "A posterior of an earlier calibration, or a file of draws, can be the prior of a parameter. What is inferred of the data beside the parameters (a sensor's noise, bias or lag, a start temperature, an input's bias) belongs to one measurement, and takes a distribution.",
         "wrong: \"sigma\": {\"prior\": {\"posterior\": {\"pass\": \"pass-1.json\", \"job\": \"tuned\"}}}\nright: \"sigma\": {\"prior\": {\"lognormal\": {\"median\": 0.2, \"factor\": 1.5}}, \"unit\": \"K\"}";
+    TOO_LONG_CHAIN = "chain-length", "a chain of passes that is too long",
+        "A pass has at most 100 parents, one behind the other, and at most 50 passes hand their posteriors on, one to the next. A longer chain is hardly meant, and reading each pass with all that stands behind it would take ever longer.",
+        "wrong: \"parent\": \"pass-101.json\" in pass-102.json, and so on down to pass-1.json\nright: \"parent\": null, with the entries that are still needed";
     POSTERIOR = "posterior-prior", "a posterior that cannot be taken from where it is asked for",
         "A posterior is handed on by the file of a pass and the name of a `calibrate` job in it that inferred the parameter. A pass takes no posterior of its own, nor one that is built upon its own: such priors would contain the data that they are confronted with.",
         "wrong: {\"posterior\": {\"pass\": \"pass-1.json\", \"job\": \"delivered\"}}, a comparison\nright: {\"posterior\": {\"pass\": \"pass-1.json\", \"job\": \"tuned\"}}, a calibration";

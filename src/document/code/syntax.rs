@@ -43,7 +43,7 @@ TOO_DEEP = "json-depth", "nested too deeply",
     "Objects and arrays are nested deeper than 128 levels. The formats of bmv need about ten; such a file is broken or hostile, and reading it without a limit could exhaust the stack.",
     "wrong: [[[[...]]]]";
 TOO_LARGE = "file-size", "the file is too large",
-    "A JSON file of a study is read into memory as a whole and limited to 64 MiB. Measured data belong into CSV files, which have no such limit.",
+    "Files of a study are read into memory as a whole. A JSON file is limited to 64 MiB and a million values (numbers, strings, arrays, objects), a CSV file to 256 MiB and ten million cells that are read. Measured data belong into CSV files; a long record is thinned out or split into several measurements.",
     "move the readings to data/NAME.csv and name that file in the measurement";
 UNKNOWN_FIELD = "unknown-field", "a field that the format does not know",
     "The object has a field that means nothing here. It is refused rather than ignored, because a misspelt optional field (\"capcity\") would otherwise silently leave its default in place. bmv schema prints all fields.",

@@ -6,6 +6,8 @@ use plotters::backend::{DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, IntoFont, RGBColor, ShapeStyle, TextStyle};
 
+use crate::document::visible::is_hidden;
+
 use super::palette::Colour;
 
 /// Width of every canvas, pixels.
@@ -64,7 +66,7 @@ fn escape(text: &str) -> String {
 }
 
 fn is_drawable(c: char) -> bool {
-    !c.is_control() && c != '\u{FFFE}' && c != '\u{FFFF}'
+    !is_hidden(c) && c != '\u{FFFE}' && c != '\u{FFFF}'
 }
 
 /// Where a text stands from its point.

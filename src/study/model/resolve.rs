@@ -1,10 +1,13 @@
 //! From the written model to the resolved one: SI units, indices for names, parsed expressions.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use crate::document::formula::Expected;
 use crate::document::prior::{Prior, support};
-use crate::document::{Amount, Diagnostic, Diagnostics, MapEntry, Place, Sense, Spanned, WrittenUnit, code};
+use crate::document::quantity::warn_of_coulomb;
+use crate::document::{
+    Amount, Diagnostic, Diagnostics, MapEntry, Place, Sense, Source, Span, Spanned, WrittenUnit, code,
+};
 use crate::expression::{Dependence, Dimension, Names, Symbol, Table, Unit};
 use crate::random::Distribution;
 use crate::thermal::element::{Contribution, heater::Switch};
@@ -51,6 +54,35 @@ pub struct InputError {
     pub bias: Option<Prior>,
 }
 
+/// Where nodes, elements and their values stand in the model's file.
+#[derive(Clone, Debug)]
+pub struct Places {
+    /// The file.
+    pub file: Place,
+    /// By kind (`node`, `conductor`, ...) and name: of the name (under an empty text) and of values.
+    known: HashMap<(&'static str, String), Vec<(&'static str, Place)>>,
+}
+
+impl Default for Places {
+    fn default() -> Self {
+        Self { file: Place::in_text(&Source::new("", ""), Span::default()), known: HashMap::new() }
+    }
+}
+
+impl Places {
+    /// Notes where a value stands, or the name where `what` is empty.
+    pub fn note(&mut self, kind: &'static str, name: &str, what: &'static str, place: &Place) {
+        self.known.entry((kind, name.to_owned())).or_default().push((what, place.clone()));
+    }
+
+    /// Where a value stands; where that is not known, where its owner's name does.
+    pub fn find(&self, kind: &'static str, name: &str, what: &str) -> Option<&Place> {
+        let own = self.known.get(&(kind, name.to_owned()))?;
+        let of = |wanted: &str| own.iter().find(|(known, _)| *known == wanted).map(|(_, place)| place);
+        of(what).or_else(|| of(""))
+    }
+}
+
 /// A resolved model with all that belongs to it.
 #[derive(Clone, Debug, Default)]
 pub struct ResolvedModel {
@@ -72,6 +104,8 @@ pub struct ResolvedModel {
     pub groups: Vec<Group>,
     /// Dimension of each quantity.
     pub quantity_dimensions: Vec<Dimension>,
+    /// Where nodes and elements stand.
+    pub places: Places,
     nodes: BTreeMap<String, usize>,
     elements: BTreeMap<String, Vec<usize>>,
 }
@@ -195,6 +229,7 @@ pub fn resolve(form: &ModelForm, diagnostics: &mut Diagnostics) -> Option<Resolv
     let before = diagnostics.errors();
     let mut model = ResolvedModel::default();
     model.model.title.clone_from(&form.title);
+    model.places.file.clone_from(&form.format.place);
     for entry in &form.parameters {
         model.resolve_parameter(entry, diagnostics);
     }
@@ -242,8 +277,12 @@ pub fn resolve(form: &ModelForm, diagnostics: &mut Diagnostics) -> Option<Resolv
 }
 
 /// The scale of an entry: its unit, or the one beside its nominal value.
-fn scale(unit: &Option<WrittenUnit>, nominal: &Amount) -> Scale {
-    Scale { unit: unit.as_ref().or(nominal.unit.as_ref()).map(|written| written.unit.clone()) }
+fn scale(unit: &Option<WrittenUnit>, nominal: &Amount, diagnostics: &mut Diagnostics) -> Scale {
+    let written = unit.as_ref().or(nominal.unit.as_ref());
+    if let Some(WrittenUnit { unit, place }) = written {
+        warn_of_coulomb(unit, place, diagnostics);
+    }
+    Scale { unit: written.map(|written| written.unit.clone()) }
 }
 
 /// A pair in order, in SI.
@@ -270,7 +309,7 @@ impl ResolvedModel {
     fn resolve_parameter(&mut self, entry: &MapEntry<ParameterForm>, diagnostics: &mut Diagnostics) {
         name::check_symbol(&entry.name, &entry.name_place, diagnostics);
         let form = &entry.value;
-        let scale = scale(&form.unit, &form.nominal);
+        let scale = scale(&form.unit, &form.nominal, diagnostics);
         let nominal = scale.si(&form.nominal, Sense::Absolute, diagnostics).unwrap_or_default();
         let dimension = scale.dimension().unwrap_or(Dimension::NONE);
         let prior = match &form.prior {
@@ -311,7 +350,7 @@ impl ResolvedModel {
     fn resolve_input(&mut self, entry: &MapEntry<InputForm>, diagnostics: &mut Diagnostics) {
         name::check_symbol(&entry.name, &entry.name_place, diagnostics);
         let form = &entry.value;
-        let scale = scale(&form.unit, &form.nominal);
+        let scale = scale(&form.unit, &form.nominal, diagnostics);
         let nominal = scale.si(&form.nominal, Sense::Absolute, diagnostics).unwrap_or_default();
         let convert = |amount: &Amount, diagnostics: &mut Diagnostics| scale.si(amount, Sense::Absolute, diagnostics);
         let range = form.range.as_ref().and_then(|pair| ordered(pair, "the range", convert, diagnostics));
@@ -388,6 +427,12 @@ impl ResolvedModel {
             ..Expected::value(Dimension::HEAT_CAPACITY, "a heat capacity")
         };
         let form = &entry.value;
+        self.places.note("node", &entry.name, "", &entry.name_place);
+        for (what, scalar) in [("temperature", &form.boundary), ("heat capacity", &form.capacity)] {
+            if let Some(scalar) = scalar {
+                self.places.note("node", &entry.name, what, scalar.place());
+            }
+        }
         let refuse = |place: &Place, message: String, expected: &str, diagnostics: &mut Diagnostics| {
             diagnostics.push(Diagnostic::error(&code::OUT_OF_RANGE, place, message).expected(expected));
         };

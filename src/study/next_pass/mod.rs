@@ -16,7 +16,8 @@ pub use file::{destination, twin, write};
 
 use std::path::Path;
 
-use crate::document::json::{self, Node};
+use crate::document::json::Node;
+use crate::document::written::read_document;
 use crate::document::{Diagnostic, Diagnostics, code, suggest};
 use crate::effect::Catalogue;
 use crate::job::findings::{Finding, Findings};
@@ -101,7 +102,7 @@ struct Adoption<'f> {
 fn tree(pass: &Pass, asked: &Asked, diagnostics: &mut Diagnostics) -> Option<Node> {
     let bytes = Folder::open(&pass.folder).and_then(|folder| folder.read(&pass.file));
     match bytes {
-        Ok(bytes) => json::parse_bytes(&pass.folder.join(&pass.file).display().to_string(), &bytes, diagnostics),
+        Ok(bytes) => read_document(&pass.folder.join(&pass.file).display().to_string(), &bytes, diagnostics),
         Err(error) => {
             diagnostics.push(folder_diagnostic_at(&error, &asked.command()));
             None

@@ -7,6 +7,7 @@ use crate::inference::measurement::{Measurement, Rows};
 use crate::job::requirement::Environment;
 use crate::random::Distribution;
 use crate::study::folder::Folder;
+use crate::study::inherit::unnamed_file_diagnostic;
 use crate::study::model::Scale;
 use crate::study::pass::PassForm;
 use crate::study::pass::adopt::{Adopted, EffectUse};
@@ -27,7 +28,13 @@ pub fn catalogue(folder: &Folder, diagnostics: &mut Diagnostics) -> (Catalogue, 
     let mut own = Vec::new();
     for name in folder.json_names(FOLDER) {
         let file = own_file(&name);
-        let Ok(bytes) = folder.read(&file) else { continue };
+        let bytes = match folder.read(&file) {
+            Ok(bytes) => bytes,
+            Err(error) => {
+                diagnostics.push(unnamed_file_diagnostic(folder, &file, &error));
+                continue;
+            }
+        };
         let node = catalogue.read(&name, &folder.shown_name(&file), &bytes, diagnostics);
         own.extend(node.map(|node| (name, node.to_json())));
     }
@@ -84,7 +91,7 @@ fn effect<'c, 'f>(
     };
     let found = catalogue.get(&usage.name);
     // What is wrong with a file of the study's own was said at its place.
-    if found.is_none() && scope.folder.read(&own_file(&usage.name)).is_err() {
+    if found.is_none() && !scope.folder.has_file(&own_file(&usage.name)) {
         let known: Vec<&str> = catalogue.names().collect();
         scope.unknown(&code::UNKNOWN_EFFECT, "effect", &usage.name, &usage.name_place, &known);
     }

@@ -5,7 +5,7 @@ use crate::random::Distribution;
 use crate::study::pass::job::JobForm;
 
 use super::jobs::{Offered, measurement, push_new};
-use super::scope::Scope;
+use super::scope::{Scope, unknown};
 
 /// Positions of the parameters that are not fixed.
 pub(super) fn uncertain(priors: &[Distribution]) -> Vec<usize> {
@@ -24,10 +24,9 @@ pub(super) fn parameters(scope: &mut Scope, names: &[Spanned<String>], priors: &
             }
             Some(index) => push_new(&mut chosen, index),
             None => {
-                let known: Vec<String> =
-                    scope.resolved.model.parameters.iter().map(|parameter| parameter.name.clone()).collect();
-                let known: Vec<&str> = known.iter().map(String::as_str).collect();
-                scope.unknown(&code::JOB_REFERENCE, "parameter", &name.value, &name.place, &known);
+                let known = scope.resolved.model.parameters.iter().map(|parameter| parameter.name.as_str());
+                let asked = ("parameter", name.value.as_str());
+                unknown(scope.diagnostics, &code::JOB_REFERENCE, asked, &name.place, known);
             }
         }
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::document::hash::sha256_hex;
-use crate::document::quantity::{parse_unit, report_dimension};
+use crate::document::quantity::{parse_unit, report_dimension, warn_of_coulomb};
 use crate::document::{Diagnostic, Diagnostics, Map, Place, Sense, Source, Span, Spanned, WrittenUnit, code, suggest};
 use crate::expression::{Dimension, Unit};
 use crate::study::inherit::folder_diagnostic_at;
@@ -32,6 +32,8 @@ pub struct Reported;
 pub struct Layout<'a> {
     /// Columns with other headers or units.
     pub columns: &'a Map<ColumnForm>,
+    /// Sensors of the measurement, those among them whose columns are not wanted: they are left out for a reason.
+    pub sensors: Vec<&'a str>,
     /// The character between cells.
     pub separator: u8,
     /// `phase` or `time`: what the rows are.
@@ -99,7 +101,7 @@ pub fn pin(measurement: &str, file: &str, form: &PinForm, diagnostics: &mut Diag
 
 /// Reads a data file. `Ok(None)` where it is pinned and not there; `Err` after an error.
 pub fn data(scope: &mut Scope, file: &Spanned<String>, pinned: Option<&Pinned>) -> Result<Option<Data>, Reported> {
-    let bytes = match scope.folder.read(&file.value) {
+    let bytes = match scope.folder.read_table(&file.value) {
         Ok(bytes) => bytes,
         Err(crate::study::folder::FolderError::Missing { .. }) if pinned.is_some() => return Ok(None),
         Err(error) => {
@@ -123,7 +125,7 @@ pub fn data(scope: &mut Scope, file: &Spanned<String>, pinned: Option<&Pinned>) 
         return Err(Reported);
     }
     let before = scope.diagnostics.errors();
-    let source = crate::document::json::decode(&scope.folder.shown_name(&file.value), &bytes, scope.diagnostics);
+    let source = crate::document::json::decode(&scope.folder.shown_name(&file.value), bytes, scope.diagnostics);
     if scope.diagnostics.errors() > before { Err(Reported) } else { Ok(Some(Data { source, sha256 })) }
 }
 
@@ -164,8 +166,9 @@ pub fn columns(scope: &mut Scope, data: &Data, layout: &Layout, wanted: &[Wanted
     };
     let headers = table.headers();
     for entry in layout.columns {
-        let known = entry.name == layout.key || wanted.iter().any(|wanted| wanted.name == entry.name);
-        if !known {
+        let name = entry.name.as_str();
+        let is_wanted = || wanted.iter().any(|wanted| wanted.name == name);
+        if name != layout.key && !layout.sensors.contains(&name) && !is_wanted() {
             let mut names: Vec<&str> = vec![layout.key];
             names.extend(wanted.iter().map(|wanted| wanted.name));
             scope.unknown(&code::TABLE_COLUMN, "sensor or input", &entry.name, &entry.name_place, &names);
@@ -193,8 +196,7 @@ pub fn columns(scope: &mut Scope, data: &Data, layout: &Layout, wanted: &[Wanted
         placed.push(found);
     }
     let mut columns = table.read(&asked, &mut problems).into_iter();
-    report(scope, &data.source, problems);
-    if scope.diagnostics.errors() > before {
+    if report(scope, &data.source, problems) || scope.diagnostics.errors() > before {
         return Err(Reported);
     }
     let phases =
@@ -280,7 +282,7 @@ fn find(
                 .iter()
                 .map(|header| if declared_header.is_some() { header.text.as_str() } else { header.name.as_str() })
                 .collect();
-            let near = suggest::nearest(looked, names.iter().copied());
+            let near = scope.diagnostics.nearest(looked, names.iter().copied());
             let listed = suggest::listed(names.iter().copied(), 12);
             let message = format!("`{}` has no column `{looked}`", source.name());
             let mut diagnostic = Diagnostic::error(&code::TABLE_COLUMN, place, message)
@@ -320,23 +322,32 @@ fn unit(scope: &mut Scope, source: &Arc<Source>, header: &Header, layout: &Layou
         report_dimension(&unit, &place, expected, scope.diagnostics);
         return None;
     }
+    if wanted.dimension.is_none() {
+        warn_of_coulomb(&unit, &place, scope.diagnostics);
+    }
     Some(unit)
 }
 
-/// The problems of a table as diagnostics.
-fn report(scope: &mut Scope, source: &Arc<Source>, problems: Problems) {
-    let last = problems.kept.last().map(|problem| problem.range.clone());
+/// The problems of a table as diagnostics, each said once, however many measurements and windows use the file. Whether
+/// there are some.
+fn report(scope: &mut Scope, source: &Arc<Source>, problems: Problems) -> bool {
+    let Some(last) = problems.kept.last().map(|problem| problem.range.clone()) else { return false };
     for problem in problems.kept {
         let place = Place::in_text(source, Span::new(problem.range.start, problem.range.end));
-        let mut diagnostic = Diagnostic::error(problem.code, &place, problem.message);
+        let alike = match problem.alike {
+            0 => String::new(),
+            more => format!("; and {more} more like it in this column"),
+        };
+        let mut diagnostic = Diagnostic::error(problem.code, &place, problem.message + &alike);
         diagnostic.help = problem.help;
-        scope.diagnostics.push(diagnostic);
+        scope.diagnostics.push_once(diagnostic);
     }
-    if let (true, Some(range)) = (problems.more > 0, last) {
-        let place = Place::in_text(source, Span::new(range.start, range.end));
+    if problems.more > 0 {
+        let place = Place::in_text(source, Span::new(last.start, last.end));
         let message = format!("{} more problems follow in this file", problems.more);
-        scope.diagnostics.push(Diagnostic::error(&code::TABLE_CELL, &place, message));
+        scope.diagnostics.push_once(Diagnostic::error(&code::TABLE_CELL, &place, message));
     }
+    true
 }
 
 /// The columns of a file of draws, each the values (SI) of one parameter, in the order wanted.
@@ -348,7 +359,7 @@ pub fn draws(scope: &mut Scope, data: &Data, wanted: &[Wanted]) -> Result<Vec<Ve
         return Err(Reported);
     };
     let (columns, headers) = (Map::default(), table.headers());
-    let layout = Layout { columns: &columns, separator: b',', key: "" };
+    let layout = Layout { columns: &columns, sensors: Vec::new(), separator: b',', key: "" };
     let (mut asked, mut units) = (Vec::new(), Vec::new());
     for wanted in wanted {
         let index = find(scope, &data.source, headers, &layout, wanted.name, wanted.place, true);
@@ -359,8 +370,7 @@ pub fn draws(scope: &mut Scope, data: &Data, wanted: &[Wanted]) -> Result<Vec<Ve
         }
     }
     let read = table.read(&asked, &mut problems);
-    report(scope, &data.source, problems);
-    if scope.diagnostics.errors() > before {
+    if report(scope, &data.source, problems) || scope.diagnostics.errors() > before {
         return Err(Reported);
     }
     let senses = wanted.iter().map(|wanted| wanted.sense);

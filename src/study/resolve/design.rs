@@ -156,7 +156,10 @@ fn conditions(
         ConditionsForm::Grid(axes) => grid(scope, axes, base, offered, &form.place),
         ConditionsForm::Phases(phases) => listed(scope, phases, base, offered),
     };
-    let count = conditions.candidates.len();
+    let count = match &form.value {
+        ConditionsForm::Grid(_) => conditions.candidates.len(),
+        ConditionsForm::Phases(phases) => phases.len(),
+    };
     if scope.diagnostics.errors() > before {
         return None;
     }
@@ -176,7 +179,9 @@ fn grid(scope: &mut Scope, axes: &Map<SweepForm>, base: &[f64], offered: &Offere
         let scale = scope.resolved.input_scales[input].clone();
         let values: Vec<f64> = match &axis.value {
             SweepForm::List(list) => {
-                list.iter().filter_map(|amount| scale.si(amount, Sense::Absolute, scope.diagnostics)).collect()
+                // More are refused, once they are counted.
+                let list = list.iter().take(MOST_CANDIDATES + 1);
+                list.filter_map(|amount| scale.si(amount, Sense::Absolute, scope.diagnostics)).collect()
             }
             SweepForm::Steps(steps) => {
                 let (from, to) = (&steps.from, &steps.to);
@@ -234,7 +239,8 @@ fn listed(
     offered: &Offered,
 ) -> Conditions {
     let (mut inputs, mut candidates): (Vec<usize>, Vec<Phase>) = (Vec::new(), Vec::new());
-    for form in phases {
+    // More are refused, once they are counted.
+    for form in phases.iter().take(MOST_CANDIDATES + 1) {
         let mut phase = Phase { inputs: base.to_vec() };
         for entry in &form.value {
             let Some(input) = settable(scope, &entry.name, &entry.name_place) else { continue };

@@ -58,7 +58,7 @@ pub(super) fn diagnose(
 fn check<'a>(scope: &mut Scope, names: impl Iterator<Item = &'a Spanned<String>>, offered: &Offered) {
     for name in names {
         // What is wrong with a file of the study's own was said at its place.
-        let is_own = || scope.folder.read(&own_file(&name.value)).is_ok();
+        let is_own = || scope.folder.has_file(&own_file(&name.value));
         if offered.catalogue.get(&name.value).is_none() && !is_own() {
             let known: Vec<&str> = offered.catalogue.names().collect();
             scope.unknown(&code::UNKNOWN_EFFECT, "effect", &name.value, &name.place, &known);

@@ -1,5 +1,6 @@
 //! Draws that stand in for priors: which calibration or file gives them, for which parameters, and the data behind them.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use crate::document::{Diagnostic, Place, Prior, Sense, Spanned, code, suggest};
@@ -10,6 +11,7 @@ use crate::math::functions::{exp, ln};
 use crate::random::Distribution;
 use crate::statistics::moments::Moments;
 use crate::study::inherit::{folder_diagnostic_at, plain_name};
+use crate::study::reader::Reader;
 use crate::study::ready::blocked;
 use crate::study::resolved::{DataBehind, HandedOnPrior, JobSpec, Pass, Upstream};
 use crate::study::table::Cells;
@@ -17,18 +19,22 @@ use crate::study::table::Cells;
 use super::data::{self, Wanted};
 use super::scope::{Scope, unit_of};
 
+/// Most passes that hand their posteriors on, one to the next.
+const MOST_HANDED_ON: usize = 50;
+
 /// The passes whose calibrations a pass uses.
-pub(super) struct Upstreams {
+pub(super) struct Upstreams<'a> {
+    reader: &'a Reader,
     /// Files of the passes that are being read, each because the one before uses it; the last is the pass itself.
-    chain: Vec<String>,
+    chain: &'a [String],
     /// The passes that were read.
     pub passes: Vec<Arc<Pass>>,
 }
 
-impl Upstreams {
+impl<'a> Upstreams<'a> {
     /// None yet, of the last pass of the chain.
-    pub fn new(chain: Vec<String>) -> Self {
-        Self { chain, passes: Vec::new() }
+    pub fn new(reader: &'a Reader, chain: &'a [String]) -> Self {
+        Self { reader, chain, passes: Vec::new() }
     }
 
     /// A pass of the study by its file; reported where it cannot be used.
@@ -47,21 +53,38 @@ impl Upstreams {
             scope.error(&code::POSTERIOR, place, message, "an earlier pass");
             return None;
         }
-        if let Err(error) = scope.folder.place(&file).and_then(|_| scope.folder.read(&file)) {
+        if let Err(error) = self.reader.tree(scope.folder, &file) {
             scope.diagnostics.push(folder_diagnostic_at(&error, place));
             return None;
         }
-        match super::load_in_chain(&scope.folder.shown().join(&file), &self.chain) {
-            Ok(pass) => {
-                self.passes.push(Arc::new(pass));
-                self.passes.last().cloned()
+        let loaded = if self.chain.len() > MOST_HANDED_ON {
+            None
+        } else {
+            Some(self.reader.load_in_chain(&scope.folder.shown().join(&file), self.chain))
+        };
+        match loaded {
+            // A pass may have been read before, as a shorter chain.
+            Some(Ok(pass)) if pass.handed_on_depth < MOST_HANDED_ON => {
+                self.passes.push(Arc::clone(&pass));
+                Some(pass)
             }
-            Err(diagnostics) => {
+            Some(Ok(_)) | None => {
+                let message = format!("more than {MOST_HANDED_ON} passes hand their posteriors on, one to the next");
+                let help = "calibrate on all data at once, from the original priors";
+                scope.diagnostics.push(Diagnostic::error(&code::TOO_LONG_CHAIN, place, message).help(help));
+                None
+            }
+            Some(Err(diagnostics)) => {
                 scope.error(&code::POSTERIOR, place, format!("`{file}` has errors of its own"), "");
-                scope.diagnostics.extend(diagnostics);
+                scope.diagnostics.extend(&diagnostics);
                 None
             }
         }
+    }
+
+    /// How many passes hand their posteriors on, one to the next, up to the one that is being read.
+    pub fn depth(&self) -> usize {
+        self.passes.iter().map(|pass| pass.handed_on_depth + 1).max().unwrap_or(0)
     }
 }
 
@@ -89,16 +112,19 @@ pub(super) fn calibration<'p>(
     }
 }
 
-/// The readings behind a calibration: its own, and those behind its priors.
+/// The readings behind a calibration: its own, and those behind its priors, each measurement of a calibration once.
 pub(super) fn behind(pass: &Pass, job: &str, spec: &calibrate::Spec) -> Vec<DataBehind> {
     let calibration = Upstream { file: pass.file.clone(), job: job.to_owned() };
     let own = spec.data.iter().map(|&index| DataBehind {
         calibration: calibration.clone(),
         measurement: pass.measurements[index].name.clone(),
-        rows: used_rows(&pass.measurements[index]),
+        rows: Arc::new(used_rows(&pass.measurements[index])),
     });
     let handed = pass.handed_on.iter().filter(|own| own.draws.parameters.iter().any(|p| spec.parameters.contains(p)));
-    own.chain(handed.flat_map(|own| own.behind.clone())).collect()
+    let mut known = HashSet::new();
+    own.chain(handed.flat_map(|own| own.behind.clone()))
+        .filter(|own| known.insert((own.calibration.clone(), own.measurement.clone())))
+        .collect()
 }
 
 /// The draws of a calibration, no parameter chosen yet.

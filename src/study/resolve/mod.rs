@@ -14,6 +14,7 @@ mod handed_on;
 pub mod jobs;
 pub mod measurement;
 mod noise;
+mod physical;
 mod predict;
 pub mod requirement;
 pub mod scope;
@@ -40,6 +41,7 @@ use super::model::{self, Group, QuantityForm, QuantityOrName, ResolvedModel};
 use super::pass::measurement::MeasurementForm;
 use super::pass::{self, PassForm};
 use super::pinned::Pinned;
+use super::reader::Reader;
 use super::resolved::Pass;
 use super::{profile, rule};
 
@@ -56,18 +58,13 @@ const SEED: u64 = 1;
 /// Largest seed: larger integers are not exact in every JSON reader.
 const LARGEST_SEED: u64 = (1 << 53) - 1;
 
-/// Reads a pass with its parents, its model and its data.
+/// Reads a pass with its parents, its model and its data, because one of the study's passes of this chain uses it.
 ///
 /// # Errors
 /// All that is wrong with the files; warnings stand among them.
-pub fn load(pass: &Path) -> Result<Pass, Diagnostics> {
-    load_in_chain(pass, &[])
-}
-
-/// Reads a pass because one of the study's passes of this chain uses it.
-fn load_in_chain(pass: &Path, chain: &[String]) -> Result<Pass, Diagnostics> {
+pub(super) fn load(reader: &Reader, pass: &Path, chain: &[String]) -> Result<Pass, Diagnostics> {
     let mut diagnostics = Diagnostics::new();
-    let resolved = read(pass, chain, &mut diagnostics);
+    let resolved = read(reader, pass, chain, &mut diagnostics);
     match resolved {
         Some(mut pass) if !diagnostics.has_errors() => {
             pass.warnings = diagnostics;
@@ -101,7 +98,7 @@ pub fn effects(study: Option<&Path>) -> Result<Catalogue, Diagnostics> {
 /// What is wrong with the pass as written; its model and its data are not read.
 pub fn pinned(pass: &Path) -> Result<(Folder, Vec<Pinned>), Diagnostics> {
     let mut diagnostics = Diagnostics::new();
-    let written = written(pass, &mut diagnostics);
+    let written = written(&Reader::default(), pass, &mut diagnostics);
     let form = written.as_ref().and_then(|(_, lineage)| PassForm::read(&lineage.merged, &mut diagnostics));
     let mut list = Vec::new();
     for entry in form.iter().flat_map(|form| form.measurements.iter()) {
@@ -120,7 +117,7 @@ pub fn pinned(pass: &Path) -> Result<(Folder, Vec<Pinned>), Diagnostics> {
 }
 
 /// A pass with its parents, their formats checked.
-fn written(path: &Path, diagnostics: &mut Diagnostics) -> Option<(Folder, Lineage)> {
+fn written(reader: &Reader, path: &Path, diagnostics: &mut Diagnostics) -> Option<(Folder, Lineage)> {
     let shown = path.display().to_string();
     let nowhere = Place::in_text(&Source::new(shown.as_str(), ""), Span::default());
     let unreadable = |error: FolderError, diagnostics: &mut Diagnostics| {
@@ -134,7 +131,7 @@ fn written(path: &Path, diagnostics: &mut Diagnostics) -> Option<(Folder, Lineag
     let Some(file) = path.file_name().and_then(|name| name.to_str()) else {
         return unreadable(FolderError::Missing { path: shown }, diagnostics);
     };
-    let lineage = match lineage(&folder, file, diagnostics) {
+    let lineage = match lineage(reader, &folder, file, diagnostics) {
         Ok(lineage) => lineage?,
         Err(error) => return unreadable(error, diagnostics),
     };
@@ -145,38 +142,41 @@ fn written(path: &Path, diagnostics: &mut Diagnostics) -> Option<(Folder, Lineag
     good.then_some((folder, lineage))
 }
 
-fn read(path: &Path, chain: &[String], diagnostics: &mut Diagnostics) -> Option<Pass> {
-    let (folder, lineage) = written(path, diagnostics)?;
+fn read(reader: &Reader, path: &Path, chain: &[String], diagnostics: &mut Diagnostics) -> Option<Pass> {
+    let (folder, lineage) = written(reader, path, diagnostics)?;
     let form = PassForm::read(&lineage.merged, diagnostics);
     let model_file = model_file(&lineage.merged);
     let (resolved, model_tree) = read_model(&folder, &model_file, diagnostics)?;
     let form = form?;
     let chain: Vec<String> = chain.iter().chain([&lineage.files[0].name]).cloned().collect();
-    let resolved = with_ranges_of_data(&folder, &lineage, &chain, &form, &model_file.value, resolved, &model_tree);
-    let (resolved, from_data) = resolved;
-    let mut pass = resolve(&folder, &lineage, chain, &form, &model_file.value, resolved, &model_tree, diagnostics)?;
+    let files =
+        Files { reader, folder: &folder, lineage: &lineage, chain: &chain, model: (&model_file.value, &model_tree) };
+    let (resolved, from_data) = with_ranges_of_data(&files, &form, resolved);
+    let mut pass = resolve(&files, &form, resolved, diagnostics)?;
     pass.ranges_from_data.extend(from_data);
     Some(pass)
+}
+
+/// The files of a pass.
+struct Files<'a> {
+    /// Reads the passes whose calibrations are used.
+    reader: &'a Reader,
+    folder: &'a Folder,
+    lineage: &'a Lineage,
+    /// Files of the passes that are being read, each because the one before uses it; the last is the pass itself.
+    chain: &'a [String],
+    /// The model's file and tree.
+    model: (&'a str, &'a Node),
 }
 
 /// The model with the ranges that its inputs take from the data, and the names of those inputs. Effects scale with the
 /// ranges, so a pass that adopts some must know them before it reads what the effects may be needed for: it is resolved
 /// twice.
-fn with_ranges_of_data(
-    folder: &Folder,
-    lineage: &Lineage,
-    chain: &[String],
-    form: &PassForm,
-    model_file: &str,
-    mut resolved: ResolvedModel,
-    model_tree: &Node,
-) -> (ResolvedModel, Vec<String>) {
+fn with_ranges_of_data(files: &Files, form: &PassForm, mut resolved: ResolvedModel) -> (ResolvedModel, Vec<String>) {
     let is_needed = !form.adopt.is_empty() && resolved.model.inputs.iter().any(|input| input.range.is_none());
     // What is wrong is said when the pass is resolved for good.
     let mut unheard = Diagnostics::new();
-    let tried = is_needed
-        .then(|| resolve(folder, lineage, chain.to_vec(), form, model_file, resolved.clone(), model_tree, &mut unheard))
-        .flatten();
+    let tried = is_needed.then(|| resolve(files, form, resolved.clone(), &mut unheard)).flatten();
     let Some(tried) = tried else { return (resolved, Vec::new()) };
     for input in &mut resolved.model.inputs {
         let found = tried.model.inputs.iter().find(|other| other.name == input.name);
@@ -219,16 +219,8 @@ fn read_model(folder: &Folder, file: &Spanned<String>, diagnostics: &mut Diagnos
     Some((model::resolve(&form, diagnostics)?, tree))
 }
 
-fn resolve(
-    folder: &Folder,
-    lineage: &Lineage,
-    chain: Vec<String>,
-    form: &PassForm,
-    model_file: &str,
-    resolved: ResolvedModel,
-    model_tree: &Node,
-    diagnostics: &mut Diagnostics,
-) -> Option<Pass> {
+fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics: &mut Diagnostics) -> Option<Pass> {
+    let (folder, lineage) = (files.folder, files.lineage);
     let mut scope = Scope { folder, resolved, hosts: Vec::new(), drawn: Vec::new(), diagnostics };
     let seed = seed(&mut scope, form.seed.as_ref());
     check_names(&mut scope, form);
@@ -261,7 +253,7 @@ fn resolve(
     adoption.adopt_at_sensors(&mut scope, form, &catalogue, &mut measurements);
     adoption.switch_on(&mut measurements, &mut environments);
     priors.extend(adoption.priors.iter().copied());
-    let mut upstreams = Upstreams::new(chain);
+    let mut upstreams = Upstreams::new(files.reader, files.chain);
     let handed_on = handed_on::resolve(&mut scope, &mut upstreams, &mut priors);
     let ranges_from_data = ranges_from_data(&mut scope, &measurements);
     let rules = rule::load(Some(folder), scope.diagnostics);
@@ -299,14 +291,15 @@ fn resolve(
     let measured = form.measurements.iter().next().map(|entry| &entry.name_place);
     jobs.extend(jobs::implied_comparison(&jobs, &offered, measured));
     calibrate::show_in_comparisons(&mut jobs, &form.jobs);
-    let definition_sha256 = definition(lineage, model_file, model_tree, own);
+    physical::check(&mut scope, form, &priors, &environments, &measurements);
+    let definition_sha256 = definition(files, own);
     let groups = group_places(&scope.resolved.groups, &measurements);
     let ResolvedModel { model, reconstructed, input_errors, .. } = scope.resolved;
     Some(Pass {
         folder: folder.shown().to_owned(),
         file: lineage.files[0].name.clone(),
         parents: lineage.files[1..].iter().map(|file| file.name.clone()).collect(),
-        model_file: model_file.to_owned(),
+        model_file: files.model.0.to_owned(),
         title: form.title.clone().unwrap_or_else(|| model.title.clone()),
         description: form.description.clone().unwrap_or_default(),
         reconstructed,
@@ -315,6 +308,7 @@ fn resolve(
         model,
         priors,
         handed_on,
+        handed_on_depth: upstreams.depth(),
         upstream: upstreams.passes,
         input_errors,
         requirements,
@@ -418,15 +412,11 @@ fn ranges_from_data(scope: &mut Scope, measurements: &[crate::inference::measure
 }
 
 /// SHA-256 of the canonical JSON of the files as written.
-fn definition(
-    lineage: &Lineage,
-    model_file: &str,
-    model_tree: &Node,
-    mut files: serde_json::Map<String, serde_json::Value>,
-) -> String {
-    let passes: Vec<serde_json::Value> = lineage.files.iter().map(|file| file.tree.to_json()).collect();
-    files.insert("passes".to_owned(), serde_json::Value::Array(passes));
-    files.insert(model_file.to_owned(), model_tree.to_json());
+fn definition(files: &Files, mut own: serde_json::Map<String, serde_json::Value>) -> String {
+    let passes: Vec<serde_json::Value> = files.lineage.files.iter().map(|file| file.tree.to_json()).collect();
+    own.insert("passes".to_owned(), serde_json::Value::Array(passes));
+    let (model_file, model_tree) = files.model;
+    own.insert(model_file.to_owned(), model_tree.to_json());
     // Numbers of a file that was read are finite, so there is always a canonical text.
-    sha256_hex(canonical::canonical(&serde_json::Value::Object(files)).unwrap_or_default().as_bytes())
+    sha256_hex(canonical::canonical(&serde_json::Value::Object(own)).unwrap_or_default().as_bytes())
 }

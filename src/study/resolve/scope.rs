@@ -33,11 +33,7 @@ impl Scope<'_> {
 
     /// Reports a name that nothing has, with the nearest one or a list.
     pub fn unknown(&mut self, code: &'static code::Code, what: &str, name: &str, place: &Place, known: &[&str]) {
-        let near = suggest::nearest(name, known.iter().copied());
-        let listed = suggest::listed(known.iter().copied(), 12);
-        let expected = if known.is_empty() { format!("there is no {what}") } else { format!("one of {listed}") };
-        self.diagnostics
-            .push(Diagnostic::error(code, place, format!("unknown {what} `{name}`")).expected(expected).suggest(near));
+        unknown(self.diagnostics, code, (what, name), place, known.iter().copied());
     }
 
     /// Position of a quantity in the model's list: a named one, or a node's temperature, which is added.
@@ -48,11 +44,11 @@ impl Scope<'_> {
         if let Some(node) = self.resolved.node(&name.value) {
             return Some(self.node_quantity(node));
         }
-        let known: Vec<String> = (self.resolved.model.quantities.iter().map(|quantity| quantity.name.clone()))
-            .chain(self.resolved.model.nodes.iter().map(|node| node.name.clone()))
-            .collect();
-        let known: Vec<&str> = known.iter().map(String::as_str).collect();
-        self.unknown(&code::UNKNOWN_NAME, "quantity or node", &name.value, &name.place, &known);
+        let model = &self.resolved.model;
+        let known = (model.quantities.iter().map(|quantity| quantity.name.as_str()))
+            .chain(model.nodes.iter().map(|node| node.name.as_str()));
+        let asked = ("quantity or node", name.value.as_str());
+        unknown(self.diagnostics, &code::UNKNOWN_NAME, asked, &name.place, known);
         None
     }
 
@@ -86,9 +82,8 @@ impl Scope<'_> {
     pub fn known_input(&mut self, name: &str, place: &Place) -> Option<usize> {
         let found = self.input(name);
         if found.is_none() {
-            let known: Vec<String> = self.resolved.model.inputs.iter().map(|input| input.name.clone()).collect();
-            let known: Vec<&str> = known.iter().map(String::as_str).collect();
-            self.unknown(&code::UNKNOWN_NAME, "input", name, place, &known);
+            let known = self.resolved.model.inputs.iter().map(|input| input.name.as_str());
+            unknown(self.diagnostics, &code::UNKNOWN_NAME, ("input", name), place, known);
         }
         found
     }
@@ -121,11 +116,10 @@ impl Scope<'_> {
         if let Some(index) = self.input(name) {
             return Some((Variable::Input(index), self.resolved.input_scales[index].clone()));
         }
-        let known: Vec<String> = (self.resolved.model.parameters.iter().map(|parameter| parameter.name.clone()))
-            .chain(self.resolved.model.inputs.iter().map(|input| input.name.clone()))
-            .collect();
-        let known: Vec<&str> = known.iter().map(String::as_str).collect();
-        self.unknown(&code::UNKNOWN_NAME, "parameter or input", name, place, &known);
+        let model = &self.resolved.model;
+        let known = (model.parameters.iter().map(|parameter| parameter.name.as_str()))
+            .chain(model.inputs.iter().map(|input| input.name.as_str()));
+        unknown(self.diagnostics, &code::UNKNOWN_NAME, ("parameter or input", name), place, known);
         None
     }
 
@@ -181,6 +175,22 @@ impl Scope<'_> {
         }
         true
     }
+}
+
+/// Reports a name that nothing has, after what was asked for, with the nearest one or a list.
+pub fn unknown<'n>(
+    diagnostics: &mut Diagnostics,
+    code: &'static code::Code,
+    (what, name): (&str, &str),
+    place: &Place,
+    known: impl Iterator<Item = &'n str> + Clone,
+) {
+    let near = diagnostics.nearest(name, known.clone());
+    let listed = suggest::listed(known.clone(), 12);
+    let expected =
+        if known.into_iter().next().is_none() { format!("there is no {what}") } else { format!("one of {listed}") };
+    diagnostics
+        .push(Diagnostic::error(code, place, format!("unknown {what} `{name}`")).expected(expected).suggest(near));
 }
 
 /// The unit of a text that has been checked before; no unit where it is none.

@@ -16,6 +16,9 @@ use super::data::{Layout, Wanted, columns, data, pin, separator};
 use super::measurement::{Outcome, base_inputs, has_content, parted, rows_within, sensors, wanted};
 use super::scope::Scope;
 
+/// Most values of inputs over all phases.
+const MOST_VALUES: usize = 10_000_000;
+
 /// Resolves a steady measurement.
 pub fn steady(
     scope: &mut Scope,
@@ -63,9 +66,15 @@ fn table(
     };
     let names: Vec<String> = scope.resolved.model.inputs.iter().map(|input| input.name.clone()).collect();
     let wanted = wanted(scope, &names, list, &file.place);
-    let layout = Layout { columns: &form.columns, separator, key: "phase" };
+    let layout = Layout { columns: &form.columns, sensors: form.sensors.names().collect(), separator, key: "phase" };
     let Ok(mut columns) = columns(scope, &data, &layout, &wanted) else { return Outcome::Wrong };
     let parts = parted(&mut columns, names.len());
+    // Every phase has values of all inputs, those without a column too.
+    if columns.phases.len().saturating_mul(names.len()) > MOST_VALUES {
+        let message = format!("{} phases of {} inputs", columns.phases.len(), names.len());
+        scope.error(&code::TOO_LARGE, &file.place, message, &format!("at most {MOST_VALUES} values"));
+        return Outcome::Wrong;
+    }
     let base = scope.nominal_inputs();
     let mut phases = Vec::new();
     let mut readings = Vec::new();
@@ -111,7 +120,7 @@ fn series(
     let names: Vec<String> = scope.resolved.model.inputs.iter().map(|input| input.name.clone()).collect();
     let mut wanted = wanted(scope, &names, list, &file.place);
     wanted.insert(0, time_column(&file.place));
-    let layout = Layout { columns: &form.columns, separator, key: "time" };
+    let layout = Layout { columns: &form.columns, sensors: form.sensors.names().collect(), separator, key: "time" };
     let mut columns = columns(scope, &data, &layout, &wanted).ok()?;
     let times_s = columns.read.remove(0)?.values.into_iter().flatten().collect();
     let parts = parted(&mut columns, names.len());
@@ -142,12 +151,22 @@ fn from_windows(
         scope.error(&code::MEASUREMENT_FORM, &pinned.sha256.place, message, "no `pinned` beside `windows`");
     }
     let mut all: Vec<Series> = Vec::new();
+    // What is wrong with a file is said once.
+    let mut wrong: Vec<&str> = Vec::new();
     let mut phases = Vec::new();
     let mut readings = Vec::new();
     for MapEntry { name, value, place, .. } in windows {
         if !all.iter().any(|series| series.file == value.file.value) {
-            let Some(series) = series(scope, form, &value.file, list) else { continue };
-            all.push(series);
+            if wrong.contains(&value.file.value.as_str()) {
+                continue;
+            }
+            match series(scope, form, &value.file, list) {
+                Some(series) => all.push(series),
+                None => {
+                    wrong.push(&value.file.value);
+                    continue;
+                }
+            }
         }
         let mut inputs = base_inputs(scope, &value.inputs);
         let Some(series) = all.iter().find(|series| series.file == value.file.value) else { continue };

@@ -11,7 +11,7 @@ use crate::thermal::NodeKind;
 
 use super::data::{Layout, columns, data, pin, separator};
 use super::measurement::{Outcome, base_inputs, has_content, held_out_rows, parted, rows_within, sensors, wanted};
-use super::scope::Scope;
+use super::scope::{Scope, unknown};
 use super::steady::time_column;
 
 /// The name that stands for all nodes.
@@ -39,7 +39,7 @@ pub fn transient(
     let names: Vec<String> = scope.resolved.model.inputs.iter().map(|input| input.name.clone()).collect();
     let mut wanted = wanted(scope, &names, &list, &form.file.place);
     wanted.insert(0, time_column(&form.file.place));
-    let layout = Layout { columns: &form.columns, separator, key: "time" };
+    let layout = Layout { columns: &form.columns, sensors: form.sensors.names().collect(), separator, key: "time" };
     let Ok(mut columns) = columns(scope, &data, &layout, &wanted) else { return Outcome::Wrong };
     let times_s: Vec<f64> = match columns.read.remove(0) {
         Some(read) => read.values.into_iter().flatten().collect(),
@@ -136,11 +136,15 @@ fn temperatures(scope: &mut Scope, map: &Map<UncertainForm>, place: &Place) -> O
         } else if let Some(node) = scope.resolved.model.nodes.iter().position(|node| node.name == entry.name) {
             named[node] = value;
         } else {
-            let known: Vec<String> = (std::iter::once(ALL.to_owned()))
-                .chain(scope.resolved.model.nodes.iter().map(|node| node.name.clone()))
-                .collect();
-            let known: Vec<&str> = known.iter().map(String::as_str).collect();
-            scope.unknown(&code::UNKNOWN_NAME, "node", &entry.name, &entry.name_place, &known);
+            let nodes = scope.resolved.model.nodes.iter().map(|node| node.name.as_str());
+            let asked = ("node", entry.name.as_str());
+            unknown(
+                scope.diagnostics,
+                &code::UNKNOWN_NAME,
+                asked,
+                &entry.name_place,
+                std::iter::once(ALL).chain(nodes),
+            );
         }
     }
     if scope.diagnostics.errors() > before {

@@ -1,0 +1,77 @@
+//! Reads the passes of a run, each once: several passes may build upon one, and have parents in common.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::document::{Diagnostics, Node, written};
+
+use super::folder::{Folder, FolderError};
+use super::resolve;
+use super::resolved::Pass;
+
+/// A pass that was read, or all that is wrong with it.
+pub type Loaded = Result<Arc<Pass>, Arc<Diagnostics>>;
+
+/// A file's tree, with what was found in it.
+#[derive(Clone)]
+pub(super) struct Parsed {
+    /// The tree; `None` where the text is broken off.
+    pub tree: Option<Arc<Node>>,
+    /// Errors of its JSON.
+    pub diagnostics: Arc<Diagnostics>,
+}
+
+/// Reads passes and keeps what it has read.
+#[derive(Default)]
+pub struct Reader {
+    passes: RefCell<HashMap<PathBuf, Loaded>>,
+    trees: RefCell<HashMap<PathBuf, Parsed>>,
+}
+
+impl Reader {
+    /// A pass with its parents, its model and its data.
+    ///
+    /// # Errors
+    /// All that is wrong with the files; warnings stand among them.
+    pub fn load(&self, pass: &Path) -> Loaded {
+        self.load_in_chain(pass, &[])
+    }
+
+    /// A pass that is read because one of the study's passes of this chain uses it.
+    pub(super) fn load_in_chain(&self, pass: &Path, chain: &[String]) -> Loaded {
+        if let Some(known) = self.passes.borrow().get(pass) {
+            return known.clone();
+        }
+        let loaded = resolve::load(self, pass, chain).map(Arc::new).map_err(Arc::new);
+        self.passes.borrow_mut().insert(pass.to_owned(), loaded.clone());
+        loaded
+    }
+
+    /// The tree of a JSON file of a study's folder.
+    pub(super) fn tree(&self, folder: &Folder, name: &str) -> Result<Parsed, FolderError> {
+        let shown = folder.shown_name(name);
+        let path = PathBuf::from(&shown);
+        if let Some(known) = self.trees.borrow().get(&path) {
+            return Ok(known.clone());
+        }
+        let bytes = folder.read(name)?;
+        let mut diagnostics = Diagnostics::new();
+        let tree = written::read_document(&shown, &bytes, &mut diagnostics).map(Arc::new);
+        let parsed = Parsed { tree, diagnostics: Arc::new(diagnostics) };
+        self.trees.borrow_mut().insert(path, parsed.clone());
+        Ok(parsed)
+    }
+}
+
+/// Reads one pass with its parents, its model and its data.
+///
+/// # Errors
+/// As [`Reader::load`].
+pub fn load(pass: &Path) -> Result<Pass, Diagnostics> {
+    match Reader::default().load(pass) {
+        Ok(pass) => Ok(Arc::unwrap_or_clone(pass)),
+        Err(diagnostics) => Err(Arc::unwrap_or_clone(diagnostics)),
+    }
+}
