@@ -96,6 +96,23 @@ impl JsonPath {
         Self(Some(Arc::new(Step::Index(self.clone(), index))))
     }
 
+    /// The path of the object or array that holds what is at this one.
+    pub fn parent(&self) -> Option<&Self> {
+        match self.0.as_deref() {
+            Some(Step::Key(parent, _) | Step::Index(parent, _)) => Some(parent),
+            Some(Step::Root) | None => None,
+        }
+    }
+
+    /// Whether both are the same links, and not only the same path.
+    pub fn is_same(&self, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (Some(one), Some(two)) => Arc::ptr_eq(one, two),
+            (None, None) => true,
+            _ => false,
+        }
+    }
+
     /// Whether it is that of a place outside JSON.
     pub fn is_empty(&self) -> bool {
         self.0.is_none()
@@ -104,15 +121,8 @@ impl JsonPath {
 
 impl std::fmt::Display for JsonPath {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let mut steps = Vec::new();
-        let mut at = self;
-        while let Some(step) = &at.0 {
-            steps.push(step.as_ref());
-            at = match step.as_ref() {
-                Step::Root => break,
-                Step::Key(before, _) | Step::Index(before, _) => before,
-            };
-        }
+        let paths = std::iter::successors(Some(self), |path| path.parent());
+        let steps: Vec<&Step> = paths.filter_map(|path| path.0.as_deref()).collect();
         steps.into_iter().rev().try_for_each(|step| match step {
             Step::Root => f.write_str("$"),
             Step::Key(_, key) if is_plain(key) => write!(f, ".{key}"),

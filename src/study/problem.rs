@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::diagnosis::Problem;
 use crate::effect::candidates;
+use crate::thermal::Model;
 
 use super::ready::input_errors;
 use super::resolve::adopt::sensor_places;
@@ -14,7 +15,7 @@ pub fn problem(pass: &Pass) -> Problem {
     let sensors = sensor_places(pass.measurements.iter());
     let problem = Problem {
         candidates: candidates(&pass.model, &pass.groups, &sensors, &pass.catalogue),
-        model: Arc::new(pass.model.clone()),
+        model: Arc::new(Model { keeps_signs: false, ..pass.model.clone() }),
         priors: pass.priors.clone(),
         parameters: (0..pass.priors.len()).filter(|&index| !pass.priors[index].is_fixed()).collect(),
         measurements: pass.measurements.clone(),

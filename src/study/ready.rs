@@ -379,7 +379,7 @@ impl Shared<'_> {
         let mut candidates = candidates(&self.model, &pass.groups, &sensors, &pass.catalogue);
         candidates.retain(|candidate| spec.effects.contains(&candidate.effect));
         let problem = Problem {
-            model: Arc::clone(&self.model),
+            model: Arc::new(Model { keeps_signs: false, ..pass.model.clone() }),
             priors: pass.priors.clone(),
             parameters: spec.parameters.clone(),
             measurements: chosen,

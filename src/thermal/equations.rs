@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use crate::expression::{Dependence, ExprId, Graph, Program, Register, Segment, Symbol, Term};
 
 use super::element::heater::Switch;
-use super::element::{Contribution, ElementKind};
+use super::element::{Contribution, ElementKind, Law};
 use super::model::{Model, NodeKind};
 use super::network::NetworkError;
 
@@ -21,7 +21,7 @@ pub(super) mod segment {
     pub const INPUTS: usize = 1;
     /// What depends on time and on switches' modes besides.
     pub const INSTANT: usize = 2;
-    /// Boundary temperatures and widths of controllers' bands, K.
+    /// Boundary temperatures and widths of controllers' bands, K; then values that have a sign.
     pub const BOUNDARY: usize = 3;
     /// Balance of each unknown node, W.
     pub const RESIDUAL: usize = 4;
@@ -85,6 +85,8 @@ pub(super) struct Equations {
     pub boundaries: Vec<(usize, Register)>,
     /// Width of each controller's band, with its element's name.
     pub bands: Vec<(String, Register)>,
+    /// Values that have a sign, with their element's name; those that follow from parameters, inputs and time.
+    pub laws: Vec<(String, Law, Register)>,
     pub residual: Vec<Register>,
     pub magnitude: Vec<Register>,
     /// Slopes of the balances, by row then column, each position once.
@@ -321,12 +323,23 @@ impl Equations {
             .filter(|(_, band)| graph.dependence(*band).within(given))
             .collect();
 
+        let is_kept = |law: &Law| {
+            model.keeps_signs && graph.constant(law.value).is_none() && graph.dependence(law.value).within(given)
+        };
+        let laws: Vec<(String, Law)> = (model.elements.iter())
+            .flat_map(|element| element.laws().into_iter().map(|law| (element.name.clone(), law)))
+            .filter(|(_, law)| is_kept(law))
+            .collect();
+
         // One list of outputs a segment; `take` reads the registers back in the same order.
         let ids = |entries: &[(usize, usize, ExprId)]| entries.iter().map(|e| e.2).collect::<Vec<_>>();
         let some = |list: &[Option<ExprId>]| list.iter().copied().flatten().collect::<Vec<_>>();
         let join = |a: Vec<ExprId>, b: Vec<ExprId>| a.into_iter().chain(b).collect::<Vec<_>>();
         let outputs: Vec<Vec<ExprId>> = vec![
-            boundary.iter().copied().chain(bands.iter().map(|&(_, band)| band)).collect(),
+            (boundary.iter().copied())
+                .chain(bands.iter().map(|&(_, band)| band))
+                .chain(laws.iter().map(|(_, law)| law.value))
+                .collect(),
             residual,
             magnitude,
             ids(&jacobian),
@@ -395,6 +408,7 @@ impl Equations {
             list.iter().map(|entry| entry.and_then(|_| registers.next())).collect()
         };
         let balance = program.outputs(segment::BALANCE);
+        let after_bands = boundary_nodes.len() + bands.len();
         Ok(Self {
             parameters: model.parameters.len(),
             inputs: model.inputs.len(),
@@ -407,6 +421,9 @@ impl Equations {
                 .collect(),
             bands: (bands.into_iter().zip(&program.outputs(segment::BOUNDARY)[boundary_nodes.len()..]))
                 .map(|((name, _), &register)| (name, register))
+                .collect(),
+            laws: (laws.into_iter().zip(&program.outputs(segment::BOUNDARY)[after_bands..]))
+                .map(|((name, law), &register)| (name, law, register))
                 .collect(),
             residual: program.outputs(segment::RESIDUAL).to_vec(),
             magnitude: program.outputs(segment::MAGNITUDE).to_vec(),

@@ -2,11 +2,12 @@
 
 use crate::expression::{ExprId, Lanes, Symbol};
 
+use super::element::Law;
 use super::equations::Equations;
 use super::steady::SteadyError;
 
 impl Equations {
-    /// Whether boundary temperatures and controllers' bands, as they stand in the file, are possible ones.
+    /// Whether boundary temperatures, controllers' bands and values that have a sign, as they stand in the file, are possible ones.
     pub(super) fn check_given<V: Lanes>(&self, file: &[V], lane: usize, nodes: &[String]) -> Result<(), SteadyError> {
         for &(node, register) in &self.boundaries {
             let temperature_k = file[register.index()].lane(lane);
@@ -19,6 +20,13 @@ impl Equations {
             let band_k = file[register.index()].lane(lane);
             if !(band_k > 0.0) {
                 return Err(SteadyError::Band { element: element.clone(), band_k });
+            }
+        }
+        for (element, law, register) in &self.laws {
+            let value = file[register.index()].lane(lane);
+            if law.is_broken_by(value) {
+                let Law { what, unit, .. } = *law;
+                return Err(SteadyError::Sign { element: element.clone(), what, unit, value });
             }
         }
         Ok(())

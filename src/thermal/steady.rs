@@ -68,6 +68,18 @@ pub enum SteadyError {
         /// Its width, K.
         band_k: f64,
     },
+    /// A conductance, exchange area or the like below 0.
+    #[error("the {what} of `{element}` is {value} {unit}: it is 0 or more")]
+    Sign {
+        /// The element.
+        element: String,
+        /// What it is.
+        what: &'static str,
+        /// Its SI unit.
+        unit: &'static str,
+        /// The value, SI.
+        value: f64,
+    },
     /// The matrix of slopes is singular.
     #[error("the balances do not determine the temperatures (node `{node}`): a conductance may be zero")]
     Singular {

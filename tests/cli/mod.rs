@@ -2,6 +2,7 @@
 
 mod campaigns;
 mod documents;
+mod escapes;
 mod frame;
 mod hand_on;
 mod history;

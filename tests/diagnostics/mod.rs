@@ -23,6 +23,8 @@ mod pass_adopt;
 mod pass_data;
 mod pass_entries;
 mod pass_hand_on;
+mod pass_limits;
 mod pass_load;
+mod pass_physical;
 mod pass_sensitivity;
 mod pass_study;

@@ -4,7 +4,7 @@ use crate::document::formula::Expected;
 use crate::document::{Diagnostic, Diagnostics, MapEntry, Place, Scalar, Spanned, code};
 use crate::expression::{Dimension, ExprId};
 use crate::thermal::element::{
-    Conductor, Cooler, Element, ElementKind, Flow, Heater, HeaterControl, Load, Radiation, cooler::Drive,
+    Conductor, Cooler, Element, ElementKind, Flow, Heater, HeaterControl, Load, Radiation, cooler::Drive, law,
 };
 
 use super::form::{CoolerForm, HeaterForm, ModelForm};
@@ -69,45 +69,6 @@ const COUPLES: Expected = Expected::value(Dimension::NONE, "a number of couples"
 const SET_POINT: Expected = Expected::value(Dimension::TEMPERATURE, "a set point").given();
 const BAND: Expected = Expected::value(Dimension::TEMPERATURE, "a band").given().difference();
 
-/// Names of the values that have a sign.
-const CONDUCTANCE_OF: &str = "conductance";
-const EXCHANGE_AREA_OF: &str = "exchange area";
-const RESISTANCE_OF: &str = "couple's resistance";
-const COUPLE_CONDUCTANCE_OF: &str = "couple's conductance";
-const COUPLES_OF: &str = "number of couples";
-const LEADS_OF: &str = "leads' resistance";
-
-/// A value of an element that has a sign.
-pub struct Law {
-    /// What it is: `conductance`.
-    pub what: &'static str,
-    /// Its SI unit.
-    pub unit: &'static str,
-    /// The value.
-    pub value: ExprId,
-    /// Whether 0 is too small.
-    pub above_zero: bool,
-}
-
-/// The values of an element that have a sign. Heats have a direction instead.
-pub fn laws(element: &Element) -> Vec<Law> {
-    let law = |what, unit, value, above_zero| Law { what, unit, value, above_zero };
-    match &element.kind {
-        ElementKind::Conductor(own) => vec![law(CONDUCTANCE_OF, "W/K", own.conductance, false)],
-        ElementKind::Radiation(own) => vec![law(EXCHANGE_AREA_OF, "m2", own.exchange_area, false)],
-        ElementKind::Cooler(own) => {
-            let mut laws = vec![
-                law(RESISTANCE_OF, "ohm", own.resistance, true),
-                law(COUPLE_CONDUCTANCE_OF, "W/K", own.conductance, true),
-                law(LEADS_OF, "ohm", own.lead_resistance, false),
-            ];
-            laws.extend(own.couples.iter().map(|&couples| law(COUPLES_OF, "", couples, true)));
-            laws
-        }
-        ElementKind::Load(_) | ElementKind::Flow(_) | ElementKind::Heater(_) => Vec::new(),
-    }
-}
-
 /// Reports an impossible constant.
 fn refuse(place: &Place, message: String, expected: &str, diagnostics: &mut Diagnostics) {
     diagnostics.push(Diagnostic::error(&code::OUT_OF_RANGE, place, message).expected(expected));
@@ -122,12 +83,12 @@ pub(super) fn resolve_all(form: &ModelForm, model: &mut ResolvedModel, diagnosti
     name::check_labels(&form.coolers, diagnostics);
     name::check_labels(&form.heaters, diagnostics);
     for entry in &form.conductors {
-        model.places.note("conductor", &entry.name, CONDUCTANCE_OF, entry.value.conductance.place());
+        model.places.note("conductor", &entry.name, law::CONDUCTANCE, entry.value.conductance.place());
         let path = model.path(&entry.value.between, &entry.value.conductance, CONDUCTANCE, diagnostics);
         model.add(entry, path.map(|(between, conductance)| ElementKind::Conductor(Conductor { between, conductance })));
     }
     for entry in &form.radiations {
-        model.places.note("radiation", &entry.name, EXCHANGE_AREA_OF, entry.value.exchange_area.place());
+        model.places.note("radiation", &entry.name, law::EXCHANGE_AREA, entry.value.exchange_area.place());
         let path = model.path(&entry.value.between, &entry.value.exchange_area, EXCHANGE_AREA, diagnostics);
         model.add(
             entry,
@@ -153,9 +114,9 @@ pub(super) fn resolve_all(form: &ModelForm, model: &mut ResolvedModel, diagnosti
     }
     for entry in &form.coolers {
         let own = &entry.value;
-        model.places.note("cooler", &entry.name, COUPLES_OF, &own.couples.place);
-        let scalars = [(RESISTANCE_OF, &own.resistance), (COUPLE_CONDUCTANCE_OF, &own.conductance)];
-        let leads = own.lead_resistance.as_ref().map(|own| (LEADS_OF, own));
+        model.places.note("cooler", &entry.name, law::COUPLES, &own.couples.place);
+        let scalars = [(law::COUPLE_RESISTANCE, &own.resistance), (law::COUPLE_CONDUCTANCE, &own.conductance)];
+        let leads = own.lead_resistance.as_ref().map(|own| (law::LEADS, own));
         for (what, scalar) in scalars.into_iter().chain(leads) {
             model.places.note("cooler", &entry.name, what, scalar.place());
         }

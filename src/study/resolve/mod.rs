@@ -294,7 +294,8 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     physical::check(&mut scope, form, &priors, &environments, &measurements);
     let definition_sha256 = definition(files, own);
     let groups = group_places(&scope.resolved.groups, &measurements);
-    let ResolvedModel { model, reconstructed, input_errors, .. } = scope.resolved;
+    let ResolvedModel { mut model, reconstructed, input_errors, .. } = scope.resolved;
+    model.keeps_signs = true;
     Some(Pass {
         folder: folder.shown().to_owned(),
         file: lineage.files[0].name.clone(),

@@ -11,9 +11,9 @@ use crate::expression::{ExprId, Symbol};
 use crate::inference::measurement::{Measurement, Rows};
 use crate::job::requirement::Environment;
 use crate::random::Distribution;
-use crate::study::model::element::{Kind, laws};
+use crate::study::model::element::Kind;
 use crate::study::pass::PassForm;
-use crate::thermal::element::ElementKind;
+use crate::thermal::element::{ElementKind, Law};
 use crate::thermal::{Model, NodeKind};
 
 use super::scope::Scope;
@@ -30,11 +30,7 @@ struct Signed {
     /// `conductor`, `node`, ...
     kind: &'static str,
     name: String,
-    what: &'static str,
-    unit: &'static str,
-    value: ExprId,
-    /// Whether 0 is too small.
-    above_zero: bool,
+    law: Law,
 }
 
 /// Checks the model with all that the pass adds to it.
@@ -54,10 +50,10 @@ pub(super) fn check(
     let mut left = MOST_EVALUATIONS;
     for signed in signed(&scope.resolved.model) {
         let Some((fault, is_error)) = tried.fault(&signed, &mut left) else { continue };
-        let place = place(scope, form, signed.kind, &signed.name, signed.what);
-        let (name, kind, what, unit) = (&signed.name, signed.kind, signed.what, signed.unit);
+        let place = place(scope, form, signed.kind, &signed.name, signed.law.what);
+        let (name, kind, what, unit) = (&signed.name, signed.kind, signed.law.what, signed.law.unit);
         let message = format!("the {what} of the {kind} `{name}` is {} {unit} {}", fault.value, fault.at);
-        let expected = if signed.above_zero { "above 0" } else { "0 or more" };
+        let expected = if signed.law.above_zero { "above 0" } else { "0 or more" };
         found.push(if is_error {
             Diagnostic::error(&code::OUT_OF_RANGE, &place, message).expected(expected)
         } else {
@@ -70,22 +66,20 @@ pub(super) fn check(
 /// All values with a sign.
 fn signed(model: &Model) -> Vec<Signed> {
     let of_nodes = model.nodes.iter().filter_map(|node| {
-        let (what, unit, value, above_zero) = match node.kind {
-            NodeKind::Diffusion { capacity } => ("heat capacity", "J/K", capacity, true),
-            NodeKind::Boundary { temperature } => ("temperature", "K", temperature, false),
+        let law = match node.kind {
+            NodeKind::Diffusion { capacity } => {
+                Law { what: "heat capacity", unit: "J/K", value: capacity, above_zero: true }
+            }
+            NodeKind::Boundary { temperature } => {
+                Law { what: "temperature", unit: "K", value: temperature, above_zero: false }
+            }
             NodeKind::Arithmetic => return None,
         };
-        Some(Signed { kind: "node", name: node.name.clone(), what, unit, value, above_zero })
+        Some(Signed { kind: "node", name: node.name.clone(), law })
     });
     let of_elements = model.elements.iter().flat_map(|element| {
-        laws(element).into_iter().map(|law| Signed {
-            kind: Kind::of(element).word(),
-            name: element.name.clone(),
-            what: law.what,
-            unit: law.unit,
-            value: law.value,
-            above_zero: law.above_zero,
-        })
+        let own = |law| Signed { kind: Kind::of(element).word(), name: element.name.clone(), law };
+        element.laws().into_iter().map(own)
     });
     of_nodes.chain(of_elements).collect()
 }
@@ -190,16 +184,15 @@ impl<'a> Tried<'a> {
     /// them.
     fn wrong(&self, signed: &Signed, parameters: &[f64], inputs: &[f64], depends: bool) -> Option<(f64, f64, bool)> {
         let temperatures = if depends { self.temperatures.as_slice() } else { &self.temperatures[..1] };
-        let tried = temperatures.iter().map(|own| (*own, self.value(signed.value, parameters, inputs, *own)));
-        let is_wrong = |value: f64| value < 0.0 || (signed.above_zero && value == 0.0);
-        let wrong: Vec<(f64, f64)> = tried.filter(|(_, value)| is_wrong(*value)).collect();
+        let tried = temperatures.iter().map(|own| (*own, self.value(signed.law.value, parameters, inputs, *own)));
+        let wrong: Vec<(f64, f64)> = tried.filter(|(_, value)| signed.law.is_broken_by(*value)).collect();
         let (temperature_k, value) = *wrong.first()?;
         Some((temperature_k, value, wrong.len() == temperatures.len()))
     }
 
     /// The first fault of a value, and whether it is an error.
     fn fault(&self, signed: &Signed, left: &mut usize) -> Option<(Fault, bool)> {
-        let symbols = self.model.graph.symbols(signed.value);
+        let symbols = self.model.graph.symbols(signed.law.value);
         let depends = symbols.iter().any(|symbol| matches!(symbol, Symbol::Node(_)));
         let with = |at: &str, (temperature_k, value, always): (f64, f64, bool)| {
             let hot = if depends { format!(" and {temperature_k} K") } else { String::new() };

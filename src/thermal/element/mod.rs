@@ -5,6 +5,7 @@ pub mod conductor;
 pub mod cooler;
 pub mod flow;
 pub mod heater;
+pub mod law;
 pub mod load;
 pub mod radiation;
 
@@ -14,6 +15,7 @@ pub use conductor::Conductor;
 pub use cooler::Cooler;
 pub use flow::Flow;
 pub use heater::{Heater, HeaterControl};
+pub use law::Law;
 pub use load::Load;
 pub use radiation::Radiation;
 
