@@ -12,10 +12,15 @@ pub use crate::report::terminal::escaped;
 /// Any other refusal of the system.
 pub fn print(text: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
-        other => other,
-    }
+    or_no_reader(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
+}
+
+/// What became of a write on standard output; a reader that has left is no error.
+///
+/// # Errors
+/// Any other refusal of the system.
+pub fn or_no_reader(written: io::Result<()>) -> io::Result<()> {
+    written.or_else(|error| if error.kind() == ErrorKind::BrokenPipe { Ok(()) } else { Err(error) })
 }
 
 /// Prints one JSON document.

@@ -1,8 +1,12 @@
 //! The folder of a study: nothing that a study names lies outside it.
 
+use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
 use thiserror::Error;
+
+use super::inherit::plain_name;
+use super::ledger::{Content, Ledger};
 
 /// Why a path is refused or cannot be read.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -36,10 +40,12 @@ pub enum FolderError {
 }
 
 /// The folder of a study.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct Folder {
     root: PathBuf,
     shown: PathBuf,
+    /// What was read.
+    ledger: Ledger,
 }
 
 impl Folder {
@@ -51,7 +57,7 @@ impl Folder {
         let shown = if path.as_os_str().is_empty() { Path::new(".") } else { path };
         let text = shown.display().to_string();
         match shown.canonicalize() {
-            Ok(root) if root.is_dir() => Ok(Self { root, shown: path.to_owned() }),
+            Ok(root) if root.is_dir() => Ok(Self { root, shown: path.to_owned(), ledger: Ledger::default() }),
             Ok(_) => Err(FolderError::Unreadable { path: text, reason: "it is no folder".to_owned() }),
             Err(error) => Err(FolderError::Unreadable { path: text, reason: error.to_string() }),
         }
@@ -60,6 +66,16 @@ impl Folder {
     /// The path as the user gave it.
     pub fn shown(&self) -> &Path {
         &self.shown
+    }
+
+    /// The folder itself, links resolved.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// The files that were read through this folder, by their plain path within it, as they were then.
+    pub fn files(&self) -> BTreeMap<String, Content> {
+        self.ledger.files()
     }
 
     /// The name under which messages show one of its files.
@@ -98,10 +114,10 @@ impl Folder {
         }
     }
 
-    /// The bytes of a file of the folder.
+    /// The bytes of a file of the folder. They are noted: a file that is read twice is the same both times.
     ///
     /// # Errors
-    /// A path that is refused, a file that is missing or unreadable.
+    /// A path that is refused, a file that is missing or unreadable, or that changed since it was read before.
     pub fn read(&self, relative: &str) -> Result<Vec<u8>, FolderError> {
         let place = self.place(relative)?;
         match place.metadata() {
@@ -112,8 +128,12 @@ impl Folder {
             }
             Ok(_) => {}
         }
-        std::fs::read(&place)
-            .map_err(|error| FolderError::Unreadable { path: relative.to_owned(), reason: error.to_string() })
+        let unreadable = |reason: String| FolderError::Unreadable { path: relative.to_owned(), reason };
+        let bytes = std::fs::read(&place).map_err(|error| unreadable(error.to_string()))?;
+        if self.ledger.note(&plain_name(relative), &bytes) {
+            return Ok(bytes);
+        }
+        Err(unreadable("it changed while the study was read; run the command again".to_owned()))
     }
 
     /// Names of the JSON files of a folder below, without `.json`, sorted; none where it does not exist.
@@ -151,6 +171,19 @@ mod tests {
         assert!(matches!(folder.read("data/b.csv"), Err(FolderError::Missing { .. })));
         assert!(matches!(folder.read("data"), Err(FolderError::Unreadable { .. })));
         assert!(folder.place("new/deep/file.csv").is_ok());
+    }
+
+    #[test]
+    fn what_was_read_is_noted_and_must_not_change() {
+        let root = tempfile::tempdir().expect("a folder");
+        std::fs::write(root.path().join("a.csv"), "x").expect("written");
+        let folder = Folder::open(root.path()).expect("opened");
+        for path in ["a.csv", "./a.csv"] {
+            assert_eq!(folder.read(path).expect("read"), b"x");
+        }
+        std::fs::write(root.path().join("a.csv"), "y").expect("written");
+        assert!(matches!(folder.read("a.csv"), Err(FolderError::Unreadable { .. })));
+        assert_eq!(folder.files(), BTreeMap::from([("a.csv".to_owned(), Content::of(b"x"))]));
     }
 
     #[cfg(unix)]

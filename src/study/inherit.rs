@@ -99,7 +99,7 @@ pub(super) fn folder_diagnostic_at(error: &FolderError, place: &crate::document:
 }
 
 /// A file's name within the study in its plainest form.
-pub(super) fn plain_name(name: &str) -> String {
+pub fn plain_name(name: &str) -> String {
     let parts: Vec<&str> = name.split('/').filter(|part| !part.is_empty() && *part != ".").collect();
     parts.join("/")
 }
