@@ -44,7 +44,7 @@ impl EventLog {
     /// # Errors
     /// [`RunnerError::File`] if the system refuses.
     pub fn create(folder: &Path) -> Result<Self, RunnerError> {
-        file::make_folder(folder, Path::new("")).map_err(RunnerError::file("make the folder", folder))?;
+        fs::create_dir_all(folder).map_err(RunnerError::file("make the folder", folder))?;
         let mut old = logs(folder);
         old.truncate(old.len().saturating_sub(LOGS_KEPT - 1));
         for path in old {

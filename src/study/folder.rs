@@ -68,6 +68,11 @@ impl Folder {
         &self.shown
     }
 
+    /// The folder with files that were read before: read again, they must be the same.
+    pub fn after(self, files: BTreeMap<String, Content>) -> Self {
+        Self { ledger: Ledger::with(files), ..self }
+    }
+
     /// The folder itself, links resolved.
     pub fn root(&self) -> &Path {
         &self.root
@@ -184,6 +189,9 @@ mod tests {
         std::fs::write(root.path().join("a.csv"), "y").expect("written");
         assert!(matches!(folder.read("a.csv"), Err(FolderError::Unreadable { .. })));
         assert_eq!(folder.files(), BTreeMap::from([("a.csv".to_owned(), Content::of(b"x"))]));
+        let again = Folder::open(root.path()).expect("opened");
+        assert_eq!(again.read("a.csv").expect("read"), b"y");
+        assert!(again.after(folder.files()).read("a.csv").is_err(), "what was loaded is another");
     }
 
     #[cfg(unix)]

@@ -26,6 +26,11 @@ impl Content {
 pub(super) struct Ledger(Arc<Mutex<BTreeMap<String, Content>>>);
 
 impl Ledger {
+    /// One in which these files stand.
+    pub(super) fn with(files: BTreeMap<String, Content>) -> Self {
+        Self(Arc::new(Mutex::new(files)))
+    }
+
     /// Notes what was read of a file; whether that is what was read of it before.
     pub(super) fn note(&self, file: &str, bytes: &[u8]) -> bool {
         let content = Content::of(bytes);
