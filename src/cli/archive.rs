@@ -1,58 +1,134 @@
 //! A pass's report with everything that an archive needs: the files that it is made of, the jobs behind it, their hashes.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::execute::{Executed, is_judge};
+use super::output::escaped;
 use super::status::Failure;
 use super::studies::{LoadedPass, history, view_in};
 use crate::report::assemble::Surroundings;
 use crate::report::{self, FileHash};
-use crate::runner::ENGINE_VERSION;
-use crate::runner::manifest::Manifest;
-use crate::study::Pass;
+use crate::runner::manifest::FileRecord;
+use crate::runner::{ENGINE_VERSION, Key, Manifest};
+use crate::study::inherit::plain_name;
+use crate::study::project::whole;
+use crate::study::{self, Content, Pass};
 
-/// Renders the report of a pass into its own folder below `out` and gives that folder. A pass of whose jobs none has a
-/// result, because its data are not here, gets no report.
+/// Folder of the reports in a project.
+const REPORTS: &str = "reports";
+
+/// Where a pass's report goes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Target {
+    /// The folder that was named, or that of the project.
+    base: PathBuf,
+    /// The report's folder below it.
+    relative: PathBuf,
+}
+
+impl Target {
+    /// The folder of a pass's report: below `out` where that is named, else below `reports` of the study's project.
+    fn new(pass: &LoadedPass, out: Option<&Path>) -> Self {
+        let own = Path::new(&study_name(&pass.study)).join(pass.file.trim_end_matches(".json"));
+        match out {
+            Some(out) => Self { base: out.to_owned(), relative: own },
+            None => Self { base: pass.project.folder(), relative: Path::new(REPORTS).join(own) },
+        }
+    }
+
+    /// The report's folder.
+    pub fn folder(&self) -> PathBuf {
+        self.base.join(&self.relative)
+    }
+}
+
+/// Where the reports of passes go, in their order.
 ///
 /// # Errors
-/// A result that cannot be rendered, a file that cannot be written.
-pub fn render(pass: &LoadedPass, executed: &Executed, out: &Path) -> Result<Option<PathBuf>, Failure> {
+/// Two studies whose reports would lie in one folder; a folder that holds the report of another study.
+pub fn targets(passes: &[LoadedPass], out: Option<&Path>) -> Result<Vec<Target>, Failure> {
+    let mut taken: BTreeMap<PathBuf, &LoadedPass> = BTreeMap::new();
+    let mut targets = Vec::new();
+    for pass in passes {
+        let target = Target::new(pass, out);
+        let folder = target.folder();
+        let shown = escaped(&folder.display().to_string());
+        if let Some(other) = taken.insert(whole(&target.base).join(&target.relative), pass) {
+            return Err(Failure::input(format!(
+                "the reports of `{}` and `{}` would both lie in `{shown}`: the studies have one name; report each by \
+                 itself, with its own --out DIR",
+                escaped(&other.shown),
+                escaped(&pass.shown)
+            )));
+        }
+        let own = pass.project.path_of(&pass.study, &pass.file);
+        // What is no manifest says of no study that the folder is its own.
+        if let Some(earlier) = Manifest::read(&folder).ok().filter(|earlier| !earlier.inputs.contains_key(&own)) {
+            let of = earlier.command.strip_prefix(COMMAND).unwrap_or(&earlier.command).trim().to_owned();
+            return Err(Failure::input(format!(
+                "`{shown}` holds the report of `{}`, a study of the same name: name another folder with --out DIR; or, \
+                 if that study has become `{}`, delete the old report first",
+                escaped(&of),
+                escaped(&own)
+            )));
+        }
+        targets.push(target);
+    }
+    Ok(targets)
+}
+
+/// The command that makes reports.
+const COMMAND: &str = "bmv report";
+
+/// Renders the report of a pass into its folder. A pass of whose jobs none has a result, because its data are not here,
+/// gets no report; then `false`. Neither the report nor its manifest depend on how the study's path was spelled.
+///
+/// # Errors
+/// A result that cannot be rendered, a file that cannot be written, a study that changed while it was read.
+pub fn render(pass: &LoadedPass, executed: &Executed, target: &Target) -> Result<bool, Failure> {
     let failed = |error: String| Failure::job(format!("{}: {error}", pass.shown));
     if executed.results(pass).next().is_none() && !pass.not_run.is_empty() {
-        return Ok(None);
+        return Ok(false);
     }
-    let command = format!("bmv report {}", pass.shown);
+    let path_of = |file: &str| pass.project.path_of(&pass.study, file);
+    let command = format!("{COMMAND} {}", path_of(&pass.file));
     let mut manifest = Manifest::new(&command);
     let mut files = Vec::new();
     let lineage = lineage(pass, executed);
     let written: Vec<&Pass> = lineage.iter().map(|loaded| loaded.pass.as_ref()).collect();
-    for (role, file) in input_files(&written) {
-        let path = pass.study.join(&file);
-        let record = crate::runner::manifest::hash_file(&path).map_err(|error| failed(error.to_string()))?;
-        files.push(FileHash { path: file, sha256: record.sha256.as_str().to_owned(), role: role.to_owned() });
-        manifest.add_input_record(&path.display().to_string(), record);
+    for (role, path, content) in input_files(&written).map_err(failed)? {
+        let sha256 = Key::try_from(content.sha256.clone()).map_err(failed)?;
+        manifest.add_input(path_of(&path), FileRecord { bytes: content.bytes, sha256 });
+        files.push(FileHash { path, sha256: content.sha256, role: role.to_owned() });
     }
+    let id = |of: &LoadedPass, name: &str| format!("{}:{name}", path_of(&of.file));
     for (position, job) in executed.results(pass) {
-        manifest.add_job(&executed.plan.nodes()[position], job);
+        let node = &executed.plan.nodes()[position];
+        manifest.add_job(id(pass, &node.name), node, job);
     }
     for parent in lineage.iter().filter(|other| other.file != pass.file) {
         for (position, job) in executed.results(parent) {
             let node = &executed.plan.nodes()[position];
             if is_judge(&parent.pass, &node.name) {
-                manifest.add_job(node, job);
+                manifest.add_job(id(parent, &node.name), node, job);
             }
         }
     }
     let engine_version = ENGINE_VERSION.to_string();
     let history = Some(history(&lineage, executed)?);
     let surroundings = Surroundings { files, engine_version, command, history, ..Surroundings::default() };
-    let view = view_in(pass, executed, surroundings)?;
+    let mut view = view_in(pass, executed, surroundings)?;
+    let from_here = study::command(&pass.pass.folder);
+    let study = path_of("");
+    let from_project = study::command(Path::new(study.trim_end_matches('/')));
+    for warning in &mut view.warnings {
+        *warning = warning.replace(&format!("`{from_here}`"), &format!("`{from_project}`"));
+    }
     let rendered = report::render(&view).map_err(|error| failed(error.to_string()))?;
-    let folder = out.join(&view.study).join(pass.file.trim_end_matches(".json"));
-    report::write(&rendered, &folder).map_err(|error| failed(error.to_string()))?;
-    manifest.add_outputs(&folder)?;
-    manifest.write(&folder)?;
-    Ok(Some(folder))
+    let rendered = rendered.sealed(manifest.origin_sha256()?.as_str());
+    report::write(&rendered, manifest, &target.base, &target.relative).map_err(|error| failed(error.to_string()))?;
+    Ok(true)
 }
 
 /// A pass with those of its parents that were loaded.
@@ -64,12 +140,49 @@ fn lineage<'e>(pass: &'e LoadedPass, executed: &'e Executed) -> Vec<&'e LoadedPa
 
 /// A study's name: that of its folder.
 pub(super) fn study_name(folder: &Path) -> String {
-    let resolved = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
-    resolved.file_name().map_or_else(|| "study".to_owned(), |name| name.to_string_lossy().into_owned())
+    whole(folder).file_name().map_or_else(|| "study".to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
-/// Files of the study that a pass and its parents are made of, with their roles; the pass stands last.
-fn input_files(lineage: &[&Pass]) -> Vec<(&'static str, String)> {
+/// A file of a study: its role, its path within the study, what was read of it.
+type InputFile = (&'static str, String, Content);
+
+/// The files that were read of a study for a pass, its parents before it: those that the passes name, then all others.
+fn input_files(lineage: &[&Pass]) -> Result<Vec<InputFile>, String> {
+    let mut read = BTreeMap::new();
+    for pass in lineage {
+        note(pass, &mut read)?;
+    }
+    let mut files: Vec<InputFile> = Vec::new();
+    for (role, file) in named_files(lineage) {
+        files.extend(read.remove(&file).map(|content| (role, file, content)));
+    }
+    files.extend(read.into_iter().map(|(file, content)| (role_by_folder(&file), file, content)));
+    Ok(files)
+}
+
+/// Adds what was read for a pass and those whose posteriors it uses.
+fn note(pass: &Pass, read: &mut BTreeMap<String, Content>) -> Result<(), String> {
+    for (file, content) in &pass.files {
+        if read.insert(file.clone(), content.clone()).is_some_and(|before| before != *content) {
+            return Err(format!("`{file}` changed while the study was read: run the command again"));
+        }
+    }
+    pass.upstream.iter().try_for_each(|upstream| note(upstream, read))
+}
+
+/// What a file is that no pass names by itself.
+fn role_by_folder(file: &str) -> &'static str {
+    match file.split_once('/') {
+        Some(("effects", _)) => "effect",
+        Some(("rules", _)) => "rule",
+        Some(("criteria", _)) => "criteria",
+        _ if file.ends_with(".json") => "pass named as evidence",
+        _ => "data",
+    }
+}
+
+/// Files that a pass and its parents name, with their roles; the pass stands last.
+fn named_files(lineage: &[&Pass]) -> Vec<(&'static str, String)> {
     let mut files: Vec<(&'static str, String)> = Vec::new();
     for pass in lineage.iter().rev() {
         let mut own = vec![("model", pass.model_file.clone())];
@@ -81,13 +194,14 @@ fn input_files(lineage: &[&Pass]) -> Vec<(&'static str, String)> {
         let draws = pass.handed_on.iter().filter(|own| own.draws.sha256.is_some());
         own.extend(draws.map(|own| ("draws", own.draws.source.trim_matches('`').to_owned())));
         for upstream in &pass.upstream {
-            let behind = input_files(&[upstream]).into_iter();
+            let behind = named_files(&[upstream]).into_iter();
             own.extend(behind.map(|(role, file)| match role {
                 "pass" => ("pass whose posterior is used", file),
                 role => (role, file),
             }));
         }
         for (role, file) in own {
+            let file = plain_name(&file);
             if !files.iter().any(|(_, known)| *known == file) {
                 files.push((role, file));
             }

@@ -50,7 +50,7 @@ impl CacheVerb {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         match self {
             Self::Stat { cache, json } => {
-                let cache = cache.cache();
+                let cache = cache.cache(&[]);
                 let found = cache.statistics()?;
                 if json {
                     print_json(&found)?;
@@ -75,7 +75,7 @@ impl CacheVerb {
                 Ok(Status::Done)
             }
             Self::Verify { cache, json } => {
-                let found = cache.cache().verify()?;
+                let found = cache.cache(&[]).verify()?;
                 if json {
                     print_json(&found)?;
                 } else {
@@ -87,8 +87,10 @@ impl CacheVerb {
                 Ok(if found.damaged.is_empty() { Status::Done } else { Status::CheckFailed })
             }
             Self::Prune { paths, cache, json } => {
-                let plan = Plan::new(studies::load(&paths.paths, context.coloured)?.nodes)?;
-                let done = cache.cache().prune(&plan.keys().iter().cloned().collect())?;
+                let loaded = studies::load(&paths.paths, context.coloured)?;
+                let cache = cache.cache(&loaded.passes);
+                let plan = Plan::new(loaded.nodes)?;
+                let done = cache.prune(&plan.keys().iter().cloned().collect())?;
                 if json {
                     print_json(&done)?;
                 } else {

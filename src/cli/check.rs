@@ -37,9 +37,10 @@ impl Check {
         for pass in &executed.passes {
             for (position, finished) in executed.results(pass) {
                 let node = &executed.plan.nodes()[position];
-                let path = baseline::path(&pass.study, &pass.file, &node.name);
+                let inside = baseline::path(&pass.file, &node.name);
+                let path = pass.study.join(&inside);
                 if self.archive {
-                    baseline::archive(&path, &finished.stored.value)?;
+                    baseline::archive(&pass.study, &inside, &finished.stored.value)?;
                     text.push_str(&format!("archived {}\n", path.display()));
                     continue;
                 }

@@ -8,6 +8,7 @@ use super::options::PathsArgument;
 use super::output::{escaped, print, print_json};
 use super::pinned::{PinnedFile, pinned};
 use super::status::{Failure, Status};
+use crate::study::pinned::{Sources, search_folders};
 
 /// Verbs below `bmv data`.
 #[derive(Debug, Subcommand)]
@@ -19,6 +20,9 @@ pub(super) enum Data {
         /// Folder that is searched for the hash, whatever the name [default: the one in BMV_DATA]
         #[arg(long, value_name = "DIR")]
         from: Option<PathBuf>,
+        /// Fetch from addresses of this machine and its own networks too, such as an internal mirror
+        #[arg(long)]
+        internal: bool,
         /// Print one JSON document
         #[arg(long)]
         json: bool,
@@ -36,8 +40,11 @@ pub(super) enum Data {
 impl Data {
     pub(super) fn execute(self) -> Result<Status, Failure> {
         let (files, json) = match self {
-            Self::Get { paths, from, json } => (pinned(&paths.paths, true, from.as_deref())?, json),
-            Self::Verify { paths, json } => (pinned(&paths.paths, false, None)?, json),
+            Self::Get { paths, from, internal, json } => {
+                let folders = search_folders(from.as_deref(), std::env::var_os("BMV_DATA").as_deref());
+                (pinned(&paths.paths, Some(&Sources { folders, internal }))?, json)
+            }
+            Self::Verify { paths, json } => (pinned(&paths.paths, None)?, json),
         };
         if json {
             print_json(&files)?;

@@ -132,15 +132,19 @@ pub fn execute_loaded(
 
     let stop = context.stop()?;
     let progress = Progress::on_standard_error();
-    let log = EventLog::create(&options.cache.events());
+    if let Some(note) = options.cache.shared(&passes) {
+        tell(&note);
+    }
+    let cache = options.cache.cache(&passes);
+    let log = EventLog::create(&options.cache.events(&passes));
     let summary = match &log {
         Ok(log) => {
             let listeners: [&dyn Listener; 2] = [&progress, log];
-            local::run(&plan, &options.cache.cache(), &settings, &stop, &listeners)?
+            local::run(&plan, &cache, &settings, &stop, &listeners)?
         }
         Err(error) => {
             tell(&format!("warning: no event log: {error}"));
-            local::run(&plan, &options.cache.cache(), &settings, &stop, &progress)?
+            local::run(&plan, &cache, &settings, &stop, &progress)?
         }
     };
     Ok(Executed { passes, parents: older, plan, summary })

@@ -1,12 +1,12 @@
 //! `bmv init`.
 
-use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 
 use super::output::print;
 use super::status::{Failure, Status};
+use crate::study::file::{self, Existing};
 
 /// Arguments of `bmv init`.
 #[derive(Debug, clap::Args)]
@@ -50,15 +50,13 @@ impl Init {
     pub(super) fn execute(self) -> Result<Status, Failure> {
         let shown = self.folder.display();
         let cannot = |error: std::io::Error| Failure::input(format!("cannot make the study `{shown}`: {error}"));
-        fs::create_dir_all(&self.folder).map_err(cannot)?;
         for (name, _) in self.from.files() {
-            if self.folder.join(name).exists() {
+            if self.folder.join(name).symlink_metadata().is_ok() {
                 return Err(Failure::input(format!("`{shown}` has a `{name}` already; name another folder")));
             }
         }
         for (name, text) in self.from.files() {
-            let mut file = fs::File::create_new(self.folder.join(name)).map_err(cannot)?;
-            std::io::Write::write_all(&mut file, text.as_bytes()).map_err(cannot)?;
+            file::write(&self.folder, Path::new(name), text.as_bytes(), Existing::Keep).map_err(cannot)?;
         }
         let get = if self.from.has_pinned_data() { format!("bmv data get {shown}\n") } else { String::new() };
         print(&format!("made {shown}; now try\n{get}bmv run {shown}\nbmv report {shown}\n"))?;

@@ -11,7 +11,9 @@ use crate::diagnosis::laboratory::{Rate, Score, case, folder, standard};
 use crate::document::suggest;
 use crate::job::lab::{Lab, Output, Spec};
 use crate::runner::engine::local;
-use crate::runner::{Node, Plan, Progress, Ready, Settings};
+use crate::runner::{Node, Plan, Progress, Ready, RunnerError, Settings};
+use crate::study::Project;
+use crate::study::file::{self, Existing};
 
 /// Arguments of `bmv lab`.
 #[derive(Debug, clap::Args)]
@@ -59,6 +61,7 @@ impl LabVerb {
         let spec = Spec { effect: self.effect.clone(), amplitude: self.amplitude, cases: self.cases, seed: self.seed };
         let rendered =
             |wrong: crate::document::Diagnostics| Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS));
+        let mut project = Project::here();
         let (shown_id, lab) = match &self.study {
             Some(study) => {
                 super::studies::one_pass(study)?;
@@ -67,6 +70,7 @@ impl LabVerb {
                 let path = found.iter().find_map(|study| study.passes.first().cloned());
                 let path = path.ok_or_else(|| Failure::input(format!("no pass in `{}`", study.display())))?;
                 let pass = crate::study::load(&path).map_err(rendered)?;
+                project = Project::of(&pass.folder);
                 if pass.measurements.is_empty() {
                     return Err(Failure::input(format!("`{}` has no measurement to simulate", path.display())));
                 }
@@ -97,7 +101,8 @@ impl LabVerb {
             Plan::new(vec![Node { id: id.clone(), name: "lab".to_owned(), seed: self.seed, from: vec![], task }])?;
         let progress = Progress::on_standard_error();
         let settings = Settings { only: None, ..self.options.settings() };
-        let summary = local::run(&plan, &self.options.cache.cache(), &settings, &context.stop()?, &progress)?;
+        let summary =
+            local::run(&plan, &self.options.cache.cache_of(&project), &settings, &context.stop()?, &progress)?;
         if summary.is_interrupted() {
             return Ok(Status::Interrupted);
         }
@@ -127,11 +132,9 @@ impl LabVerb {
                 }
             };
             for (file, text) in folder::files(&case) {
-                let path = folder.join(&name).join(file);
-                if let Some(parent) = path.parent() {
-                    std::fs::create_dir_all(parent)?;
-                }
-                std::fs::write(path, text)?;
+                let path = Path::new(&name).join(file);
+                file::write(folder, &path, text.as_bytes(), Existing::Replace)
+                    .map_err(RunnerError::file("write", folder.join(&path)))?;
             }
             written.push(name);
         }

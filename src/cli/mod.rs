@@ -27,7 +27,7 @@ mod studies;
 mod verify;
 
 use std::cell::OnceCell;
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -169,7 +169,11 @@ impl Verb {
 
 /// Runs the program: parses the arguments, executes the verb, prints an error once.
 pub fn main() -> ExitCode {
-    let program = Program::parse();
+    let program = match Program::try_parse() {
+        Ok(program) => program,
+        // Help and version too come this way.
+        Err(message) => return said(&message),
+    };
     let coloured = program.color.applies(std::io::stderr().is_terminal());
     let mut layout =
         Layout { is_coloured: program.color.applies(std::io::stdout().is_terminal()), ..Layout::default() };
@@ -186,6 +190,18 @@ pub fn main() -> ExitCode {
         failure.status
     });
     status.into()
+}
+
+/// Prints help, version, or what is wrong with the arguments, and gives the status of that.
+fn said(message: &clap::Error) -> ExitCode {
+    match output::or_no_reader(message.print().and_then(|()| std::io::stdout().flush())) {
+        Ok(()) => ExitCode::from(u8::try_from(message.exit_code()).unwrap_or(Status::WrongInput.code())),
+        Err(error) => {
+            let failure = Failure::from(error);
+            output::tell(&format!("error: {}", failure.message));
+            failure.status.into()
+        }
+    }
 }
 
 #[cfg(test)]

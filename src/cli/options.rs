@@ -1,30 +1,53 @@
 //! Options that several verbs share.
 
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
+use super::studies::LoadedPass;
 use crate::runner::{Cache, Settings};
+use crate::study::Project;
+use crate::study::project::default_path;
 
 /// Where the cache lies.
 #[derive(Args, Clone, Debug)]
 pub struct CacheOption {
-    /// Folder of the cache [default: .bmv/cache]
+    /// Folder of the cache [default: .bmv/cache of the study's project]
     #[arg(long = "cache", value_name = "DIR")]
     pub folder: Option<PathBuf>,
 }
 
 impl CacheOption {
-    /// The cache.
-    pub fn cache(&self) -> Cache {
-        Cache::new(self.folder.as_deref().unwrap_or(Path::new(".bmv/cache")))
+    /// The cache: the one that was named, else that of the project of these passes.
+    pub fn cache(&self, passes: &[LoadedPass]) -> Cache {
+        self.cache_of(&project(passes))
+    }
+
+    /// The cache: the one that was named, else that of this project.
+    pub fn cache_of(&self, project: &Project) -> Cache {
+        Cache::new(self.folder.clone().unwrap_or_else(|| project.cache()))
     }
 
     /// Folder of the event logs: beside the cache, or in the one that was named.
-    pub fn events(&self) -> PathBuf {
-        self.folder.as_ref().map_or_else(|| PathBuf::from(".bmv/events"), |folder| folder.join("events"))
+    pub fn events(&self, passes: &[LoadedPass]) -> PathBuf {
+        self.folder.as_ref().map_or_else(|| project(passes).events(), |folder| folder.join("events"))
     }
+
+    /// What to tell where passes of several projects share the cache of the first.
+    pub fn shared(&self, passes: &[LoadedPass]) -> Option<String> {
+        let of_first = project(passes);
+        let is_shared = self.folder.is_none() && passes.iter().any(|pass| pass.project != of_first);
+        is_shared.then(|| {
+            let folder = of_first.cache();
+            format!("the studies lie in several projects: all use the cache `{}` (or --cache DIR)", folder.display())
+        })
+    }
+}
+
+/// The project of the first of these passes; where there is none, the one in which the program is called.
+fn project(passes: &[LoadedPass]) -> Project {
+    passes.first().map_or_else(Project::here, |pass| pass.project.clone())
 }
 
 /// How jobs run.
@@ -68,7 +91,7 @@ impl RunOptions {
 /// Which passes.
 #[derive(Args, Clone, Debug)]
 pub struct PathsArgument {
-    /// Pass files, study folders, or folders of such
-    #[arg(value_name = "PATH", default_value = "studies")]
+    /// Pass files, study folders, or folders of such; in a study the default is that study
+    #[arg(value_name = "PATH", default_values_os_t = vec![default_path()])]
     pub paths: Vec<PathBuf>,
 }

@@ -51,10 +51,15 @@ fn is_colour(code: &str) -> bool {
 /// Any other refusal of the system.
 pub fn print(text: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
-    match out.write_all(safe(text).as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
-        other => other,
-    }
+    or_no_reader(out.write_all(safe(text).as_bytes()).and_then(|()| out.flush()))
+}
+
+/// What became of a write on standard output; a reader that has left is no error.
+///
+/// # Errors
+/// Any other refusal of the system.
+pub fn or_no_reader(written: io::Result<()>) -> io::Result<()> {
+    written.or_else(|error| if error.kind() == ErrorKind::BrokenPipe { Ok(()) } else { Err(error) })
 }
 
 /// Prints one JSON document.

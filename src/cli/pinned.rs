@@ -1,10 +1,10 @@
 //! Measurements that are pinned by their hash: checked, or brought to their place.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::status::Failure;
 use super::studies;
-use crate::study::pinned::{self, Obtained, State};
+use crate::study::pinned::{self, Obtained, Sources, State};
 use crate::study::{Folder, Reader};
 
 /// A pinned measurement, checked or brought.
@@ -18,12 +18,11 @@ pub(super) struct PinnedFile {
     pub good: bool,
 }
 
-/// Checks pinned measurements, or brings them first if `bring`; `from` is a folder to search.
+/// Checks pinned measurements, or brings them where it is told from where.
 ///
 /// # Errors
 /// What is wrong with the files.
-pub(super) fn pinned(paths: &[PathBuf], bring: bool, from: Option<&Path>) -> Result<Vec<PinnedFile>, Failure> {
-    let folders = pinned::search_folders(from, std::env::var_os("BMV_DATA").as_deref());
+pub(super) fn pinned(paths: &[PathBuf], from: Option<&Sources>) -> Result<Vec<PinnedFile>, Failure> {
     let mut found: Vec<PinnedFile> = Vec::new();
     for (study, _, pass) in studies::passes(&Reader::default(), paths, false)? {
         let folder = Folder::open(&study).map_err(|error| Failure::input(error.to_string()))?;
@@ -32,8 +31,8 @@ pub(super) fn pinned(paths: &[PathBuf], bring: bool, from: Option<&Path>) -> Res
             if found.iter().any(|known| known.file == file) {
                 continue;
             }
-            let (state, good) = if bring {
-                match pinned::get(&folder, entry, &folders) {
+            let (state, good) = if let Some(from) = from {
+                match pinned::get(&folder, entry, from) {
                     Ok(Obtained::AlreadyThere) => ("already there".to_owned(), true),
                     Ok(Obtained::Copied(path)) => (format!("copied from {}", path.display()), true),
                     Ok(Obtained::Fetched(origin)) => (format!("fetched from {origin}"), true),

@@ -25,10 +25,11 @@ impl PlanVerb {
         studies::tell_refused(&loaded.passes, context.coloured);
         let is_refused = loaded.passes.iter().any(|pass| !pass.refused.is_empty());
         let status = if is_refused { Status::WrongInput } else { Status::Done };
+        let (cache, events) = (self.options.cache.cache(&loaded.passes), self.options.cache.events(&loaded.passes));
         let plan = Plan::new(loaded.nodes)?;
         let settings = self.options.settings();
-        let history = WorkHistory::read(&self.options.cache.events());
-        let lines = plan.preview(&self.options.cache.cache(), None, settings.force, &history);
+        let history = WorkHistory::read(&events);
+        let lines = plan.preview(&cache, None, settings.force, &history);
         if self.json {
             print_json(&lines)?;
             return Ok(status);

@@ -6,16 +6,16 @@ use super::execute::execute_loaded;
 use super::options::{PathsArgument, RunOptions};
 use super::output::{escaped, print, tell};
 use super::status::{Failure, Status};
-use super::{Context, studies};
+use super::{Context, archive, studies};
 
 /// Arguments of `bmv report`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Report {
     #[command(flatten)]
     paths: PathsArgument,
-    /// Folder below which each study and pass gets its own
-    #[arg(long, value_name = "DIR", default_value = "reports")]
-    out: PathBuf,
+    /// Folder below which each study and pass gets its own [default: reports of the study's project]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     options: RunOptions,
 }
@@ -23,16 +23,18 @@ pub(super) struct Report {
 impl Report {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         let loaded = studies::load(&self.paths.paths, context.coloured)?;
+        let targets = archive::targets(&loaded.passes, self.out.as_deref())?;
         // A report shows what became of the error since the first pass.
         let parents = studies::parents(&loaded.passes);
         let executed = execute_loaded(loaded, parents, &self.options, context, |_, _, _| true)?;
         if executed.summary.is_interrupted() {
             return Ok(Status::Interrupted);
         }
-        for pass in &executed.passes {
-            match super::archive::render(pass, &executed, &self.out)? {
-                Some(folder) => print(&format!("{}\n", folder.join("report.html").display()))?,
-                None => tell(&format!("{}: no job has a result, no report", escaped(&pass.shown))),
+        for (pass, target) in executed.passes.iter().zip(&targets) {
+            if archive::render(pass, &executed, target)? {
+                print(&format!("{}\n", target.folder().join("report.html").display()))?;
+            } else {
+                tell(&format!("{}: no job has a result, no report", escaped(&pass.shown)));
             }
         }
         for (pass, job) in executed.not_converged() {

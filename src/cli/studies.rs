@@ -17,7 +17,7 @@ use crate::report::{History, JobEntry, JobResult, PassErrors, PassReport};
 use crate::runner::{Node, Outcome, Ready, RunnerError, Task};
 use crate::study::ready::{Deferred, Readiness};
 use crate::study::resolved::Upstream;
-use crate::study::{self, Pass, Reader, discover};
+use crate::study::{self, Pass, Project, Reader, discover};
 
 /// Diagnostics printed of one file.
 const MOST_DIAGNOSTICS: usize = 50;
@@ -29,6 +29,8 @@ pub struct LoadedPass {
     pub shown: String,
     /// Folder of the study.
     pub study: PathBuf,
+    /// The project in which it lies.
+    pub project: Project,
     /// Name of the pass file in it.
     pub file: String,
     /// Ids of its jobs, in the order of the file.
@@ -125,6 +127,13 @@ pub(super) fn passes(
 /// The id of a job of a pass.
 fn id(shown: &str, job: &str) -> String {
     format!("{shown}:{job}")
+}
+
+/// A job by its id, as the passes of its study speak of it: the same wherever the study lies.
+fn in_study(id: &str) -> String {
+    let (pass, job) = id.rsplit_once(':').unwrap_or(("", id));
+    let file = Path::new(pass).file_name().map_or_else(|| pass.into(), |name| name.to_string_lossy());
+    format!("`{job}` of `{file}`")
 }
 
 /// The path of a pass of a study, as people see it.
@@ -224,6 +233,7 @@ fn load_with(reader: &Reader, paths: &[PathBuf], coloured: bool) -> Result<Loade
             refused: Vec::new(),
             pass,
             shown: shown.clone(),
+            project: Project::of(&study),
             study,
         };
         let pass = Arc::clone(&entry.pass);
@@ -262,7 +272,7 @@ fn load_with(reader: &Reader, paths: &[PathBuf], coloured: bool) -> Result<Loade
             continue;
         }
         entry.jobs.retain(|id| *id != orphan);
-        let reason = format!("it builds on `{missing}`, which has no result");
+        let reason = format!("it builds on {}, which has no result", in_study(&missing));
         let mut diagnostics = vec![study::refusal(job, reason)];
         // Of a pass that was not asked for nothing else tells what is wrong.
         diagnostics.extend(refused.get(&missing).into_iter().flatten().cloned());
@@ -416,12 +426,15 @@ fn failures(pass: &LoadedPass, executed: &Executed) -> impl Iterator<Item = Stri
             Outcome::Failed(error) => {
                 let reason = match error.as_ref() {
                     RunnerError::Job { source, .. } => source.to_string(),
+                    RunnerError::NotCanonical { reason, .. } => reason.clone(),
+                    // Where the two lie was told; a report names no place of this machine.
+                    RunnerError::Nondeterministic { .. } => "computed twice, it gave two results".to_owned(),
                     other => other.to_string(),
                 };
                 Some(format!("Job {name} has no result: {reason}."))
             }
             Outcome::Skipped { upstream } => {
-                Some(format!("Job {name} has no result: it builds on {upstream}, which has none."))
+                Some(format!("Job {name} has no result: it builds on {}, which has none.", in_study(upstream)))
             }
             Outcome::Finished(_) | Outcome::Interrupted => None,
         }

@@ -1,19 +1,22 @@
 //! `bmv verify`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::output::{escaped, print, print_json};
 use super::status::{Failure, Status};
+use crate::report::seal::contradictions;
 use crate::runner::Manifest;
+use crate::study::project::whole;
 
 /// Arguments of `bmv verify`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Verify {
     /// Folder of a report
     report: PathBuf,
-    /// Folder from which the report's command was run
-    #[arg(long, value_name = "DIR", default_value = ".")]
-    root: PathBuf,
+    /// Folder of the project to which the inputs' paths belong [default: where they are found, from the report upwards,
+    /// then from the working folder upwards]
+    #[arg(long, value_name = "DIR")]
+    root: Option<PathBuf>,
     /// Print one JSON document
     #[arg(long)]
     json: bool,
@@ -22,7 +25,10 @@ pub(super) struct Verify {
 impl Verify {
     pub(super) fn execute(self) -> Result<Status, Failure> {
         let manifest = Manifest::read(&self.report).map_err(|error| Failure::input(error.to_string()))?;
-        let found = manifest.verify(&self.report, &self.root)?;
+        let root = self.root.clone().unwrap_or_else(|| root(&manifest, &self.report));
+        let mut found = manifest.verify(&self.report, &root)?;
+        found.contradictions = contradictions(&manifest, &self.report)
+            .map_err(|error| Failure::input(format!("`{}` cannot be read: {error}", self.report.display())))?;
         let status = if found.is_intact() { Status::Done } else { Status::CheckFailed };
         if self.json {
             print_json(&found)?;
@@ -32,6 +38,7 @@ impl Verify {
             ("changed", &found.changed),
             ("missing", &found.missing),
             ("extra", &found.extra),
+            ("contradiction", &found.contradictions),
             ("input changed", &found.changed_inputs),
             ("input not here", &found.missing_inputs),
         ];
@@ -48,4 +55,13 @@ impl Verify {
         print(&format!("{text}{} files unchanged; {verdict}\n", found.unchanged))?;
         Ok(status)
     }
+}
+
+/// The nearest folder above the report, else the nearest from the working folder upwards, below which an input lies;
+/// where there is none, the working folder.
+fn root(manifest: &Manifest, report: &Path) -> PathBuf {
+    let (report, here) = (whole(report), whole(Path::new("")));
+    let holds = |folder: &&Path| manifest.inputs.keys().any(|input| folder.join(input).symlink_metadata().is_ok());
+    let found = report.ancestors().skip(1).chain(here.ancestors()).find(holds);
+    found.unwrap_or(&here).to_owned()
 }

@@ -11,6 +11,7 @@ pub mod markdown;
 pub mod number;
 pub mod page;
 pub mod plot;
+pub mod seal;
 pub mod section;
 pub mod terminal;
 pub mod view;

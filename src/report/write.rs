@@ -5,44 +5,48 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::RenderedReport;
+use crate::runner::{Manifest, RunnerError};
+use crate::study::file::{self, Existing};
 
 /// Why a report could not be written.
 #[derive(Debug, Error)]
-#[error("cannot write `{}`: {source}", path.display())]
-pub struct WriteError {
-    /// The file or folder.
-    pub path: PathBuf,
-    /// Why.
-    source: std::io::Error,
+pub enum WriteError {
+    /// One of its files.
+    #[error("cannot write `{}`: {source}", path.display())]
+    File {
+        /// The file or folder.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The manifest.
+    #[error(transparent)]
+    Manifest(#[from] RunnerError),
 }
 
-/// Writes `report.md`, `report.html`, `results.json` and `plots/*.svg` into `folder`, which is made if needed.
-/// Plots of an earlier report that this one does not have are removed. Returns the files, relative to the folder.
-pub fn write(report: &RenderedReport, folder: &Path) -> Result<Vec<PathBuf>, WriteError> {
+/// Writes `report.md`, `report.html`, `results.json`, `plots/*.svg` and at last the manifest, which gets them as its
+/// outputs, into the folder `relative` below `base`; it is made if needed. Files that the manifest of an earlier report
+/// there names, and this report does not have, are removed; all others stay. Below `base` no link is followed.
+///
+/// # Errors
+/// What the system refuses, and links.
+pub fn write(report: &RenderedReport, mut manifest: Manifest, base: &Path, relative: &Path) -> Result<(), WriteError> {
     let failed = |path: &Path| {
-        let path = path.to_owned();
-        |source| WriteError { path, source }
+        let path = base.join(path);
+        |source| WriteError::File { path, source }
     };
-    let plots = folder.join("plots");
-    std::fs::create_dir_all(&plots).map_err(failed(&plots))?;
-    for entry in std::fs::read_dir(&plots).map_err(failed(&plots))?.flatten() {
-        let path = entry.path();
-        let is_ours = report.figures.iter().any(|(name, _)| path.file_stem().is_some_and(|stem| stem == name.as_str()));
-        if path.extension().is_some_and(|e| e == "svg") && !is_ours {
-            std::fs::remove_file(&path).map_err(failed(&path))?;
-        }
+    let folder = file::make_folder(base, relative).map_err(failed(relative))?;
+    // What is no manifest names nothing.
+    let earlier = Manifest::read(&folder).map(|earlier| earlier.outputs).unwrap_or_default();
+    let files = report.files();
+    for (name, text) in &files {
+        let path = relative.join(name);
+        file::write(base, &path, text.as_bytes(), Existing::Replace).map_err(failed(&path))?;
+        manifest.add_output(name, text.as_bytes());
     }
-    let mut files = vec![
-        (PathBuf::from("report.md"), &report.markdown),
-        (PathBuf::from("report.html"), &report.html),
-        (PathBuf::from("results.json"), &report.results_json),
-    ];
-    files.extend(report.figures.iter().map(|(name, svg)| (Path::new("plots").join(format!("{name}.svg")), svg)));
-    let mut written = Vec::with_capacity(files.len());
-    for (relative, contents) in files {
-        let path = folder.join(&relative);
-        std::fs::write(&path, contents).map_err(failed(&path))?;
-        written.push(relative);
+    for name in earlier.keys().filter(|name| !files.contains_key(*name)) {
+        let path = relative.join(name);
+        file::remove(base, &path).map_err(failed(&path))?;
     }
-    Ok(written)
+    Ok(manifest.write(base, relative)?)
 }

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::io::{BufRead, BufReader, BufWriter, Write};
+use std::io::{BufRead, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -15,7 +15,10 @@ use crate::document::visible::escaped_json;
 use super::error::RunnerError;
 use super::events::{Event, Listener};
 use super::key::Key;
+use crate::study::file;
 
+/// Bytes that are read of a log.
+const MOST_READ: u64 = 64 << 20;
 /// Logs that are read for estimates, and kept at all.
 const LOGS_KEPT: usize = 50;
 
@@ -53,7 +56,7 @@ impl EventLog {
         let path = folder.join(format!("{:015}-{}.jsonl", (now_s() * 1000.0) as u64, std::process::id()));
         let file = File::options()
             .append(true)
-            .create(true)
+            .create_new(true)
             .open(&path)
             .map_err(RunnerError::file("write the event log", &path))?;
         Ok(Self { path, file: Mutex::new(BufWriter::new(file)) })
@@ -89,8 +92,8 @@ impl WorkHistory {
     pub fn read(folder: &Path) -> Self {
         let mut history = Self::default();
         for path in logs(folder) {
-            let Ok(file) = File::open(&path) else { continue };
-            for line in BufReader::new(file).lines().map_while(Result::ok) {
+            let Ok((file, _)) = file::open(&path) else { continue };
+            for line in BufReader::new(file.take(MOST_READ)).lines().map_while(Result::ok) {
                 if !line.contains("\"job-finished\"") {
                     continue;
                 }
@@ -169,6 +172,16 @@ mod tests {
         let line: serde_json::Value = serde_json::from_str(&fs::read_to_string(log.path()).unwrap()).unwrap();
         assert!(line["at_s"].as_f64().unwrap() > 1.7e9);
         assert_eq!(line["event"]["run-started"]["to_run"], 2);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_log_is_passed_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("0-pipe.jsonl");
+        assert!(std::process::Command::new("mkfifo").arg(pipe).status().unwrap().success());
+        std::os::unix::fs::symlink("/dev/zero", folder.path().join("0-zero.jsonl")).unwrap();
+        assert_eq!(WorkHistory::read(folder.path()), WorkHistory::default());
     }
 
     #[test]

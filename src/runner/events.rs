@@ -59,6 +59,11 @@ pub enum Event {
         /// Name of the object.
         object: Key,
     },
+    /// What was computed cannot be stored; the run goes on without. Told once a run.
+    NotStored {
+        /// Why.
+        reason: String,
+    },
     /// A job has its result.
     JobFinished {
         /// Id of the job.

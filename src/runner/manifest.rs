@@ -2,8 +2,7 @@
 //! it again. Holds no time, host or absolute path.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{self, File};
-use std::io::{ErrorKind, Read, Write};
+use std::io::{ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -11,12 +10,15 @@ use sha2::{Digest, Sha256};
 
 use super::engine::Finished;
 use super::error::RunnerError;
-use super::key::{ENGINE_VERSION, Key};
+use super::key::{ENGINE_VERSION, Key, canonical_bytes};
 use super::plan::Node;
+use crate::study::file::{self, Existing};
 
 /// Name of the manifest's file in a report's folder.
 pub const FILE_NAME: &str = "manifest.json";
 const FORMAT: &str = "bmv-manifest/1";
+/// Largest manifest that is read, bytes: some hundred thousand files.
+const LARGEST: u64 = 64 << 20;
 
 /// A file by its content.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -26,6 +28,13 @@ pub struct FileRecord {
     pub bytes: u64,
     /// Hash of the content.
     pub sha256: Key,
+}
+
+impl FileRecord {
+    /// The record of these bytes.
+    pub fn of(bytes: &[u8]) -> Self {
+        Self { bytes: bytes.len() as u64, sha256: Key::of(bytes) }
+    }
 }
 
 /// A job by its key and result.
@@ -48,9 +57,9 @@ pub struct Manifest {
     pub format: String,
     /// Version of the numeric engine.
     pub engine_version: u32,
-    /// The command that makes the report again, run where the inputs' paths begin.
+    /// The command that makes the report again, run in the project's folder.
     pub command: String,
-    /// Files that were read, by their path from where the command runs.
+    /// Files that were read, as they were then, by their path from the project's folder.
     pub inputs: BTreeMap<String, FileRecord>,
     /// Jobs, by id.
     pub jobs: BTreeMap<String, JobRecord>,
@@ -73,15 +82,18 @@ pub struct Verification {
     pub changed_inputs: Vec<String>,
     /// Inputs that are not there (data that may not lie in the repository often are not).
     pub missing_inputs: Vec<String>,
+    /// What the report's own files say against one another or against the manifest.
+    pub contradictions: Vec<String>,
     /// The report's engine version and this program's, if they differ: results of the two need not agree.
     pub other_engine: Option<(u32, u32)>,
 }
 
 impl Verification {
-    /// Whether the report is as it was written: nothing changed, missing or extra. Inputs that are missing, or another
-    /// version of the program, do not alter what the report says.
+    /// Whether the report is as it was written: nothing changed, missing, extra or contradictory. Inputs that are
+    /// missing, or another version of the program, do not alter what the report says.
     pub fn is_intact(&self) -> bool {
-        [&self.changed, &self.missing, &self.extra, &self.changed_inputs].iter().all(|list| list.is_empty())
+        let lists = [&self.changed, &self.missing, &self.extra, &self.changed_inputs, &self.contradictions];
+        lists.iter().all(|list| list.is_empty())
     }
 }
 
@@ -98,63 +110,47 @@ impl Manifest {
         }
     }
 
-    /// Adds an input: a file below `root`, where the command runs.
-    ///
-    /// # Errors
-    /// [`RunnerError::File`] if it cannot be read or does not lie below `root`.
-    pub fn add_input(&mut self, root: &Path, path: &Path) -> Result<(), RunnerError> {
-        let (name, record) = (relative(root, path)?, hash_file(path).map_err(RunnerError::file("read", path))?);
-        self.inputs.insert(name, record);
-        Ok(())
-    }
-
-    /// Adds an input that was hashed already, under its path from where the command runs.
-    pub fn add_input_record(&mut self, path: &str, record: FileRecord) {
-        self.inputs.insert(path.to_owned(), record);
+    /// Adds an input, under its path from the project's folder: what was read of it, not what lies there now.
+    pub fn add_input(&mut self, path: impl Into<String>, record: FileRecord) {
+        self.inputs.insert(path.into(), record);
     }
 
     /// Adds a job with its result.
-    pub fn add_job(&mut self, node: &Node, finished: &Finished) {
+    pub fn add_job(&mut self, id: impl Into<String>, node: &Node, finished: &Finished) {
         let record = JobRecord {
             kind: node.task.kind().to_owned(),
             algorithm_version: node.task.algorithm_version(),
             key: finished.key.clone(),
             result_sha256: finished.stored.sha256.clone(),
         };
-        self.jobs.insert(node.id.clone(), record);
+        self.jobs.insert(id.into(), record);
     }
 
-    /// Adds every file of a report's folder as an output, except the manifest.
-    ///
-    /// # Errors
-    /// [`RunnerError::File`] if one cannot be read.
-    pub fn add_outputs(&mut self, folder: &Path) -> Result<(), RunnerError> {
-        for (name, path) in files(folder)? {
-            let record = hash_file(&path).map_err(RunnerError::file("read", &path))?;
-            self.outputs.insert(name, record);
-        }
-        Ok(())
+    /// Adds an output, under its path from the report's folder.
+    pub fn add_output(&mut self, path: impl Into<String>, bytes: &[u8]) {
+        self.outputs.insert(path.into(), FileRecord::of(bytes));
     }
 
-    /// Writes the manifest into a report's folder. A reader sees the old one or the new one, never a part.
+    /// SHA-256 of everything but the outputs, in canonical form: what a report says of where it comes from.
     ///
     /// # Errors
-    /// [`RunnerError::File`] if the system refuses.
-    pub fn write(&self, folder: &Path) -> Result<(), RunnerError> {
-        let path = folder.join(FILE_NAME);
-        let mut text = serde_json::to_string_pretty(self).map_err(|error| RunnerError::NotCanonical {
-            what: "the manifest".to_owned(),
-            reason: error.to_string(),
-        })?;
-        text.push('\n');
-        let temporary = folder.join(format!(".{FILE_NAME}.{}", std::process::id()));
-        File::create(&temporary)
-            .and_then(|mut file| file.write_all(text.as_bytes()))
-            .and_then(|()| fs::rename(&temporary, &path))
-            .map_err(|error| {
-                let _ = fs::remove_file(&temporary);
-                RunnerError::file("write", &path)(error)
-            })
+    /// [`RunnerError::NotCanonical`] if it has no canonical form.
+    pub fn origin_sha256(&self) -> Result<Key, RunnerError> {
+        let origin = Self { outputs: BTreeMap::new(), ..self.clone() };
+        let value = serde_json::to_value(origin).map_err(not_canonical)?;
+        Ok(Key::of(&canonical_bytes(&value, WHAT)?))
+    }
+
+    /// Writes the manifest into a report's folder, `relative` below `base`. A reader sees the old one or the new one,
+    /// never a part.
+    ///
+    /// # Errors
+    /// [`RunnerError::File`] if the system refuses, or a link is in the way.
+    pub fn write(&self, base: &Path, relative: &Path) -> Result<(), RunnerError> {
+        let place = relative.join(FILE_NAME);
+        let text = serde_json::to_string_pretty(self).map_err(not_canonical)? + "\n";
+        file::write(base, &place, text.as_bytes(), Existing::Replace)
+            .map_err(RunnerError::file("write", base.join(&place)))
     }
 
     /// Reads the manifest of a report's folder.
@@ -164,7 +160,7 @@ impl Manifest {
     /// its folder.
     pub fn read(folder: &Path) -> Result<Self, RunnerError> {
         let path = folder.join(FILE_NAME);
-        let text = fs::read(&path).map_err(RunnerError::file("read", &path))?;
+        let text = file::read(&path, LARGEST).map_err(RunnerError::file("read", &path))?;
         let refuse = |reason: String| RunnerError::Manifest { path: path.clone(), reason };
         let manifest: Self = serde_json::from_slice(&text).map_err(|error| refuse(error.to_string()))?;
         if manifest.format != FORMAT {
@@ -176,7 +172,8 @@ impl Manifest {
         }
     }
 
-    /// Recomputes every hash: outputs below the report's `folder`, inputs below `root`.
+    /// Recomputes every hash: outputs below the report's `folder`, inputs below the project's folder `root`. What is no
+    /// regular file has changed; of inputs, links are followed as they are when a study is read.
     ///
     /// # Errors
     /// [`RunnerError::File`] if the folder cannot be listed, or a file is there and cannot be read.
@@ -185,14 +182,14 @@ impl Manifest {
         if self.engine_version != ENGINE_VERSION {
             found.other_engine = Some((self.engine_version, ENGINE_VERSION));
         }
-        let outputs = (&self.outputs, folder, &mut found.changed, &mut found.missing);
-        let inputs = (&self.inputs, root, &mut found.changed_inputs, &mut found.missing_inputs);
-        for (records, base, changed, missing) in [outputs, inputs] {
+        let outputs = (&self.outputs, folder, false, &mut found.changed, &mut found.missing);
+        let inputs = (&self.inputs, root, true, &mut found.changed_inputs, &mut found.missing_inputs);
+        for (records, base, follows, changed, missing) in [outputs, inputs] {
             for (name, record) in records {
                 let path = base.join(name);
-                match hash_file(&path) {
-                    Ok(now) if now == *record => found.unchanged += 1,
-                    Ok(_) => changed.push(name.clone()),
+                match is_as_recorded(&path, record, follows) {
+                    Ok(true) => found.unchanged += 1,
+                    Ok(false) => changed.push(name.clone()),
                     Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
                         missing.push(name.clone());
                     }
@@ -206,22 +203,33 @@ impl Manifest {
     }
 }
 
-/// Size and hash of a file, read in pieces.
-///
-/// # Errors
-/// What the system says.
-pub fn hash_file(path: &Path) -> std::io::Result<FileRecord> {
-    let mut file = File::open(path)?;
+/// What is written, in messages.
+const WHAT: &str = "the manifest";
+
+fn not_canonical(error: serde_json::Error) -> RunnerError {
+    RunnerError::NotCanonical { what: WHAT.to_owned(), reason: error.to_string() }
+}
+
+/// Whether a file is a regular one with this content, read in pieces; of another size nothing is read.
+fn is_as_recorded(path: &Path, record: &FileRecord, follows: bool) -> std::io::Result<bool> {
+    let opened = if follows { path.canonicalize().and_then(|path| file::open(&path)) } else { file::open(path) };
+    let (file, length) = match opened {
+        Err(error) if error.kind() == ErrorKind::InvalidData => return Ok(false),
+        opened => opened?,
+    };
+    if length != record.bytes {
+        return Ok(false);
+    }
     let mut hash = Sha256::new();
     let mut piece = vec![0; 1 << 16];
-    let mut bytes = 0;
+    // It may grow while it is read.
+    let mut file = file.take(length);
     loop {
         let count = file.read(&mut piece)?;
         let Some(read) = piece.get(..count).filter(|read| !read.is_empty()) else { break };
         hash.update(read);
-        bytes += count as u64;
     }
-    Ok(FileRecord { bytes, sha256: Key::from_digest(&hash.finalize()) })
+    Ok(Key::from_digest(&hash.finalize()) == record.sha256)
 }
 
 /// Whether a path of a manifest stays below its folder.
@@ -257,18 +265,21 @@ fn files(folder: &Path) -> Result<BTreeMap<String, PathBuf>, RunnerError> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn report() -> (tempfile::TempDir, Manifest) {
         let root = tempfile::tempdir().unwrap();
         fs::create_dir_all(root.path().join("reports/plots")).unwrap();
         fs::write(root.path().join("model.json"), "{}").unwrap();
-        fs::write(root.path().join("reports/report.md"), "# Report").unwrap();
-        fs::write(root.path().join("reports/plots/a.svg"), "<svg/>").unwrap();
         let mut manifest = Manifest::new("bmv report studies/x");
-        manifest.add_input(root.path(), &root.path().join("model.json")).unwrap();
-        manifest.add_outputs(&root.path().join("reports")).unwrap();
-        manifest.write(&root.path().join("reports")).unwrap();
+        manifest.add_input("model.json", FileRecord::of(b"{}"));
+        for (name, text) in [("report.md", "# Report"), ("plots/a.svg", "<svg/>")] {
+            fs::write(root.path().join("reports").join(name), text).unwrap();
+            manifest.add_output(name, text.as_bytes());
+        }
+        manifest.write(root.path(), Path::new("reports")).unwrap();
         (root, manifest)
     }
 
@@ -319,12 +330,10 @@ mod tests {
         for name in ["../model.json", "/etc/passwd", "plots/../../model.json", ""] {
             let record = FileRecord { bytes: 2, sha256: Key::of(b"{}") };
             manifest.outputs = BTreeMap::from([(name.to_owned(), record)]);
-            manifest.write(&folder).unwrap();
+            manifest.write(&folder, Path::new("")).unwrap();
             let error = Manifest::read(&folder).unwrap_err().to_string();
             assert!(error.contains("leaves the folder"), "{name}: {error}");
         }
-        let outside = manifest.add_input(&folder, &root.path().join("model.json")).unwrap_err();
-        assert!(outside.to_string().contains("it does not lie in"), "{outside}");
     }
 
     #[test]
@@ -342,7 +351,39 @@ mod tests {
         let (root, manifest) = report();
         let path = root.path().join("reports").join(FILE_NAME);
         let first = fs::read(&path).unwrap();
-        manifest.write(&root.path().join("reports")).unwrap();
+        manifest.write(root.path(), Path::new("reports")).unwrap();
         assert_eq!(fs::read(&path).unwrap(), first);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_regular_file_has_changed_and_nothing_waits_for_it() {
+        let (root, manifest) = report();
+        let folder = root.path().join("reports");
+        fs::remove_file(root.path().join("model.json")).unwrap();
+        std::os::unix::fs::symlink("/dev/zero", root.path().join("model.json")).unwrap();
+        let pipe = folder.join("report.md");
+        fs::remove_file(&pipe).unwrap();
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        fs::copy(folder.join("plots/a.svg"), root.path().join("a.svg")).unwrap();
+        fs::remove_file(folder.join("plots/a.svg")).unwrap();
+        std::os::unix::fs::symlink("../../a.svg", folder.join("plots/a.svg")).unwrap();
+        let found = verify(root.path());
+        assert_eq!(found.changed, ["plots/a.svg", "report.md"]);
+        assert_eq!(found.changed_inputs, ["model.json"]);
+        fs::remove_file(folder.join(FILE_NAME)).unwrap();
+        assert!(std::process::Command::new("mkfifo").arg(folder.join(FILE_NAME)).status().unwrap().success());
+        assert!(Manifest::read(&folder).unwrap_err().to_string().contains("is no regular file"));
+        assert!(manifest.write(root.path(), Path::new("reports")).is_err(), "nor is one replaced");
+    }
+
+    #[test]
+    fn the_origin_is_all_but_the_outputs() {
+        let (_root, manifest) = report();
+        let mut other = manifest.clone();
+        other.add_output("report.html", b"<html>");
+        assert_eq!(other.origin_sha256().unwrap(), manifest.origin_sha256().unwrap());
+        other.add_input("model.json", FileRecord::of(b"{ }"));
+        assert_ne!(other.origin_sha256().unwrap(), manifest.origin_sha256().unwrap());
     }
 }

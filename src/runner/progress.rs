@@ -115,6 +115,9 @@ impl Shown {
             Event::Damaged { object } => {
                 self.line(&format!("object {} of the cache is damaged; it is computed again", object.short()));
             }
+            Event::NotStored { reason } => {
+                self.line(&format!("warning: not all results are kept in the cache: {reason}"));
+            }
             Event::JobFinished { job, blocks_run, blocks_cached, .. } => {
                 let found = if *blocks_cached > 0 { format!(", {blocks_cached} found") } else { String::new() };
                 let elapsed_s = self.close(job);

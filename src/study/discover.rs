@@ -1,8 +1,10 @@
 //! Finds studies and their passes under the paths that a user names.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use thiserror::Error;
+
+use super::project::whole;
 
 /// A study folder with its passes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,8 +38,9 @@ pub enum DiscoverError {
     },
 }
 
-/// The studies under these paths, sorted by folder, each folder once: a path is a pass file, a study's folder, or a
-/// folder of such folders. Hidden folders and `target` are skipped.
+/// The studies under these paths, sorted by folder, each folder once however often and by whatever path it is named: a
+/// path is a pass file, a study's folder, or a folder of such folders. Hidden folders and `target` are skipped. The
+/// paths given back have no `.` in them; the folder where the user stands is the empty path.
 ///
 /// # Errors
 /// A path that does not exist or has no pass under it.
@@ -55,7 +58,8 @@ pub fn discover(paths: &[PathBuf]) -> Result<Vec<Found>, DiscoverError> {
                 if entry.file_type().is_dir() {
                     let passes = passes(entry.path());
                     if !passes.is_empty() {
-                        found.push(Found { folder: entry.path().to_owned(), passes });
+                        let passes = passes.iter().map(|pass| plain(pass)).collect();
+                        found.push(Found { folder: plain(entry.path()), passes });
                     }
                 }
             }
@@ -66,25 +70,35 @@ pub fn discover(paths: &[PathBuf]) -> Result<Vec<Found>, DiscoverError> {
             if path.extension().is_none_or(|extension| extension != "json") {
                 return Err(DiscoverError::NotAPass { path: shown });
             }
-            let folder = path.parent().map_or_else(PathBuf::new, Path::to_owned);
-            found.push(Found { folder, passes: vec![path.clone()] });
+            let folder = path.parent().map_or_else(PathBuf::new, plain);
+            found.push(Found { folder, passes: vec![plain(path)] });
         } else {
             return Err(DiscoverError::Missing { path: shown });
         }
     }
     found.sort_by(|a, b| a.folder.cmp(&b.folder));
-    let mut merged: Vec<Found> = Vec::new();
+    let mut merged: Vec<(PathBuf, Found)> = Vec::new();
     for study in found {
-        match merged.last_mut().filter(|last| last.folder == study.folder) {
-            Some(last) => last.passes.extend(study.passes),
-            None => merged.push(study),
+        let place = whole(&study.folder);
+        match merged.iter_mut().find(|(known, _)| *known == place) {
+            Some((_, known)) => {
+                let names = study.passes.iter().filter_map(|pass| pass.file_name());
+                known.passes.extend(names.map(|name| known.folder.join(name)));
+            }
+            None => merged.push((place, study)),
         }
     }
+    let mut merged: Vec<Found> = merged.into_iter().map(|(_, study)| study).collect();
     for study in &mut merged {
         study.passes.sort_by_key(|pass| (number(pass), pass.clone()));
         study.passes.dedup();
     }
     Ok(merged)
+}
+
+/// A path without `.`.
+fn plain(path: &Path) -> PathBuf {
+    path.components().filter(|part| *part != Component::CurDir).collect()
 }
 
 /// The pass files of a folder in the order of their numbers; none where it is no study.
@@ -149,6 +163,16 @@ mod tests {
         assert_eq!(names(root.path(), &one), ["b/pass-2.json"]);
         let both = discover(&[pass, root.path().join("b")]).expect("found");
         assert_eq!(names(root.path(), &both), ["b/pass-1.json", "b/pass-2.json"]);
+    }
+
+    #[test]
+    fn other_spellings_of_a_path_are_the_same_study() {
+        let root = tree(&["b/pass-1.json", "b/pass-2.json", "b/data/x.csv"]);
+        let spellings = ["b", "./b/", "b/./pass-1.json", "b/data/../pass-1.json"].map(|path| root.path().join(path));
+        let found = discover(&spellings).expect("found");
+        assert_eq!(names(root.path(), &found), ["b/pass-1.json", "b/pass-2.json"]);
+        assert_eq!(plain(Path::new("./a/./b/")), Path::new("a/b"));
+        assert_eq!(plain(Path::new("./pass-1.json")), Path::new("pass-1.json"));
     }
 
     #[test]

@@ -1,12 +1,16 @@
 //! The folder of a study: nothing that a study names lies outside it, and nothing is read that is no plain file or too
 //! large for the memory.
 
+use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
 use thiserror::Error;
 
 use crate::document::json;
+
+use super::inherit::plain_name;
+use super::ledger::{Content, Ledger};
 
 /// Tables larger than this are refused, in bytes.
 pub const TABLE_SIZE: usize = 256 << 20;
@@ -53,10 +57,12 @@ pub enum FolderError {
 }
 
 /// The folder of a study.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct Folder {
     root: PathBuf,
     shown: PathBuf,
+    /// What was read.
+    ledger: Ledger,
 }
 
 impl Folder {
@@ -68,7 +74,7 @@ impl Folder {
         let shown = if path.as_os_str().is_empty() { Path::new(".") } else { path };
         let text = shown.display().to_string();
         match shown.canonicalize() {
-            Ok(root) if root.is_dir() => Ok(Self { root, shown: path.to_owned() }),
+            Ok(root) if root.is_dir() => Ok(Self { root, shown: path.to_owned(), ledger: Ledger::default() }),
             Ok(_) => Err(FolderError::Unreadable { path: text, reason: "it is no folder".to_owned() }),
             Err(error) => Err(FolderError::Unreadable { path: text, reason: error.to_string() }),
         }
@@ -77,6 +83,21 @@ impl Folder {
     /// The path as the user gave it.
     pub fn shown(&self) -> &Path {
         &self.shown
+    }
+
+    /// The folder with files that were read before: read again, they must be the same.
+    pub fn after(self, files: BTreeMap<String, Content>) -> Self {
+        Self { ledger: Ledger::with(files), ..self }
+    }
+
+    /// The folder itself, links resolved.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// The files that were read through this folder, by their plain path within it, as they were then.
+    pub fn files(&self) -> BTreeMap<String, Content> {
+        self.ledger.files()
     }
 
     /// The name under which messages show one of its files.
@@ -115,10 +136,23 @@ impl Folder {
         }
     }
 
-    /// The bytes of a JSON file of the folder.
+    /// Notes what a file was when it was read elsewhere.
     ///
     /// # Errors
-    /// A path that is refused, a file that is missing, unreadable, no plain file or too large.
+    /// It was another when it was read here before.
+    pub(super) fn note(&self, relative: &str, content: Content) -> Result<(), FolderError> {
+        if self.ledger.note(&plain_name(relative), content) {
+            return Ok(());
+        }
+        let reason = "it changed while the study was read; run the command again".to_owned();
+        Err(FolderError::Unreadable { path: relative.to_owned(), reason })
+    }
+
+    /// The bytes of a JSON file of the folder. They are noted: a file that is read twice is the same both times.
+    ///
+    /// # Errors
+    /// A path that is refused, a file that is missing, unreadable, no plain file or too large, or that changed since it
+    /// was read before.
     pub fn read(&self, relative: &str) -> Result<Vec<u8>, FolderError> {
         self.read_at_most(relative, json::SIZE)
     }
@@ -154,7 +188,11 @@ impl Folder {
         let read = std::fs::File::open(&place).and_then(|file| file.take(limit as u64 + 1).read_to_end(&mut bytes));
         read.map_err(|error| unreadable(error.to_string()))?;
         // It may have grown since.
-        if bytes.len() > limit { Err(too_large(bytes.len() as u64)) } else { Ok(bytes) }
+        if bytes.len() > limit {
+            return Err(too_large(bytes.len() as u64));
+        }
+        self.note(relative, Content::of(&bytes))?;
+        Ok(bytes)
     }
 
     /// Names of the JSON files of a folder below, without `.json`, sorted; none where it does not exist.
@@ -225,6 +263,22 @@ mod tests {
         for name in ["pipe.json", "socket.json"] {
             assert!(matches!(folder.read(name), Err(FolderError::Unreadable { .. })), "{name}");
         }
+    }
+
+    #[test]
+    fn what_was_read_is_noted_and_must_not_change() {
+        let root = tempfile::tempdir().expect("a folder");
+        std::fs::write(root.path().join("a.csv"), "x").expect("written");
+        let folder = Folder::open(root.path()).expect("opened");
+        for path in ["a.csv", "./a.csv"] {
+            assert_eq!(folder.read(path).expect("read"), b"x");
+        }
+        std::fs::write(root.path().join("a.csv"), "y").expect("written");
+        assert!(matches!(folder.read("a.csv"), Err(FolderError::Unreadable { .. })));
+        assert_eq!(folder.files(), BTreeMap::from([("a.csv".to_owned(), Content::of(b"x"))]));
+        let again = Folder::open(root.path()).expect("opened");
+        assert_eq!(again.read("a.csv").expect("read"), b"y");
+        assert!(again.after(folder.files()).read("a.csv").is_err(), "what was loaded is another");
     }
 
     #[cfg(unix)]

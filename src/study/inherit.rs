@@ -127,7 +127,7 @@ pub(super) fn unnamed_file_diagnostic(folder: &Folder, file: &str, error: &Folde
 }
 
 /// A file's name within the study in its plainest form.
-pub(super) fn plain_name(name: &str) -> String {
+pub fn plain_name(name: &str) -> String {
     let parts: Vec<&str> = name.split('/').filter(|part| !part.is_empty() && *part != ".").collect();
     parts.join("/")
 }

@@ -4,15 +4,19 @@
 //! nothing is left to look up, or all that is wrong with the files.
 
 pub mod discover;
+pub mod file;
 pub mod folder;
 pub mod history;
 pub mod inherit;
+pub mod ledger;
 pub mod model;
 pub mod next_pass;
+mod origin;
 pub mod pass;
 pub mod pinned;
 pub mod problem;
 pub mod profile;
+pub mod project;
 pub mod reader;
 pub mod ready;
 pub mod resolve;
@@ -24,9 +28,11 @@ pub mod window;
 
 pub use discover::{Found, discover};
 pub use folder::Folder;
+pub use ledger::Content;
 pub use problem::problem;
+pub use project::Project;
 pub use reader::{Reader, load};
 pub use ready::{delivered, ready, refusal, refusal_prefix};
-pub use resolve::effects;
+pub use resolve::{command, effects};
 pub use resolved::{AdoptedEffect, JobSpec, NamedJob, ParameterChange, Pass};
 pub use schema::schema;

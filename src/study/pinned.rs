@@ -2,7 +2,8 @@
 
 use std::ffi::OsStr;
 use std::io::{Read, Write};
-use std::path::{Path, PathBuf};
+use std::net::IpAddr;
+use std::path::{Component, Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use sha2::{Digest, Sha256};
@@ -10,10 +11,19 @@ use thiserror::Error;
 
 use crate::document::hash::hex;
 
+use super::file::{Draft, Existing};
 use super::folder::{Folder, FolderError};
+use super::inherit::plain_name;
+use super::origin::{Origin, is_internal};
 
 /// Largest file that is fetched where the study does not state the size, bytes.
 const LARGEST_FETCH: u64 = 1 << 30;
+/// Redirects that are followed.
+const MOST_REDIRECTS: usize = 5;
+/// Longest text beside a redirect, bytes.
+const LONGEST_REDIRECT: u64 = 1 << 16;
+/// How the line begins in which `curl` tells where it is redirected to.
+const REDIRECT: &str = "bmv-redirect ";
 /// Bytes read at a time.
 const BLOCK: usize = 1 << 16;
 
@@ -83,8 +93,25 @@ pub enum PinnedError {
         /// Pinned hash.
         sha256: String,
     },
-    /// Only https is fetched.
-    #[error("`{origin}` is not fetched: an origin begins with https://")]
+    /// The path is hidden.
+    #[error("`{file}` is not brought: a pinned file lies under no hidden name, such as data/run.csv")]
+    Hidden {
+        /// The file.
+        file: String,
+    },
+    /// The address is none of the public internet.
+    #[error(
+        "`{origin}` is not fetched: {address} is an address of this machine or its own network; --internal allows it, \
+         --from DIR takes the file from a folder"
+    )]
+    Internal {
+        /// The origin, or what it was redirected to.
+        origin: String,
+        /// Its address.
+        address: IpAddr,
+    },
+    /// Only plain https is fetched.
+    #[error("`{origin}` is not fetched: an origin is https://, a host's name or address, and a path")]
     NotHttps {
         /// As written.
         origin: String,
@@ -141,17 +168,35 @@ pub fn verify(folder: &Folder, pinned: &Pinned) -> Result<State, PinnedError> {
     }
 }
 
-/// Brings a pinned file to its place: where it is there, nothing is done; else the folders `from` are searched for
-/// its hash, whatever the name; else it is fetched from its origin with the program `curl`. A file appears only
-/// whole and with the right hash.
+/// From where pinned files may be had.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Sources {
+    /// Folders that are searched for a file's hash.
+    pub folders: Vec<PathBuf>,
+    /// Whether files are fetched from addresses of this machine and its own networks too.
+    pub internal: bool,
+}
+
+/// Brings a pinned file to its place: where it is there, nothing is done; else the folders are searched for its hash,
+/// whatever the name; else it is fetched from its origin with the program `curl`. A file appears only whole and with the
+/// right hash, and never below a hidden folder or under a hidden name.
 ///
 /// # Errors
 /// Other bytes at its place, nowhere to be had, or not what was pinned.
-pub fn get(folder: &Folder, pinned: &Pinned, from: &[PathBuf]) -> Result<Obtained, PinnedError> {
-    get_with(folder, pinned, from, OsStr::new("curl"))
+pub fn get(folder: &Folder, pinned: &Pinned, from: &Sources) -> Result<Obtained, PinnedError> {
+    get_with(folder, pinned, from, OsStr::new("curl"), &Origin::resolve)
 }
 
-fn get_with(folder: &Folder, pinned: &Pinned, from: &[PathBuf], curl: &OsStr) -> Result<Obtained, PinnedError> {
+/// Gives the addresses of a host.
+type Resolve = dyn Fn(&Origin) -> std::io::Result<Vec<IpAddr>>;
+
+fn get_with(
+    folder: &Folder,
+    pinned: &Pinned,
+    from: &Sources,
+    curl: &OsStr,
+    resolve: &Resolve,
+) -> Result<Obtained, PinnedError> {
     match verify(folder, pinned)? {
         State::Good => return Ok(Obtained::AlreadyThere),
         State::Other { sha256: found } => {
@@ -160,40 +205,101 @@ fn get_with(folder: &Folder, pinned: &Pinned, from: &[PathBuf], curl: &OsStr) ->
         }
         State::Absent => {}
     }
-    let place = folder.place(&pinned.file)?;
+    let is_hidden =
+        |part: Component<'_>| part.as_os_str().to_string_lossy().starts_with('.') && part != Component::CurDir;
+    if Path::new(&pinned.file).components().any(is_hidden) {
+        return Err(PinnedError::Hidden { file: pinned.file.clone() });
+    }
     let unwritable = |error: std::io::Error| PinnedError::Unwritable {
         path: folder.shown_name(&pinned.file),
         reason: error.to_string(),
     };
-    if let Some(found) = from.iter().find_map(|root| search(root, pinned)) {
+    let draft = || Draft::new(folder.root(), Path::new(&plain_name(&pinned.file))).map_err(unwritable);
+    if let Some(found) = from.folders.iter().find_map(|root| search(root, pinned)) {
         let mut file = std::fs::File::open(&found).map_err(unwritable)?;
-        let arrived = arrive(&mut file, u64::MAX, &place).map_err(unwritable)?;
+        let arrived = arrive(&mut file, u64::MAX, draft()?).map_err(unwritable)?;
         // The file may have changed since it was hashed.
         if arrived.sha256 == pinned.sha256 {
-            arrived.keep(&place).map_err(unwritable)?;
+            arrived.keep().map_err(unwritable)?;
             return Ok(Obtained::Copied(found));
         }
     }
     let Some(origin) = &pinned.origin else {
         return Err(PinnedError::NoOrigin { file: pinned.file.clone(), sha256: pinned.sha256.clone() });
     };
-    if !origin.starts_with("https://") || origin.contains(char::is_whitespace) {
-        return Err(PinnedError::NotHttps { origin: origin.clone() });
-    }
     let limit = pinned.bytes.unwrap_or(LARGEST_FETCH);
-    let failed = |reason: String| PinnedError::Fetch { origin: origin.clone(), reason };
+    let mut address = origin.clone();
+    for _ in 0..=MOST_REDIRECTS {
+        let pin = allowed(&address, from.internal, resolve)?;
+        // What a redirect says beside the address may be longer than the file.
+        let got = fetch(curl, &address, pin, limit.max(LONGEST_REDIRECT), draft()?, &unwritable)?;
+        let arrived = match got {
+            Got::Redirect(next) => {
+                address = next;
+                continue;
+            }
+            Got::File(arrived) => arrived,
+        };
+        if arrived.bytes > limit {
+            return Err(PinnedError::TooLarge { origin: origin.clone(), limit });
+        }
+        if arrived.sha256 != pinned.sha256 {
+            let (found, sha256) = (arrived.sha256.clone(), pinned.sha256.clone());
+            return Err(PinnedError::WrongHash { origin: origin.clone(), found, pinned: sha256 });
+        }
+        arrived.keep().map_err(unwritable)?;
+        return Ok(Obtained::Fetched(origin.clone()));
+    }
+    let reason = format!("it is redirected more than {MOST_REDIRECTS} times");
+    Err(PinnedError::Fetch { origin: origin.clone(), reason })
+}
+
+/// Whether an address may be fetched; for a name, what pins it to the addresses that were looked at.
+fn allowed(address: &str, internal: bool, resolve: &Resolve) -> Result<Option<String>, PinnedError> {
+    let origin = Origin::parse(address).ok_or_else(|| PinnedError::NotHttps { origin: address.to_owned() })?;
+    if internal {
+        return Ok(None);
+    }
+    let addresses = resolve(&origin).map_err(|error| PinnedError::Fetch {
+        origin: address.to_owned(),
+        reason: format!("`{}` has no address: {error}", origin.host),
+    })?;
+    match addresses.iter().find(|address| is_internal(**address)) {
+        Some(found) => Err(PinnedError::Internal { origin: address.to_owned(), address: *found }),
+        None => Ok(origin.pin(&addresses)),
+    }
+}
+
+/// What came from an address.
+enum Got {
+    File(Arrived),
+    /// It is elsewhere.
+    Redirect(String),
+}
+
+/// Fetches from one address; redirects are not followed.
+fn fetch(
+    curl: &OsStr,
+    origin: &str,
+    pin: Option<String>,
+    limit: u64,
+    draft: Draft,
+    unwritable: &dyn Fn(std::io::Error) -> PinnedError,
+) -> Result<Got, PinnedError> {
+    let failed = |reason: String| PinnedError::Fetch { origin: origin.to_owned(), reason };
     let mut child = Command::new(curl)
-        .args(["--fail", "--silent", "--show-error", "--location", "--globoff"])
-        .args(["--proto", "=https", "--proto-redir", "=https", "--max-redirs", "5"])
-        .args(["--connect-timeout", "30", "--max-time", "1800", "--"])
-        .arg(origin)
+        .args(["--fail", "--silent", "--show-error", "--no-location", "--globoff", "--proto", "=https"])
+        .args(["--connect-timeout", "30", "--max-time", "1800"])
+        .args(["--write-out", &format!("%{{stderr}}\n{REDIRECT}%{{redirect_url}}\n")])
+        .args(pin.iter().flat_map(|pin| ["--resolve", pin]))
+        .args(["--", origin])
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .map_err(|error| failed(format!("the program `curl` cannot be run: {error}")))?;
     let arrived = match child.stdout.take() {
-        Some(mut stdout) => arrive(&mut stdout, limit, &place),
+        Some(mut stdout) => arrive(&mut stdout, limit, draft),
         None => Err(std::io::Error::other("no output")),
     };
     let too_large = arrived.as_ref().is_ok_and(|arrived| arrived.bytes > limit);
@@ -203,19 +309,17 @@ fn get_with(folder: &Folder, pinned: &Pinned, from: &[PathBuf], curl: &OsStr) ->
     }
     let output = child.wait_with_output().map_err(|error| failed(error.to_string()))?;
     if too_large {
-        return Err(PinnedError::TooLarge { origin: origin.clone(), limit });
+        return Err(PinnedError::TooLarge { origin: origin.to_owned(), limit });
     }
     let arrived = arrived.map_err(unwritable)?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    let lines = || said.lines().map(str::trim).filter(|line| !line.is_empty());
     if !output.status.success() {
-        let said = String::from_utf8_lossy(&output.stderr);
-        return Err(failed(said.trim().lines().last().unwrap_or("curl failed").to_owned()));
+        let reason = lines().rfind(|line| !line.starts_with(REDIRECT.trim()));
+        return Err(failed(reason.unwrap_or("curl failed").to_owned()));
     }
-    if arrived.sha256 != pinned.sha256 {
-        let (found, sha256) = (arrived.sha256.clone(), pinned.sha256.clone());
-        return Err(PinnedError::WrongHash { origin: origin.clone(), found, pinned: sha256 });
-    }
-    arrived.keep(&place).map_err(unwritable)?;
-    Ok(Obtained::Fetched(origin.clone()))
+    let redirect = lines().rev().find_map(|line| line.strip_prefix(REDIRECT));
+    Ok(redirect.map_or(Got::File(arrived), |next| Got::Redirect(next.to_owned())))
 }
 
 /// The folders to search: the one named, else the one in `BMV_DATA`.
@@ -254,42 +358,32 @@ fn hash_of(path: &Path) -> std::io::Result<String> {
     }
 }
 
-/// Bytes that have arrived in a temporary file beside their place.
+/// Bytes that have arrived beside their place.
 struct Arrived {
-    file: tempfile::NamedTempFile,
+    draft: Draft,
     sha256: String,
     bytes: u64,
 }
 
 impl Arrived {
-    fn keep(self, place: &Path) -> std::io::Result<()> {
-        self.file.as_file().sync_all()?;
-        match self.file.persist_noclobber(place) {
-            Ok(_) => Ok(()),
-            Err(error) => Err(error.error),
-        }
+    fn keep(self) -> std::io::Result<()> {
+        self.draft.file().sync_all()?;
+        self.draft.keep(Existing::Keep)
     }
 }
 
 /// Copies at most `limit + 1` bytes, so that too many are noticed.
-fn arrive(source: &mut dyn Read, limit: u64, place: &Path) -> std::io::Result<Arrived> {
-    let folder = place.parent().unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder)?;
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".bmv-data-");
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
-    let mut file = builder.tempfile_in(folder)?;
+fn arrive(source: &mut dyn Read, limit: u64, mut draft: Draft) -> std::io::Result<Arrived> {
     let mut source = source.take(limit.saturating_add(1));
     let mut hasher = Sha256::new();
     let mut bytes = 0;
     let mut block = vec![0; BLOCK];
     loop {
         match source.read(&mut block)? {
-            0 => return Ok(Arrived { file, sha256: hex(&hasher.finalize()), bytes }),
+            0 => return Ok(Arrived { draft, sha256: hex(&hasher.finalize()), bytes }),
             read => {
                 hasher.update(&block[..read]);
-                file.write_all(&block[..read])?;
+                draft.write_all(&block[..read])?;
                 bytes += read as u64;
             }
         }
@@ -314,6 +408,10 @@ mod tests {
         }
     }
 
+    fn from(folders: &[&Path]) -> Sources {
+        Sources { folders: folders.iter().map(|&folder| folder.to_owned()).collect(), internal: false }
+    }
+
     fn study() -> (tempfile::TempDir, Folder) {
         let root = tempfile::tempdir().expect("a folder");
         let folder = Folder::open(root.path()).expect("opened");
@@ -329,7 +427,7 @@ mod tests {
         std::fs::write(store.path().join("deep/other name"), "abc").expect("written");
         let wanted = pinned(Some(3), None);
         assert_eq!(verify(&folder, &wanted).expect("looked"), State::Absent);
-        let from = [store.path().to_owned()];
+        let from = from(&[store.path()]);
         let obtained = get(&folder, &wanted, &from).expect("found");
         assert_eq!(obtained, Obtained::Copied(store.path().join("deep/other name")));
         assert_eq!(std::fs::read(root.path().join("data/x.csv")).expect("there"), b"abc");
@@ -345,49 +443,130 @@ mod tests {
         std::fs::write(root.path().join("data/x.csv"), "").expect("written");
         let wanted = pinned(None, None);
         assert!(matches!(verify(&folder, &wanted), Ok(State::Other { .. })));
-        assert!(matches!(get(&folder, &wanted, &[]), Err(PinnedError::Other { .. })));
+        assert!(matches!(get(&folder, &wanted, &from(&[])), Err(PinnedError::Other { .. })));
         assert_eq!(std::fs::read(root.path().join("data/x.csv")).expect("there"), b"");
     }
 
     #[test]
     fn without_a_usable_origin_nothing_is_fetched() {
         let (_root, folder) = study();
-        assert!(matches!(get(&folder, &pinned(None, None), &[]), Err(PinnedError::NoOrigin { .. })));
+        assert!(matches!(get(&folder, &pinned(None, None), &from(&[])), Err(PinnedError::NoOrigin { .. })));
         for origin in ["http://example.org/x", "file:///etc/passwd", "-o/tmp/x", "https://a b"] {
-            let got = get(&folder, &pinned(None, Some(origin)), &[]);
+            let got = get(&folder, &pinned(None, Some(origin)), &from(&[]));
             assert!(matches!(got, Err(PinnedError::NotHttps { .. })), "{origin}");
         }
+    }
+
+    #[test]
+    fn nothing_is_brought_under_a_hidden_name() {
+        let (root, folder) = study();
+        let store = tempfile::tempdir().expect("a folder");
+        std::fs::write(store.path().join("x"), "abc").expect("written");
+        for file in [".git/hooks/post-checkout", "data/.x.csv", ".x", "./.x"] {
+            let wanted = Pinned { file: file.to_owned(), ..pinned(None, None) };
+            let got = get(&folder, &wanted, &from(&[store.path()]));
+            assert!(matches!(got, Err(PinnedError::Hidden { .. })), "{file}: {got:?}");
+        }
+        assert_eq!(std::fs::read_dir(root.path()).expect("listed").count(), 0);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn nothing_is_brought_through_a_link() {
+        let (root, folder) = study();
+        let store = tempfile::tempdir().expect("a folder");
+        std::fs::write(store.path().join("x"), "abc").expect("written");
+        std::fs::create_dir(root.path().join("other")).expect("made");
+        std::os::unix::fs::symlink("other", root.path().join("data")).expect("linked");
+        let got = get(&folder, &pinned(None, None), &from(&[store.path()]));
+        assert!(matches!(got, Err(PinnedError::Unwritable { .. })), "{got:?}");
+        assert_eq!(std::fs::read_dir(root.path().join("other")).expect("listed").count(), 0);
+    }
+
+    /// Programs in place of `curl`.
+    #[cfg(unix)]
+    struct Programs(tempfile::TempDir);
+
+    #[cfg(unix)]
+    impl Programs {
+        fn program(&self, name: &str, body: &str) -> std::ffi::OsString {
+            let path = self.0.path().join(name);
+            std::fs::write(&path, format!("#!/bin/sh\n{body}\n")).expect("written");
+            std::fs::set_permissions(&path, std::os::unix::fs::PermissionsExt::from_mode(0o755)).expect("set");
+            path.into_os_string()
+        }
+    }
+
+    /// A resolver that knows `example.org` and `inside.example.org`.
+    #[cfg(unix)]
+    fn resolved(origin: &Origin) -> std::io::Result<Vec<IpAddr>> {
+        let text = match origin.host.as_str() {
+            "example.org" => "8.8.8.8",
+            "inside.example.org" => "10.0.0.7",
+            host => host,
+        };
+        Ok(vec![text.parse().map_err(std::io::Error::other)?])
     }
 
     #[cfg(unix)]
     #[test]
     fn what_is_fetched_is_kept_only_with_its_hash_and_size() {
-        use std::os::unix::fs::PermissionsExt;
-        let programs = tempfile::tempdir().expect("a folder");
-        let program = |name: &str, body: &str| {
-            let path = programs.path().join(name);
-            std::fs::write(&path, format!("#!/bin/sh\n{body}\n")).expect("written");
-            std::fs::set_permissions(&path, PermissionsExt::from_mode(0o755)).expect("set");
-            path.into_os_string()
-        };
+        let programs = Programs(tempfile::tempdir().expect("a folder"));
         let origin = Some("https://example.org/x.csv");
         let (root, folder) = study();
         let file = root.path().join("data/x.csv");
-        let wrong = get_with(&folder, &pinned(None, origin), &[], &program("wrong", "printf abd"));
+        let got =
+            |bytes: Option<u64>, curl: &OsStr| get_with(&folder, &pinned(bytes, origin), &from(&[]), curl, &resolved);
+        let wrong = got(None, &programs.program("wrong", "printf abd"));
         assert!(matches!(wrong, Err(PinnedError::WrongHash { .. })), "{wrong:?}");
-        let large = get_with(&folder, &pinned(Some(3), origin), &[], &program("large", "printf abcd"));
+        let large = got(Some(3), &programs.program("large", "printf abcd"));
         assert!(matches!(large, Err(PinnedError::TooLarge { limit: 3, .. })), "{large:?}");
-        let body = "echo 'curl: (22) 404' >&2; exit 22";
-        let failed = get_with(&folder, &pinned(None, origin), &[], &program("failed", body));
+        let larger = got(Some(3), &programs.program("larger", "head -c 100000 /dev/zero"));
+        assert!(matches!(larger, Err(PinnedError::TooLarge { .. })), "{larger:?}");
+        let failed =
+            got(None, &programs.program("failed", "echo 'curl: (22) 404' >&2; echo 'bmv-redirect ' >&2; exit 22"));
         assert!(
             matches!(failed, Err(PinnedError::Fetch { ref reason, .. }) if reason == "curl: (22) 404"),
             "{failed:?}"
         );
-        let absent = get_with(&folder, &pinned(None, origin), &[], OsStr::new("/nonexistent/curl"));
+        let absent = got(None, OsStr::new("/nonexistent/curl"));
         assert!(matches!(absent, Err(PinnedError::Fetch { .. })), "{absent:?}");
         assert!(!file.exists());
-        let good = get_with(&folder, &pinned(Some(3), origin), &[], &program("good", "printf abc"));
+        let good = got(Some(3), &programs.program("good", "printf abc"));
         assert_eq!(good, Ok(Obtained::Fetched("https://example.org/x.csv".to_owned())));
         assert_eq!(std::fs::read(file).expect("there"), b"abc");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn internal_addresses_are_fetched_only_where_that_is_asked() {
+        let programs = Programs(tempfile::tempdir().expect("a folder"));
+        let (root, folder) = study();
+        let curl = programs.program("good", "printf abc");
+        // From the public address once to another, and only from there on the file.
+        let moved = |to: &str| format!("case \"$*\" in *first*) echo 'bmv-redirect {to}' >&2;; *) printf abc;; esac");
+        let inside = programs.program("inside", &moved("https://169.254.169.254/latest"));
+        let to_file = programs.program("file", &moved("file:///etc/passwd"));
+        let round = programs.program("round", &moved("https://example.org/first"));
+        let outside = programs.program("outside", &moved("https://example.org/second"));
+        let cases = [
+            ("https://127.0.0.1/x", &curl, true),
+            ("https://[::1]/x", &curl, true),
+            ("https://inside.example.org/x", &curl, true),
+            ("https://example.org/first", &inside, true),
+            ("https://example.org/first", &to_file, false),
+            ("https://example.org/first", &round, false),
+        ];
+        for (origin, curl, is_internal) in cases {
+            let got = get_with(&folder, &pinned(None, Some(origin)), &from(&[]), curl, &resolved);
+            assert_eq!(matches!(got, Err(PinnedError::Internal { .. })), is_internal, "{origin}: {got:?}");
+            assert!(got.is_err(), "{origin}");
+        }
+        let got = get_with(&folder, &pinned(None, Some("https://example.org/first")), &from(&[]), &outside, &resolved);
+        assert!(matches!(got, Ok(Obtained::Fetched(_))), "{got:?}");
+        std::fs::remove_file(root.path().join("data/x.csv")).expect("there");
+        let internal = Sources { internal: true, ..from(&[]) };
+        let got = get_with(&folder, &pinned(None, Some("https://127.0.0.1/x")), &internal, &curl, &resolved);
+        assert!(matches!(got, Ok(Obtained::Fetched(_))), "{got:?}");
     }
 }

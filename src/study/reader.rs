@@ -8,6 +8,7 @@ use std::sync::Arc;
 use crate::document::{Diagnostics, Node, written};
 
 use super::folder::{Folder, FolderError};
+use super::ledger::Content;
 use super::resolve;
 use super::resolved::Pass;
 
@@ -21,6 +22,8 @@ pub(super) struct Parsed {
     pub tree: Option<Arc<Node>>,
     /// Errors of its JSON.
     pub diagnostics: Arc<Diagnostics>,
+    /// The bytes it was read from.
+    content: Content,
 }
 
 /// Reads passes and keeps what it has read.
@@ -54,12 +57,13 @@ impl Reader {
         let shown = folder.shown_name(name);
         let path = PathBuf::from(&shown);
         if let Some(known) = self.trees.borrow().get(&path) {
+            folder.note(name, known.content.clone())?;
             return Ok(known.clone());
         }
         let bytes = folder.read(name)?;
         let mut diagnostics = Diagnostics::new();
         let tree = written::read_document(&shown, &bytes, &mut diagnostics).map(Arc::new);
-        let parsed = Parsed { tree, diagnostics: Arc::new(diagnostics) };
+        let parsed = Parsed { tree, diagnostics: Arc::new(diagnostics), content: Content::of(&bytes) };
         self.trees.borrow_mut().insert(path, parsed.clone());
         Ok(parsed)
     }

@@ -1,5 +1,6 @@
 //! A pass with everything looked up: SI units, indices, data read.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -13,6 +14,7 @@ use crate::job::{calibrate, compare, conventional, design, diagnose, goal, propa
 use crate::random::Distribution;
 use crate::thermal::Model;
 
+use super::ledger::Content;
 use super::model::InputError;
 use super::pinned::Pinned;
 
@@ -33,6 +35,8 @@ pub struct Pass {
     pub description: String,
     /// What of the model was reconstructed, and how.
     pub reconstructed: Option<String>,
+    /// Every file of the study that was read, by its path within the folder, as it was then.
+    pub files: BTreeMap<String, Content>,
     /// SHA-256 of the canonical JSON of the files as written: pass, parents, model, own rules and criteria.
     pub definition_sha256: String,
     /// Seed of all random numbers.

@@ -5,6 +5,8 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use bmv::report::RenderedReport;
+use bmv::runner::manifest::FileRecord;
 use bmv::runner::{Cache, Key, Kind, Manifest};
 
 fn bmv() -> Command {
@@ -76,18 +78,23 @@ fn errors_are_coloured_only_where_asked() {
 
 #[test]
 fn a_reader_that_leaves_early_is_no_error() {
-    let mut child = bmv().arg("explain").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    drop(child.stdout.take());
-    let output = child.wait_with_output().unwrap();
-    assert_eq!((code(&output), text(&output.stderr)), (0, String::new()));
+    for argument in ["explain", "--help"] {
+        let mut child = bmv().arg(argument).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!((code(&output), text(&output.stderr)), (0, String::new()), "{argument}");
+    }
 }
 
 #[test]
 fn a_full_disk_under_standard_output_is_an_error_and_no_panic() {
     let Ok(full) = fs::File::options().write(true).open("/dev/full") else { return };
-    let output = bmv().arg("explain").stdout(full).stderr(Stdio::piped()).output().unwrap();
-    assert_eq!(code(&output), 3);
-    assert!(text(&output.stderr).starts_with("error: cannot write: "), "{}", text(&output.stderr));
+    for arguments in [&["explain"][..], &["--help"], &["--version"], &["plan", "--help"], &["schema", "model"]] {
+        let full = full.try_clone().unwrap();
+        let output = bmv().args(arguments).stdout(full).stderr(Stdio::piped()).output().unwrap();
+        assert_eq!(code(&output), 3, "{arguments:?}");
+        assert!(text(&output.stderr).starts_with("error: cannot write: "), "{}", text(&output.stderr));
+    }
 }
 
 #[test]
@@ -113,15 +120,21 @@ fn verify_tells_what_changed_in_a_report() {
     let root = tempfile::tempdir().unwrap();
     let report = root.path().join("report");
     assert_eq!(code(&run(&["verify", display(&report)])), 2, "no manifest");
-    fs::create_dir(&report).unwrap();
-    fs::write(report.join("report.md"), "# Report").unwrap();
     let mut manifest = Manifest::new("bmv report");
-    manifest.add_outputs(&report).unwrap();
-    manifest.write(&report).unwrap();
+    manifest.add_input("model.json", FileRecord::of(b"{}"));
+    let results = "{\"pass\": \"pass-1.json\", \"jobs\": {}}\n".to_owned();
+    let rendered = RenderedReport {
+        markdown: "# Report".to_owned(),
+        html: "<html></html>".to_owned(),
+        figures: Vec::new(),
+        results_json: results,
+    };
+    let rendered = rendered.sealed(manifest.origin_sha256().unwrap().as_str());
+    bmv::report::write(&rendered, manifest, root.path(), Path::new("report")).unwrap();
     let intact = run(&["verify", display(&report)]);
     assert_eq!(
         (code(&intact), text(&intact.stdout)),
-        (0, "1 files unchanged; the report is as it was written\n".into())
+        (0, "input not here: model.json\n3 files unchanged; the report is as it was written\n".into())
     );
     fs::write(report.join("report.md"), "# Rep0rt").unwrap();
     fs::write(report.join("extra\u{1b}[2J.md"), "").unwrap();

@@ -114,7 +114,7 @@ fn a_job_that_cannot_be_made_keeps_only_what_builds_on_it_from_running() {
     assert_eq!(code(&output), 2, "{said}");
     assert!(said.contains("error[job-refused]: job `fit` cannot be made: there is no reading to fit"), "{said}");
     assert!(said.contains("plate/pass-1.json:10:12") && said.contains("at $.jobs.fit"), "{said}");
-    assert!(said.contains("job `flight` cannot be made: it builds on `plate/pass-1.json:fit`"), "{said}");
+    assert!(said.contains("job `flight` cannot be made: it builds on `fit` of `pass-1.json`"), "{said}");
     assert!(printed.contains("delivered: ") && printed.contains("spread: "), "{printed}");
     // Nothing is wrong with what is asked for alone.
     let output = bmv(root.path(), &["run", "plate", "--job", "propagate"]);
@@ -137,7 +137,7 @@ fn what_builds_on_a_job_of_another_pass_that_cannot_be_made_says_why() {
     let output = bmv(root.path(), &["run", "plate/pass-2.json"]);
     let said = text(&output.stderr);
     assert_eq!(code(&output), 2, "{said}");
-    assert!(said.contains("job `more` cannot be made: it builds on `plate/pass-1.json:fit`"), "{said}");
+    assert!(said.contains("job `more` cannot be made: it builds on `fit` of `pass-1.json`"), "{said}");
     assert_eq!(said.matches("job `fit` cannot be made: there is no reading to fit").count(), 1, "{said}");
     assert!(text(&output.stdout).contains("comparison: "), "{}", text(&output.stdout));
 }

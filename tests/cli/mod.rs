@@ -1,5 +1,6 @@
 //! The command line, as a user sees it.
 
+mod archive;
 mod campaigns;
 mod documents;
 mod escapes;

@@ -1,6 +1,9 @@
 //! What rendered reports say, and that they say it in the same bytes every time.
 
+use std::path::Path;
+
 use bmv::report::{RenderedReport, render};
+use bmv::runner::Manifest;
 
 use super::samples::{Sample, radiator, steady, transient};
 
@@ -168,15 +171,41 @@ fn results_hold_every_output_in_si() {
 }
 
 #[test]
-fn writing_puts_every_file_in_its_place_and_removes_old_plots() {
-    let folder = tempfile::tempdir().expect("a folder");
-    std::fs::create_dir_all(folder.path().join("plots")).expect("made");
-    std::fs::write(folder.path().join("plots/old.svg"), "").expect("written");
+fn writing_puts_every_file_in_its_place_and_removes_what_the_earlier_report_had() {
+    let root = tempfile::tempdir().expect("a folder");
+    let folder = root.path().join("deep/report");
+    let mut earlier = rendered(&radiator());
+    earlier.figures.push(("old".to_owned(), "<svg/>".to_owned()));
+    let write = |report| bmv::report::write(report, Manifest::new("bmv report"), root.path(), Path::new("deep/report"));
+    write(&earlier).expect("written");
+    std::fs::write(folder.join("plots/foreign.svg"), "<svg/>").expect("written");
     let report = rendered(&radiator());
-    let files = bmv::report::write(&report, folder.path()).expect("written");
-    assert_eq!(files.len(), 3 + report.figures.len());
-    assert_eq!(std::fs::read_to_string(folder.path().join("report.md")).expect("read"), report.markdown);
-    assert!(!folder.path().join("plots/old.svg").exists());
+    write(&report).expect("written");
+    let listed = Manifest::read(&folder).expect("a manifest").outputs;
+    assert_eq!(listed.len(), 3 + report.figures.len());
+    assert_eq!(std::fs::read_to_string(folder.join("report.md")).expect("read"), report.markdown);
+    assert!(!folder.join("plots/old.svg").exists(), "the earlier manifest names it");
+    assert!(folder.join("plots/foreign.svg").exists(), "no manifest names it");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_report_writes_and_removes_nothing_through_links() {
+    let report = rendered(&radiator());
+    for link in ["report", "report/plots", "report/report.md", "report/manifest.json"] {
+        let (root, outside) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
+        let write = |report| bmv::report::write(report, Manifest::new("bmv report"), root.path(), Path::new("report"));
+        let foreign = outside.path().join("foreign.svg");
+        std::fs::write(&foreign, "foreign").expect("written");
+        let place = root.path().join(link);
+        std::fs::create_dir_all(place.parent().expect("a folder")).expect("made");
+        let to = if link.contains('.') { &foreign } else { outside.path() };
+        std::os::unix::fs::symlink(to, &place).expect("linked");
+        let said = write(&report).expect_err(link).to_string();
+        assert!(said.contains("is a link, and nothing is written through links"), "{said}");
+        assert_eq!(std::fs::read(&foreign).expect("there"), b"foreign", "{link}");
+        assert_eq!(std::fs::read_dir(outside.path()).expect("listed").count(), 1, "{link}");
+    }
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use bmv::runner::engine::local;
-use bmv::runner::{Cache, Event, Outcome, StopFlag};
+use bmv::runner::{Cache, Event, StopFlag};
 
 use super::toy::{Harmonic, Heard, run, settings, single};
 
@@ -91,12 +91,17 @@ fn what_stays_after_pruning_is_still_a_cached_result() {
 }
 
 #[test]
-fn a_cache_that_cannot_be_written_fails_the_job_with_the_path() {
+fn what_cannot_be_stored_is_used_and_told_once() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path().join("cache");
     fs::write(&root, "a file where the folder should be").unwrap();
-    let summary = run(&single(&Arc::new(Harmonic::new(100))), &Cache::new(&root), 1);
-    let Outcome::Failed(error) = &summary.outcomes["sum"] else { panic!("{summary:?}") };
-    let text = error.to_string();
-    assert!(text.starts_with("cannot make the folder `") && text.contains("cache/objects"), "{text}");
+    let heard = Heard::default();
+    let (plan, stop) = (single(&Arc::new(Harmonic::new(1000))), StopFlag::default());
+    let summary = local::run(&plan, &Cache::new(&root), &settings(2), &stop, &heard).unwrap();
+    let stored = run(&plan, &Cache::new(folder.path().join("other")), 1);
+    assert_eq!(summary.finished("sum").unwrap().stored, stored.finished("sum").unwrap().stored);
+    let heard = heard.0.lock().unwrap();
+    let told: Vec<_> = heard.iter().filter(|event| matches!(event, Event::NotStored { .. })).collect();
+    let [Event::NotStored { reason }] = told.as_slice() else { panic!("{told:?}") };
+    assert!(reason.starts_with("cannot make the folder `") && reason.contains("cache/objects"), "{reason}");
 }

@@ -68,7 +68,7 @@ fn the_second_run_takes_all_from_the_cache() {
     let blocks = job.blocks_run.load(Ordering::Relaxed);
     let finished = first.finished("sum").unwrap();
     let mut manifest = Manifest::new("bmv report");
-    manifest.add_job(&single(&job).nodes()[0], finished);
+    manifest.add_job("sum", &single(&job).nodes()[0], finished);
     assert_eq!(manifest.jobs["sum"].key, single(&job).keys()[0]);
     let object = std::fs::read(cache.path(&finished.key)).unwrap();
     let trailer = object.iter().rev().skip(1).position(|&byte| byte == b'\n').unwrap() + 2;

@@ -2,8 +2,9 @@
 //!
 //! An object is published whole or not at all: written under a temporary name in its own folder, then linked to its final
 //! name. A link refuses to replace, so the first of several writers wins and the others compare; bytes that differ for
-//! one key are a bug that is reported, with both kept. Damaged objects are moved to `quarantine/` and computed again.
-//! Several processes may use one cache at the same time; nothing is locked.
+//! one key are a bug that is reported, with both kept. Damaged objects, and what lies at an object's place without being
+//! a regular file, are moved to `quarantine/` and computed again. Several processes may use one cache at the same time;
+//! nothing is locked. The cache's folder may be a link; in it none is followed.
 
 mod object;
 mod tidy;
@@ -19,6 +20,10 @@ pub use tidy::{Pruned, Statistics, Verified};
 
 use super::error::RunnerError;
 use super::key::Key;
+use crate::study::file::{self, Draft, Existing};
+
+/// Largest object, bytes: larger ones are not stored, and what is larger is none.
+const LARGEST: u64 = 1 << 30;
 
 /// What a look into the cache finds.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -60,22 +65,29 @@ impl Cache {
 
     /// Where the object of this name lies, if it is stored.
     pub fn path(&self, name: &Key) -> PathBuf {
+        self.root.join(self.place(name))
+    }
+
+    /// An object's place below the root.
+    fn place(&self, name: &Key) -> PathBuf {
         let (folder, file) = name.as_str().split_at(2);
-        self.root.join("objects").join(folder).join(file)
+        Path::new("objects").join(folder).join(file)
     }
 
     /// Reads and verifies an object. A cache that cannot be read is like an empty one.
     pub fn get(&self, kind: Kind, name: &Key) -> Lookup {
         let path = self.path(name);
-        let Ok(bytes) = fs::read(&path) else { return Lookup::Absent };
-        match object::open(name, bytes) {
-            Some((trailer, payload)) if trailer.kind == kind => Lookup::Found(payload),
-            _ => {
-                // A cache on a read-only disk keeps its damaged objects; they are passed over at each read.
-                let _ = self.set_aside("quarantine", &path, name);
-                Lookup::Damaged
-            }
+        match stored(&path) {
+            Ok(Some(bytes)) => match object::open(name, bytes) {
+                Some((trailer, payload)) if trailer.kind == kind => return Lookup::Found(payload),
+                _ => {}
+            },
+            Ok(None) => {}
+            Err(_) => return Lookup::Absent,
         }
+        // A cache on a read-only disk keeps its damaged objects; they are passed over at each read.
+        let _ = self.set_aside("quarantine", &path, name);
+        Lookup::Damaged
     }
 
     /// Stores an object that belongs to the job `owner`. Results are flushed to the disk before they get their name; of
@@ -86,26 +98,24 @@ impl Cache {
     pub fn put(&self, kind: Kind, owner: &Key, name: &Key, payload: &[u8]) -> Result<(), RunnerError> {
         let path = self.path(name);
         let folder = path.parent().unwrap_or(&self.root);
+        if payload.len() as u64 > LARGEST - object::LONGEST_TRAILER {
+            let reason = format!("it has {} bytes, more than the {LARGEST} of the largest object", payload.len());
+            return Err(RunnerError::file("write", &path)(std::io::Error::other(reason)));
+        }
         self.prepare(folder, name)?;
         // More than once, because another process may move a damaged object away, or take a file of ours for one of a
         // killed writer, in between.
         for _ in 0..3 {
-            let temporary = self.write_temporary(folder, kind, owner, name, payload)?;
-            let published = match fs::hard_link(&temporary, &path) {
-                Ok(()) => {
-                    let _ = fs::remove_file(&temporary);
-                    true
-                }
+            let temporary = self.write_temporary(kind, owner, name, payload)?;
+            let published = match fs::hard_link(temporary.path(), &path) {
+                Ok(()) => true,
                 Err(error) if error.kind() == ErrorKind::NotFound => false,
-                Err(error) if error.kind() == ErrorKind::AlreadyExists || path.exists() => {
+                Err(error) if error.kind() == ErrorKind::AlreadyExists || path.symlink_metadata().is_ok() => {
                     self.is_settled(&path, kind, name, payload, &temporary)?
                 }
                 // No links on this file system: a rename replaces what came in between, with equal content.
                 Err(_) => {
-                    fs::rename(&temporary, &path).map_err(|error| {
-                        let _ = fs::remove_file(&temporary);
-                        RunnerError::file("write", &path)(error)
-                    })?;
+                    temporary.keep(Existing::Replace).map_err(RunnerError::file("write", &path))?;
                     true
                 }
             };
@@ -121,63 +131,46 @@ impl Cache {
     }
 
     /// Compares with what is stored at `path`: true if equal, false if that was damaged and is out of the way now.
-    /// The temporary file is gone afterwards.
     fn is_settled(
         &self,
         path: &Path,
         kind: Kind,
         name: &Key,
         payload: &[u8],
-        temporary: &Path,
+        temporary: &Draft,
     ) -> Result<bool, RunnerError> {
-        let stored = match fs::read(path) {
-            Ok(bytes) => object::open(name, bytes),
-            Err(error) if error.kind() == ErrorKind::NotFound => {
-                let _ = fs::remove_file(temporary);
-                return Ok(false);
-            }
-            Err(error) => {
-                let _ = fs::remove_file(temporary);
-                return Err(RunnerError::file("read", path)(error));
-            }
+        let stored = match stored(path) {
+            Ok(bytes) => bytes.and_then(|bytes| object::open(name, bytes)),
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
+            Err(error) => return Err(RunnerError::file("read", path)(error)),
         };
         match stored {
-            Some((trailer, stored)) if trailer.kind == kind && stored == payload => {
-                let _ = fs::remove_file(temporary);
-                Ok(true)
-            }
+            Some((trailer, stored)) if trailer.kind == kind && stored == payload => Ok(true),
             Some(_) => {
-                let kept = self.set_aside("conflict", temporary, name)?;
+                let kept = self.set_aside("conflict", temporary.path(), name)?;
                 Err(RunnerError::Nondeterministic { name: name.to_string(), stored: path.to_path_buf(), kept })
             }
             None => {
-                let _ = fs::remove_file(temporary);
                 self.set_aside("quarantine", path, name)?;
                 Ok(false)
             }
         }
     }
 
-    fn write_temporary(
-        &self,
-        folder: &Path,
-        kind: Kind,
-        owner: &Key,
-        name: &Key,
-        payload: &[u8],
-    ) -> Result<PathBuf, RunnerError> {
-        let temporary = folder.join(format!("{}{}", tidy::TEMPORARY, self.unique()));
+    /// The object in a file beside its place, which goes when it is dropped.
+    fn write_temporary(&self, kind: Kind, owner: &Key, name: &Key, payload: &[u8]) -> Result<Draft, RunnerError> {
+        let place = self.place(name);
         let write = || {
-            let mut file = File::create_new(&temporary)?;
-            file.write_all(payload)?;
-            file.write_all(object::trailer(kind, name, owner, payload).as_bytes())?;
-            if kind == Kind::Result { file.sync_all() } else { Ok(()) }
+            let prefix = format!("{}{}", tidy::TEMPORARY, self.unique());
+            let mut draft = Draft::with_prefix(&self.root, &place, &prefix)?;
+            draft.write_all(payload)?;
+            draft.write_all(object::trailer(kind, name, owner, payload).as_bytes())?;
+            if kind == Kind::Result {
+                draft.file().sync_all()?;
+            }
+            Ok(draft)
         };
-        write().map_err(|error| {
-            let _ = fs::remove_file(&temporary);
-            RunnerError::file("write", &temporary)(error)
-        })?;
-        Ok(temporary)
+        write().map_err(RunnerError::file("write", self.root.join(&place)))
     }
 
     /// Makes the folder of an object and removes what killed writers left in it, once a process.
@@ -186,7 +179,9 @@ impl Cache {
         if let Some(flag) = self.prepared.get(number)
             && !flag.load(Ordering::Acquire)
         {
-            fs::create_dir_all(folder).map_err(RunnerError::file("make the folder", folder))?;
+            let place = self.place(name);
+            let inside = place.parent().unwrap_or(&place);
+            file::make_folder(&self.root, inside).map_err(RunnerError::file("make the folder", folder))?;
             tidy::remove_leftovers(folder);
             flag.store(true, Ordering::Release);
         }
@@ -196,7 +191,7 @@ impl Cache {
     /// Moves a file to a side folder under a name of its own.
     fn set_aside(&self, side: &str, path: &Path, name: &Key) -> Result<PathBuf, RunnerError> {
         let folder = self.root.join(side);
-        fs::create_dir_all(&folder).map_err(RunnerError::file("make the folder", &folder))?;
+        file::make_folder(&self.root, Path::new(side)).map_err(RunnerError::file("make the folder", &folder))?;
         let target = folder.join(format!("{name}.{}", self.unique()));
         match fs::rename(path, &target) {
             // Another process was faster.
@@ -209,6 +204,14 @@ impl Cache {
         let number = self.counter.fetch_add(1, Ordering::Relaxed);
         let nanoseconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |elapsed| elapsed.as_nanos());
         format!("{}-{number}-{nanoseconds:x}", self.writer)
+    }
+}
+
+/// The bytes at an object's place; nothing where something lies there that can be no object.
+fn stored(path: &Path) -> std::io::Result<Option<Vec<u8>>> {
+    match file::read(path, LARGEST) {
+        Err(error) if error.kind() == ErrorKind::InvalidData => Ok(None),
+        read => read.map(Some),
     }
 }
 
@@ -262,6 +265,55 @@ mod tests {
         cache.put(Kind::Block, &name, &name, b"payload").unwrap();
         assert_eq!(cache.get(Kind::Block, &name), Lookup::Found(b"payload".to_vec()));
         assert_eq!(names(&cache.root().join("quarantine")).len(), 2);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_regular_file_is_set_aside_on_reading_and_on_writing() {
+        let (folder, cache) = cache();
+        let name = Key::of(b"name");
+        let path = cache.path(&name);
+        let pipe = |path: &Path| assert!(std::process::Command::new("mkfifo").arg(path).status().unwrap().success());
+        let dangling = |path: &Path| std::os::unix::fs::symlink("nowhere", path).unwrap();
+        let endless = |path: &Path| std::os::unix::fs::symlink("/dev/zero", path).unwrap();
+        let directory = |path: &Path| fs::create_dir(path).unwrap();
+        let sparse = |path: &Path| File::create(path).unwrap().set_len(LARGEST + 1).unwrap();
+        let things: [&dyn Fn(&Path); 5] = [&pipe, &dangling, &endless, &directory, &sparse];
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        for thing in things {
+            thing(&path);
+            assert_eq!(cache.get(Kind::Result, &name), Lookup::Damaged);
+            assert_eq!(cache.get(Kind::Result, &name), Lookup::Absent);
+            thing(&path);
+            cache.put(Kind::Result, &name, &name, b"payload").unwrap();
+            assert_eq!(cache.get(Kind::Result, &name), Lookup::Found(b"payload".to_vec()));
+            fs::remove_file(&path).unwrap();
+        }
+        assert_eq!(names(&cache.root().join("quarantine")).len(), 2 * things.len());
+        // And where all objects are gone through.
+        pipe(&path);
+        assert_eq!(cache.statistics().unwrap().leftovers, 1);
+        assert_eq!(cache.verify().unwrap().damaged, [name.to_string()]);
+        pipe(&path);
+        assert_eq!(cache.prune(&[name].into()).unwrap().moved, 1);
+        drop(folder);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn no_link_in_a_cache_is_followed() {
+        let (_folder, cache) = cache();
+        let outside = tempfile::tempdir().unwrap();
+        let name = Key::of(b"name");
+        fs::create_dir_all(cache.root().join("objects")).unwrap();
+        let folder = cache.path(&name).parent().unwrap().to_owned();
+        std::os::unix::fs::symlink(outside.path(), &folder).unwrap();
+        let error = cache.put(Kind::Result, &name, &name, b"payload").unwrap_err().to_string();
+        assert!(error.contains("is a link"), "{error}");
+        let (_, file) = name.as_str().split_at(2);
+        fs::write(outside.path().join(file), b"foreign").unwrap();
+        assert_eq!(cache.prune(&Default::default()).unwrap(), Pruned::default());
+        assert_eq!(names(outside.path()), [file]);
     }
 
     #[test]

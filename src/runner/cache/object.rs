@@ -3,17 +3,17 @@
 //! `bmv-object/1 KIND OWNER LENGTH HASH`, where the hash covers kind, name, owner and length too, so that a file which was
 //! cut, altered or given another name does not pass.
 
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
 use crate::runner::key::Key;
+use crate::study::file;
 
 const FORMAT: &str = "bmv-object/1";
 /// More than the longest trailer: two hashes of 64 digits, the format, a kind, a length of at most 20 digits.
-const LONGEST_TRAILER: u64 = 256;
+pub(super) const LONGEST_TRAILER: u64 = 256;
 
 /// What an object holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,11 +65,10 @@ pub(super) fn open(name: &Key, mut bytes: Vec<u8>) -> Option<(Trailer, Vec<u8>)>
 
 /// Reads only the trailer of a file; it is not checked against the payload. `None` if there is none.
 pub(super) fn peek(path: &Path) -> Option<Trailer> {
-    let mut file = File::open(path).ok()?;
-    let length = file.metadata().ok()?.len();
+    let (mut file, length) = file::open(path).ok()?;
     file.seek(SeekFrom::Start(length.saturating_sub(LONGEST_TRAILER))).ok()?;
     let mut tail = Vec::new();
-    file.read_to_end(&mut tail).ok()?;
+    file.take(LONGEST_TRAILER).read_to_end(&mut tail).ok()?;
     parse(&tail).map(|(_, trailer)| trailer)
 }
 

@@ -9,6 +9,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use super::{Cache, Kind, Lookup, object};
 use crate::runner::error::RunnerError;
 use crate::runner::key::Key;
+use crate::study::file;
 
 /// How names of files that are being written begin.
 pub(super) const TEMPORARY: &str = ".tmp-";
@@ -88,7 +89,7 @@ impl Cache {
         }
         statistics.quarantined = entries(&self.root().join("quarantine"))?.len() as u64;
         statistics.conflicts = entries(&self.root().join("conflict"))?.len() as u64;
-        for day in entries(&self.root().join("trash"))? {
+        for day in folders(&self.root().join("trash"))? {
             statistics.trashed += entries(&day.path())?.len() as u64;
         }
         Ok(statistics)
@@ -119,10 +120,12 @@ impl Cache {
     /// [`RunnerError::File`] if the system refuses.
     pub fn prune(&self, keep: &BTreeSet<Key>) -> Result<Pruned, RunnerError> {
         let mut pruned = Pruned { deleted: self.empty_trash()?, ..Pruned::default() };
-        for folder in entries(&self.root().join("objects"))? {
+        for folder in folders(&self.root().join("objects"))? {
             pruned.deleted += remove_leftovers(&folder.path());
         }
-        let bin = self.root().join("trash").join(seconds_since_1970().to_string());
+        let place = Path::new("trash").join(seconds_since_1970().to_string());
+        let bin = self.root().join(&place);
+        let make_bin = || file::make_folder(self.root(), &place).map_err(RunnerError::file("make the folder", &bin));
         for stored in self.stored()? {
             let Some(name) = &stored.name else { continue };
             let needed = object::peek(&stored.path).is_some_and(|trailer| {
@@ -133,7 +136,7 @@ impl Cache {
                 pruned.kept += 1;
                 continue;
             }
-            fs::create_dir_all(&bin).map_err(RunnerError::file("make the folder", &bin))?;
+            make_bin()?;
             match fs::rename(&stored.path, bin.join(name.as_str())) {
                 Err(error) if error.kind() == ErrorKind::NotFound => {}
                 other => {
@@ -144,7 +147,7 @@ impl Cache {
             }
         }
         for damaged in entries(&self.root().join("quarantine"))? {
-            fs::create_dir_all(&bin).map_err(RunnerError::file("make the folder", &bin))?;
+            make_bin()?;
             let _ = fs::rename(damaged.path(), bin.join(damaged.file_name()));
         }
         Ok(pruned)
@@ -153,7 +156,7 @@ impl Cache {
     /// Deletes what was moved to the trash more than a day ago; a trash folder's name is the time of its pruning.
     fn empty_trash(&self) -> Result<u64, RunnerError> {
         let mut deleted = 0;
-        for bin in entries(&self.root().join("trash"))? {
+        for bin in folders(&self.root().join("trash"))? {
             let Some(moved_at_s) = bin.file_name().to_str().and_then(|name| name.parse::<u64>().ok()) else { continue };
             if seconds_since_1970().saturating_sub(moved_at_s) > KEPT_FOR.as_secs() {
                 deleted += entries(&bin.path())?.len() as u64;
@@ -166,7 +169,7 @@ impl Cache {
     /// All files below `objects/`, in the order of their names.
     fn stored(&self) -> Result<Vec<Stored>, RunnerError> {
         let mut all = Vec::new();
-        for folder in entries(&self.root().join("objects"))? {
+        for folder in folders(&self.root().join("objects"))? {
             for entry in entries(&folder.path())? {
                 let name = format!("{}{}", folder.file_name().to_string_lossy(), entry.file_name().to_string_lossy());
                 // A file that went away since is not counted.
@@ -217,8 +220,18 @@ fn seconds_since_1970() -> u64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |elapsed| elapsed.as_secs())
 }
 
-/// Entries of a folder by name; of a folder that does not exist, none.
+/// Folders in a folder by name; links are none.
+fn folders(folder: &Path) -> Result<Vec<DirEntry>, RunnerError> {
+    let mut found = entries(folder)?;
+    found.retain(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));
+    Ok(found)
+}
+
+/// Entries of a folder by name; of a folder that does not exist or is a link, none.
 fn entries(folder: &Path) -> Result<Vec<DirEntry>, RunnerError> {
+    if folder.symlink_metadata().is_ok_and(|there| there.is_symlink()) {
+        return Ok(Vec::new());
+    }
     let listing = match fs::read_dir(folder) {
         Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => return Ok(Vec::new()),
         other => other.map_err(RunnerError::file("list", folder))?,

@@ -2,11 +2,12 @@
 //!
 //! Nothing waits inside the pool: each block is a task, the last block of a stage reduces it and starts the next, the last
 //! job that another builds upon starts that one. So jobs and blocks of all jobs fill the threads together. Every finished
-//! block is published at once; a run that was killed begins where it stopped.
+//! block is published at once; a run that was killed begins where it stopped. What the system does not let store (another
+//! user's cache, a full disk) is used all the same, and the run says so once.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Instant;
 
@@ -17,7 +18,7 @@ use crate::job::{Job, JobError, Step};
 use crate::runner::cache::{Cache, Kind, Lookup};
 use crate::runner::error::RunnerError;
 use crate::runner::events::{Event, Listener};
-use crate::runner::key::{block_key, canonical_bytes};
+use crate::runner::key::{Key, block_key, canonical_bytes};
 use crate::runner::plan::{Plan, State, Stored};
 
 /// Stack of a thread of the pool, bytes: what the main thread has, so that a job behaves the same on both.
@@ -103,6 +104,8 @@ struct Run<'a> {
     stop: &'a StopFlag,
     listener: &'a dyn Listener,
     slots: Vec<Slot>,
+    /// Whether it was told that something could not be stored.
+    told_not_stored: AtomicBool,
 }
 
 /// A job that runs.
@@ -153,7 +156,7 @@ impl<'a> Run<'a> {
             slot.waiting = AtomicUsize::new(waits_for.len());
             slot.waits_for = waits_for;
         }
-        Self { plan, cache, force, stop, listener, slots }
+        Self { plan, cache, force, stop, listener, slots, told_not_stored: AtomicBool::new(false) }
     }
 
     fn ready_at_once(&self) -> Vec<usize> {
@@ -297,7 +300,7 @@ impl<'a> Run<'a> {
                     self.listener.hear(&Event::Damaged { object: name.clone() });
                 }
                 let output = self.guarded(active, Some(stage), Some(index), |job| job.block(stage, input))?;
-                self.cache.put(Kind::Block, owner, &name, &output)?;
+                self.store(Kind::Block, owner, &name, &output)?;
                 active.blocks_run.fetch_add(1, Ordering::Relaxed);
                 (output, false)
             }
@@ -307,10 +310,23 @@ impl<'a> Run<'a> {
         Ok(output)
     }
 
+    /// Stores an object where the system lets it; only other bytes for the same key are an error.
+    fn store(&self, kind: Kind, owner: &Key, name: &Key, payload: &[u8]) -> Result<(), RunnerError> {
+        match self.cache.put(kind, owner, name, payload) {
+            Err(error @ RunnerError::File { .. }) => {
+                if !self.told_not_stored.swap(true, Ordering::Relaxed) {
+                    self.listener.hear(&Event::NotStored { reason: error.to_string() });
+                }
+                Ok(())
+            }
+            stored => stored,
+        }
+    }
+
     fn publish(&self, active: &Active, value: &serde_json::Value) -> Result<Finished, RunnerError> {
         let (job, key) = (self.id(active.position), self.plan.keys()[active.position].clone());
         let bytes = canonical_bytes(value, &format!("the result of job `{job}`"))?;
-        self.cache.put(Kind::Result, &key, &key, &bytes)?;
+        self.store(Kind::Result, &key, &key, &bytes)?;
         let finished = Finished {
             key,
             stored: Stored::from_bytes(&bytes, &job)?,

@@ -1,11 +1,11 @@
 //! Where a next pass is written, and writing it: beside its parent, never over what is there unless that is said.
 
-use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::document::{Diagnostic, Diagnostics, Place, code};
 use crate::study::discover::{number, passes};
+use crate::study::file::{self, Existing};
 use crate::study::{Pass, load};
 
 /// The file of the next pass: `out`, or the first free `pass-N.json` behind the pass's own number.
@@ -83,11 +83,8 @@ pub fn write(text: &str, path: &Path, replace: bool, place: &Place) -> Result<()
     let mut tried = tempfile::Builder::new().prefix(".adopt-").suffix(".json").tempfile_in(folder).map_err(refused)?;
     tried.write_all(text.as_bytes()).and_then(|()| tried.flush()).map_err(refused)?;
     load(tried.path())?;
-    if replace {
-        return fs::write(path, text).map_err(refused);
-    }
-    let mut file = fs::File::create_new(path).map_err(refused)?;
-    file.write_all(text.as_bytes()).map_err(refused)
+    let existing = if replace { Existing::Replace } else { Existing::Keep };
+    file::write(folder, Path::new(path.file_name().unwrap_or_default()), text.as_bytes(), existing).map_err(refused)
 }
 
 fn one(diagnostic: Diagnostic) -> Diagnostics {

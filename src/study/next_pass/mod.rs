@@ -100,7 +100,8 @@ struct Adoption<'f> {
 
 /// The pass's own file as a tree.
 fn tree(pass: &Pass, asked: &Asked, diagnostics: &mut Diagnostics) -> Option<Node> {
-    let bytes = Folder::open(&pass.folder).and_then(|folder| folder.read(&pass.file));
+    // Not another file than the one whose diagnosis is adopted from.
+    let bytes = Folder::open(&pass.folder).and_then(|folder| folder.after(pass.files.clone()).read(&pass.file));
     match bytes {
         Ok(bytes) => read_document(&pass.folder.join(&pass.file).display().to_string(), &bytes, diagnostics),
         Err(error) => {

@@ -185,9 +185,9 @@ fn with_ranges_of_data(files: &Files, form: &PassForm, mut resolved: ResolvedMod
     (resolved, tried.ranges_from_data)
 }
 
-/// The command that brings a study's pinned data.
-fn command(folder: &Folder) -> String {
-    let shown = folder.shown().display().to_string();
+/// The command that brings the pinned data of a study in this folder.
+pub fn command(folder: &Path) -> String {
+    let shown = folder.display().to_string();
     format!("bmv data get {}", if shown.is_empty() { "." } else { &shown })
 }
 
@@ -283,7 +283,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
         design: &form.design,
         named_quantities,
         catalogue: &catalogue,
-        command: command(folder),
+        command: command(folder.shown()),
     };
     let mut jobs = jobs::jobs(&mut scope, &form.jobs, &offered, &mut upstreams);
     used_twice::check(&mut scope, &jobs, &form.jobs, &measurements, &handed_on);
@@ -304,6 +304,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
         title: form.title.clone().unwrap_or_else(|| model.title.clone()),
         description: form.description.clone().unwrap_or_default(),
         reconstructed,
+        files: folder.files(),
         definition_sha256,
         seed,
         model,

@@ -1,0 +1,184 @@
+//! The project of a study: the folder in which its cache and its reports lie, wherever the program is called from.
+
+use std::path::{Path, PathBuf};
+
+use super::discover::passes;
+
+/// Folder of the cache and the event logs in a project.
+const OWN: &str = ".bmv";
+/// Folder of studies in a project.
+const STUDIES: &str = "studies";
+
+/// A project.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Project {
+    /// Its folder, links resolved.
+    root: PathBuf,
+}
+
+impl Project {
+    /// The project of a study's folder: the nearest folder from it upwards that holds `.git`, or the `studies` in which
+    /// the study lies; else the nearest one above it that holds `.bmv`; else the one in which the study lies. A home
+    /// folder, and one in which everybody may write, hold a project only by their `studies`.
+    pub fn of(study: &Path) -> Self {
+        let study = whole(study);
+        let above = || study.ancestors().skip(1);
+        let holds = |folder: &Path, name: &str| folder.join(name).exists() && !is_common(folder);
+        let by_git = study.ancestors().find(|folder| holds(folder, ".git"));
+        let by_studies = above().find(|folder| is_called_studies(folder)).and_then(Path::parent);
+        let nearest = match (by_git, by_studies) {
+            (Some(git), Some(studies)) if git.starts_with(studies) => Some(git),
+            (git, studies) => studies.or(git),
+        };
+        let root = nearest.or_else(|| above().find(|folder| holds(folder, OWN)));
+        Self { root: root.or_else(|| study.parent()).unwrap_or(&study).to_owned() }
+    }
+
+    /// The project in which the program is called: that of the study in which it is; else the working folder itself where
+    /// it holds `studies`, and else as for a study in it.
+    pub fn here() -> Self {
+        let here = whole(Path::new(""));
+        if here.join(STUDIES).is_dir() {
+            return Self { root: here };
+        }
+        Self::of(enclosing_study(&here).unwrap_or(&here.join("study")))
+    }
+
+    /// Its folder as seen from the working folder where it lies above or below that, else from the root of the file
+    /// system.
+    pub fn folder(&self) -> PathBuf {
+        let here = whole(Path::new(""));
+        if let Ok(below) = self.root.strip_prefix(&here) {
+            return below.to_owned();
+        }
+        match here.strip_prefix(&self.root) {
+            Ok(below) => below.components().map(|_| "..").collect(),
+            Err(_) => self.root.clone(),
+        }
+    }
+
+    /// Folder of the cache.
+    pub fn cache(&self) -> PathBuf {
+        self.folder().join(OWN).join("cache")
+    }
+
+    /// Folder of the event logs.
+    pub fn events(&self) -> PathBuf {
+        self.folder().join(OWN).join("events")
+    }
+
+    /// Path of a study's file from the project's folder, with `/`: the same however the study was named.
+    pub fn path_of(&self, study: &Path, file: &str) -> String {
+        let study = whole(study);
+        // A study lies in its project.
+        let below = study.strip_prefix(&self.root).unwrap_or(&study);
+        let parts = below.components().map(|part| part.as_os_str().to_string_lossy().into_owned());
+        parts.chain([file.to_owned()]).collect::<Vec<_>>().join("/")
+    }
+}
+
+/// What a verb works on where no path is given: `studies` of the working folder; else the study in which that is; else
+/// all below it where it is, or lies in, a folder `studies`.
+pub fn default_path() -> PathBuf {
+    let here = whole(Path::new(""));
+    if here.join(STUDIES).is_dir() {
+        return STUDIES.into();
+    }
+    if let Some(study) = enclosing_study(&here) {
+        let up = here.strip_prefix(study).map_or(0, |below| below.components().count());
+        return if up == 0 { ".".into() } else { (0..up).map(|_| "..").collect() };
+    }
+    if here.ancestors().any(is_called_studies) { ".".into() } else { STUDIES.into() }
+}
+
+fn is_called_studies(folder: &Path) -> bool {
+    folder.file_name().is_some_and(|name| name == STUDIES)
+}
+
+/// The nearest folder from here upwards that is a study.
+fn enclosing_study(here: &Path) -> Option<&Path> {
+    let mut upwards = here.ancestors().take_while(|folder| *folder == here || !is_common(folder));
+    upwards.find(|folder| !passes(folder).is_empty())
+}
+
+/// A path with links resolved; of what is not there, as far as the system can tell.
+pub fn whole(path: &Path) -> PathBuf {
+    let shown = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+    let resolved = shown.canonicalize().or_else(|_| std::path::absolute(shown));
+    resolved.unwrap_or_else(|_| shown.to_owned())
+}
+
+/// Whether what lies in a folder need not belong together: a home folder, or one in which everybody may write.
+fn is_common(folder: &Path) -> bool {
+    let is_home = std::env::home_dir().is_some_and(|home| whole(&home) == folder);
+    is_home || folder.parent().is_none() || is_open_to_all(folder)
+}
+
+#[cfg(unix)]
+fn is_open_to_all(folder: &Path) -> bool {
+    use std::os::unix::fs::PermissionsExt;
+    folder.metadata().is_ok_and(|data| data.permissions().mode() & 0o002 != 0)
+}
+
+#[cfg(not(unix))]
+fn is_open_to_all(_folder: &Path) -> bool {
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tree with these folders, and the root of a study's project in it.
+    fn root_of(folders: &[&str], study: &str) -> String {
+        let tree = tempfile::tempdir().expect("a folder");
+        for folder in folders.iter().chain([&study]) {
+            std::fs::create_dir_all(tree.path().join(folder)).expect("made");
+        }
+        let found = Project::of(&tree.path().join(study)).root;
+        let below = found.strip_prefix(whole(tree.path())).expect("inside the tree");
+        below.display().to_string()
+    }
+
+    #[test]
+    fn the_nearest_repository_or_folder_of_studies_is_the_project() {
+        assert_eq!(root_of(&[], "a/b/plate"), "a/b", "else where the study lies");
+        assert_eq!(root_of(&[], "a/studies/plate"), "a");
+        assert_eq!(root_of(&[], "a/studies/deep/plate"), "a");
+        assert_eq!(root_of(&["a/.git"], "a/b/plate"), "a");
+        assert_eq!(root_of(&["a/.git"], "a/b/studies/plate"), "a/b");
+        assert_eq!(root_of(&["a/studies/b/.git"], "a/studies/b/plate"), "a/studies/b");
+        assert_eq!(root_of(&["a/plate/.git"], "a/plate"), "a/plate", "a study may be a repository");
+        assert_eq!(root_of(&["a/.bmv"], "a/b/plate"), "a");
+        assert_eq!(root_of(&["a/b/.bmv", "a/.git"], "a/b/plate"), "a", "a cache says less than a repository");
+        assert_eq!(root_of(&["a/plate/.bmv"], "a/plate"), "a", "a cache in the study itself says nothing");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_folder_in_which_everybody_may_write_is_no_project() {
+        use std::os::unix::fs::PermissionsExt;
+        let tree = tempfile::tempdir().expect("a folder");
+        std::fs::create_dir_all(tree.path().join("all/.bmv/cache")).expect("made");
+        std::fs::create_dir_all(tree.path().join("all/mine/plate")).expect("made");
+        let of_study = || Project::of(&tree.path().join("all/mine/plate")).root;
+        assert!(of_study().ends_with("all"));
+        let open = PermissionsExt::from_mode(0o1777);
+        std::fs::set_permissions(tree.path().join("all"), open).expect("set");
+        assert!(of_study().ends_with("mine"));
+    }
+
+    #[test]
+    fn paths_in_the_project_do_not_depend_on_the_spelling() {
+        let tree = tempfile::tempdir().expect("a folder");
+        std::fs::create_dir_all(tree.path().join("studies/plate/data")).expect("made");
+        let plate = tree.path().join("studies/plate");
+        for study in
+            [plate.clone(), plate.join("."), plate.join("data/.."), tree.path().join("./studies/../studies/plate")]
+        {
+            let project = Project::of(&study);
+            assert_eq!(project, Project::of(&plate));
+            assert_eq!(project.path_of(&study, "pass-1.json"), "studies/plate/pass-1.json");
+        }
+    }
+}
