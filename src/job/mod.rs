@@ -14,6 +14,7 @@ pub mod predict;
 pub mod propagate;
 pub mod requirement;
 pub mod sensitivity;
+pub mod stored;
 
 use thiserror::Error;
 

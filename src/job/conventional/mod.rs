@@ -19,7 +19,7 @@ pub use output::{Basis, Margin, Output, Rule, Size, Spec, WorstEnd};
 
 use super::propagate::Variable;
 use super::requirement::{Environment, Requirement};
-use super::{Job, JobError, Step};
+use super::{Job, JobError, Step, stored};
 
 /// Design values tried to find where a rule begins to pass.
 const GRID: usize = 65;
@@ -304,13 +304,12 @@ impl Job for Conventional {
     }
 
     fn block(&self, _stage: &str, _input: &[u8]) -> Result<Vec<u8>, JobError> {
-        serde_json::to_vec(&self.run()?).map_err(|e| JobError::Failed(e.to_string()))
+        stored::to_bytes(&self.run()?)
     }
 
     fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        let unreadable = |reason: String| JobError::Unreadable { stage: stage.to_owned(), reason };
-        let bytes = outputs.first().ok_or_else(|| unreadable("there is no block".to_owned()))?;
-        serde_json::from_slice(bytes).map(Step::Done).map_err(|e| unreadable(e.to_string()))
+        let bytes = outputs.first().ok_or_else(|| stored::unreadable(stage, "there is no block"))?;
+        stored::result(&stored::from_bytes::<Output>(bytes, stage)?)
     }
 }
 

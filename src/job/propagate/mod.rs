@@ -34,7 +34,7 @@ pub use view::view;
 use super::goal::Discrepancy;
 use super::handed_on::HandedOn;
 use super::requirement::Environment;
-use super::{Job, JobError, Step};
+use super::{Job, JobError, Step, stored};
 use block::{BlockInput, BlockOutput};
 
 /// Samples in a block; part of the job's identity.
@@ -356,7 +356,7 @@ impl Job for Propagate {
             while first < self.spec.samples {
                 let count = BLOCK.min(self.spec.samples - first);
                 let input = BlockInput { case, first, count };
-                inputs.push(serde_json::to_vec(&input).map_err(|e| JobError::Failed(e.to_string()))?);
+                inputs.push(stored::to_bytes(&input)?);
                 first += count;
             }
         }
@@ -364,9 +364,7 @@ impl Job for Propagate {
     }
 
     fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        let input: BlockInput = serde_json::from_slice(input)
-            .map_err(|e| JobError::Unreadable { stage: stage.to_owned(), reason: e.to_string() })?;
-        self.run(input).to_bytes()
+        self.run(stored::from_bytes(input, stage)?).to_bytes()
     }
 
     fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
@@ -432,7 +430,7 @@ impl Job for Propagate {
             discrepancy: self.added(),
             converged: (!self.handed_on.is_empty()).then(|| self.handed_on.iter().all(|own| own.converged)),
         };
-        serde_json::to_value(output).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
+        stored::result(&output)
     }
 }
 

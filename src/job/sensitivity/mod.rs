@@ -27,7 +27,7 @@ pub use output::{
 };
 pub use view::view;
 
-use super::{Job, JobError, Step};
+use super::{Job, JobError, Step, stored};
 use block::{BlockInput, Found, Work};
 
 /// Solves of a block of rows, about; part of the identity.
@@ -188,8 +188,7 @@ impl Sensitivity {
     }
 
     fn step(&self, rows: u64, inputs: &[BlockInput]) -> Result<Step, JobError> {
-        let inputs: Result<Vec<Vec<u8>>, _> = inputs.iter().map(serde_json::to_vec).collect();
-        let inputs = inputs.map_err(|e| JobError::Failed(e.to_string()))?;
+        let inputs = inputs.iter().map(stored::to_bytes).collect::<Result<_, _>>()?;
         Ok(Step::Blocks { stage: format!("rows to {rows}"), inputs })
     }
 
@@ -263,33 +262,31 @@ impl Job for Sensitivity {
     }
 
     fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        let input: BlockInput = serde_json::from_slice(input)
-            .map_err(|e| JobError::Unreadable { stage: stage.to_owned(), reason: e.to_string() })?;
+        let input: BlockInput = stored::from_bytes(input, stage)?;
         let found = match input.work {
             Work::Local => self.local(input.case)?,
             Work::Morris { first, count } => self.trajectories(input.case, first, count),
             Work::Sobol { scramble, first, count } => self.rows(input.case, scramble, first, count),
             Work::Derivative { scramble, count } => self.squares(input.case, scramble, count),
         };
-        serde_json::to_vec(&found).map_err(|e| JobError::Failed(e.to_string()))
+        stored::to_bytes(&found)
     }
 
     fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        let unreadable = |reason: String| JobError::Unreadable { stage: stage.to_owned(), reason };
         let mut found = vec![Found::default(); self.spec.environments.len()];
         let mut rows = 0;
         for (input, output) in inputs.iter().zip(outputs) {
-            let input: BlockInput = serde_json::from_slice(input).map_err(|e| unreadable(e.to_string()))?;
+            let input: BlockInput = stored::from_bytes(input, stage)?;
             if let Some(carried) = input.carried {
                 found = carried;
             }
-            let block: Found = serde_json::from_slice(output).map_err(|e| unreadable(e.to_string()))?;
+            let block: Found = stored::from_bytes(output, stage)?;
             if let Work::Sobol { first, count, .. } = input.work {
                 rows = rows.max(first + count);
             }
             found
                 .get_mut(input.case)
-                .ok_or_else(|| unreadable("a block of an environment that does not exist".to_owned()))?
+                .ok_or_else(|| stored::unreadable(stage, "a block of an environment that does not exist"))?
                 .absorb(&input.work, block);
         }
         self.check_failures(&found)?;
@@ -305,6 +302,6 @@ impl Job for Sensitivity {
             }
             return self.step(next, &inputs);
         }
-        serde_json::to_value(self.output(&found, rows)).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
+        stored::result(&self.output(&found, rows))
     }
 }
