@@ -235,6 +235,9 @@ impl Compare {
             stored += self.stored_j(inputs, prediction, row);
         }
         let into: f64 = boundaries.iter().map(|b| b.1).sum();
+        if !(sources - into - stored).is_finite() {
+            return None;
+        }
         Some(HeatBalance {
             measurement: measurement.name.clone(),
             phase: stretch::name(&inputs.times_s, stretch),
@@ -401,7 +404,7 @@ impl Job for Compare {
     }
 
     fn algorithm_version(&self) -> u32 {
-        4
+        5
     }
 
     fn identity(&self) -> Value {

@@ -17,6 +17,7 @@ use crate::thermal::{Model, Network, Start, Workspace};
 
 pub use output::{Basis, Margin, Output, Rule, Size, Spec, WorstEnd};
 
+use super::fault::listed;
 use super::propagate::Variable;
 use super::requirement::{Environment, Requirement};
 use super::{Job, JobError, Step, stored};
@@ -118,7 +119,15 @@ impl Conventional {
         self.network
             .solve_steady(workspace, Start::Default)
             .map_err(|e| JobError::Failed(format!("requirement `{}`: {e}", requirement.name)))?;
-        Ok(self.network.quantity(workspace, requirement.quantity))
+        let value = self.network.quantity(workspace, requirement.quantity);
+        match self.model.quantities[requirement.quantity].fault(value) {
+            None => Ok(value),
+            Some(fault) => {
+                let names = self.model.parameters.iter().map(|parameter| parameter.name.clone());
+                let point: Vec<(String, f64)> = names.zip(point.parameters.iter().copied()).collect();
+                Err(JobError::Failed(format!("requirement `{}`: {fault} at {}", requirement.name, listed(&point))))
+            }
+        }
     }
 
     /// The worse end of each uncertain parameter, and the point where all are at it.
@@ -292,7 +301,7 @@ impl Job for Conventional {
     }
 
     fn algorithm_version(&self) -> u32 {
-        3
+        4
     }
 
     fn identity(&self) -> Value {

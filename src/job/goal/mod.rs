@@ -321,8 +321,10 @@ impl Goal {
         let (failed, solves) = self.counts(state);
         let share = failed as f64 / solves.max(1) as f64;
         if share > self.spec.failure_limit {
+            let mut found = std::iter::once(&state.prior.failed).chain(state.outcomes.iter().map(|o| &o.failed));
+            let example = found.find_map(|failed| failed.first.as_ref()).map_or(String::new(), |f| format!("; {f}"));
             return Err(JobError::Failed(format!(
-                "{failed} of {solves} solves failed, more than the limit of {} %",
+                "{failed} of {solves} solves failed, more than the limit of {} %{example}",
                 100.0 * self.spec.failure_limit
             )));
         }
@@ -332,7 +334,7 @@ impl Goal {
     /// Failed solves and all.
     fn counts(&self, state: &State) -> (u64, u64) {
         let environments = self.spec.environments.len() as u64;
-        let failed = state.prior.failed + state.outcomes.iter().map(|o| o.failed).sum::<u64>();
+        let failed = state.prior.failed.count + state.outcomes.iter().map(|o| o.failed.count).sum::<u64>();
         let samples = self.spec.samples + state.outcomes.iter().map(|o| o.cell.samples).sum::<u64>();
         (failed, environments * samples)
     }
@@ -354,7 +356,7 @@ impl Job for Goal {
     }
 
     fn algorithm_version(&self) -> u32 {
-        2
+        3
     }
 
     fn identity(&self) -> Value {

@@ -31,6 +31,7 @@ pub use output::{
 };
 pub use view::view;
 
+use super::fault::listed;
 use super::goal::Discrepancy;
 use super::handed_on::HandedOn;
 use super::requirement::Environment;
@@ -116,7 +117,16 @@ impl Propagate {
                 failed(format!("environment `{}` at nominal parameters: {e}", job.environment(case).name))
             })?;
             job.starts.push(workspace.temperatures().to_vec());
-            job.nominal.push(job.spec.quantities.iter().map(|&q| job.network.quantity(&workspace, q)).collect());
+            let values: Vec<f64> = job.spec.quantities.iter().map(|&q| job.network.quantity(&workspace, q)).collect();
+            let quantities = job.spec.quantities.iter().map(|&q| &job.model.quantities[q]);
+            if let Some(fault) = quantities.zip(&values).find_map(|(quantity, &value)| quantity.fault(value)) {
+                return Err(failed(format!(
+                    "{fault} in environment `{}` at nominal parameters: {}",
+                    job.environment(case).name,
+                    listed(&job.named(parameters))
+                )));
+            }
+            job.nominal.push(values);
         }
         Ok(job)
     }
@@ -274,9 +284,7 @@ impl Propagate {
                 let fault = match batch.outcome(lane) {
                     Err(error) => Some(error.to_string()),
                     Ok(_) => self.spec.quantities.iter().find_map(|&quantity| {
-                        let value = batch.quantity(&self.network, lane, quantity);
-                        let name = &self.model.quantities[quantity].name;
-                        (!value.is_finite()).then(|| format!("quantity `{name}` is {value}"))
+                        self.model.quantities[quantity].fault(batch.quantity(&self.network, lane, quantity))
                     }),
                 };
                 if let Some(reason) = fault {
@@ -317,6 +325,11 @@ impl Propagate {
                 }
             }
         }
+        self.named(parameters)
+    }
+
+    /// All parameters by name.
+    fn named(&self, parameters: Vec<f64>) -> Vec<(String, f64)> {
         self.model.parameters.iter().map(|p| p.name.clone()).zip(parameters).collect()
     }
 }
@@ -327,7 +340,7 @@ impl Job for Propagate {
     }
 
     fn algorithm_version(&self) -> u32 {
-        3
+        4
     }
 
     fn identity(&self) -> Value {
@@ -388,13 +401,19 @@ impl Job for Propagate {
             }
             failures.truncate(FAILURES_KEPT);
             let share = failed as f64 / self.spec.samples.max(1) as f64;
-            // With no solution at all there is nothing to describe, whatever the study tolerates.
-            if share > self.spec.failure_limit || failed == self.spec.samples {
-                let example = failures.first().map_or(String::new(), |f| format!("; sample {}: {}", f.index, f.reason));
+            let is_too_few = failed + 2 > self.spec.samples;
+            if share > self.spec.failure_limit || is_too_few {
+                // One solution alone has no distribution, whatever the study tolerates.
+                let why = if is_too_few {
+                    "fewer than two are left".to_owned()
+                } else {
+                    format!("more than the limit of {} %", 100.0 * self.spec.failure_limit)
+                };
+                let told = |f: &FailedSample| format!("; sample {}: {} ({})", f.index, f.reason, listed(&f.parameters));
+                let example = failures.first().map_or(String::new(), told);
                 return Err(JobError::Failed(format!(
-                    "{failed} of {} samples failed, more than the limit of {} %{example}",
-                    self.spec.samples,
-                    100.0 * self.spec.failure_limit
+                    "{failed} of {} samples failed, {why}{example}",
+                    self.spec.samples
                 )));
             }
             let mut summary = summary::case(

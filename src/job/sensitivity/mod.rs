@@ -27,6 +27,7 @@ pub use output::{
 };
 pub use view::view;
 
+use super::fault::listed;
 use super::{Job, JobError, Step, stored};
 use block::{BlockInput, Found, Work};
 
@@ -136,11 +137,13 @@ impl Sensitivity {
                 .solve_steady(&mut workspace, Start::Default)
                 .map_err(|e| failed(format!("environment `{}` at nominal parameters: {e}", environment.name)))?;
             let centres: Vec<f64> = job.spec.quantities.iter().map(|&q| job.network.quantity(&workspace, q)).collect();
-            if let Some(position) = centres.iter().position(|value| !value.is_finite()) {
-                let name = &job.model.quantities[job.spec.quantities[position]].name;
+            let quantities = job.spec.quantities.iter().map(|&q| &job.model.quantities[q]);
+            if let Some(fault) = quantities.zip(&centres).find_map(|(quantity, &value)| quantity.fault(value)) {
+                let own: Vec<f64> = job.uncertain.iter().map(|&index| job.nominal[index]).collect();
                 return Err(failed(format!(
-                    "quantity `{name}` is {} in environment `{}` at nominal parameters",
-                    centres[position], environment.name
+                    "{fault} in environment `{}` at nominal parameters: {}",
+                    environment.name,
+                    listed(&job.named(&own))
                 )));
             }
             job.starts.push(workspace.temperatures().to_vec());
@@ -199,7 +202,8 @@ impl Sensitivity {
             let rows = |scramble: &block::OfScramble| scramble.sums.iter().all(|sums| sums.rows() == 0);
             let is_empty = found.scrambles.iter().any(rows);
             if share > self.spec.failure_limit || is_empty {
-                let example = found.failures.first().map_or(String::new(), |f| format!("; {}: {}", f.place, f.reason));
+                let told = |f: &FailedSolve| format!("; {}: {} ({})", f.place, f.reason, listed(&f.parameters));
+                let example = found.failures.first().map_or(String::new(), told);
                 let why = if is_empty {
                     "no row of a scramble is left".to_owned()
                 } else {
