@@ -2,7 +2,7 @@
 
 use crate::expression::Symbol;
 use crate::thermal::transient::{InitialState, TransientRequest};
-use crate::thermal::{Model, Network, NetworkError, NodeKind, Start, Workspace};
+use crate::thermal::{Model, Network, NetworkError, NodeKind, Quantity, Start, Workspace};
 
 use super::lag;
 use super::measurement::{Initial, InputTable, Measurement, Rows};
@@ -21,15 +21,16 @@ pub struct RowHeat {
 /// A prediction for every row and sensor of a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prediction {
-    /// Predicted readings, `rows x sensors`, SI; NaN where the solution failed.
+    /// Predicted readings, `rows x sensors`, SI; not finite where the solution failed or the measured quantity has no number.
     pub readings: Vec<f64>,
     /// Temperatures, `rows x nodes`, K; NaN where the solution failed.
     pub temperatures: Vec<f64>,
-    /// Heat from the row on; `None` where the solution failed or the network has switched heaters in a transient.
+    /// Heat from the row on; `None` where the solution failed, a heat has no number, or the network has switched heaters in a
+    /// transient.
     pub heat: Vec<Option<RowHeat>>,
     /// The same just before the row: what differs is that a held input has not yet stepped.
     pub heat_before: Vec<Option<RowHeat>>,
-    /// What failed and why: the row of a steady measurement, `None` for a transient.
+    /// What failed and why, also where a quantity has no number: the row of a steady measurement, `None` for a transient.
     pub failures: Vec<(Option<usize>, String)>,
 }
 
@@ -37,6 +38,7 @@ pub struct Prediction {
 #[derive(Debug)]
 pub struct Predictor {
     network: Network,
+    quantities: Vec<Quantity>,
     nodes: usize,
     capacities_switch: bool,
     /// Whether no node is without storage.
@@ -52,6 +54,7 @@ impl Predictor {
         let switched = model.elements.iter().any(|element| element.is_switched());
         Ok(Self {
             network: Network::compile(model, differentiate)?,
+            quantities: model.quantities.clone(),
             nodes: model.nodes.len(),
             stores_everywhere: !model.nodes.iter().any(|n| matches!(n.kind, NodeKind::Arithmetic)),
             capacities_switch: switched && model.nodes.iter().any(|n| matches!(n.kind, NodeKind::Diffusion { .. })),
@@ -111,10 +114,14 @@ impl Predictor {
                 continue;
             }
             for (position, sensor) in sensors.iter().enumerate() {
-                prediction.readings[row * sensors.len() + position] = self.network.quantity(workspace, sensor.quantity);
+                let value = self.network.quantity(workspace, sensor.quantity);
+                prediction.readings[row * sensors.len() + position] = value;
+                if let Some(fault) = self.quantities[sensor.quantity].fault(value) {
+                    prediction.failures.push((Some(row), format!("sensor `{}`: {fault}", sensor.name)));
+                }
             }
             prediction.temperatures[row * self.nodes..(row + 1) * self.nodes].copy_from_slice(workspace.temperatures());
-            prediction.heat[row] = Some(self.row_heat(workspace));
+            prediction.heat[row] = self.row_heat(workspace);
             prediction.heat_before[row].clone_from(&prediction.heat[row]);
         }
     }
@@ -150,6 +157,12 @@ impl Predictor {
         for (position, sensor) in sensors.iter().enumerate() {
             let truth: Vec<f64> =
                 (0..rows).map(|row| transient.quantities[row * quantities + sensor.quantity]).collect();
+            let fault = |(&time_s, &value): (&f64, &f64)| {
+                let fault = self.quantities[sensor.quantity].fault(value)?;
+                Some(format!("sensor `{}`: {fault} at {time_s} s", sensor.name))
+            };
+            let fault = inputs.times_s.iter().zip(&truth).find_map(fault);
+            prediction.failures.extend(fault.map(|fault| (None, fault)));
             let lag_s = sensor.lag_s.as_ref().map_or(0.0, |lag| lag.at(parameters));
             let read = lag::reading(&inputs.times_s, &truth, lag_s);
             for (row, value) in read.into_iter().enumerate() {
@@ -169,8 +182,8 @@ impl Predictor {
                 };
                 let (before, from) = (inputs_before(inputs, row), inputs_from(inputs, row));
                 let heat_before = heat_with(&before);
-                let heat = if before == from || self.stores_everywhere { Some(heat_with(&from)) } else { None };
-                prediction.heat_before[row] = Some(heat_before);
+                let heat = if before == from || self.stores_everywhere { heat_with(&from) } else { None };
+                prediction.heat_before[row] = heat_before;
                 prediction.heat[row] = heat;
             }
             // Nodes without storage jump at a step, and the temperatures are those before it: the heat at the end of
@@ -183,9 +196,14 @@ impl Predictor {
         }
     }
 
-    fn row_heat(&self, workspace: &mut Workspace) -> RowHeat {
+    fn row_heat(&self, workspace: &mut Workspace) -> Option<RowHeat> {
         let balance = self.network.heat_balance(workspace);
-        RowHeat { sources_w: balance.source_w, into_boundaries_w: balance.into_boundaries, stored_w: balance.stored_w }
+        let numbers = balance.into_boundaries.iter().map(|own| own.1).chain([balance.source_w, balance.stored_w]);
+        numbers.fold(0.0, |sum, heat| sum + heat).is_finite().then_some(RowHeat {
+            sources_w: balance.source_w,
+            into_boundaries_w: balance.into_boundaries,
+            stored_w: balance.stored_w,
+        })
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{Job, JobError, Step};
+use super::{Job, JobError, Step, stored};
 use crate::diagnosis::laboratory::{
     Outcome, Rate, Score, Trial, Truth, drawn_case, own_case, own_wish, score, standard,
 };
@@ -146,13 +146,12 @@ impl Job for Lab {
     }
 
     fn begin(&self) -> Result<Step, JobError> {
-        let inputs = (0..self.spec.cases).map(|number| number.to_string().into_bytes()).collect();
+        let inputs = (0..self.spec.cases).map(|number| stored::to_bytes(&number)).collect::<Result<_, _>>()?;
         Ok(Step::Blocks { stage: STAGE.to_owned(), inputs })
     }
 
     fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        let unreadable = |reason: String| JobError::Unreadable { stage: stage.to_owned(), reason };
-        let number: u64 = serde_json::from_slice(input).map_err(|error| unreadable(error.to_string()))?;
+        let number: u64 = stored::from_bytes(input, stage)?;
         let seed = self.spec.seed;
         let outcome = match &self.ground {
             Ground::Drawn(catalogue) => drawn_case(catalogue, &standard(number), seed, number),
@@ -161,16 +160,12 @@ impl Job for Lab {
                 own_case(problem, &wish, seed, number)
             }
         };
-        serde_json::to_vec(&outcome).map_err(|error| unreadable(error.to_string()))
+        stored::to_bytes(&outcome)
     }
 
     fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        let unreadable =
-            |error: serde_json::Error| JobError::Unreadable { stage: stage.to_owned(), reason: error.to_string() };
-        let mut cases: Vec<Outcome> = Vec::new();
-        for output in outputs {
-            cases.push(serde_json::from_slice(output).map_err(unreadable)?);
-        }
+        let cases: Vec<Outcome> =
+            outputs.iter().map(|output| stored::from_bytes(output, stage)).collect::<Result<_, _>>()?;
         let mut reasons = BTreeMap::new();
         for reason in cases.iter().filter_map(|case| case.reason.clone()) {
             *reasons.entry(reason).or_insert(0) += 1;
@@ -178,7 +173,7 @@ impl Job for Lab {
         let trials = trials(cases.iter());
         let score = (!trials.is_empty()).then(|| score(&trials));
         let output = Output { spec: self.spec.clone(), rows: rows(&cases), score, reasons, cases };
-        Ok(Step::Done(serde_json::to_value(output).map_err(unreadable)?))
+        stored::result(&output)
     }
 }
 

@@ -6,6 +6,7 @@ pub mod compare;
 pub mod conventional;
 pub mod design;
 pub mod diagnose;
+mod fault;
 pub mod findings;
 pub mod goal;
 pub mod handed_on;
@@ -14,6 +15,7 @@ pub mod predict;
 pub mod propagate;
 pub mod requirement;
 pub mod sensitivity;
+pub mod stored;
 
 use thiserror::Error;
 

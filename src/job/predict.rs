@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::propagate::{self, Propagate};
+use super::stored::{self, unreadable};
 use super::{Job, JobError, Step};
 
 /// Prefixes of the stages, by the propagation that they belong to.
@@ -44,17 +45,17 @@ impl Predict {
 
     /// The steps of the propagation with the posterior, which carry the other's result as a last block.
     fn with_posterior(&self, step: Step, carried: &Carried) -> Result<Step, JobError> {
-        let text = |error: serde_json::Error| JobError::Failed(error.to_string());
         match step {
             Step::Blocks { stage, mut inputs } => {
-                inputs.push(serde_json::to_vec(carried).map_err(text)?);
+                inputs.push(stored::to_bytes(carried)?);
                 Ok(Step::Blocks { stage: format!("{POSTERIOR}{stage}"), inputs })
             }
             Step::Done(value) => {
-                let posterior: propagate::Output = serde_json::from_value(value).map_err(text)?;
+                let posterior: propagate::Output =
+                    serde_json::from_value(value).map_err(|error| JobError::Failed(error.to_string()))?;
                 let converged = posterior.converged.unwrap_or(true);
                 let output = Output { converged, posterior, prior: carried.0.clone() };
-                serde_json::to_value(output).map(Step::Done).map_err(text)
+                stored::result(&output)
             }
         }
     }
@@ -66,10 +67,6 @@ pub fn view(output: &Output) -> Value {
     document["converged"] = json!(output.converged);
     document["prior"] = propagate::view(&output.prior);
     document
-}
-
-fn unreadable(stage: &str, reason: impl ToString) -> JobError {
-    JobError::Unreadable { stage: stage.to_owned(), reason: reason.to_string() }
 }
 
 impl Job for Predict {
@@ -98,7 +95,7 @@ impl Job for Predict {
             return self.prior.block(own, input);
         }
         let own = stage.strip_prefix(POSTERIOR).ok_or_else(|| unreadable(stage, "there is no such stage"))?;
-        if serde_json::from_slice::<Carried>(input).is_ok() {
+        if stored::from_bytes::<Carried>(input, stage).is_ok() {
             return Ok(Vec::new());
         }
         self.posterior.block(own, input)
@@ -118,7 +115,7 @@ impl Job for Predict {
         let missing = || unreadable(stage, "the result with the priors is not there");
         let (last, inputs) = inputs.split_last().ok_or_else(missing)?;
         let (_, outputs) = outputs.split_last().ok_or_else(missing)?;
-        let carried: Carried = serde_json::from_slice(last).map_err(|error| unreadable(stage, error))?;
+        let carried: Carried = stored::from_bytes(last, stage)?;
         let step = self.posterior.reduce(own, inputs, outputs)?;
         self.with_posterior(step, &carried)
     }

@@ -2,7 +2,7 @@
 //!
 //! The key of a job is the SHA-256 of the canonical JSON of [`KeyMaterial`], a struct of named fields; a new input of a
 //! job is a new named field. The identity of a block is the SHA-256 of the job's key, the stage, the block's index and the
-//! SHA-256 of its input. Never part of either: time, threads, paths, host.
+//! SHA-256 of its input, under the version of their form. Never part of either: time, threads, paths, host.
 
 use std::fmt;
 
@@ -16,6 +16,9 @@ use crate::document::{canonical, hash};
 /// Version of the numeric engine: raised when any change of the shared numeric code (solvers, streams, distributions,
 /// reductions) moves any result. A single job kind's change raises that kind's own `algorithm_version` instead.
 pub const ENGINE_VERSION: u32 = 1;
+
+/// Version of the form in which blocks are stored; those of another form are not looked for.
+const BLOCK_VERSION: u32 = 2;
 
 /// A SHA-256 in 64 lower-case hexadecimal digits: the name of an object in the cache.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -116,6 +119,7 @@ impl KeyMaterial {
 /// Identity of a block.
 pub fn block_key(job: &Key, stage: &str, index: usize, input: &[u8]) -> Key {
     let mut hash = Sha256::new();
+    hash.update(BLOCK_VERSION.to_le_bytes());
     hash.update(job.as_str());
     // The length keeps the stage's name apart from what follows it.
     hash.update((stage.len() as u64).to_le_bytes());

@@ -146,3 +146,10 @@ pub struct Quantity {
     /// How it is had.
     pub value: QuantityValue,
 }
+
+impl Quantity {
+    /// What is wrong with a value of it, in words; nothing where the value is a finite number.
+    pub fn fault(&self, value: f64) -> Option<String> {
+        (!value.is_finite()).then(|| format!("quantity `{}` is {value}", self.name))
+    }
+}

@@ -1,6 +1,6 @@
 //! Predictive checks of the finished posterior: what it and the prior predict, block by block, and the scores of that.
 
-use super::block::{PredictInput, Predicted, from_bytes, to_bytes};
+use super::block::{PredictInput, Predicted};
 use super::output::{CrossValidation, Output};
 use super::predictive::{self, Draws, InputSpread};
 use super::{Calibrate, PREDICT, scores};
@@ -8,6 +8,7 @@ use crate::inference::measurement::{Measurement, Rows};
 use crate::inference::psis::{self, LeaveOneOut};
 use crate::inference::target::{LeastSquares, Target};
 use crate::inference::unknown::settled;
+use crate::job::stored::{from_bytes, result, to_bytes};
 use crate::job::{JobError, Step};
 use crate::math::special::chi_square_sf;
 use crate::random::{PointKind, Points};
@@ -91,12 +92,12 @@ impl Calibrate {
 
     /// Completes the result.
     pub(super) fn finish(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        let mut result = None;
+        let mut carried = None;
         let empty = || Draws { values: Vec::new(), predicted: Predicted::default() };
         let (mut posterior, mut before) = (empty(), empty());
         for (input, bytes) in inputs.iter().zip(outputs) {
             match from_bytes(input, stage)? {
-                PredictInput::Carry(output) => result = Some(output),
+                PredictInput::Carry(output) => carried = Some(output),
                 PredictInput::Draws { prior, draws } => {
                     let own = if prior { &mut before } else { &mut posterior };
                     let block = Predicted::from_bytes(bytes, stage)?;
@@ -107,7 +108,8 @@ impl Calibrate {
                 }
             }
         }
-        let mut output = result.ok_or_else(|| JobError::Failed("the summary of the chains is not there".to_owned()))?;
+        let mut output =
+            carried.ok_or_else(|| JobError::Failed("the summary of the chains is not there".to_owned()))?;
         let (measurements, spread) = (self.measurements(), self.input_spread());
         let (model, order) = (&self.inputs.model, &output.order);
         output.predictive = predictive::checks(&measurements, model, order, &posterior, &before, &spread);
@@ -133,6 +135,6 @@ impl Calibrate {
         output.phases =
             scores::phases(&measurements, &groups, left_out.as_ref(), good, &output.order, &posterior, &spread);
         output.held_out = scores::held_out(&output.phases);
-        serde_json::to_value(*output).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
+        result(&*output)
     }
 }

@@ -25,6 +25,7 @@ pub use output::{
 };
 
 use super::handed_on::HandedOn;
+use super::stored::{from_bytes, to_bytes, unreadable};
 use super::{Job, JobError, Step};
 use crate::inference::informed::Informed;
 use crate::inference::joint_prior::Fit;
@@ -34,7 +35,7 @@ use crate::inference::point_estimate::{self, PointSettings};
 use crate::inference::prediction::Predictor;
 use crate::random::{Distribution, StreamKey};
 use crate::thermal::Model;
-use block::{PredictInput, from_bytes, to_bytes};
+use block::PredictInput;
 
 const ESTIMATE: &str = "estimate";
 const SAMPLE: &str = "sample";
@@ -176,10 +177,10 @@ impl Job for Calibrate {
             }
             SAMPLE => self.sample(from_bytes(input, stage)?)?.into_bytes(),
             PREDICT => match from_bytes(input, stage)? {
-                PredictInput::Draws { prior, draws } => Ok(self.predict(prior, &draws).to_bytes()),
+                PredictInput::Draws { prior, draws } => self.predict(prior, &draws).to_bytes(),
                 PredictInput::Carry(_) => Ok(Vec::new()),
             },
-            _ => Err(JobError::Unreadable { stage: stage.to_owned(), reason: "there is no such stage".to_owned() }),
+            _ => Err(unreadable(stage, "there is no such stage")),
         }
     }
 

@@ -1,6 +1,6 @@
 //! From the chains to the result: whether they can be believed, the evidence, summaries by parameter.
 
-use super::block::{SampleInput, SampleOutput, from_bytes};
+use super::block::{SampleInput, SampleOutput};
 use super::output::{Evidence, HandedOnPrior, MostProbable, Output, ParameterSummary, Spent, UsedData};
 use super::summary::Weighted;
 use super::{Calibrate, Sampler, words};
@@ -13,6 +13,7 @@ use crate::inference::rows::used_rows;
 use crate::inference::smc::{self, Island};
 use crate::inference::target::Target;
 use crate::job::handed_on::HandedOn;
+use crate::job::stored::from_bytes;
 use crate::job::{JobError, Step};
 
 /// Draws kept of all chains.

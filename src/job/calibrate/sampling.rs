@@ -1,6 +1,6 @@
 //! Where chains start, and what runs them: chains, islands of particles, the evidence.
 
-use super::block::{SampleInput, SampleOutput, SampleTask, to_bytes};
+use super::block::{SampleInput, SampleOutput, SampleTask};
 use super::{Calibrate, SAMPLE, Sampler};
 use crate::inference::chains::SampleError;
 use crate::inference::importance::{self, ImportanceEstimate, ImportanceSettings};
@@ -10,6 +10,7 @@ use crate::inference::point_estimate::PointEstimate;
 use crate::inference::posterior::Posterior;
 use crate::inference::smc::{self, SmcSettings};
 use crate::inference::target::Target;
+use crate::job::stored::to_bytes;
 use crate::job::{JobError, Step};
 
 /// A second mode is used as a start if its log posterior is within this of the best.

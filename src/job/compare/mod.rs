@@ -24,7 +24,7 @@ pub use output::{
 pub use tuned::Tuned;
 pub use view::view;
 
-use super::{Job, JobError, Step};
+use super::{Job, JobError, Step, stored};
 use deviation::{KELVIN, deviation, noise_rmse, of_one_unit};
 use stretch::{Stretch, stretches};
 
@@ -235,6 +235,9 @@ impl Compare {
             stored += self.stored_j(inputs, prediction, row);
         }
         let into: f64 = boundaries.iter().map(|b| b.1).sum();
+        if !(sources - into - stored).is_finite() {
+            return None;
+        }
         Some(HeatBalance {
             measurement: measurement.name.clone(),
             phase: stretch::name(&inputs.times_s, stretch),
@@ -401,7 +404,7 @@ impl Job for Compare {
     }
 
     fn algorithm_version(&self) -> u32 {
-        4
+        5
     }
 
     fn identity(&self) -> Value {
@@ -417,27 +420,21 @@ impl Job for Compare {
     }
 
     fn begin(&self) -> Result<Step, JobError> {
-        let inputs = self.spec.data.iter().map(|index| index.to_le_bytes().to_vec()).collect();
+        let inputs = self.spec.data.iter().map(stored::to_bytes).collect::<Result<_, _>>()?;
         Ok(Step::Blocks { stage: "measurements".to_owned(), inputs })
     }
 
     fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        let measurement = <[u8; 8]>::try_from(input)
-            .ok()
-            .and_then(|bytes| self.measurements.get(usize::from_le_bytes(bytes)))
-            .ok_or_else(|| JobError::Unreadable {
-                stage: stage.to_owned(),
-                reason: "it names no measurement".to_owned(),
-            })?;
-        serde_json::to_vec(&self.part(measurement)).map_err(|e| JobError::Failed(e.to_string()))
+        let measurement = self.measurements.get(stored::from_bytes::<usize>(input, stage)?);
+        let measurement = measurement.ok_or_else(|| stored::unreadable(stage, "it names no measurement"))?;
+        stored::to_bytes(&self.part(measurement))
     }
 
     fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
         let mut whole = Part::default();
         let mut chi2 = Some((0.0, 0));
         for bytes in outputs {
-            let part: Part = serde_json::from_slice(bytes)
-                .map_err(|e| JobError::Unreadable { stage: stage.to_owned(), reason: e.to_string() })?;
+            let part: Part = stored::from_bytes(bytes, stage)?;
             whole.rows.extend(part.rows);
             whole.sensors.extend(part.sensors);
             whole.phases.extend(part.phases);
@@ -488,6 +485,6 @@ impl Job for Compare {
             failed: whole.failed,
             unused_columns: whole.unused_columns,
         };
-        serde_json::to_value(output).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
+        stored::result(&output)
     }
 }

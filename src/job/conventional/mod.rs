@@ -17,9 +17,10 @@ use crate::thermal::{Model, Network, Start, Workspace};
 
 pub use output::{Basis, Margin, Output, Rule, Size, Spec, WorstEnd};
 
+use super::fault::listed;
 use super::propagate::Variable;
 use super::requirement::{Environment, Requirement};
-use super::{Job, JobError, Step};
+use super::{Job, JobError, Step, stored};
 
 /// Design values tried to find where a rule begins to pass.
 const GRID: usize = 65;
@@ -118,7 +119,15 @@ impl Conventional {
         self.network
             .solve_steady(workspace, Start::Default)
             .map_err(|e| JobError::Failed(format!("requirement `{}`: {e}", requirement.name)))?;
-        Ok(self.network.quantity(workspace, requirement.quantity))
+        let value = self.network.quantity(workspace, requirement.quantity);
+        match self.model.quantities[requirement.quantity].fault(value) {
+            None => Ok(value),
+            Some(fault) => {
+                let names = self.model.parameters.iter().map(|parameter| parameter.name.clone());
+                let point: Vec<(String, f64)> = names.zip(point.parameters.iter().copied()).collect();
+                Err(JobError::Failed(format!("requirement `{}`: {fault} at {}", requirement.name, listed(&point))))
+            }
+        }
     }
 
     /// The worse end of each uncertain parameter, and the point where all are at it.
@@ -292,7 +301,7 @@ impl Job for Conventional {
     }
 
     fn algorithm_version(&self) -> u32 {
-        3
+        4
     }
 
     fn identity(&self) -> Value {
@@ -304,13 +313,12 @@ impl Job for Conventional {
     }
 
     fn block(&self, _stage: &str, _input: &[u8]) -> Result<Vec<u8>, JobError> {
-        serde_json::to_vec(&self.run()?).map_err(|e| JobError::Failed(e.to_string()))
+        stored::to_bytes(&self.run()?)
     }
 
     fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        let unreadable = |reason: String| JobError::Unreadable { stage: stage.to_owned(), reason };
-        let bytes = outputs.first().ok_or_else(|| unreadable("there is no block".to_owned()))?;
-        serde_json::from_slice(bytes).map(Step::Done).map_err(|e| unreadable(e.to_string()))
+        let bytes = outputs.first().ok_or_else(|| stored::unreadable(stage, "there is no block"))?;
+        stored::result(&stored::from_bytes::<Output>(bytes, stage)?)
     }
 }
 

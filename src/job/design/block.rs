@@ -1,10 +1,9 @@
-//! Blocks of a design: what each is given and gives back, a JSON text followed by numbers.
+//! Blocks of a design: what each is given and gives back, with readings behind it.
 
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde::{Deserialize, Serialize};
 
 use super::output::{Output, Phase};
 use crate::inference::information::estimate::Replicate;
-use crate::job::JobError;
 
 /// A block of predictions: all samples of a candidate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -80,45 +79,4 @@ pub(super) struct InformationOutput {
     pub head: Option<PredictHead>,
     pub replicates: Vec<Replicate>,
     pub solutions: u64,
-}
-
-/// Length of the text, the text, the numbers as little-endian doubles.
-pub(super) fn to_bytes<T: Serialize>(head: &T, numbers: &[f64]) -> Result<Vec<u8>, JobError> {
-    let text = serde_json::to_vec(head).map_err(|e| JobError::Failed(e.to_string()))?;
-    let mut bytes = Vec::with_capacity(8 + text.len() + 8 * numbers.len());
-    bytes.extend((text.len() as u64).to_le_bytes());
-    bytes.extend(&text);
-    bytes.extend(numbers.iter().flat_map(|v| v.to_le_bytes()));
-    Ok(bytes)
-}
-
-/// Reads that form.
-pub(super) fn from_bytes<T: DeserializeOwned>(bytes: &[u8], stage: &str) -> Result<(T, Vec<f64>), JobError> {
-    let unreadable = |reason: &str| JobError::Unreadable { stage: stage.to_owned(), reason: reason.to_owned() };
-    let (head, rest) = bytes.split_first_chunk::<8>().ok_or_else(|| unreadable("it is too short"))?;
-    let length = usize::try_from(u64::from_le_bytes(*head)).map_err(|_| unreadable("its text is too long"))?;
-    let (text, numbers) = rest.split_at_checked(length).ok_or_else(|| unreadable("its text is cut off"))?;
-    let head = serde_json::from_slice(text).map_err(|e| unreadable(&e.to_string()))?;
-    let (words, remainder) = numbers.as_chunks::<8>();
-    if !remainder.is_empty() {
-        return Err(unreadable("a number is cut off"));
-    }
-    Ok((head, words.iter().map(|w| f64::from_le_bytes(*w)).collect()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bytes_come_back_and_damage_is_seen() {
-        let numbers = [1.5, -0.0, f64::MIN_POSITIVE];
-        let bytes = to_bytes(&PredictInput { candidate: 3 }, &numbers).expect("bytes");
-        let (head, back): (PredictInput, Vec<f64>) = from_bytes(&bytes, "s").expect("block");
-        assert_eq!((head.candidate, back.as_slice()), (3, &numbers[..]));
-        for cut in 0..bytes.len() {
-            let short = from_bytes::<PredictInput>(&bytes[..cut], "s");
-            assert!(short.is_err() || short.is_ok_and(|(_, back)| back.len() < 3), "cut at {cut}");
-        }
-    }
 }

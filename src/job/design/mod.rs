@@ -24,11 +24,12 @@ pub use output::{
     Spec, UsedSensor, Varied, Violation,
 };
 
+use super::stored::{self, split_numbers, with_numbers};
 use super::{Job, JobError, Step};
 use crate::inference::information::estimate::Replicate;
 use crate::random::{Distribution, StreamKey};
 use crate::thermal::Model;
-use block::{InformationInput, InformationOutput, PredictHead, PredictInput, Purpose, from_bytes, to_bytes};
+use block::{InformationInput, InformationOutput, PredictHead, PredictInput, Purpose};
 use information::Question;
 use plant::{Outside, Place, Plant};
 use samples::{REPLICATES, Samples};
@@ -155,10 +156,10 @@ impl Design {
                     carry: None,
                     carried: Vec::new(),
                 };
-                inputs.push(to_bytes(&head, &numbers)?);
+                inputs.push(with_numbers(&head, &numbers)?);
             }
         }
-        inputs.push(to_bytes(&Self::carry(state, Vec::new()), &[])?);
+        inputs.push(with_numbers(&Self::carry(state, Vec::new()), &[])?);
         Ok(inputs)
     }
 
@@ -194,7 +195,7 @@ impl Design {
         let mut heads = Vec::new();
         let mut predictions = Vec::new();
         for bytes in outputs {
-            let (head, numbers) = from_bytes::<PredictHead>(bytes, stage)?;
+            let (head, numbers) = split_numbers::<PredictHead>(bytes, stage)?;
             heads.push(head);
             predictions.push(numbers);
         }
@@ -215,8 +216,8 @@ impl Design {
         let (mut searched, mut solutions) = (Vec::new(), 0);
         let all = self.all_samples() * self.plant.sensors();
         for (input, output) in inputs.iter().zip(outputs) {
-            let (head, numbers) = from_bytes::<InformationInput>(input, stage)?;
-            let (told, readings) = from_bytes::<InformationOutput>(output, stage)?;
+            let (head, numbers) = split_numbers::<InformationInput>(input, stage)?;
+            let (told, readings) = split_numbers::<InformationOutput>(output, stage)?;
             solutions += told.solutions;
             match head.purpose {
                 Purpose::Carry => {
@@ -313,7 +314,7 @@ impl Design {
         }
         let mut output = output.clone();
         self.tell(&mut output);
-        serde_json::to_value(&output).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
+        stored::result(&output)
     }
 }
 
@@ -331,21 +332,21 @@ impl Job for Design {
     }
 
     fn begin(&self) -> Result<Step, JobError> {
-        let inputs = (0..self.spec.candidates.len()).map(|candidate| to_bytes(&PredictInput { candidate }, &[]));
+        let inputs = (0..self.spec.candidates.len()).map(|candidate| with_numbers(&PredictInput { candidate }, &[]));
         Ok(Step::Blocks { stage: PREDICT.to_owned(), inputs: inputs.collect::<Result<_, _>>()? })
     }
 
     fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
         let unreadable = |reason: &str| JobError::Unreadable { stage: stage.to_owned(), reason: reason.to_owned() };
         if stage == PREDICT {
-            let (head, _) = from_bytes::<PredictInput>(input, stage)?;
+            let (head, _) = split_numbers::<PredictInput>(input, stage)?;
             let place = self.places.get(head.candidate).ok_or_else(|| unreadable("there is no such candidate"))?;
             let (head, readings) = self.predict(place);
-            return to_bytes(&head, &readings);
+            return with_numbers(&head, &readings);
         }
-        let (head, predictions) = from_bytes::<InformationInput>(input, stage)?;
+        let (head, predictions) = split_numbers::<InformationInput>(input, stage)?;
         if head.purpose == Purpose::Carry {
-            return to_bytes(&InformationOutput::default(), &[]);
+            return with_numbers(&InformationOutput::default(), &[]);
         }
         let places: Option<Vec<Place>> = head.phases.iter().map(|&phase| self.place(phase, &head.found)).collect();
         let places = places.ok_or_else(|| unreadable("there is no such candidate"))?;
@@ -364,7 +365,7 @@ impl Job for Design {
         }
         let (replicates, solutions) =
             self.question(&places, &head.sensors, &predictions).replicates(first..first + count);
-        to_bytes(&InformationOutput { head: None, replicates, solutions }, &[])
+        with_numbers(&InformationOutput { head: None, replicates, solutions }, &[])
     }
 
     fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {

@@ -1,13 +1,14 @@
 //! Phases between the values of a grid, where more may be learnt: Bayesian optimisation on the same random numbers as the
 //! grid's, so that what is sought is a smooth function.
 
-use super::block::{InformationInput, InformationOutput, Purpose, to_bytes};
+use super::block::{InformationInput, InformationOutput, Purpose};
 use super::output::Phase;
 use super::plant::Place;
 use super::samples::REPLICATES;
 use super::summary::FAILURE_LIMIT;
 use super::{Design, State, Told};
 use crate::inference::information::search::{Known, next};
+use crate::job::stored::with_numbers;
 use crate::job::{JobError, Step};
 
 /// Phases that are looked at side by side.
@@ -81,11 +82,11 @@ impl Design {
                 carry: None,
                 carried: Vec::new(),
             };
-            blocks.push(to_bytes(&head, &[])?);
+            blocks.push(with_numbers(&head, &[])?);
         }
         let with: Vec<usize> = sets.iter().filter_map(|(head, _, _)| head.phases.last().copied()).collect();
         let numbers: Vec<f64> = sets.iter().flat_map(|(_, numbers, _)| numbers.iter().copied()).collect();
-        blocks.push(to_bytes(&Self::carry(state, with), &numbers)?);
+        blocks.push(with_numbers(&Self::carry(state, with), &numbers)?);
         Ok(Some(Step::Blocks { stage: format!("search {}", found.len()), inputs: blocks }))
     }
 
@@ -98,7 +99,7 @@ impl Design {
         let question = self.question(&places, &read, &readings);
         let (replicates, own) = if has_solutions { question.replicates(0..REPLICATES) } else { (Vec::new(), 0) };
         let solutions = own + self.all_samples() as u64;
-        to_bytes(&InformationOutput { head: Some(head), replicates, solutions }, &readings)
+        with_numbers(&InformationOutput { head: Some(head), replicates, solutions }, &readings)
     }
 
     /// Makes a phase of the search a candidate.

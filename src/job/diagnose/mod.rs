@@ -3,11 +3,11 @@
 //! Stages: `screen` (one block), then rounds of `refit N` (sets of effects, some a block) and `extend N` (one block),
 //! then `conclude` (one block). What was found so far is carried from stage to stage in the blocks' inputs.
 
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::handed_on::HandedOn;
+use super::stored::{from_bytes, result, to_bytes, unreadable};
 use super::{Job, JobError, Step};
 use crate::diagnosis::output::PriorOfDraws;
 use crate::diagnosis::{Diagnosis, Order, Output, Problem, Refit, Settings, State};
@@ -127,14 +127,6 @@ fn failed(reason: impl std::fmt::Display) -> JobError {
     JobError::Failed(reason.to_string())
 }
 
-fn to_bytes<T: Serialize>(value: &T) -> Result<Vec<u8>, JobError> {
-    serde_json::to_vec(value).map_err(failed)
-}
-
-fn from_bytes<T: DeserializeOwned>(bytes: &[u8], stage: &str) -> Result<T, JobError> {
-    serde_json::from_slice(bytes).map_err(|e| JobError::Unreadable { stage: stage.to_owned(), reason: e.to_string() })
-}
-
 impl Job for Diagnose {
     fn kind(&self) -> &'static str {
         "diagnose"
@@ -188,7 +180,7 @@ impl Job for Diagnose {
             }
             Some(EXTEND) => to_bytes(&self.diagnosis.extend(from_bytes(input, stage)?)),
             Some(CONCLUDE) => to_bytes(&self.diagnosis.conclude(&from_bytes(input, stage)?)),
-            _ => Err(JobError::Unreadable { stage: stage.to_owned(), reason: "there is no such stage".to_owned() }),
+            _ => Err(unreadable(stage, "there is no such stage")),
         }
     }
 
@@ -207,7 +199,7 @@ impl Job for Diagnose {
             }
             _ => {
                 let output: Output = from_bytes(first, stage)?;
-                serde_json::to_value(self.finish(output)).map(Step::Done).map_err(failed)
+                result(&self.finish(output))
             }
         }
     }

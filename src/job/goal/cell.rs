@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Goal;
 use super::knowledge::{Known, Sharpened};
+use crate::job::fault::listed;
 use crate::job::propagate::{Probability, Variable};
 use crate::math::special::normal_cdf;
 use crate::statistics::Interval;
@@ -65,7 +66,16 @@ pub struct Outcome {
     /// Sum over samples of the probability that all requirements are met: 0 or 1 without discrepancies.
     pub met: f64,
     /// Failed solves.
-    pub failed: u64,
+    pub failed: Failed,
+}
+
+/// Solves without a result.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Failed {
+    /// How many.
+    pub count: u64,
+    /// The first of them, in words.
+    pub first: Option<String>,
 }
 
 impl Outcome {
@@ -86,14 +96,15 @@ pub fn probability(met: f64, samples: u64) -> Probability {
 
 impl Goal {
     /// Values of the requirements' quantities at samples `0..samples`: calls `take` with environment, sample and the values of a
-    /// sample by requirement, NaN where the solution failed.
+    /// sample by requirement, all NaN where the solution failed or one of them is no finite number. Returns what failed.
     pub(super) fn solve(
         &self,
         known: &[Known],
         design: Option<f64>,
         samples: u64,
         mut take: impl FnMut(usize, usize, &[f64]),
-    ) {
+    ) -> Failed {
+        let mut failed = Failed::default();
         let samples = usize::try_from(samples).unwrap_or(usize::MAX);
         let width = self.uncertain.len();
         let sharpened: Vec<Option<Sharpened>> = self
@@ -143,11 +154,27 @@ impl Goal {
                     for (value, requirement) in values.iter_mut().zip(&self.spec.requirements) {
                         *value = batch.quantity(&self.network, lane, requirement.quantity);
                     }
+                    let quantities = self.spec.requirements.iter().map(|r| &self.model.quantities[r.quantity]);
+                    let fault = match batch.outcome(lane) {
+                        Err(error) => Some(error.to_string()),
+                        Ok(_) => quantities.zip(&values).find_map(|(quantity, &value)| quantity.fault(value)),
+                    };
+                    if let Some(fault) = fault {
+                        failed.count += 1;
+                        failed.first.get_or_insert_with(|| {
+                            let name = |index: usize| self.model.parameters[index].name.clone();
+                            let own = self.uncertain.iter().zip(&columns).map(|(&i, column)| (name(i), column[lane]));
+                            let at = listed(&own.collect::<Vec<_>>());
+                            format!("environment `{}`, sample {}: {fault} ({at})", environment.name, done + lane)
+                        });
+                        values.fill(f64::NAN);
+                    }
                     take(case, done + lane, &values);
                 }
             }
             done += lanes;
         }
+        failed
     }
 
     /// Probability that a value stays within the limits of the requirements of its quantity when a normal discrepancy of
@@ -201,26 +228,24 @@ impl Goal {
 
     /// Runs a cell.
     pub(super) fn run(&self, cell: &Cell) -> Outcome {
-        let mut failed = 0;
         let samples = usize::try_from(cell.samples).unwrap_or(0);
         // A sample must meet the requirements in every environment.
         let mut met = vec![1.0; samples];
-        self.solve(&cell.known, cell.design, cell.samples, |_, sample, values| {
-            failed += u64::from(values.iter().any(|value| !value.is_finite()));
+        let failed = self.solve(&cell.known, cell.design, cell.samples, |_, sample, values| {
             met[sample] *= self.meets_all(values, None);
         });
         Outcome { cell: cell.clone(), met: met.iter().sum(), failed }
     }
 
-    /// Values of the given design with prior knowledge, by environment, requirement, sample.
-    pub(super) fn prior_values(&self) -> Vec<Vec<Vec<f64>>> {
+    /// Values of the given design with prior knowledge, by environment, requirement, sample; and what failed.
+    pub(super) fn prior_values(&self) -> (Vec<Vec<Vec<f64>>>, Failed) {
         let requirements = self.spec.requirements.len();
         let mut all = vec![vec![Vec::new(); requirements]; self.spec.environments.len()];
-        self.solve(&[], None, self.spec.samples, |case, _, values| {
+        let failed = self.solve(&[], None, self.spec.samples, |case, _, values| {
             for (column, &value) in all[case].iter_mut().zip(values) {
                 column.push(value);
             }
         });
-        all
+        (all, failed)
     }
 }

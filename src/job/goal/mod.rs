@@ -23,7 +23,7 @@ use crate::thermal::{Model, Network, Start};
 pub use output::{Advice, Discrepancy, Driving, Knowledge, Leading, Level, Met, Next, Output, Spec, Target, Truths};
 
 use super::propagate::Variable;
-use super::{Job, JobError, Step};
+use super::{Job, JobError, Step, stored};
 use cell::{Cell, Outcome, Role};
 use knowledge::{Known, error_for};
 use prior::Prior;
@@ -294,8 +294,8 @@ impl Goal {
     fn stage(&self, name: String, blocks: Vec<Vec<Cell>>, state: State) -> Result<Step, JobError> {
         let mut state = Some(Box::new(state));
         let inputs: Result<Vec<Vec<u8>>, _> =
-            blocks.into_iter().map(|cells| serde_json::to_vec(&Input::Cells(cells, state.take()))).collect();
-        Ok(Step::Blocks { stage: name, inputs: inputs.map_err(|e| JobError::Failed(e.to_string()))? })
+            blocks.into_iter().map(|cells| stored::to_bytes(&Input::Cells(cells, state.take()))).collect();
+        Ok(Step::Blocks { stage: name, inputs: inputs? })
     }
 
     /// The next stage, or the result.
@@ -314,15 +314,17 @@ impl Goal {
                 return self.stage("truths".to_owned(), blocks, state);
             }
         }
-        serde_json::to_value(self.output(&state)).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
+        stored::result(&self.output(&state))
     }
 
     fn check_failures(&self, state: &State) -> Result<(), JobError> {
         let (failed, solves) = self.counts(state);
         let share = failed as f64 / solves.max(1) as f64;
         if share > self.spec.failure_limit {
+            let mut found = std::iter::once(&state.prior.failed).chain(state.outcomes.iter().map(|o| &o.failed));
+            let example = found.find_map(|failed| failed.first.as_ref()).map_or(String::new(), |f| format!("; {f}"));
             return Err(JobError::Failed(format!(
-                "{failed} of {solves} solves failed, more than the limit of {} %",
+                "{failed} of {solves} solves failed, more than the limit of {} %{example}",
                 100.0 * self.spec.failure_limit
             )));
         }
@@ -332,7 +334,7 @@ impl Goal {
     /// Failed solves and all.
     fn counts(&self, state: &State) -> (u64, u64) {
         let environments = self.spec.environments.len() as u64;
-        let failed = state.prior.failed + state.outcomes.iter().map(|o| o.failed).sum::<u64>();
+        let failed = state.prior.failed.count + state.outcomes.iter().map(|o| o.failed.count).sum::<u64>();
         let samples = self.spec.samples + state.outcomes.iter().map(|o| o.cell.samples).sum::<u64>();
         (failed, environments * samples)
     }
@@ -354,7 +356,7 @@ impl Job for Goal {
     }
 
     fn algorithm_version(&self) -> u32 {
-        2
+        3
     }
 
     fn identity(&self) -> Value {
@@ -362,27 +364,21 @@ impl Job for Goal {
     }
 
     fn begin(&self) -> Result<Step, JobError> {
-        let input = serde_json::to_vec(&Input::Prior).map_err(|e| JobError::Failed(e.to_string()))?;
-        Ok(Step::Blocks { stage: "prior".to_owned(), inputs: vec![input] })
+        Ok(Step::Blocks { stage: "prior".to_owned(), inputs: vec![stored::to_bytes(&Input::Prior)?] })
     }
 
     fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        let input: Input = serde_json::from_slice(input)
-            .map_err(|e| JobError::Unreadable { stage: stage.to_owned(), reason: e.to_string() })?;
-        let bytes = match input {
-            Input::Prior => serde_json::to_vec(&self.prior()),
-            Input::Cells(cells, _) => serde_json::to_vec(&self.run_all(&cells)),
-        };
-        bytes.map_err(|e| JobError::Failed(e.to_string()))
+        match stored::from_bytes(input, stage)? {
+            Input::Prior => stored::to_bytes(&self.prior()),
+            Input::Cells(cells, _) => stored::to_bytes(&self.run_all(&cells)),
+        }
     }
 
     fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        let unreadable = |reason: String| JobError::Unreadable { stage: stage.to_owned(), reason };
-        let first = inputs.first().ok_or_else(|| unreadable("there is no block".to_owned()))?;
-        match serde_json::from_slice(first).map_err(|e| unreadable(e.to_string()))? {
+        let missing = || stored::unreadable(stage, "there is no block");
+        match stored::from_bytes(inputs.first().ok_or_else(missing)?, stage)? {
             Input::Prior => {
-                let bytes = outputs.first().ok_or_else(|| unreadable("there is no block".to_owned()))?;
-                let prior: Prior = serde_json::from_slice(bytes).map_err(|e| unreadable(e.to_string()))?;
+                let prior: Prior = stored::from_bytes(outputs.first().ok_or_else(missing)?, stage)?;
                 let cells = self.levels(&prior);
                 let state = State { prior, outcomes: Vec::new(), target: None, searches: 0, has_truths: false };
                 self.check_failures(&state)?;
@@ -392,10 +388,9 @@ impl Job for Goal {
                 self.stage("knowledge".to_owned(), cells, state)
             }
             Input::Cells(_, state) => {
-                let mut state = *state.ok_or_else(|| unreadable("earlier stages are not there".to_owned()))?;
+                let mut state = *state.ok_or_else(|| stored::unreadable(stage, "earlier stages are not there"))?;
                 for bytes in outputs {
-                    let own: Vec<Outcome> = serde_json::from_slice(bytes).map_err(|e| unreadable(e.to_string()))?;
-                    state.outcomes.extend(own);
+                    state.outcomes.extend(stored::from_bytes::<Vec<Outcome>>(bytes, stage)?);
                 }
                 self.next(state)
             }

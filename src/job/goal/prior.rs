@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Goal;
-use super::cell::probability;
+use super::cell::{Failed, probability};
 use super::output::{Driving, Leading, Met};
 use crate::job::propagate::Probability;
 use crate::statistics::Moments;
@@ -26,13 +26,13 @@ pub struct Prior {
     /// Tolerable standard deviation of a discrepancy in the driving quantity.
     pub tolerable: Option<f64>,
     /// Failed solves.
-    pub failed: u64,
+    pub failed: Failed,
 }
 
 impl Goal {
     /// Solves the prior's samples and looks at them.
     pub(super) fn prior(&self) -> Prior {
-        let values = self.prior_values();
+        let (values, failed) = self.prior_values();
         let samples = usize::try_from(self.spec.samples).unwrap_or(0);
         let at =
             |case: usize, sample: usize| -> Vec<f64> { values[case].iter().map(|column| column[sample]).collect() };
@@ -50,9 +50,7 @@ impl Goal {
         };
         let all = probability(met(None), self.spec.samples);
         let (mut requirements, mut worst) = (Vec::new(), (0, 0, f64::INFINITY, f64::INFINITY));
-        let mut failed = 0;
         for (case, environment) in self.spec.environments.iter().enumerate() {
-            failed += (0..samples).filter(|&sample| at(case, sample).iter().any(|v| !v.is_finite())).count() as u64;
             for (position, requirement) in self.spec.requirements.iter().enumerate() {
                 let sd = self.discrepancy_of(position);
                 let column = &values[case][position];

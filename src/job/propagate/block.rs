@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::output::FailedSample;
-use crate::job::JobError;
+use crate::job::{JobError, stored};
 
 /// What a block is to do: small, and enough for any machine that has the job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,29 +28,15 @@ pub struct BlockOutput {
 }
 
 impl BlockOutput {
-    /// Stored form: length of the text, the text (failures as JSON), the values as little-endian doubles.
+    /// Stored form: the failures, then the values.
     pub fn to_bytes(&self) -> Result<Vec<u8>, JobError> {
-        let text = serde_json::to_vec(&(self.failed, &self.failures))
-            .map_err(|e| JobError::Failed(format!("the failed samples cannot be written: {e}")))?;
-        let mut bytes = Vec::with_capacity(8 + text.len() + 8 * self.values.len());
-        bytes.extend((text.len() as u64).to_le_bytes());
-        bytes.extend(&text);
-        bytes.extend(self.values.iter().flat_map(|v| v.to_le_bytes()));
-        Ok(bytes)
+        stored::with_numbers(&(self.failed, self.failures.clone()), &self.values)
     }
 
     /// Reads the stored form.
     pub fn from_bytes(bytes: &[u8], stage: &str) -> Result<Self, JobError> {
-        let unreadable = |reason: &str| JobError::Unreadable { stage: stage.to_owned(), reason: reason.to_owned() };
-        let (head, rest) = bytes.split_first_chunk::<8>().ok_or_else(|| unreadable("it is too short"))?;
-        let length = usize::try_from(u64::from_le_bytes(*head)).map_err(|_| unreadable("its text is too long"))?;
-        let (text, values) = rest.split_at_checked(length).ok_or_else(|| unreadable("its text is cut off"))?;
-        let (failed, failures) = serde_json::from_slice(text).map_err(|e| unreadable(&e.to_string()))?;
-        let (words, remainder) = values.as_chunks::<8>();
-        if !remainder.is_empty() {
-            return Err(unreadable("a value is cut off"));
-        }
-        Ok(Self { values: words.iter().map(|w| f64::from_le_bytes(*w)).collect(), failures, failed })
+        let ((failed, failures), values) = stored::split_numbers(bytes, stage)?;
+        Ok(Self { values, failures, failed })
     }
 }
 

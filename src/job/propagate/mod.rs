@@ -31,10 +31,11 @@ pub use output::{
 };
 pub use view::view;
 
+use super::fault::listed;
 use super::goal::Discrepancy;
 use super::handed_on::HandedOn;
 use super::requirement::Environment;
-use super::{Job, JobError, Step};
+use super::{Job, JobError, Step, stored};
 use block::{BlockInput, BlockOutput};
 
 /// Samples in a block; part of the job's identity.
@@ -116,7 +117,16 @@ impl Propagate {
                 failed(format!("environment `{}` at nominal parameters: {e}", job.environment(case).name))
             })?;
             job.starts.push(workspace.temperatures().to_vec());
-            job.nominal.push(job.spec.quantities.iter().map(|&q| job.network.quantity(&workspace, q)).collect());
+            let values: Vec<f64> = job.spec.quantities.iter().map(|&q| job.network.quantity(&workspace, q)).collect();
+            let quantities = job.spec.quantities.iter().map(|&q| &job.model.quantities[q]);
+            if let Some(fault) = quantities.zip(&values).find_map(|(quantity, &value)| quantity.fault(value)) {
+                return Err(failed(format!(
+                    "{fault} in environment `{}` at nominal parameters: {}",
+                    job.environment(case).name,
+                    listed(&job.named(parameters))
+                )));
+            }
+            job.nominal.push(values);
         }
         Ok(job)
     }
@@ -274,9 +284,7 @@ impl Propagate {
                 let fault = match batch.outcome(lane) {
                     Err(error) => Some(error.to_string()),
                     Ok(_) => self.spec.quantities.iter().find_map(|&quantity| {
-                        let value = batch.quantity(&self.network, lane, quantity);
-                        let name = &self.model.quantities[quantity].name;
-                        (!value.is_finite()).then(|| format!("quantity `{name}` is {value}"))
+                        self.model.quantities[quantity].fault(batch.quantity(&self.network, lane, quantity))
                     }),
                 };
                 if let Some(reason) = fault {
@@ -317,6 +325,11 @@ impl Propagate {
                 }
             }
         }
+        self.named(parameters)
+    }
+
+    /// All parameters by name.
+    fn named(&self, parameters: Vec<f64>) -> Vec<(String, f64)> {
         self.model.parameters.iter().map(|p| p.name.clone()).zip(parameters).collect()
     }
 }
@@ -327,7 +340,7 @@ impl Job for Propagate {
     }
 
     fn algorithm_version(&self) -> u32 {
-        3
+        4
     }
 
     fn identity(&self) -> Value {
@@ -356,7 +369,7 @@ impl Job for Propagate {
             while first < self.spec.samples {
                 let count = BLOCK.min(self.spec.samples - first);
                 let input = BlockInput { case, first, count };
-                inputs.push(serde_json::to_vec(&input).map_err(|e| JobError::Failed(e.to_string()))?);
+                inputs.push(stored::to_bytes(&input)?);
                 first += count;
             }
         }
@@ -364,9 +377,7 @@ impl Job for Propagate {
     }
 
     fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        let input: BlockInput = serde_json::from_slice(input)
-            .map_err(|e| JobError::Unreadable { stage: stage.to_owned(), reason: e.to_string() })?;
-        self.run(input).to_bytes()
+        self.run(stored::from_bytes(input, stage)?).to_bytes()
     }
 
     fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
@@ -390,13 +401,19 @@ impl Job for Propagate {
             }
             failures.truncate(FAILURES_KEPT);
             let share = failed as f64 / self.spec.samples.max(1) as f64;
-            // With no solution at all there is nothing to describe, whatever the study tolerates.
-            if share > self.spec.failure_limit || failed == self.spec.samples {
-                let example = failures.first().map_or(String::new(), |f| format!("; sample {}: {}", f.index, f.reason));
+            let is_too_few = failed + 2 > self.spec.samples;
+            if share > self.spec.failure_limit || is_too_few {
+                // One solution alone has no distribution, whatever the study tolerates.
+                let why = if is_too_few {
+                    "fewer than two are left".to_owned()
+                } else {
+                    format!("more than the limit of {} %", 100.0 * self.spec.failure_limit)
+                };
+                let told = |f: &FailedSample| format!("; sample {}: {} ({})", f.index, f.reason, listed(&f.parameters));
+                let example = failures.first().map_or(String::new(), told);
                 return Err(JobError::Failed(format!(
-                    "{failed} of {} samples failed, more than the limit of {} %{example}",
-                    self.spec.samples,
-                    100.0 * self.spec.failure_limit
+                    "{failed} of {} samples failed, {why}{example}",
+                    self.spec.samples
                 )));
             }
             let mut summary = summary::case(
@@ -432,7 +449,7 @@ impl Job for Propagate {
             discrepancy: self.added(),
             converged: (!self.handed_on.is_empty()).then(|| self.handed_on.iter().all(|own| own.converged)),
         };
-        serde_json::to_value(output).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
+        stored::result(&output)
     }
 }
 

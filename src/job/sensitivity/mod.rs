@@ -27,7 +27,8 @@ pub use output::{
 };
 pub use view::view;
 
-use super::{Job, JobError, Step};
+use super::fault::listed;
+use super::{Job, JobError, Step, stored};
 use block::{BlockInput, Found, Work};
 
 /// Solves of a block of rows, about; part of the identity.
@@ -136,11 +137,13 @@ impl Sensitivity {
                 .solve_steady(&mut workspace, Start::Default)
                 .map_err(|e| failed(format!("environment `{}` at nominal parameters: {e}", environment.name)))?;
             let centres: Vec<f64> = job.spec.quantities.iter().map(|&q| job.network.quantity(&workspace, q)).collect();
-            if let Some(position) = centres.iter().position(|value| !value.is_finite()) {
-                let name = &job.model.quantities[job.spec.quantities[position]].name;
+            let quantities = job.spec.quantities.iter().map(|&q| &job.model.quantities[q]);
+            if let Some(fault) = quantities.zip(&centres).find_map(|(quantity, &value)| quantity.fault(value)) {
+                let own: Vec<f64> = job.uncertain.iter().map(|&index| job.nominal[index]).collect();
                 return Err(failed(format!(
-                    "quantity `{name}` is {} in environment `{}` at nominal parameters",
-                    centres[position], environment.name
+                    "{fault} in environment `{}` at nominal parameters: {}",
+                    environment.name,
+                    listed(&job.named(&own))
                 )));
             }
             job.starts.push(workspace.temperatures().to_vec());
@@ -188,8 +191,7 @@ impl Sensitivity {
     }
 
     fn step(&self, rows: u64, inputs: &[BlockInput]) -> Result<Step, JobError> {
-        let inputs: Result<Vec<Vec<u8>>, _> = inputs.iter().map(serde_json::to_vec).collect();
-        let inputs = inputs.map_err(|e| JobError::Failed(e.to_string()))?;
+        let inputs = inputs.iter().map(stored::to_bytes).collect::<Result<_, _>>()?;
         Ok(Step::Blocks { stage: format!("rows to {rows}"), inputs })
     }
 
@@ -200,7 +202,8 @@ impl Sensitivity {
             let rows = |scramble: &block::OfScramble| scramble.sums.iter().all(|sums| sums.rows() == 0);
             let is_empty = found.scrambles.iter().any(rows);
             if share > self.spec.failure_limit || is_empty {
-                let example = found.failures.first().map_or(String::new(), |f| format!("; {}: {}", f.place, f.reason));
+                let told = |f: &FailedSolve| format!("; {}: {} ({})", f.place, f.reason, listed(&f.parameters));
+                let example = found.failures.first().map_or(String::new(), told);
                 let why = if is_empty {
                     "no row of a scramble is left".to_owned()
                 } else {
@@ -263,33 +266,31 @@ impl Job for Sensitivity {
     }
 
     fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        let input: BlockInput = serde_json::from_slice(input)
-            .map_err(|e| JobError::Unreadable { stage: stage.to_owned(), reason: e.to_string() })?;
+        let input: BlockInput = stored::from_bytes(input, stage)?;
         let found = match input.work {
             Work::Local => self.local(input.case)?,
             Work::Morris { first, count } => self.trajectories(input.case, first, count),
             Work::Sobol { scramble, first, count } => self.rows(input.case, scramble, first, count),
             Work::Derivative { scramble, count } => self.squares(input.case, scramble, count),
         };
-        serde_json::to_vec(&found).map_err(|e| JobError::Failed(e.to_string()))
+        stored::to_bytes(&found)
     }
 
     fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        let unreadable = |reason: String| JobError::Unreadable { stage: stage.to_owned(), reason };
         let mut found = vec![Found::default(); self.spec.environments.len()];
         let mut rows = 0;
         for (input, output) in inputs.iter().zip(outputs) {
-            let input: BlockInput = serde_json::from_slice(input).map_err(|e| unreadable(e.to_string()))?;
+            let input: BlockInput = stored::from_bytes(input, stage)?;
             if let Some(carried) = input.carried {
                 found = carried;
             }
-            let block: Found = serde_json::from_slice(output).map_err(|e| unreadable(e.to_string()))?;
+            let block: Found = stored::from_bytes(output, stage)?;
             if let Work::Sobol { first, count, .. } = input.work {
                 rows = rows.max(first + count);
             }
             found
                 .get_mut(input.case)
-                .ok_or_else(|| unreadable("a block of an environment that does not exist".to_owned()))?
+                .ok_or_else(|| stored::unreadable(stage, "a block of an environment that does not exist"))?
                 .absorb(&input.work, block);
         }
         self.check_failures(&found)?;
@@ -305,6 +306,6 @@ impl Job for Sensitivity {
             }
             return self.step(next, &inputs);
         }
-        serde_json::to_value(self.output(&found, rows)).map(Step::Done).map_err(|e| JobError::Failed(e.to_string()))
+        stored::result(&self.output(&found, rows))
     }
 }

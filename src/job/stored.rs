@@ -1,0 +1,274 @@
+//! How blocks and results are stored.
+//!
+//! A block is CBOR (RFC 8949), then as many little-endian doubles as it has long lists of. CBOR has NaN and the
+//! infinities, which JSON has not: what a stage found is what the next one reads, to the bit.
+//!
+//! A result is JSON, for everyone. There a number that is not finite has no text: `null` stands for it where the type says
+//! that it need not be available (`Option`), anything else is an error that names the place.
+
+use ciborium::Value as Tree;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::{JobError, Step};
+
+/// Keys of what names an entry of a list, for errors.
+const NAMES: [&str; 8] =
+    ["name", "requirement", "environment", "quantity", "measurement", "phase", "sensor", "parameter"];
+
+/// The stored form of a block without long lists.
+///
+/// # Errors
+/// What [`with_numbers`] gives.
+pub fn to_bytes<T: Serialize + DeserializeOwned>(value: &T) -> Result<Vec<u8>, JobError> {
+    with_numbers(value, &[])
+}
+
+/// The stored form of a block: what heads it, and the numbers behind that.
+///
+/// # Errors
+/// A value that cannot be written; in debug builds one that would not read back as it is.
+pub fn with_numbers<T: Serialize + DeserializeOwned>(head: &T, numbers: &[f64]) -> Result<Vec<u8>, JobError> {
+    let mut bytes = encoded(head)?;
+    if cfg!(debug_assertions) {
+        let again = decoded::<T>(&bytes).and_then(|(value, _)| encoded(&value).map_err(|error| error.to_string()));
+        if again.as_ref() != Ok(&bytes) {
+            let why = again.err().unwrap_or_else(|| "another value".to_owned());
+            return Err(JobError::Failed(format!("a block would not read back as it was written: {why}")));
+        }
+    }
+    bytes.reserve_exact(8 * numbers.len());
+    bytes.extend(numbers.iter().flat_map(|value| value.to_le_bytes()));
+    Ok(bytes)
+}
+
+/// Reads a block without long lists.
+///
+/// # Errors
+/// [`JobError::Unreadable`] for bytes of another form.
+pub fn from_bytes<T: DeserializeOwned>(bytes: &[u8], stage: &str) -> Result<T, JobError> {
+    let (value, numbers) = split_numbers(bytes, stage)?;
+    if numbers.is_empty() { Ok(value) } else { Err(unreadable(stage, "it is too long")) }
+}
+
+/// Reads a block: what heads it, and the numbers behind that.
+///
+/// # Errors
+/// [`JobError::Unreadable`] for bytes of another form.
+pub fn split_numbers<T: DeserializeOwned>(bytes: &[u8], stage: &str) -> Result<(T, Vec<f64>), JobError> {
+    let (value, rest) = decoded(bytes).map_err(|reason| unreadable(stage, reason))?;
+    let (words, remainder) = rest.as_chunks::<8>();
+    if !remainder.is_empty() {
+        return Err(unreadable(stage, "a number is cut off"));
+    }
+    Ok((value, words.iter().map(|word| f64::from_le_bytes(*word)).collect()))
+}
+
+/// A job's last step: its result as JSON. A number that is not finite becomes `null` where it is optional.
+///
+/// # Errors
+/// A result that would not read back as what it is: a number that must be finite and is not, with its place.
+pub fn result<T: Serialize + DeserializeOwned>(output: &T) -> Result<Step, JobError> {
+    let json = serde_json::to_value(output).map_err(|error| JobError::Failed(error.to_string()))?;
+    match T::deserialize(&json) {
+        Ok(_) => Ok(Step::Done(json)),
+        Err(error) => Err(JobError::Failed(match not_finite(output) {
+            Some(place) => format!("the result has no finite number at {place}"),
+            None => format!("the result would not read back: {error}"),
+        })),
+    }
+}
+
+/// An error of a stored block.
+pub fn unreadable(stage: &str, reason: impl ToString) -> JobError {
+    JobError::Unreadable { stage: stage.to_owned(), reason: reason.to_string() }
+}
+
+fn encoded<T: Serialize>(value: &T) -> Result<Vec<u8>, JobError> {
+    let mut bytes = Vec::new();
+    ciborium::into_writer(value, &mut bytes)
+        .map_err(|error| JobError::Failed(format!("a block cannot be written: {error}")))?;
+    Ok(bytes)
+}
+
+/// A value and the bytes behind it.
+fn decoded<T: DeserializeOwned>(bytes: &[u8]) -> Result<(T, &[u8]), String> {
+    let mut rest = bytes;
+    let value = ciborium::from_reader(&mut rest).map_err(|error| match error {
+        ciborium::de::Error::Io(_) => "it is cut off".to_owned(),
+        other => other.to_string(),
+    })?;
+    Ok((value, rest))
+}
+
+/// The first number that is not finite and that its type needs: its place, with the names on the way, and its value.
+fn not_finite<T: Serialize + DeserializeOwned>(output: &T) -> Option<String> {
+    let tree = Tree::serialized(output).ok()?;
+    let mut found = Vec::new();
+    search(&tree, &mut Vec::new(), &mut found);
+    // With every other one finite, only the one that is missing can be what does not read back.
+    let mut finite = tree.clone();
+    for (place, _) in &found {
+        replace(&mut finite, place, Tree::Float(0.0));
+    }
+    let needed = |place: &[usize]| {
+        let mut alone = finite.clone();
+        replace(&mut alone, place, Tree::Null);
+        alone.deserialized::<T>().is_err()
+    };
+    let (place, value) = found.iter().find(|(place, _)| needed(place))?;
+    Some(format!("{}: {value}", told(&tree, place)))
+}
+
+/// Places of all numbers that are not finite: positions among the children from the root on.
+fn search(tree: &Tree, at: &mut Vec<usize>, found: &mut Vec<(Vec<usize>, f64)>) {
+    if let Tree::Float(value) = tree
+        && !value.is_finite()
+    {
+        found.push((at.clone(), *value));
+    }
+    for (position, child) in children(tree).into_iter().enumerate() {
+        at.push(position);
+        search(child, at, found);
+        at.pop();
+    }
+}
+
+fn children(tree: &Tree) -> Vec<&Tree> {
+    match tree {
+        Tree::Array(items) => items.iter().collect(),
+        Tree::Map(entries) => entries.iter().map(|(_, value)| value).collect(),
+        _ => Vec::new(),
+    }
+}
+
+fn replace(tree: &mut Tree, place: &[usize], by: Tree) {
+    match (place, tree) {
+        ([], tree) => *tree = by,
+        ([first, rest @ ..], Tree::Array(items)) => replace(&mut items[*first], rest, by),
+        ([first, rest @ ..], Tree::Map(entries)) => replace(&mut entries[*first].1, rest, by),
+        _ => {}
+    }
+}
+
+/// A place in words: `cases[0] (hot).quantities[1] (T).nominal`.
+fn told(tree: &Tree, place: &[usize]) -> String {
+    let (mut text, mut at) = (String::new(), tree);
+    for &position in place {
+        match at {
+            Tree::Map(entries) => {
+                let (key, value) = &entries[position];
+                let dot = if text.is_empty() { "" } else { "." };
+                text.push_str(&format!("{dot}{}", key.as_text().unwrap_or("?")));
+                at = value;
+            }
+            Tree::Array(items) => {
+                text.push_str(&format!("[{position}]"));
+                at = &items[position];
+            }
+            _ => {}
+        }
+        if let Tree::Map(entries) = at {
+            let named = |name: &&str| entries.iter().find(|(key, _)| key.as_text() == Some(*name))?.1.as_text();
+            if let Some(name) = NAMES.iter().find_map(named) {
+                text.push_str(&format!(" ({name})"));
+            }
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use serde::Deserialize;
+    use serde_json::json;
+
+    use super::*;
+
+    #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+    struct Inner {
+        name: String,
+        value: f64,
+        perhaps: Option<f64>,
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        list: Vec<[f64; 2]>,
+    }
+
+    #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+    struct Outer {
+        first: Vec<Inner>,
+        #[serde(flatten)]
+        second: Inner,
+        pair: (u64, f64),
+    }
+
+    fn outer(values: [f64; 5]) -> Outer {
+        let [a, b, c, d, e] = values;
+        let inner = |value, perhaps| Inner { name: "NaN".into(), value, perhaps, list: vec![[a, e], [0.1, -0.0]] };
+        Outer { first: vec![inner(a, None), inner(b, Some(c))], second: inner(d, Some(e)), pair: (u64::MAX, c) }
+    }
+
+    /// Bits of all numbers, since NaN is not equal to itself.
+    fn bits(tree: &impl Serialize) -> String {
+        format!("{:?}", Tree::serialized(tree).expect("a tree"))
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn any_numbers_survive_in_a_block(values: [u64; 5], numbers: Vec<u64>) {
+            let head = outer(values.map(f64::from_bits));
+            let numbers: Vec<f64> = numbers.into_iter().map(f64::from_bits).collect();
+            let bytes = with_numbers(&head, &numbers).expect("bytes");
+            let (back, rest) = split_numbers::<Outer>(&bytes, "s").expect("a block");
+            assert_eq!(bits(&back), bits(&head));
+            assert_eq!(bits(&rest), bits(&numbers));
+        }
+    }
+
+    #[test]
+    fn what_json_loses_survives_in_a_block() {
+        let special = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.0, f64::MIN_POSITIVE];
+        let bytes = with_numbers(&outer(special), &special).expect("bytes");
+        let (back, numbers) = split_numbers::<Outer>(&bytes, "s").expect("a block");
+        assert!(back.first[0].value.is_nan() && back.first[0].perhaps.is_none());
+        assert_eq!((back.first[1].value, back.first[1].perhaps), (f64::INFINITY, Some(f64::NEG_INFINITY)));
+        assert!(back.second.value.is_sign_negative() && back.first[0].name == "NaN");
+        assert!(numbers[0].is_nan() && numbers[1..] == special[1..]);
+    }
+
+    #[test]
+    fn damage_is_seen() {
+        let head = outer([1.0; 5]);
+        let bytes = with_numbers(&head, &[1.5, 2.5]).expect("bytes");
+        for cut in 0..bytes.len() {
+            let short = split_numbers::<Outer>(&bytes[..cut], "s");
+            assert!(short.is_err() || short.is_ok_and(|(_, numbers)| numbers.len() < 2), "cut at {cut}");
+        }
+        assert!(from_bytes::<Outer>(&bytes, "s").is_err_and(|error| error.to_string().contains("too long")));
+        let error = from_bytes::<Outer>(b"{\"first\": 1}", "conclude").expect_err("not CBOR");
+        assert!(error.to_string().contains("stage `conclude`"), "{error}");
+    }
+
+    #[test]
+    fn a_value_that_would_not_read_back_is_refused() {
+        #[derive(Serialize, Deserialize)]
+        struct Lossy {
+            #[serde(skip_serializing_if = "Vec::is_empty")]
+            list: Vec<f64>,
+        }
+        let refused = to_bytes(&Lossy { list: vec![] });
+        assert!(refused.is_err_and(|error| error.to_string().contains("`list`")));
+    }
+
+    #[test]
+    fn a_result_names_the_place_of_what_is_not_finite() {
+        let mut output = outer([1.0; 5]);
+        output.first[1].perhaps = Some(f64::NAN);
+        let Ok(Step::Done(value)) = result(&output) else { panic!("an optional number may be missing") };
+        assert_eq!(value["first"][1]["perhaps"], json!(null));
+        output.first[1].name = "gap".into();
+        output.first[1].value = f64::NEG_INFINITY;
+        let error = result(&output).expect_err("not a number").to_string();
+        assert_eq!(error, "the result has no finite number at first[1] (gap).value: -inf");
+    }
+}
