@@ -5,5 +5,6 @@ mod documents;
 mod frame;
 mod hand_on;
 mod history;
+mod not_finite;
 mod story;
 mod studies;
