@@ -91,6 +91,9 @@ fn of_design(output: &design::Output) -> Vec<String> {
         let value = number::with_error(best.information_nats, best.se);
         lines.push(format!("{conditions} tells most about {}: {value} nats expected", output.learn.join(", ")));
     }
+    if !output.is_trusted {
+        lines.push("no candidate is named: no estimate of the information can be trusted".to_owned());
+    }
     lines.extend(output.findings.iter().take(MOST_FINDINGS).cloned());
     lines
 }

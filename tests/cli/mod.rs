@@ -7,5 +7,6 @@ mod escapes;
 mod frame;
 mod hand_on;
 mod history;
+mod not_finite;
 mod story;
 mod studies;

@@ -6,4 +6,5 @@ mod jobs;
 mod process;
 mod program;
 mod samples;
+mod stored;
 mod toy;

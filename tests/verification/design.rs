@@ -227,6 +227,77 @@ fn linear_models_with_normal_priors_are_exact() {
     }
 }
 
+/// The linear model read with another noise at three places, about two of its parameters.
+fn sharp(sigma: f64, learn: &str, estimator: &str) -> Output {
+    let job = format!(
+        r#"{{"j": {{"design": {{"sensors": {{"y": {{"measures": "y", "sigma": {sigma}}}, "z": {{"measures": "z", "sigma": {sigma}}}}},
+            "outer": 512, "inner": 256, "conditions": {{"x": [0.5, 1, 4]}}, "learn": {learn}{estimator}}}}}}}"#
+    );
+    let pass = pass(LINEAR, &job);
+    designed(&pass, settings(&pass), &pass.priors)
+}
+
+/// `1/2 ln det` of the readings' covariance by that without what is learnt.
+fn sharp_exact(x: f64, sigma: f64, learns_c: bool) -> f64 {
+    let (r, a, b, c) = (sigma * sigma, 4.0, 0.25 * x * x, 1.0);
+    let all = (a + b + r) * (b + c + r) - b * b;
+    0.5 * bmv::math::functions::ln(all / (r * if learns_c { r } else { c + r }))
+}
+
+#[test]
+fn any_noise_has_an_estimator_that_is_right_and_names_the_best() {
+    for (learn, learns_c) in [(r#"["a", "b", "c"]"#, true), (r#"["a", "b"]"#, false)] {
+        let mut used = Vec::new();
+        for sigma in [1.0, 0.1, 0.01, 1e-3, 1e-4] {
+            let output = sharp(sigma, learn, "");
+            for (candidate, x) in output.candidates.iter().zip([0.5, 1.0, 4.0]) {
+                let (found, margin) = value(candidate);
+                let exact = sharp_exact(x, sigma, learns_c);
+                assert!((found - exact).abs() < margin, "{sigma} {x} {}: {found} {exact} {margin}", output.estimator);
+                assert!(margin < 0.1 && !candidate.sees_nothing, "{sigma} {x}: {candidate:?}");
+            }
+            assert!(output.is_trusted && !output.because.is_empty(), "{sigma}");
+            assert_eq!(output.best.unwrap().conditions["x"], 4.0, "{sigma}");
+            used.push(output.estimator);
+        }
+        assert_eq!(used.first().map(String::as_str), Some("nested"), "{used:?}");
+        assert!(used[2..].iter().all(|name| name == "importance"), "{used:?}");
+    }
+}
+
+#[test]
+fn an_estimator_that_its_diagnostics_forbid_names_no_best() {
+    let output = sharp(1e-3, r#"["a", "b", "c"]"#, r#", "estimator": "nested""#);
+    assert!(output.best.is_none() && output.picks.is_empty() && !output.is_trusted);
+    let bias = output.candidates.iter().filter_map(|candidate| candidate.bias_bound).fold(0.0, f64::max);
+    assert!(bias > 1.0 && output.candidates.iter().all(|candidate| !candidate.sees_nothing), "{bias}");
+    let said = output.findings.join(" ");
+    assert!(said.contains("by `nested` cannot be trusted") && !said.contains("cannot see"), "{said}");
+    // With noise enough it is fine, and is what an open choice takes, with the same numbers.
+    let [named, open] =
+        ["nested", "automatic"].map(|name| sharp(1.0, r#"["a", "b", "c"]"#, &format!(r#", "estimator": "{name}""#)));
+    assert!(named.best.is_some() && named.because.is_empty());
+    assert_eq!((named.candidates, named.best), (open.candidates, open.best));
+}
+
+/// A sharp reading of `a^2 + b^2` leaves a ring: few prior samples lie near it, and no normal proposal follows it.
+#[test]
+fn where_no_estimator_can_be_trusted_none_is_named_the_best() {
+    let model = r#"{"format": "bmv-network/1", "title": "a ring",
+     "inputs": {"x": {"unit": "1", "nominal": 1, "range": [0, 2]}},
+     "parameters": {"a": {"unit": "1", "nominal": 0.5, "prior": {"normal": {"mean": 0, "sd": 1}}},
+        "b": {"unit": "1", "nominal": 0.5, "prior": {"normal": {"mean": 0, "sd": 1}}}},
+     "quantities": {"q": {"expression": {"of": "x * (a^2 + b^2)", "unit": "1"}}}}"#;
+    let job = r#"{"j": {"design": {"conditions": {"x": [1, 2]}, "outer": 256, "inner": 128, "pick": 2,
+        "sensors": {"q": {"measures": "q", "sigma": 1e-5}}}}}"#;
+    let pass = pass(model, job);
+    let output = designed(&pass, settings(&pass), &pass.priors);
+    assert!(output.best.is_none() && output.picks.is_empty() && !output.is_trusted, "{:?}", output.best);
+    assert_eq!(output.estimator, "laplace");
+    let said = output.findings.join(" ");
+    assert!(said.contains("No estimate can be trusted") && said.contains("`importance` cannot be trusted"), "{said}");
+}
+
 #[test]
 fn a_constant_error_of_a_sensor_is_a_nuisance_that_phases_share() {
     // y = a + b x + error + noise at x = 0, twice: a is seen through an error of sd 1 both times. Var of the mean of both

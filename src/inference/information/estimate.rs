@@ -5,6 +5,17 @@ use serde::{Deserialize, Serialize};
 use crate::math::special::student_t_quantile;
 use crate::statistics::moments::Moments;
 
+/// Effective inner samples below which an average is poor.
+pub const FEW: f64 = 10.0;
+/// Share of outer samples with a poor average up to which an estimate is good.
+const GOOD_FEW: f64 = 0.1;
+/// Mean number of effective inner samples from which on halving them shows the bias.
+const LEAST_EFFECTIVE: f64 = 5.0;
+/// A bias is small within this, and beyond it within three standard errors up to the next, nats.
+const SMALL_BIAS: f64 = 0.02;
+const LARGE_BIAS: f64 = 0.1;
+/// The largest bias with which an estimate is still of use, nats.
+const GREATEST_BIAS: f64 = 0.2;
 /// Probability below three standard deviations of a normal distribution.
 const THREE_SIGMA: f64 = 0.998_650_101_968_369_9;
 
@@ -28,7 +39,7 @@ pub struct Replicate {
     pub marginal_rise: f64,
     /// The same of `ln p(z | theta)`.
     pub conditional_rise: f64,
-    /// Outer samples with fewer than 10 effective inner samples for most of their noises.
+    /// Outer samples with fewer than [`FEW`] effective inner samples for most of their noises.
     pub few: u64,
     /// Sum of the effective inner samples.
     pub effective: f64,
@@ -52,6 +63,17 @@ impl Replicate {
     }
 }
 
+/// How far an estimate can be relied on, by its own diagnostics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Trust {
+    /// Not at all: so few inner samples lie near a reading that the bias is large, and its bound is none.
+    No,
+    /// The bias is beyond the random error, and its bound holds.
+    Rough,
+    /// The bias is within the random error or small.
+    Good,
+}
+
 /// An estimate of information.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
@@ -62,6 +84,10 @@ pub struct Estimate {
     /// Bound of the bias that is left: what was taken out of both logarithms. The rest is smaller where the bias falls
     /// at least as the inverse of the number of inner samples.
     pub bias_bound: f64,
+    /// Mean effective number of inner samples.
+    pub effective: f64,
+    /// Share of the outer samples with fewer than [`FEW`] of them.
+    pub few: f64,
 }
 
 impl Estimate {
@@ -75,12 +101,36 @@ impl Estimate {
         let count: u64 = replicates.iter().map(|own| own.count).sum();
         let rises: f64 = replicates.iter().map(|own| own.marginal_rise.abs() + own.conditional_rise.abs()).sum();
         let standard_error = standard_error(&moments, values.len());
-        Some(Self { value: moments.mean(), standard_error, bias_bound: rises / count as f64 })
+        Some(Self {
+            value: moments.mean(),
+            standard_error,
+            bias_bound: rises / count as f64,
+            effective: replicates.iter().map(|own| own.effective).sum::<f64>() / count as f64,
+            few: replicates.iter().map(|own| own.few).sum::<u64>() as f64 / count as f64,
+        })
+    }
+
+    /// How far it can be relied on, where its inner integrals are averages over samples.
+    pub fn trust(&self) -> Trust {
+        let small = (3.0 * self.standard_error).clamp(SMALL_BIAS, LARGE_BIAS);
+        if !(self.bias_bound <= GREATEST_BIAS && self.effective >= LEAST_EFFECTIVE) {
+            Trust::No
+        } else if self.bias_bound <= small && self.few <= GOOD_FEW {
+            Trust::Good
+        } else {
+            Trust::Rough
+        }
+    }
+
+    /// The ends of three standard errors and the bias.
+    pub fn range(&self) -> [f64; 2] {
+        let margin = 3.0 * self.standard_error + self.bias_bound;
+        [self.value - margin, self.value + margin]
     }
 
     /// Whether the value lies within three standard errors and the bias of 0.
     pub fn is_within_noise(&self) -> bool {
-        !(self.value > 3.0 * self.standard_error + self.bias_bound)
+        !(self.range()[0] > 0.0)
     }
 }
 
@@ -115,6 +165,24 @@ mod tests {
         assert!(Estimate::of(&[replicate(0.2, 0.0), replicate(0.0, 0.0)]).expect("samples").is_within_noise());
         assert_eq!(Estimate::of(&[Replicate::default()]), None);
         assert_eq!(Estimate::of(&[]), None);
+    }
+
+    #[test]
+    fn trust_goes_by_the_bias_and_the_samples_that_are_near() {
+        let of = |rise: f64, effective: f64, few: u64| {
+            let own = |mean: f64| Replicate { effective: 10.0 * effective, few, ..replicate(mean + rise, rise) };
+            let many: Vec<Replicate> = (0..16).map(|k| own(3.0 + 0.001 * f64::from(k % 2))).collect();
+            Estimate::of(&many).expect("samples").trust()
+        };
+        assert_eq!(
+            (of(0.01, 50.0, 0), of(0.05, 50.0, 0), of(0.01, 50.0, 3)),
+            (Trust::Good, Trust::Rough, Trust::Rough)
+        );
+        // A small bias says nothing where one sample stands for all, and a wide scatter excuses no large one.
+        assert_eq!((of(0.01, 1.2, 10), of(0.5, 50.0, 0)), (Trust::No, Trust::No));
+        let wild = |mean: f64| Replicate { effective: 100.0, ..replicate(mean, 5.0) };
+        assert_eq!(Estimate::of(&[wild(900.0), wild(1100.0)]).expect("samples").trust(), Trust::No);
+        assert!(Trust::No < Trust::Rough && Trust::Rough < Trust::Good);
     }
 
     #[test]

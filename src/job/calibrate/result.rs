@@ -18,7 +18,7 @@ use crate::job::{JobError, Step};
 
 /// Draws kept of all chains.
 const KEPT: usize = 1000;
-/// Scatter of the islands' log evidence above which their weights are too uneven.
+/// Error of the log evidence above which the weights of the islands are too uneven.
 const EVIDENCE_ERROR: f64 = 0.5;
 
 impl Calibrate {
@@ -60,7 +60,7 @@ impl Calibrate {
             }
             let error = result.log_evidence_error;
             if !(error <= EVIDENCE_ERROR) {
-                objections.push(format!("the islands' evidences scatter by {error:.2} in the logarithm"));
+                objections.push(format!("the islands know the logarithm of the evidence only to {error:.2}"));
             }
             evidence.value = Some(result.log_evidence).filter(|value| value.is_finite());
             evidence.sd = Some(error).filter(|value| value.is_finite());

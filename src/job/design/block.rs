@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::output::{Output, Phase};
+use super::State;
+use super::output::{Estimator, Phase};
 use crate::inference::information::estimate::Replicate;
 
 /// A block of predictions: all samples of a candidate.
@@ -47,14 +48,14 @@ pub(super) struct InformationInput {
     pub phases: Vec<usize>,
     /// Sensors that are read.
     pub sensors: Vec<usize>,
+    /// How the information is estimated.
+    pub estimator: Estimator,
     /// First replicate and number of replicates.
     pub replicates: [usize; 2],
     /// Phases that a search found: candidates after those of the settings.
     pub found: Vec<Phase>,
     /// The result so far.
-    pub carry: Option<Box<Output>>,
-    /// Its replicates.
-    pub carried: Vec<Vec<Replicate>>,
+    pub carry: Option<Box<State>>,
 }
 
 impl InformationInput {
@@ -64,10 +65,10 @@ impl InformationInput {
             purpose: Purpose::Phase,
             phases: Vec::new(),
             sensors: self.sensors.clone(),
+            estimator: self.estimator,
             replicates: self.replicates,
             found: Vec::new(),
             carry: None,
-            carried: Vec::new(),
         }
     }
 }

@@ -3,15 +3,13 @@
 use super::output::{DesignSensor, Estimator};
 use super::plant::{Place, Plant, Room, Whitening};
 use super::samples::{REPLICATES, Samples};
-use crate::inference::information::estimate::Replicate;
+use crate::inference::information::estimate::{FEW, Replicate};
 use crate::inference::information::linear;
 use crate::inference::information::mixture::{Mixture, PRIOR_EVERY};
 use crate::inference::information::nested::{Inner, LogMean};
 use crate::math::functions::exp;
 use crate::math::special::normal_quantile;
 
-/// Effective inner samples below which an average is poor.
-const FEW: f64 = 10.0;
 /// Most steps towards the most probable point of an outer sample.
 const MOST_STEPS: usize = 8;
 /// Squared distance from it, in standard deviations, that is near enough for a proposal.
@@ -77,7 +75,7 @@ impl Question<'_> {
         let found = range
             .map(|replicate| match self.estimator {
                 Estimator::Linear => self.linear(&mut work),
-                Estimator::Nested | Estimator::Importance | Estimator::Laplace => self.replicate(replicate, &mut work),
+                _ => self.replicate(replicate, &mut work),
             })
             .collect();
         (found, work.room.solutions)
@@ -180,9 +178,9 @@ impl Question<'_> {
                 own.sum += value;
                 own.marginal_rise += marginal.map_or(0.0, |own| own.rise().min(value.abs() + 50.0));
                 own.conditional_rise += conditional.map_or(0.0, |own| own.rise().min(value.abs() + 50.0));
-                let effective = marginal.map_or(0.0, |own| own.effective);
-                own.effective += effective;
-                own.few += u64::from(marginal.is_some() && effective < FEW);
+                let effective = marginal.iter().chain(&conditional).map(|own| own.effective).reduce(f64::min);
+                own.effective += effective.unwrap_or(0.0);
+                own.few += u64::from(effective.is_some_and(|effective| effective < FEW));
             }
             if count > 0 {
                 sums.add_mean(&own, count);

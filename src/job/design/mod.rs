@@ -2,12 +2,13 @@
 //! parameters integrated out, limits kept, several phases chosen one after the other, and sensors ranked.
 //!
 //! Stages: `predict` (a block a candidate: noise-free readings of all samples, limits), `information` (blocks of
-//! replicates of a candidate), `search N` (blocks of phases between the values of the grid, by Bayesian optimisation), then
+//! replicates of a candidate; once more by another estimator where one cannot be trusted), `search N` (blocks of phases between the values of the grid, by Bayesian optimisation), then
 //! `phase N` and `sensor N` for greedy choices. The readings of the samples are solved
 //! once: those of a replicate are outer samples there and inner samples of the replicates before it. All candidates see
 //! the same random numbers, so that their differences are known better than their values.
 
 mod block;
+mod choice;
 mod information;
 mod output;
 mod plant;
@@ -17,6 +18,7 @@ mod summary;
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 pub use output::{
@@ -30,6 +32,7 @@ use crate::inference::information::estimate::Replicate;
 use crate::random::{Distribution, StreamKey};
 use crate::thermal::Model;
 use block::{InformationInput, InformationOutput, PredictHead, PredictInput, Purpose};
+use choice::{Choice, as_set};
 use information::Question;
 use plant::{Outside, Place, Plant};
 use samples::{REPLICATES, Samples};
@@ -61,12 +64,19 @@ pub struct Design {
 type Set<'a> = (Vec<usize>, Vec<usize>, Vec<&'a [f64]>);
 
 /// The result so far.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct State {
     output: Output,
+    /// The estimator at work, never `automatic`.
+    estimator: Estimator,
+    /// Of each candidate, by that estimator.
     replicates: Vec<Vec<Replicate>>,
     /// Phases that a search found: candidates after those of the settings.
     found: Vec<Phase>,
+    /// What other estimators gave, which were not good.
+    tried: Vec<(Estimator, Vec<Vec<Replicate>>)>,
+    /// Whether the choice of further phases, and of sensors, has ended early.
+    ended: [bool; 2],
 }
 
 /// What was asked, its predictions, and the replicates found.
@@ -151,10 +161,10 @@ impl Design {
                     purpose,
                     phases: phases.clone(),
                     sensors: sensors.clone(),
+                    estimator: state.estimator,
                     replicates: [first, cut],
                     found: state.found.clone(),
                     carry: None,
-                    carried: Vec::new(),
                 };
                 inputs.push(with_numbers(&head, &numbers)?);
             }
@@ -169,19 +179,25 @@ impl Design {
             purpose: Purpose::Carry,
             phases: with,
             sensors: Vec::new(),
+            estimator: state.estimator,
             replicates: [0, 0],
-            found: state.found.clone(),
-            carry: Some(Box::new(state.output.clone())),
-            carried: state.replicates.clone(),
+            found: Vec::new(),
+            carry: Some(Box::new(state.clone())),
         }
     }
 
-    fn question<'a>(&'a self, phases: &'a [Place], read: &'a [usize], predictions: &'a [f64]) -> Question<'a> {
+    fn question<'a>(
+        &'a self,
+        estimator: Estimator,
+        phases: &'a [Place],
+        read: &'a [usize],
+        predictions: &'a [f64],
+    ) -> Question<'a> {
         Question {
             plant: &self.plant,
             samples: &self.samples,
             sensors: &self.spec.sensors,
-            estimator: self.spec.estimator,
+            estimator,
             learn: self.spec.learn.len(),
             inner: usize::try_from(self.spec.inner).unwrap_or(usize::MAX),
             draws: usize::try_from(self.spec.draws).unwrap_or(usize::MAX),
@@ -199,7 +215,7 @@ impl Design {
             heads.push(head);
             predictions.push(numbers);
         }
-        let mut state = State { output: self.begun(&heads), ..State::default() };
+        let mut state = State { output: self.begun(&heads), estimator: self.first_estimator(), ..State::default() };
         state.output.solutions = outputs.len() as u64 * self.all_samples() as u64;
         let read: Vec<usize> = (0..self.plant.sensors()).collect();
         let sets: Vec<_> = (state.output.candidates.iter().enumerate())
@@ -211,7 +227,7 @@ impl Design {
     }
 
     fn after_information(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        let mut state = State::default();
+        let mut carried = None;
         let mut sets: Vec<Told> = Vec::new();
         let (mut searched, mut solutions) = (Vec::new(), 0);
         let all = self.all_samples() * self.plant.sensors();
@@ -221,13 +237,14 @@ impl Design {
             solutions += told.solutions;
             match head.purpose {
                 Purpose::Carry => {
+                    let shell = head.shell();
+                    let state = head.carry.ok_or_else(|| stored::unreadable(stage, "it carries nothing"))?;
                     for (&phase, readings) in head.phases.iter().zip(numbers.chunks_exact(all)) {
-                        let own = InformationInput { phases: vec![phase], ..head.shell() };
-                        let replicates = head.carried.get(phase).cloned().unwrap_or_default();
+                        let own = InformationInput { phases: vec![phase], ..shell.clone() };
+                        let replicates = state.replicates.get(phase).cloned().unwrap_or_default();
                         sets.push((own, readings.to_vec(), replicates));
                     }
-                    state.output = head.carry.map(|output| *output).unwrap_or_default();
-                    (state.replicates, state.found) = (head.carried, head.found);
+                    carried = Some(*state);
                 }
                 Purpose::Search => searched.push((head, told, readings)),
                 Purpose::Phase | Purpose::Sensor => match sets.last_mut() {
@@ -238,13 +255,19 @@ impl Design {
                 },
             }
         }
+        let mut state = carried.ok_or_else(|| stored::unreadable(stage, "earlier stages are not there"))?;
         state.output.solutions += solutions;
-        let is_greedy = stage != INFORMATION && searched.is_empty();
-        if is_greedy {
-            self.add_pick(&mut state.output, &sets);
-            return self.next(&state, &sets);
+        let is_of_all = stage.starts_with(INFORMATION);
+        if !is_of_all && searched.is_empty() {
+            return match self.again(&mut state, &sets)? {
+                Some(inputs) => Ok(Step::Blocks { stage: format!("{stage} by {}", state.estimator.name()), inputs }),
+                None => {
+                    self.add_pick(&mut state, &sets);
+                    self.next(&state, &sets)
+                }
+            };
         }
-        if stage == INFORMATION {
+        if is_of_all {
             for (head, _, replicates) in &sets {
                 if let Some(&candidate) = head.phases.last() {
                     state.replicates[candidate].clone_from(replicates);
@@ -254,7 +277,18 @@ impl Design {
         for (head, told, readings) in searched {
             self.take_in(&mut state, &mut sets, head, told, readings);
         }
-        let best = self.judge(&mut state);
+        let best = loop {
+            let best = self.judge(&mut state);
+            match self.choose(&mut state) {
+                Choice::Keep => break best,
+                Choice::Return => {}
+                Choice::Try => {
+                    let sets: Vec<Set<'_>> = sets.iter().map(as_set).collect();
+                    let inputs = self.blocks(Purpose::Phase, &sets, &state)?;
+                    return Ok(Step::Blocks { stage: format!("{INFORMATION} by {}", state.estimator.name()), inputs });
+                }
+            }
+        };
         if let Some(blocks) = self.search(&state, &sets)? {
             return Ok(blocks);
         }
@@ -283,7 +317,7 @@ impl Design {
             own.map(|(_, numbers, _)| &numbers[numbers.len().saturating_sub(all)..])
         };
         let picked: Vec<usize> = output.picks.iter().map(|pick| pick.position).collect();
-        if output.best.is_some() && (picked.len() as u64) < self.spec.pick {
+        if output.best.is_some() && (picked.len() as u64) < self.spec.pick && !state.ended[0] {
             let read: Vec<usize> = (0..self.plant.sensors()).collect();
             let sets: Vec<_> = (output.candidates.iter().enumerate())
                 .filter(|(_, candidate)| candidate.allowed)
@@ -300,6 +334,7 @@ impl Design {
         let wanted = self.spec.choose_sensors.unwrap_or(0).min(self.plant.sensors() as u64);
         if let Some(best) = &output.best
             && (chosen.len() as u64) < wanted
+            && !state.ended[1]
             && let Some(predictions) = of(best.candidate)
         {
             let sets: Vec<_> = (0..self.plant.sensors())
@@ -313,7 +348,7 @@ impl Design {
             return Ok(Step::Blocks { stage, inputs: self.blocks(Purpose::Sensor, &sets, state)? });
         }
         let mut output = output.clone();
-        self.tell(&mut output);
+        self.tell(&mut output, state);
         stored::result(&output)
     }
 }
@@ -324,7 +359,7 @@ impl Job for Design {
     }
 
     fn algorithm_version(&self) -> u32 {
-        2
+        3
     }
 
     fn identity(&self) -> Value {
@@ -352,7 +387,7 @@ impl Job for Design {
         let places = places.ok_or_else(|| unreadable("there is no such candidate"))?;
         if head.purpose == Purpose::Search {
             let [place] = places.as_slice() else { return Err(unreadable("it is not one phase")) };
-            return self.look(place);
+            return self.look(head.estimator, place);
         }
         let [first, count] = head.replicates;
         let expected = head.phases.len() * self.all_samples() * self.plant.sensors();
@@ -364,7 +399,7 @@ impl Job for Design {
             return Err(unreadable("its readings do not fit"));
         }
         let (replicates, solutions) =
-            self.question(&places, &head.sensors, &predictions).replicates(first..first + count);
+            self.question(head.estimator, &places, &head.sensors, &predictions).replicates(first..first + count);
         with_numbers(&InformationOutput { head: None, replicates, solutions }, &[])
     }
 

@@ -11,9 +11,11 @@ use crate::random::Distribution;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Estimator {
+    /// `nested` where its bias and its effective inner samples are good, else `importance`, else `laplace`.
+    #[default]
+    Automatic,
     /// Nested Monte Carlo: `ln p(z)` over the predictions of other replicates' outer samples, `ln p(z | theta)` by
     /// importance sampling of the nuisance parameters.
-    #[default]
     Nested,
     /// Both by importance sampling round Laplace approximations.
     Importance,
@@ -27,11 +29,17 @@ impl Estimator {
     /// The name in files.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Automatic => "automatic",
             Self::Nested => "nested",
             Self::Importance => "importance",
             Self::Laplace => "laplace",
             Self::Linear => "linear",
         }
+    }
+
+    /// Whether its inner integrals are averages over samples, which tell their own bias.
+    pub(super) fn tells_its_bias(self) -> bool {
+        matches!(self, Self::Nested | Self::Importance)
     }
 }
 
@@ -146,11 +154,11 @@ pub struct Candidate {
     pub because: Option<String>,
     /// Share of the samples without a solution.
     pub failed: f64,
-    /// Mean effective number of inner samples.
+    /// Mean effective number of inner samples, of the inner integral that has fewer.
     pub effective_inner: Option<f64>,
-    /// Share of the outer samples with fewer than 10 effective inner samples.
+    /// Share of the outer samples of which an inner integral has fewer than 10 effective samples.
     pub few_effective: Option<f64>,
-    /// Whether the information is within noise of 0.
+    /// Whether the information is within noise of 0; false where the estimate cannot be trusted.
     pub sees_nothing: bool,
     /// Whether the search between the values of the grid found it.
     #[serde(default)]
@@ -240,11 +248,22 @@ pub struct Axis {
     pub values: Vec<f64>,
 }
 
+fn yes() -> bool {
+    true
+}
+
 /// Result.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Output {
-    /// Estimator.
+    /// The estimator of the numbers.
     pub estimator: String,
+    /// Why this one, where the study left the choice; empty where it named one.
+    #[serde(default)]
+    pub because: String,
+    /// Whether the estimates can be relied on by their own diagnostics; without that no candidate is the best. An approximation
+    /// that the study names has no diagnostics.
+    #[serde(default = "yes")]
+    pub is_trusted: bool,
     /// Parameters to learn.
     pub learn: Vec<String>,
     /// Nuisance parameters and unknown errors of sensors.
@@ -261,7 +280,7 @@ pub struct Output {
     pub limits: [Option<f64>; 2],
     /// Candidates.
     pub candidates: Vec<Candidate>,
-    /// The best of those that are allowed; `null` where none is.
+    /// The best of those that are allowed; `null` where none is, or where the estimates cannot be trusted.
     pub best: Option<Best>,
     /// Greedy choice of several phases.
     pub picks: Vec<Pick>,

@@ -2,7 +2,7 @@
 //! grid's, so that what is sought is a smooth function.
 
 use super::block::{InformationInput, InformationOutput, Purpose};
-use super::output::Phase;
+use super::output::{Estimator, Phase};
 use super::plant::Place;
 use super::samples::REPLICATES;
 use super::summary::FAILURE_LIMIT;
@@ -77,10 +77,10 @@ impl Design {
                 purpose: Purpose::Search,
                 phases: vec![self.spec.candidates.len() + place],
                 sensors: Vec::new(),
+                estimator: state.estimator,
                 replicates: [0, REPLICATES],
                 found: found.clone(),
                 carry: None,
-                carried: Vec::new(),
             };
             blocks.push(with_numbers(&head, &[])?);
         }
@@ -91,12 +91,12 @@ impl Design {
     }
 
     /// Solves a phase of the search and estimates its information.
-    pub(super) fn look(&self, place: &Place) -> Result<Vec<u8>, JobError> {
+    pub(super) fn look(&self, estimator: Estimator, place: &Place) -> Result<Vec<u8>, JobError> {
         let (head, readings) = self.predict(place);
         let read: Vec<usize> = (0..self.plant.sensors()).collect();
         let has_solutions = head.failed as f64 <= FAILURE_LIMIT * self.all_samples() as f64;
         let places = [place.clone()];
-        let question = self.question(&places, &read, &readings);
+        let question = self.question(estimator, &places, &read, &readings);
         let (replicates, own) = if has_solutions { question.replicates(0..REPLICATES) } else { (Vec::new(), 0) };
         let solutions = own + self.all_samples() as u64;
         with_numbers(&InformationOutput { head: Some(head), replicates, solutions }, &readings)

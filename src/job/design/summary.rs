@@ -10,7 +10,7 @@ use super::output::{
 use super::plant::{Place, Whitening};
 use super::samples::REPLICATES;
 use super::{Design, State, Told};
-use crate::inference::information::estimate::{Estimate, difference};
+use crate::inference::information::estimate::{Estimate, Replicate, Trust, difference};
 use crate::inference::information::linear;
 use crate::statistics::moments::correlation;
 
@@ -33,7 +33,8 @@ impl Design {
             self.plant.unknowns()[range].iter().map(|unknown| unknown.name.clone()).collect()
         };
         Output {
-            estimator: spec.estimator.name().to_owned(),
+            estimator: self.first_estimator().name().to_owned(),
+            is_trusted: true,
             learn: names(0..spec.learn.len()),
             nuisance: names(spec.learn.len()..self.samples.unknowns),
             sensors: (spec.sensors.iter())
@@ -97,8 +98,8 @@ impl Design {
     }
 
     /// The bound of an estimate's bias, where it is known: that of an approximation is not.
-    fn bias_bound(&self, estimate: &Estimate) -> Option<f64> {
-        matches!(self.spec.estimator, Estimator::Nested | Estimator::Importance).then_some(estimate.bias_bound)
+    fn bias_bound(estimator: Estimator, estimate: &Estimate) -> Option<f64> {
+        estimator.tells_its_bias().then_some(estimate.bias_bound)
     }
 
     /// Why a candidate is not allowed.
@@ -124,9 +125,12 @@ impl Design {
         candidate.failed <= FAILURE_LIMIT
     }
 
-    /// Fills in the candidates' information and finds the best.
+    /// Fills in the candidates' information and finds the best, where the estimates can be trusted.
     pub(super) fn judge(&self, state: &mut State) -> Option<usize> {
+        let estimator = state.estimator;
         let State { output, replicates, .. } = state;
+        output.estimator = estimator.name().to_owned();
+        (output.best, output.picks, output.convergence) = (None, Vec::new(), Vec::new());
         for (candidate, own) in output.candidates.iter_mut().zip(replicates.iter()) {
             let Some(estimate) = Estimate::of(own) else {
                 if candidate.allowed {
@@ -135,15 +139,19 @@ impl Design {
                 }
                 continue;
             };
-            let count = own.iter().map(|replicate| replicate.count).sum::<u64>() as f64;
             candidate.information_nats = Some(estimate.value);
             candidate.se = Some(estimate.standard_error).filter(|error| error.is_finite());
-            candidate.bias_bound = self.bias_bound(&estimate);
-            candidate.sees_nothing = estimate.is_within_noise();
-            if matches!(self.spec.estimator, Estimator::Nested | Estimator::Importance) {
-                candidate.effective_inner = Some(own.iter().map(|r| r.effective).sum::<f64>() / count);
-                candidate.few_effective = Some(own.iter().map(|r| r.few).sum::<u64>() as f64 / count);
-            }
+            candidate.bias_bound = Self::bias_bound(estimator, &estimate);
+            let of_samples = Some(estimate).filter(|_| estimator.tells_its_bias());
+            candidate.sees_nothing = of_samples.is_none_or(|own| own.trust() > Trust::No) && estimate.is_within_noise();
+            candidate.effective_inner = of_samples.map(|own| own.effective);
+            candidate.few_effective = of_samples.map(|own| own.few);
+            candidate.behind_best = None;
+        }
+        state.output.is_trusted = self.trust_in_candidates(state) > Trust::No;
+        let State { output, replicates, .. } = state;
+        if !output.is_trusted {
+            return None;
         }
         let mut best: Option<(usize, f64)> = None;
         for (index, candidate) in output.candidates.iter().enumerate().filter(|(_, candidate)| candidate.allowed) {
@@ -162,7 +170,7 @@ impl Design {
             candidate.behind_best = Some([behind, error]);
             let margin = 2.0 * error + bias(candidate).max(own_bias);
             // Without a random error nothing is said to be equal.
-            if index != best && candidate.allowed && self.spec.estimator != Estimator::Linear && behind <= margin {
+            if index != best && candidate.allowed && estimator != Estimator::Linear && behind <= margin {
                 rivals.push(index);
             }
         }
@@ -173,10 +181,10 @@ impl Design {
             conditions: candidate.conditions.clone(),
             information_nats: estimate.value,
             se: estimate.standard_error,
-            bias_bound: self.bias_bound(&estimate),
+            bias_bound: Self::bias_bound(estimator, &estimate),
             rivals,
         });
-        output.picks = vec![self.pick(best, &estimate)];
+        output.picks = vec![Self::pick(estimator, best, &estimate)];
         let parts = (0..).map(|power| 1_usize << power).take_while(|count| *count <= REPLICATES);
         let partial = |count: usize| {
             let estimate = Estimate::of(&replicates[best][..count])?;
@@ -218,8 +226,14 @@ impl Design {
         }
     }
 
-    /// Adds the set that tells most to the greedy choice.
-    pub(super) fn add_pick(&self, output: &mut Output, sets: &[Told]) {
+    /// Adds the set that tells most to the greedy choice, which ends where no estimate of the sets can be trusted.
+    pub(super) fn add_pick(&self, state: &mut State, sets: &[Told]) {
+        let is_of_sensors = sets.first().is_some_and(|(head, _, _)| head.purpose == super::block::Purpose::Sensor);
+        let replicates: Vec<&[Replicate]> = sets.iter().map(|(_, _, own)| own.as_slice()).collect();
+        if self.trust_in(state.estimator, &replicates) == Trust::No {
+            state.ended[usize::from(is_of_sensors)] = true;
+            return;
+        }
         let mut most: Option<(usize, bool, Estimate)> = None;
         for (head, _, replicates) in sets {
             let is_sensor = head.purpose == super::block::Purpose::Sensor;
@@ -230,20 +244,56 @@ impl Design {
                 most = Some((added, is_sensor, estimate));
             }
         }
-        let Some((position, is_sensor, estimate)) = most else { return };
+        let Some((position, is_sensor, estimate)) = most else {
+            state.ended[usize::from(is_of_sensors)] = true;
+            return;
+        };
+        let output = &mut state.output;
         let list = if is_sensor { &mut output.sensor_picks } else { &mut output.picks };
-        list.push(self.pick(position, &estimate));
+        list.push(Self::pick(state.estimator, position, &estimate));
     }
 
-    fn pick(&self, position: usize, estimate: &Estimate) -> Pick {
-        let bias_bound = self.bias_bound(estimate);
+    fn pick(estimator: Estimator, position: usize, estimate: &Estimate) -> Pick {
+        let bias_bound = Self::bias_bound(estimator, estimate);
         Pick { position, information_nats: estimate.value, se: estimate.standard_error, bias_bound }
     }
 
+    /// Why no candidate is named, and what would help.
+    fn distrust(&self, output: &Output) -> String {
+        if self.spec.estimator == Estimator::Automatic {
+            return format!(
+                "No estimate can be trusted, so that no candidate is named: {}. The numbers are those of `{}`, an approximation of \
+                 unknown error. More `draws` for `importance`, or more `inner` samples for `nested`, may help.",
+                output.because, output.estimator
+            );
+        }
+        let bias = output.candidates.iter().filter_map(|own| own.bias_bound).fold(0.0, f64::max);
+        let least = output.candidates.iter().filter_map(|own| own.effective_inner).fold(f64::INFINITY, f64::min);
+        format!(
+            "The estimates by `{}` cannot be trusted, so that no candidate is named: the bias may be {bias:.2} nats and more, and \
+             an inner average rests on as few as {least:.1} effective samples. Leave `estimator` out, and the one that fits is \
+             chosen.",
+            output.estimator
+        )
+    }
+
     /// What the reader must know.
-    pub(super) fn tell(&self, output: &mut Output) {
+    pub(super) fn tell(&self, output: &mut Output, state: &State) {
         let mut findings = Vec::new();
         let learn = output.learn.join(", ");
+        if !output.is_trusted {
+            findings.push(self.distrust(output));
+        } else if !output.because.is_empty() && state.estimator != Estimator::Nested {
+            findings.push(format!("The estimator is `{}`: {}.", output.estimator, output.because));
+        }
+        for (ended, what) in state.ended.into_iter().zip(["phases", "sensors"]) {
+            if ended {
+                findings.push(format!(
+                    "The choice of {what} ends early: by `{}` no estimate of the larger sets can be trusted.",
+                    state.estimator.name()
+                ));
+            }
+        }
         let usable: Vec<&Candidate> =
             output.candidates.iter().filter(|candidate| candidate.information_nats.is_some()).collect();
         let unseen = usable.iter().filter(|candidate| candidate.sees_nothing).count();
@@ -260,6 +310,7 @@ impl Design {
             }
         }
         match &output.best {
+            None if !output.is_trusted => {}
             None => findings.push("No candidate keeps the limits and has solutions.".to_owned()),
             Some(best) if !best.rivals.is_empty() => findings.push(format!(
                 "{} other candidates are not told from the best with so many samples.",
@@ -304,7 +355,7 @@ impl Design {
                 pair.sensors[0], pair.sensors[1], pair.correlation
             ));
         }
-        if matches!(self.spec.estimator, Estimator::Laplace | Estimator::Linear) {
+        if !state.estimator.tells_its_bias() && output.is_trusted {
             findings.push(format!(
                 "The estimator `{}` is an approximation for screening. The error of the approximation is not known, so that no bound \
                  of the bias stands beside the numbers; `nested` or `importance` at the candidates that matter would tell it.",

@@ -83,6 +83,12 @@ fn verdict(output: &Output) -> Vec<Block> {
             };
             blocks.push(Block::Callout(Tone::Verdict, text));
         }
+        None if !output.is_trusted => {
+            blocks.push(Block::callout(
+                Tone::Warning,
+                "No candidate is named: no estimate of the information can be trusted.",
+            ));
+        }
         None => blocks.push(Block::callout(Tone::Warning, "No candidate is allowed and has an estimate.")),
     }
     if !output.findings.is_empty() {
@@ -472,6 +478,10 @@ fn method(job: &str, output: &Output) -> Text {
         output.solutions,
         percent(0.367_879_441_171_442_33, 0)
     ));
+    if !output.because.is_empty() {
+        text = text.plain("The estimator was left to the program: ").code(&output.estimator).plain(", because ");
+        text = text.plain(format!("{}. ", output.because));
+    }
     let found = output.candidates.iter().filter(|candidate| candidate.is_found).count();
     if found > 0 {
         text = text.plain(format!(

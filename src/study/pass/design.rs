@@ -27,7 +27,8 @@ written_struct! {
         optional sensors: Spanned<SensorsForm>,
         /// How many of the sensors are wanted: they are chosen one after the other at the best candidate.
         optional choose_sensors: Spanned<u64>,
-        /// How the expected information is estimated, `nested` where it is left out.
+        /// How the expected information is estimated, `automatic` where it is left out: the first of `nested`, `importance` and
+        /// `laplace` that can be trusted by its own diagnostics.
         optional estimator: EstimatorForm,
         /// Further phases that are sought between the values of the grid, where more may be learnt (Bayesian optimisation); none
         /// where it is left out.
@@ -58,6 +59,8 @@ written_struct! {
 written_words! {
     /// How expected information is estimated.
     pub enum EstimatorForm: "an estimator" {
+        /// The first of the next three that can be trusted by its own diagnostics.
+        "automatic" => Automatic,
         /// Nested Monte Carlo.
         "nested" => Nested,
         /// Importance sampling round Laplace approximations.

@@ -110,7 +110,8 @@ pub(super) fn design(
         })
         .collect();
     let estimator = match form.estimator {
-        None | Some(EstimatorForm::Nested) => Estimator::Nested,
+        None | Some(EstimatorForm::Automatic) => Estimator::Automatic,
+        Some(EstimatorForm::Nested) => Estimator::Nested,
         Some(EstimatorForm::Importance) => Estimator::Importance,
         Some(EstimatorForm::Laplace) => Estimator::Laplace,
         Some(EstimatorForm::Linear) => Estimator::Linear,
