@@ -23,6 +23,7 @@ mod pass_adopt;
 mod pass_data;
 mod pass_entries;
 mod pass_hand_on;
+mod pass_inputs;
 mod pass_load;
 mod pass_sensitivity;
 mod pass_study;

@@ -9,11 +9,14 @@ mod chosen;
 pub mod data;
 mod design;
 mod diagnose;
+mod drift;
 mod goal;
 mod handed_on;
+mod initial;
 pub mod jobs;
 pub mod measurement;
 mod noise;
+mod plausible;
 mod predict;
 pub mod requirement;
 pub mod scope;
@@ -229,7 +232,7 @@ fn resolve(
     model_tree: &Node,
     diagnostics: &mut Diagnostics,
 ) -> Option<Pass> {
-    let mut scope = Scope { folder, resolved, hosts: Vec::new(), drawn: Vec::new(), diagnostics };
+    let mut scope = Scope { folder, resolved, hosts: Vec::new(), drawn: Vec::new(), doubts: Vec::new(), diagnostics };
     let seed = seed(&mut scope, form.seed.as_ref());
     check_names(&mut scope, form);
     let (changes, mut priors) = changes::changes(&mut scope, &form.parameters);
@@ -299,6 +302,13 @@ fn resolve(
     let measured = form.measurements.iter().next().map(|entry| &entry.name_place);
     jobs.extend(jobs::implied_comparison(&jobs, &offered, measured));
     calibrate::show_in_comparisons(&mut jobs, &form.jobs);
+    if !scope.diagnostics.has_errors() {
+        // What is wrong comes first.
+        drift::doubts(&mut scope, form, &jobs, &mut measurements);
+        for doubt in std::mem::take(&mut scope.doubts) {
+            scope.diagnostics.push(doubt);
+        }
+    }
     let definition_sha256 = definition(lineage, model_file, model_tree, own);
     let groups = group_places(&scope.resolved.groups, &measurements);
     let ResolvedModel { model, reconstructed, input_errors, .. } = scope.resolved;
