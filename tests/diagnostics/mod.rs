@@ -3,6 +3,7 @@
 use bmv::document::Diagnostics;
 use bmv::study::model;
 
+mod docs;
 mod effects;
 mod expression;
 mod model_form;

@@ -37,6 +37,24 @@ fn an_input_without_a_value_is_told() {
 }
 
 #[test]
+fn an_input_of_a_part_that_the_test_does_not_touch_needs_no_value() {
+    let study = with_shroud();
+    study.edit("model.json", r#""T_s": {"#, r#""T_cell": {"unit": "K", "nominal": 77, "test_sets": true}, "T_s": {"#);
+    study.edit(
+        "model.json",
+        r#""shroud": {"boundary": "T_s"}"#,
+        r#""shroud": {"boundary": "T_s"}, "cell": {"boundary": "T_cell"}, "coupon": {}"#,
+    );
+    study.edit("model.json", r#""strap""#, r#""post": {"between": ["coupon", "cell"], "conductance": 1}, "strap""#);
+    assert_eq!(study.said("pass-1.json"), "");
+    // Through a boundary nothing passes, through a balance it does.
+    study.edit("model.json", r#""strap""#, r#""foot": {"between": ["coupon", "plate"], "conductance": 1}, "strap""#);
+    assert_eq!(study.said("pass-1.json"), "");
+    study.edit("model.json", r#""strap""#, r#""hook": {"between": ["coupon", "box"], "conductance": 1}, "strap""#);
+    assert!(study.said("pass-1.json").contains("does not say what `T_cell` was"));
+}
+
+#[test]
 fn an_input_that_every_test_sets_must_be_said() {
     let study = Study::new();
     study.edit("model.json", r#""nominal": 90"#, r#""nominal": 90, "test_sets": true"#);

@@ -12,6 +12,7 @@ mod diagnose;
 mod drift;
 mod goal;
 mod handed_on;
+mod influence;
 mod initial;
 pub mod jobs;
 pub mod measurement;

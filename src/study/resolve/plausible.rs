@@ -5,6 +5,7 @@ use crate::expression::Dimension;
 use crate::inference::measurement::Sensor;
 
 use super::data::Data;
+use super::influence;
 use super::measurement::Parted;
 use super::scope::Scope;
 
@@ -133,16 +134,21 @@ fn below_zero(scope: &mut Scope, data: &Data, column: usize, name: &str, rows: &
     scope.diagnostics.push(Diagnostic::error(&code::TABLE_CELL, &place, message).help(help));
 }
 
-/// Tells which inputs a measurement says nothing of: `given` has the phases (or the one transient), each with whether
-/// it says the value of each input. What `test_sets` is an error, else the nominal value stands in, with a warning.
-pub fn unsaid(scope: &mut Scope, measurement: &str, place: &Place, given: &[(String, Vec<bool>)]) {
+/// Tells which inputs that move its sensors a measurement says nothing of: `given` has the phases (or the one transient),
+/// each with whether it says the value of each input. What `test_sets` is an error, else the nominal value stands in, with
+/// a warning.
+pub fn unsaid(scope: &mut Scope, measurement: &str, place: &Place, given: &[(String, Vec<bool>)], sensors: &[&Sensor]) {
+    let is_unsaid = |input: &usize| given.iter().any(|(_, own)| !own[*input]);
+    let mut unsaid: Vec<usize> = (0..scope.resolved.test_sets.len()).filter(is_unsaid).collect();
+    if unsaid.is_empty() {
+        return;
+    }
+    let moves = influence::inputs(&scope.resolved.model, sensors);
+    unsaid.retain(|&input| moves[input]);
     let mut sentences = Vec::new();
     let mut help = None;
-    for input in 0..scope.resolved.test_sets.len() {
+    for input in unsaid {
         let lacking: Vec<&str> = given.iter().filter(|(_, own)| !own[input]).map(|(phase, _)| phase.as_str()).collect();
-        if lacking.is_empty() {
-            continue;
-        }
         let (name, nominal) = {
             let own = &scope.resolved.model.inputs[input];
             (own.name.clone(), own.nominal)

@@ -74,7 +74,7 @@ fn table(
     let sensors: Vec<&Sensor> = list.iter().map(|(_, sensor)| sensor).collect();
     plausible::cells(scope, &data, &parts, &sensors, &is_used, &is_used);
     let given = [(String::new(), said(scope, &parts, &[&form.inputs]))];
-    plausible::unsaid(scope, &entry.name, &entry.name_place, &given);
+    plausible::unsaid(scope, &entry.name, &entry.name_place, &given, &sensors);
     let mut phases = Vec::new();
     let mut readings = Vec::new();
     for (row, name) in columns.phases.iter().enumerate() {
@@ -213,7 +213,7 @@ fn from_windows(
         let is_used = |row: usize| series.used[row];
         plausible::cells(scope, &series.data, &series.parts, &sensors, &is_used, &is_used);
     }
-    plausible::unsaid(scope, &entry.name, &entry.name_place, &given);
+    plausible::unsaid(scope, &entry.name, &entry.name_place, &given, &sensors);
     if let Some(series) = all.first() {
         for ((_, sensor), read) in list.iter_mut().zip(&series.parts.sensors) {
             sensor.unit.clone_from(&read.unit);

@@ -54,10 +54,10 @@ pub fn transient(
     }
     said_twice(scope, &form.inputs, &parts);
     let given = [(String::new(), said(scope, &parts, &[&form.inputs]))];
-    plausible::unsaid(scope, &entry.name, &entry.name_place, &given);
     let held_out = held_out_rows(scope, form.held_out.as_ref(), &times_s);
     let ignored = ignored_rows(scope, form, &times_s);
     let used: Vec<&Sensor> = list.iter().map(|(_, sensor)| sensor).collect();
+    plausible::unsaid(scope, &entry.name, &entry.name_place, &given, &used);
     plausible::cells(scope, &data, &parts, &used, &|_| true, &|row| ignored[row].is_none());
     let mut readings = Vec::with_capacity(times_s.len() * list.len());
     for row in 0..times_s.len() {
