@@ -129,6 +129,7 @@ fn panel() -> Problem {
         file: String::new(),
         sha256: String::new(),
         unused_columns: vec![],
+        doubts: vec![],
     };
     let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
     let began = Instant::now();

@@ -2,12 +2,14 @@
 
 use super::output::{escaped, print, table};
 use super::status::{Failure, Status};
+use crate::document::other_tools::{OTHER_WORDS, other_word};
 use crate::document::{code, suggest};
 
 /// Arguments of `bmv explain`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Words of other thermal tools are explained too: GL, GR, QI, QS, MLI, D, A and B nodes.")]
 pub(super) struct Explain {
-    /// Code of a diagnostic, as it stands in its message [default: list all]
+    /// Code of a diagnostic, as it stands in its message, or a word of another thermal tool [default: list all]
     code: Option<String>,
 }
 
@@ -15,10 +17,15 @@ impl Explain {
     pub(super) fn execute(self) -> Result<Status, Failure> {
         let Some(name) = self.code else {
             let rows: Vec<_> = code::all().map(|code| vec![code.name.to_owned(), code.title.to_owned()]).collect();
-            print(&table(&rows))?;
+            let words = OTHER_WORDS.iter().map(|own| vec![own.word.to_owned(), own.meaning.to_owned()]);
+            print(&format!("{}\nWords of other tools:\n{}", table(&rows), table(&words.collect::<Vec<_>>())))?;
             return Ok(Status::Done);
         };
         let Some(code) = code::find(&name) else {
+            if let Some(own) = other_word(&name) {
+                print(&format!("{}: {}\n\nWrite {}\n", own.word, own.meaning, own.write))?;
+                return Ok(Status::Done);
+            }
             let near = suggest::nearest(&name, code::all().map(|code| code.name));
             let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
             return Err(Failure::input(format!("there is no diagnostic `{}`{hint}", escaped(&name))));

@@ -49,7 +49,8 @@ const NARROWEST: usize = 40;
     propagate_version = false,
     arg_required_else_help = true,
     after_help = "Exit status: 0 done; 1 a check or a requirement failed; 2 the input is wrong; 3 a job failed; \
-                  4 a sampler did not converge; 130 interrupted, what was finished is kept."
+                  4 a sampler did not converge; 130 interrupted, what was finished is kept.\n\n\
+                  Words of other tools (GL, GR, QI, MLI, D, A and B nodes): bmv explain WORD."
 )]
 struct Program {
     /// Colours in messages

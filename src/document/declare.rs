@@ -7,6 +7,7 @@
 use super::code;
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::json::{Entry, Node, Value};
+use super::other_tools;
 use super::source::{Place, Span};
 use super::suggest;
 use super::written::{Written, wrong_type};
@@ -24,10 +25,12 @@ impl<'a> Fields<'a> {
         for entry in entries {
             if !known.contains(&entry.key.as_str()) {
                 let near = diagnostics.nearest(&entry.key, known.iter().copied());
-                let help = match near {
-                    Some(near) => format!("did you mean `{near}`?"),
-                    None if known.is_empty() => "the object has no fields: write {}".to_owned(),
-                    None => format!("the fields are {}", suggest::listed(known.iter().copied(), 20)),
+                let text = if let Value::String(text) = &entry.node.value { Some(text.as_str()) } else { None };
+                let help = match (other_tools::advice(&entry.key, text), near) {
+                    (Some(advice), _) => advice,
+                    (None, Some(near)) => format!("did you mean `{near}`?"),
+                    (None, None) if known.is_empty() => "the object has no fields: write {}".to_owned(),
+                    (None, None) => format!("the fields are {}", suggest::listed(known.iter().copied(), 20)),
                 };
                 diagnostics.push(
                     Diagnostic::error(&code::UNKNOWN_FIELD, &entry.key_place, format!("unknown field `{}`", entry.key))

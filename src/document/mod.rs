@@ -11,6 +11,7 @@ pub mod json;
 pub mod map;
 pub mod name;
 mod number;
+pub mod other_tools;
 pub mod prior;
 pub mod quantity;
 pub mod schema;

@@ -2,6 +2,7 @@
 
 use crate::effect::SensorChange;
 use crate::random::Distribution;
+use crate::thermal::Model;
 pub use crate::thermal::transient::{InputColumn, InputTable};
 
 /// A number that is known, or has a prior and is inferred.
@@ -78,6 +79,13 @@ pub enum Initial {
         /// Nodes whose temperature is one and the same value: where it is fitted, it is one unknown.
         shared: Vec<usize>,
     },
+    /// Some nodes at their first readings, the others in balance with them at the first row's inputs.
+    Measured {
+        /// Temperature of every node, K; of those that are not held a first guess.
+        temperatures: Vec<f64>,
+        /// Whether a node has its reading; nodes beyond its end have none.
+        held: Vec<bool>,
+    },
     /// The steady state at the first row's inputs.
     Steady,
     /// The periodic state of the inputs' cycle.
@@ -110,8 +118,31 @@ pub struct Stabilisation {
     pub slopes: Vec<Option<f64>>,
     /// Standard error of each slope.
     pub slope_errors: Vec<Option<f64>>,
+    /// Probability of each slope from the sensor's scatter alone.
+    pub chances: Vec<Option<f64>>,
     /// Standard error of each sensor's mean over the window, SI.
     pub mean_errors: Vec<Option<f64>>,
+}
+
+/// Probability with which scatter alone makes any sensor of a phase drift.
+const DRIFT_CHANCE: f64 = 0.01;
+
+impl Stabilisation {
+    /// The steepest of these sensors that drift: their slope is above the limit (SI unit a second), and steeper than scatter
+    /// explains, with a probability of 1 % over all of them.
+    pub fn drifting(&self, sensors: &[usize], limit: f64) -> Option<usize> {
+        let is_clear = |sensor: usize| {
+            self.chances[sensor].is_some_and(|chance| chance * (sensors.len() as f64) < DRIFT_CHANCE)
+                && self.slopes[sensor].is_some_and(|slope| slope.abs() > limit)
+        };
+        self.steepest(sensors.iter().copied().filter(|&sensor| is_clear(sensor)))
+    }
+
+    /// The sensor with the steepest slope.
+    pub fn steepest(&self, sensors: impl Iterator<Item = usize>) -> Option<usize> {
+        let slopes = sensors.filter_map(|sensor| Some((sensor, self.slopes[sensor]?.abs())));
+        slopes.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(sensor, _)| sensor)
+    }
 }
 
 /// Steady phases or a transient.
@@ -149,6 +180,9 @@ pub struct Measurement {
     pub sha256: String,
     /// Columns of the file that nothing uses.
     pub unused_columns: Vec<String>,
+    /// What is doubtful about the data, in sentences: inputs without a value, a start beside the first readings, phases
+    /// that drift. Results that rest on the data repeat it.
+    pub doubts: Vec<String>,
 }
 
 impl Measurement {
@@ -169,16 +203,26 @@ impl Measurement {
     /// read from it and declared for it.
     pub fn identity(&self) -> serde_json::Value {
         let resolved = format!("{:?} {:?} {:?}", self.rows, self.sensors, self.readings);
-        serde_json::json!({
+        let mut identity = serde_json::json!({
             "name": self.name,
             "file": self.sha256,
             "resolved": crate::document::hash::sha256_hex(resolved.as_bytes()),
-        })
+        });
+        if !self.doubts.is_empty() {
+            identity["doubts"] = serde_json::json!(self.doubts);
+        }
+        identity
     }
 
     /// Reading of a sensor in a row.
     pub fn reading(&self, row: usize, sensor: usize) -> Option<f64> {
         self.readings[row * self.sensors.len() + sensor]
+    }
+
+    /// Positions of the sensors whose quantities are in kelvin.
+    pub fn sensors_in_kelvin(&self, model: &Model) -> Vec<usize> {
+        let unit = |sensor: &Sensor| model.quantities[sensor.quantity].unit.as_str();
+        (0..self.sensors.len()).filter(|&position| unit(&self.sensors[position]) == "K").collect()
     }
 
     /// Whether a row is kept from every fit.

@@ -141,6 +141,7 @@ impl Predictor {
                 start = values.iter().map(super::measurement::Uncertain::nominal).collect();
                 InitialState::Temperatures(&start)
             }
+            Initial::Measured { temperatures, held } => InitialState::Held { temperatures, held },
             Initial::Steady => InitialState::Steady,
             Initial::Periodic => InitialState::Periodic,
         };

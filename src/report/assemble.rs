@@ -128,6 +128,8 @@ pub fn assemble<'p>(
         files: surroundings.files,
         engine_version: surroundings.engine_version,
         command: surroundings.command,
-        warnings: surroundings.warnings,
+        warnings: (surroundings.warnings.into_iter())
+            .chain(pass.measurements.iter().flat_map(|own| own.doubts.iter().map(|doubt| format!("Data: {doubt}."))))
+            .collect(),
     })
 }

@@ -193,6 +193,23 @@ impl<'t> Table<'t> {
         &self.headers
     }
 
+    /// The place of a cell of a row as [`Table::read`] counts them.
+    pub fn cell(&self, row: usize, column: usize) -> Option<Range<usize>> {
+        let mut ranges = Vec::new();
+        let (mut start, mut rows) = (self.body, 0);
+        while start < self.text.len() {
+            start = record(self.text, start, self.separator, &mut ranges, &mut Problems::default())?;
+            if ranges.iter().all(Range::is_empty) || ranges.len() != self.headers.len() {
+                continue;
+            }
+            if rows == row {
+                return ranges.get(column).cloned();
+            }
+            rows += 1;
+        }
+        None
+    }
+
     /// Reads the cells of the columns asked for, with how to read each. Lines with too few or too many cells are
     /// problems and are left out; a cell that cannot be read is a problem and missing.
     pub fn read(&self, wanted: &[(usize, Cells)], problems: &mut Problems) -> Vec<Column> {

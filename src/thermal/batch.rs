@@ -151,7 +151,7 @@ impl Network {
             let possible = equations.check_given(&batch.state.file, lane, &self.nodes).is_ok();
             batch.status[lane] = if possible { LaneStatus::Running } else { LaneStatus::Lost };
         }
-        newton::solve(equations, &mut batch.state, &mut batch.linear, &mut batch.status, &mut batch.last_step);
+        newton::solve(equations, &mut batch.state, &mut batch.linear, &[], &mut batch.status, &mut batch.last_step);
         for lane in 0..N {
             match batch.status[lane] {
                 LaneStatus::Converged(iterations) => {

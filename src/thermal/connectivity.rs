@@ -8,15 +8,20 @@ use super::model::{Model, NodeKind};
 /// Names of the nodes of the first group that has no path (conductors, radiations, flows, coolers) to a boundary and
 /// no heat of its own that depends on a temperature; `None` when every node has one.
 pub(super) fn island(model: &Model) -> Option<Vec<String>> {
+    island_beside(model, &[])
+}
+
+/// The same where some nodes are held at their temperatures, by node; those beyond the end of the list are not.
+pub fn island_beside(model: &Model, held: &[bool]) -> Option<Vec<String>> {
     let mut group: Vec<usize> = (0..model.nodes.len()).collect();
-    let mut anchored: Vec<bool> =
-        model.nodes.iter().map(|node| matches!(node.kind, NodeKind::Boundary { .. })).collect();
+    let is_held = |node: usize| held.get(node).copied().unwrap_or(false);
+    let mut anchored: Vec<bool> = (model.nodes.iter().enumerate())
+        .map(|(index, node)| is_held(index) || matches!(node.kind, NodeKind::Boundary { .. }))
+        .collect();
     for element in &model.elements {
+        join(&mut group, &mut anchored, joined(&element.kind));
         match &element.kind {
-            ElementKind::Conductor(e) => join(&mut group, &mut anchored, &e.between),
-            ElementKind::Radiation(e) => join(&mut group, &mut anchored, &e.between),
-            ElementKind::Flow(e) => join(&mut group, &mut anchored, &e.between),
-            ElementKind::Cooler(e) => join(&mut group, &mut anchored, &e.nodes),
+            ElementKind::Conductor(_) | ElementKind::Radiation(_) | ElementKind::Flow(_) | ElementKind::Cooler(_) => {}
             ElementKind::Load(e) => {
                 if model.graph.dependence(e.power).intersects(Dependence::NODE) {
                     anchor(&mut group, &mut anchored, e.into);
@@ -32,6 +37,17 @@ pub(super) fn island(model: &Model) -> Option<Vec<String>> {
     let lost = root(&mut group, lost);
     let members = (0..model.nodes.len()).filter(|&node| root(&mut group, node) == lost);
     Some(members.map(|node| model.nodes[node].name.clone()).collect())
+}
+
+/// The nodes that an element joins, each with the next.
+pub fn joined(element: &ElementKind) -> &[usize] {
+    match element {
+        ElementKind::Conductor(e) => &e.between,
+        ElementKind::Radiation(e) => &e.between,
+        ElementKind::Flow(e) => &e.between,
+        ElementKind::Cooler(e) => &e.nodes,
+        ElementKind::Load(_) | ElementKind::Heater(_) => &[],
+    }
 }
 
 fn root(group: &mut [usize], mut node: usize) -> usize {

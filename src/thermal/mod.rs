@@ -20,6 +20,7 @@ pub mod transient;
 
 pub use balance::{HeatBalance, NodeHeat};
 pub use batch::Batch;
+pub use connectivity::{island_beside, joined};
 pub use model::{Input, Limits, Model, Node, NodeKind, Parameter, Quantity, QuantityValue};
 pub use network::{Network, NetworkError, Workspace};
 pub use newton::SteadyStats;

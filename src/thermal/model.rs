@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use crate::expression::{ExprId, Graph};
+use crate::expression::{ExprId, Graph, Symbol, Term};
 
 use super::element::Element;
 use super::size::Size;
@@ -33,6 +33,15 @@ pub struct Model {
 }
 
 impl Model {
+    /// The node whose temperature a quantity is.
+    pub fn node_of(&self, quantity: usize) -> Option<usize> {
+        let QuantityValue::Instant(value) = self.quantities[quantity].value else { return None };
+        match self.graph.term(value) {
+            Term::Symbol(Symbol::Node(node)) => Some(node as usize),
+            _ => None,
+        }
+    }
+
     /// How large its hardware is.
     pub fn size(&self) -> Size {
         *self.size.get_or_init(|| Size::of(self))

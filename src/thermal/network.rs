@@ -102,6 +102,8 @@ pub struct Workspace {
     pub(super) solved: bool,
     /// Whether `linear` holds the factors at the solution.
     pub(super) factored: bool,
+    /// Rows of the unknowns whose temperatures were held in the last solve; empty: none.
+    pub(super) held: Vec<bool>,
 }
 
 /// Registers and vectors of a solve, per lane.
@@ -188,6 +190,7 @@ impl Network {
             stale_inputs: true,
             solved: false,
             factored: false,
+            held: Vec::new(),
         };
         self.set_parameters(&mut workspace, &self.nominal_parameters);
         self.set_inputs(&mut workspace, &self.nominal_inputs);

@@ -27,6 +27,14 @@ const FLOOR_SHARE: f64 = 0.25;
 /// Iterations before the plain method gives up.
 const ITERATIONS: u32 = 60;
 
+/// Diagonal that holds a temperature where it is, W/K: beyond any conductance, far from overflow.
+pub(super) const HOLD_W_PER_K: f64 = 1e30;
+
+/// Whether the temperature of a row is held; an empty list holds none.
+pub(super) fn is_held(held: &[bool], row: usize) -> bool {
+    held.get(row).copied().unwrap_or(false)
+}
+
 /// Where a lane stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LaneStatus {
@@ -46,10 +54,13 @@ pub struct SteadyStats {
     pub residual_evaluations: u32,
 }
 
-/// The largest imbalance of each lane, W; not a number where a balance is none.
-fn worst<V: Lanes>(equations: &Equations, file: &[V]) -> V {
+/// The largest imbalance of each lane over the rows that are not held, W; not a number where a balance is none.
+fn worst<V: Lanes>(equations: &Equations, file: &[V], held: &[bool]) -> V {
     let mut worst = V::splat(0.0);
-    for register in &equations.residual {
+    for (row, register) in equations.residual.iter().enumerate() {
+        if is_held(held, row) {
+            continue;
+        }
         // A number that is none stays.
         let larger = |a: f64, b: f64| if b.abs() <= a || a.is_nan() { a } else { b.abs() };
         worst = worst.zip(file[register.index()], larger);
@@ -62,6 +73,7 @@ fn worst<V: Lanes>(equations: &Equations, file: &[V]) -> V {
 fn closes_with<V: Lanes>(
     equations: &Equations,
     file: &mut [V],
+    held: &[bool],
     lane: usize,
     worst: f64,
     sizes_ready: &mut bool,
@@ -77,16 +89,16 @@ fn closes_with<V: Lanes>(
         equations.program.run(segment::MAGNITUDE, file);
         *sizes_ready = true;
     }
-    equations.residual.iter().zip(&equations.magnitude).all(|(residual, size)| {
+    equations.residual.iter().zip(&equations.magnitude).enumerate().all(|(row, (residual, size))| {
         let size = file[size.index()].lane(lane);
-        file[residual.index()].lane(lane).abs() <= CLOSURE_W + CLOSURE_RELATIVE * size
+        is_held(held, row) || file[residual.index()].lane(lane).abs() <= CLOSURE_W + CLOSURE_RELATIVE * size
     })
 }
 
-/// Whether every balance of a single network closes.
-pub(super) fn closes(equations: &Equations, file: &mut [f64]) -> bool {
-    let worst = worst(equations, file);
-    closes_with(equations, file, 0, worst, &mut false)
+/// Whether every balance of a single network closes, those of held temperatures apart.
+pub(super) fn closes(equations: &Equations, file: &mut [f64], held: &[bool]) -> bool {
+    let worst = worst(equations, file, held);
+    closes_with(equations, file, held, 0, worst, &mut false)
 }
 
 /// Moves temperatures by their steps, shortened lane by lane; returns the largest change of each lane in K. A lane with
@@ -117,11 +129,13 @@ pub(super) fn advance<V: Lanes>(equations: &Equations, state: &mut State<V>) -> 
     largest
 }
 
-/// Solves all running lanes from the temperatures in the file. Ends with the residual evaluated at the result.
+/// Solves all running lanes from the temperatures in the file, of which those of the held rows stay. Ends with the
+/// residual evaluated at the result.
 pub(super) fn solve<V: Lanes>(
     equations: &Equations,
     state: &mut State<V>,
     linear: &mut Linear<V>,
+    held: &[bool],
     status: &mut [LaneStatus],
     last_step: &mut [f64],
 ) -> SteadyStats {
@@ -132,13 +146,13 @@ pub(super) fn solve<V: Lanes>(
         stats.residual_evaluations += 1;
         let mut running = 0;
         let mut sizes_ready = false;
-        let worst = worst(equations, &state.file);
+        let worst = worst(equations, &state.file, held);
         for lane in 0..V::COUNT {
             if status[lane] != LaneStatus::Running {
                 continue;
             }
             if last_step[lane] <= LAST_STEP_K
-                && closes_with(equations, &mut state.file, lane, worst.lane(lane), &mut sizes_ready)
+                && closes_with(equations, &mut state.file, held, lane, worst.lane(lane), &mut sizes_ready)
             {
                 status[lane] = LaneStatus::Converged(stats.iterations);
             } else if stats.iterations >= ITERATIONS {
@@ -152,9 +166,10 @@ pub(super) fn solve<V: Lanes>(
         }
         equations.program.run(segment::JACOBIAN, &mut state.file);
         linear.load(equations, &state.file);
+        hold(linear, held);
         linear.factor();
-        for (step, register) in state.step.iter_mut().zip(&equations.residual) {
-            *step = state.file[register.index()].map(|r| -r);
+        for (row, (step, register)) in state.step.iter_mut().zip(&equations.residual).enumerate() {
+            *step = if is_held(held, row) { V::splat(0.0) } else { state.file[register.index()].map(|r| -r) };
         }
         linear.solve(&mut state.step);
         stats.iterations += 1;
@@ -173,6 +188,13 @@ pub(super) fn solve<V: Lanes>(
                 }
             }
         }
+    }
+}
+
+/// Holds the temperatures of some rows in a matrix that was loaded.
+pub(super) fn hold<V: Lanes>(linear: &mut Linear<V>, held: &[bool]) {
+    for row in (0..held.len()).filter(|&row| held[row]) {
+        linear.add_to_diagonal(row, V::splat(-HOLD_W_PER_K));
     }
 }
 

@@ -107,6 +107,30 @@ impl Network {
         if let Some(nodes) = self.island() {
             return Err(SteadyError::Island { nodes: nodes.to_vec() });
         }
+        workspace.held.clear();
+        self.solve_from(workspace, start)
+    }
+
+    /// Solves for the temperatures that balance some nodes while those of the others are held, with the workspace's
+    /// parameters and inputs: `temperatures` of all nodes, K (first guesses where not held), `held` by node. Nodes beyond
+    /// the end of `held` are balanced; boundaries have their own temperatures. Derivatives of the result are with the
+    /// held temperatures constant.
+    ///
+    /// # Errors
+    /// [`SteadyError`] names the node or element that is at fault.
+    pub fn solve_held(
+        &self,
+        workspace: &mut Workspace,
+        temperatures: &[f64],
+        held: &[bool],
+    ) -> Result<SteadyStats, SteadyError> {
+        workspace.held.clear();
+        workspace.held.extend(self.steady.unknowns.iter().map(|&node| newton::is_held(held, node)));
+        self.solve_from(workspace, Start::Temperatures(temperatures))
+    }
+
+    /// Newton's method from a start, then the continuation.
+    fn solve_from(&self, workspace: &mut Workspace, start: Start<'_>) -> Result<SteadyStats, SteadyError> {
         self.refresh(workspace);
         let equations = &self.steady;
         workspace.solved = false;
@@ -125,8 +149,8 @@ impl Network {
         workspace.factored = false;
         let mut status = [LaneStatus::Running];
         let mut last_step = [0.0];
-        let mut stats =
-            newton::solve(equations, &mut workspace.state, &mut workspace.linear, &mut status, &mut last_step);
+        let (state, linear) = (&mut workspace.state, &mut workspace.linear);
+        let mut stats = newton::solve(equations, state, linear, &workspace.held, &mut status, &mut last_step);
         if matches!(status[0], LaneStatus::Lost) {
             self.continuation(workspace, cold, &mut stats)?;
         }
@@ -149,17 +173,23 @@ impl Network {
     fn continuation(&self, workspace: &mut Workspace, start: f64, stats: &mut SteadyStats) -> Result<(), SteadyError> {
         let equations = &self.steady;
         let state = &mut workspace.state;
-        state.file[equations.temperatures()].fill(start);
+        let held = &workspace.held;
+        for (row, temperature) in state.file[equations.temperatures()].iter_mut().enumerate() {
+            if !newton::is_held(held, row) {
+                *temperature = start;
+            }
+        }
         let mut weight: f64 = 1.0;
         let mut last_size = f64::INFINITY;
         let mut last_step = f64::INFINITY;
         for _ in 0..CONTINUATION_ITERATIONS {
             equations.program.run(segment::RESIDUAL, &mut state.file);
             stats.residual_evaluations += 1;
-            if last_step <= 1e-4 && weight < 1e-6 && newton::closes(equations, &mut state.file) {
+            if last_step <= 1e-4 && weight < 1e-6 && newton::closes(equations, &mut state.file, held) {
                 return Ok(());
             }
-            let size: f64 = equations.residual.iter().map(|r| state.file[r.index()].abs()).sum();
+            let balanced = equations.residual.iter().enumerate().filter(|(row, _)| !newton::is_held(held, *row));
+            let size: f64 = balanced.map(|(_, r)| state.file[r.index()].abs()).sum();
             if !size.is_finite() {
                 return Err(self.not_finite(workspace));
             }
@@ -173,9 +203,10 @@ impl Network {
                 let diagonal = workspace.linear.diagonal(row);
                 workspace.linear.add_to_diagonal(row, -weight * diagonal.abs());
             }
+            newton::hold(&mut workspace.linear, held);
             workspace.linear.factor();
-            for (step, register) in state.step.iter_mut().zip(&equations.residual) {
-                *step = -state.file[register.index()];
+            for (row, (step, register)) in state.step.iter_mut().zip(&equations.residual).enumerate() {
+                *step = if newton::is_held(held, row) { 0.0 } else { -state.file[register.index()] };
             }
             workspace.linear.solve(&mut state.step);
             stats.iterations += 1;
@@ -192,7 +223,10 @@ impl Network {
     /// The node with the largest imbalance and that imbalance, W.
     fn worst(&self, workspace: &Workspace) -> (String, f64) {
         let mut worst = (String::new(), 0.0);
-        for (register, &node) in self.steady.residual.iter().zip(&self.steady.unknowns) {
+        for (row, (register, &node)) in self.steady.residual.iter().zip(&self.steady.unknowns).enumerate() {
+            if newton::is_held(&workspace.held, row) {
+                continue;
+            }
             let imbalance: f64 = workspace.state.file[register.index()];
             if worst.0.is_empty() || imbalance.abs() > f64::abs(worst.1) {
                 worst = (self.nodes[node].clone(), imbalance);

@@ -8,6 +8,7 @@ use crate::expression::Symbol;
 
 use super::equations::segment;
 use super::network::{Network, Workspace};
+use super::newton;
 
 /// Asked for derivatives without a solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -33,6 +34,7 @@ impl Network {
                 self.steady.program.run(part, file);
             }
             workspace.linear.load(&self.steady, file);
+            newton::hold(&mut workspace.linear, &workspace.held);
             workspace.linear.factor();
             workspace.factored = true;
         }

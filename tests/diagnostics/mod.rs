@@ -3,6 +3,7 @@
 use bmv::document::Diagnostics;
 use bmv::study::model;
 
+mod docs;
 mod effects;
 mod expression;
 mod model_form;
@@ -23,6 +24,7 @@ mod pass_adopt;
 mod pass_data;
 mod pass_entries;
 mod pass_hand_on;
+mod pass_inputs;
 mod pass_limits;
 mod pass_load;
 mod pass_physical;

@@ -56,6 +56,11 @@ impl Study {
         study
     }
 
+    /// A folder without files.
+    pub fn empty() -> Self {
+        Self { root: tempfile::tempdir().expect("a folder") }
+    }
+
     /// The study with its one measurement a transient.
     pub fn transient() -> Self {
         let study = Self::new();

@@ -395,6 +395,7 @@ fn compared(rows: Vec<Row>, sigma: f64, fails: Vec<String>) -> compare::Output {
         fails,
         failed: vec![],
         unused_columns: vec![],
+        warnings: vec![],
         tuned: None,
         converged: None,
         train,
@@ -555,6 +556,7 @@ pub fn transient() -> Sample {
         file: "data/step-test.csv".into(),
         sha256: "cd".repeat(32),
         unused_columns: vec!["Comment".into()],
+        doubts: vec![],
     };
     compare_sample("Step test of a heater board, pass 1", temperature_model(&["T1", "T2"]), measurement, output)
 }
@@ -630,6 +632,7 @@ pub fn steady() -> Sample {
         drift_error_k_per_s: 1e-5,
         stored_w: 0.11,
         stabilised: Some(false),
+        unclear: false,
     });
     let measurement = Measurement {
         name: "balance test".into(),
@@ -639,6 +642,7 @@ pub fn steady() -> Sample {
         file: "data/balance-test.csv".into(),
         sha256: "ef".repeat(32),
         unused_columns: vec![],
+        doubts: vec![],
     };
     compare_sample("Thermal balance test of a detector head, pass 1", temperature_model(&sensors), measurement, output)
 }

@@ -161,6 +161,7 @@ fn bench() -> (Model, Vec<Measurement>) {
         file: String::new(),
         sha256: String::new(),
         unused_columns: vec![],
+        doubts: vec![],
     };
     let phase = |name: &str, power: f64| bmv::inference::measurement::Phase {
         name: name.into(),
@@ -177,6 +178,7 @@ fn bench() -> (Model, Vec<Measurement>) {
         file: String::new(),
         sha256: String::new(),
         unused_columns: vec![],
+        doubts: vec![],
     };
     (b.model, vec![transient, steady])
 }
@@ -300,6 +302,7 @@ fn input_errors_enter_the_covariance_of_a_phase() {
         file: String::new(),
         sha256: String::new(),
         unused_columns: vec![],
+        doubts: vec![],
     };
     let errors = [InputError { sigma: Some(0.1), bias: None }, InputError { sigma: Some(0.5), bias: None }];
     let target = Likelihood::new(&Definition {

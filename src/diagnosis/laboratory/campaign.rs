@@ -52,6 +52,7 @@ pub fn measurement(kind: TestKind, sketch: &Sketch, model: &mut Model, draw: &mu
         file: "data/test.csv".to_owned(),
         sha256: String::new(),
         unused_columns: Vec::new(),
+        doubts: vec![],
     };
     measurement.readings = vec![Some(0.0); measurement.len() * measurement.sensors.len()];
     measurement

@@ -33,6 +33,18 @@ codes! { PASS_CODES:
     TABLE_CELL = "table-cell", "a cell that cannot be read",
         "A cell of measured data is a finite number with a decimal point, or empty for a missing reading. NaN, inf, texts and decimal commas are refused where a column is used; only readings of sensors may be missing.",
         "wrong: P01,NaN,20.5\nright: P01,,20.5";
+    INPUT_MISSING = "input-missing", "a measurement that does not say what an input was",
+        "A measurement gives the value of each input of the model: a column of its file, or a constant under \"inputs\" beside \"file\" or \"windows\". Where it says nothing the nominal value stands in, with a warning, because a shroud that was elsewhere makes errors of many kelvin in every phase. With \"test_sets\": true an input of the model must be said.",
+        "silent: \"file\": \"data/balance.csv\" without a column T_sh\nright: \"file\": \"data/balance.csv\", \"inputs\": {\"T_sh\": {\"value\": 20, \"unit\": \"degC\"}}";
+    INPUT_RANGE = "input-range", "a measured value of an input outside its stated range",
+        "An input of the model states the range that it is used in. A value of a measurement outside of it is a warning; one that lies more than a full width of the range beyond an end is an error, since it is most often a wrong unit: 6000 where a heater of 0 to 12 W was logged in mW. An input without a stated range takes that of the data, and nothing is checked.",
+        "wrong: a column `Q [W]` with 6000 where the range is [0, 12]\nright: the header `Q [mW]`, or a wider \"range\" in the model";
+    START_APART = "start-apart", "a start apart from the first readings (warning)",
+        "A transient starts at temperatures that its own first readings contradict: a node begins more than five standard deviations of its sensor from the sensor's first reading, and more than 2 % of the range of its readings (10 % where no sigma is stated). All that follows then shows the wrong start, and a calibration bends parameters to make up for it.",
+        "suspicious: \"initial\": {\"temperatures\": {\"all\": {\"value\": 20, \"unit\": \"degC\"}}} where the first readings are 32 degC\nright: \"initial\": {\"measured\": {}}, or a start with a prior";
+    NOT_STABILISED = "not-stabilised", "a phase that drifts (warning)",
+        "A phase cut from a log as a window is compared with a steady state, but a sensor's readings rise or fall in it: faster than the stabilisation of the criteria, and more surely than their scatter explains (Student's t about a parabola, with the correlation of neighbouring readings, at a level of 1 % a phase). The heat stored meanwhile is missing in the balance. Choose a later window, ignore the phase with a reason, or compare the log as a transient.",
+        "\"windows\": {\"P03\": {\"file\": \"data/log.csv\", \"from\": {\"value\": 9, \"unit\": \"h\"}, \"to\": {\"value\": 10, \"unit\": \"h\"}}} instead of the first hour after a step";
     TABLE_SHAPE = "table-shape", "a table that is not rectangular",
         "Measured data are CSV: a line of headers, then a line a row with as many cells as headers. Another separator than the comma is declared with \"separator\" in the measurement.",
         "wrong: phase,a,b and then P01,1\nright: phase,a,b and then P01,1,2";

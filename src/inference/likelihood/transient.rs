@@ -35,6 +35,12 @@ enum Begin {
         fitted: Vec<usize>,
         seeds: Vec<Vec<f64>>,
     },
+    Measured {
+        /// By node, K.
+        temperatures: Vec<f64>,
+        /// By node.
+        held: Vec<bool>,
+    },
     Steady,
     Periodic,
 }
@@ -101,7 +107,7 @@ impl TransientPart {
         let solution = self.solve(likelihood, unknowns, &memory.parameters, slopes)?;
         let fitted: &[usize] = match &self.start {
             Begin::Temperatures { fitted, .. } => fitted,
-            Begin::Steady | Begin::Periodic => &[],
+            Begin::Measured { .. } | Begin::Steady | Begin::Periodic => &[],
         };
 
         let n = unknowns.len();
@@ -197,6 +203,7 @@ impl TransientPart {
                 temperatures = values.iter().map(|value| value.at(unknowns)).collect();
                 (InitialState::Temperatures(&temperatures), seeds)
             }
+            Begin::Measured { temperatures, held } => (InitialState::Held { temperatures, held }, &[]),
             Begin::Steady => (InitialState::Steady, &[]),
             Begin::Periodic => (InitialState::Periodic, &[]),
         };
@@ -229,6 +236,7 @@ impl TransientPart {
     fn rejected(&self, error: &TransientError) -> Rejected {
         let why = match error {
             TransientError::Steady(_) => "has no steady state to begin with",
+            TransientError::Start(_) => "has no balance of the nodes without a reading to begin with",
             TransientError::Capacity { .. } => "meets a capacity that is not above 0",
             TransientError::StepTooShort { .. } | TransientError::TooManySteps { .. } => "cannot be integrated",
             TransientError::NoHysteresis { .. } => "has a thermostat without a band",
@@ -241,6 +249,9 @@ impl TransientPart {
 
 fn begin(model: &Model, measurement: &str, initial: &Initial, unknowns: &mut Unknowns) -> Begin {
     let (values, shared) = match initial {
+        Initial::Measured { temperatures, held } => {
+            return Begin::Measured { temperatures: temperatures.clone(), held: held.clone() };
+        }
         Initial::Steady => return Begin::Steady,
         Initial::Periodic => return Begin::Periodic,
         Initial::Temperatures { values, shared } => (values, shared),

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 
-use crate::expression::{Symbol, Term};
+use crate::expression::Symbol;
 use crate::inference::measurement::{Measurement, Rows, Uncertain};
 use crate::inference::prediction::{Prediction, Predictor};
 use crate::thermal::{Model, NodeKind};
@@ -279,11 +279,11 @@ impl Compare {
             .iter()
             .filter_map(|phase| {
                 let steadiness = phase.stabilisation.as_ref()?;
-                let in_kelvin = |s: &usize| self.model.quantities[measurement.sensors[*s].quantity].unit == KELVIN;
-                let fastest = (0..measurement.sensors.len())
-                    .filter(in_kelvin)
-                    .filter_map(|s| Some((s, steadiness.slopes[s]?, steadiness.slope_errors[s].unwrap_or(0.0))))
-                    .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+                let sensors = measurement.sensors_in_kelvin(&self.model);
+                let limit = self.spec.criteria.stabilisation_k_per_s;
+                let drifting = limit.and_then(|limit| steadiness.drifting(&sensors, limit));
+                let fastest = drifting.or_else(|| steadiness.steepest(sensors.iter().copied()))?;
+                let drift_k_per_s = steadiness.slopes[fastest]?;
                 let stored_w = (0..measurement.sensors.len())
                     .filter_map(|s| {
                         Some(self.capacity(measurement.sensors[s].quantity, phase)? * steadiness.slopes[s]?.abs())
@@ -292,11 +292,12 @@ impl Compare {
                 Some(StabilisationCheck {
                     measurement: measurement.name.clone(),
                     phase: phase.name.clone(),
-                    sensor: measurement.sensors[fastest.0].name.clone(),
-                    drift_k_per_s: fastest.1,
-                    drift_error_k_per_s: fastest.2,
+                    sensor: measurement.sensors[fastest].name.clone(),
+                    drift_k_per_s,
+                    drift_error_k_per_s: steadiness.slope_errors[fastest].unwrap_or(0.0),
                     stored_w,
-                    stabilised: self.spec.criteria.stabilisation_k_per_s.map(|limit| fastest.1.abs() <= limit),
+                    stabilised: limit.map(|_| drifting.is_none()),
+                    unclear: drifting.is_none() && limit.is_some_and(|limit| drift_k_per_s.abs() > limit),
                 })
             })
             .collect()
@@ -304,9 +305,8 @@ impl Compare {
 
     /// Heat capacity of the diffusion node whose temperature a quantity is, J/K, where it does not depend on temperature.
     fn capacity(&self, quantity: usize, phase: &crate::inference::measurement::Phase) -> Option<f64> {
-        let value = self.model.quantities[quantity].value.expression();
-        let Term::Symbol(Symbol::Node(node)) = self.model.graph.term(value) else { return None };
-        let NodeKind::Diffusion { capacity } = self.model.nodes[node as usize].kind else { return None };
+        let node = self.model.node_of(quantity)?;
+        let NodeKind::Diffusion { capacity } = self.model.nodes[node].kind else { return None };
         let capacity = self.model.graph.evaluate(capacity, &|symbol| match symbol {
             Symbol::Parameter(i) => self.parameters[i as usize],
             Symbol::Input(i) => phase.inputs[i as usize],
@@ -484,6 +484,9 @@ impl Job for Compare {
             stabilisation: whole.stabilisation,
             failed: whole.failed,
             unused_columns: whole.unused_columns,
+            warnings: (self.spec.data.iter())
+                .flat_map(|&index| self.measurements[index].doubts.iter().cloned())
+                .collect(),
         };
         stored::result(&output)
     }

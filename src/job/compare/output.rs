@@ -219,8 +219,11 @@ pub struct StabilisationCheck {
     pub drift_error_k_per_s: f64,
     /// Heat hidden in the drift: sum of C |dT/dt| over the measured diffusion nodes, W.
     pub stored_w: f64,
-    /// Whether the profile's limit is kept; `None` without a limit.
+    /// Whether it does not drift: no sensor is clearly steeper than the profile's limit; `None` without a limit.
     pub stabilised: Option<bool>,
+    /// Whether it is steeper than the limit all the same, though no more than the scatter of the readings explains.
+    #[serde(default)]
+    pub unclear: bool,
 }
 
 /// A phase or transient that could not be predicted.
@@ -269,6 +272,9 @@ pub struct Output {
     pub failed: Vec<FailedPhase>,
     /// Columns of the data that nothing uses.
     pub unused_columns: Vec<String>,
+    /// What is doubtful about the data.
+    #[serde(default)]
+    pub warnings: Vec<String>,
     /// The tuned state, where a calibration stands behind the comparison.
     #[serde(default)]
     pub tuned: Option<TunedState>,

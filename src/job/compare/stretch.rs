@@ -83,6 +83,7 @@ mod tests {
             file: String::new(),
             sha256: String::new(),
             unused_columns: vec![],
+            doubts: vec![],
         }
     }
 

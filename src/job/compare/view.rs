@@ -41,6 +41,7 @@ pub fn view(output: &Output, with_rows: bool) -> Value {
         "fails": output.fails,
         "failed": output.failed,
         "unused_columns": output.unused_columns,
+        "warnings": output.warnings,
     });
     if with_rows {
         document["rows"] = output
@@ -223,6 +224,7 @@ mod tests {
             fails: vec!["s: too cold".into()],
             failed: vec![],
             unused_columns: vec![],
+            warnings: vec![],
             tuned: None,
             converged: None,
         }

@@ -93,6 +93,8 @@ impl Diagnose {
 
     /// What is told of the priors beside the diagnosis.
     fn finish(&self, mut output: Output) -> Output {
+        let doubts = self.diagnosis.problem().measurements.iter().flat_map(|measurement| &measurement.doubts);
+        output.warnings.extend(doubts.cloned());
         for own in &self.priors {
             output.warnings.extend(own.fit.doubts.iter().map(|doubt| {
                 format!(

@@ -327,7 +327,11 @@ fn stabilisation(output: &Output) -> Option<Block> {
                 significant(s.stored_w, 3).into(),
                 s.stabilised.map_or_else(
                     || Cell::from(NONE),
-                    |kept| Cell::marked(if kept { "steady" } else { "drifts" }, Status::kept(kept)),
+                    |kept| match (kept, s.unclear) {
+                        (true, true) => Cell::marked("too noisy to tell", Status::Caution),
+                        (true, false) => Cell::marked("steady", Status::kept(true)),
+                        (false, _) => Cell::marked("drifts", Status::kept(false)),
+                    },
                 ),
             ]
         })

@@ -60,6 +60,8 @@ written_struct! {
         optional range: Spanned<[Amount; 2]>,
         /// Whether a test can set it.
         default(true) settable: bool,
+        /// Whether every test sets it, so that a measurement that does not say its value is wrong.
+        default(false) test_sets: bool,
         /// Standard deviation of the input's own error.
         optional sigma: Amount,
         /// A constant error of the input, fitted.

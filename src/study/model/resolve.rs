@@ -100,6 +100,8 @@ pub struct ResolvedModel {
     pub input_scales: Vec<Scale>,
     /// Own error of each input.
     pub input_errors: Vec<InputError>,
+    /// Of each input of the model's file whether every test sets it; those of adopted effects stand behind them.
+    pub test_sets: Vec<bool>,
     /// Groups, in the order of the file.
     pub groups: Vec<Group>,
     /// Dimension of each quantity.
@@ -394,6 +396,7 @@ impl ResolvedModel {
         });
         self.input_scales.push(scale);
         self.input_errors.push(InputError { sigma, bias });
+        self.test_sets.push(form.test_sets);
     }
 
     fn resolve_table(&mut self, entry: &MapEntry<TableForm>, diagnostics: &mut Diagnostics) {

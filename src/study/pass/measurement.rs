@@ -8,9 +8,9 @@ written_choice! {
     /// A measurement.
     pub enum MeasurementForm: "a measurement" {
         /// One row a phase, each in equilibrium.
-        "steady" => Steady(SteadyForm),
+        "steady" => Steady(Box<SteadyForm>),
         /// One row an instant.
-        "transient" => Transient(TransientForm),
+        "transient" => Transient(Box<TransientForm>),
     }
 }
 
@@ -31,6 +31,8 @@ written_struct! {
         default(Map::default()) ignore: Map<NameOr<IgnoredIntervalForm>>,
         /// Where a file lies that is not in the repository.
         optional pinned: PinForm,
+        /// Constant values of inputs without a column; the others keep their nominal value, with a warning.
+        default(Map::default()) inputs: Map<Amount>,
         /// Columns with other headers or units.
         default(Map::default()) columns: Map<ColumnForm>,
         /// The character between cells; `,` where it is left out.
@@ -49,7 +51,7 @@ written_struct! {
         required initial: InitialForm,
         /// Inputs that are constant from each row to the next; the others are linear between rows.
         default(Vec::new()) hold: Vec<Spanned<String>>,
-        /// Constant values of inputs without a column; the others keep their nominal value.
+        /// Constant values of inputs without a column; the others keep their nominal value, with a warning.
         default(Map::default()) inputs: Map<Amount>,
         /// The sensors, each a column.
         required sensors: Map<SensorForm>,
@@ -75,7 +77,7 @@ written_struct! {
         optional from: Amount,
         /// Last instant; the file's last where it is left out.
         optional to: Amount,
-        /// Constant values of inputs without a column; the others keep their nominal value.
+        /// Constant values of inputs without a column, over those of the measurement.
         default(Map::default()) inputs: Map<Amount>,
     }
 }
@@ -139,10 +141,36 @@ written_choice! {
     pub enum InitialForm: "the start of a transient" {
         /// Temperatures by node; `all` stands for those not named.
         "temperatures" => Temperatures(Map<UncertainForm>),
+        /// Nodes with sensors at their first readings, the others in balance with them.
+        "measured" => Measured(Box<MeasuredStartForm>),
         /// The steady state at the first row's inputs.
         "steady" => Steady(Empty),
         /// The periodic state of the inputs' cycle.
         "periodic" => Periodic(Empty),
+    }
+}
+
+written_struct! {
+    /// A start at the first readings.
+    pub struct MeasuredStartForm: "a start at the first readings" {
+        /// How many rows, from the first on, a reading is the mean of; 1 where neither this nor `over` is there.
+        optional rows: Spanned<u64>,
+        /// Instead of `rows`: the time from the first row on that a reading is the mean over.
+        optional over: Amount,
+        /// Temperatures of nodes that are known otherwise.
+        default(Map::default()) temperatures: Map<Amount>,
+        /// Where the nodes without a reading begin; `{"balance": {}}` where it is left out.
+        optional others: OtherNodesForm,
+    }
+}
+
+written_choice! {
+    /// Where nodes without a reading begin.
+    pub enum OtherNodesForm: "where nodes without a reading begin" {
+        /// In balance with the readings and the first row's inputs, at whatever parameters the model has.
+        "balance" => Balance(Empty),
+        /// At the mean of the nodes with readings that are the fewest elements away.
+        "nearest" => Nearest(Empty),
     }
 }
 

@@ -22,6 +22,17 @@ pub struct Data {
     pub source: Arc<Source>,
     /// SHA-256 of the bytes.
     pub sha256: String,
+    /// The character between cells.
+    pub separator: u8,
+}
+
+impl Data {
+    /// The place of a cell: row below the headers and column, both from 0. The whole file where there is none.
+    pub fn cell(&self, row: usize, column: usize) -> Place {
+        let table = Table::new(self.source.text(), self.separator, &mut Problems::default());
+        let range = table.and_then(|table| table.cell(row, column)).unwrap_or(0..0);
+        Place::in_text(&self.source, Span::new(range.start, range.end))
+    }
 }
 
 /// What is wrong has been reported.
@@ -34,8 +45,6 @@ pub struct Layout<'a> {
     pub columns: &'a Map<ColumnForm>,
     /// Sensors of the measurement, those among them whose columns are not wanted: they are left out for a reason.
     pub sensors: Vec<&'a str>,
-    /// The character between cells.
-    pub separator: u8,
     /// `phase` or `time`: what the rows are.
     pub key: &'static str,
 }
@@ -62,6 +71,10 @@ pub struct Read {
     pub unit: String,
     /// Values, SI.
     pub values: Vec<Option<f64>>,
+    /// Column of the file.
+    pub column: usize,
+    /// Whether the unit has a zero of its own, as degC has.
+    pub has_offset: bool,
 }
 
 /// The wanted columns of a file.
@@ -100,7 +113,12 @@ pub fn pin(measurement: &str, file: &str, form: &PinForm, diagnostics: &mut Diag
 }
 
 /// Reads a data file. `Ok(None)` where it is pinned and not there; `Err` after an error.
-pub fn data(scope: &mut Scope, file: &Spanned<String>, pinned: Option<&Pinned>) -> Result<Option<Data>, Reported> {
+pub fn data(
+    scope: &mut Scope,
+    file: &Spanned<String>,
+    separator: u8,
+    pinned: Option<&Pinned>,
+) -> Result<Option<Data>, Reported> {
     let bytes = match scope.folder.read_table(&file.value) {
         Ok(bytes) => bytes,
         Err(crate::study::folder::FolderError::Missing { .. }) if pinned.is_some() => return Ok(None),
@@ -126,7 +144,7 @@ pub fn data(scope: &mut Scope, file: &Spanned<String>, pinned: Option<&Pinned>) 
     }
     let before = scope.diagnostics.errors();
     let source = crate::document::json::decode(&scope.folder.shown_name(&file.value), bytes, scope.diagnostics);
-    if scope.diagnostics.errors() > before { Err(Reported) } else { Ok(Some(Data { source, sha256 })) }
+    if scope.diagnostics.errors() > before { Err(Reported) } else { Ok(Some(Data { source, sha256, separator })) }
 }
 
 /// A file of the same folder with nearly this name.
@@ -159,7 +177,7 @@ pub fn separator(scope: &mut Scope, written: Option<&Spanned<String>>) -> u8 {
 pub fn columns(scope: &mut Scope, data: &Data, layout: &Layout, wanted: &[Wanted]) -> Result<Columns, Reported> {
     let before = scope.diagnostics.errors();
     let mut problems = Problems::default();
-    let table = Table::new(data.source.text(), layout.separator, &mut problems);
+    let table = Table::new(data.source.text(), data.separator, &mut problems);
     let Some(table) = table else {
         report(scope, &data.source, problems);
         return Err(Reported);
@@ -206,23 +224,8 @@ pub fn columns(scope: &mut Scope, data: &Data, layout: &Layout, wanted: &[Wanted
         read.push(placed.as_ref().and_then(|(index, unit)| {
             let column = columns.next()?;
             let values = converted(&column, unit, wanted.sense);
-            // A column in kelvin may be of differences.
-            let is_cold = |value: &Option<f64>| unit.has_offset() && value.is_some_and(|value| value < 0.0);
-            if let Some(row) = values.iter().position(is_cold) {
-                let value = column.numbers()[row].unwrap_or_default();
-                let at = phases.get(row).map_or_else(|| format!("row {}", row + 1), |phase| format!("`{phase}`"));
-                let message = format!("`{}` is {value} {} in {at}, below absolute zero", wanted.name, unit.text);
-                let place = in_table(&data.source, &headers[*index]);
-                scope.diagnostics.push(
-                    Diagnostic::error(&code::TABLE_CELL, &place, message)
-                        .help("leave the cell of a missing reading empty"),
-                );
-            }
-            Some(Read { unit: unit.text.clone(), values })
+            Some(Read { unit: unit.text.clone(), values, column: *index, has_offset: unit.has_offset() })
         }));
-    }
-    if scope.diagnostics.errors() > before {
-        return Err(Reported);
     }
     let unused = headers
         .iter()
@@ -359,7 +362,7 @@ pub fn draws(scope: &mut Scope, data: &Data, wanted: &[Wanted]) -> Result<Vec<Ve
         return Err(Reported);
     };
     let (columns, headers) = (Map::default(), table.headers());
-    let layout = Layout { columns: &columns, sensors: Vec::new(), separator: b',', key: "" };
+    let layout = Layout { columns: &columns, sensors: Vec::new(), key: "" };
     let (mut asked, mut units) = (Vec::new(), Vec::new());
     for wanted in wanted {
         let index = find(scope, &data.source, headers, &layout, wanted.name, wanted.place, true);

@@ -217,7 +217,7 @@ fn from_file(
     place: Place,
     parameters: Vec<usize>,
 ) -> Option<HandedOnPrior> {
-    let data = data::data(scope, &Spanned { value: file.clone(), place: place.clone() }, None).ok()??;
+    let data = data::data(scope, &Spanned { value: file.clone(), place: place.clone() }, b',', None).ok()??;
     let names: Vec<String> = parameters.iter().map(|&p| scope.resolved.model.parameters[p].name.clone()).collect();
     let wanted: Vec<Wanted> = (parameters.iter().zip(&names))
         .map(|(&parameter, name)| Wanted {

@@ -9,6 +9,7 @@ use crate::study::resolved::IgnoredSensor;
 use crate::study::table::Cells;
 
 use super::data::{Columns, Read, Wanted};
+use super::plausible;
 use super::scope::Scope;
 
 /// What became of a measurement.
@@ -28,12 +29,18 @@ pub fn measurement(
     pinned: &mut Vec<Pinned>,
     ignored: &mut Vec<IgnoredSensor>,
 ) -> Outcome {
-    let before = scope.diagnostics.errors();
-    let outcome = match &entry.value {
+    let (before, doubts) = (scope.diagnostics.errors(), scope.doubts.len());
+    let mut outcome = match &entry.value {
         MeasurementForm::Steady(form) => super::steady::steady(scope, entry, form, pinned, ignored),
         MeasurementForm::Transient(form) => super::transient::transient(scope, entry, form, pinned, ignored),
     };
-    if scope.diagnostics.errors() > before { Outcome::Wrong } else { outcome }
+    if scope.diagnostics.errors() > before {
+        return Outcome::Wrong;
+    }
+    if let Outcome::Ready(measurement) = &mut outcome {
+        measurement.doubts = scope.doubts[doubts..].iter().map(|doubt| doubt.message.replace('`', "")).collect();
+    }
+    outcome
 }
 
 /// The sensors that are used; those under `ignore` go to the list.
@@ -115,16 +122,19 @@ pub fn wanted<'a>(
 pub struct Parted {
     /// Position of an input, and its values, SI.
     pub inputs: Vec<(usize, Vec<f64>)>,
+    /// Of each of these the column of the file, and whether its unit has a zero of its own.
+    pub input_columns: Vec<(usize, bool)>,
     /// Unit and readings of each sensor, SI.
     pub sensors: Vec<Read>,
 }
 
 /// Parts the columns that were read for [`wanted`].
 pub fn parted(columns: &mut Columns, inputs: usize) -> Parted {
-    let mut parted = Parted { inputs: Vec::new(), sensors: Vec::new() };
+    let mut parted = Parted { inputs: Vec::new(), input_columns: Vec::new(), sensors: Vec::new() };
     for (position, read) in columns.read.drain(..).enumerate() {
         let Some(read) = read else { continue };
         if position < inputs {
+            parted.input_columns.push((read.column, read.has_offset));
             // An empty cell of an input was an error.
             parted.inputs.push((position, read.values.into_iter().flatten().collect()));
         } else {
@@ -136,7 +146,18 @@ pub fn parted(columns: &mut Columns, inputs: usize) -> Parted {
 
 /// Constant values of inputs over the nominal ones.
 pub fn base_inputs(scope: &mut Scope, given: &Map<Amount>) -> Vec<f64> {
-    let mut base = scope.nominal_inputs();
+    let nominal = scope.nominal_inputs();
+    inputs_over(scope, nominal, given)
+}
+
+/// Constant values of inputs of a measurement, checked against their ranges, over others.
+pub fn test_inputs(scope: &mut Scope, base: Vec<f64>, given: &Map<Amount>) -> Vec<f64> {
+    let base = inputs_over(scope, base, given);
+    plausible::constants(scope, given, &base);
+    base
+}
+
+fn inputs_over(scope: &mut Scope, mut base: Vec<f64>, given: &Map<Amount>) -> Vec<f64> {
     for entry in given {
         let Some(index) = scope.known_input(&entry.name, &entry.name_place) else { continue };
         if let Some(value) = scope.input_value(index, &entry.value) {
@@ -144,6 +165,26 @@ pub fn base_inputs(scope: &mut Scope, given: &Map<Amount>) -> Vec<f64> {
         }
     }
     base
+}
+
+/// Reports inputs that have a column and a constant value too.
+pub fn said_twice(scope: &mut Scope, given: &Map<Amount>, parts: &Parted) {
+    for given in given {
+        if scope.input(&given.name).is_some_and(|index| parts.inputs.iter().any(|(input, _)| *input == index)) {
+            let message = format!("`{}` has a column and a constant value", given.name);
+            scope.error(&code::MEASUREMENT_FORM, &given.name_place, message, "one of the two");
+        }
+    }
+}
+
+/// Whether each input has a column or a constant value.
+pub fn said(scope: &Scope, parts: &Parted, constants: &[&Map<Amount>]) -> Vec<bool> {
+    (scope.resolved.model.inputs.iter().enumerate())
+        .map(|(index, input)| {
+            parts.inputs.iter().any(|(own, _)| *own == index)
+                || constants.iter().any(|given| given.get(&input.name).is_some())
+        })
+        .collect()
 }
 
 /// Which rows lie in an interval, both ends included; reported where it is empty or holds none.

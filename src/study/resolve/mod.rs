@@ -9,12 +9,16 @@ mod chosen;
 pub mod data;
 mod design;
 mod diagnose;
+mod drift;
 mod goal;
 mod handed_on;
+mod influence;
+mod initial;
 pub mod jobs;
 pub mod measurement;
 mod noise;
 mod physical;
+mod plausible;
 mod predict;
 pub mod requirement;
 pub mod scope;
@@ -221,7 +225,7 @@ fn read_model(folder: &Folder, file: &Spanned<String>, diagnostics: &mut Diagnos
 
 fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics: &mut Diagnostics) -> Option<Pass> {
     let (folder, lineage) = (files.folder, files.lineage);
-    let mut scope = Scope { folder, resolved, hosts: Vec::new(), drawn: Vec::new(), diagnostics };
+    let mut scope = Scope { folder, resolved, hosts: Vec::new(), drawn: Vec::new(), doubts: Vec::new(), diagnostics };
     let seed = seed(&mut scope, form.seed.as_ref());
     check_names(&mut scope, form);
     let (changes, mut priors) = changes::changes(&mut scope, &form.parameters);
@@ -292,6 +296,13 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     jobs.extend(jobs::implied_comparison(&jobs, &offered, measured));
     calibrate::show_in_comparisons(&mut jobs, &form.jobs);
     physical::check(&mut scope, form, &priors, &environments, &measurements);
+    if !scope.diagnostics.has_errors() {
+        // What is wrong comes first.
+        drift::doubts(&mut scope, form, &jobs, &mut measurements);
+        for doubt in std::mem::take(&mut scope.doubts) {
+            scope.diagnostics.push(doubt);
+        }
+    }
     let definition_sha256 = definition(files, own);
     let groups = group_places(&scope.resolved.groups, &measurements);
     let ResolvedModel { mut model, reconstructed, input_errors, .. } = scope.resolved;

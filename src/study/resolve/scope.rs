@@ -20,6 +20,8 @@ pub struct Scope<'a> {
     pub hosts: Vec<(usize, usize)>,
     /// Priors from draws of the effect's parameters that is being adopted, by their names in the effect.
     pub drawn: Vec<(String, Prior)>,
+    /// What is doubtful about the data: warnings that are heard where there are no errors.
+    pub doubts: Vec<Diagnostic>,
     /// Errors and warnings.
     pub diagnostics: &'a mut Diagnostics,
 }

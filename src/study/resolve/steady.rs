@@ -12,8 +12,9 @@ use crate::study::resolved::IgnoredSensor;
 use crate::study::table::Cells;
 use crate::study::window::window;
 
-use super::data::{Layout, Wanted, columns, data, pin, separator};
-use super::measurement::{Outcome, base_inputs, has_content, parted, rows_within, sensors, wanted};
+use super::data::{Data, Layout, Wanted, columns, data, pin, separator};
+use super::measurement::{Outcome, has_content, parted, rows_within, said, said_twice, sensors, test_inputs, wanted};
+use super::plausible;
 use super::scope::Scope;
 
 /// Most values of inputs over all phases.
@@ -59,14 +60,14 @@ fn table(
     let pinned = form.pinned.as_ref().and_then(|pinned| pin(&entry.name, &file.value, pinned, scope.diagnostics));
     pins.extend(pinned.clone());
     let separator = separator(scope, form.separator.as_ref());
-    let data = match data(scope, file, pinned.as_ref()) {
+    let data = match data(scope, file, separator, pinned.as_ref()) {
         Ok(Some(data)) => data,
         Ok(None) => return Outcome::Missing,
         Err(_) => return Outcome::Wrong,
     };
     let names: Vec<String> = scope.resolved.model.inputs.iter().map(|input| input.name.clone()).collect();
     let wanted = wanted(scope, &names, list, &file.place);
-    let layout = Layout { columns: &form.columns, sensors: form.sensors.names().collect(), separator, key: "phase" };
+    let layout = Layout { columns: &form.columns, sensors: form.sensors.names().collect(), key: "phase" };
     let Ok(mut columns) = columns(scope, &data, &layout, &wanted) else { return Outcome::Wrong };
     let parts = parted(&mut columns, names.len());
     // Every phase has values of all inputs, those without a column too.
@@ -76,6 +77,13 @@ fn table(
         return Outcome::Wrong;
     }
     let base = scope.nominal_inputs();
+    let base = test_inputs(scope, base, &form.inputs);
+    said_twice(scope, &form.inputs, &parts);
+    let is_used = |row: usize| form.ignore.get(&columns.phases[row]).is_none();
+    let sensors: Vec<&Sensor> = list.iter().map(|(_, sensor)| sensor).collect();
+    plausible::cells(scope, &data, &parts, &sensors, &is_used, &is_used);
+    let given = [(String::new(), said(scope, &parts, &[&form.inputs]))];
+    plausible::unsaid(scope, &entry.name, &entry.name_place, &given, &sensors);
     let mut phases = Vec::new();
     let mut readings = Vec::new();
     for (row, name) in columns.phases.iter().enumerate() {
@@ -97,13 +105,16 @@ fn table(
         file: file.value.clone(),
         sha256: data.sha256,
         unused_columns: columns.unused,
+        doubts: Vec::new(),
     }))
 }
 
 /// A time series that windows are cut from.
 struct Series {
     file: String,
-    sha256: String,
+    data: Data,
+    /// Rows that a phase is made of.
+    used: Vec<bool>,
     times_s: Vec<f64>,
     parts: super::measurement::Parted,
     unused: Vec<String>,
@@ -116,15 +127,17 @@ fn series(
     list: &[(&MapEntry<SensorForm>, Sensor)],
 ) -> Option<Series> {
     let separator = separator(scope, form.separator.as_ref());
-    let data = data(scope, file, None).ok().flatten()?;
+    let data = data(scope, file, separator, None).ok().flatten()?;
     let names: Vec<String> = scope.resolved.model.inputs.iter().map(|input| input.name.clone()).collect();
     let mut wanted = wanted(scope, &names, list, &file.place);
     wanted.insert(0, time_column(&file.place));
-    let layout = Layout { columns: &form.columns, sensors: form.sensors.names().collect(), separator, key: "time" };
+    let layout = Layout { columns: &form.columns, sensors: form.sensors.names().collect(), key: "time" };
     let mut columns = columns(scope, &data, &layout, &wanted).ok()?;
-    let times_s = columns.read.remove(0)?.values.into_iter().flatten().collect();
+    let times_s: Vec<f64> = columns.read.remove(0)?.values.into_iter().flatten().collect();
     let parts = parted(&mut columns, names.len());
-    Some(Series { file: file.value.clone(), sha256: data.sha256, times_s, parts, unused: columns.unused })
+    said_twice(scope, &form.inputs, &parts);
+    let used = vec![false; times_s.len()];
+    Some(Series { file: file.value.clone(), data, used, times_s, parts, unused: columns.unused })
 }
 
 /// The column of instants.
@@ -153,6 +166,9 @@ fn from_windows(
     let mut all: Vec<Series> = Vec::new();
     // What is wrong with a file is said once.
     let mut wrong: Vec<&str> = Vec::new();
+    let base = scope.nominal_inputs();
+    let base = test_inputs(scope, base, &form.inputs);
+    let mut given = Vec::new();
     let mut phases = Vec::new();
     let mut readings = Vec::new();
     for MapEntry { name, value, place, .. } in windows {
@@ -168,21 +184,21 @@ fn from_windows(
                 }
             }
         }
-        let mut inputs = base_inputs(scope, &value.inputs);
-        let Some(series) = all.iter().find(|series| series.file == value.file.value) else { continue };
+        let mut inputs = test_inputs(scope, base.clone(), &value.inputs);
+        let Some(series) = all.iter_mut().find(|series| series.file == value.file.value) else { continue };
         let rows = rows_within(scope, &series.times_s, value.from.as_ref(), value.to.as_ref(), place);
         let Some(rows) = rows else { continue };
+        if form.ignore.get(name).is_none() {
+            for (used, within) in series.used.iter_mut().zip(&rows) {
+                *used |= within;
+            }
+        }
         let inside = |values: &[f64]| -> Vec<f64> {
             values.iter().zip(&rows).filter(|(_, within)| **within).map(|(value, _)| *value).collect()
         };
         let times_s = inside(&series.times_s);
-        for given in &value.inputs {
-            let index = scope.input(&given.name);
-            if index.is_some_and(|index| series.parts.inputs.iter().any(|(input, _)| *input == index)) {
-                let message = format!("`{}` has a column and a constant value", given.name);
-                scope.error(&code::MEASUREMENT_FORM, &given.name_place, message, "one of the two");
-            }
-        }
+        said_twice(scope, &value.inputs, &series.parts);
+        given.push((name.clone(), said(scope, &series.parts, &[&form.inputs, &value.inputs])));
         for (input, values) in &series.parts.inputs {
             if let Some(statistics) = window(&times_s, &inside(values)) {
                 inputs[*input] = statistics.mean;
@@ -193,6 +209,7 @@ fn from_windows(
             to_s: times_s.last().copied().unwrap_or(0.0),
             slopes: Vec::new(),
             slope_errors: Vec::new(),
+            chances: Vec::new(),
             mean_errors: Vec::new(),
         };
         for sensor in &series.parts.sensors {
@@ -204,11 +221,18 @@ fn from_windows(
             readings.push(statistics.map(|statistics| statistics.mean));
             steadiness.slopes.push(statistics.and_then(|statistics| statistics.slope));
             steadiness.slope_errors.push(statistics.and_then(|statistics| statistics.slope_error));
+            steadiness.chances.push(statistics.and_then(|statistics| statistics.chance));
             steadiness.mean_errors.push(statistics.and_then(|statistics| statistics.mean_error));
         }
         let stabilisation = Some(steadiness);
         phases.push(Phase { name: name.clone(), inputs, held_out: false, ignored: None, stabilisation });
     }
+    let sensors: Vec<&Sensor> = list.iter().map(|(_, sensor)| sensor).collect();
+    for series in &all {
+        let is_used = |row: usize| series.used[row];
+        plausible::cells(scope, &series.data, &series.parts, &sensors, &is_used, &is_used);
+    }
+    plausible::unsaid(scope, &entry.name, &entry.name_place, &given, &sensors);
     if let Some(series) = all.first() {
         for ((_, sensor), read) in list.iter_mut().zip(&series.parts.sensors) {
             sensor.unit.clone_from(&read.unit);
@@ -224,9 +248,9 @@ fn from_windows(
     }
     let files: Vec<&str> = all.iter().map(|series| series.file.as_str()).collect();
     let sha256 = match all.as_slice() {
-        [one] => one.sha256.clone(),
+        [one] => one.data.sha256.clone(),
         several => {
-            let hashes: Vec<&str> = several.iter().map(|series| series.sha256.as_str()).collect();
+            let hashes: Vec<&str> = several.iter().map(|series| series.data.sha256.as_str()).collect();
             sha256_hex(hashes.join("\n").as_bytes())
         }
     };
@@ -238,6 +262,7 @@ fn from_windows(
         file: files.join(", "),
         sha256,
         unused_columns,
+        doubts: Vec::new(),
     }))
 }
 

@@ -1,21 +1,19 @@
 //! Transient measurements.
 
-use crate::document::{Map, MapEntry, NameOr, Place, Sense, code, suggest};
-use crate::expression::Dimension;
-use crate::inference::measurement::{Initial, InputColumn, InputTable, Measurement, Rows, Uncertain};
-use crate::study::pass::measurement::{InitialForm, MeasurementForm, TransientForm};
-use crate::study::pass::uncertain::UncertainForm;
+use crate::document::{MapEntry, NameOr, code};
+use crate::inference::measurement::{InputColumn, InputTable, Measurement, Rows, Sensor};
+use crate::study::pass::measurement::{MeasurementForm, TransientForm};
 use crate::study::pinned::Pinned;
 use crate::study::resolved::IgnoredSensor;
-use crate::thermal::NodeKind;
 
 use super::data::{Layout, columns, data, pin, separator};
-use super::measurement::{Outcome, base_inputs, has_content, held_out_rows, parted, rows_within, sensors, wanted};
-use super::scope::{Scope, unknown};
+use super::initial::{self, FirstRows, Stated};
+use super::measurement::{
+    Outcome, has_content, held_out_rows, parted, rows_within, said, said_twice, sensors, test_inputs, wanted,
+};
+use super::plausible;
+use super::scope::Scope;
 use super::steady::time_column;
-
-/// The name that stands for all nodes.
-const ALL: &str = "all";
 
 /// Resolves a transient measurement.
 pub fn transient(
@@ -26,12 +24,13 @@ pub fn transient(
     ignored_sensors: &mut Vec<IgnoredSensor>,
 ) -> Outcome {
     let mut list = sensors(scope, &entry.name, &entry.name_place, &form.sensors, &form.ignore, ignored_sensors);
-    let initial = initial(scope, &form.initial, &entry.name_place);
-    let base = base_inputs(scope, &form.inputs);
+    let stated = initial::stated(scope, &form.initial, &entry.name_place);
+    let base = scope.nominal_inputs();
+    let base = test_inputs(scope, base, &form.inputs);
     let pinned = form.pinned.as_ref().and_then(|pinned| pin(&entry.name, &form.file.value, pinned, scope.diagnostics));
     pins.extend(pinned.clone());
     let separator = separator(scope, form.separator.as_ref());
-    let data = match data(scope, &form.file, pinned.as_ref()) {
+    let data = match data(scope, &form.file, separator, pinned.as_ref()) {
         Ok(Some(data)) => data,
         Ok(None) => return Outcome::Missing,
         Err(_) => return Outcome::Wrong,
@@ -39,7 +38,7 @@ pub fn transient(
     let names: Vec<String> = scope.resolved.model.inputs.iter().map(|input| input.name.clone()).collect();
     let mut wanted = wanted(scope, &names, &list, &form.file.place);
     wanted.insert(0, time_column(&form.file.place));
-    let layout = Layout { columns: &form.columns, sensors: form.sensors.names().collect(), separator, key: "time" };
+    let layout = Layout { columns: &form.columns, sensors: form.sensors.names().collect(), key: "time" };
     let Ok(mut columns) = columns(scope, &data, &layout, &wanted) else { return Outcome::Wrong };
     let times_s: Vec<f64> = match columns.read.remove(0) {
         Some(read) => read.values.into_iter().flatten().collect(),
@@ -53,14 +52,13 @@ pub fn transient(
             scope.error(&code::MEASUREMENT_FORM, &hold.place, message, "an input with a column");
         }
     }
-    for given in &form.inputs {
-        if scope.input(&given.name).is_some_and(|index| parts.inputs.iter().any(|(input, _)| *input == index)) {
-            let message = format!("`{}` has a column and a constant value", given.name);
-            scope.error(&code::MEASUREMENT_FORM, &given.name_place, message, "one of the two");
-        }
-    }
+    said_twice(scope, &form.inputs, &parts);
+    let given = [(String::new(), said(scope, &parts, &[&form.inputs]))];
     let held_out = held_out_rows(scope, form.held_out.as_ref(), &times_s);
     let ignored = ignored_rows(scope, form, &times_s);
+    let used: Vec<&Sensor> = list.iter().map(|(_, sensor)| sensor).collect();
+    plausible::unsaid(scope, &entry.name, &entry.name_place, &given, &used);
+    plausible::cells(scope, &data, &parts, &used, &|_| true, &|row| ignored[row].is_none());
     let mut readings = Vec::with_capacity(times_s.len() * list.len());
     for row in 0..times_s.len() {
         readings.extend(parts.sensors.iter().map(|sensor| sensor.values[row]));
@@ -71,7 +69,17 @@ pub fn transient(
     let hold = |input: usize| form.hold.iter().any(|hold| hold.value == names[input]);
     let table_columns: Vec<InputColumn> =
         (parts.inputs.into_iter()).map(|(input, values)| InputColumn { input, values, hold: hold(input) }).collect();
-    let Some(initial) = initial else { return Outcome::Wrong };
+    let Some(stated) = stated else { return Outcome::Wrong };
+    let first = FirstRows { times_s: &times_s, ignored: &ignored, readings: &readings };
+    let sensors: Vec<Sensor> = list.into_iter().map(|(_, sensor)| sensor).collect();
+    let initial = match stated {
+        Stated::Known(initial) => initial,
+        Stated::Measured(form) => match initial::measured(scope, form, &first, &sensors, &entry.name_place) {
+            Some(initial) => initial,
+            None => return Outcome::Wrong,
+        },
+    };
+    initial::compare(scope, &entry.name, &entry.name_place, &initial, &first, &sensors);
     let measurement = Measurement {
         name: entry.name.clone(),
         rows: Rows::Transient {
@@ -80,11 +88,12 @@ pub fn transient(
             held_out,
             ignored,
         },
-        sensors: list.into_iter().map(|(_, sensor)| sensor).collect(),
+        sensors,
         readings,
         file: form.file.value.clone(),
         sha256: data.sha256,
         unused_columns: columns.unused,
+        doubts: Vec::new(),
     };
     if has_content(scope, &measurement, &form.file.place) {
         Outcome::Ready(Box::new(measurement))
@@ -116,62 +125,3 @@ fn ignored_rows(scope: &mut Scope, form: &TransientForm, times_s: &[f64]) -> Vec
     }
     ignored
 }
-
-fn initial(scope: &mut Scope, form: &InitialForm, place: &Place) -> Option<Initial> {
-    match form {
-        InitialForm::Steady(_) => Some(Initial::Steady),
-        InitialForm::Periodic(_) => Some(Initial::Periodic),
-        InitialForm::Temperatures(map) => temperatures(scope, map, place),
-    }
-}
-
-fn temperatures(scope: &mut Scope, map: &Map<UncertainForm>, place: &Place) -> Option<Initial> {
-    let before = scope.diagnostics.errors();
-    let mut all = None;
-    let mut named: Vec<Option<Uncertain>> = vec![None; scope.resolved.model.nodes.len()];
-    for entry in map {
-        let value = scope.uncertain(&entry.value, Dimension::TEMPERATURE, Sense::Absolute, true);
-        if entry.name == ALL {
-            all = value;
-        } else if let Some(node) = scope.resolved.model.nodes.iter().position(|node| node.name == entry.name) {
-            named[node] = value;
-        } else {
-            let nodes = scope.resolved.model.nodes.iter().map(|node| node.name.as_str());
-            let asked = ("node", entry.name.as_str());
-            unknown(
-                scope.diagnostics,
-                &code::UNKNOWN_NAME,
-                asked,
-                &entry.name_place,
-                std::iter::once(ALL).chain(nodes),
-            );
-        }
-    }
-    if scope.diagnostics.errors() > before {
-        return None;
-    }
-    for &(node, host) in &scope.hosts {
-        if named[node].is_none() {
-            named[node] = named[host].clone();
-        }
-    }
-    let lacking: Vec<&str> = (scope.resolved.model.nodes.iter().zip(&named))
-        .filter(|(node, value)| matches!(node.kind, NodeKind::Diffusion { .. }) && value.is_none() && all.is_none())
-        .map(|(node, _)| node.name.as_str())
-        .collect();
-    if !lacking.is_empty() {
-        let message = format!("no start temperature of {}", suggest::listed(lacking.iter().copied(), 8));
-        let place = map.iter().next().map_or(place, |entry| &entry.name_place).clone();
-        scope.error(&code::INITIAL, &place, message, "a temperature for each, or `all`");
-        return None;
-    }
-    // Nodes without storage follow from the others at once; what stands here is where their solution starts.
-    let any = all.clone().or_else(|| named.iter().flatten().next().cloned());
-    let start = any.map_or(ROOM_K, |value| value.nominal());
-    let shared = (0..named.len()).filter(|&node| all.is_some() && named[node].is_none()).collect();
-    let values = named.into_iter().map(|own| own.or_else(|| all.clone()).unwrap_or(Uncertain::Known(start))).collect();
-    Some(Initial::Temperatures { values, shared })
-}
-
-/// Room temperature, K, where a model has no node that stores heat.
-const ROOM_K: f64 = 293.15;

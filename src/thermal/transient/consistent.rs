@@ -4,14 +4,12 @@
 //! diagonal, so that pattern and factors stay those of the whole network and the diffusion nodes do not move.
 
 use crate::thermal::equations::segment;
-use crate::thermal::newton::{CLOSURE_RELATIVE, CLOSURE_W};
+use crate::thermal::newton::{CLOSURE_RELATIVE, CLOSURE_W, HOLD_W_PER_K};
 use crate::thermal::steady::SteadyError;
 
 use super::TransientError;
 use super::integrator::Integrator;
 
-/// Diagonal that holds a diffusion node, W/K: beyond any conductance, far from overflow.
-pub(super) const HOLD_W_PER_K: f64 = 1e30;
 /// Iterations.
 const ITERATIONS: u32 = 60;
 /// Longest change of a temperature in an iteration, K.

@@ -8,9 +8,9 @@
 use crate::expression::Symbol;
 use crate::thermal::equations::{Entry, Equations, segment};
 use crate::thermal::network::{Network, Workspace};
+use crate::thermal::newton::HOLD_W_PER_K;
 
 use super::Transient;
-use super::consistent::HOLD_W_PER_K;
 use super::events::hermite;
 use super::integrator::Integrator;
 use super::tableau::{COEFFICIENTS, GAMMA, NODES, STAGES};
@@ -68,7 +68,7 @@ impl Tangent {
         self.values[0].copy_from_slice(state);
     }
 
-    /// Starts from the derivatives of a steady state.
+    /// Starts from the derivatives of a steady state, or of one in which some temperatures are held.
     pub fn start_steady(&mut self, network: &Network, workspace: &mut Workspace) {
         let mut all = vec![0.0; network.nodes() * self.symbols];
         self.values[0].fill(0.0);

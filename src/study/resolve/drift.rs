@@ -1,0 +1,49 @@
+//! Phases that drift, told of the measurements so that what rests on them can repeat it.
+
+use crate::document::{Diagnostic, code};
+use crate::inference::measurement::{Measurement, Rows};
+use crate::study::pass::PassForm;
+use crate::study::resolved::{JobSpec, NamedJob};
+
+use super::plausible::short;
+use super::scope::Scope;
+
+/// Phases named in a message.
+const NAMED: usize = 6;
+/// Seconds of an hour.
+const HOUR_S: f64 = 3600.0;
+
+/// Tells which phases that are fitted or compared drift, by the strictest stabilisation of the comparisons with them.
+pub(super) fn doubts(scope: &mut Scope, form: &PassForm, jobs: &[NamedJob], measurements: &mut [Measurement]) {
+    for (index, measurement) in measurements.iter_mut().enumerate() {
+        let limits = jobs.iter().filter_map(|job| match &job.spec {
+            JobSpec::Compare(spec) if spec.data.contains(&index) => spec.criteria.stabilisation_k_per_s,
+            _ => None,
+        });
+        let Some(limit) = limits.reduce(f64::min) else { continue };
+        let sensors = measurement.sensors_in_kelvin(&scope.resolved.model);
+        let Rows::Steady(phases) = &measurement.rows else { continue };
+        let mut found: Vec<String> = Vec::new();
+        for phase in phases.iter().filter(|phase| phase.ignored.is_none()) {
+            let Some(steadiness) = &phase.stabilisation else { continue };
+            let Some(sensor) = steadiness.drifting(&sensors, limit) else { continue };
+            let slope = short(steadiness.slopes[sensor].unwrap_or_default() * HOUR_S);
+            found.push(format!("`{}` (`{}` by {slope} K/h)", phase.name, measurement.sensors[sensor].name));
+        }
+        let Some(entry) = form.measurements.get(&measurement.name).filter(|_| !found.is_empty()) else { continue };
+        let (count, all) = (found.len(), phases.len());
+        if count > NAMED {
+            found.truncate(NAMED);
+            found.push(format!("{} more", count - NAMED));
+        }
+        let message = format!(
+            "{count} of {all} phases of `{}` drift faster than {} K/h: {}",
+            measurement.name,
+            short(limit * HOUR_S),
+            found.join(", ")
+        );
+        let help = "choose a later window, ignore the phase with a reason, or compare the log as a transient";
+        measurement.doubts.push(message.replace('`', ""));
+        scope.doubts.push(Diagnostic::warning(&code::NOT_STABILISED, &entry.name_place, message).help(help));
+    }
+}

@@ -1,0 +1,226 @@
+//! What a measurement says of the inputs, and starts that its first readings contradict.
+
+use bmv::inference::measurement::{Initial, Rows, Uncertain};
+
+use crate::diagnostics::pass_study::Study;
+
+/// A steady study whose file has a column of every input.
+fn with_shroud() -> Study {
+    let study = Study::new();
+    study.put(
+        "data/balance.csv",
+        "phase,T_if [degC],Q [W],T_s [K],box [degC],panel [degC]\nP1,20,5,90,24.5,-20.25\nP2,0,5,90,5.5,\nP3,40,8,90,47,1\n",
+    );
+    study
+}
+
+#[test]
+fn an_input_without_a_value_is_told() {
+    let said = Study::new().said("pass-1.json");
+    assert!(
+        said.starts_with(
+            "warning[input-missing]: `balance` does not say what `T_s` (90 K) was: the nominal value stands for it"
+        ),
+        "{said}"
+    );
+    assert!(said.contains("\"inputs\": {\"T_s\": {\"value\": 90, \"unit\": \"K\"}}"), "{said}");
+    assert_eq!(Study::new().load().measurements[0].doubts.len(), 1);
+    assert_eq!(with_shroud().said("pass-1.json"), "");
+    let declared = Study::new();
+    declared.edit("pass-1.json", r#""held_out""#, r#""inputs": {"T_s": {"value": 80, "unit": "K"}}, "held_out""#);
+    assert_eq!(declared.said("pass-1.json"), "");
+    let Rows::Steady(phases) = &declared.load().measurements[0].rows else { panic!("steady") };
+    assert!(phases.iter().all(|phase| phase.inputs[2] == 80.0));
+    // The same value, said or not, makes the same model, but the results repeat what was not said.
+    let [silent, said] = [Study::new(), with_shroud()].map(|study| study.load().measurements[0].identity());
+    assert_ne!(silent["doubts"], said["doubts"]);
+}
+
+#[test]
+fn an_input_of_a_part_that_the_test_does_not_touch_needs_no_value() {
+    let study = with_shroud();
+    study.edit("model.json", r#""T_s": {"#, r#""T_cell": {"unit": "K", "nominal": 77, "test_sets": true}, "T_s": {"#);
+    study.edit(
+        "model.json",
+        r#""shroud": {"boundary": "T_s"}"#,
+        r#""shroud": {"boundary": "T_s"}, "cell": {"boundary": "T_cell"}, "coupon": {}"#,
+    );
+    study.edit("model.json", r#""strap""#, r#""post": {"between": ["coupon", "cell"], "conductance": 1}, "strap""#);
+    assert_eq!(study.said("pass-1.json"), "");
+    // Through a boundary nothing passes, through a balance it does.
+    study.edit("model.json", r#""strap""#, r#""foot": {"between": ["coupon", "plate"], "conductance": 1}, "strap""#);
+    assert_eq!(study.said("pass-1.json"), "");
+    study.edit("model.json", r#""strap""#, r#""hook": {"between": ["coupon", "box"], "conductance": 1}, "strap""#);
+    assert!(study.said("pass-1.json").contains("does not say what `T_cell` was"));
+}
+
+#[test]
+fn an_input_that_every_test_sets_must_be_said() {
+    let study = Study::new();
+    study.edit("model.json", r#""nominal": 90"#, r#""nominal": 90, "test_sets": true"#);
+    let said = study.said("pass-1.json");
+    assert!(
+        said.starts_with("error[input-missing]: `balance` does not say what `T_s` was, which every test sets"),
+        "{said}"
+    );
+    let study = with_shroud();
+    study.edit("model.json", r#""nominal": 90"#, r#""nominal": 90, "test_sets": true"#);
+    assert_eq!(study.said("pass-1.json"), "");
+}
+
+#[test]
+fn an_input_of_some_windows_is_told_of_the_others() {
+    let study = Study::new();
+    let windows = r#""windows": {"P1": {"file": "data/run.csv", "to": 60, "inputs": {"T_if": {"value": 20, "unit": "degC"}}},
+        "P2": {"file": "data/run.csv"}}, "inputs": {"T_s": 90},"#;
+    study.edit("pass-1.json", r#""file": "data/balance.csv","#, windows);
+    study.edit("pass-1.json", r#", "panel": {"measures": "panel"}"#, "");
+    study.edit("pass-1.json", r#", "ignore": {"P3": "not stabilised"}"#, "");
+    let said = study.said("pass-1.json");
+    assert!(said.contains("`balance` does not say what `T_if` (20 degC in `P2`) was"), "{said}");
+    assert!(!said.contains("T_s"), "{said}");
+    study.edit(
+        "pass-1.json",
+        r#""P2": {"file": "data/run.csv"}"#,
+        r#""P2": {"file": "data/run.csv", "inputs": {"T_if": 250, "Q": 1}}"#,
+    );
+    assert!(study.said("pass-1.json").contains("`Q` has a column and a constant value"));
+}
+
+#[test]
+fn an_input_far_outside_its_range_is_an_error_at_its_cell() {
+    let study = with_shroud();
+    study.edit("data/balance.csv", "P2,0,", "P2,400,");
+    insta::assert_snapshot!(study.said("pass-1.json"), @"");
+}
+
+#[test]
+fn an_input_modestly_outside_its_range_is_a_warning_at_its_cell() {
+    let study = with_shroud();
+    study.edit("data/balance.csv", "P2,0,", "P2,150,");
+    let said = study.said("pass-1.json");
+    assert!(
+        said.starts_with("warning[input-range]: `T_if` is 150 degC here: outside its range, -40 degC to 60 degC"),
+        "{said}"
+    );
+    assert!(said.contains("study/data/balance.csv:3:4"), "{said}");
+    // One width of 100 K beyond the end of 60 degC is the most.
+    study.edit("data/balance.csv", "P2,150,", "P2,160.5,");
+    assert!(study.said("pass-1.json").starts_with("error[input-range]: `T_if` is 160.5 degC here: far outside"));
+    // What is ignored drives nothing, and an input without a range has none to leave.
+    let study = with_shroud();
+    study.edit("data/balance.csv", "P3,40,8,90", "P3,4000,8,9000");
+    assert_eq!(study.said("pass-1.json"), "");
+    // A constant is held to the same.
+    let study = Study::new();
+    study.edit("pass-1.json", r#""held_out""#, r#""inputs": {"T_s": 90}, "held_out""#);
+    study.edit("model.json", r#""nominal": 90"#, r#""nominal": 90, "range": [70, 80]"#);
+    let said = study.said("pass-1.json");
+    assert!(said.contains("warning[input-range]: `T_s` is 90 K here") && said.contains("pass-1.json:7:"), "{said}");
+}
+
+#[test]
+fn a_reading_below_absolute_zero_is_an_error_at_its_cell() {
+    for (unit, cell) in [("degC", "-300"), ("K", "-20.25"), ("K", "0")] {
+        let study = with_shroud();
+        study.edit("data/balance.csv", "panel [degC]", &format!("panel [{unit}]"));
+        study.edit("data/balance.csv", "90,24.5,-20.25", &format!("90,24.5,{cell}"));
+        let said = study.said("pass-1.json");
+        assert!(said.starts_with("error[table-cell]: `panel` is "), "{said}");
+        assert!(said.contains("K here, not above absolute zero") && said.contains("balance.csv:2:17"), "{said}");
+    }
+    // A phase that is left out is not read.
+    let study = with_shroud();
+    study.edit("data/balance.csv", "P3,40,8,90,47,1", "P3,40,8,90,47,-999");
+    assert_eq!(study.said("pass-1.json"), "");
+}
+
+/// A transient of both nodes that says all inputs; the strap's panel has no sensor.
+fn transient(initial: &str, run: &str) -> Study {
+    let study = Study::transient();
+    study.edit(
+        "pass-1.json",
+        r#""initial": {"temperatures": {"all": {"value": 20, "unit": "degC"}}}"#,
+        &format!(r#""initial": {initial}, "inputs": {{"T_if": {{"value": 20, "unit": "degC"}}, "T_s": 90}}"#),
+    );
+    study.edit("pass-1.json", r#"{"measures": "box"}"#, r#"{"measures": "box", "sigma": {"value": 0.1, "unit": "K"}}"#);
+    study.put("data/run.csv", run);
+    study
+}
+
+const FAR: &str = "time [s],Q [W],box [degC]\n0,5,32\n60,5,31\n120,0,30.5\n180,0,30\n";
+
+#[test]
+fn a_start_apart_from_the_first_readings_is_told() {
+    let start = r#"{"temperatures": {"all": {"value": 20, "unit": "degC"}}}"#;
+    let said = transient(start, FAR).said("pass-1.json");
+    assert!(said.starts_with("warning[start-apart]: the first readings of `balance` lie apart from its start temperatures: `box` 12 K above"), "{said}");
+    assert!(said.contains("\"initial\": {\"measured\": {}}"), "{said}");
+    // Within five standard deviations it is noise.
+    assert_eq!(transient(start, "time [s],Q [W],box [degC]\n0,5,20.4\n60,5,22\n120,0,23\n").said("pass-1.json"), "");
+    // A fitted start is held against its prior.
+    let fitted = |lower: f64| {
+        format!(r#"{{"temperatures": {{"all": {{"prior": {{"uniform": [{lower}, 35]}}, "unit": "degC"}}}}}}"#)
+    };
+    assert_eq!(transient(&fitted(15.0), FAR).said("pass-1.json"), "");
+    assert!(transient(&fitted(33.0), FAR).said("pass-1.json").contains("`box` 1.001 K below"));
+    assert_eq!(transient(r#"{"measured": {}}"#, FAR).said("pass-1.json"), "");
+    // A first reading that comes late is carried back to the start.
+    let late = "time [s],Q [W],box [degC]\n0,5,\n60,5,23\n120,0,26\n180,0,29\n";
+    assert_eq!(transient(start, late).said("pass-1.json"), "");
+}
+
+fn initial(study: &Study) -> Initial {
+    let Rows::Transient { initial, .. } = &study.load().measurements[0].rows else { panic!("transient") };
+    initial.clone()
+}
+
+#[test]
+fn a_measured_start_holds_the_nodes_with_readings() {
+    // Nodes: plate, shroud, box, panel.
+    let Initial::Measured { temperatures, held } = initial(&transient(r#"{"measured": {}}"#, FAR)) else {
+        panic!("measured")
+    };
+    assert_eq!((temperatures[2], held), (32.0 + 273.15, vec![false, false, true, false]));
+    let first = |settings: &str| match initial(&transient(&format!(r#"{{"measured": {settings}}}"#), FAR)) {
+        Initial::Measured { temperatures, held } => (temperatures[2] - 273.15, temperatures[3] - 273.15, held[3]),
+        Initial::Temperatures { values, .. } => match values.as_slice() {
+            [_, _, Uncertain::Known(own), Uncertain::Known(panel)] => (own - 273.15, panel - 273.15, true),
+            other => panic!("{other:?}"),
+        },
+        other => panic!("{other:?}"),
+    };
+    let near = |(own, panel, held): (f64, f64, bool), expected: (f64, f64, bool)| {
+        assert!(
+            (own - expected.0).abs() < 1e-9 && (panel - expected.1).abs() < 1e-9 && held == expected.2,
+            "{own} {panel} {held}"
+        );
+    };
+    near(first(r#"{"rows": 2}"#), (31.5, 31.5, false));
+    near(first(r#"{"over": {"value": 2, "unit": "min"}}"#), (31.0 + 1.0 / 6.0, 31.0 + 1.0 / 6.0, false));
+    near(first(r#"{"temperatures": {"panel": {"value": -10, "unit": "degC"}}}"#), (32.0, -10.0, true));
+    near(first(r#"{"others": {"nearest": {}}}"#), (32.0, 32.0, true));
+}
+
+#[test]
+fn a_measured_start_that_cannot_be_is_an_error() {
+    let said =
+        |settings: &str, run: &str| transient(&format!(r#"{{"measured": {settings}}}"#), run).said("pass-1.json");
+    assert!(said(r#"{"rows": 0}"#, FAR).contains("0 of 4 rows"));
+    assert!(said(r#"{"rows": 5}"#, FAR).contains("5 of 4 rows"));
+    assert!(said(r#"{"rows": 1, "over": 3}"#, FAR).contains("`rows` and `over`"));
+    assert!(said(r#"{"temperatures": {"lid": 300}}"#, FAR).contains("unknown node `lid`"));
+    assert!(said(r#"{"temperatures": {"panel": -3}}"#, FAR).contains("a start of -3 K"));
+    let late = "time [s],Q [W],box [degC]\n0,5,\n60,5,23\n120,0,26\n180,0,29\n";
+    assert!(said("{}", late).contains("`box` has no reading in the first rows to start at"));
+    assert_eq!(said(r#"{"rows": 2}"#, late), "");
+    // A node that nothing joins to the others has no balance.
+    let study = transient(r#"{"measured": {}}"#, FAR);
+    study.edit(
+        "model.json",
+        r#""panel": {"capacity": 300}}"#,
+        r#""panel": {"capacity": 300}, "lid": {"capacity": 5}, "rim": {}}"#,
+    );
+    study.edit("model.json", r#""strap""#, r#""ring": {"between": ["lid", "rim"], "conductance": 1}, "strap""#);
+    assert!(study.said("pass-1.json").contains("no start temperature of `lid` and `rim`: no path joins them"));
+}
