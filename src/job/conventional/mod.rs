@@ -307,6 +307,10 @@ impl Job for Conventional {
         serde_json::to_vec(&self.run()?).map_err(|e| JobError::Failed(e.to_string()))
     }
 
+    fn is_last(&self, _stage: &str) -> bool {
+        true
+    }
+
     fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
         let unreadable = |reason: String| JobError::Unreadable { stage: stage.to_owned(), reason };
         let bytes = outputs.first().ok_or_else(|| unreadable("there is no block".to_owned()))?;

@@ -376,6 +376,12 @@ impl Job for Goal {
         bytes.map_err(|e| JobError::Failed(e.to_string()))
     }
 
+    fn memory_bytes(&self) -> u64 {
+        // The values of the prior's samples, and whether each is met in the cells that are looked at.
+        let values = (self.spec.environments.len() * self.spec.requirements.len()) as u64 + 2;
+        values.saturating_mul(self.spec.samples).saturating_mul(size_of::<f64>() as u64)
+    }
+
     fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
         let unreadable = |reason: String| JobError::Unreadable { stage: stage.to_owned(), reason };
         let first = inputs.first().ok_or_else(|| unreadable("there is no block".to_owned()))?;

@@ -274,6 +274,10 @@ impl Job for Sensitivity {
         serde_json::to_vec(&found).map_err(|e| JobError::Failed(e.to_string()))
     }
 
+    fn is_last(&self, _stage: &str) -> bool {
+        self.spec.precision.is_none()
+    }
+
     fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
         let unreadable = |reason: String| JobError::Unreadable { stage: stage.to_owned(), reason };
         let mut found = vec![Found::default(); self.spec.environments.len()];
