@@ -7,3 +7,4 @@ mod hand_on;
 mod history;
 mod story;
 mod studies;
+mod verbs;
