@@ -1,7 +1,7 @@
 //! `bmv`: reproducible Bayesian-based model validation of spacecraft thermal models.
 //!
 //! The rooms of the house, each of which may use only those before it:
-//! `math`, `random` and `expression`, `statistics`, `document`, `thermal`, `effect`, `inference` and `surrogate`,
+//! `watch`, `math`, `random` and `expression`, `statistics`, `document`, `thermal`, `effect`, `inference` and `surrogate`,
 //! `diagnosis`, `job`, `study`, `runner`, `report`, `cli` (DESIGN.md says what each knows and may not know).
 
 pub mod cli;
@@ -19,3 +19,4 @@ pub mod statistics;
 pub mod study;
 pub mod surrogate;
 pub mod thermal;
+pub mod watch;

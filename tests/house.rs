@@ -4,6 +4,7 @@ use std::path::Path;
 
 /// Rooms in order; those of one row may not use one another.
 const ROWS: &[&[&str]] = &[
+    &["watch"],
     &["math"],
     &["random", "expression"],
     &["statistics"],

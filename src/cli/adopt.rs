@@ -98,6 +98,13 @@ fn told(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, findings: &Findings
         let jobs = suggest::listed(next.extended.iter().map(String::as_str), 12);
         text.push_str(&format!("{} names its parameters; those of the effects were added\n", escaped(&jobs)));
     }
+    for (name, kind) in &next.added {
+        let own = escaped(&pass.file);
+        text.push_str(&format!(
+            "{own} has no job of kind {kind}; `{}` was added, so that `bmv history` can tell the error\n",
+            escaped(name)
+        ));
+    }
     text + &now_try(pass, path)
 }
 

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-use super::execute::execute;
+use super::execute::prepare;
 use super::options::RunOptions;
-use super::output::{print, print_json};
+use super::output::{escaped, print, print_json, tell};
 use super::status::{Failure, Status};
+use super::studies::Loaded;
 use super::{Context, studies};
 use crate::report::section::{READINGS, RESULTS, TUNED};
 use crate::report::{JobResult, terminal};
@@ -24,6 +25,9 @@ pub(super) struct Compare {
     /// Whether each reading stands beside its prediction [default: all with --json, none without]
     #[arg(long, value_name = "WHICH")]
     rows: Option<Rows>,
+    /// Run the calibrations that have no result in the cache, and show the tuned state too
+    #[arg(long)]
+    tuned: bool,
     /// Print one JSON document in SI units
     #[arg(long)]
     json: bool,
@@ -42,7 +46,14 @@ enum Rows {
 impl Compare {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         studies::one_pass(&self.pass)?;
-        let executed = execute(std::slice::from_ref(&self.pass), &self.options, context, |kind, _| kind == "compare")?;
+        let loaded = studies::load(std::slice::from_ref(&self.pass), context.coloured)?;
+        let mut prepared = prepare(loaded, Loaded::default(), context, |_, kind, _| kind == "compare")?;
+        let mut delivered = Vec::new();
+        if !self.tuned {
+            let cache = prepared.cache(&self.options.cache);
+            (prepared, delivered) = prepared.deliver(&cache)?;
+        }
+        let executed = prepared.run(&self.options, context)?;
         for pass in &executed.passes {
             if !pass.pass.jobs.iter().any(|job| job.spec.kind() == "compare") {
                 return Err(Failure::input(format!("`{}` has no job of kind `compare`", pass.shown)));
@@ -61,6 +72,14 @@ impl Compare {
             let sections: Vec<_> =
                 RESULTS.iter().chain([&TUNED]).filter_map(|build| build(&report)).chain(readings).collect();
             print(&terminal::render(&sections, context.layout))?;
+        }
+        let shown = escaped(&self.pass.display().to_string());
+        for (job, calibration) in delivered {
+            let (job, calibration) = (escaped(&job), escaped(&calibration));
+            tell(&format!(
+                "`{job}` is of the model as delivered: calibration `{calibration}` has no result in the cache; with the \
+                 tuned state: bmv compare {shown} --tuned"
+            ));
         }
         Ok(executed.status_of_wanted())
     }

@@ -1,24 +1,40 @@
 //! `bmv diff`.
 
-use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
-use super::execute::{Executed, execute};
+use super::execute::{Executed, prepare};
 use super::options::RunOptions;
 use super::output::{escaped, print, print_json};
 use super::status::{Failure, Status};
-use super::{Context, studies};
+use super::studies::Loaded;
+use super::{Context, show, studies};
+use crate::report::essentials::essentials;
+use crate::report::page::{Block, Cell, Column, Section, Table};
+use crate::report::{PassReport, terminal};
 use crate::runner::{Difference, differences};
+use crate::study::{ChangedEntry, changed};
+
+/// Places of a job's identity that are told where no entry of the files explains them.
+const MOST_UNEXPLAINED: usize = 8;
+/// Diagnostics printed of the files.
+const MOST_DIAGNOSTICS: usize = 20;
 
 /// Arguments of `bmv diff`.
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "First what the files say differently, entry by entry, then what became of the results. Nothing is run \
+                        unless --run asks for it: results come from the cache."
+)]
 pub(super) struct Diff {
     /// Pass file before
     before: PathBuf,
     /// Pass file after
     after: PathBuf,
+    /// Run first what has no result in the cache
+    #[arg(long)]
+    run: bool,
     /// Print one JSON document
     #[arg(long)]
     json: bool,
@@ -26,58 +42,164 @@ pub(super) struct Diff {
     options: RunOptions,
 }
 
+/// A job of one of the passes.
+struct Side {
+    definition: Value,
+    result: Value,
+}
+
 impl Diff {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         for path in [&self.before, &self.after] {
             studies::one_pass(path)?;
         }
-        let run = |path: &PathBuf| execute(std::slice::from_ref(path), &self.options, context, |_, _| true);
-        let (before, after) = (run(&self.before)?, run(&self.after)?);
-        let names: BTreeSet<String> = names(&before).chain(names(&after)).collect();
-        let mut jobs = serde_json::Map::new();
-        for name in names {
-            let [old, new] = [&before, &after].map(|run| sides(run, &name));
-            let definition = differences(&old.0, &new.0);
-            let result = differences(&old.1, &new.1);
-            if !self.json {
-                print(&text(&name, &definition, &result))?;
+        let may_run = self.run || self.options.is_forced();
+        let mut not_there = Vec::new();
+        let mut run = |path: &PathBuf| -> Result<Executed, Failure> {
+            let loaded = studies::load(std::slice::from_ref(path), context.coloured)?;
+            let mut prepared = prepare(loaded, Loaded::default(), context, |_, _, _| true)?;
+            if !may_run {
+                let cache = prepared.cache(&self.options.cache);
+                not_there.extend(prepared.leave_out_missing(&cache));
             }
-            jobs.insert(name, json!({ "definition": definition, "result": result }));
+            prepared.run(&self.options, context)
+        };
+        let (before, after) = (run(&self.before)?, run(&self.after)?);
+        let ([old], [new]) = (before.passes.as_slice(), after.passes.as_slice()) else {
+            return Err(Failure::input("name two pass files"));
+        };
+        let entries = changed(&old.pass, &new.pass)
+            .map_err(|wrong| Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS)))?;
+        let mut names: Vec<&str> = Vec::new();
+        for job in old.pass.jobs.iter().chain(&new.pass.jobs) {
+            if !names.contains(&job.name.as_str()) {
+                names.push(&job.name);
+            }
         }
+        let compared: Vec<(&str, Vec<Difference>, Vec<Difference>)> = names
+            .iter()
+            .map(|&name| {
+                let [old, new] = [&before, &after].map(|run| side(run, name));
+                let definition = differences(&old.definition, &new.definition);
+                (name, definition, differences(&old.result, &new.result))
+            })
+            .collect();
         if self.json {
-            print_json(&json!({ "jobs": jobs }))?;
+            let jobs: serde_json::Map<String, Value> = compared
+                .iter()
+                .map(|(name, definition, result)| {
+                    ((*name).to_owned(), json!({ "definition": definition, "result": result }))
+                })
+                .collect();
+            print_json(&json!({ "files": entries, "jobs": jobs }))?;
+        } else {
+            let reports = [studies::view(old, &before)?, studies::view(new, &after)?];
+            let unexplained =
+                if entries.is_empty() { compared.iter().flat_map(|one| &one.1).collect() } else { vec![] };
+            let sections = [definitions(&entries, &unexplained), results(&names, &reports)];
+            print(&terminal::render(&sections, context.layout))?;
         }
+        show::tell_not_there(&not_there);
         let statuses = [before.status(), after.status()];
-        Ok(statuses.into_iter().find(|status| *status != Status::Done).unwrap_or(Status::Done))
+        let status = statuses.into_iter().find(|status| *status != Status::Done).unwrap_or(Status::Done);
+        Ok(if status == Status::Done && !not_there.is_empty() { Status::WrongInput } else { status })
     }
-}
-
-/// Names of the jobs of the passes that were asked for.
-fn names(run: &Executed) -> impl Iterator<Item = String> {
-    let ids = run.passes.iter().flat_map(|pass| &pass.jobs);
-    ids.filter_map(|id| run.plan.find(id)).map(|position| run.plan.nodes()[position].name.clone())
 }
 
 /// Definition and result of a job; null where there is none.
-fn sides(run: &Executed, name: &str) -> (Value, Value) {
-    let ids = run.passes.iter().flat_map(|pass| &pass.jobs);
-    let mut positions = ids.filter_map(|id| Some((id, run.plan.find(id)?)));
-    let Some((id, position)) = positions.find(|&(_, position)| run.plan.nodes()[position].name == name) else {
-        return (Value::Null, Value::Null);
-    };
-    let material = serde_json::to_value(run.plan.material(position)).unwrap_or_default();
-    let result = run.summary.finished(id).map_or(Value::Null, |finished| (*finished.stored.value).clone());
-    (material, result)
+fn side(run: &Executed, name: &str) -> Side {
+    let position = run.passes.iter().find_map(|pass| {
+        let nodes = run.plan.nodes();
+        nodes
+            .iter()
+            .position(|node| node.name == name && node.id.strip_suffix(name) == Some(&format!("{}:", pass.shown)))
+    });
+    let Some(position) = position else { return Side { definition: Value::Null, result: Value::Null } };
+    let definition = serde_json::to_value(run.plan.material(position)).unwrap_or_default();
+    let finished = run.summary.finished(&run.plan.nodes()[position].id);
+    Side { definition, result: finished.map_or(Value::Null, |finished| (*finished.stored.value).clone()) }
 }
 
-fn text(name: &str, definition: &[Difference], result: &[Difference]) -> String {
-    let mut text = format!("{}\n", escaped(name));
-    for (what, found) in [("definition", definition), ("result", result)] {
-        match found.len() {
-            0 => text.push_str(&format!("  {what}: the same\n")),
-            count => text.push_str(&format!("  {what}: {count} differences\n")),
-        }
-        text.extend(found.iter().map(|difference| format!("    {}\n", escaped(&difference.to_string()))));
+/// What the files say differently.
+fn definitions(entries: &[ChangedEntry], unexplained: &[&Difference]) -> Section {
+    let or_none = |value: &Option<String>, none: &str| Cell::from(value.clone().unwrap_or_else(|| none.to_owned()));
+    let mut blocks = Vec::new();
+    if entries.is_empty() {
+        blocks.push(Block::paragraph("The files say the same."));
+    } else {
+        blocks.push(Block::Table(Table {
+            caption: "Entries of the files that differ, inherited ones among them.".into(),
+            columns: vec![
+                Column::text("Entry"),
+                Column::text("Before"),
+                Column::text("After"),
+                Column::text("Written at"),
+            ],
+            rows: entries
+                .iter()
+                .map(|entry| {
+                    vec![
+                        Cell::code(&entry.entry),
+                        or_none(&entry.before, "(not there)"),
+                        or_none(&entry.after, "(gone)"),
+                        Cell::code(&entry.at),
+                    ]
+                })
+                .collect(),
+        }));
     }
-    text
+    if !unexplained.is_empty() {
+        blocks.push(Block::paragraph(
+            "What decides the results differs all the same (readings, rules, effects, or the program):",
+        ));
+        let lines = unexplained.iter().take(MOST_UNEXPLAINED).map(|difference| escaped(&difference.to_string()).into());
+        blocks.push(Block::List(lines.collect()));
+    }
+    Section { id: "definitions", title: "What the files say".into(), blocks }
+}
+
+/// What became of the results, job by job.
+fn results(names: &[&str], reports: &[PassReport<'_>; 2]) -> Section {
+    let mut blocks = Vec::new();
+    let (mut same, mut without): (Vec<&str>, Vec<&str>) = (Vec::new(), Vec::new());
+    for name in names {
+        let [old, new] = reports.each_ref().map(|report| report.results.iter().find(|job| job.name == *name));
+        if old.is_none() && new.is_none() {
+            without.push(name);
+            continue;
+        }
+        let [old, new] = [old, new].map(|job| job.map(essentials).unwrap_or_default());
+        let rows = beside(&old, &new);
+        if rows.is_empty() {
+            same.push(name);
+            continue;
+        }
+        let (what, gone) = (rows.len(), old.len().max(new.len()));
+        blocks.push(Block::Table(Table {
+            caption: format!("Job {name}: {what} of {gone} figures differ.").into(),
+            columns: vec![Column::text("Figure"), Column::text("Before"), Column::text("After")],
+            rows,
+        }));
+    }
+    if !same.is_empty() {
+        blocks.push(Block::paragraph(format!("The same in both: {}.", same.join(", "))));
+    }
+    if !without.is_empty() {
+        blocks.push(Block::paragraph(format!("Without a result in both: {}.", without.join(", "))));
+    }
+    Section { id: "results", title: "What became of the results".into(), blocks }
+}
+
+/// The figures that differ.
+fn beside(old: &[(String, String)], new: &[(String, String)]) -> Vec<Vec<Cell>> {
+    let get = |rows: &[(String, String)], name: &str| {
+        rows.iter().find(|(other, _)| other == name).map(|(_, text)| text.clone())
+    };
+    let gone = old.iter().filter(|(name, _)| get(new, name).is_none());
+    let rows = new.iter().chain(gone).filter_map(|(name, _)| {
+        let (before, after) = (get(old, name), get(new, name));
+        let or_none = |text: &Option<String>| Cell::from(text.clone().unwrap_or_else(|| "(none)".to_owned()));
+        (before != after).then(|| vec![name.clone().into(), or_none(&before), or_none(&after)])
+    });
+    rows.collect()
 }

@@ -10,7 +10,8 @@ use super::output::tell;
 use super::status::{Failure, Status};
 use super::studies::{self, Loaded, LoadedPass};
 use crate::runner::engine::local;
-use crate::runner::{EventLog, Finished, Listener, Plan, Progress, RunSummary, Settings};
+use crate::runner::plan::State;
+use crate::runner::{Cache, EventLog, Finished, Listener, Plan, Progress, RunSummary, Settings, WorkHistory};
 use crate::study::Pass;
 use crate::study::history::judged_by;
 
@@ -24,6 +25,8 @@ pub struct Executed {
     pub plan: Plan,
     /// What became of them.
     pub summary: RunSummary,
+    /// Whether it was interrupted.
+    pub is_interrupted: bool,
 }
 
 impl Executed {
@@ -53,7 +56,7 @@ impl Executed {
 
     /// How the program ends after this run.
     pub fn status(&self) -> Status {
-        if self.summary.is_interrupted() {
+        if self.is_interrupted {
             Status::Interrupted
         } else if self.summary.failures() > 0 {
             Status::JobFailed
@@ -75,6 +78,15 @@ pub fn is_judge(pass: &Pass, name: &str) -> bool {
 /// A sampler's result says whether it converged; other results do not speak of it.
 fn is_converged(job: &Finished) -> bool {
     job.stored.value.get("converged").and_then(serde_json::Value::as_bool).unwrap_or(true)
+}
+
+/// Passes with their plan, of which nothing has run yet.
+pub struct Prepared {
+    passes: Vec<LoadedPass>,
+    parents: Vec<LoadedPass>,
+    plan: Plan,
+    /// Ids of the wanted jobs.
+    only: BTreeSet<String>,
 }
 
 /// Loads, plans and runs the wanted jobs of the passes under these paths; `wanted` sees kind and name.
@@ -102,10 +114,22 @@ pub fn execute_loaded(
     context: &Context,
     wanted: impl Fn(&Pass, &str, &str) -> bool,
 ) -> Result<Executed, Failure> {
-    let Loaded { mut passes, mut nodes, notes } = loaded;
-    for note in notes {
-        tell(&note);
-    }
+    prepare(loaded, parents, context, wanted)?.run(options, context)
+}
+
+/// Plans the wanted jobs of passes that are loaded, and tells what is wrong with some of them; of `parents` the jobs by
+/// which passes are judged are wanted.
+///
+/// # Errors
+/// Jobs that build upon one another in a circle, and the like.
+pub fn prepare(
+    loaded: Loaded,
+    parents: Loaded,
+    context: &Context,
+    wanted: impl Fn(&Pass, &str, &str) -> bool,
+) -> Result<Prepared, Failure> {
+    studies::tell_notes(&loaded.notes);
+    let Loaded { mut passes, mut nodes, .. } = loaded;
     let Loaded { passes: mut older, nodes: of_older, .. } = parents;
     nodes.extend(of_older);
     let plan = Plan::new(nodes)?;
@@ -128,24 +152,101 @@ pub fn execute_loaded(
     }
     let wanted_ids = passes.iter().chain(&older).flat_map(|pass| pass.jobs.iter().cloned());
     let only: BTreeSet<String> = wanted_ids.collect();
-    let settings = Settings { only: Some(only), ..options.settings() };
+    Ok(Prepared { passes, parents: older, plan, only })
+}
 
-    let stop = context.stop()?;
-    let progress = Progress::on_standard_error();
-    if let Some(note) = options.cache.shared(&passes) {
-        tell(&note);
+/// A wanted job that has no result.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NotThere {
+    /// Its pass, as people see it.
+    pub pass: String,
+    /// Its name.
+    pub job: String,
+}
+
+impl Prepared {
+    /// The cache of its passes.
+    pub fn cache(&self, option: &CacheOption) -> Cache {
+        option.cache(&self.passes)
     }
-    let cache = options.cache.cache(&passes);
-    let log = EventLog::create(&options.cache.events(&passes));
-    let summary = match &log {
-        Ok(log) => {
-            let listeners: [&dyn Listener; 2] = [&progress, log];
-            local::run(&plan, &cache, &settings, &stop, &listeners)?
+
+    /// Leaves out the wanted jobs that have no result in the cache, so that nothing runs.
+    pub fn leave_out_missing(&mut self, cache: &Cache) -> Vec<NotThere> {
+        let (states, _) = self.plan.survey(cache, Some(&self.only), false);
+        let missing: BTreeSet<&String> = (self.plan.nodes().iter().zip(&states))
+            .filter(|(_, state)| **state == State::Missing)
+            .map(|(node, _)| &node.id)
+            .collect();
+        let mut left_out = Vec::new();
+        for pass in &mut self.passes {
+            let (gone, kept) = std::mem::take(&mut pass.jobs).into_iter().partition(|id| missing.contains(id));
+            pass.jobs = kept;
+            let gone: Vec<String> = gone;
+            let name = |id: &String| self.plan.find(id).map(|position| self.plan.nodes()[position].name.clone());
+            left_out.extend(gone.iter().filter_map(|id| Some(NotThere { pass: pass.shown.clone(), job: name(id)? })));
         }
-        Err(error) => {
-            tell(&format!("warning: no event log: {error}"));
-            local::run(&plan, &cache, &settings, &stop, &progress)?
+        for pass in &mut self.parents {
+            pass.jobs.retain(|id| !missing.contains(id));
         }
-    };
-    Ok(Executed { passes, parents: older, plan, summary })
+        self.only.retain(|id| !missing.contains(id));
+        left_out
+    }
+
+    /// Lets comparisons whose calibration has no result in the cache show the model as delivered; gives their names and
+    /// those of the calibrations.
+    ///
+    /// # Errors
+    /// Jobs that build upon one another in a circle, and the like.
+    pub fn deliver(self, cache: &Cache) -> Result<(Self, Vec<(String, String)>), Failure> {
+        let (states, _) = self.plan.survey(cache, Some(&self.only), false);
+        let waits = |position: usize| {
+            let mut upstream = self.plan.upstream(position).iter();
+            upstream.any(|&other| states[other] == State::Missing)
+        };
+        let waiting: Vec<usize> = (0..states.len())
+            .filter(|&at| self.only.contains(&self.plan.nodes()[at].id) && states[at] == State::Missing && waits(at))
+            .collect();
+        let Self { passes, parents, plan, only } = self;
+        let mut nodes = plan.into_nodes();
+        let mut told = Vec::new();
+        for position in waiting {
+            let Some(pass) = passes.iter().find(|pass| pass.jobs.contains(&nodes[position].id)) else { continue };
+            if let Some((node, calibration)) = studies::delivered(pass, &nodes[position].name) {
+                told.push((node.name.clone(), calibration));
+                nodes[position] = node;
+            }
+        }
+        Ok((Self { passes, parents, plan: Plan::new(nodes)?, only }, told))
+    }
+
+    /// Runs what is wanted and not in the cache.
+    ///
+    /// # Errors
+    /// A job that needs more memory than the machine has; a refusal of the system. What goes wrong with a job is in the
+    /// summary.
+    pub fn run(self, options: &RunOptions, context: &Context) -> Result<Executed, Failure> {
+        let Self { passes, parents, plan, only } = self;
+        let settings = Settings { only: Some(only), ..options.settings() };
+        if let Some(note) = options.cache.shared(&passes) {
+            tell(&note);
+        }
+        let cache = options.cache.cache(&passes);
+        let needed = plan.preview(&cache, settings.only.as_ref(), settings.force, &WorkHistory::default());
+        super::memory::check(&needed)?;
+        let progress = Progress::on_standard_error();
+        let log = EventLog::create(&options.cache.events(&passes));
+        let run = |listener: &dyn Listener| {
+            context.interrupts.during(|stop| local::run(&plan, &cache, &settings, stop, listener))
+        };
+        let summary = match &log {
+            Ok(log) => run(&[&progress as &dyn Listener, log])?,
+            Err(error) => {
+                tell(&format!("warning: no event log: {error}"));
+                run(&progress)?
+            }
+        };
+        // One that comes with the last block counts too.
+        let is_interrupted = summary.is_interrupted() || context.interrupts.is_stopped();
+        Ok(Executed { passes, parents, plan, summary, is_interrupted })
+    }
 }

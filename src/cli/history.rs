@@ -8,7 +8,7 @@ use super::output::{print, print_json, tell};
 use super::status::{Failure, Status};
 use super::studies::Loaded;
 use super::{Context, studies};
-use crate::report::section::error_by_pass;
+use crate::report::section::{error_by_pass, missing_jobs};
 use crate::report::terminal;
 
 /// Arguments of `bmv history`.
@@ -47,7 +47,13 @@ impl HistoryVerb {
             let shown = self.study.display();
             tell(&format!("figure and all numbers: bmv report {shown}, bmv history {shown} --json"));
         } else if executed.status_of_wanted() == Status::Done {
-            return Err(Failure::input(format!("no pass of `{}` is compared with measurements", self.study.display())));
+            let shown = self.study.display();
+            let missing = missing_jobs(&history);
+            let reasons: Vec<String> = missing.iter().map(|text| format!("\n{}", terminal::sentence(text))).collect();
+            return Err(Failure::input(format!(
+                "no pass of `{shown}` is compared with measurements{}",
+                reasons.concat()
+            )));
         }
         Ok(executed.status_of_wanted())
     }

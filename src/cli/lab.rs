@@ -71,6 +71,9 @@ impl LabVerb {
                 let path = path.ok_or_else(|| Failure::input(format!("no pass in `{}`", study.display())))?;
                 let pass = crate::study::load(&path).map_err(rendered)?;
                 project = Project::of(&pass.folder);
+                if !pass.warnings.is_empty() {
+                    tell(&pass.warnings.render(context.coloured, MOST_DIAGNOSTICS));
+                }
                 if pass.measurements.is_empty() {
                     return Err(Failure::input(format!("`{}` has no measurement to simulate", path.display())));
                 }
@@ -101,8 +104,8 @@ impl LabVerb {
             Plan::new(vec![Node { id: id.clone(), name: "lab".to_owned(), seed: self.seed, from: vec![], task }])?;
         let progress = Progress::on_standard_error();
         let settings = Settings { only: None, ..self.options.settings() };
-        let summary =
-            local::run(&plan, &self.options.cache.cache_of(&project), &settings, &context.stop()?, &progress)?;
+        let cache = self.options.cache.cache_of(&project);
+        let summary = context.interrupts.during(|stop| local::run(&plan, &cache, &settings, stop, &progress))?;
         if summary.is_interrupted() {
             return Ok(Status::Interrupted);
         }

@@ -14,6 +14,7 @@ mod explain;
 mod history;
 mod init;
 mod lab;
+mod memory;
 mod options;
 mod output;
 mod pinned;
@@ -26,7 +27,6 @@ pub mod status;
 mod studies;
 mod verify;
 
-use std::cell::OnceCell;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 
@@ -35,8 +35,7 @@ use clap::{Parser, Subcommand, ValueEnum};
 use status::{Failure, Status};
 
 use crate::report::terminal::Layout;
-use crate::runner::StopFlag;
-use crate::runner::interrupt::stop_on_interrupt;
+use crate::runner::interrupt::Interrupts;
 
 /// Lines are never made shorter than this, however narrow the terminal says that it is.
 const NARROWEST: usize = 40;
@@ -48,8 +47,9 @@ const NARROWEST: usize = 40;
     version,
     propagate_version = false,
     arg_required_else_help = true,
-    after_help = "Exit status: 0 done; 1 a check or a requirement failed; 2 the input is wrong; 3 a job failed; \
-                  4 a sampler did not converge; 130 interrupted, what was finished is kept.\n\n\
+    after_help = "Exit status: 0 done; 1 a check failed, or with --require a requirement is not met; 2 the input is \
+                  wrong, or what was asked for is not there; 3 a job failed; 4 a sampler did not converge; \
+                  130 interrupted, what was finished is kept.\n\n\
                   Words of other tools (GL, GR, QI, MLI, D, A and B nodes): bmv explain WORD."
 )]
 struct Program {
@@ -86,19 +86,8 @@ struct Context {
     coloured: bool,
     /// How text on standard output is laid out.
     layout: Layout,
-    stop: OnceCell<StopFlag>,
-}
-
-impl Context {
-    /// The flag that Ctrl-C raises from the first call on; before it, Ctrl-C ends the program as ever.
-    fn stop(&self) -> Result<StopFlag, Failure> {
-        if let Some(stop) = self.stop.get() {
-            return Ok(stop.clone());
-        }
-        let stop = StopFlag::default();
-        stop_on_interrupt(&stop, Status::Interrupted.code().into())?;
-        Ok(self.stop.get_or_init(|| stop).clone())
-    }
+    /// What Ctrl-C does.
+    interrupts: Interrupts,
 }
 
 #[derive(Debug, Subcommand)]
@@ -170,6 +159,14 @@ impl Verb {
 
 /// Runs the program: parses the arguments, executes the verb, prints an error once.
 pub fn main() -> ExitCode {
+    // First of all, so that a signal ends the program with its own status however early it comes.
+    let interrupts = match Interrupts::catch(Status::Interrupted.code().into()) {
+        Ok(interrupts) => interrupts,
+        Err(error) => {
+            output::tell(&format!("error: {error}"));
+            return Status::JobFailed.into();
+        }
+    };
     let program = match Program::try_parse() {
         Ok(program) => program,
         // Help and version too come this way.
@@ -181,7 +178,7 @@ pub fn main() -> ExitCode {
     if let Some((_, columns)) = console::Term::stdout().size_checked().filter(|_| std::io::stdout().is_terminal()) {
         layout.width = usize::from(columns).max(NARROWEST);
     }
-    let context = Context { coloured, layout, stop: OnceCell::new() };
+    let context = Context { coloured, layout, interrupts };
     let status = program.verb.execute(&context).unwrap_or_else(|failure| {
         let label = if coloured { "\u{1b}[1;31merror:\u{1b}[0m" } else { "error:" };
         let message = failure.message.trim_end();

@@ -5,7 +5,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::studies::LoadedPass;
+use super::execute::Executed;
+use super::output::{escaped, tell};
+use super::status::{Failure, Status};
+use super::studies::{self, LoadedPass};
+use crate::report::{required, terminal};
 use crate::runner::{Cache, Settings};
 use crate::study::Project;
 use crate::study::project::default_path;
@@ -81,7 +85,59 @@ impl From<CachedRunOptions> for RunOptions {
     }
 }
 
+/// Whether what is required decides the exit status.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct RequireOption {
+    /// End with status 1 where a requirement is not met by the given design, or nothing is required
+    #[arg(long)]
+    pub require: bool,
+}
+
+impl RequireOption {
+    /// The status in the light of what is required: what speaks against the results is told.
+    ///
+    /// # Errors
+    /// A result that cannot be read.
+    pub fn judge(self, executed: &Executed, status: Status) -> Result<Status, Failure> {
+        if !self.require || status != Status::Done {
+            return Ok(status);
+        }
+        let (mut judged, mut is_met) = (0, true);
+        for pass in &executed.passes {
+            let shown = escaped(&pass.shown);
+            let report = studies::view(pass, executed)?;
+            for job in &report.results {
+                for standing in required::standings(&job.result) {
+                    judged += 1;
+                    if !standing.is_met {
+                        is_met = false;
+                        tell(&format!(
+                            "not met: {shown}: {}: {}",
+                            escaped(&job.name),
+                            terminal::plain(&standing.words)
+                        ));
+                    }
+                }
+            }
+            for reason in &report.warnings {
+                is_met = false;
+                tell(&format!("not met: {shown}: {}", terminal::plain(reason)));
+            }
+        }
+        if judged == 0 {
+            // A check of nothing must not look as if all were well.
+            tell("nothing is required: no job here judges a requirement");
+        }
+        Ok(if judged > 0 && is_met { status } else { Status::CheckFailed })
+    }
+}
+
 impl RunOptions {
+    /// Whether what is in the cache is run again.
+    pub fn is_forced(&self) -> bool {
+        self.force
+    }
+
     /// Settings of a run of all jobs.
     pub fn settings(&self) -> Settings {
         Settings { threads: self.threads, force: self.force, only: None }

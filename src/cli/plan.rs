@@ -1,5 +1,6 @@
 //! `bmv plan`.
 
+use super::memory::{self, WORTH_TELLING, bytes_text};
 use super::options::{PathsArgument, RunOptions};
 use super::output::{escaped, print, print_json, table};
 use super::status::{Failure, Status};
@@ -22,6 +23,7 @@ pub(super) struct PlanVerb {
 impl PlanVerb {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         let loaded = studies::load(&self.paths.paths, context.coloured)?;
+        studies::tell_notes(&loaded.notes);
         studies::tell_refused(&loaded.passes, context.coloured);
         let is_refused = loaded.passes.iter().any(|pass| !pass.refused.is_empty());
         let status = if is_refused { Status::WrongInput } else { Status::Done };
@@ -34,29 +36,42 @@ impl PlanVerb {
             print_json(&lines)?;
             return Ok(status);
         }
+        let tells_memory = lines.iter().any(|line| line.memory_bytes >= WORTH_TELLING);
         let mut rows = vec![["job", "kind", "key", "state", "work"].map(str::to_owned).to_vec()];
+        rows[0].extend(tells_memory.then(|| "memory".to_owned()));
         for line in &lines {
             let work = match line.work_s {
                 _ if line.cached => String::new(),
-                Some(work_s) => duration_text(work_s),
+                Some(work_s) if line.is_same_work => duration_text(work_s),
+                Some(work_s) => format!("unknown ({} before it was changed)", duration_text(work_s)),
                 None => "unknown".to_owned(),
             };
             let state = if line.cached { "cached" } else { "to run" };
-            rows.push(vec![escaped(&line.job), line.kind.clone(), line.key.short().to_owned(), state.to_owned(), work]);
+            let mut row =
+                vec![escaped(&line.job), line.kind.clone(), line.key.short().to_owned(), state.to_owned(), work];
+            if tells_memory {
+                let is_large = line.memory_bytes >= WORTH_TELLING;
+                row.push(if is_large { bytes_text(line.memory_bytes) } else { String::new() });
+            }
+            rows.push(row);
         }
-        let known: Vec<f64> = lines.iter().filter(|line| !line.cached).filter_map(|line| line.work_s).collect();
-        let to_run = lines.iter().filter(|line| !line.cached).count();
+        let missing = || lines.iter().filter(|line| !line.cached);
+        let to_run = missing().count();
+        // Only of the very same definition is it known that it takes as long again.
+        let known: Vec<f64> = missing().filter(|line| line.is_same_work).filter_map(|line| line.work_s).collect();
         let threads = settings.threads();
         let length = match (known.len(), to_run - known.len()) {
             (0, 0) => String::new(),
             (0, _) => "; how long they take is not known yet".to_owned(),
             (_, unknown) => {
                 let least = duration_text(known.iter().sum::<f64>() / threads as f64);
+                let on = if threads == 1 { "thread" } else { "threads" };
                 let more = if unknown > 0 { format!(", and {unknown} of unknown length") } else { String::new() };
-                format!("; at least {least} on {threads} threads{more}")
+                format!("; at least {least} on {threads} {on}{more}")
             }
         };
         print(&format!("{}\n{to_run} of {} jobs to run{length}\n", table(&rows), lines.len()))?;
+        memory::check(&lines)?;
         Ok(status)
     }
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::execute::execute_loaded;
-use super::options::{PathsArgument, RunOptions};
+use super::options::{PathsArgument, RequireOption, RunOptions};
 use super::output::{escaped, print, tell};
 use super::status::{Failure, Status};
 use super::{Context, archive, studies};
@@ -17,6 +17,8 @@ pub(super) struct Report {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
+    require: RequireOption,
+    #[command(flatten)]
     options: RunOptions,
 }
 
@@ -27,7 +29,7 @@ impl Report {
         // A report shows what became of the error since the first pass.
         let parents = studies::parents(&loaded.passes);
         let executed = execute_loaded(loaded, parents, &self.options, context, |_, _, _| true)?;
-        if executed.summary.is_interrupted() {
+        if executed.is_interrupted {
             return Ok(Status::Interrupted);
         }
         for (pass, target) in executed.passes.iter().zip(&targets) {
@@ -40,6 +42,6 @@ impl Report {
         for (pass, job) in executed.not_converged() {
             tell(&format!("warning: {}:{job}: the sampler did not converge", escaped(&pass.shown)));
         }
-        Ok(executed.status())
+        self.require.judge(&executed, executed.status())
     }
 }

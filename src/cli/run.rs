@@ -1,7 +1,7 @@
 //! `bmv run`.
 
 use super::execute::{Executed, execute};
-use super::options::{PathsArgument, RunOptions};
+use super::options::{PathsArgument, RequireOption, RunOptions};
 use super::output::{escaped, print};
 use super::status::{Failure, Status};
 use super::{Context, studies};
@@ -15,6 +15,8 @@ pub(super) struct Run {
     /// Only jobs of this kind, and what they build upon; may be given more than once
     #[arg(long = "job", value_name = "KIND")]
     kinds: Vec<String>,
+    #[command(flatten)]
+    require: RequireOption,
     #[command(flatten)]
     options: RunOptions,
 }
@@ -48,6 +50,6 @@ impl Run {
             return Err(Failure::input(format!("no job of kind `{}`", self.kinds.join("`, `"))));
         }
         print(&outcome(&executed)?)?;
-        Ok(executed.status())
+        self.require.judge(&executed, executed.status())
     }
 }

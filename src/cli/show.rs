@@ -4,24 +4,34 @@ use std::path::PathBuf;
 
 use serde_json::{Map, Value};
 
-use super::execute::execute;
-use super::options::RunOptions;
+use super::execute::{NotThere, prepare};
+use super::options::{RequireOption, RunOptions};
 use super::output::{escaped, print, print_json, tell};
 use super::status::{Failure, Status};
+use super::studies::Loaded;
 use super::{Context, studies};
-use crate::report::section::{RESULTS, SUMMARY};
+use crate::report::section::{CALIBRATION, RESULTS, SUMMARY};
 use crate::report::terminal;
 
 /// Arguments of `bmv show`.
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Nothing is run unless --run asks for it: what is shown comes from the cache, as `bmv run` left it. \
+                        Where a job has no result there, that is said and the exit status is 2."
+)]
 pub(super) struct Show {
     /// Pass file
     pass: PathBuf,
     /// Name of a job [default: all, with the summary]
     job: Option<String>,
+    /// Run first what has no result in the cache
+    #[arg(long)]
+    run: bool,
     /// Print one JSON document in SI units; of all jobs, by name
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    require: RequireOption,
     #[command(flatten)]
     options: RunOptions,
 }
@@ -29,13 +39,18 @@ pub(super) struct Show {
 impl Show {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         studies::one_pass(&self.pass)?;
-        let wanted = |_: &str, name: &str| self.job.as_ref().is_none_or(|wanted| wanted == name);
-        let executed = execute(std::slice::from_ref(&self.pass), &self.options, context, wanted)?;
+        let loaded = studies::load(std::slice::from_ref(&self.pass), context.coloured)?;
+        if let Some(job) = &self.job {
+            loaded.passes.iter().try_for_each(|pass| studies::has_job(pass, job))?;
+        }
+        let wanted = |name: &str| self.job.as_ref().is_none_or(|wanted| wanted == name);
+        let mut prepared = prepare(loaded, Loaded::default(), context, |_, _, name| wanted(name))?;
+        let may_run = self.run || self.options.is_forced();
+        let cache = prepared.cache(&self.options.cache);
+        let not_there = if may_run { Vec::new() } else { prepared.leave_out_missing(&cache) };
+        let executed = prepared.run(&self.options, context)?;
         let mut documents = Map::new();
         for pass in &executed.passes {
-            if let Some(job) = &self.job {
-                studies::has_job(pass, job)?;
-            }
             let mut report = studies::view(pass, &executed)?;
             if self.json {
                 for entry in &report.results {
@@ -44,8 +59,9 @@ impl Show {
                 continue;
             }
             studies::without_rows(&mut report);
-            let summary = self.job.is_none().then_some(&SUMMARY);
-            let sections: Vec<_> = summary.into_iter().chain(RESULTS).filter_map(|build| build(&report)).collect();
+            let summary = self.job.is_none().then_some(&SUMMARY).filter(|_| !report.results.is_empty());
+            let sections = summary.into_iter().chain(RESULTS).chain([&CALIBRATION]);
+            let sections: Vec<_> = sections.filter_map(|build| build(&report)).collect();
             print(&terminal::render(&sections, context.layout))?;
             if !report.results.is_empty() {
                 tell(&format!("figures and all numbers: bmv report {}", escaped(&pass.shown)));
@@ -58,6 +74,27 @@ impl Show {
                 Some(None) => {}
             }
         }
-        Ok(executed.status_of_wanted())
+        tell_not_there(&not_there);
+        let status = executed.status_of_wanted();
+        if status == Status::Done && !not_there.is_empty() {
+            return Ok(Status::WrongInput);
+        }
+        self.require.judge(&executed, status)
+    }
+}
+
+/// Tells which results are not in the cache, and the commands that make them.
+pub(super) fn tell_not_there(not_there: &[NotThere]) {
+    let mut passes: Vec<&str> = not_there.iter().map(|own| own.pass.as_str()).collect();
+    passes.dedup();
+    for shown in passes {
+        let names: Vec<String> =
+            not_there.iter().filter(|own| own.pass == shown).map(|own| format!("`{}`", escaped(&own.job))).collect();
+        let shown = escaped(shown);
+        let (have, them) = if names.len() == 1 { ("has", "it") } else { ("have", "them") };
+        tell(&format!(
+            "{shown}: {} {have} no result in the cache; `bmv run {shown}` makes {them}, and so does --run here",
+            names.join(", ")
+        ));
     }
 }

@@ -7,9 +7,9 @@ use std::process::ExitCode;
 pub enum Status {
     /// All is done.
     Done,
-    /// Done, and a check or a requirement failed.
+    /// Done, and a check failed, or a requirement where the status is to tell that.
     CheckFailed,
-    /// The input is wrong.
+    /// The input is wrong, or what was asked for is not there.
     WrongInput,
     /// A job failed, or the system refused something that a job needs.
     JobFailed,

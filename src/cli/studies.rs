@@ -94,6 +94,10 @@ impl Task for After {
         self.0.identity()
     }
 
+    fn memory_bytes(&self) -> u64 {
+        self.0.job().memory_bytes()
+    }
+
     fn prepare(&self, upstream: &[Arc<Value>]) -> Result<Arc<dyn Job>, JobError> {
         self.0.prepare(upstream)
     }
@@ -279,6 +283,24 @@ fn load_with(reader: &Reader, paths: &[PathBuf], coloured: bool) -> Result<Loade
         entry.refuse(&job.name, diagnostics);
     }
     Ok(all)
+}
+
+/// Tells what people should know of the files, each thing once.
+pub fn tell_notes(notes: &[String]) {
+    for (position, note) in notes.iter().enumerate() {
+        if !notes[..position].contains(note) {
+            tell(note);
+        }
+    }
+}
+
+/// A comparison of a pass as the runner is given it without its tuned state, and the calibration that it leaves out.
+pub fn delivered(pass: &LoadedPass, name: &str) -> Option<(Node, String)> {
+    let job = pass.pass.jobs.iter().find(|job| job.name == name)?;
+    let study::JobSpec::Compare(spec) = &job.spec else { return None };
+    let calibration = spec.calibration.clone()?;
+    let (node, _) = node(&pass.shown, &pass.pass, job.name.clone(), study::delivered(&pass.pass, job)?)?;
+    Some((node, calibration))
 }
 
 /// Tells what is wrong with the jobs that cannot be made, each thing once.

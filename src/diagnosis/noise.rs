@@ -17,6 +17,7 @@ use crate::inference::noise::{Noise, Series};
 use crate::inference::unknown::Value;
 use crate::math::functions::{exp, ln};
 use crate::math::sum::log_sum_exp;
+use crate::watch;
 
 /// Readings of one sensor in the order of time, with their places among the rows of a linearised problem.
 #[derive(Clone, Debug, PartialEq)]
@@ -217,6 +218,7 @@ fn of_grid<T>(tried: impl Iterator<Item = T>, value: impl Fn(&T) -> f64) -> Opti
     let mut logs = Vec::new();
     let mut best: Option<T> = None;
     for one in tried {
+        watch::check();
         logs.push(value(&one));
         if best.as_ref().is_none_or(|known| value(&one) > value(known)) {
             best = Some(one);
@@ -285,6 +287,7 @@ fn together(
     };
     let mut tried: Vec<(f64, f64, Vec<Weighed>)> = Vec::new();
     for (share, time) in grid(longest) {
+        watch::check();
         let (value, all) = at(share, time);
         tried.push((value, share * time, all));
     }

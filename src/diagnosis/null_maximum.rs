@@ -19,6 +19,7 @@ use crate::inference::box_probability::log_box_probability;
 use crate::math::functions::{exp, ln, sqrt};
 use crate::math::special::{chi_square_quantile, normal_quantile, student_t_quantile, weighted_chi_square_upper};
 use crate::random::{Stream, StreamKey};
+use crate::watch;
 
 /// Draws that meet the directions together.
 const LANES: usize = 8;
@@ -248,6 +249,7 @@ impl Null {
 
     /// Weights of some draws that meet the conditions.
     fn weights(&self, block: &[Draw], thresholds: &Thresholds) -> Vec<f64> {
+        watch::check();
         let n = self.dimensions;
         let mut lanes = vec![[0.0; LANES]; n];
         for (lane, draw) in block.iter().enumerate() {

@@ -12,6 +12,7 @@ use super::Direction;
 use super::products::dot;
 use super::score::{Column, Prepared, Score, Side};
 use super::several::Projected;
+use crate::watch;
 
 /// Pairs with less than this left of one given the other (`1 - c^2`) are one direction.
 const COLLINEAR: f64 = 1e-6;
@@ -77,6 +78,7 @@ pub fn screen(units: &[f64], rows: usize, z: &[f64], sides: &[Side], count: usiz
     let allowed = |side: Side, amplitude: f64| side.fold(amplitude) > 0.0;
     for first_tile in (0..n).step_by(TILE) {
         for second_tile in (first_tile..n).step_by(TILE) {
+            watch::check();
             for j in first_tile..(first_tile + TILE).min(n) {
                 for k in second_tile.max(j + 1)..(second_tile + TILE).min(n) {
                     let c = dot(unit(j), unit(k));

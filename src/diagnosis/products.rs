@@ -1,5 +1,7 @@
 //! Scalar products of long columns, in a fixed order.
 
+use crate::watch;
+
 /// Scalar product by eight interleaved sums, then their sum in order: the same bits everywhere, and no wait for the sum before.
 #[inline]
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -51,6 +53,7 @@ pub(super) fn orthonormal(columns: &[&[f64]], start: Vec<f64>, tolerance: f64) -
         }
     }
     loop {
+        watch::check();
         let mut best: Option<(usize, f64)> = None;
         for (place, (_, column)) in rest.iter().enumerate() {
             let square = dot(column, column);

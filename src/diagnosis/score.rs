@@ -12,6 +12,7 @@ use super::products::{add_scaled, dot, orthonormal, project_out};
 use super::{Direction, Linear};
 use crate::math::functions::sqrt;
 use crate::math::special::{normal_cdf, normal_quantile, normal_quantile_of_ln};
+use crate::watch;
 
 /// A direction keeps at least this share of its square after the refit, or the data do not see it.
 pub const SMALLEST_SHARE: f64 = 1e-6;
@@ -268,6 +269,7 @@ impl Prepared {
 
     /// The score of a direction. Cost: rows x parameters for one column, unless bounds come into play.
     pub fn score(&self, direction: &Direction) -> Score {
+        watch::check();
         if direction.amplitudes() == 1 { self.score_single(direction) } else { self.score_several(direction) }
     }
 

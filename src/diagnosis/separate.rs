@@ -21,6 +21,7 @@ use crate::inference::prediction::Predictor;
 use crate::inference::target::{LeastSquares, Target};
 use crate::math::special::normal_cdf;
 use crate::random::{PointKind, Points, StreamKey};
+use crate::watch;
 
 /// Conditions that are tried at first, beside the corners.
 const CONDITIONS: usize = 256;
@@ -226,6 +227,7 @@ fn judge(
     let nodes = rivals[0].problem.model.nodes.len();
     let mut judged = Vec::new();
     for (number, inputs) in conditions.iter().enumerate() {
+        watch::check();
         let mut square = f64::INFINITY;
         for (rival, (likelihood, residuals, jacobian)) in rivals.iter().zip(&all).skip(1) {
             let rows: Vec<usize> = (0..residuals.len()).filter(|&row| likelihood.data()[row].row == number).collect();

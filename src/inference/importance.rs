@@ -13,6 +13,7 @@ use super::target::Target;
 use crate::math::functions::{exp, ln, ln_gamma};
 use crate::math::sum::log_sum_exp;
 use crate::random::StreamKey;
+use crate::watch;
 
 /// Settings of importance sampling.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -84,7 +85,8 @@ pub fn estimate<T: Target>(
     let mut log_ratios = Vec::with_capacity(settings.draws);
     let mut parameters = Vec::with_capacity(settings.draws * n);
     let (mut normals, mut coordinates) = (vec![0.0; n], vec![0.0; n]);
-    for _ in 0..settings.draws {
+    for draw in 0..settings.draws {
+        watch::at(draw as u64, settings.draws as u64);
         for value in &mut normals {
             *value = stream.normal();
         }

@@ -19,6 +19,7 @@ use super::posterior::{Density, Evaluator, Posterior};
 use super::target::Target;
 use crate::math::functions::{exp, ln, ln_1p};
 use crate::random::{Stream, StreamKey};
+use crate::watch;
 
 /// Settings of adaptive Metropolis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -94,7 +95,9 @@ pub fn sample<T: Target>(
     let mut history = RunningCovariance::new(dimension);
     let opening = (settings.opening * settings.warm_up as f64) as u64;
     let mut before = 0;
+    let steps = settings.warm_up + settings.draws * settings.thin;
     for step in 0..settings.warm_up {
+        watch::at(step, steps);
         walker.advance();
         if step < opening {
             if (step + 1).is_multiple_of(OPENING_BATCH) {
@@ -110,6 +113,7 @@ pub fn sample<T: Target>(
     }
     walker.forget_counts();
     for step in 0..settings.draws * settings.thin {
+        watch::at(settings.warm_up + step, steps);
         walker.advance();
         if settings.adapt_throughout {
             history.add(&walker.coordinates);

@@ -8,6 +8,7 @@ use super::target::{LeastSquares, Rejected};
 use super::transform::{Transform, TransformError};
 use crate::math::functions::{exp, ln};
 use crate::random::Distribution;
+use crate::watch;
 
 /// The negative log posterior of a target, constants of the priors left out.
 pub struct NaturalObjective<'a, T: LeastSquares> {
@@ -158,6 +159,7 @@ impl<T: LeastSquares> Objective for NaturalObjective<'_, T> {
     }
 
     fn value(&mut self, x: &[f64], residuals: &mut [f64]) -> Option<f64> {
+        watch::check();
         self.take(x);
         self.work.likelihoods += 1;
         let data = self.data_rows();
@@ -181,6 +183,7 @@ impl<T: LeastSquares> Objective for NaturalObjective<'_, T> {
         jacobian: &mut [f64],
         penalty_gradient: &mut [f64],
     ) -> Option<f64> {
+        watch::check();
         self.take(x);
         self.work.gradients += 1;
         let (data, n) = (self.data_rows(), x.len());

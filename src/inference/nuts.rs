@@ -16,6 +16,7 @@ use super::shear::NormalApproximation;
 use super::target::Target;
 use crate::math::functions::{exp, ln, ln_1p};
 use crate::random::{Stream, StreamKey};
+use crate::watch;
 
 /// Coordinates beyond this, in units of the priors' spreads, mean that a trajectory has run away.
 const FAR: f64 = 1e3;
@@ -113,6 +114,7 @@ pub fn sample<T: Target>(
     sampler.step = sampler.reasonable_step(&trajectory.sample);
     let mut averaging = DualAveraging::new(sampler.step, settings.acceptance);
     for transition in 0..settings.warm_up {
+        watch::at(transition, settings.warm_up + settings.draws);
         let outcome = trajectory.advance(&mut sampler);
         averaging.update(outcome.acceptance);
         sampler.step = averaging.step();
@@ -128,7 +130,8 @@ pub fn sample<T: Target>(
     }
     sampler.step = averaging.averaged();
     let mut acceptance_sum = 0.0;
-    for _ in 0..settings.draws {
+    for draw in 0..settings.draws {
+        watch::at(settings.warm_up + draw, settings.warm_up + settings.draws);
         let outcome = trajectory.advance(&mut sampler);
         acceptance_sum += outcome.acceptance;
         result.moves.divergences += u64::from(outcome.diverged);

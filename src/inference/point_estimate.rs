@@ -16,6 +16,7 @@ use super::posterior::Work;
 use super::shear::NormalApproximation;
 use super::target::LeastSquares;
 use crate::random::{PointKind, Points, StreamKey};
+use crate::watch;
 
 /// Settings of the point estimate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -118,9 +119,11 @@ pub fn estimate<T: LeastSquares>(
     let mut objective = NaturalObjective::new(target)?;
     let bounds = objective.bounds();
     let starts = starts(target, settings, key, given);
+    let count = starts.len() as u64;
     let mut descents = Vec::with_capacity(starts.len());
     let mut best: Option<Minimum> = None;
     for start in starts {
+        watch::at(descents.len() as u64, count);
         let from = objective.coordinates(&start);
         let minimum = minimise(&mut objective, &from, &bounds, settings.most_iterations);
         descents.push(Descent {

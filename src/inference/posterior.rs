@@ -6,6 +6,7 @@ use super::shear::{NormalApproximation, Shear, covariance_of_coordinates};
 use super::target::{Rejected, Rejections, Target};
 use super::transform::{Transform, TransformError};
 use crate::random::Stream;
+use crate::watch;
 
 /// The posterior of a target over unconstrained coordinates, shared between chains.
 pub struct Posterior<'a, T: Target> {
@@ -175,6 +176,7 @@ impl<T: Target> Evaluator<'_, T> {
     /// The density at coordinates; `None`, counted, where the target refuses or gives no finite number.
     #[inline]
     pub fn density(&mut self, coordinates: &[f64]) -> Option<Density> {
+        watch::check();
         let (log_prior, log_slope) = self.prior(coordinates, None)?;
         self.work.likelihoods += 1;
         let answer = self.posterior.target.log_likelihood(&self.parameters, &mut self.workspace);
@@ -185,6 +187,7 @@ impl<T: Target> Evaluator<'_, T> {
     /// The density at coordinates and the gradient of its total.
     #[inline]
     pub fn density_gradient(&mut self, coordinates: &[f64], gradient: &mut [f64]) -> Option<Density> {
+        watch::check();
         let (log_prior, log_slope) = self.prior(coordinates, Some(gradient))?;
         self.work.gradients += 1;
         let answer =

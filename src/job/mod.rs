@@ -62,6 +62,16 @@ pub trait Job: Send + Sync {
     fn begin(&self) -> Result<Step, JobError>;
     /// Runs one block: a pure function of the job, the stage and the input.
     fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError>;
+    /// About how much memory the job takes for what grows with its settings (samples, draws), bytes; 0 where none of it
+    /// is long.
+    fn memory_bytes(&self) -> u64 {
+        0
+    }
+    /// Whether no other stage follows this one, as far as is known when it begins: for the time left, which is not told
+    /// of stages that nobody has counted yet.
+    fn is_last(&self, _stage: &str) -> bool {
+        false
+    }
     /// Takes the blocks' outputs, in order, to the next step.
     fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError>;
     /// The same, where the outputs are not needed any more: a job with long ones gives their memory up on the way.

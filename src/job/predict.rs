@@ -101,6 +101,15 @@ impl Job for Predict {
         self.posterior.block(own, input)
     }
 
+    fn memory_bytes(&self) -> u64 {
+        // One after the other.
+        self.prior.memory_bytes().max(self.posterior.memory_bytes())
+    }
+
+    fn is_last(&self, stage: &str) -> bool {
+        stage.starts_with(POSTERIOR)
+    }
+
     fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
         if let Some(own) = stage.strip_prefix(PRIOR) {
             return match self.prior.reduce(own, inputs, outputs)? {

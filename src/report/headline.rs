@@ -3,7 +3,7 @@
 use crate::job::{calibrate, compare, conventional, design, goal, predict, propagate, sensitivity};
 
 use super::number::{self, Shown};
-use super::page::Status;
+use super::required::outcome;
 use super::section::goal as goal_section;
 use super::section::propagation;
 use super::section::sensitivity as sensitivity_section;
@@ -106,11 +106,7 @@ fn of_propagation(output: &propagate::Output) -> Vec<String> {
     for case in propagation::nominal_cases(output) {
         let place = if has_one_environment { String::new() } else { format!(" in {}", case.environment) };
         for met in &case.requirements {
-            let outcome = match propagation::standing(met) {
-                Status::Ok => "met",
-                Status::Caution => "undecided with these samples",
-                Status::Fail => "not met",
-            };
+            let outcome = outcome(met);
             let reached = output
                 .reached
                 .iter()

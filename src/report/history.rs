@@ -72,6 +72,15 @@ pub struct PassErrors {
     pub comparison: Option<String>,
     /// The calibration, likewise.
     pub calibration: Option<String>,
+    /// Kinds of jobs that the pass would need for its error to be told, and does not have.
+    pub missing: Vec<&'static str>,
+}
+
+/// Of a comparison and a calibration, which a pass with measurements does not have.
+fn missing(pass: &Pass) -> Vec<&'static str> {
+    let has = |kind: &str| pass.jobs.iter().any(|job| job.spec.kind() == kind);
+    let is_measured = !pass.measurements.is_empty();
+    ["compare", "calibrate"].into_iter().filter(|kind| is_measured && !has(kind)).collect()
 }
 
 impl PassErrors {
@@ -93,6 +102,7 @@ impl PassErrors {
             parent: pass.parents.first().cloned(),
             added: adopted.iter().filter(|id| !before.contains(id)).cloned().collect(),
             adopted,
+            missing: missing(pass),
             ..Self::default()
         };
         if let Some((name, result)) = comparison {

@@ -4,6 +4,7 @@
 //! `section/` and a line in its list; order, numbers, contents, Markdown and HTML come by themselves.
 
 pub mod assemble;
+pub mod essentials;
 pub mod headline;
 pub mod history;
 pub mod html;
@@ -11,6 +12,7 @@ pub mod markdown;
 pub mod number;
 pub mod page;
 pub mod plot;
+pub mod required;
 pub mod seal;
 pub mod section;
 pub mod terminal;

@@ -181,6 +181,11 @@ fn inline(text: &Text) -> String {
     pieces.collect()
 }
 
+/// A piece of running text for a terminal, names in quotes.
+pub fn sentence(text: &Text) -> String {
+    inline(text)
+}
+
 /// Text for a terminal: nothing that steers it, line ends as blanks, the minus of the keyboard, which can be copied
 /// into other programs.
 pub fn plain(text: &str) -> String {

@@ -108,6 +108,11 @@ impl WorkHistory {
         history
     }
 
+    /// Whether a job of this very key ran whole.
+    pub fn has(&self, key: &Key) -> bool {
+        self.by_key.contains_key(key)
+    }
+
     /// Seconds of work, on one thread, that this job took when it last ran: with this very key, or else under this id
     /// with another definition. Nothing if it never ran whole.
     pub fn work_s(&self, job: &str, key: &Key) -> Option<f64> {

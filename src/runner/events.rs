@@ -4,6 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::key::Key;
+use crate::watch::Share;
 
 /// Something happened.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,6 +43,9 @@ pub enum Event {
         stage: String,
         /// Its number of blocks.
         blocks: usize,
+        /// Whether no other stage follows.
+        #[serde(default)]
+        is_last: bool,
     },
     /// A block is there.
     BlockDone {
@@ -108,6 +112,9 @@ pub enum Event {
 pub trait Listener: Sync {
     /// Takes note.
     fn hear(&self, event: &Event);
+
+    /// A block is run; `share` says how far it has come while it does.
+    fn block_runs(&self, _job: &str, _index: usize, _share: &Share) {}
 }
 
 impl Listener for [&dyn Listener] {
@@ -116,10 +123,20 @@ impl Listener for [&dyn Listener] {
             listener.hear(event);
         }
     }
+
+    fn block_runs(&self, job: &str, index: usize, share: &Share) {
+        for listener in self {
+            listener.block_runs(job, index, share);
+        }
+    }
 }
 
 impl<const N: usize> Listener for [&dyn Listener; N] {
     fn hear(&self, event: &Event) {
         self.as_slice().hear(event);
+    }
+
+    fn block_runs(&self, job: &str, index: usize, share: &Share) {
+        self.as_slice().block_runs(job, index, share);
     }
 }

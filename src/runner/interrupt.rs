@@ -1,7 +1,10 @@
-//! Ctrl-C and the scheduler's request to end: the first asks a run to stop, the second ends the program at once. Ending at
-//! any moment is safe, because objects of the cache appear whole or not at all.
+//! Ctrl-C and the scheduler's request to end. While jobs run the first one asks the run to stop and the second ends the
+//! program at once; at any other time the first one does. Ending at any moment is safe, because objects of the cache
+//! appear whole or not at all.
 
 use std::io::Write;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -10,32 +13,54 @@ use signal_hook::iterator::Signals;
 use super::engine::StopFlag;
 use super::error::RunnerError;
 
-/// After this time running blocks are given up.
-const PATIENCE: Duration = Duration::from_secs(20);
+/// After this time blocks that do not look at the flag are given up.
+const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Stops the run of `stop` at the first signal; ends the program with `status` at the second, or if blocks still run after
-/// twenty seconds.
-///
-/// # Errors
-/// [`RunnerError::Threads`] if the system refuses.
-pub fn stop_on_interrupt(stop: &StopFlag, status: i32) -> Result<(), RunnerError> {
-    let refused = |error: std::io::Error| RunnerError::Threads { threads: 1, reason: error.to_string() };
-    let mut signals = Signals::new([SIGINT, SIGTERM]).map_err(refused)?;
-    let stop = stop.clone();
-    let wait = move || {
-        for _ in signals.forever() {
-            if stop.is_stopped() {
-                std::process::exit(status);
+/// What a signal does.
+#[derive(Clone, Debug)]
+pub struct Interrupts {
+    stop: StopFlag,
+    is_running: Arc<AtomicBool>,
+}
+
+impl Interrupts {
+    /// Catches signals from now on: each ends the program with `status`, unless a run is under way.
+    ///
+    /// # Errors
+    /// [`RunnerError::Threads`] if the system refuses.
+    pub fn catch(status: i32) -> Result<Self, RunnerError> {
+        let refused = |error: std::io::Error| RunnerError::Threads { threads: 1, reason: error.to_string() };
+        let mut signals = Signals::new([SIGINT, SIGTERM]).map_err(refused)?;
+        let own = Self { stop: StopFlag::default(), is_running: Arc::default() };
+        let Self { stop, is_running } = own.clone();
+        let wait = move || {
+            for _ in signals.forever() {
+                if stop.is_stopped() || !is_running.load(Ordering::SeqCst) {
+                    std::process::exit(status);
+                }
+                stop.stop();
+                // A closed standard error must not matter now.
+                let _ = writeln!(std::io::stderr(), "stopping; what is finished is kept; once more to leave at once");
+                let _ = std::thread::Builder::new().spawn(move || {
+                    std::thread::sleep(PATIENCE);
+                    std::process::exit(status);
+                });
             }
-            stop.stop();
-            // A closed standard error must not matter now.
-            let _ =
-                writeln!(std::io::stderr(), "stopping: running blocks are finished and kept; once more to leave now");
-            let _ = std::thread::Builder::new().spawn(move || {
-                std::thread::sleep(PATIENCE);
-                std::process::exit(status);
-            });
-        }
-    };
-    std::thread::Builder::new().name("signals".to_owned()).spawn(wait).map(drop).map_err(refused)
+        };
+        std::thread::Builder::new().name("signals".to_owned()).spawn(wait).map_err(refused)?;
+        Ok(own)
+    }
+
+    /// Runs what looks at the flag: meanwhile a signal raises it.
+    pub fn during<T>(&self, run: impl FnOnce(&StopFlag) -> T) -> T {
+        self.is_running.store(true, Ordering::SeqCst);
+        let done = run(&self.stop);
+        self.is_running.store(false, Ordering::SeqCst);
+        done
+    }
+
+    /// Whether a run was asked to stop.
+    pub fn is_stopped(&self) -> bool {
+        self.stop.is_stopped()
+    }
 }

@@ -22,6 +22,10 @@ pub trait Task: Send + Sync {
     fn algorithm_version(&self) -> u32;
     /// Everything that decides the result beside seed, versions and upstream results, as [`Job::identity`].
     fn identity(&self) -> Value;
+    /// As [`Job::memory_bytes`].
+    fn memory_bytes(&self) -> u64 {
+        0
+    }
     /// Makes the job ready; `upstream` are the results of [`Node::from`], in that order.
     ///
     /// # Errors
@@ -43,6 +47,10 @@ impl Task for Ready {
 
     fn identity(&self) -> Value {
         self.0.identity()
+    }
+
+    fn memory_bytes(&self) -> u64 {
+        self.0.memory_bytes()
     }
 
     fn prepare(&self, _upstream: &[Arc<Value>]) -> Result<Arc<dyn Job>, JobError> {
@@ -119,6 +127,10 @@ pub struct Preview {
     pub cached: bool,
     /// Seconds of work on one thread by the last time it ran, where known; 0 if cached.
     pub work_s: Option<f64>,
+    /// Whether that time is of this very definition, and not of another one of the same name.
+    pub is_same_work: bool,
+    /// Memory that it needs for its samples or draws, bytes; 0 where that does not matter, or if cached.
+    pub memory_bytes: u64,
 }
 
 impl Plan {
@@ -176,6 +188,11 @@ impl Plan {
     /// Positions in [`Plan::nodes`] of the jobs that this one builds upon.
     pub fn upstream(&self, position: usize) -> &[usize] {
         &self.upstream[position]
+    }
+
+    /// The jobs, to be planned anew.
+    pub fn into_nodes(self) -> Vec<Node> {
+        self.nodes
     }
 
     /// Position of a job by its id, or by its name if only one job has that name.
@@ -250,7 +267,15 @@ impl Plan {
             .map(|((node, key), state)| {
                 let cached = matches!(state, State::Cached(_));
                 let work_s = if cached { Some(0.0) } else { history.work_s(&node.id, key) };
-                Preview { job: node.id.clone(), kind: node.task.kind().to_owned(), key: key.clone(), cached, work_s }
+                Preview {
+                    job: node.id.clone(),
+                    kind: node.task.kind().to_owned(),
+                    key: key.clone(),
+                    cached,
+                    work_s,
+                    is_same_work: cached || history.has(key),
+                    memory_bytes: if cached { 0 } else { node.task.memory_bytes() },
+                }
             })
             .collect()
     }

@@ -2,18 +2,23 @@
 //! where the output is none.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::io::{IsTerminal, Write};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressState, ProgressStyle};
 
 use crate::document::visible::escaped;
 
 use super::events::{Event, Listener};
+use super::forecast::{RunningBlock, Seen, left};
+use crate::watch::Share;
 
 /// Plain lines about one job come at most this often.
 const LINE_INTERVAL: Duration = Duration::from_secs(10);
+/// A bar is drawn anew this often, also while no block ends.
+const TICK: Duration = Duration::from_millis(500);
 
 /// Shows a run's progress.
 pub struct Progress {
@@ -22,6 +27,8 @@ pub struct Progress {
 
 struct Shown {
     jobs: BTreeMap<String, Running>,
+    threads: usize,
+    to_run: usize,
     out: Out,
 }
 
@@ -33,13 +40,22 @@ enum Out {
 struct Running {
     since: Instant,
     last_line: Instant,
-    stage: String,
-    blocks: u64,
-    blocks_done: u64,
-    /// When the stage began, and how many of its blocks were found rather than run: for the rate.
-    stage_since: Instant,
-    blocks_found: u64,
+    /// Shared with the bar, which is drawn by a thread of its own.
+    stage: Arc<Mutex<Stage>>,
     bar: Option<ProgressBar>,
+}
+
+/// A stage under way.
+struct Stage {
+    name: String,
+    since: Instant,
+    blocks: usize,
+    /// Blocks that were found rather than run.
+    found: usize,
+    ended_s: Vec<f64>,
+    running: BTreeMap<usize, (Instant, Share)>,
+    threads: usize,
+    is_last: bool,
 }
 
 impl Progress {
@@ -58,13 +74,19 @@ impl Progress {
     }
 
     fn to(out: Out) -> Self {
-        Self { shown: Mutex::new(Shown { jobs: BTreeMap::new(), out }) }
+        Self { shown: Mutex::new(Shown { jobs: BTreeMap::new(), threads: 1, to_run: 0, out }) }
     }
 }
 
 impl Listener for Progress {
     fn hear(&self, event: &Event) {
-        self.shown.lock().unwrap_or_else(PoisonError::into_inner).hear(event);
+        lock(&self.shown).hear(event);
+    }
+
+    fn block_runs(&self, job: &str, index: usize, share: &Share) {
+        if let Some(running) = lock(&self.shown).jobs.get(job) {
+            lock(&running.stage).running.insert(index, (Instant::now(), share.clone()));
+        }
     }
 }
 
@@ -72,46 +94,45 @@ impl Shown {
     fn hear(&mut self, event: &Event) {
         match event {
             Event::RunStarted { to_run, cached, threads } => {
-                let line = format!(
-                    "{} to run on {}, {cached} in the cache",
-                    counted(*to_run as u64, "job"),
-                    counted(*threads as u64, "thread")
-                );
-                self.line(&line);
+                self.threads = *threads;
+                self.to_run = *to_run;
+                if *to_run > 0 {
+                    let line = format!(
+                        "{} to run on {}, {cached} in the cache",
+                        counted(*to_run as u64, "job"),
+                        counted(*threads as u64, "thread")
+                    );
+                    self.line(&line);
+                } else if *cached > 0 {
+                    self.line(&format!("nothing to run, {} in the cache", counted(*cached as u64, "job")));
+                }
             }
             Event::JobStarted { job, kind, .. } => {
                 let now = Instant::now();
+                let stage = Arc::new(Mutex::new(Stage::new(String::new(), 0, self.threads, false)));
                 let bar = match &self.out {
-                    Out::Bars(bars) => Some(bars.add(new_bar(job))),
+                    Out::Bars(bars) => {
+                        let bar = bars.add(new_bar(job, &stage));
+                        bar.enable_steady_tick(TICK);
+                        Some(bar)
+                    }
                     Out::Lines(_) => None,
                 };
-                let running = Running {
-                    since: now,
-                    last_line: now,
-                    stage: String::new(),
-                    blocks: 0,
-                    blocks_done: 0,
-                    stage_since: now,
-                    blocks_found: 0,
-                    bar,
-                };
-                self.jobs.insert(job.clone(), running);
+                self.jobs.insert(job.clone(), Running { since: now, last_line: now, stage, bar });
                 if matches!(self.out, Out::Lines(_)) {
                     self.line(&format!("{job}: started ({kind})"));
                 }
             }
-            Event::StageStarted { job, stage, blocks } => {
+            Event::StageStarted { job, stage, blocks, is_last } => {
                 let Some(running) = self.jobs.get_mut(job) else { return };
-                running.stage.clone_from(stage);
-                (running.blocks, running.blocks_done, running.blocks_found) = (*blocks as u64, 0, 0);
-                running.stage_since = Instant::now();
+                *lock(&running.stage) = Stage::new(stage.clone(), *blocks, self.threads, *is_last);
                 if let Some(bar) = &running.bar {
                     bar.reset();
-                    bar.set_length(running.blocks);
+                    bar.set_length(*blocks as u64);
                     bar.set_message(stage.clone());
                 }
             }
-            Event::BlockDone { job, cached, .. } => self.block_done(job, *cached),
+            Event::BlockDone { job, index, cached, .. } => self.block_done(job, *index, *cached),
             Event::Damaged { object } => {
                 self.line(&format!("object {} of the cache is damaged; it is computed again", object.short()));
             }
@@ -139,6 +160,9 @@ impl Shown {
                 for job in self.jobs.keys().cloned().collect::<Vec<_>>() {
                     self.close(&job);
                 }
+                if self.to_run == 0 {
+                    return;
+                }
                 let failed = if *failed > 0 { format!(", {failed} without one") } else { String::new() };
                 let end = if *interrupted { "; interrupted, what was finished is kept" } else { "" };
                 self.line(&format!("{} with a result{failed}{end}", counted(*finished as u64, "job")));
@@ -146,15 +170,15 @@ impl Shown {
         }
     }
 
-    fn block_done(&mut self, job: &str, found: bool) {
+    fn block_done(&mut self, job: &str, index: usize, found: bool) {
         let Some(running) = self.jobs.get_mut(job) else { return };
-        running.blocks_done += 1;
-        running.blocks_found += u64::from(found);
+        let now = Instant::now();
+        lock(&running.stage).block_done(index, found, now);
         if let Some(bar) = &running.bar {
             bar.inc(1);
         } else if running.last_line.elapsed() >= LINE_INTERVAL {
-            running.last_line = Instant::now();
-            let line = format!("{job}: {}", running.stage_text(running.stage_since.elapsed().as_secs_f64()));
+            running.last_line = now;
+            let line = format!("{job}: {}", lock(&running.stage).text(now));
             self.line(&line);
         }
     }
@@ -179,26 +203,70 @@ impl Shown {
     }
 }
 
-impl Running {
-    /// `sum: 50 of 200 blocks, 2.5/s, about 1 min left`; the rate is that of blocks that were run.
-    fn stage_text(&self, elapsed_s: f64) -> String {
-        let mut text = format!("{}: {} of {} blocks", self.stage, self.blocks_done, self.blocks);
-        let rate = (self.blocks_done - self.blocks_found) as f64 / elapsed_s.max(1e-9);
-        if rate > 0.0 {
-            let left_s = self.blocks.saturating_sub(self.blocks_done) as f64 / rate;
-            text.push_str(&format!(", {rate:.3}/s, about {} left", duration_text(left_s)));
+impl Stage {
+    fn new(name: String, blocks: usize, threads: usize, is_last: bool) -> Self {
+        let (ended_s, running) = (Vec::new(), BTreeMap::new());
+        Self { name, since: Instant::now(), blocks, found: 0, ended_s, running, threads, is_last }
+    }
+
+    fn block_done(&mut self, index: usize, found: bool, now: Instant) {
+        match self.running.remove(&index) {
+            Some((since, _)) => self.ended_s.push(now.duration_since(since).as_secs_f64()),
+            None => self.found += usize::from(found),
         }
-        text
+    }
+
+    fn done(&self) -> usize {
+        self.ended_s.len() + self.found
+    }
+
+    /// What the forecast is made from.
+    fn seen(&self, now: Instant) -> Seen {
+        let running = self.running.values().map(|(since, share)| RunningBlock {
+            elapsed_s: now.duration_since(*since).as_secs_f64(),
+            share: share.done(),
+        });
+        let running: Vec<RunningBlock> = running.collect();
+        Seen {
+            waiting: self.blocks.saturating_sub(self.done() + running.len()),
+            ended_s: self.ended_s.clone(),
+            running,
+            threads: self.threads,
+            is_last: self.is_last,
+        }
+    }
+
+    /// `2.5/s, about 1 min left`, as far as it is known; the rate is that of blocks that were run.
+    fn pace(&self, now: Instant) -> String {
+        let rate = self.ended_s.len() as f64 / now.duration_since(self.since).as_secs_f64().max(1e-9);
+        let rate = (rate >= 0.1).then(|| format!("{rate:.1}/s"));
+        rate.into_iter().chain(left(&self.seen(now)).text()).collect::<Vec<_>>().join(", ")
+    }
+
+    /// `sum: 50 of 200 blocks, 2.5/s, about 1 min left`.
+    fn text(&self, now: Instant) -> String {
+        let pace = Some(self.pace(now)).filter(|pace| !pace.is_empty());
+        let pace = pace.map_or_else(String::new, |pace| format!(", {pace}"));
+        format!("{}: {} of {} blocks{pace}", self.name, self.done(), self.blocks)
     }
 }
 
-fn new_bar(job: &str) -> ProgressBar {
-    const TEMPLATE: &str = "{prefix} {msg} [{bar:30}] {pos}/{len} {per_sec} {eta} left";
+fn new_bar(job: &str, stage: &Arc<Mutex<Stage>>) -> ProgressBar {
+    const TEMPLATE: &str = "{prefix} {msg} {pos}/{len} [{wide_bar}] {pace}";
     let bar = ProgressBar::new(0).with_prefix(escaped(job).into_owned());
+    let stage = Arc::clone(stage);
+    let pace = move |_: &ProgressState, out: &mut dyn fmt::Write| {
+        let _ = out.write_str(&lock(&stage).pace(Instant::now()));
+    };
     match ProgressStyle::with_template(TEMPLATE) {
-        Ok(style) => bar.with_style(style.progress_chars("=> ")),
+        Ok(style) => bar.with_style(style.progress_chars("=> ").with_key("pace", pace)),
         Err(_) => bar,
     }
+}
+
+/// What is guarded here is whole after every assignment.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn counted(count: u64, what: &str) -> String {
@@ -244,7 +312,7 @@ mod tests {
         for event in [
             Event::RunStarted { to_run: 1, cached: 2, threads: 1 },
             Event::JobStarted { job: job(), kind: "propagate".into(), key: key.clone() },
-            Event::StageStarted { job: job(), stage: "sum".into(), blocks: 1 },
+            Event::StageStarted { job: job(), stage: "sum".into(), blocks: 1, is_last: true },
             Event::BlockDone { job: job(), stage: "sum".into(), index: 0, cached: false },
             Event::JobFinished {
                 job: job(),
@@ -270,18 +338,11 @@ mod tests {
 
     #[test]
     fn the_rate_counts_only_blocks_that_were_run() {
-        let now = Instant::now();
-        let running = Running {
-            since: now,
-            last_line: now,
-            stage: "sum".into(),
-            blocks: 200,
-            blocks_done: 60,
-            stage_since: now,
-            blocks_found: 50,
-            bar: None,
-        };
-        assert_eq!(running.stage_text(10.0), "sum: 60 of 200 blocks, 1.000/s, about 2 min left");
+        let stage = Stage { found: 50, ended_s: vec![1.0; 10], ..Stage::new("sum".into(), 200, 1, true) };
+        let now = stage.since + Duration::from_secs(10);
+        assert_eq!(stage.text(now), "sum: 60 of 200 blocks, 1.0/s, about 2 min left");
+        let stage = Stage { ended_s: vec![30.0], ..Stage::new("sample".into(), 5, 2, false) };
+        assert_eq!(stage.text(stage.since + Duration::from_secs(60)), "sample: 1 of 5 blocks");
     }
 
     #[test]

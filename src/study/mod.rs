@@ -3,6 +3,7 @@
 //! [`load`] is the way in: it reads a pass with its parents, its model and its data, and gives a [`Pass`] in which
 //! nothing is left to look up, or all that is wrong with the files.
 
+pub mod changed;
 pub mod discover;
 pub mod file;
 pub mod folder;
@@ -26,6 +27,7 @@ pub mod schema;
 pub mod table;
 pub mod window;
 
+pub use changed::{ChangedEntry, changed};
 pub use discover::{Found, discover};
 pub use folder::Folder;
 pub use ledger::Content;

@@ -6,6 +6,7 @@
 //! start leaves no trace in the result). A lane that is done or lost is frozen: it keeps the bits it would have alone.
 
 use crate::expression::Lanes;
+use crate::watch;
 
 use super::equations::{Equations, segment};
 use super::linear::Linear;
@@ -142,6 +143,7 @@ pub(super) fn solve<V: Lanes>(
     let mut stats = SteadyStats::default();
     last_step.fill(f64::INFINITY);
     loop {
+        watch::check();
         equations.program.run(segment::RESIDUAL, &mut state.file);
         stats.residual_evaluations += 1;
         let mut running = 0;

@@ -5,6 +5,8 @@
 
 use thiserror::Error;
 
+use crate::watch;
+
 use super::equations::segment;
 use super::network::{Network, Workspace};
 use super::newton::{self, LaneStatus, SteadyStats};
@@ -183,6 +185,7 @@ impl Network {
         let mut last_size = f64::INFINITY;
         let mut last_step = f64::INFINITY;
         for _ in 0..CONTINUATION_ITERATIONS {
+            watch::check();
             equations.program.run(segment::RESIDUAL, &mut state.file);
             stats.residual_evaluations += 1;
             if last_step <= 1e-4 && weight < 1e-6 && newton::closes(equations, &mut state.file, held) {

@@ -39,12 +39,12 @@ fn compare_gives_rows_and_statistics_by_sensor() {
     assert_eq!(found["fails"].as_array().unwrap().len(), 1);
     near(&found["heat"][0]["into_boundaries_w"]["wall"], 10.0);
     assert!(document(&["compare", "plate", "--json", "--rows", "none"]).get("rows").is_none());
-    assert_eq!(document(&["show", "plate", "delivered", "--json"]), found, "the same document");
+    assert_eq!(document(&["show", "plate", "delivered", "--json", "--run"]), found, "the same document");
 }
 
 #[test]
 fn propagate_gives_quantities_and_probabilities_by_name() {
-    let found = document(&["show", "plate", "prior", "--json"]);
+    let found = document(&["show", "plate", "prior", "--json", "--run"]);
     let quantity = &found["quantities"]["plate temperature"];
     assert_eq!(quantity["unit"], "K");
     // 293.15 K + 10 W / G with G uniform from 0.4 to 0.6 W/K: 10 ln(1.5) / 0.2 = 20.273 K; 64 Sobol points.
@@ -57,7 +57,7 @@ fn propagate_gives_quantities_and_probabilities_by_name() {
     assert!(probability["lower"].as_f64() < probability["upper"].as_f64());
     assert_eq!(found["probability"]["all"], *probability);
     assert_eq!((&found["samples"], &found["failed"]), (&json!(64), &json!(0)));
-    let all = document(&["show", "plate", "--json"]);
+    let all = document(&["show", "plate", "--json", "--run"]);
     assert_eq!(all["prior"], found);
 }
 
@@ -68,8 +68,8 @@ fn sensitivity_gives_indices_by_quantity_and_parameter() {
     let mut pass: Value = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
     pass["jobs"]["effects"] = json!({"sensitivity": {"samples": 64}});
     std::fs::write(&file, pass.to_string()).unwrap();
-    let found: Value =
-        serde_json::from_str(&printed(root.path(), &["show", "plate", "effects", "--json"])).expect("one document");
+    let found: Value = serde_json::from_str(&printed(root.path(), &["show", "plate", "effects", "--json", "--run"]))
+        .expect("one document");
     // The conductance alone is uncertain: all of the variance is its own.
     for kind in ["main", "total"] {
         let index = &found[kind]["plate temperature"]["G"];

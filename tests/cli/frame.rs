@@ -46,6 +46,21 @@ fn help_names_every_verb_and_the_exit_statuses() {
     assert!(help.contains("130 interrupted"));
 }
 
+#[cfg(unix)]
+#[test]
+fn a_signal_before_any_job_runs_ends_with_130() {
+    for signal in ["-INT", "-TERM"] {
+        // A schema is longer than a pipe holds: the program stands still in the middle of its work.
+        let mut child = bmv().args(["schema", "pass"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut first = [0];
+        std::io::Read::read_exact(child.stdout.as_mut().unwrap(), &mut first).unwrap();
+        assert_eq!(&first, b"{", "it writes");
+        assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
+        let ended = child.wait().unwrap();
+        assert_eq!(ended.code(), Some(130), "{signal}: {ended}");
+    }
+}
+
 #[test]
 fn wrong_arguments_end_with_two_and_say_so_on_standard_error() {
     for arguments in [&[][..], &["fly"], &["run", "--threads", "0"], &["show"], &["explain", "no-such-code"]] {

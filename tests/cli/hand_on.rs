@@ -42,7 +42,7 @@ fn the_second_pass_builds_on_the_first_with_the_same_bytes_for_any_threads() {
     fs::write(root.path().join("plate/pass-2.json"), SECOND).unwrap();
     let show = |threads: &str| {
         let cache = format!("cache-{threads}");
-        printed(root.path(), &["show", "plate/pass-2.json", "--json", "--threads", threads, "--cache", &cache])
+        printed(root.path(), &["show", "plate/pass-2.json", "--run", "--json", "--threads", threads, "--cache", &cache])
     };
     let (one, two) = (show("1"), show("2"));
     assert_eq!(one, two);
@@ -62,7 +62,7 @@ fn the_second_pass_builds_on_the_first_with_the_same_bytes_for_any_threads() {
     fs::write(root.path().join("plate/data/balance.csv"), "phase,Q,wall,plate\nP1,10,20,43.1\nP2,5,20,33\n").unwrap();
     let plan = printed(root.path(), &["plan", "plate/pass-2.json", "--cache", "cache-1"]);
     assert!(plan.contains("5 of 5 jobs to run"), "{plan}");
-    let run = bmv(root.path(), &["show", "plate/pass-2.json"]);
+    let run = bmv(root.path(), &["show", "plate/pass-2.json", "--run"]);
     assert!(text(&run.stdout).contains("Prediction after calibration"), "{}", text(&run.stdout));
 }
 
@@ -70,9 +70,9 @@ fn the_second_pass_builds_on_the_first_with_the_same_bytes_for_any_threads() {
 fn a_comparison_tells_that_its_calibration_did_not_converge() {
     let root = plate();
     jobs(root.path(), r#"{"fit": {"calibrate": {"draws": 8, "warmup": 20}}, "delivered": {"compare": {}}}"#);
-    for _ in 0..2 {
+    for option in ["--tuned", "--rows=none"] {
         // The second time from the cache.
-        let output = bmv(root.path(), &["compare", "plate/pass-1.json"]);
+        let output = bmv(root.path(), &["compare", "plate/pass-1.json", option]);
         assert_eq!(code(&output), 4, "{}", text(&output.stderr));
     }
 }

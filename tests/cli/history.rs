@@ -6,6 +6,31 @@ use serde_json::{Value, json};
 
 use super::studies::{bmv, code, plate, printed, text};
 
+#[test]
+fn history_says_which_job_a_pass_lacks() {
+    let root = plate();
+    let first = root.path().join("plate/pass-1.json");
+    let said = printed(root.path(), &["history", "plate"]);
+    let plain = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        plain.contains(
+            "`pass-1.json` has no job of kind calibrate, so that its tuned error and its evidence are not known; add to its \
+             jobs `\"tuned\": {\"calibrate\": {}}`."
+        ),
+        "{said}"
+    );
+    let found: Value = serde_json::from_str(&printed(root.path(), &["history", "plate", "--json"])).unwrap();
+    assert_eq!(found["passes"][0]["missing"], json!(["calibrate"]));
+    let without = fs::read_to_string(&first)
+        .unwrap()
+        .replace(r#""delivered": {"compare": {"data": ["balance"]}}"#, r#""tuned": {"calibrate": {}}"#);
+    fs::write(&first, without).unwrap();
+    let output = bmv(root.path(), &["history", "plate"]);
+    let said = text(&output.stderr);
+    assert_eq!(code(&output), 2, "{said}");
+    assert!(said.contains("`pass-1.json` has no job of kind compare, so that its error is not known"), "{said}");
+}
+
 /// The study `plate` with its model tuned in pass 1, 2 W more tuned in pass 2, and a pass 3 beside it that is not tuned.
 fn passes() -> tempfile::TempDir {
     let root = plate();

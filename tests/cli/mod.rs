@@ -10,3 +10,4 @@ mod history;
 mod not_finite;
 mod story;
 mod studies;
+mod verbs;

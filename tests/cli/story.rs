@@ -66,6 +66,22 @@ fn the_hidden_effect_is_named_sized_and_adopted() {
 }
 
 #[test]
+fn a_pass_without_a_calibration_gets_one_when_its_effects_are_adopted() {
+    let root = changed(|pass| pass["jobs"].as_object_mut().unwrap().retain(|name, _| name == "missing"));
+    let said = printed(root.path(), &["adopt", "hidden/pass-1.json"]);
+    assert!(
+        said.contains("pass-1.json has no job of kind calibrate; `tuned` was added, so that `bmv history`"),
+        "{said}"
+    );
+    assert!(said.contains("pass-1.json has no job of kind compare; `delivered` was added"), "{said}");
+    let second = read(&root.path().join("hidden/pass-2.json"));
+    let data = serde_json::json!({"data": ["balance test"]});
+    assert_eq!((&second["jobs"]["tuned"]["calibrate"], &second["jobs"]["delivered"]["compare"]), (&data, &data));
+    let plan = printed(root.path(), &["plan", "hidden/pass-2.json"]);
+    assert!(plan.contains("hidden/pass-2.json:tuned") && plan.contains("3 of 3 jobs to run"), "{plan}");
+}
+
+#[test]
 fn what_the_diagnosis_does_not_support_is_adopted_by_force_alone() {
     let root = hidden();
     let output = bmv(root.path(), &["adopt", "hidden/pass-1.json", "conductive-path:baffle:ccd"]);

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
+use bmv::job::{Job, JobError, Step};
 use bmv::runner::engine::local;
 use bmv::runner::{Cache, Event, Key, Kind, Manifest, Outcome, Plan, RunnerError, Settings, StopFlag};
 
@@ -134,6 +135,61 @@ fn an_interrupted_run_keeps_what_is_finished() {
     let summary = run(&plan, &cache, 2);
     assert_eq!(summary.finished("sum").unwrap().blocks_cached, run_before);
     assert!(summary.finished("next").is_some());
+}
+
+/// Blocks of which the last ones go on until they are asked to stop; the first one that ends asks.
+struct Endless {
+    stop: StopFlag,
+    goes_on: bool,
+}
+
+impl Job for Endless {
+    fn kind(&self) -> &'static str {
+        "endless"
+    }
+    fn algorithm_version(&self) -> u32 {
+        1
+    }
+    fn identity(&self) -> serde_json::Value {
+        serde_json::json!({})
+    }
+    fn begin(&self) -> Result<Step, JobError> {
+        Ok(Step::Blocks { stage: "wait".into(), inputs: (0..4).map(|index| vec![index]).collect() })
+    }
+    fn block(&self, _stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
+        if self.goes_on && input[0] > 0 {
+            loop {
+                bmv::watch::check();
+                std::thread::yield_now();
+            }
+        }
+        if self.goes_on {
+            self.stop.stop();
+        }
+        Ok(input.to_vec())
+    }
+    fn reduce(&self, _stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
+        Ok(Step::Done(serde_json::json!({ "blocks": outputs.concat() })))
+    }
+}
+
+#[test]
+fn a_block_that_is_left_when_the_run_is_stopped_is_not_kept_and_no_failure() {
+    for threads in [1, 2, 4] {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = Cache::new(folder.path());
+        let stop = StopFlag::default();
+        let plan = |goes_on| {
+            let job = Arc::new(Endless { stop: stop.clone(), goes_on });
+            Plan::new(vec![node("endless", job)]).unwrap()
+        };
+        let summary = local::run(&plan(true), &cache, &settings(threads), &stop, &Heard::default()).unwrap();
+        assert!(matches!(summary.outcomes["endless"], Outcome::Interrupted), "{summary:?}");
+        assert_eq!(summary.failures(), 0);
+        assert_eq!(cache.statistics().unwrap().blocks, 1, "the one that had ended");
+        let summary = run(&plan(false), &cache, threads);
+        assert_eq!(summary.finished("endless").unwrap().stored.value["blocks"], serde_json::json!([0, 1, 2, 3]));
+    }
 }
 
 #[test]

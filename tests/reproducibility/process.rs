@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use bmv::job::{Job, JobError, Step};
 use bmv::runner::engine::local;
-use bmv::runner::interrupt::stop_on_interrupt;
-use bmv::runner::{Cache, Plan, StopFlag};
+use bmv::runner::interrupt::Interrupts;
+use bmv::runner::{Cache, Plan};
 use serde_json::{Value, json};
 
 use super::toy::{Heard, node, run, settings};
@@ -51,9 +51,10 @@ fn plan() -> Plan {
 #[ignore = "run by the tests of this file"]
 fn child() {
     let Some(folder) = std::env::var_os(FOLDER) else { return };
-    let stop = StopFlag::default();
-    stop_on_interrupt(&stop, 130).unwrap();
-    let summary = local::run(&plan(), &Cache::new(folder), &settings(2), &stop, &Heard::default()).unwrap();
+    let interrupts = Interrupts::catch(130).unwrap();
+    let cache = Cache::new(folder);
+    let run = |stop: &_| local::run(&plan(), &cache, &settings(2), stop, &Heard::default());
+    let summary = interrupts.during(run).unwrap();
     std::process::exit(if summary.is_interrupted() { 130 } else { 0 });
 }
 

@@ -116,7 +116,7 @@ impl Studies {
 
     /// The stored result of the radiator's propagation.
     fn prior(&self, cache: &str) -> Vec<u8> {
-        self.run(&["show", "studies/radiator/pass-1.json", "prior", "--json"], cache).stdout
+        self.run(&["show", "studies/radiator/pass-1.json", "prior", "--json", "--run"], cache).stdout
     }
 }
 
@@ -225,7 +225,7 @@ fn a_job_of_two_passes_sees_the_same_samples() {
     fs::write(folder.join("pass-2.json"), child.to_string()).unwrap();
     studies.change_job(|job| job["sampling"] = json!("monte-carlo"));
     let first = studies.prior("cache");
-    let second = studies.run(&["show", "studies/radiator/pass-2.json", "prior", "--json"], "cache").stdout;
+    let second = studies.run(&["show", "studies/radiator/pass-2.json", "prior", "--json", "--run"], "cache").stdout;
     assert_ne!(first, second, "another requirement");
     assert_eq!(temperatures(&first), temperatures(&second), "the same random numbers");
     studies.change_pass(|pass| pass["seed"] = json!(2016));

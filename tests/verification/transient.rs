@@ -213,6 +213,63 @@ fn thermostat_cycles_with_the_period_of_the_closed_form() {
 }
 
 #[test]
+fn a_thermostat_that_cycles_without_end_is_refused_with_its_band() {
+    // 20 W against a loss of 12.5 W heat 300 J/K by 25 mK/s, then 42 mK/s down: a band of 1e-7 K cycles every 6.4 us.
+    let network = |band_k: f64| {
+        let mut b = Build::default();
+        let node = b.diffusion("tank", 300.0);
+        let wall = b.n(270.0);
+        let wall = b.boundary("wall", wall);
+        let g = b.n(0.5);
+        let (power, on, off) = (b.n(20.0), b.n(295.0), b.n(295.0 + band_k));
+        b.conductor("loss", [node, wall], g);
+        b.thermostat("tank heater", node, power, on, off);
+        Network::compile(&b.model, &[]).unwrap()
+    };
+    let inputs = InputTable::default();
+    let outputs: Vec<f64> = (1..=600).map(f64::from).collect();
+    let request = TransientRequest::new(&[], &inputs, InitialState::Temperatures(&[295.0, 270.0]), &outputs);
+    let error = network(1e-7).solve_transient(&request).unwrap_err();
+    let TransientError::Cycling { element, switchings, expected, band_k, wider_k, .. } = &error else {
+        panic!("{error}")
+    };
+    assert_eq!((element.as_str(), *switchings), ("tank heater", 10_000), "refused as soon as it is clear");
+    // Two switchings a cycle of 1e-7 K / (20 W - 12.5 W) x 300 J/K + 1e-7 K / 12.5 W x 300 J/K = 6.4e-6 s.
+    assert!((expected / (2.0 * 600.0 / 6.4e-6) - 1.0).abs() < 0.05, "{expected:e}");
+    assert!((band_k / 1e-7 - 1.0).abs() < 1e-3 && *wider_k > 1e-4, "{band_k} {wider_k}");
+    let said = error.to_string();
+    assert!(said.contains("band of 1.0e-7 K is too narrow: write one of 2e-4 K or more"), "{said}");
+    // What it says to write works.
+    let result = network(*wider_k).solve_transient(&request).unwrap();
+    assert!(result.stats.events > 10_000);
+}
+
+#[test]
+fn a_solve_under_way_is_left_when_its_thread_is_asked_to_stop() {
+    let left = |solve: fn(&Network)| {
+        let run = move || {
+            let mut b = Build::default();
+            let node = b.diffusion("node", 300.0);
+            let wall = b.n(270.0);
+            let wall = b.boundary("wall", wall);
+            let g = b.n(0.5);
+            b.conductor("path", [node, wall], g);
+            let network = Network::compile(&b.model, &[]).unwrap();
+            let flag = bmv::watch::Flag::default();
+            bmv::watch::lend(&flag);
+            solve(&network);
+            flag.stop();
+            solve(&network);
+        };
+        let ended = std::thread::spawn(run).join();
+        assert!(ended.is_err_and(|payload| bmv::watch::Stopped::is(payload.as_ref())));
+    };
+    left(|network| drop(run(network, &[288.0, 0.0], &[5000.0], TransientOptions::default())));
+    left(|network| drop(network.solve_steady(&mut network.workspace(), Start::Default).unwrap()));
+    left(|network| network.solve_steady_batch(&mut network.batch::<4>(), Start::Default));
+}
+
+#[test]
 fn thermostat_without_hysteresis_is_refused() {
     let mut b = Build::default();
     let node = b.diffusion("tank", 300.0);

@@ -17,6 +17,7 @@ use super::output::{GoesWith, Heat};
 use super::products::dot;
 use super::{Problem, Refit};
 use crate::math::functions::ln;
+use crate::watch;
 use relations::relations;
 use sources::{Kind, Source, Sources, State, norms};
 
@@ -61,6 +62,7 @@ fn needed(state: &State, list: &[Source], norms: &[f64], without: f64) -> (Neede
         let mut best: Option<(f64, (Kind, f64), Needed)> = None;
         for &kind in kinds.iter().filter(|kind| !taken.iter().any(|(known, _)| known == *kind)) {
             for size in SIZES {
+                watch::check();
                 let with: Vec<(Kind, f64)> = taken.iter().copied().chain([(kind, size)]).collect();
                 let own: Needed = (0..list.len())
                     .filter(|&place| norms[place] > 0.0)

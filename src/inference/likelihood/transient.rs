@@ -234,11 +234,17 @@ impl TransientPart {
     }
 
     fn rejected(&self, error: &TransientError) -> Rejected {
+        if let TransientError::Cycling { element, .. } = error {
+            let why = format!("thermostat `{element}` switches far too often: give it a wider band");
+            return Rejected::new(format!("in the transient `{}` {why}", self.name));
+        }
         let why = match error {
             TransientError::Steady(_) => "has no steady state to begin with",
             TransientError::Start(_) => "has no balance of the nodes without a reading to begin with",
             TransientError::Capacity { .. } => "meets a capacity that is not above 0",
-            TransientError::StepTooShort { .. } | TransientError::TooManySteps { .. } => "cannot be integrated",
+            TransientError::StepTooShort { .. }
+            | TransientError::TooManySteps { .. }
+            | TransientError::Cycling { .. } => "cannot be integrated",
             TransientError::NoHysteresis { .. } => "has a thermostat without a band",
             TransientError::Request { .. } => "is not well posed",
             TransientError::NotPeriodic { .. } => "has no periodic state",

@@ -184,6 +184,17 @@ impl Job for Calibrate {
         }
     }
 
+    fn memory_bytes(&self) -> u64 {
+        // Draws with their likelihoods, as bytes, as chains, and as columns of parameters.
+        let numbers = self.spec.chains.saturating_mul(self.spec.draws);
+        let width = self.likelihood().unknowns().names.len() as u64 + 1;
+        numbers.saturating_mul(3 * width).saturating_mul(size_of::<f64>() as u64)
+    }
+
+    fn is_last(&self, stage: &str) -> bool {
+        stage == PREDICT
+    }
+
     fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
         match stage {
             ESTIMATE => {

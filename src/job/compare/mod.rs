@@ -430,6 +430,10 @@ impl Job for Compare {
         stored::to_bytes(&self.part(measurement))
     }
 
+    fn is_last(&self, _stage: &str) -> bool {
+        true
+    }
+
     fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
         let mut whole = Part::default();
         let mut chi2 = Some((0.0, 0));

@@ -316,6 +316,10 @@ impl Job for Conventional {
         stored::to_bytes(&self.run()?)
     }
 
+    fn is_last(&self, _stage: &str) -> bool {
+        true
+    }
+
     fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
         let bytes = outputs.first().ok_or_else(|| stored::unreadable(stage, "there is no block"))?;
         stored::result(&stored::from_bytes::<Output>(bytes, stage)?)

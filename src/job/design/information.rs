@@ -9,6 +9,7 @@ use crate::inference::information::mixture::{Mixture, PRIOR_EVERY};
 use crate::inference::information::nested::{Inner, LogMean};
 use crate::math::functions::exp;
 use crate::math::special::normal_quantile;
+use crate::watch;
 
 /// Most steps towards the most probable point of an outer sample.
 const MOST_STEPS: usize = 8;
@@ -144,6 +145,7 @@ impl Question<'_> {
         let mut coordinates = vec![0.0; unknowns];
         let noises = self.noises();
         for (sample, row) in rows.chunks_exact(dimensions).enumerate() {
+            watch::check();
             self.whitened(replicate * size + sample, &work.whitenings, &mut true_readings);
             if !true_readings.iter().all(|value| value.is_finite()) {
                 continue;

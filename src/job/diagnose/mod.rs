@@ -12,6 +12,7 @@ use super::{Job, JobError, Step};
 use crate::diagnosis::output::PriorOfDraws;
 use crate::diagnosis::{Diagnosis, Order, Output, Problem, Refit, Settings, State};
 use crate::random::StreamKey;
+use crate::watch;
 
 const SCREEN: &str = "screen";
 const REFIT: &str = "refit";
@@ -125,6 +126,11 @@ impl Diagnose {
     }
 }
 
+/// Calls what fits many models: how far each fit has come says nothing of the block.
+fn quietly<T>(call: impl FnOnce() -> T) -> T {
+    watch::with_share(&watch::Share::default(), call)
+}
+
 fn failed(reason: impl std::fmt::Display) -> JobError {
     JobError::Failed(reason.to_string())
 }
@@ -173,17 +179,30 @@ impl Job for Diagnose {
 
     fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
         match stage.split(' ').next() {
-            Some(SCREEN) => to_bytes(&self.diagnosis.screen().map_err(failed)?),
+            Some(SCREEN) => to_bytes(&quietly(|| self.diagnosis.screen()).map_err(failed)?),
             Some(REFIT) => {
                 let RefitInput { state, orders } = from_bytes(input, stage)?;
-                let refits: Vec<Result<Refit, String>> =
-                    orders.iter().map(|order| self.diagnosis.refit(&state, order)).collect();
+                let mut refits: Vec<Result<Refit, String>> = Vec::with_capacity(orders.len());
+                for (done, order) in orders.iter().enumerate() {
+                    watch::at(done as u64, orders.len() as u64);
+                    refits.push(quietly(|| self.diagnosis.refit(&state, order)));
+                }
                 to_bytes(&refits)
             }
-            Some(EXTEND) => to_bytes(&self.diagnosis.extend(from_bytes(input, stage)?)),
-            Some(CONCLUDE) => to_bytes(&self.diagnosis.conclude(&from_bytes(input, stage)?)),
+            Some(EXTEND) => {
+                let state = from_bytes(input, stage)?;
+                to_bytes(&quietly(|| self.diagnosis.extend(state)))
+            }
+            Some(CONCLUDE) => {
+                let state = from_bytes(input, stage)?;
+                to_bytes(&quietly(|| self.diagnosis.conclude(&state)))
+            }
             _ => Err(unreadable(stage, "there is no such stage")),
         }
+    }
+
+    fn is_last(&self, stage: &str) -> bool {
+        stage == CONCLUDE
     }
 
     fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {

@@ -374,6 +374,12 @@ impl Job for Goal {
         }
     }
 
+    fn memory_bytes(&self) -> u64 {
+        // The values of the prior's samples, and whether each is met in the cells that are looked at.
+        let values = (self.spec.environments.len() * self.spec.requirements.len()) as u64 + 2;
+        values.saturating_mul(self.spec.samples).saturating_mul(size_of::<f64>() as u64)
+    }
+
     fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
         let missing = || stored::unreadable(stage, "there is no block");
         match stored::from_bytes(inputs.first().ok_or_else(missing)?, stage)? {

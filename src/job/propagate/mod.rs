@@ -380,6 +380,17 @@ impl Job for Propagate {
         self.run(stored::from_bytes(input, stage)?).to_bytes()
     }
 
+    fn memory_bytes(&self) -> u64 {
+        // The blocks' values of all cases, the values of one case by quantity, and a sorted copy of one.
+        let (quantities, cases) = (self.spec.quantities.len() as u64, self.cases() as u64);
+        let columns = quantities.saturating_mul(cases).saturating_add(quantities + 2);
+        columns.saturating_mul(self.spec.samples).saturating_mul(size_of::<f64>() as u64)
+    }
+
+    fn is_last(&self, _stage: &str) -> bool {
+        true
+    }
+
     fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
         let per_case = usize::try_from(self.spec.samples.div_ceil(BLOCK)).unwrap_or(usize::MAX);
         let mut cases = Vec::new();

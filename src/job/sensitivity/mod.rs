@@ -276,6 +276,10 @@ impl Job for Sensitivity {
         stored::to_bytes(&found)
     }
 
+    fn is_last(&self, _stage: &str) -> bool {
+        self.spec.precision.is_none()
+    }
+
     fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
         let mut found = vec![Found::default(); self.spec.environments.len()];
         let mut rows = 0;

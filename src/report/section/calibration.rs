@@ -10,6 +10,11 @@ use crate::report::view::PassReport;
 
 use super::problem::prior_words;
 
+/// Chains agree below it.
+const MOST_RHAT: f64 = 1.01;
+/// Fewer effective draws are too few.
+const LEAST_EFFECTIVE: f64 = 400.0;
+
 /// The section on calibrations; not without one.
 pub fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
@@ -34,6 +39,99 @@ pub fn achieved_alone(report: &PassReport<'_>) -> Option<Section> {
     let of = |comparison: &compare::Output| achieved(&comparison.tuned.as_ref()?.job, comparison);
     let blocks: Vec<Block> = report.comparisons().filter_map(|(_, comparison)| of(comparison)).collect();
     (!blocks.is_empty()).then(|| Section { id: "tuned", title: "After tuning".into(), blocks })
+}
+
+/// The posterior, whether it can be believed, the evidence; without the checks that a report goes into.
+pub fn outlined(report: &PassReport<'_>) -> Option<Section> {
+    let mut blocks = Vec::new();
+    let jobs = report.calibrations().count();
+    for (name, output) in report.calibrations() {
+        if jobs > 1 {
+            blocks.push(Block::Heading(format!("Job {name}")));
+        }
+        blocks.extend(verdict(output));
+        blocks.push(posterior(output));
+        blocks.push(trust(output));
+        blocks.extend(report.comparisons().filter_map(|(_, comparison)| achieved(name, comparison)));
+        blocks.push(Block::paragraph(method(output)));
+    }
+    (!blocks.is_empty()).then(|| Section { id: "calibration", title: "Calibration".into(), blocks })
+}
+
+/// Mean, spread and quantiles of the draws.
+fn posterior(output: &Output) -> Block {
+    let row = |name: &String, own: &ParameterSummary| {
+        let quantile = |value: f64| Cell::from(to(value, own.sd));
+        vec![
+            Cell::code(name),
+            quantile(own.mean),
+            significant(own.sd, 2).into(),
+            quantile(own.q025),
+            quantile(own.q50),
+            quantile(own.q975),
+            typeset(&own.unit).into(),
+        ]
+    };
+    Block::Table(Table {
+        caption: "Posterior.".into(),
+        columns: vec![
+            Column::text("Unknown"),
+            Column::number("Mean", ""),
+            Column::number("Standard deviation", ""),
+            Column::number("2.5 %", ""),
+            Column::number("Median", ""),
+            Column::number("97.5 %", ""),
+            Column::text("Unit"),
+        ],
+        rows: rows(output, row),
+    })
+}
+
+/// What each unknown's draws are worth.
+fn trust(output: &Output) -> Block {
+    let row = |name: &String, own: &ParameterSummary| {
+        let effective = |ess: Option<f64>| Cell {
+            text: ess.map_or_else(|| NONE.to_owned(), |ess| fixed(ess, 0)).into(),
+            status: ess.is_none_or(|ess| ess < LEAST_EFFECTIVE).then_some(Status::Fail),
+        };
+        vec![
+            Cell::code(name),
+            rhat(own),
+            effective(own.ess_bulk),
+            effective(own.ess_tail),
+            own.mcse_mean.map_or_else(|| NONE.to_owned(), |error| significant(error, 2)).into(),
+            at_bound(own),
+        ]
+    };
+    Block::Table(Table {
+        caption:
+            "How far the draws can be trusted: R-hat below 1.01 and 400 effective draws or more are asked for, in the \
+                  bulk and in the tails. The error is that of the mean, in its unit."
+                .into(),
+        columns: vec![
+            Column::text("Unknown"),
+            Column::number("R-hat", ""),
+            Column::number("Effective, bulk", ""),
+            Column::number("Effective, tails", ""),
+            Column::number("Error of the mean", ""),
+            Column::number("At a bound", ""),
+        ],
+        rows: rows(output, row),
+    })
+}
+
+/// A row for each unknown, in their order.
+fn rows(output: &Output, row: impl Fn(&String, &ParameterSummary) -> Vec<Cell>) -> Vec<Vec<Cell>> {
+    output.order.iter().filter_map(|name| Some(row(name, output.parameters.get(name)?))).collect()
+}
+
+fn rhat(own: &ParameterSummary) -> Cell {
+    let text = own.rhat.map_or_else(|| NONE.to_owned(), |value| fixed(value, 3));
+    Cell { text: text.into(), status: own.rhat.is_none_or(|value| value >= MOST_RHAT).then_some(Status::Fail) }
+}
+
+fn at_bound(own: &ParameterSummary) -> Cell {
+    Cell { text: percent(own.at_bound, 0).into(), status: (own.at_bound > 0.05).then_some(Status::Caution) }
 }
 
 fn verdict(output: &Output) -> Vec<Block> {
@@ -78,14 +176,12 @@ fn to(value: f64, spread: f64) -> String {
 
 fn parameters(output: &Output) -> Block {
     let row = |name: &String, own: &ParameterSummary| {
-        let bound = if own.at_bound > 0.05 { Some(Status::Caution) } else { None };
-        let rhat = own.rhat.map_or_else(|| NONE.to_owned(), |value| fixed(value, 3));
         let ess = match (own.ess_bulk, own.ess_tail) {
             (Some(bulk), Some(tail)) => fixed(bulk.min(tail), 0),
             _ => NONE.to_owned(),
         };
-        let fails = own.rhat.is_none_or(|value| value >= 1.01);
-        let few = own.ess_bulk.is_none_or(|ess| ess < 400.0) || own.ess_tail.is_none_or(|ess| ess < 400.0);
+        let is_few = |ess: Option<f64>| ess.is_none_or(|ess| ess < LEAST_EFFECTIVE);
+        let few = is_few(own.ess_bulk) || is_few(own.ess_tail);
         let prior = match &own.handed_on {
             Some(prior) => format!(
                 "{} \u{00B1} {}, draws of {}",
@@ -103,8 +199,8 @@ fn parameters(output: &Output) -> Block {
             format!("{} to {}", to(own.q025, own.sd), to(own.q975, own.sd)).into(),
             to(own.map, own.sd).into(),
             typeset(&own.unit).into(),
-            Cell { text: percent(own.at_bound, 0).into(), status: bound },
-            Cell { text: rhat.into(), status: fails.then_some(Status::Fail) },
+            at_bound(own),
+            rhat(own),
             Cell { text: ess.into(), status: few.then_some(Status::Fail) },
         ]
     };
@@ -124,7 +220,7 @@ fn parameters(output: &Output) -> Block {
             Column::number("R-hat", ""),
             Column::number("Least effective draws", ""),
         ],
-        rows: output.order.iter().filter_map(|name| Some(row(name, output.parameters.get(name)?))).collect(),
+        rows: rows(output, row),
     })
 }
 

@@ -22,6 +22,10 @@ pub fn section(history: &History) -> Option<Section> {
     )];
     blocks.push(Block::List(measured.iter().map(|pass| in_words(history, pass)).collect()));
     blocks.push(Block::Table(table(&measured)));
+    let missing: Vec<Text> = history.passes.iter().flat_map(missing_jobs).collect();
+    if !missing.is_empty() {
+        blocks.push(Block::List(missing));
+    }
     let unmeasured: Vec<&PassErrors> = history.passes.iter().filter(|pass| !pass.is_measured()).collect();
     if !unmeasured.is_empty() {
         let mut text = Text::new("Without a comparison in kelvin: ");
@@ -43,6 +47,22 @@ pub fn section(history: &History) -> Option<Section> {
         blocks.push(Block::Figure(figure(history, &measured, first)));
     }
     Some(Section { id: "history", title: "Error by pass".into(), blocks })
+}
+
+/// Which jobs a pass lacks, what is not known without them, and what to write.
+pub fn missing_jobs(pass: &PassErrors) -> Vec<Text> {
+    let words = |kind: &&str| {
+        let (unknown, example) = match *kind {
+            "calibrate" => ("its tuned error and its evidence are not known", r#""tuned": {"calibrate": {}}"#),
+            _ => ("its error is not known", r#""delivered": {"compare": {}}"#),
+        };
+        Text::default()
+            .code(&pass.pass)
+            .plain(format!(" has no job of kind {kind}, so that {unknown}; add to its jobs "))
+            .code(example)
+            .plain(".")
+    };
+    pass.missing.iter().map(words).collect()
 }
 
 fn kelvin(value: f64) -> String {

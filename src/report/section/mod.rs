@@ -19,7 +19,7 @@ mod sizing;
 mod summary;
 
 use super::history::History;
-use super::page::Section;
+use super::page::{Section, Text};
 use super::view::PassReport;
 
 /// Builds a section, where it applies.
@@ -40,6 +40,9 @@ pub const RESULTS: &[Build] = &[
 /// The summary alone.
 pub const SUMMARY: Build = summary::build;
 
+/// Calibrations without the figures' tables: posterior, how far its draws can be trusted, evidence.
+pub const CALIBRATION: Build = calibration::outlined;
+
 /// What diagnoses say, alone.
 pub const DIAGNOSIS: Build = diagnosis::build;
 
@@ -52,6 +55,11 @@ pub const READINGS: Build = comparison::readings_alone;
 /// The section on the error of a study's passes; not where nothing was measured.
 pub fn error_by_pass(history: &History) -> Option<Section> {
     history::section(history)
+}
+
+/// Which jobs the passes of a study lack for their errors to be told.
+pub fn missing_jobs(history: &History) -> Vec<Text> {
+    history.passes.iter().flat_map(history::missing_jobs).collect()
 }
 
 /// The sections in the order of the report.

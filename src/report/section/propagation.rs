@@ -4,6 +4,7 @@ use crate::job::propagate::{Case, Distributed, Joint, Met, Output, Probability};
 use crate::report::number::{self, Shown, fixed, percent, significant, with_error};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
 use crate::report::plot::{Along, Axis, Chart, Layer, Limit, Mark, Stroke, palette};
+use crate::report::required::outcome;
 use crate::report::view::PassReport;
 
 use super::problem::limits;
@@ -122,19 +123,13 @@ fn requirements(report: &PassReport<'_>, output: &Output) -> Block {
     for case in nominal_cases(output) {
         for met in &case.requirements {
             let shown = report.quantity_shown(&met.quantity, &met.unit);
-            let status = standing(met);
-            let word = match status {
-                Status::Ok => "met",
-                Status::Caution => "undecided with these samples",
-                Status::Fail => "not met",
-            };
             rows.push(vec![
                 Cell::code(&case.environment),
                 Cell::code(&met.requirement),
                 limits(&shown, met.above, met.below).into(),
                 probability_text(&met.probability).into(),
                 number::probability(met.required).into(),
-                Cell::marked(word, status),
+                Cell::marked(outcome(met), standing(met)),
             ]);
         }
     }

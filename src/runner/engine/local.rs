@@ -2,8 +2,9 @@
 //!
 //! Nothing waits inside the pool: each block is a task, the last block of a stage reduces it and starts the next, the last
 //! job that another builds upon starts that one. So jobs and blocks of all jobs fill the threads together. Every finished
-//! block is published at once; a run that was killed begins where it stopped. What the system does not let store (another
-//! user's cache, a full disk) is used all the same, and the run says so once.
+//! block is published at once; a run that was killed begins where it stopped. A block that is left because the run was
+//! asked to stop is one that was not begun. What the system does not let store (another user's cache, a full disk) is
+//! used all the same, and the run says so once.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -20,6 +21,7 @@ use crate::runner::error::RunnerError;
 use crate::runner::events::{Event, Listener};
 use crate::runner::key::{Key, block_key, canonical_bytes};
 use crate::runner::plan::{Plan, State, Stored};
+use crate::watch::{self, Share, Stopped};
 
 /// Stack of a thread of the pool, bytes: what the main thread has, so that a job behaves the same on both.
 const STACK_BYTES: usize = 8 << 20;
@@ -41,6 +43,10 @@ pub fn run(
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .stack_size(STACK_BYTES)
+        .start_handler({
+            let flag = stop.clone();
+            move |_| watch::lend(&flag)
+        })
         .build()
         .map_err(|error| RunnerError::Threads { threads, reason: error.to_string() })?;
 
@@ -210,7 +216,7 @@ impl<'a> Run<'a> {
         let key = self.plan.keys()[position].clone();
         self.listener.hear(&Event::JobStarted { job: node.id.clone(), kind: node.task.kind().to_owned(), key });
         let job = caught(|| node.task.prepare(&upstream))
-            .map_err(|source| Outcome::Failed(Arc::new(self.failure(position, None, None, source))))?;
+            .map_err(|halt| Outcome::from(halt.at(|source| self.failure(position, None, None, source))))?;
         Ok(Arc::new(Active {
             position,
             job,
@@ -221,11 +227,11 @@ impl<'a> Run<'a> {
     }
 
     /// Goes on from a step: to the next stage's blocks, or to the end.
-    fn advance<'s>(&'s self, scope: &ScopeFifo<'s>, active: Arc<Active>, step: Result<Step, RunnerError>) {
+    fn advance<'s>(&'s self, scope: &ScopeFifo<'s>, active: Arc<Active>, step: Result<Step, Halt<RunnerError>>) {
         let mut step = step;
         loop {
             match step {
-                Err(error) => return self.end(scope, active.position, Outcome::Failed(Arc::new(error))),
+                Err(halt) => return self.end(scope, active.position, halt.into()),
                 Ok(Step::Done(value)) => {
                     let outcome = self.publish(&active, &value);
                     let outcome = outcome.map_or_else(|error| Outcome::Failed(Arc::new(error)), Outcome::Finished);
@@ -233,7 +239,8 @@ impl<'a> Run<'a> {
                 }
                 Ok(Step::Blocks { stage, inputs }) => {
                     let (job, blocks) = (self.id(active.position), inputs.len());
-                    self.listener.hear(&Event::StageStarted { job, stage: stage.clone(), blocks });
+                    let is_last = active.job.is_last(&stage);
+                    self.listener.hear(&Event::StageStarted { job, stage: stage.clone(), blocks, is_last });
                     if inputs.is_empty() {
                         step = self.guarded(&active, Some(&stage), None, |job| job.reduce(&stage, &[], &[]));
                         continue;
@@ -261,7 +268,8 @@ impl<'a> Run<'a> {
         if !is_moot && !self.stop.is_stopped() {
             match self.output(&active, &stage.name, index, &stage.inputs[index]) {
                 Ok(output) => lock(&stage.outputs)[index] = Some(output),
-                Err(error) => {
+                Err(Halt::Stopped) => {}
+                Err(Halt::Failed(error)) => {
                     let mut failure = lock(&stage.failure);
                     if failure.as_ref().is_none_or(|(failed, _)| index < *failed) {
                         *failure = Some((index, error));
@@ -277,7 +285,7 @@ impl<'a> Run<'a> {
             return self.end(scope, active.position, Outcome::Failed(Arc::new(error)));
         }
         let outputs = std::mem::take(&mut *lock(&stage.outputs));
-        // A block without output was not begun: the run was interrupted.
+        // A block without output was not begun, or was left: the run was interrupted.
         let Some(outputs) = outputs.into_iter().collect::<Option<Vec<_>>>() else {
             return self.end(scope, active.position, Outcome::Interrupted);
         };
@@ -286,7 +294,7 @@ impl<'a> Run<'a> {
         self.advance(scope, active, step);
     }
 
-    fn output(&self, active: &Active, stage: &str, index: usize, input: &[u8]) -> Result<Vec<u8>, RunnerError> {
+    fn output(&self, active: &Active, stage: &str, index: usize, input: &[u8]) -> Result<Vec<u8>, Halt<RunnerError>> {
         let owner = &self.plan.keys()[active.position];
         let name = block_key(owner, stage, index, input);
         let found = if self.force { Lookup::Absent } else { self.cache.get(Kind::Block, &name) };
@@ -299,8 +307,11 @@ impl<'a> Run<'a> {
                 if found == Lookup::Damaged {
                     self.listener.hear(&Event::Damaged { object: name.clone() });
                 }
-                let output = self.guarded(active, Some(stage), Some(index), |job| job.block(stage, input))?;
-                self.store(Kind::Block, owner, &name, &output)?;
+                let share = Share::default();
+                self.listener.block_runs(&self.id(active.position), index, &share);
+                let run = |job: &dyn Job| watch::with_share(&share, || job.block(stage, input));
+                let output = self.guarded(active, Some(stage), Some(index), run)?;
+                self.store(Kind::Block, owner, &name, &output).map_err(Halt::Failed)?;
                 active.blocks_run.fetch_add(1, Ordering::Relaxed);
                 (output, false)
             }
@@ -373,12 +384,12 @@ impl<'a> Run<'a> {
         stage: Option<&str>,
         block: Option<usize>,
         call: impl FnOnce(&dyn Job) -> Result<T, JobError>,
-    ) -> Result<T, RunnerError> {
+    ) -> Result<T, Halt<RunnerError>> {
         let begin = Instant::now();
         let result = caught(|| call(active.job.as_ref()));
         let elapsed_ns = u64::try_from(begin.elapsed().as_nanos()).unwrap_or(u64::MAX);
         active.work_ns.fetch_add(elapsed_ns, Ordering::Relaxed);
-        result.map_err(|source| self.failure(active.position, stage, block, source))
+        result.map_err(|halt| halt.at(|source| self.failure(active.position, stage, block, source)))
     }
 
     fn failure(&self, position: usize, stage: Option<&str>, block: Option<usize>, source: JobError) -> RunnerError {
@@ -386,9 +397,39 @@ impl<'a> Run<'a> {
     }
 }
 
+/// Why a job's code gave nothing.
+enum Halt<E> {
+    /// The run was asked to stop.
+    Stopped,
+    Failed(E),
+}
+
+impl<E> Halt<E> {
+    /// The same with the place of a failure.
+    fn at<F>(self, place: impl FnOnce(E) -> F) -> Halt<F> {
+        match self {
+            Self::Stopped => Halt::Stopped,
+            Self::Failed(error) => Halt::Failed(place(error)),
+        }
+    }
+}
+
+impl From<Halt<RunnerError>> for Outcome {
+    fn from(halt: Halt<RunnerError>) -> Self {
+        match halt {
+            Halt::Stopped => Self::Interrupted,
+            Halt::Failed(error) => Self::Failed(Arc::new(error)),
+        }
+    }
+}
+
 /// Calls, and turns a panic into an error. The job is not used again after one, so it may be in any state.
-fn caught<T>(call: impl FnOnce() -> Result<T, JobError>) -> Result<T, JobError> {
-    catch_unwind(AssertUnwindSafe(call)).unwrap_or_else(|payload| Err(JobError::Failed(panic_text(payload.as_ref()))))
+fn caught<T>(call: impl FnOnce() -> Result<T, JobError>) -> Result<T, Halt<JobError>> {
+    match catch_unwind(AssertUnwindSafe(call)) {
+        Ok(result) => result.map_err(Halt::Failed),
+        Err(payload) if Stopped::is(payload.as_ref()) => Err(Halt::Stopped),
+        Err(payload) => Err(Halt::Failed(JobError::Failed(panic_text(payload.as_ref())))),
+    }
 }
 
 fn panic_text(payload: &(dyn Any + Send)) -> String {

@@ -5,11 +5,14 @@ pub mod local;
 use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::error::RunnerError;
 use super::key::Key;
 use super::plan::Stored;
+
+/// Asks a run to stop: no block is begun, one that runs is left at its next look at the flag, and what was finished is
+/// kept. Clones ask the same run.
+pub use crate::watch::Flag as StopFlag;
 
 /// How to run. Nothing here changes a result.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -26,22 +29,6 @@ impl Settings {
     /// Number of threads that a run uses.
     pub fn threads(&self) -> usize {
         self.threads.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get)
-    }
-}
-
-/// Asks a run to stop: running blocks are finished and kept, no other is begun. Clones ask the same run.
-#[derive(Clone, Debug, Default)]
-pub struct StopFlag(Arc<AtomicBool>);
-
-impl StopFlag {
-    /// Asks.
-    pub fn stop(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether it was asked.
-    pub fn is_stopped(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
     }
 }
 

@@ -27,7 +27,7 @@ use super::folder::Folder;
 use super::inherit::folder_diagnostic_at;
 use super::pass::FORMAT;
 use super::resolve::effects;
-use super::resolved::Pass;
+use super::resolved::{JobSpec, Pass};
 use text::Item;
 
 /// A pass to be written.
@@ -39,6 +39,8 @@ pub struct NextPass<'f> {
     pub adopted: Vec<(String, &'f Finding)>,
     /// Calibrations that list their parameters, to which those of the effects were added.
     pub extended: Vec<String>,
+    /// Jobs that the parent does not have and that its error is told by: name and kind.
+    pub added: Vec<(String, &'static str)>,
 }
 
 /// The pass that adopts what was asked for, or what the diagnosis selected. `job` is the diagnosis's name in the pass;
@@ -76,6 +78,8 @@ pub fn next_pass<'f>(
     let parameters: Vec<&str> = adopted.iter().flat_map(|one| &one.parameters).map(String::as_str).collect();
     let mut extended = Vec::new();
     let names: Vec<&str> = adopted.iter().map(|one| one.name.as_str()).collect();
+    let mut jobs = jobs(tree.get("jobs"), &parameters, &mut extended);
+    let added = add_judges(pass, job, &mut jobs);
     let document = Item::Object(vec![
         ("format".to_owned(), Item::text(FORMAT)),
         ("title".to_owned(), Item::text(&title(pass, &names, file))),
@@ -83,10 +87,10 @@ pub fn next_pass<'f>(
         ("parent".to_owned(), Item::text(&pass.file)),
         ("model".to_owned(), Item::text(&pass.model_file)),
         ("adopt".to_owned(), Item::Object(adopted.iter().map(|one| (one.name.clone(), one.item.clone())).collect())),
-        ("jobs".to_owned(), jobs(tree.get("jobs"), &parameters, &mut extended)),
+        ("jobs".to_owned(), Item::Object(jobs)),
     ]);
     let adopted = adopted.into_iter().map(|one| (one.name, one.finding)).collect();
-    Ok(NextPass { text: document.document(), adopted, extended })
+    Ok(NextPass { text: document.document(), adopted, extended, added })
 }
 
 /// An effect with its entry.
@@ -182,10 +186,8 @@ fn description(pass: &Pass, job: &str, names: &[&str]) -> String {
 }
 
 /// The parent's jobs as written; calibrations that list their parameters get those of the effects.
-fn jobs(own: Option<&Node>, parameters: &[&str], extended: &mut Vec<String>) -> Item {
-    let Item::Object(mut jobs) = own.map_or(Item::Object(Vec::new()), Item::of_node) else {
-        return Item::Object(Vec::new());
-    };
+fn jobs(own: Option<&Node>, parameters: &[&str], extended: &mut Vec<String>) -> Vec<(String, Item)> {
+    let Some(Item::Object(mut jobs)) = own.map(Item::of_node) else { return Vec::new() };
     for (name, job) in &mut jobs {
         let Item::Object(kinds) = job else { continue };
         for (_, settings) in kinds.iter_mut().filter(|(kind, _)| kind == "calibrate") {
@@ -197,5 +199,29 @@ fn jobs(own: Option<&Node>, parameters: &[&str], extended: &mut Vec<String>) -> 
             }
         }
     }
-    Item::Object(jobs)
+    jobs
+}
+
+/// Adds the jobs by which a pass's error is told, as far as the parent has none of the kind: a calibration and a comparison,
+/// on the data of the diagnosis.
+fn add_judges(pass: &Pass, diagnosis: &str, jobs: &mut Vec<(String, Item)>) -> Vec<(String, &'static str)> {
+    let data = pass.jobs.iter().find(|job| job.name == diagnosis).and_then(|job| match &job.spec {
+        JobSpec::Diagnose(spec) => Some(&spec.data),
+        _ => None,
+    });
+    let names = data.into_iter().flatten().filter_map(|&position| pass.measurements.get(position));
+    let data = Item::one("data", Item::List(names.map(|measurement| Item::text(&measurement.name)).collect()));
+    let mut added = Vec::new();
+    for (kind, wanted) in [("calibrate", "tuned"), ("compare", "delivered")] {
+        if pass.jobs.iter().any(|job| job.spec.kind() == kind) {
+            continue;
+        }
+        let is_taken = |name: &str| jobs.iter().any(|(other, _)| other == name);
+        let numbered = (2..).map(|number| format!("{wanted} {number}"));
+        let name = std::iter::once(wanted.to_owned()).chain(numbered).find(|name| !is_taken(name));
+        let name = name.unwrap_or_else(|| wanted.to_owned());
+        jobs.push((name.clone(), Item::one(kind, data.clone())));
+        added.push((name, kind));
+    }
+    added
 }

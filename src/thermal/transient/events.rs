@@ -14,6 +14,11 @@ use super::{Transient, TransientError};
 const LOOKS: usize = 4;
 /// Thermostats whose functions lie within this of the one that switches go with it, K.
 const TOGETHER_K: f64 = 1e-7;
+/// Switchings of thermostats that are allowed in any transient, and for each of its outputs: of more nobody sees a thing.
+pub(super) const MOST_SWITCHINGS: u64 = 200_000;
+pub(super) const SWITCHINGS_AN_OUTPUT: u64 = 200;
+/// Switchings from which it is looked at how many there would be to the end.
+const SWITCHINGS_LOOKED_AT: u64 = 10_000;
 /// Bisections; more than a double can resolve.
 const BISECTIONS: u32 = 60;
 
@@ -111,6 +116,43 @@ impl Integrator<'_> {
             self.jump_tangent(&before);
         }
         Ok(())
+    }
+
+    /// That the thermostats would not switch more often to the end than `most` times.
+    pub(super) fn check_cycling(
+        &self,
+        [start_s, end_s]: [f64; 2],
+        most: u64,
+        result: &Transient,
+    ) -> Result<(), TransientError> {
+        let events = self.stats.events;
+        if events < SWITCHINGS_LOOKED_AT {
+            return Ok(());
+        }
+        let expected = events as f64 * (end_s - start_s) / (self.time_s - start_s);
+        // Written so that no time passed counts as too often.
+        if expected <= most as f64 {
+            return Ok(());
+        }
+        let times = |mode: usize| {
+            let name = &self.equations.mode_names[mode];
+            result.events.iter().filter(|event| event.element == *name).count()
+        };
+        // The first of those that switch most often.
+        let mode = (0..self.equations.modes).rev().max_by_key(|&mode| times(mode)).unwrap_or(0);
+        let [on, off] = self.equations.switch[mode];
+        let band_k = -(self.file[on.index()] + self.file[off.index()]);
+        Err(TransientError::Cycling {
+            element: self.equations.mode_names[mode].clone(),
+            switchings: times(mode) as u64,
+            time_s: self.time_s,
+            expected,
+            end_s,
+            most,
+            band_k,
+            // Cycles are as long as the band is wide; with room to spare.
+            wider_k: 2.0 * band_k * expected / most as f64,
+        })
     }
 
     /// The first kink of an expression of time within the next step: the last instant before it and the first after.

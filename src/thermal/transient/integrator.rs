@@ -9,7 +9,9 @@ use crate::thermal::linear::Linear;
 use crate::thermal::model::QuantityValue;
 use crate::thermal::network::Network;
 use crate::thermal::steady::Start;
+use crate::watch;
 
+use super::events::{MOST_SWITCHINGS, SWITCHINGS_AN_OUTPUT};
 use super::inputs::InputReader;
 use super::output::Recorder;
 use super::sensitivity::Tangent;
@@ -23,6 +25,9 @@ const GROWTH: f64 = 5.0;
 const SHRINK: f64 = 0.2;
 /// With costly factors a step stays as it is unless it may grow by this much.
 const WORTH_GROWING: f64 = 1.3;
+
+/// Steps from which it is looked at how many there would be to the end.
+const STEPS_LOOKED_AT: u64 = 1_000_000;
 
 /// State of an integration at an instant, and room for a step.
 pub(super) struct Integrator<'a> {
@@ -314,11 +319,14 @@ impl<'a> Integrator<'a> {
         result: &mut Transient,
     ) -> Result<(), TransientError> {
         recorder.begin(self, result)?;
+        let start_s = self.time_s;
+        let most_switchings = MOST_SWITCHINGS.max(SWITCHINGS_AN_OUTPUT * recorder.outputs() as u64);
         let mut step_s = self.options.fixed_step_s.unwrap_or_else(|| self.first_step(end_s));
         let mut last_error: f64 = 1.0;
         let mut failures = 0;
         while self.time_s < end_s {
-            if self.stats.attempts() >= self.options.most_steps {
+            watch::check();
+            if self.is_hopeless(start_s, end_s) {
                 return Err(TransientError::TooManySteps { time_s: self.time_s, steps: self.stats.attempts() });
             }
             let corner = self.reader.next_corner(self.time_s).filter(|&corner| corner < end_s);
@@ -392,6 +400,7 @@ impl<'a> Integrator<'a> {
                     self.commit(to_event, self.time_s + to_event, recorder, result)?;
                 }
                 self.switch(result)?;
+                self.check_cycling([start_s, end_s], most_switchings, result)?;
                 continue;
             }
             if self.options.fixed_step_s.is_none() {
@@ -417,6 +426,14 @@ impl<'a> Integrator<'a> {
         recorder.due(self, result)?;
         recorder.finish(self, result);
         Ok(())
+    }
+
+    /// Whether the steps allowed are taken, or a tenth of them led less than a tenth of the way.
+    fn is_hopeless(&self, start_s: f64, end_s: f64) -> bool {
+        let (attempts, most) = (self.stats.attempts(), self.options.most_steps);
+        let is_looked_at = attempts >= STEPS_LOOKED_AT && attempts.is_multiple_of(STEPS_LOOKED_AT / 10);
+        let expected = attempts as f64 * (end_s - start_s) / (self.time_s - start_s);
+        attempts >= most || (is_looked_at && expected > most as f64)
     }
 
     /// Goes on right after a kink. A held input may step at the same instant, which then is no corner any more.

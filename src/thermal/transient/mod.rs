@@ -34,7 +34,8 @@ pub struct TransientOptions {
     pub longest_step_s: f64,
     /// Constant steps of this length, s, without error control (for studies of convergence).
     pub fixed_step_s: Option<f64>,
-    /// Steps, rejected ones among them, after which the integration gives up.
+    /// Steps, rejected ones among them, after which the integration gives up; and sooner, where a tenth of them shows that
+    /// it would not come to the end.
     pub most_steps: u64,
 }
 
@@ -205,12 +206,38 @@ pub enum TransientError {
         node: String,
     },
     /// Too many steps.
-    #[error("the integration stops at {time_s} s after {steps} steps")]
+    #[error(
+        "the integration stops at {time_s} s after {steps} steps: it would not come to its end within the steps allowed"
+    )]
     TooManySteps {
         /// Instant, s.
         time_s: f64,
-        /// Steps allowed.
+        /// Steps taken.
         steps: u64,
+    },
+    /// A thermostat that switches far too often for the time that is asked for.
+    #[error(
+        "thermostat `{element}` switches without end: {switchings} times by {time_s:.3e} s, which would be {expected:.1e} times \
+         by {end_s} s, and {most} are allowed; its band of {band_k:.1e} K is too narrow: write one of {wider_k:.0e} K or \
+         more, or a `proportional` heater, which does not cycle"
+    )]
+    Cycling {
+        /// The element.
+        element: String,
+        /// How often it has switched.
+        switchings: u64,
+        /// Instant, s.
+        time_s: f64,
+        /// How often it would switch to the end.
+        expected: f64,
+        /// End, s.
+        end_s: f64,
+        /// How often it may.
+        most: u64,
+        /// `off` minus `on`, K.
+        band_k: f64,
+        /// A band with which it would switch seldom enough, K.
+        wider_k: f64,
     },
     /// A thermostat whose `off` is not above its `on`.
     #[error(

@@ -55,6 +55,11 @@ impl<'a> Recorder<'a> {
         }
     }
 
+    /// Number of outputs.
+    pub fn outputs(&self) -> usize {
+        self.outputs_s.len()
+    }
+
     /// Records the outputs that are due where the state stands.
     pub fn due(&mut self, integrator: &mut Integrator<'_>, result: &mut Transient) -> Result<(), TransientError> {
         while self.outputs_s.get(self.next).is_some_and(|&output| output <= integrator.time_s) {

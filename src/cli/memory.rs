@@ -1,0 +1,81 @@
+//! How much memory jobs need, and how much there is.
+
+use super::output::escaped;
+use super::status::Failure;
+use crate::runner::plan::Preview;
+
+/// Where the system does not tell how much there is, more is refused.
+const ASSUMED_BYTES: u64 = 1 << 40;
+/// Less is not worth a word.
+pub const WORTH_TELLING: u64 = 256 << 20;
+
+/// Refuses jobs that do not fit the machine before any of them runs.
+///
+/// # Errors
+/// Each of them with what it needs.
+pub fn check(needed: &[Preview]) -> Result<(), Failure> {
+    refused(needed, machine_bytes())
+}
+
+fn refused(needed: &[Preview], there_bytes: u64) -> Result<(), Failure> {
+    let too_large = needed.iter().filter(|job| job.memory_bytes > there_bytes);
+    let told: Vec<String> = too_large
+        .map(|job| {
+            format!(
+                "`{}` needs about {} of memory, this machine has {}: give it fewer `samples` (or `draws`), or a sweep of \
+                 fewer `steps`",
+                escaped(&job.job),
+                bytes_text(job.memory_bytes),
+                bytes_text(there_bytes)
+            )
+        })
+        .collect();
+    if told.is_empty() { Ok(()) } else { Err(Failure::input(told.join("\n"))) }
+}
+
+/// Memory of the machine, bytes.
+fn machine_bytes() -> u64 {
+    let told = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    let total = told.lines().find_map(|line| line.strip_prefix("MemTotal:"));
+    let kibibytes = total.and_then(|rest| rest.trim().strip_suffix("kB")?.trim().parse::<u64>().ok());
+    kibibytes.map_or(ASSUMED_BYTES, |kibibytes| kibibytes << 10)
+}
+
+/// An amount of memory, as a person says it.
+pub fn bytes_text(bytes: u64) -> String {
+    match bytes as f64 {
+        b if b < 1e9 => format!("{:.0} MB", b / 1e6),
+        b if b < 1e11 => format!("{:.1} GB", b / 1e9),
+        b if b < 1e12 => format!("{:.0} GB", b / 1e9),
+        b => format!("{:.1} TB", b / 1e12),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::runner::Key;
+
+    #[test]
+    fn what_does_not_fit_is_refused_with_what_to_change() {
+        let job = |job: &str, memory_bytes| Preview {
+            job: job.into(),
+            kind: "propagate".into(),
+            key: Key::of(b"key"),
+            cached: false,
+            work_s: None,
+            is_same_work: false,
+            memory_bytes,
+        };
+        let needed = [job("small", 1 << 20), job("large", 34 << 30), job("none", 0)];
+        assert_eq!(refused(&needed, 40 << 30), Ok(()));
+        let message = refused(&needed, 16 << 30).unwrap_err().message;
+        assert_eq!(
+            message,
+            "`large` needs about 36.5 GB of memory, this machine has 17.2 GB: give it fewer `samples` (or `draws`), or a sweep \
+             of fewer `steps`"
+        );
+        let texts = [300_000_000, 2_100_000_000, 250_000_000_000, 8_600_000_000_000].map(bytes_text);
+        assert_eq!(texts, ["300 MB", "2.1 GB", "250 GB", "8.6 TB"]);
+    }
+}

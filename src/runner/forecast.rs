@@ -1,0 +1,177 @@
+//! How long a stage still takes, from what was seen of its blocks: a pure function, so that it can be held against
+//! recorded runs.
+//!
+//! Short blocks end first, so a rate of the first ends says too little. A block that tells its share is carried on in
+//! proportion; one that does not, and one that has not begun, is taken for as long as those known, once as many are known
+//! as run side by side. Before that nothing is said.
+
+use super::progress::duration_text;
+
+/// A block's share of its work from which its time is carried on.
+const SHARE_TOLD: f64 = 0.05;
+/// A forecast from fewer blocks that ended, for each that runs at once, is none.
+const ENDS_PER_THREAD: usize = 2;
+
+/// A block that runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunningBlock {
+    /// Since it began, s.
+    pub elapsed_s: f64,
+    /// What it tells of its work, 0 to 1; 0 where it tells nothing.
+    pub share: f64,
+}
+
+/// What is seen of a stage.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Seen {
+    /// Blocks that were run to their end: how long each took, s.
+    pub ended_s: Vec<f64>,
+    /// Blocks that run.
+    pub running: Vec<RunningBlock>,
+    /// Blocks that have not begun.
+    pub waiting: usize,
+    /// Blocks that can run side by side.
+    pub threads: usize,
+    /// Whether the job ends with this stage.
+    pub is_last: bool,
+}
+
+/// The time left of a job.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Left {
+    /// Nothing can be said yet.
+    Unknown,
+    /// The stage takes so long, s, and others follow.
+    AtLeast(f64),
+    /// s.
+    About(f64),
+}
+
+impl Left {
+    /// `about 3 min left`; nothing where nothing is known.
+    pub fn text(self) -> Option<String> {
+        match self {
+            Self::Unknown => None,
+            Self::AtLeast(left_s) => Some(format!("at least {} left", duration_text(left_s))),
+            Self::About(left_s) => Some(format!("about {} left", duration_text(left_s))),
+        }
+    }
+}
+
+/// The time left.
+pub fn left(seen: &Seen) -> Left {
+    let threads = seen.threads.max(1);
+    // How long each block that runs still takes, where that follows from itself.
+    let carried = |block: &RunningBlock| {
+        (block.share >= SHARE_TOLD).then(|| block.elapsed_s * (1.0 - block.share.min(1.0)) / block.share.min(1.0))
+    };
+    let projected = seen.running.iter().filter_map(|block| Some(block.elapsed_s + carried(block)?));
+    let known: Vec<f64> = seen.ended_s.iter().copied().chain(projected).collect();
+    let needs_mean = seen.waiting > 0 || seen.running.iter().any(|block| carried(block).is_none());
+    if needs_mean {
+        let tells = seen.running.iter().any(|block| carried(block).is_some());
+        // All of those that run tell: what ends first is no selection of the short ones.
+        let whole = tells && seen.running.iter().all(|block| carried(block).is_some());
+        let at_once = threads.min(seen.ended_s.len() + seen.running.len() + seen.waiting);
+        if !whole && seen.ended_s.len() < ENDS_PER_THREAD * at_once {
+            return Left::Unknown;
+        }
+    }
+    let mean_s = known.iter().sum::<f64>() / known.len().max(1) as f64;
+    // When each thread is free; what waits goes to the one that is free first.
+    let mut free_s: Vec<f64> = seen
+        .running
+        .iter()
+        .map(|block| carried(block).unwrap_or_else(|| (mean_s - block.elapsed_s).max(0.0)))
+        .chain(std::iter::repeat(0.0))
+        .take(threads.max(seen.running.len()))
+        .collect();
+    let rounds = seen.waiting / threads;
+    if rounds > 1 {
+        free_s.iter_mut().for_each(|free| *free += (rounds - 1) as f64 * mean_s);
+    }
+    for _ in 0..seen.waiting - rounds.saturating_sub(1) * threads {
+        if let Some(first) = free_s.iter_mut().min_by(|a, b| a.total_cmp(b)) {
+            *first += mean_s;
+        }
+    }
+    let left_s = free_s.into_iter().fold(0.0, f64::max);
+    if seen.is_last { Left::About(left_s) } else { Left::AtLeast(left_s) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A block of a recorded run: when it began and ended after the stage did, s, and whether it told its share, which then
+    /// grows evenly.
+    type Recorded = (f64, f64, bool);
+
+    /// What was seen of a recorded stage at an instant.
+    fn seen(blocks: &[Recorded], threads: usize, is_last: bool, at_s: f64) -> Seen {
+        let running = blocks.iter().filter(|(begin, end, _)| *begin <= at_s && at_s < *end);
+        Seen {
+            ended_s: blocks.iter().filter(|(_, end, _)| *end <= at_s).map(|(begin, end, _)| end - begin).collect(),
+            running: running
+                .map(|&(begin, end, tells)| RunningBlock {
+                    elapsed_s: at_s - begin,
+                    share: if tells { (at_s - begin) / (end - begin) } else { 0.0 },
+                })
+                .collect(),
+            waiting: blocks.iter().filter(|(begin, ..)| *begin > at_s).count(),
+            threads,
+            is_last,
+        }
+    }
+
+    /// Chains of a transient and the evidence, which takes seconds, on so many threads: five blocks of unequal length.
+    const CHAINS_ON_TWO: [Recorded; 5] =
+        [(0.0, 248.0, true), (0.0, 285.0, true), (248.0, 517.0, true), (285.0, 561.0, true), (517.0, 523.0, true)];
+    const CHAINS_ON_EIGHT: [Recorded; 5] =
+        [(0.0, 540.0, true), (0.0, 600.0, true), (0.0, 560.0, true), (0.0, 710.0, true), (0.0, 6.0, true)];
+
+    #[test]
+    fn a_short_block_among_long_ones_says_nothing_of_them() {
+        // A rate would say: one of five blocks in 6 s, so 24 s left. 704 s were.
+        assert_eq!(left(&seen(&CHAINS_ON_EIGHT, 8, false, 6.0)), Left::Unknown);
+        let mute: Vec<Recorded> = CHAINS_ON_EIGHT.iter().map(|&(begin, end, _)| (begin, end, false)).collect();
+        for at_s in [6.0, 100.0, 545.0, 650.0] {
+            assert_eq!(left(&seen(&mute, 8, true, at_s)), Left::Unknown, "at {at_s} s");
+        }
+    }
+
+    #[test]
+    fn blocks_that_tell_their_share_are_carried_on_and_stages_to_come_are_not_promised() {
+        for (blocks, threads, end_s) in [(CHAINS_ON_EIGHT, 8, 710.0), (CHAINS_ON_TWO, 2, 561.0)] {
+            for at_s in [40.0, 60.0, 120.0, 300.0, 500.0] {
+                let Left::AtLeast(left_s) = left(&seen(&blocks, threads, false, at_s)) else { panic!("at {at_s} s") };
+                let ratio = left_s / (end_s - at_s);
+                assert!((0.7..1.5).contains(&ratio), "at {at_s} s: {left_s} s of {} s", end_s - at_s);
+            }
+        }
+        let last = left(&seen(&CHAINS_ON_EIGHT, 8, true, 300.0));
+        assert_eq!(last, Left::About(410.0));
+        assert_eq!(last.text().as_deref(), Some("about 7 min left"));
+        assert_eq!(Left::AtLeast(90.0).text().as_deref(), Some("at least 90 s left"));
+    }
+
+    #[test]
+    fn many_like_blocks_that_tell_nothing_are_counted_once_enough_have_ended() {
+        // 100 blocks of 2 s on 4 threads.
+        let blocks: Vec<Recorded> =
+            (0..100).map(|i| (f64::from(i / 4) * 2.0, f64::from(i / 4 + 1) * 2.0, false)).collect();
+        assert_eq!(left(&seen(&blocks, 4, true, 3.0)), Left::Unknown, "one round");
+        for at_s in [5.0, 21.0, 43.0] {
+            let Left::About(left_s) = left(&seen(&blocks, 4, true, at_s)) else { panic!("at {at_s} s") };
+            assert!((left_s - (50.0 - at_s)).abs() < 1e-9, "at {at_s} s: {left_s} s");
+        }
+    }
+
+    #[test]
+    fn one_block_alone_is_known_by_its_share_only() {
+        assert_eq!(left(&seen(&[(0.0, 50.0, false)], 2, true, 20.0)), Left::Unknown);
+        assert_eq!(left(&seen(&[(0.0, 50.0, true)], 2, true, 20.0)), Left::About(30.0));
+        assert_eq!(left(&seen(&[(0.0, 50.0, true)], 2, true, 1.0)), Left::Unknown, "too early");
+        assert_eq!(left(&Seen { threads: 2, is_last: true, ..Seen::default() }), Left::About(0.0));
+    }
+}

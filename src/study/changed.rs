@@ -1,0 +1,185 @@
+//! What two passes say differently, in the words of their files: every entry of the passes with what they inherit, and of
+//! their models, at its place.
+
+use crate::document::Diagnostics;
+use crate::document::json::{self, Entry, Node, Value};
+use crate::document::source::{Place, Source, Span};
+
+use super::folder::{Folder, FolderError};
+use super::inherit::{folder_diagnostic_at, lineage};
+use super::resolved::Pass;
+
+/// Longest text of a value, in characters.
+const LONGEST: usize = 90;
+/// Fields of a pass that decide no result.
+const FOR_PEOPLE: &[&str] = &["format", "title", "description", "parent"];
+
+/// An entry that two passes write differently.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct ChangedEntry {
+    /// The file and line that has it; of an entry that is gone, the one that had it.
+    pub at: String,
+    /// The entry, as in `parameters.G_foot.prior`.
+    pub entry: String,
+    /// What the first pass has there; nothing if it is new.
+    pub before: Option<String>,
+    /// What the second pass has there; nothing if it is gone.
+    pub after: Option<String>,
+}
+
+/// What the files of two passes say differently, models first.
+///
+/// # Errors
+/// A file that cannot be read any more.
+pub fn changed(before: &Pass, after: &Pass) -> Result<Vec<ChangedEntry>, Diagnostics> {
+    let mut diagnostics = Diagnostics::new();
+    let trees = [before, after].map(|pass| trees(pass, &mut diagnostics));
+    let [Some([old_model, old_pass]), Some([new_model, new_pass])] = trees else { return Err(diagnostics) };
+    let mut found = Vec::new();
+    walk("", Some(&old_model), Some(&new_model), &mut found);
+    let old = without_words(old_pass);
+    let new = without_words(new_pass);
+    walk("", Some(&old), Some(&new), &mut found);
+    for measurement in &after.measurements {
+        let other = before.measurements.iter().find(|other| other.name == measurement.name);
+        let is_told = found.iter().any(|one| one.entry.starts_with(&format!("measurements.{}", measurement.name)));
+        if !is_told && other.is_some_and(|other| other.identity() != measurement.identity()) {
+            found.push(ChangedEntry {
+                at: after.folder.join(&after.file).display().to_string(),
+                entry: format!("measurements.{}", measurement.name),
+                before: Some("the readings of its file".to_owned()),
+                after: Some("other readings".to_owned()),
+            });
+        }
+    }
+    Ok(found)
+}
+
+/// A pass's model and the pass with what it inherits.
+fn trees(pass: &Pass, diagnostics: &mut Diagnostics) -> Option<[Node; 2]> {
+    let read = |diagnostics: &mut Diagnostics| -> Result<Option<[Node; 2]>, FolderError> {
+        let folder = Folder::open(&pass.folder)?;
+        let bytes = folder.read(&pass.model_file)?;
+        let model = json::parse_bytes(&folder.shown_name(&pass.model_file), &bytes, diagnostics);
+        let pass = lineage(&folder, &pass.file, diagnostics)?;
+        Ok(model.zip(pass).map(|(model, pass)| [model, pass.merged]))
+    };
+    read(diagnostics).unwrap_or_else(|error| {
+        let shown = pass.folder.join(&pass.file).display().to_string();
+        let whole = Span::new(0, shown.len());
+        diagnostics.push(folder_diagnostic_at(&error, &Place::in_text(&Source::new("command line", shown), whole)));
+        None
+    })
+}
+
+/// A pass without what is for people alone.
+fn without_words(mut pass: Node) -> Node {
+    if let Value::Object(entries) = &mut pass.value {
+        entries.retain(|entry| !FOR_PEOPLE.contains(&entry.key.as_str()));
+    }
+    pass
+}
+
+/// Places at which two trees differ, from top to bottom.
+fn walk(path: &str, before: Option<&Node>, after: Option<&Node>, found: &mut Vec<ChangedEntry>) {
+    let below = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+    match (before, after) {
+        (Some(old), Some(new)) if old.to_json() == new.to_json() => {}
+        (Some(Node { value: Value::Object(old), .. }), Some(Node { value: Value::Object(new), .. }))
+            if !is_whole(old) && !is_whole(new) =>
+        {
+            for entry in old {
+                walk(&below(&entry.key), Some(&entry.node), get(new, &entry.key), found);
+            }
+            for entry in new.iter().filter(|entry| get(old, &entry.key).is_none()) {
+                walk(&below(&entry.key), None, Some(&entry.node), found);
+            }
+        }
+        (Some(Node { value: Value::Array(old), .. }), Some(Node { value: Value::Array(new), .. }))
+            if old.len() == new.len() && old.iter().chain(new).all(|item| matches!(item.value, Value::Object(_))) =>
+        {
+            for (position, (old, new)) in old.iter().zip(new).enumerate() {
+                walk(&format!("{path}[{position}]"), Some(old), Some(new), found);
+            }
+        }
+        _ => {
+            let Some(place) = after.or(before).map(|node| &node.place) else { return };
+            found.push(ChangedEntry {
+                at: format!("{}:{}", place.source.name(), place.position().line),
+                entry: if path.is_empty() { "everything".to_owned() } else { path.to_owned() },
+                before: before.map(shown),
+                after: after.map(shown),
+            });
+        }
+    }
+}
+
+fn get<'n>(entries: &'n [Entry], key: &str) -> Option<&'n Node> {
+    entries.iter().find(|entry| entry.key == key).map(|entry| &entry.node)
+}
+
+/// Whether an object is read as one thing: an amount with its unit, a prior by its name.
+fn is_whole(entries: &[Entry]) -> bool {
+    let is_amount = entries.len() == 2 && get(entries, "value").is_some() && get(entries, "unit").is_some();
+    let is_choice = |entry: &Entry| !matches!(entry.node.value, Value::Object(_));
+    is_amount || matches!(entries, [only] if is_choice(only))
+}
+
+/// A value as people read it.
+fn shown(node: &Node) -> String {
+    let text = match &node.value {
+        Value::String(text) => text.clone(),
+        Value::Object(entries) if is_whole(entries) => {
+            match (get(entries, "value"), get(entries, "unit"), entries.as_slice()) {
+                (Some(value), Some(unit), _) => format!("{} {}", shown(value), shown(unit)),
+                (_, _, [only]) => format!("{} {}", only.key, shown(&only.node)),
+                _ => node.to_json().to_string(),
+            }
+        }
+        Value::Number(_) => node.place.text().to_owned(),
+        _ => node.to_json().to_string(),
+    };
+    if text.chars().count() <= LONGEST {
+        return text;
+    }
+    text.chars().take(LONGEST - 3).chain("...".chars()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn changes(before: &str, after: &str) -> Vec<String> {
+        let mut diagnostics = Diagnostics::new();
+        let mut tree = |name: &str, text: &str| json::parse(&Source::new(name, text), &mut diagnostics).expect("JSON");
+        let (before, after) = (tree("a.json", before), tree("b.json", after));
+        let mut found = Vec::new();
+        walk("", Some(&without_words(before)), Some(&without_words(after)), &mut found);
+        let text = |value: Option<String>| value.unwrap_or_else(|| "-".to_owned());
+        found
+            .into_iter()
+            .map(|one| format!("{} {}: {} | {}", one.at, one.entry, text(one.before), text(one.after)))
+            .collect()
+    }
+
+    #[test]
+    fn entries_are_named_where_they_stand_and_values_read_as_written() {
+        let before = r#"{"title": "a", "parameters": {"G": {"prior": {"uniform": [0.15, 5e-1]}}, "e": {"nominal": 2}},
+            "measurements": {"test": {"sigma": {"value": 0.1, "unit": "K"}, "rows": [{"at": 1}, {"at": 2}]}}}"#;
+        let after = r#"{"title": "b", "parameters": {"G": {"prior": {"normal": [0.3, 0.1]}}, "e": {"nominal": 2.0}},
+            "measurements": {"test": {"sigma": {"value": 0.2, "unit": "K"}, "rows": [{"at": 1}, {"at": 3}]}},
+            "adopt": {"more": {"where": "plate"}}}"#;
+        assert_eq!(
+            changes(before, after),
+            [
+                "b.json:1 parameters.G.prior: uniform [0.15,0.5] | normal [0.3,0.1]",
+                "b.json:2 measurements.test.sigma: 0.1 K | 0.2 K",
+                "b.json:2 measurements.test.rows[1].at: 2 | 3",
+                "b.json:3 adopt: - | more {\"where\":\"plate\"}",
+            ]
+        );
+        assert_eq!(changes(after, after), Vec::<String>::new());
+        assert_eq!(changes(after, "{}").len(), 3, "what is gone stands where it was");
+        assert!(changes(after, "{}")[0].starts_with("a.json:1 parameters: "));
+    }
+}
