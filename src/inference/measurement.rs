@@ -77,6 +77,9 @@ pub enum Initial {
         values: Vec<Uncertain>,
         /// Nodes whose temperature is one and the same value: where it is fitted, it is one unknown.
         shared: Vec<usize>,
+        /// Nodes without a start temperature of their own, which start in balance with the others whether they store heat
+        /// or not; their values are first guesses.
+        balanced: Vec<usize>,
     },
     /// The steady state at the first row's inputs.
     Steady,

@@ -479,7 +479,8 @@ fn diagnosed(table: &str, effect: (&str, &str), pass: &str) -> bmv::diagnosis::O
     serde_json::from_value(run(job.as_ref())).expect("a diagnosis")
 }
 
-fn run(job: &dyn Job) -> serde_json::Value {
+/// The result of a job, stage after stage.
+pub fn run(job: &dyn Job) -> serde_json::Value {
     let mut step = job.begin().expect("it begins");
     loop {
         match step {

@@ -132,7 +132,7 @@ impl Job for Calibrate {
     }
 
     fn algorithm_version(&self) -> u32 {
-        6
+        7
     }
 
     fn identity(&self) -> Value {

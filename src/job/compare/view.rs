@@ -39,6 +39,7 @@ pub fn view(output: &Output, with_rows: bool) -> Value {
         "stabilisation": output.stabilisation,
         "tuned": output.tuned,
         "fails": output.fails,
+        "warnings": output.warnings,
         "failed": output.failed,
         "unused_columns": output.unused_columns,
     });
@@ -221,6 +222,7 @@ mod tests {
             trends: vec![],
             stabilisation: vec![],
             fails: vec!["s: too cold".into()],
+            warnings: vec![],
             failed: vec![],
             unused_columns: vec![],
             tuned: None,

@@ -141,7 +141,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        10
+        11
     }
 
     fn identity(&self) -> Value {

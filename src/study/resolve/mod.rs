@@ -229,7 +229,8 @@ fn resolve(
     model_tree: &Node,
     diagnostics: &mut Diagnostics,
 ) -> Option<Pass> {
-    let mut scope = Scope { folder, resolved, hosts: Vec::new(), drawn: Vec::new(), diagnostics };
+    let mut scope =
+        Scope { folder, resolved, hosts: Vec::new(), given_storage: Vec::new(), drawn: Vec::new(), diagnostics };
     let seed = seed(&mut scope, form.seed.as_ref());
     check_names(&mut scope, form);
     let (changes, mut priors) = changes::changes(&mut scope, &form.parameters);
