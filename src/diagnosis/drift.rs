@@ -6,30 +6,33 @@ use crate::inference::measurement::{Rows, Stabilisation};
 /// Standard errors of the slope beyond which a sensor drifts.
 const CLEARLY: f64 = 3.0;
 
-/// Warnings of phases, fitted or held out, that drift in their window.
+/// A warning for each measurement with phases, fitted or held out, that drift in their windows.
 pub(super) fn warnings(problem: &Problem) -> Vec<String> {
     let mut warnings = Vec::new();
     for measurement in &problem.measurements {
         let Rows::Steady(phases) = &measurement.rows else { continue };
+        let mut drifting = Vec::new();
         for phase in phases.iter().filter(|phase| phase.ignored.is_none()) {
             let Some(own) = &phase.stabilisation else { continue };
-            let is_kelvin =
+            let in_kelvin =
                 |sensor: &usize| problem.model.quantities[measurement.sensors[*sensor].quantity].unit == "K";
-            let drifting = (0..measurement.sensors.len()).filter(is_kelvin).filter_map(|sensor| {
+            let slopes = (0..measurement.sensors.len()).filter(in_kelvin).filter_map(|sensor| {
                 let sigma = measurement.sensors[sensor].sigma.as_ref().map_or(0.0, |sigma| sigma.nominal());
                 Some((sensor, drift(own, sensor, sigma)?))
             });
-            let fastest = drifting.reduce(|best, next| if next.1.abs() > best.1.abs() { next } else { best });
+            let fastest = slopes.reduce(|best, next| if next.1.abs() > best.1.abs() { next } else { best });
             if let Some((sensor, slope)) = fastest {
-                warnings.push(format!(
-                    "phase {} of {} was not steady: {} still drifted by {:+.2} K/h in its window. The heat that it stored looks like \
-                     something missing; leave the phase out or give it as a transient",
-                    phase.name,
-                    measurement.name,
-                    measurement.sensors[sensor].name,
-                    3600.0 * slope
-                ));
+                let (sensor, hourly) = (&measurement.sensors[sensor].name, 3600.0 * slope);
+                drifting.push(format!("phase {} ({sensor} {hourly:+.2} K/h)", phase.name));
             }
+        }
+        if !drifting.is_empty() {
+            warnings.push(format!(
+                "{} was not steady in {}: the heat that was stored there looks like something missing. Leave such a phase out, or \
+                 give it as a transient",
+                measurement.name,
+                drifting.join(", ")
+            ));
         }
     }
     warnings

@@ -463,6 +463,8 @@ fn a_set_without_a_solution_in_a_held_out_row_is_left_out_and_said() {
     assert_eq!(output.selected, ["heat-load:A"], "{:?}", output.words);
     let said = |warning: &String| warning.contains("root:A:T_sink") && warning.contains("no solution in row 7");
     assert!(output.warnings.iter().any(said), "{:?}", output.warnings);
+    let unseen = output.unseen.iter().find(|unseen| unseen.id == "root:A:T_sink").expect("listed");
+    assert!(unseen.why.starts_with("it cannot be fitted: no solution in row 7"), "{}", unseen.why);
 }
 
 /// The diagnosis of a study with an effect of its own.
