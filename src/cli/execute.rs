@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::Context;
-use super::options::RunOptions;
+use super::options::{CacheOption, RunOptions};
 use super::output::tell;
 use super::status::{Failure, Status};
 use super::studies::{self, Loaded, LoadedPass};

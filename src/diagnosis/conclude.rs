@@ -3,12 +3,16 @@
 use std::collections::BTreeMap;
 
 use super::carried::carried;
+use super::drift;
 use super::engine::{Diagnosis, Remainder, State, TIMES_THE_STEPS};
 use super::heat;
 use super::held_out;
+use super::hints::hints;
 use super::output::{
     Amount, Detectable, EffectResult, Misfit, ModelResult, NoiseResult, Output, Rmse, RmseChange, Test, Unseen, Verdict,
 };
+use super::overstated;
+use super::prior_of::{SEPARATE, TITLE, is_prior};
 use super::problem::is_idle;
 use super::refit::Begin;
 use super::separate;
@@ -47,6 +51,8 @@ pub(super) struct Findings<'a> {
     pub late: Vec<Remainder>,
     /// Whether nothing stands although tests find something.
     pub doubted: bool,
+    /// Whether the selected set goes before a more probable one since odds are doubted.
+    pub plainest: bool,
 }
 
 impl Findings<'_> {
@@ -73,10 +79,15 @@ impl Diagnosis {
         let believed = &state.refits[0];
         let missing = finds.then(|| heat::missing_heat(&problem, believed)).flatten();
         let weights = weigh(&problem, &state.refits, missing.as_ref().map(|missing| missing.log_evidence));
-        let mut warnings = state.warnings.clone();
+        let mut warnings = drift::warnings(&problem);
+        let drifting = warnings.len();
+        warnings.extend(state.warnings.iter().cloned());
         warnings.extend(given_up(state));
         if finds {
             warnings.extend(still::warnings(&problem, believed));
+        }
+        if finds && missing.is_none() {
+            warnings.push("heat whatever its cause could not be weighed beside the effects: the network is too large or not solved so".to_owned());
         }
         let mut findings = Findings {
             problem: &problem,
@@ -87,6 +98,7 @@ impl Diagnosis {
             rivals: Vec::new(),
             late: Vec::new(),
             doubted: false,
+            plainest: false,
         };
         let nothing = findings.weights.sets[0];
         // Where all noise is told, the p is what it says.
@@ -130,7 +142,13 @@ impl Diagnosis {
         let selected: Vec<String> =
             state.refits[findings.selected].effects.iter().map(|&effect| findings.id(effect).to_owned()).collect();
         warnings.extend(trend::warnings(&problem, &state.refits[findings.selected].effects));
-        let separating_experiment = if verdict == Verdict::Ambiguous { separate::experiment(&findings) } else { None };
+        let chosen = &state.refits[findings.selected];
+        // Beside the drift: both are about the data themselves.
+        if let Some(overstated) = overstated::warning(self.problem(), &problem, chosen, free(chosen)) {
+            warnings.insert(drifting, overstated);
+        }
+        let parted =
+            if verdict == Verdict::Ambiguous { separate::experiment(&findings) } else { separate::Parted::default() };
         let remaining_p = if findings.selected > 0 { findings.remaining_now() } else { None };
         let (heat, goes_with) = missing.map_or_else(Default::default, |missing| (missing.heat, missing.goes_with));
         let mut output = Output {
@@ -145,7 +163,8 @@ impl Diagnosis {
             unseen: unseen(&findings),
             detectable: detectable(&findings),
             noise: noise(&problem, state),
-            separating_experiment,
+            separating_experiment: parted.experiment,
+            one_thing: parted.one_thing,
             heat,
             goes_with,
             held_out_test,
@@ -175,7 +194,15 @@ impl Diagnosis {
                 continue;
             }
             let begin = Begin { starts: vec![refit.by_name()], from_prior: 0, scale: 1.0 };
-            let Ok(all) = problem.refits_over_gaps(&refit.effects, &begin, self.key()) else { continue };
+            let all = match problem.refits_over_gaps(&refit.effects, &begin, self.key()) {
+                Ok(all) => all,
+                Err(why) => {
+                    let effects: Vec<&str> =
+                        refit.effects.iter().map(|&own| problem.candidates[own].id.as_str()).collect();
+                    moved.warnings.push(format!("other gaps for the threshold of {}: {why}", effects.join(" + ")));
+                    continue;
+                }
+            };
             let highest = all.iter().map(|one| one.log_evidence).fold(f64::NEG_INFINITY, f64::max);
             let is_open = |other: &Refit| other.log_evidence + ln(RIVALS_WITHIN) >= highest && !is_vetoed(other);
             let better = |a: Refit, b: Refit| if b.log_evidence > a.log_evidence { b } else { a };
@@ -262,10 +289,12 @@ impl Diagnosis {
             let [least, most] = range.unwrap_or([watts; 2]);
             Some([least.min(watts), most.max(watts)])
         });
+        let hints = if is_told { hints(problem, refit, effect) } else { Vec::new() };
         EffectResult {
+            hints,
             id: candidate.id.clone(),
             effect: candidate.effect.clone(),
-            title: file.map(|file| file.form.title.clone()).unwrap_or_default(),
+            title: file.map_or_else(|| TITLE.to_owned(), |file| file.form.title.clone()),
             place: candidate.place.clone(),
             where_kind: candidate.where_kind.to_owned(),
             input: candidate.input.clone(),
@@ -285,7 +314,9 @@ impl Diagnosis {
             confused_with: file
                 .map(|file| file.form.confused_with.iter().map(|name| name.value.clone()).collect())
                 .unwrap_or_default(),
-            separate: file.and_then(|file| file.form.separate.clone()).unwrap_or_default(),
+            separate: file
+                .map_or_else(|| Some(SEPARATE.to_owned()), |file| file.form.separate.clone())
+                .unwrap_or_default(),
         }
     }
 
@@ -346,7 +377,21 @@ impl Findings<'_> {
             let alike = |other: &&usize| refits[**other].effects.len() == refits[place].effects.len();
             let plainer = |a: usize, b: usize| if refits[b].unknowns.len() < refits[a].unknowns.len() { b } else { a };
             self.selected = self.rivals.iter().filter(alike).copied().reduce(plainer).unwrap_or(place);
+            self.plainest = self.selected != place;
             (self.groups, self.rivals) = groups(refits, &weights, self.selected, within);
+        }
+        // Of rivals the one goes first that has to invent least: a prior may simply be wrong.
+        let invented = |other: usize| {
+            let effects = refits[other].effects.iter();
+            effects.filter(|&&effect| !is_prior(&self.problem.candidates[effect])).count()
+        };
+        let alike = |other: &&usize| refits[**other].effects.len() == refits[self.selected].effects.len();
+        let first = self.rivals.iter().filter(alike).copied();
+        let first = first.reduce(|a, b| if invented(b) < invented(a) { b } else { a }).unwrap_or(self.selected);
+        if invented(first) < invented(self.selected) {
+            self.selected = first;
+            self.plainest = false;
+            (self.groups, self.rivals) = groups(refits, &weights, first, within);
         }
     }
 
@@ -422,8 +467,19 @@ fn models(findings: &Findings<'_>) -> Vec<ModelResult> {
 }
 
 fn unseen(findings: &Findings<'_>) -> Vec<Unseen> {
-    let list = findings.state.screening.unseen.iter();
-    list.map(|(effect, why)| Unseen { id: findings.id(*effect).to_owned(), why: why.clone() }).collect()
+    let told = |effect: usize, why: String| Unseen { id: findings.id(effect).to_owned(), why };
+    let mut list: Vec<Unseen> =
+        findings.state.screening.unseen.iter().map(|(effect, why)| told(*effect, why.clone())).collect();
+    // What no set was fitted with is not judged either.
+    let is_fitted = |effect: &usize| findings.state.refits.iter().any(|refit| refit.effects.contains(effect));
+    for (effect, why) in findings.state.failed.iter().filter(|(effect, _)| !is_fitted(effect)) {
+        let id = findings.id(*effect);
+        if !list.iter().any(|known| known.id == id) {
+            let own = why.strip_prefix(id).and_then(|rest| rest.strip_prefix(": ")).unwrap_or(why);
+            list.push(told(*effect, format!("it cannot be fitted: {own}")));
+        }
+    }
+    list
 }
 
 fn detectable(findings: &Findings<'_>) -> BTreeMap<String, Detectable> {

@@ -96,6 +96,9 @@ pub struct State {
     pub pending: Vec<Order>,
     /// What sets leave.
     pub remainders: Vec<Remainder>,
+    /// Effects that cannot be fitted alone, and why.
+    #[serde(default)]
+    pub failed: Vec<(usize, String)>,
     /// What went wrong.
     pub warnings: Vec<String>,
 }
@@ -103,14 +106,19 @@ pub struct State {
 impl State {
     /// Takes the fits of the pending sets, in order. Of two fits of a set the better one stays.
     pub fn take(&mut self, refits: Vec<Result<Refit, String>>) {
-        for refit in refits {
+        for (order, refit) in std::mem::take(&mut self.pending).into_iter().zip(refits) {
             match refit {
                 Ok(refit) => match self.refits.iter_mut().find(|known| known.effects == refit.effects) {
                     Some(known) if refit.log_evidence > known.log_evidence => *known = refit,
                     Some(_) => {}
                     None => self.refits.push(refit),
                 },
-                Err(why) => self.warn(why),
+                Err(why) => {
+                    if let [effect] = order.effects[..] {
+                        self.failed.push((effect, why.clone()));
+                    }
+                    self.warn(why);
+                }
             }
         }
     }
@@ -241,6 +249,7 @@ impl Diagnosis {
             refits: vec![believed],
             pending: Vec::new(),
             remainders: vec![Remainder { effects: Vec::new(), p: screening.family.p }],
+            failed: Vec::new(),
             warnings: Vec::new(),
         };
         let finds = self.finds(&screening);
@@ -283,7 +292,8 @@ impl Diagnosis {
         }
         let mut leads = self.screen_problem(problem, &unbent, false)?.leads;
         for start in leads.iter_mut().flat_map(|lead| &mut lead.starts) {
-            start.extend(unbent.by_name());
+            let own = std::mem::replace(start, unbent.by_name());
+            start.extend(own);
         }
         Ok(leads)
     }
@@ -346,6 +356,7 @@ impl Diagnosis {
         let mut next = self.screen_with(&state.refits[0], noise, state.most_steps.clone())?;
         next.rounds = state.rounds;
         next.warnings.clone_from(&state.warnings);
+        next.failed.clone_from(&state.failed);
         for refit in &state.refits[1..] {
             let order = Order { effects: refit.effects.clone(), starts: vec![refit.by_name()], from: 0 };
             if !next.is_known(&order.effects) {

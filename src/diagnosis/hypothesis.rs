@@ -93,6 +93,12 @@ impl Hypothesis {
     fn add(&mut self, problem: &Problem, position: usize, scale: f64) -> Result<(), HypothesisError> {
         let candidate = &problem.candidates[position];
         let misplaced = || ApplyError::Place { effect: candidate.effect.clone() };
+        if let Site::Parameter(index) = candidate.site {
+            let wide = problem.wider_prior(index, scale).ok_or_else(misplaced)?;
+            *self.priors.get_mut(index).ok_or_else(misplaced)? = wide;
+            self.amplitudes.push(index..index + 1);
+            return Ok(());
+        }
         let effect = problem.catalogue.get(&candidate.effect).ok_or_else(misplaced)?;
         let mut parameters = effect.parameters(&self.model, &candidate.bound);
         for parameter in parameters.iter_mut().filter(|parameter| parameter.unit.dimension == heat_capacity()) {
@@ -174,12 +180,16 @@ impl Measurement {
     /// Gives a node that was added a start temperature: that of its host.
     pub(super) fn begin_like(&mut self, node: usize, host: usize) {
         if let crate::inference::measurement::Rows::Transient {
-            initial: Initial::Temperatures { values, shared }, ..
+            initial: Initial::Temperatures { values, shared, balanced },
+            ..
         } = &mut self.rows
             && let Some(value) = values.get(host).cloned()
         {
             if shared.contains(&host) {
                 shared.push(node);
+            }
+            if balanced.contains(&host) {
+                balanced.push(node);
             }
             // Boundaries that effects added before it have no start temperature.
             values.resize(node.max(values.len()), Uncertain::Known(0.0));

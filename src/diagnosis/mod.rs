@@ -4,12 +4,13 @@
 //! problem at a fit and the directions in which effects would move it. `score`, `pairs`, `family`, `detectable`: what
 //! stands out, and how surely (`bounded`, `null_maximum`: what these rest on). `evidence`: of linear models in closed form. `noise`: noise that is not wholly known. `refit`, `gaps`, `width`, `weigh`: fits, places of thresholds, evidence, probabilities.
 //! `heat`, `carried`, `held_out`, `still`, `trend`, `separate`: what is missing whatever its name, what heat a fitted effect carries, what the held-out rows say, which channels stand still, which inputs follow time, which test would part
-//! rivals. `engine`, `search`, `conclude`, `words`: the course, the sets that are fitted, the verdict, the sentences. `output`: the result.
+//! rivals. `prior_of`: priors that may be too narrow. `hints`, `overstated`, `drift`: what to check first, in the model, its noise, its phases. `engine`, `search`, `conclude`, `words`: the course, the sets that are fitted, the verdict, the sentences. `output`: the result.
 
 pub mod bounded;
 mod carried;
 mod conclude;
 pub mod detectable;
+mod drift;
 mod engine;
 pub mod evidence;
 mod exchange;
@@ -21,6 +22,7 @@ mod fixture;
 mod gaps;
 mod heat;
 mod held_out;
+mod hints;
 pub mod hypothesis;
 pub mod laboratory;
 pub mod levels;
@@ -29,7 +31,9 @@ mod medium;
 mod noise;
 pub mod null_maximum;
 pub mod output;
+mod overstated;
 pub mod pairs;
+mod prior_of;
 pub mod problem;
 mod products;
 pub mod refit;
@@ -56,7 +60,9 @@ pub use hypothesis::{Hypothesis, HypothesisError};
 pub use linear::{Direction, Linear};
 pub use null_maximum::Sampling;
 pub use output::{Output, RISES, Verdict};
+pub use prior_of::{PRIOR_OF, wider};
 pub use problem::Problem;
 pub use refit::Refit;
 pub use score::{Prepared, Score};
+pub use separate::USEFUL;
 pub use settings::Settings;

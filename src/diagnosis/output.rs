@@ -154,6 +154,10 @@ pub struct EffectResult {
     pub confused_with: Vec<String>,
     /// What would tell it apart, from its file.
     pub separate: String,
+    /// What of the model or the data should be checked before it is believed: numbers of which it has the law, and sizes of
+    /// sign errors and wrong units.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub hints: Vec<String>,
 }
 
 fn one() -> f64 {
@@ -232,6 +236,17 @@ pub struct SeparatingExperiment {
     pub limits_ok: bool,
     /// What the rivals predict there: sensor, and each rival's reading, K.
     pub predictions: BTreeMap<String, Vec<f64>>,
+}
+
+/// Sets that no steady phase within the stated ranges tells apart.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct OneThing {
+    /// The selected set, then those that are the same as it here.
+    pub sets: Vec<String>,
+    /// Largest probability of telling one of them from the first.
+    pub probability: f64,
+    /// The same for repeating the best of the old phases.
+    pub repeat_probability: f64,
 }
 
 /// Heat that the model lacks.
@@ -325,6 +340,9 @@ pub struct Output {
     pub noise: BTreeMap<String, NoiseResult>,
     /// Conditions that would part the rivals of an ambiguous group.
     pub separating_experiment: Option<SeparatingExperiment>,
+    /// Rivals of an ambiguous group that no allowed steady phase tells apart.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub one_thing: Option<OneThing>,
     /// Heat that the tuned model lacks.
     pub heat: Vec<Heat>,
     /// What that heat goes with.

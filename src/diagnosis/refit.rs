@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::gaps::{Flat, together};
+use super::prior_of::is_prior;
 use super::width::{Amplitudes, WIDTHS};
 use super::{Hypothesis, Problem};
 use crate::expression::Unit;
@@ -133,7 +134,9 @@ impl Problem {
             }
             places = wider;
         }
-        best.log_evidence += amplitudes.narrower(&places);
+        // A prior that is wider than the written one is none of the catalogue's, and no narrower one stands beside it.
+        let own = |(&effect, &place): (&usize, &usize)| place.max(usize::from(is_prior(&self.candidates[effect])));
+        best.log_evidence += amplitudes.narrower(&effects.iter().zip(&places).map(own).collect::<Vec<usize>>());
         Ok(best)
     }
 
@@ -158,7 +161,14 @@ impl Problem {
         };
         let place = |start: &BTreeMap<String, f64>| -> Vec<f64> {
             let own = likelihood.names().iter().zip(likelihood.priors());
-            own.map(|(name, prior)| start.get(name).copied().unwrap_or_else(|| prior.quantile(0.5))).collect()
+            // A start may come from a set with a wider prior.
+            let (least, most) = (1e-3, 1.0 - 1e-3);
+            own.map(|(name, prior)| match start.get(name).copied() {
+                Some(value) if value < prior.support().0 => prior.quantile(least),
+                Some(value) if value > prior.support().1 => prior.quantile(most),
+                value => value.unwrap_or_else(|| prior.quantile(0.5)),
+            })
+            .collect()
         };
         let starts: Vec<Vec<f64>> = begin.starts.iter().map(place).collect();
         let found = estimate(&likelihood, &settings, key, &starts).map_err(|error| error.to_string())?;
@@ -194,6 +204,9 @@ impl Problem {
     fn which_are_amplitudes(&self, effects: &[usize]) -> Vec<Vec<bool>> {
         let of = |&effect: &usize| {
             let candidate = &self.candidates[effect];
+            if is_prior(candidate) {
+                return vec![true];
+            }
             let own = self.catalogue.get(&candidate.effect);
             let parameters = own.map(|own| own.parameters(&self.model, &candidate.bound)).unwrap_or_default();
             parameters.iter().map(|parameter| parameter.amplitude).collect()

@@ -10,10 +10,12 @@ use super::engine::{Diagnosis, SettledSensor};
 use super::family::{Extras, Family, MemberKind};
 use super::null_maximum::Sampling;
 use super::pairs::best_pairs;
+use super::prior_of::is_prior;
 use super::score::{Column, Prepared, Score};
 use super::taken::Taken;
 use super::weigh::nothing_stands;
 use super::{Direction, Linear, Problem, Refit, noise, signature};
+use crate::effect::Site;
 use crate::inference::likelihood::Likelihood;
 use crate::inference::measurement::{Rows, Uncertain};
 
@@ -237,7 +239,11 @@ impl Diagnosis {
             let own: Vec<usize> =
                 (0..scored.directions.len()).filter(|&d| scored.directions[d].candidate == position).collect();
             if !own.is_empty() && own.iter().all(|&d| !scored.scores[d].seen) {
-                let why = "within its plausible size it moves no reading by more than the parameters can take up";
+                let why = if is_prior(&problem.candidates[position]) {
+                    "nothing presses the parameter out of its prior"
+                } else {
+                    "within its plausible size it moves no reading by more than the parameters can take up"
+                };
                 screening.unseen.push((position, why.to_owned()));
             }
         }
@@ -284,6 +290,14 @@ impl Diagnosis {
     /// Values of an effect's parameters at amplitudes of one of its directions, within the priors.
     fn start(&self, problem: &Problem, direction: &Direction, amplitudes: &[f64]) -> BTreeMap<String, f64> {
         let candidate = &problem.candidates[direction.candidate];
+        if let Site::Parameter(index) = candidate.site {
+            let at = direction.shape.iter().sum::<f64>() + amplitudes.iter().sum::<f64>();
+            let Some(wide) = self.problem().wider_prior(index, 1.0) else { return BTreeMap::new() };
+            let (least, most) = wide.support();
+            let at = if at <= least { wide.quantile(1e-3) } else { at };
+            let at = if at >= most { wide.quantile(1.0 - 1e-3) } else { at };
+            return BTreeMap::from([(problem.model.parameters[index].name.clone(), at)]);
+        }
         let Some(effect) = problem.catalogue.get(&candidate.effect) else { return BTreeMap::new() };
         let parameters = effect.parameters(&self.problem().model, &candidate.bound);
         let mut values: Vec<f64> = parameters.iter().map(|parameter| parameter.nominal).collect();

@@ -73,10 +73,13 @@ impl Diagnosis {
         for lead in near(&screening.leads, 2 * BESIDE, SINGLES) {
             state.order(&[lead], &set, place);
         }
-        if let Ok(with) = problem.with(&state.refits[place]) {
-            for candidate in likeliest(&with, &state.refits[place], EXCHANGES_BESIDE) {
-                state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &set, place);
+        match problem.with(&state.refits[place]) {
+            Ok(with) => {
+                for candidate in likeliest(&with, &state.refits[place], EXCHANGES_BESIDE) {
+                    state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &set, place);
+                }
             }
+            Err(why) => state.warn(why.to_string()),
         }
         if set.len() as u64 + 2 <= self.settings().most {
             for pair in screening.pairs.iter().take(BESIDE) {

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use nalgebra::DMatrix;
 
 use super::conclude::Findings;
-use super::output::{SeparatingExperiment, Setting};
+use super::output::{OneThing, SeparatingExperiment, Setting};
 use super::signature::linearise;
 use super::{Problem, Refit};
 use crate::inference::cholesky;
@@ -32,8 +32,32 @@ const MOST_CORNERS: usize = 7;
 /// Most rivals that are considered.
 const MOST_RIVALS: usize = 5;
 
-/// The experiment that parts the rivals of the selected set. `None` where there is nothing to set, or no sensor to see it.
-pub(super) fn experiment(findings: &Findings<'_>) -> Option<SeparatingExperiment> {
+/// Probability of telling two hypotheses apart below which an experiment is little better than a coin.
+pub const USEFUL: f64 = 0.6;
+/// What the best phase must add to the probability that the repetition of an old one has.
+const WORTH: f64 = 0.05;
+
+/// What would part the selected set and its rivals.
+#[derive(Default)]
+pub(super) struct Parted {
+    /// The experiment that parts them, as far as one does.
+    pub experiment: Option<SeparatingExperiment>,
+    /// Those that none parts.
+    pub one_thing: Option<OneThing>,
+}
+
+/// The probability with which two hypotheses of so large a squared distance are told apart.
+fn told(square: f64) -> f64 {
+    normal_cdf(0.5 * square.max(0.0).sqrt())
+}
+
+/// The experiment that parts the rivals of the selected set, and those rivals that no phase within the limits parts from it.
+/// Nothing where there is nothing to set, or no sensor to see it.
+pub(super) fn experiment(findings: &Findings<'_>) -> Parted {
+    parted(findings).unwrap_or_default()
+}
+
+fn parted(findings: &Findings<'_>) -> Option<Parted> {
     let problem = findings.problem;
     let fits: Vec<&Refit> =
         findings.rivals.iter().take(MOST_RIVALS).map(|&place| &findings.state.refits[place]).collect();
@@ -51,35 +75,57 @@ pub(super) fn experiment(findings: &Findings<'_>) -> Option<SeparatingExperiment
     let rivals: Vec<Rival> = fits.iter().map(|fit| Rival::new(problem, fit)).collect::<Option<_>>()?;
     let judge = |conditions: &[Vec<f64>]| judge(problem, &rivals, &template, conditions);
     let first = judge(&spread(&settable, &nominal))?;
-    let best = greatest(&first)?;
-    let near = judge(&nearby(&settable, &best.inputs))?;
-    let best = greatest(&near).filter(|other| other.square > best.square).unwrap_or(best);
     let old = old_conditions(problem);
-    let repeat = if old.is_empty() { None } else { greatest(&judge(&old)?) };
-    let told = |square: f64| normal_cdf(0.5 * square.max(0.0).sqrt());
+    let repeated = if old.is_empty() { Vec::new() } else { judge(&old)? };
+    let of = |fit: &Refit| {
+        let ids: Vec<&str> = fit.effects.iter().map(|&effect| findings.id(effect)).collect();
+        ids.join(" + ")
+    };
+    // Of each rival by itself: whether any phase parts it from the selected set.
+    let probability =
+        |list: &[Judged], rival: usize| greatest(list, &[rival]).map_or(0.5, |best| told(best.square(&[rival])));
+    let mut alike = Vec::new();
+    let mut others = Vec::new();
+    for rival in 0..fits.len() - 1 {
+        let (best, again) = (probability(&first, rival), probability(&repeated, rival));
+        if best < USEFUL && best - again <= WORTH {
+            alike.push((rival, best, again));
+        } else {
+            others.push(rival);
+        }
+    }
+    let one_thing = (!alike.is_empty()).then(|| OneThing {
+        sets: std::iter::once(of(fits[0])).chain(alike.iter().map(|&(rival, _, _)| of(fits[rival + 1]))).collect(),
+        probability: alike.iter().map(|own| own.1).fold(0.5, f64::max),
+        repeat_probability: alike.iter().map(|own| own.2).fold(0.5, f64::max),
+    });
+    if others.is_empty() {
+        return Some(Parted { experiment: None, one_thing });
+    }
+    let best = greatest(&first, &others)?;
+    let near = judge(&nearby(&settable, &best.inputs))?;
+    let best = greatest(&near, &others).filter(|other| other.square(&others) > best.square(&others)).unwrap_or(best);
+    let repeat = greatest(&repeated, &others);
     let conditions = settable.iter().map(|&(index, _)| {
         let input = &problem.model.inputs[index];
         let unit =
             crate::expression::Unit::parse(&input.unit).map(|unit| unit.dimension.to_string()).unwrap_or_default();
         (input.name.clone(), Setting { value: best.inputs[index], unit })
     });
-    let between = fits.iter().map(|fit| {
-        let ids: Vec<&str> = fit.effects.iter().map(|&effect| findings.id(effect)).collect();
-        ids.join(" + ")
-    });
+    let told_apart = || std::iter::once(0).chain(others.iter().map(|rival| rival + 1));
     let sensors = template.sensors.iter().enumerate();
-    Some(SeparatingExperiment {
-        between: between.collect(),
+    let predicted = |place: usize| told_apart().map(|rival| best.predictions[rival][place]).collect();
+    let experiment = SeparatingExperiment {
+        between: told_apart().map(|rival| of(fits[rival])).collect(),
         conditions: conditions.collect(),
-        probability: told(best.square),
-        repeat_probability: repeat.map_or(0.5, |repeat| told(repeat.square)),
+        probability: told(best.square(&others)),
+        repeat_probability: repeat.map_or(0.5, |repeat| told(repeat.square(&others))),
         limits_ok: best.within_limits,
         predictions: sensors
-            .map(|(place, sensor)| {
-                (sensor.name.clone(), best.predictions.iter().map(|readings| readings[place]).collect())
-            })
+            .map(|(place, sensor)| (sensor.name.clone(), predicted(place)))
             .collect::<BTreeMap<_, Vec<f64>>>(),
-    })
+    };
+    Some(Parted { experiment: Some(experiment), one_thing })
 }
 
 /// A rival hypothesis at its fit.
@@ -157,18 +203,26 @@ impl<'a> Rival<'a> {
 #[derive(Clone)]
 struct Judged {
     inputs: Vec<f64>,
-    /// Least squared distance of the selected set from a rival.
-    square: f64,
+    /// Squared distance of the selected set from each rival.
+    squares: Vec<f64>,
     within_limits: bool,
     /// Readings that each rival predicts, SI.
     predictions: Vec<Vec<f64>>,
 }
 
-/// The best within the limits.
-fn greatest(list: &[Judged]) -> Option<Judged> {
+impl Judged {
+    /// The least of the squared distances from some rivals.
+    fn square(&self, rivals: &[usize]) -> f64 {
+        let least = rivals.iter().map(|&rival| self.squares[rival]).fold(f64::INFINITY, f64::min);
+        if least.is_finite() { least } else { 0.0 }
+    }
+}
+
+/// The best within the limits at parting some rivals from the selected set.
+fn greatest(list: &[Judged], rivals: &[usize]) -> Option<Judged> {
     let within = list.iter().any(|one| one.within_limits);
     let fitting = list.iter().filter(|one| one.within_limits || !within);
-    fitting.reduce(|best, next| if next.square > best.square { next } else { best }).cloned()
+    fitting.reduce(|best, next| if next.square(rivals) > best.square(rivals) { next } else { best }).cloned()
 }
 
 /// A steady measurement of one phase with the sensors of the data; in transients as they are in their first.
@@ -228,7 +282,7 @@ fn judge(
     let mut judged = Vec::new();
     for (number, inputs) in conditions.iter().enumerate() {
         watch::check();
-        let mut square = f64::INFINITY;
+        let mut squares = Vec::new();
         for (rival, (likelihood, residuals, jacobian)) in rivals.iter().zip(&all).skip(1) {
             let rows: Vec<usize> = (0..residuals.len()).filter(|&row| likelihood.data()[row].row == number).collect();
             let n = rival.fit.names.len();
@@ -245,7 +299,7 @@ fn judge(
                 parameters: n,
             };
             let own = separation::from_truth(&of(&all[0].1), &other, &noise).map_or(0.0, |own| own.distance_squared);
-            square = square.min(own);
+            squares.push(own);
         }
         let within = (0..nodes.min(problem.model.nodes.len())).all(|node| {
             let temperature = predicted[number * nodes + node];
@@ -263,7 +317,7 @@ fn judge(
         };
         judged.push(Judged {
             inputs: inputs.clone(),
-            square: if square.is_finite() { square } else { 0.0 },
+            squares,
             within_limits: within,
             predictions: all.iter().map(reading).collect(),
         });

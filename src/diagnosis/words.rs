@@ -1,10 +1,11 @@
 //! The verdict in sentences.
 
-use super::Problem;
 use super::conclude::Findings;
 use super::held_out::SAYS_AGAINST;
 use super::output::{EffectResult, Output, RISES, SeparatingExperiment, Verdict};
 use super::screen::AT_BOUNDS;
+use super::{PRIOR_OF, Problem};
+use crate::expression::Unit;
 use crate::inference::measurement::Measurement;
 
 /// The first parameter of a curve.
@@ -44,6 +45,39 @@ fn size(effect: &EffectResult) -> String {
         }
         format!(", {name} {}{unit}", with_error(amount.value, amount.sd))
     })
+}
+
+/// That a prior is too narrow, and by how much.
+fn too_narrow(effect: &EffectResult, problem: &Problem) -> String {
+    let name = effect.place.first().map_or("", String::as_str);
+    let own = problem.model.parameters.iter().zip(&problem.priors).find(|(own, _)| own.name == name);
+    let held = own.map_or_else(String::new, |(own, prior)| {
+        let unit = Unit::parse(&own.unit).ok();
+        let shown = |si: f64| short(unit.as_ref().map_or(si, |unit| unit.from_si(si)), 3);
+        let (lower, upper) = prior.support();
+        let ends = match (lower.is_finite() && upper.is_finite(), prior) {
+            (true, _) => format!("{} to {}", shown(lower), shown(upper)),
+            (false, prior) => format!("{} to {} (95 %)", shown(prior.quantile(0.025)), shown(prior.quantile(0.975))),
+        };
+        let text = if own.unit == "1" { String::new() } else { format!(" {}", own.unit) };
+        format!(", and its prior says {ends}{text}")
+    });
+    let wanted = effect.amplitudes.values().next().map_or_else(String::new, |amount| {
+        let unit = if amount.unit == "1" { String::new() } else { format!(" {}", amount.unit) };
+        format!(" wants to be {}{unit}", with_error(amount.value, amount.sd))
+    });
+    format!(
+        "A prior is too narrow, or a number is wrong: `{name}`{wanted}{held} ({}); probability {}, log Bayes factor {:.1}. Check this before anything is added to the model.",
+        effect.id,
+        percent(effect.probability),
+        effect.log_bayes_factor
+    )
+}
+
+/// A sentence that goes on after a colon.
+fn lower(sentence: &str) -> String {
+    let mut letters = sentence.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
 }
 
 /// That an effect is larger than thought.
@@ -204,7 +238,12 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             }
         }
         Verdict::Identified | Verdict::Ambiguous => {
-            for effect in &selected {
+            // What invents nothing goes first.
+            let is_prior = |effect: &&&EffectResult| effect.effect == PRIOR_OF;
+            for effect in selected.iter().filter(is_prior) {
+                words.push(too_narrow(effect, findings.problem));
+            }
+            for effect in selected.iter().filter(|effect| !is_prior(effect)) {
                 words.push(format!(
                     "Missing: {} ({}){}{}; probability {}, log Bayes factor {:.1}.{}",
                     effect.title,
@@ -215,6 +254,9 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     effect.log_bayes_factor,
                     surprising(effect)
                 ));
+            }
+            for effect in &selected {
+                words.extend(effect.hints.iter().map(|hint| format!("{}: {}", effect.id, lower(hint))));
             }
         }
     }
@@ -266,10 +308,18 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 .collect();
             words.push(format!("These data cannot tell apart (group {}): {}.", number + 1, ids.join(", ")));
         }
-        if findings.goes_first() {
+        if findings.plainest {
             words.push(format!(
                 "Tests still find something beside all of these (p = {}), so that the odds between them are too sure: the plainest goes first.",
                 output.remaining_p.map_or_else(|| "unknown".to_owned(), p_value)
+            ));
+        }
+        if let Some(one) = &output.one_thing {
+            words.push(format!(
+                "No steady phase within the stated ranges tells {} apart (probability {}; repeating an old phase {}): here they are one thing, and it does not matter which is adopted.",
+                joined(&one.sets),
+                percent(one.probability),
+                percent(one.repeat_probability)
             ));
         }
         if let Some(experiment) = &output.separating_experiment {

@@ -286,7 +286,7 @@ impl Effect {
                 Site::Sensors(sensors) => {
                     kind == PlaceKind::Sensor && sensors.iter().all(|sensor| self.fits_sensor(model, sensor))
                 }
-                Site::Pair(_) => false,
+                Site::Pair(_) | Site::Parameter(_) => false,
             })
     }
 }

@@ -130,6 +130,8 @@ pub enum Site {
     Elements(Vec<usize>),
     /// Sensors: one, a group, or two whose channels are exchanged.
     Sensors(Vec<SensorPlace>),
+    /// A parameter of the model. No effect of a catalogue acts there; its prior may be wrong.
+    Parameter(usize),
 }
 
 /// What an input of an effect stands for.

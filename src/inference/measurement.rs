@@ -78,6 +78,9 @@ pub enum Initial {
         values: Vec<Uncertain>,
         /// Nodes whose temperature is one and the same value: where it is fitted, it is one unknown.
         shared: Vec<usize>,
+        /// Nodes without a start temperature of their own, which start in balance with the others whether they store heat
+        /// or not; their values are first guesses.
+        balanced: Vec<usize>,
     },
     /// Some nodes at their first readings, the others in balance with them at the first row's inputs.
     Measured {

@@ -27,6 +27,7 @@ pub mod prediction;
 mod proposal;
 pub mod psis;
 pub mod rows;
+pub mod scatter;
 pub mod score;
 pub mod shear;
 pub mod smc;

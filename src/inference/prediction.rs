@@ -136,16 +136,17 @@ impl Predictor {
         let Rows::Transient { inputs, initial, .. } = &measurement.rows else { return };
         let sensors = &measurement.sensors;
         let start: Vec<f64>;
-        let initial = match initial {
-            Initial::Temperatures { values, .. } => {
+        let (initial, in_balance): (_, &[usize]) = match initial {
+            Initial::Temperatures { values, balanced, .. } => {
                 start = values.iter().map(super::measurement::Uncertain::nominal).collect();
-                InitialState::Temperatures(&start)
+                (InitialState::Temperatures(&start), balanced)
             }
-            Initial::Measured { temperatures, held } => InitialState::Held { temperatures, held },
-            Initial::Steady => InitialState::Steady,
-            Initial::Periodic => InitialState::Periodic,
+            Initial::Measured { temperatures, held } => (InitialState::Held { temperatures, held }, &[]),
+            Initial::Steady => (InitialState::Steady, &[]),
+            Initial::Periodic => (InitialState::Periodic, &[]),
         };
-        let request = TransientRequest::new(parameters, inputs, initial, &inputs.times_s);
+        let mut request = TransientRequest::new(parameters, inputs, initial, &inputs.times_s);
+        request.balanced = in_balance;
         let transient = match self.network.solve_transient(&request) {
             Ok(transient) => transient,
             Err(error) => {

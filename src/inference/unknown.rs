@@ -137,7 +137,7 @@ pub fn settled(
         }
         Rows::Transient { inputs: table, initial, .. } => {
             *table = shifted(table, &shifts);
-            if let Initial::Temperatures { values, shared } = initial {
+            if let Initial::Temperatures { values, shared, .. } = initial {
                 for (node, value) in values.iter_mut().enumerate() {
                     let name = if shared.contains(&node) { ALL } else { nodes.get(node).map_or("", String::as_str) };
                     set(value, start_name(&measurement.name, name));

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 
-use crate::diagnosis::Problem;
+use crate::diagnosis::{PRIOR_OF, Problem};
 use crate::document::{Diagnostic, code, suggest};
 use crate::effect::candidates;
 use crate::inference::likelihood::InputError;
@@ -388,6 +388,13 @@ impl Shared<'_> {
             candidates,
             joint: Vec::new(),
             most_steps: Vec::new(),
+        };
+        let problem = if spec.effects.iter().any(|name| name == PRIOR_OF) {
+            // Those of adopted effects stand behind the model's own.
+            let adopted = pass.adopted.iter().map(|adopted| adopted.parameters.start).min();
+            problem.with_priors_in_question(adopted.unwrap_or(usize::MAX))
+        } else {
+            problem
         };
         let draws = priors_of(pass, &spec.parameters);
         let known = Diagnose::new(spec.clone(), problem.clone(), pass.seed, name)?;

@@ -393,6 +393,7 @@ fn compared(rows: Vec<Row>, sigma: f64, fails: Vec<String>) -> compare::Output {
         trends: vec![],
         stabilisation: vec![],
         fails,
+        warnings: vec![],
         failed: vec![],
         unused_columns: vec![],
         warnings: vec![],

@@ -122,7 +122,11 @@ fn the_heat_of_a_stretch_ends_before_the_step_that_ends_it() {
     let rows = Rows::Transient {
         held_out: vec![false; times_s.len()],
         ignored: vec![None; times_s.len()],
-        initial: Initial::Temperatures { values: vec![Uncertain::Known(300.0); 2], shared: Vec::new() },
+        initial: Initial::Temperatures {
+            values: vec![Uncertain::Known(300.0); 2],
+            shared: Vec::new(),
+            balanced: Vec::new(),
+        },
         inputs: InputTable { times_s, columns: vec![InputColumn { input: 0, values, hold: true }], base: vec![300.0] },
     };
     let output = compare(b.model, measurement(rows, vec![sensor("T", 0, 1.0)], vec![Some(300.0); 21]));

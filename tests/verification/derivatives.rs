@@ -442,3 +442,51 @@ fn derivatives_pass_through_the_switching_of_a_thermostat() {
         assert!((own - difference).abs() < 1e-4 * difference.abs(), "{column}: {own} {difference}");
     }
 }
+
+#[test]
+fn a_node_that_starts_in_balance_does_so_with_its_derivatives() {
+    let mut b = Build::default();
+    let inner = b.parameter("inner", 0.2);
+    let outer = b.parameter("outer", 0.1);
+    let node = b.diffusion("box", 400.0);
+    let blanket = b.diffusion("blanket", 150.0);
+    let wall = b.n(200.0);
+    let wall = b.boundary("wall", wall);
+    b.conductor("inner", [node, blanket], inner);
+    b.conductor("outer", [blanket, wall], outer);
+    b.temperature("T box", node);
+    b.temperature("T blanket", blanket);
+    let symbols: Vec<Symbol> = (0..2).map(Symbol::Parameter).collect();
+    let network = Network::compile(&b.model, &symbols).unwrap();
+    let inputs = InputTable::default();
+    let seeds = [vec![1.0, 0.0, 0.0]];
+    let outputs = [0.0, 700.0];
+    let run = |values: &[f64], sensitivities: bool| {
+        let start = [values[2], 333.0, 0.0];
+        let request = TransientRequest {
+            options: tight(),
+            sensitivities,
+            seeds: &seeds,
+            balanced: &[blanket],
+            ..TransientRequest::new(&values[..2], &inputs, InitialState::Temperatures(&start), &outputs)
+        };
+        network.solve_transient(&request).unwrap()
+    };
+    let at = [0.2, 0.1, 300.0];
+    let result = run(&at, true);
+    // G1 (T_box - T) = G2 (T - T_wall), and its derivatives by hand: by G1, G2 and the box's start.
+    assert!((result.quantities[1] - 80.0 / 0.3).abs() < 1e-9, "{}", result.quantities[1]);
+    let by_hand = [0.1 * 100.0 / 0.09, -0.2 * 100.0 / 0.09, 0.2 / 0.3];
+    for (column, slope) in by_hand.iter().enumerate() {
+        assert!((result.quantity_tangent[3 + column] - slope).abs() < 1e-9 * slope.abs());
+        let moved = |delta: f64| {
+            let mut values = at;
+            values[column] *= 1.0 + delta;
+            run(&values, false).quantities
+        };
+        for (i, difference) in richardson(&moved, 1e-4).iter().enumerate() {
+            let own = result.quantity_tangent[i * 3 + column] * at[column];
+            assert!((own - difference).abs() < 1e-6 * difference.abs().max(1.0), "{column} {i}: {own} {difference}");
+        }
+    }
+}

@@ -152,7 +152,11 @@ fn bench() -> (Model, Vec<Measurement>) {
         name: "bench".into(),
         rows: Rows::Transient {
             inputs,
-            initial: Initial::Temperatures { values: vec![start.clone(), start.clone(), start], shared: vec![0, 1, 2] },
+            initial: Initial::Temperatures {
+                values: vec![start.clone(), start.clone(), start],
+                shared: vec![0, 1, 2],
+                balanced: vec![],
+            },
             held_out: (0..80).map(|i| i >= 60).collect(),
             ignored: (0..80).map(|i| (i == 20).then(|| "a draught".to_owned())).collect(),
         },

@@ -463,6 +463,8 @@ fn a_set_without_a_solution_in_a_held_out_row_is_left_out_and_said() {
     assert_eq!(output.selected, ["heat-load:A"], "{:?}", output.words);
     let said = |warning: &String| warning.contains("root:A:T_sink") && warning.contains("no solution in row 7");
     assert!(output.warnings.iter().any(said), "{:?}", output.warnings);
+    let unseen = output.unseen.iter().find(|unseen| unseen.id == "root:A:T_sink").expect("listed");
+    assert!(unseen.why.starts_with("it cannot be fitted: no solution in row 7"), "{}", unseen.why);
 }
 
 /// The diagnosis of a study with an effect of its own.
@@ -479,7 +481,8 @@ fn diagnosed(table: &str, effect: (&str, &str), pass: &str) -> bmv::diagnosis::O
     serde_json::from_value(run(job.as_ref())).expect("a diagnosis")
 }
 
-fn run(job: &dyn Job) -> serde_json::Value {
+/// The result of a job, stage after stage.
+pub fn run(job: &dyn Job) -> serde_json::Value {
     let mut step = job.begin().expect("it begins");
     loop {
         match step {

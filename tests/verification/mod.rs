@@ -7,6 +7,7 @@ mod derivatives;
 mod design;
 mod effects;
 mod elements;
+mod first_suspects;
 mod flux;
 mod goal;
 mod held;

@@ -69,7 +69,7 @@ fn transient(model: &Model) -> Measurement {
     let inputs = InputTable { times_s, base: PHASES[0].to_vec(), columns };
     let mut values: Vec<Uncertain> = model.nodes.iter().map(|_| Uncertain::Known(280.0)).collect();
     values[2] = Uncertain::Inferred(Distribution::Uniform { lower: 250.0, upper: 310.0 });
-    let initial = Initial::Temperatures { values, shared: vec![] };
+    let initial = Initial::Temperatures { values, shared: vec![], balanced: vec![] };
     let mut sensors: Vec<Sensor> = sensors(model).iter().map(|place| sensor(place, Uncertain::Known(0.1))).collect();
     sensors[0].correlation_time_s = Some(Uncertain::Known(300.0));
     sensors[1].bias = Some(Uncertain::Inferred(Distribution::Normal { mean: 0.0, sd: 0.2, lower: None, upper: None }));

@@ -150,7 +150,11 @@ fn transient(kind: TestKind, sketch: &Sketch, draw: &mut Draw) -> Rows {
         Initial::Steady
     } else {
         let nodes = sketch.nodes.len();
-        Initial::Temperatures { values: vec![Uncertain::Known(ROOM_K); nodes], shared: (0..nodes).collect() }
+        Initial::Temperatures {
+            values: vec![Uncertain::Known(ROOM_K); nodes],
+            shared: (0..nodes).collect(),
+            balanced: Vec::new(),
+        }
     };
     let kept = rows - (HELD_OUT * rows as f64) as usize;
     Rows::Transient {

@@ -255,7 +255,7 @@ impl Bench<'_> {
                     self.model.nodes[node].kind = original.nodes[node].kind;
                 }
             }
-            Site::Pair(_) | Site::Sensors(_) => {}
+            Site::Pair(_) | Site::Sensors(_) | Site::Parameter(_) => {}
         }
     }
 }

@@ -26,6 +26,8 @@ pub(super) enum Form<'a> {
     },
     /// By exchanged predictions.
     Swap,
+    /// As the parameter of this index, whose prior may be too narrow.
+    Parameter(usize),
 }
 
 /// What is known of every effect of the catalogue.
@@ -57,6 +59,9 @@ impl Forms {
     /// The form of a candidate.
     pub fn of(&self, problem: &Problem, position: usize) -> Form<'_> {
         let candidate = &problem.candidates[position];
+        if let Site::Parameter(index) = candidate.site {
+            return Form::Parameter(index);
+        }
         let Some(effect) = self.at_rest.get(&candidate.effect) else {
             return Form::Unseen(format!("there is no effect `{}`", candidate.effect));
         };

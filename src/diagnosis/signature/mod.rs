@@ -3,12 +3,13 @@
 //! `linearise`: the believed model at its fit. `directions`: every candidate. An effect that is smooth at amplitude 0
 //! has exact derivatives, with steady phases alone by adjoints (`adjoint`), with transients as sensitivities of a model
 //! that holds many effects with amplitude 0 (`extended`); one that is not, such as a hidden node, is tried at finite
-//! values (`probe`); exchanged channels are exchanged predictions (`swap`). What no reading can see is told with its
+//! values (`probe`); exchanged channels are exchanged predictions (`swap`), a prior that is too narrow is its parameter (`parameter`). What no reading can see is told with its
 //! reason (`form`: which of these an effect is, and why not).
 
 mod adjoint;
 mod extended;
 mod form;
+mod parameter;
 mod probe;
 mod swap;
 mod variant;
@@ -139,6 +140,7 @@ pub fn for_each_direction(
     // Transients have no adjoints here.
     let phases = if forms.is_steady() { Some(Phases::new(likelihood, unknowns)?) } else { None };
     let mut swaps = swap::Swaps::default();
+    let mut parameters = parameter::Parameters::default();
     let mut unseen = Vec::new();
     let together = (MOST_ENTRIES / base.rows.max(1)).clamp(16, MOST_TOGETHER);
     let positions: Vec<usize> = (0..problem.candidates.len()).collect();
@@ -159,6 +161,7 @@ pub fn for_each_direction(
                 Form::Smooth { .. } => exact.next().unwrap_or_else(|| Err(String::new())),
                 Form::Probe { .. } => probed.next().unwrap_or_else(|| Err(String::new())),
                 Form::Swap => swaps.direction(&base, position),
+                Form::Parameter(index) => parameters.direction(&base, position, *index),
             };
             match found {
                 Ok(found) => found.into_iter().for_each(&mut *give),

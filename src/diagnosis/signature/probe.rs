@@ -93,7 +93,8 @@ fn begin_as_fitted(base: &Base<'_>, hypothesis: &mut Hypothesis, added: &[(usize
     let unknowns = base.likelihood.unknowns();
     for measurement in &mut hypothesis.measurements {
         let name = measurement.name.clone();
-        let Rows::Transient { initial: Initial::Temperatures { values, shared }, .. } = &mut measurement.rows else {
+        let Rows::Transient { initial: Initial::Temperatures { values, shared, .. }, .. } = &mut measurement.rows
+        else {
             continue;
         };
         for &(node, host) in added.iter().filter(|(node, _)| !shared.contains(node)) {

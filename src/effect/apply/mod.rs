@@ -44,6 +44,8 @@ pub struct Applied {
     pub first_parameter: usize,
     /// Nodes that it added, each with the node whose start temperature it takes where none is stated.
     pub nodes: Vec<(usize, usize)>,
+    /// Nodes that stored no heat before.
+    pub given_storage: Vec<usize>,
     /// What becomes of sensors.
     pub sensors: Vec<SensorChange>,
 }

@@ -24,7 +24,10 @@ impl Work<'_, '_> {
                 let more = self.weighted(more, weight);
                 let capacity = match self.model.nodes[node].kind {
                     NodeKind::Diffusion { capacity } => self.model.graph.add(capacity, more),
-                    NodeKind::Arithmetic => self.at_least(more, LEAST_CAPACITY_J_PER_K),
+                    NodeKind::Arithmetic => {
+                        self.applied.given_storage.push(node);
+                        self.at_least(more, LEAST_CAPACITY_J_PER_K)
+                    }
                     NodeKind::Boundary { .. } => return Err(self.misplaced()),
                 };
                 self.model.nodes[node].kind = NodeKind::Diffusion { capacity };
@@ -70,7 +73,7 @@ impl Work<'_, '_> {
                 let member = if neighbours.len() > 1 { Some(neighbour) } else { member };
                 self.add_element(member, ElementKind::Conductor(Conductor { between, conductance }));
             }
-            self.applied.nodes.extend(neighbours.first().map(|&host| (node, host)));
+            self.applied.nodes.extend(self.host(&neighbours).map(|host| (node, host)));
         }
         Ok(())
     }
@@ -100,8 +103,14 @@ impl Work<'_, '_> {
             several.then_some(node),
             ElementKind::Conductor(Conductor { between: [node, b], conductance: behind }),
         );
-        self.applied.nodes.push((node, a));
+        self.applied.nodes.extend(self.host(&[a, b]).map(|host| (node, host)));
         Ok(())
+    }
+
+    /// The neighbour whose start temperature an added node takes: no boundary, which has none.
+    fn host(&self, neighbours: &[usize]) -> Option<usize> {
+        let is_given = |node: usize| matches!(self.model.nodes[node].kind, NodeKind::Boundary { .. });
+        neighbours.iter().copied().find(|&node| !is_given(node)).or(neighbours.first().copied())
     }
 
     /// Puts a node without storage between a cooler's hot side and its node.

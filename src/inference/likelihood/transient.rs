@@ -34,6 +34,8 @@ enum Begin {
         /// Unknowns, and what one of their units does to all nodes.
         fitted: Vec<usize>,
         seeds: Vec<Vec<f64>>,
+        /// Nodes that start in balance with the others.
+        balanced: Vec<usize>,
     },
     Measured {
         /// By node, K.
@@ -198,17 +200,18 @@ impl TransientPart {
             &moved
         };
         let temperatures: Vec<f64>;
-        let (initial, seeds): (_, &[Vec<f64>]) = match &self.start {
-            Begin::Temperatures { values, seeds, .. } => {
+        let (initial, seeds, balanced): (_, &[Vec<f64>], &[usize]) = match &self.start {
+            Begin::Temperatures { values, seeds, balanced, .. } => {
                 temperatures = values.iter().map(|value| value.at(unknowns)).collect();
-                (InitialState::Temperatures(&temperatures), seeds)
+                (InitialState::Temperatures(&temperatures), seeds, balanced)
             }
-            Begin::Measured { temperatures, held } => (InitialState::Held { temperatures, held }, &[]),
-            Begin::Steady => (InitialState::Steady, &[]),
-            Begin::Periodic => (InitialState::Periodic, &[]),
+            Begin::Measured { temperatures, held } => (InitialState::Held { temperatures, held }, &[], &[]),
+            Begin::Steady => (InitialState::Steady, &[], &[]),
+            Begin::Periodic => (InitialState::Periodic, &[], &[]),
         };
         let mut request = TransientRequest::new(parameters, inputs, initial, &self.inputs.times_s[..self.rows]);
         request.seeds = seeds;
+        request.balanced = balanced;
         request.sensitivities = slopes;
         let limit = likelihood.most_steps.get(self.index).copied();
         request.options.most_steps = limit.unwrap_or(request.options.most_steps);
@@ -254,21 +257,21 @@ impl TransientPart {
 }
 
 fn begin(model: &Model, measurement: &str, initial: &Initial, unknowns: &mut Unknowns) -> Begin {
-    let (values, shared) = match initial {
+    let (values, shared, balanced) = match initial {
         Initial::Measured { temperatures, held } => {
             return Begin::Measured { temperatures: temperatures.clone(), held: held.clone() };
         }
         Initial::Steady => return Begin::Steady,
         Initial::Periodic => return Begin::Periodic,
-        Initial::Temperatures { values, shared } => (values, shared),
+        Initial::Temperatures { values, shared, balanced } => (values, shared, balanced),
     };
     let stores = |node: usize| matches!(model.nodes[node].kind, NodeKind::Diffusion { .. });
     let (mut fitted, mut seeds) = (Vec::new(), Vec::new());
     let mut common: Option<Value> = None;
     let mut begin = Vec::with_capacity(values.len());
     for (node, value) in values.iter().enumerate() {
-        // A node without storage only takes its first guess from here.
-        let Some(prior) = value.prior().filter(|_| stores(node)) else {
+        // A node without storage, or one that starts in balance, only takes its first guess from here.
+        let Some(prior) = value.prior().filter(|_| stores(node) && !balanced.contains(&node)) else {
             begin.push(Value::Known(value.nominal()));
             continue;
         };
@@ -291,5 +294,5 @@ fn begin(model: &Model, measurement: &str, initial: &Initial, unknowns: &mut Unk
         }
         begin.push(own);
     }
-    Begin::Temperatures { values: begin, fitted, seeds }
+    Begin::Temperatures { values: begin, fitted, seeds, balanced: balanced.clone() }
 }

@@ -10,8 +10,9 @@ use crate::inference::convergence::{self, Convergence, ConvergenceLimits};
 use crate::inference::point_estimate::PointEstimate;
 use crate::inference::posterior::Work;
 use crate::inference::rows::used_rows;
+use crate::inference::scatter;
 use crate::inference::smc::{self, Island};
-use crate::inference::target::Target;
+use crate::inference::target::{LeastSquares, Target};
 use crate::job::handed_on::HandedOn;
 use crate::job::stored::from_bytes;
 use crate::job::{JobError, Step};
@@ -159,7 +160,7 @@ impl Calibrate {
             },
             tuned: self.tuned(estimate),
             findings: words::findings(&estimate.findings, &judged.leaning, &unknowns.names),
-            warnings: self.warnings(&log_evidence, work),
+            warnings: self.warnings(estimate, &log_evidence, work),
             acceptance: chains.chains.iter().map(|chain| chain.moves.acceptance).collect(),
             draws: weighted.kept(KEPT),
             predictive_draws: 0,
@@ -198,6 +199,21 @@ impl Calibrate {
         })
     }
 
+    /// That the stated noise is larger than what the readings scatter by about the best fit.
+    fn overstated(&self, estimate: &PointEstimate) -> Option<String> {
+        let likelihood = self.likelihood();
+        let mut residuals = vec![0.0; likelihood.residual_count()];
+        likelihood.residuals(&estimate.parameters, &mut likelihood.workspace(), &mut residuals).ok()?;
+        let measurements = self.measurements();
+        let whitened = likelihood
+            .data()
+            .iter()
+            .zip(&residuals)
+            .map(|(datum, residual)| (&measurements[datum.measurement].sensors[datum.sensor], *residual));
+        let sensors = scatter::of_stated(whitened, &self.inputs.model);
+        scatter::warning(&sensors, estimate.held.iter().filter(|held| held.is_none()).count())
+    }
+
     /// Most probable unknowns, then the model's other parameters as they were held.
     fn tuned(&self, estimate: &PointEstimate) -> Vec<(String, f64)> {
         let names = self.likelihood().names();
@@ -211,8 +227,8 @@ impl Calibrate {
         tuned
     }
 
-    fn warnings(&self, evidence: &Evidence, work: &Work) -> Vec<String> {
-        let mut warnings = Vec::new();
+    fn warnings(&self, estimate: &PointEstimate, evidence: &Evidence, work: &Work) -> Vec<String> {
+        let mut warnings: Vec<String> = self.overstated(estimate).into_iter().collect();
         let (unknowns, readings) = (self.likelihood().dimension(), self.likelihood().data().len());
         if unknowns > readings {
             warnings.push(format!(

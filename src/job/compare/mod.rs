@@ -15,6 +15,7 @@ use serde_json::{Value, json};
 use crate::expression::Symbol;
 use crate::inference::measurement::{Measurement, Rows, Uncertain};
 use crate::inference::prediction::{Prediction, Predictor};
+use crate::inference::scatter;
 use crate::thermal::{Model, NodeKind};
 
 pub use output::{
@@ -272,6 +273,22 @@ impl Compare {
         total
     }
 
+    /// That the stated noise is larger than what the fitted readings scatter by about the tuned state, or the delivered one where
+    /// there is none. Sensors whose noise is correlated are left out: their errors are not independent.
+    fn overstated(&self, rows: &[Row]) -> Option<String> {
+        let residual = |row: &Row| {
+            let measurement = self.measurements.iter().find(|own| own.name == row.measurement)?;
+            let sensor = measurement.sensors.iter().find(|own| own.name == row.sensor)?;
+            let (Some(Uncertain::Known(sigma)), None) = (&sensor.sigma, &sensor.correlation_time_s) else {
+                return None;
+            };
+            let predicted = if self.tuned.is_some() { row.predicted_tuned? } else { row.predicted };
+            (!row.held_out && *sigma > 0.0).then_some((sensor, (row.measured - predicted) / sigma))
+        };
+        let sensors = scatter::of_stated(rows.iter().filter_map(residual), &self.model);
+        scatter::warning(&sensors, self.tuned.as_ref().map_or(0, Tuned::unknowns))
+    }
+
     /// Steadiness of the phases that are windows of time series.
     fn stabilisation(&self, measurement: &Measurement) -> Vec<StabilisationCheck> {
         let Rows::Steady(phases) = &measurement.rows else { return Vec::new() };
@@ -472,6 +489,7 @@ impl Job for Compare {
                 .zip(&self.parameters)
                 .map(|(p, &value)| (p.name.clone(), p.unit.clone(), value))
                 .collect(),
+            warnings: self.overstated(&whole.rows).into_iter().collect(),
             fails: words::fails(&whole.sensors, &whole.phases, &whole.trends, &whole.rows, self.spec.criteria.each_k),
             verdicts: if unit == KELVIN { verdicts(&self.spec.criteria, &train, &held_out) } else { Vec::new() },
             criteria: self.spec.criteria.clone(),

@@ -21,6 +21,8 @@ const FAR: f64 = 12.0;
 pub struct Tuned {
     job: String,
     values: Vec<(String, f64)>,
+    /// Number of unknowns that were inferred.
+    unknowns: usize,
     converged: bool,
 }
 
@@ -28,6 +30,8 @@ pub struct Tuned {
 #[derive(Deserialize)]
 struct Calibrated {
     tuned: Vec<(String, f64)>,
+    #[serde(default)]
+    order: Vec<String>,
     converged: bool,
 }
 
@@ -39,7 +43,13 @@ impl Tuned {
     pub fn from_result(job: &str, result: &Value) -> Result<Self, JobError> {
         let found = Calibrated::deserialize(result)
             .map_err(|error| JobError::Failed(format!("the result of `{job}` has no tuned state: {error}")))?;
-        Ok(Self { job: job.to_owned(), values: found.tuned, converged: found.converged })
+        let unknowns = if found.order.is_empty() { found.tuned.len() } else { found.order.len() };
+        Ok(Self { job: job.to_owned(), values: found.tuned, unknowns, converged: found.converged })
+    }
+
+    /// Number of unknowns that the calibration inferred, at most.
+    pub(super) fn unknowns(&self) -> usize {
+        self.unknowns
     }
 
     /// Whether the calibration's chains converged.
@@ -185,7 +195,7 @@ mod tests {
         };
         let rows = [row("A", 100.0), row("K", 3.0), row("K", -4.0)];
         let (unit, judged) = crate::job::compare::deviation::of_one_unit(&rows);
-        let tuned = Tuned { job: "fit".into(), values: vec![], converged: true };
+        let tuned = Tuned { job: "fit".into(), values: vec![], unknowns: 0, converged: true };
         let state = tuned.state(&Model::default(), &[], &judged, None);
         // By hand: the root of (9 + 16) / 2.
         assert_eq!((unit, state.train.count, state.train.rmse), ("K", 2, 12.5f64.sqrt()));

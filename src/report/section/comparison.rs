@@ -31,6 +31,8 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
                 .plain(". Deviations are measured minus predicted: positive where the model is too low."),
         ));
         blocks.extend(where_it_fails(output));
+        let doubts = output.warnings.iter().map(|doubt| Block::callout(Tone::Warning, Text::new(doubt.clone())));
+        blocks.extend(doubts);
         blocks.push(sensors(output));
         blocks.extend(figures::figures(report, name, output));
         blocks.extend(phases(output));

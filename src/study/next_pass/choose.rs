@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::diagnosis::USEFUL;
 use crate::document::{Diagnostic, Diagnostics, Place, Source, Span, code, suggest};
 use crate::expression::Unit;
 use crate::job::findings::{Experiment, Finding, Findings};
@@ -9,9 +10,6 @@ use crate::thermal::Model;
 
 /// Ids that a message lists.
 const MOST_LISTED: usize = 8;
-
-/// An experiment that tells rivals apart with less probability is little better than a coin, which has 0.5.
-const USEFUL: f64 = 0.6;
 
 /// What was asked for, as places that messages can point at.
 #[derive(Clone, Debug)]

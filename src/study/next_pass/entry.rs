@@ -3,6 +3,7 @@
 
 use std::fmt::Write as _;
 
+use crate::diagnosis::wider;
 use crate::document::prior::support;
 use crate::document::{Sense, suggest};
 use crate::effect::parameter::widened;
@@ -13,6 +14,7 @@ use crate::random::Distribution;
 use crate::thermal::Model;
 
 use super::text::Item;
+use crate::study::resolved::Pass;
 
 /// Rivals that a reason names.
 const MOST_RIVALS: usize = 6;
@@ -141,6 +143,20 @@ fn fitted(parameter: &EffectParameter, amplitude: &Amplitude, unit: &Unit) -> Op
     };
     let [lower, upper] = support(&parameter.prior);
     (short != 0.0 && !parameter.prior.is_fixed() && lower <= back && back <= upper).then_some(short)
+}
+
+/// Nominal value and prior of a parameter whose own prior is too narrow; the former is the one that the diagnosis fitted.
+pub fn wider_prior(finding: &Finding, pass: &Pass, name: &str) -> Option<Vec<(String, Item)>> {
+    let index = pass.model.parameters.iter().position(|own| own.name == name)?;
+    let own = &pass.model.parameters[index];
+    let unit = Unit::parse(&own.unit).ok()?;
+    let prior = wider(pass.priors.get(index)?, &own.unit, finding.prior_width.unwrap_or(1.0))?;
+    let mut fields = Vec::new();
+    let fitted = finding.amplitudes.values().next().and_then(|amplitude| amplitude.most_probable.or(amplitude.value));
+    let fitted = fitted.and_then(|value| format!("{value:.3e}").parse::<f64>().ok());
+    fields.extend(fitted.map(|value| ("nominal".to_owned(), Item::number(value))));
+    fields.push(("prior".to_owned(), distribution(&prior, &unit, Sense::Absolute)));
+    Some(fields)
 }
 
 /// A value of the catalogue, as its file has it.

@@ -3,6 +3,7 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use crate::diagnosis::PRIOR_OF;
 use crate::document::{Diagnostic, Diagnostics, Place, code};
 use crate::study::discover::{number, passes};
 use crate::study::file::{self, Existing};
@@ -53,7 +54,11 @@ pub fn twin(pass: &Pass, ids: &[&str]) -> Option<PathBuf> {
     wanted.sort_unstable();
     let is_twin = |other: &Pass| {
         let before = |id: &str| pass.adopted.iter().any(|own| own.id == id);
-        let mut added: Vec<&str> = other.adopted.iter().map(|own| own.id.as_str()).filter(|id| !before(id)).collect();
+        let effects = other.adopted.iter().map(|own| own.id.clone()).filter(|id| !before(id));
+        let changed = |index: &usize| other.priors.get(*index) != pass.priors.get(*index);
+        let priors = (0..pass.priors.len()).filter(changed);
+        let priors = priors.map(|index| format!("{PRIOR_OF}:{}", pass.model.parameters[index].name));
+        let mut added: Vec<String> = effects.chain(priors).collect();
         added.sort_unstable();
         other.parents.first() == Some(&pass.file) && added == wanted
     };

@@ -16,6 +16,7 @@ pub use file::{destination, twin, write};
 
 use std::path::Path;
 
+use crate::diagnosis::PRIOR_OF;
 use crate::document::json::Node;
 use crate::document::written::read_document;
 use crate::document::{Diagnostic, Diagnostics, code, suggest};
@@ -80,22 +81,36 @@ pub fn next_pass<'f>(
     let names: Vec<&str> = adopted.iter().map(|one| one.name.as_str()).collect();
     let mut jobs = jobs(tree.get("jobs"), &parameters, &mut extended);
     let added = add_judges(pass, job, &mut jobs);
-    let document = Item::Object(vec![
+    let entries = |is_prior: bool| -> Vec<(String, Item)> {
+        let own = adopted.iter().filter(|one| one.is_prior == is_prior);
+        own.map(|one| (one.key.clone(), one.item.clone())).collect()
+    };
+    let (priors, effects) = (entries(true), entries(false));
+    let mut sections = vec![
         ("format".to_owned(), Item::text(FORMAT)),
         ("title".to_owned(), Item::text(&title(pass, &names, file))),
         ("description".to_owned(), Item::text(&description(pass, job, &names))),
         ("parent".to_owned(), Item::text(&pass.file)),
         ("model".to_owned(), Item::text(&pass.model_file)),
-        ("adopt".to_owned(), Item::Object(adopted.iter().map(|one| (one.name.clone(), one.item.clone())).collect())),
-        ("jobs".to_owned(), Item::Object(jobs)),
-    ]);
+    ];
+    for (section, entries) in [("parameters", priors), ("adopt", effects)] {
+        if !entries.is_empty() {
+            sections.push((section.to_owned(), Item::Object(entries)));
+        }
+    }
+    sections.push(("jobs".to_owned(), Item::Object(jobs)));
+    let document = Item::Object(sections);
     let adopted = adopted.into_iter().map(|one| (one.name, one.finding)).collect();
     Ok(NextPass { text: document.document(), adopted, extended, added })
 }
 
-/// An effect with its entry.
+/// An effect, or a wider prior, with its entry.
 struct Adoption<'f> {
+    /// As people read it.
     name: String,
+    /// Of its entry: the same, or the parameter that has the prior.
+    key: String,
+    is_prior: bool,
     finding: &'f Finding,
     item: Item,
     /// Names of its parameters that are not fixed.
@@ -124,6 +139,17 @@ fn adopt<'f>(
     before: &[Adoption<'f>],
 ) -> Option<Adoption<'f>> {
     let model = &pass.model;
+    if finding.effect == PRIOR_OF {
+        let [key] = finding.place.as_slice() else { return None };
+        let mut item = entry::wider_prior(finding, pass, key)?;
+        let because = format!(
+            "{}; the prior before was too narrow for these data: ask where it came from",
+            entry::because(finding, findings, job, &pass.file)
+        );
+        item.push(("because".to_owned(), Item::text(&because)));
+        let (name, key) = (format!("wider prior of {key}"), key.clone());
+        return Some(Adoption { name, key, is_prior: true, finding, item: Item::Object(item), parameters: Vec::new() });
+    }
     let effect = catalogue.get(&finding.effect)?;
     let bound = entry::bound(effect, finding, model)?;
     // Names of elements, nodes, parameters and inputs are made of it.
@@ -146,7 +172,7 @@ fn adopt<'f>(
     ]);
     let parameters = effect.parameters(model, &bound).into_iter().filter(|parameter| !parameter.prior.is_fixed());
     let parameters = parameters.map(|parameter| format!("{name}.{}", parameter.name)).collect();
-    Some(Adoption { name, finding, item, parameters })
+    Some(Adoption { key: name.clone(), name, is_prior: false, finding, item, parameters })
 }
 
 /// What is added to a title.

@@ -159,6 +159,7 @@ impl Adoption {
             }
         }
         scope.hosts.extend(&applied.nodes);
+        scope.given_storage.extend(&applied.given_storage);
         self.priors.extend(parameters.iter().map(|parameter| parameter.prior));
         self.adopted.push(AdoptedEffect {
             name: entry.name.clone(),

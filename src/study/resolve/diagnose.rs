@@ -1,6 +1,6 @@
 //! Diagnoses: settings with their defaults, names looked up.
 
-use crate::diagnosis::Settings;
+use crate::diagnosis::{PRIOR_OF, Settings};
 use crate::document::{MapEntry, Spanned, code};
 use crate::job::diagnose::Spec;
 use crate::study::pass::job::{DiagnoseForm, JobForm};
@@ -44,7 +44,8 @@ pub(super) fn diagnose(
         Some(names) => names.iter().any(|wanted| wanted.value == **name),
         None => true,
     };
-    let effects = offered.catalogue.names().filter(chosen).filter(|name| !without(name)).map(str::to_owned).collect();
+    let kinds = offered.catalogue.names().chain([PRIOR_OF]);
+    let effects = kinds.filter(chosen).filter(|name| !without(name)).map(str::to_owned).collect();
     if scope.diagnostics.errors() > before {
         return None;
     }
@@ -59,8 +60,8 @@ fn check<'a>(scope: &mut Scope, names: impl Iterator<Item = &'a Spanned<String>>
     for name in names {
         // What is wrong with a file of the study's own was said at its place.
         let is_own = || scope.folder.has_file(&own_file(&name.value));
-        if offered.catalogue.get(&name.value).is_none() && !is_own() {
-            let known: Vec<&str> = offered.catalogue.names().collect();
+        if offered.catalogue.get(&name.value).is_none() && name.value != PRIOR_OF && !is_own() {
+            let known: Vec<&str> = offered.catalogue.names().chain([PRIOR_OF]).collect();
             scope.unknown(&code::UNKNOWN_EFFECT, "effect", &name.value, &name.place, &known);
         }
     }

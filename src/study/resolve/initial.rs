@@ -129,7 +129,7 @@ pub fn measured(
             .collect();
         without_path(scope, lost, place)?;
         let values = filled.into_iter().map(|value| Uncertain::Known(value.unwrap_or(ROOM_K))).collect();
-        return Some(Initial::Temperatures { values, shared: Vec::new() });
+        return Some(Initial::Temperatures { values, shared: Vec::new(), balanced: Vec::new() });
     }
     let lost = island_beside(&scope.resolved.model, &held);
     without_path(scope, lost.unwrap_or_default(), place)?;
@@ -322,10 +322,25 @@ fn temperatures(scope: &mut Scope, map: &Map<UncertainForm>, place: &Place) -> O
             named[node] = named[host].clone();
         }
     }
-    let lacking: Vec<&str> = (scope.resolved.model.nodes.iter().zip(&named))
-        .filter(|(node, value)| matches!(node.kind, NodeKind::Diffusion { .. }) && value.is_none() && all.is_none())
-        .map(|(node, _)| node.name.as_str())
+    // What stores no heat as the model is written follows from the others at the start, whatever an effect adds to it.
+    let mut balanced: Vec<usize> = (0..named.len())
+        .filter(|&node| {
+            let kind = scope.resolved.model.nodes[node].kind;
+            let stores_nothing = matches!(kind, NodeKind::Arithmetic) || scope.given_storage.contains(&node);
+            stores_nothing && named[node].is_none() && all.is_none()
+        })
         .collect();
+    for &(node, host) in &scope.hosts {
+        if balanced.contains(&host) && named[node].is_none() && !balanced.contains(&node) {
+            balanced.push(node);
+        }
+    }
+    let lacks = |&node: &usize| {
+        let stores = matches!(scope.resolved.model.nodes[node].kind, NodeKind::Diffusion { .. });
+        stores && named[node].is_none() && all.is_none() && !balanced.contains(&node)
+    };
+    let lacking: Vec<&str> =
+        (0..named.len()).filter(lacks).map(|node| scope.resolved.model.nodes[node].name.as_str()).collect();
     if !lacking.is_empty() {
         let message = format!("no start temperature of {}", suggest::listed(lacking.iter().copied(), 8));
         let place = map.iter().next().map_or(place, |entry| &entry.name_place).clone();
@@ -337,5 +352,5 @@ fn temperatures(scope: &mut Scope, map: &Map<UncertainForm>, place: &Place) -> O
     let start = any.map_or(ROOM_K, |value| value.nominal());
     let shared = (0..named.len()).filter(|&node| all.is_some() && named[node].is_none()).collect();
     let values = named.into_iter().map(|own| own.or_else(|| all.clone()).unwrap_or(Uncertain::Known(start))).collect();
-    Some(Initial::Temperatures { values, shared })
+    Some(Initial::Temperatures { values, shared, balanced })
 }

@@ -225,7 +225,8 @@ fn read_model(folder: &Folder, file: &Spanned<String>, diagnostics: &mut Diagnos
 
 fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics: &mut Diagnostics) -> Option<Pass> {
     let (folder, lineage) = (files.folder, files.lineage);
-    let mut scope = Scope { folder, resolved, hosts: Vec::new(), drawn: Vec::new(), doubts: Vec::new(), diagnostics };
+    let (hosts, given_storage, drawn, doubts) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut scope = Scope { folder, resolved, hosts, given_storage, drawn, doubts, diagnostics };
     let seed = seed(&mut scope, form.seed.as_ref());
     check_names(&mut scope, form);
     let (changes, mut priors) = changes::changes(&mut scope, &form.parameters);

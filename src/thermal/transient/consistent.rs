@@ -1,4 +1,5 @@
-//! Arithmetic nodes: their balances closed at given temperatures of the diffusion nodes.
+//! Arithmetic nodes, and at the start those that begin in balance: their balances closed at given temperatures of the
+//! diffusion nodes.
 //!
 //! Newton's method on the arithmetic rows alone. A diffusion row keeps its place in the matrix with an overwhelming
 //! diagonal, so that pattern and factors stay those of the whole network and the diffusion nodes do not move.
@@ -25,7 +26,7 @@ impl Integrator<'_> {
             self.evaluate(stage);
             self.equations.program.run(segment::MAGNITUDE, &mut self.file);
             let (mut worst, mut imbalance_w) = (None, 0.0);
-            for row in (0..self.equations.size()).filter(|&row| self.equations.capacity[row].is_none()) {
+            for row in (0..self.equations.size()).filter(|&row| self.follows(row)) {
                 let heat = self.file[self.equations.residual[row].index()];
                 let size = self.file[self.equations.magnitude[row].index()];
                 if !(heat.abs() <= CLOSURE_W + CLOSURE_RELATIVE * size)
@@ -41,7 +42,7 @@ impl Integrator<'_> {
             self.equations.program.run(segment::JACOBIAN, &mut self.file);
             self.hold_diffusion(&mut linear);
             for row in 0..self.step.len() {
-                self.step[row] = if self.stores(row) { 0.0 } else { -self.file[self.equations.residual[row].index()] };
+                self.step[row] = if self.follows(row) { -self.file[self.equations.residual[row].index()] } else { 0.0 };
             }
             linear.solve(&mut self.step);
             self.stats.factorisations += 1;
@@ -59,7 +60,7 @@ impl Integrator<'_> {
             }
             let shortened = (largest / LONGEST_STEP_K).max(1.0);
             for row in 0..self.step.len() {
-                if !self.stores(row) {
+                if self.follows(row) {
                     let value = &mut self.stage_values[stage][row];
                     *value = (*value + self.step[row] / shortened).max(0.25 * *value);
                 }
@@ -73,7 +74,7 @@ impl Integrator<'_> {
     /// Loads the slopes in the file with the diffusion rows held, and factors.
     pub(super) fn hold_diffusion(&self, linear: &mut crate::thermal::linear::Linear<f64>) {
         linear.load(self.equations, &self.file);
-        for row in (0..self.equations.size()).filter(|&row| self.stores(row)) {
+        for row in (0..self.equations.size()).filter(|&row| !self.follows(row)) {
             linear.add_to_diagonal(row, -HOLD_W_PER_K);
         }
         linear.factor();

@@ -39,6 +39,8 @@ pub(super) struct Integrator<'a> {
     pub linear: Linear<f64>,
     /// For the arithmetic nodes alone; `None` without any.
     pub algebraic: Option<Linear<f64>>,
+    /// Unknowns that store heat and are in balance at the start; none later.
+    pub balanced: Vec<bool>,
     pub time_s: f64,
     /// Temperatures of the unknowns at `time_s`, K; the values of the stages of the step under way.
     pub stage_values: Vec<Vec<f64>>,
@@ -79,6 +81,11 @@ enum Attempt {
     Unsolved,
 }
 
+/// Whether an unknown stores no heat.
+fn has_arithmetic(equations: &Equations) -> bool {
+    equations.capacity.iter().any(Option::is_none)
+}
+
 impl<'a> Integrator<'a> {
     pub fn new(network: &'a Network, request: &TransientRequest<'a>) -> Result<Self, TransientError> {
         let equations = network.switched.as_ref().unwrap_or(&network.steady);
@@ -105,7 +112,8 @@ impl<'a> Integrator<'a> {
         if let Some(pair) = request.inputs.times_s.windows(2).find(|pair| !(pair[1] > pair[0])) {
             return Err(TransientError::Request { what: "the instants of inputs must increase", value: pair[1] });
         }
-        let arithmetic = equations.capacity.iter().any(Option::is_none);
+        let balanced: Vec<bool> = equations.unknowns.iter().map(|node| request.balanced.contains(node)).collect();
+        let has_balances = has_arithmetic(equations) || balanced.contains(&true);
         let linear = network.switched_linear.as_ref().unwrap_or(&network.linear).clone();
         let time_s = request.start_s.or_else(|| request.inputs.times_s.first().copied()).unwrap_or(0.0);
         let mut predictors = [[0.0; STAGES]; STAGES];
@@ -117,7 +125,8 @@ impl<'a> Integrator<'a> {
             equations,
             reader: InputReader::new(request.inputs),
             options: request.options,
-            algebraic: arithmetic.then(|| linear.clone()),
+            algebraic: has_balances.then(|| linear.clone()),
+            balanced,
             linear,
             time_s,
             stage_values: vec![vec![0.0; size]; STAGES],
@@ -182,6 +191,11 @@ impl<'a> Integrator<'a> {
         self.equations.capacity[row].is_some()
     }
 
+    /// Whether the temperature of an unknown follows from the others at once: it stores no heat, or starts in balance.
+    pub fn follows(&self, row: usize) -> bool {
+        self.equations.capacity[row].is_none() || self.balanced[row]
+    }
+
     /// Capacity of a row as evaluated last, J/K; 0 for arithmetic nodes.
     pub fn capacity(&self, row: usize) -> f64 {
         self.equations.capacity[row].map_or(0.0, |register| self.file[register.index()])
@@ -224,7 +238,12 @@ impl<'a> Integrator<'a> {
             }
         }
         self.choose_modes()?;
-        self.restart()
+        self.restart()?;
+        self.balanced.fill(false);
+        if !has_arithmetic(self.equations) {
+            self.algebraic = None;
+        }
+        Ok(())
     }
 
     /// After a start or a jump: consistent arithmetic nodes, slopes from the equations, new matrix.

@@ -83,6 +83,9 @@ pub struct TransientRequest<'a> {
     /// Directions of further derivatives: change of all nodes' start temperatures per unit of a value that is fitted.
     /// Used with [`InitialState::Temperatures`].
     pub seeds: &'a [Vec<f64>],
+    /// Nodes that store heat and start in balance with the others, as arithmetic nodes do; their temperatures are first
+    /// guesses. Used with [`InitialState::Temperatures`].
+    pub balanced: &'a [usize],
     /// Start, s; the table's first instant (0 for an empty table) if `None`.
     pub start_s: Option<f64>,
     /// Instants at which temperatures and quantities are wanted, s, ascending, none before the start.
@@ -103,6 +106,7 @@ impl<'a> TransientRequest<'a> {
             inputs,
             initial,
             seeds: &[],
+            balanced: &[],
             start_s: None,
             outputs_s,
             end_s: None,

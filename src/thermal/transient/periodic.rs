@@ -36,6 +36,7 @@ impl Network {
         let mut start = *request;
         start.initial = InitialState::Temperatures(&state);
         start.seeds = &[];
+        start.balanced = &[];
         let mut integrator = Integrator::new(self, &start)?;
         if let (Some(tangent), Some(derivatives)) = (&mut integrator.tangent, &derivatives) {
             tangent.set_state(derivatives);
@@ -87,6 +88,7 @@ impl Network {
             let cycle = TransientRequest {
                 initial: InitialState::Temperatures(&state),
                 seeds: &seeds,
+                balanced: &[],
                 outputs_s: &[last_s],
                 start_s: Some(first_s),
                 end_s: None,
@@ -165,6 +167,7 @@ impl Network {
         let cycle = TransientRequest {
             initial: InitialState::Temperatures(state),
             seeds: &[],
+            balanced: &[],
             outputs_s: &[last_s],
             start_s: Some(first_s),
             end_s: None,

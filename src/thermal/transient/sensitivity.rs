@@ -200,10 +200,10 @@ impl Integrator<'_> {
         for column in 0..columns {
             for row in 0..size {
                 let value = &mut field[column * size + row];
-                *value = if self.stores(row) { -HOLD_W_PER_K * *value } else { 0.0 };
+                *value = if self.follows(row) { 0.0 } else { -HOLD_W_PER_K * *value };
             }
         }
-        for entry in self.equations.residual_tangent.iter().filter(|e| self.equations.capacity[e.row].is_none()) {
+        for entry in self.equations.residual_tangent.iter().filter(|e| self.follows(e.row)) {
             field[entry.column * size + entry.row] -= self.file[entry.register.index()];
         }
         for column in field.chunks_exact_mut(size.max(1)) {

@@ -1,0 +1,142 @@
+//! Whether readings scatter less about a fit than their stated noise allows.
+//!
+//! Where `p` unknowns were fitted to `n` readings, the sum of squares of their residuals in units of the noise has a
+//! chi-square distribution with at least `n - p` degrees of freedom (more where priors hold unknowns). A sum that this one puts
+//! below the level [`LEVEL`] says that the stated standard deviation is too large. Residuals that the model gets wrong only
+//! raise the sum.
+
+use super::measurement::Sensor;
+use crate::math::special::chi_square_cdf;
+use crate::thermal::Model;
+
+/// Probability of so small a sum of squares below which the noise is said to be overstated.
+pub const LEVEL: f64 = 1e-3;
+/// Times by which the stated noise is at least larger than the scatter where it is worth a word.
+const WORTH: f64 = 1.25;
+/// Sensors that are named.
+const MOST_NAMED: usize = 6;
+
+/// The readings of a sensor about a fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scatter {
+    /// The sensor.
+    pub sensor: String,
+    /// Its stated standard deviation, SI.
+    pub sigma: f64,
+    /// SI unit of that.
+    pub unit: String,
+    /// Sum of squares of the residuals in units of the noise.
+    pub square: f64,
+    /// Number of readings.
+    pub readings: usize,
+}
+
+/// The scatter of sensors from whitened residuals, one an entry; those whose noise is inferred, or not stated, are left out,
+/// and sensors of one name and noise are one.
+pub fn of_stated<'s>(residuals: impl Iterator<Item = (&'s Sensor, f64)>, model: &Model) -> Vec<Scatter> {
+    let mut sensors: Vec<Scatter> = Vec::new();
+    for (own, residual) in residuals {
+        let is_inferred = [&own.sigma, &own.white].into_iter().flatten().any(|part| part.prior().is_some());
+        let Some(sigma) = own.sigma.as_ref().filter(|_| !is_inferred) else { continue };
+        let white = own.white.as_ref().map_or(0.0, |white| white.nominal());
+        let sigma = (sigma.nominal() * sigma.nominal() + white * white).sqrt();
+        match sensors.iter_mut().find(|known| known.sensor == own.name && known.sigma == sigma) {
+            Some(known) => {
+                known.square += residual * residual;
+                known.readings += 1;
+            }
+            None => {
+                let unit = model.quantities[own.quantity].unit.clone();
+                let (sensor, square) = (own.name.clone(), residual * residual);
+                sensors.push(Scatter { sensor, sigma, unit, square, readings: 1 });
+            }
+        }
+    }
+    sensors
+}
+
+/// By how many times the noise is overstated, where a sum of squares is improbably small; `free` unknowns were fitted.
+pub fn overstated(square: f64, readings: usize, free: usize) -> Option<f64> {
+    let freedom = readings.checked_sub(free).filter(|freedom| *freedom > 0)? as f64;
+    let times = (freedom / square).sqrt();
+    (chi_square_cdf(square, freedom) < LEVEL && times >= WORTH).then_some(times)
+}
+
+/// What is said where the noise of all sensors together, or else of single ones, is overstated. Every sensor is tested at its
+/// share of the level (Bonferroni), as if all unknowns had been fitted to it alone.
+pub fn warning(sensors: &[Scatter], free: usize) -> Option<String> {
+    let square: f64 = sensors.iter().map(|one| one.square).sum();
+    let readings = sensors.iter().map(|one| one.readings).sum();
+    let said = |named: &[(&Scatter, f64)]| {
+        let one = |(own, times): &(&Scatter, f64)| {
+            format!("{} {:.2} instead of {} {}", own.sensor, own.sigma / times, own.sigma, own.unit)
+        };
+        let mut text: Vec<String> = named.iter().take(MOST_NAMED).map(one).collect();
+        if named.len() > MOST_NAMED {
+            text.push(format!("{} more", named.len() - MOST_NAMED));
+        }
+        format!(
+            "The stated noise (`sigma`) is too large: the readings scatter less about the fit than it allows. They look like {}. \
+             With a `sigma` that is too large small effects stay unseen, and what is found is stated too unsurely.",
+            text.join(", ")
+        )
+    };
+    if let Some(times) = overstated(square, readings, free) {
+        let all: Vec<(&Scatter, f64)> = sensors.iter().map(|own| (own, times)).collect();
+        return Some(said(&all));
+    }
+    let level = LEVEL / sensors.len().max(1) as f64;
+    let single = sensors.iter().filter_map(|own| {
+        let times = overstated(own.square, own.readings, free)?;
+        let freedom = own.readings.saturating_sub(free) as f64;
+        (chi_square_cdf(own.square, freedom) < level).then_some((own, times))
+    });
+    let single: Vec<(&Scatter, f64)> = single.collect();
+    (!single.is_empty()).then(|| said(&single))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::StreamKey;
+
+    fn sensor(name: &str, square: f64, readings: usize) -> Scatter {
+        Scatter { sensor: name.to_owned(), sigma: 0.5, unit: "K".to_owned(), square, readings }
+    }
+
+    #[test]
+    fn a_small_sum_of_squares_is_an_overstated_noise() {
+        // 40 readings, 10 unknowns: of 30 degrees of freedom 0.1 % lie below 11.588 (tables), a ratio of 1.61.
+        assert_eq!(overstated(11.7, 40, 10), None);
+        let times = overstated(11.5, 40, 10).expect("overstated");
+        assert!((times - (30.0_f64 / 11.5).sqrt()).abs() < 1e-12);
+        assert_eq!(overstated(0.0, 10, 10), None, "what has no freedom scatters not at all");
+        // 0.1 % of 10 000 degrees lie below 9570, a ratio of 1.02: significant, and of no use.
+        assert_eq!(overstated(9500.0, 10_000, 0), None);
+    }
+
+    #[test]
+    fn all_sensors_or_single_ones_are_named() {
+        let text = warning(&[sensor("a", 5.0, 20), sensor("b", 6.0, 20)], 10).expect("both");
+        // sqrt(30 / 11) = 1.651; 0.5 / 1.651 = 0.30.
+        assert!(text.contains("a 0.30 instead of 0.5 K, b 0.30 instead of 0.5 K"), "{text}");
+        let text = warning(&[sensor("a", 60.0, 40), sensor("b", 6.0, 40)], 10).expect("one");
+        assert!(text.contains("b 0.22 instead of 0.5 K") && !text.contains("a 0."), "{text}");
+        assert_eq!(warning(&[sensor("a", 40.0, 40), sensor("b", 30.0, 40)], 10), None);
+        assert_eq!(warning(&[], 3), None);
+    }
+
+    #[test]
+    fn right_noise_is_hardly_ever_called_overstated() {
+        let mut stream = StreamKey::new(1, "scatter", "test").stream(0);
+        let mut found = 0;
+        for _ in 0..2000 {
+            let square =
+                |stream: &mut crate::random::Stream| (0..30).map(|_| stream.normal()).map(|z| z * z).sum::<f64>();
+            let sensors = [sensor("a", square(&mut stream), 30), sensor("b", square(&mut stream), 30)];
+            found += usize::from(warning(&sensors, 0).is_some());
+        }
+        // Two families at 0.1 %: 4 expected, and more than 12 with a probability of 0.1 %.
+        assert!(found <= 12, "{found}");
+    }
+}
