@@ -396,7 +396,6 @@ fn compared(rows: Vec<Row>, sigma: f64, fails: Vec<String>) -> compare::Output {
         warnings: vec![],
         failed: vec![],
         unused_columns: vec![],
-        warnings: vec![],
         tuned: None,
         converged: None,
         train,

@@ -480,6 +480,7 @@ impl Job for Compare {
             judged.iter().filter(|r| r.held_out == held_out).map(|r| r.measured - r.predicted).collect()
         };
         let (train, held_out) = (deviation(&of(false), limit), deviation(&of(true), limit));
+        let overstated = self.overstated(&whole.rows);
         let output = Output {
             state: self.spec.from.clone(),
             parameters: self
@@ -489,7 +490,6 @@ impl Job for Compare {
                 .zip(&self.parameters)
                 .map(|(p, &value)| (p.name.clone(), p.unit.clone(), value))
                 .collect(),
-            warnings: self.overstated(&whole.rows).into_iter().collect(),
             fails: words::fails(&whole.sensors, &whole.phases, &whole.trends, &whole.rows, self.spec.criteria.each_k),
             verdicts: if unit == KELVIN { verdicts(&self.spec.criteria, &train, &held_out) } else { Vec::new() },
             criteria: self.spec.criteria.clone(),
@@ -508,6 +508,7 @@ impl Job for Compare {
             unused_columns: whole.unused_columns,
             warnings: (self.spec.data.iter())
                 .flat_map(|&index| self.measurements[index].doubts.iter().cloned())
+                .chain(overstated)
                 .collect(),
         };
         stored::result(&output)

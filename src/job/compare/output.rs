@@ -268,15 +268,12 @@ pub struct Output {
     pub stabilisation: Vec<StabilisationCheck>,
     /// Where it fails, in words, worst first; empty when it does not.
     pub fails: Vec<String>,
-    /// What is doubtful about the data.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub warnings: Vec<String>,
     /// What could not be predicted.
     pub failed: Vec<FailedPhase>,
     /// Columns of the data that nothing uses.
     pub unused_columns: Vec<String>,
     /// What is doubtful about the data.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
     /// The tuned state, where a calibration stands behind the comparison.
     #[serde(default)]
