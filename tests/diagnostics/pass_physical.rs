@@ -125,7 +125,8 @@ fn a_node_that_nothing_leads_to() {
       = help: connect the node, or leave it out
     "#);
     // What a pass adopts connects as well, and a given temperature needs no balance.
-    let adopt = r#""adopt": {"seen": {"effect": {"conductive-path": {"where": ["lid", "box"]}}, "because": "seen"}}, "design""#;
+    let adopt =
+        r#""adopt": {"seen": {"effect": {"conductive-path": {"where": ["lid", "box"]}}, "because": "seen"}}, "design""#;
     study.edit("pass-1.json", r#""design""#, adopt);
     assert_eq!(study.said("pass-1.json"), "");
     let study = Study::new();
