@@ -763,7 +763,7 @@ mod tests {
     #[test]
     fn a_file_of_too_many_values_is_refused_at_the_first_beyond() {
         let fits = format!("[{}0]", "0,".repeat(VALUES - 2));
-        assert_eq!(read(&fits).1, []);
+        assert!(read(&fits).1.is_empty());
         let (node, found) = read(&format!("[{}0]", "0,".repeat(VALUES - 1)));
         assert!(node.is_none());
         assert_eq!(found[0].0, "the file has more than 1000000 values");
@@ -778,7 +778,7 @@ mod tests {
         let found = said(r#"{"a": -12,50e-3}"#);
         assert_eq!(found, one("`-12,50e-3` is no JSON number: it has a decimal comma", "write -12.50e-3"));
         // In an array it may be two numbers.
-        assert_eq!(said(r#"{"a": [0,6]}"#), []);
-        assert_eq!(said(r#"{"a": 0,"b": 6}"#), []);
+        assert!(said(r#"{"a": [0,6]}"#).is_empty());
+        assert!(said(r#"{"a": 0,"b": 6}"#).is_empty());
     }
 }

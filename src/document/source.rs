@@ -105,7 +105,8 @@ impl JsonPath {
     }
 
     /// Whether both are the same links, and not only the same path.
-    pub fn is_same(&self, other: &Self) -> bool {
+    #[cfg(test)]
+    pub(super) fn is_same(&self, other: &Self) -> bool {
         match (&self.0, &other.0) {
             (Some(one), Some(two)) => Arc::ptr_eq(one, two),
             (None, None) => true,

@@ -93,6 +93,10 @@ impl Unit {
     /// What to write instead where the coulomb stands in the unit, in a thermal model most likely for degrees Celsius:
     /// `degC` alone, `K` in a product. `None` without a coulomb.
     pub fn without_coulomb(&self) -> Option<String> {
+        if self.has_offset() {
+            // `°C` is what is meant.
+            return None;
+        }
         if self.text == "C" {
             return Some("degC".to_owned());
         }
@@ -466,7 +470,7 @@ mod tests {
         assert_eq!(instead("C").as_deref(), Some("degC"));
         assert_eq!(instead("W/C").as_deref(), Some("W/K"));
         assert_eq!(instead("J/(kg C)").as_deref(), Some("J/(kg K)"));
-        for other in ["degC", "W/K", "cd", "mC", "1"] {
+        for other in ["degC", "°C", "℃", "W/K", "cd", "mC", "1"] {
             assert_eq!(instead(other), None, "{other}");
         }
     }

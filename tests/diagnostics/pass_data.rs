@@ -231,7 +231,7 @@ fn cells_that_are_no_numbers() {
     2 | P1,20,5,NaN,"1,5",
       |             ^^^^^
       |
-      = help: write a decimal point
+      = help: a decimal is written with a point: write 1.5
     "##);
 }
 

@@ -71,7 +71,7 @@ fn values_that_keep_their_sign_are_not_spoken_of() {
         (r#""conductance": 0.3"#, r#""conductance": "0.3 * abs(Ta - Tb) ^ 0.25""#),
         (r#""conductance": 0.3"#, r#""conductance": 0"#),
         (r#""conductance": 0.3"#, r#""conductance": "G - G""#),
-        (r#""conductance": 0.3"#, r#""conductance": "max(0, T_if - 280)""#),
+        (r#""conductance": 0.3"#, r#""conductance": "0.1 * max(0, T_if - 280)""#),
         // A heat has a direction.
         (r#""power": "Q""#, r#""power": "-Q""#),
     ] {
@@ -125,7 +125,8 @@ fn a_node_that_nothing_leads_to() {
       = help: connect the node, or leave it out
     "#);
     // What a pass adopts connects as well, and a given temperature needs no balance.
-    let adopt = r#""adopt": {"seen": {"effect": {"conductive-path": {"where": {"between": ["lid", "box"]}}}, "because": "seen"}}, "design""#;
+    let adopt =
+        r#""adopt": {"seen": {"effect": {"conductive-path": {"where": ["lid", "box"]}}, "because": "seen"}}, "design""#;
     study.edit("pass-1.json", r#""design""#, adopt);
     assert_eq!(study.said("pass-1.json"), "");
     let study = Study::new();
