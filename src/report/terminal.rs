@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 
 use super::page::{Block, Inline, Section, Statement, Status, Table, Text};
 use table::Entry;
+pub use table::wrapped;
 
 /// How text is laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
