@@ -71,7 +71,7 @@ impl CacheVerb {
                     row("not reproducible, in conflict", found.conflicts, None),
                     row("in the trash", found.trashed, None),
                 ];
-                print(&format!("{}\n{}", cache.root().display(), table(&rows)))?;
+                print(&format!("{}\n{}", cache.root().display(), table(&rows, None)))?;
                 Ok(Status::Done)
             }
             Self::Verify { cache, json } => {

@@ -108,12 +108,7 @@ impl Diff {
 
 /// Definition and result of a job; null where there is none.
 fn side(run: &Executed, name: &str) -> Side {
-    let position = run.passes.iter().find_map(|pass| {
-        let nodes = run.plan.nodes();
-        nodes
-            .iter()
-            .position(|node| node.name == name && node.id.strip_suffix(name) == Some(&format!("{}:", pass.shown)))
-    });
+    let position = run.passes.first().and_then(|pass| run.plan.find(&format!("{}:{name}", pass.shown)));
     let Some(position) = position else { return Side { definition: Value::Null, result: Value::Null } };
     let definition = serde_json::to_value(run.plan.material(position)).unwrap_or_default();
     let finished = run.summary.finished(&run.plan.nodes()[position].id);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde_json::{Map, Value, json};
 
 use super::Context;
-use super::output::{escaped, print, print_json, table};
+use super::output::{escaped, folded, print, print_json, table};
 use super::status::{Failure, Status};
 use crate::document::suggest;
 use crate::effect::Effect;
@@ -34,7 +34,7 @@ impl Effects {
             if self.json {
                 print_json(&json!({"effects": catalogue.effects().iter().map(as_json).collect::<Vec<_>>()}))?;
             } else {
-                print(&list(catalogue.effects()))?;
+                print(&list(catalogue.effects(), context.fold))?;
             }
             return Ok(Status::Done);
         };
@@ -46,7 +46,7 @@ impl Effects {
         if self.json {
             print_json(&as_json(effect))?;
         } else {
-            print(&at_length(effect))?;
+            print(&at_length(effect, context.fold))?;
         }
         Ok(Status::Done)
     }
@@ -61,7 +61,7 @@ fn as_json(effect: &Effect) -> Value {
 }
 
 /// One line an effect, by family.
-fn list(effects: &[Effect]) -> String {
+fn list(effects: &[Effect], fold: Option<usize>) -> String {
     let mut families: Vec<&str> = effects.iter().map(|effect| effect.form.family.word()).collect();
     families.dedup();
     let mut seen = Vec::new();
@@ -76,7 +76,7 @@ fn list(effects: &[Effect]) -> String {
             rows.push(vec![format!("  {}", escaped(&effect.name)), places(effect), escaped(&effect.form.title)]);
         }
     }
-    table(&rows)
+    table(&rows, fold)
 }
 
 /// Where an effect applies.
@@ -88,16 +88,16 @@ fn places(effect: &Effect) -> String {
     words.join(", ")
 }
 
-fn at_length(effect: &Effect) -> String {
+fn at_length(effect: &Effect, fold: Option<usize>) -> String {
     let form = &effect.form;
     let mut text = format!("{}: {}\n", escaped(&effect.name), escaped(&form.title));
     if let Some(description) = &form.description {
-        text.push_str(&format!("\n{}\n", escaped(description)));
+        text.push_str(&format!("\n{}", folded("", &escaped(description), fold)));
     }
     text.push('\n');
     let mut row = |what: &str, value: String| {
         if !value.is_empty() {
-            text.push_str(&format!("{what:<15} {}\n", escaped(&value)));
+            text.push_str(&folded(&format!("{what:<15} "), &escaped(&value), fold));
         }
     };
     let optional = |value: &Option<String>| value.clone().unwrap_or_default();

@@ -1,6 +1,7 @@
 //! `bmv explain`.
 
-use super::output::{escaped, print, table};
+use super::Context;
+use super::output::{escaped, folded, print, table};
 use super::status::{Failure, Status};
 use crate::document::other_tools::{OTHER_WORDS, other_word};
 use crate::document::{code, suggest};
@@ -14,11 +15,12 @@ pub(super) struct Explain {
 }
 
 impl Explain {
-    pub(super) fn execute(self) -> Result<Status, Failure> {
+    pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         let Some(name) = self.code else {
             let rows: Vec<_> = code::all().map(|code| vec![code.name.to_owned(), code.title.to_owned()]).collect();
             let words = OTHER_WORDS.iter().map(|own| vec![own.word.to_owned(), own.meaning.to_owned()]);
-            print(&format!("{}\nWords of other tools:\n{}", table(&rows), table(&words.collect::<Vec<_>>())))?;
+            let words = table(&words.collect::<Vec<_>>(), context.fold);
+            print(&format!("{}\nWords of other tools:\n{words}", table(&rows, context.fold)))?;
             return Ok(Status::Done);
         };
         let Some(code) = code::find(&name) else {
@@ -30,7 +32,8 @@ impl Explain {
             let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
             return Err(Failure::input(format!("there is no diagnostic `{}`{hint}", escaped(&name))));
         };
-        print(&format!("{}: {}\n\n{}\n\n{}\n", code.name, code.title, code.explanation, code.example))?;
+        let explanation = folded("", code.explanation, context.fold);
+        print(&format!("{}: {}\n\n{explanation}\n{}\n", code.name, code.title, code.example))?;
         Ok(Status::Done)
     }
 }

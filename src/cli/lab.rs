@@ -116,7 +116,7 @@ impl LabVerb {
         }
         let output: Output = serde_json::from_value((*finished.stored.value).clone())
             .map_err(|error| Failure::job(format!("the laboratory's result: {error}")))?;
-        print(&shown(&output))?;
+        print(&shown(&output, context.fold))?;
         Ok(Status::Done)
     }
 
@@ -160,7 +160,7 @@ fn percent(rate: &Rate) -> String {
     }
 }
 
-fn shown(output: &Output) -> String {
+fn shown(output: &Output, fold: Option<usize>) -> String {
     let diagnosed = output.rows.iter().any(|row| row.found.is_some());
     let mut heading = vec!["hidden", "size", "separable"];
     if diagnosed {
@@ -181,10 +181,10 @@ fn shown(output: &Output) -> String {
         }
         rows.push(cells);
     }
-    let mut text = table(&rows);
+    let mut text = table(&rows, fold);
     if let Some(score) = &output.score {
         text.push('\n');
-        text.push_str(&summary(score));
+        text.push_str(&summary(score, fold));
     }
     for (reason, count) in &output.reasons {
         text.push_str(&format!("{count} cases: {}\n", escaped(reason)));
@@ -193,7 +193,7 @@ fn shown(output: &Output) -> String {
 }
 
 /// The score in lines.
-fn summary(score: &Score) -> String {
+fn summary(score: &Score, fold: Option<usize>) -> String {
     let mut rows: Vec<Vec<String>> = Vec::new();
     let mut line = |what: String, rate: &Rate| {
         if rate.of > 0 {
@@ -217,7 +217,7 @@ fn summary(score: &Score) -> String {
     for bin in &score.reliability {
         line(format!("effects given {:.2} to {:.2} that are true", bin.lower, bin.upper), &bin.true_rate);
     }
-    let mut text = table(&rows);
+    let mut text = table(&rows, fold);
     if let Some(log_score) = score.log_score {
         text.push_str(&format!("mean log probability stated of the truth: {log_score:.2}\n"));
     }

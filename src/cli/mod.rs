@@ -47,9 +47,13 @@ const NARROWEST: usize = 40;
     version,
     propagate_version = false,
     arg_required_else_help = true,
-    after_help = "Exit status: 0 done; 1 a check failed, or with --require a requirement is not met; 2 the input is \
-                  wrong, or what was asked for is not there; 3 a job failed; 4 a sampler did not converge; \
-                  130 interrupted, what was finished is kept.\n\n\
+    after_help = "Exit status:\n  \
+                  0 done\n  \
+                  1 a check failed, or with --require a requirement is not met\n  \
+                  2 the input is wrong, or what was asked for is not there\n  \
+                  3 a job failed\n  \
+                  4 a sampler did not converge\n  \
+                  130 interrupted; what was finished is kept\n\n\
                   Words of other tools (GL, GR, QI, MLI, D, A and B nodes): bmv explain WORD."
 )]
 struct Program {
@@ -86,6 +90,8 @@ struct Context {
     coloured: bool,
     /// How text on standard output is laid out.
     layout: Layout,
+    /// The width within which lines are broken, where standard output is a terminal.
+    fold: Option<usize>,
     /// What Ctrl-C does.
     interrupts: Interrupts,
 }
@@ -149,7 +155,7 @@ impl Verb {
             Self::Effects(verb) => verb.execute(context),
             Self::Lab(verb) => verb.execute(context),
             Self::Schema(verb) => verb.execute(),
-            Self::Explain(verb) => verb.execute(),
+            Self::Explain(verb) => verb.execute(context),
             Self::Init(verb) => verb.execute(),
             Self::Diff(verb) => verb.execute(context),
             Self::Check(verb) => verb.execute(context),
@@ -175,10 +181,12 @@ pub fn main() -> ExitCode {
     let coloured = program.color.applies(std::io::stderr().is_terminal());
     let mut layout =
         Layout { is_coloured: program.color.applies(std::io::stdout().is_terminal()), ..Layout::default() };
+    let mut fold = None;
     if let Some((_, columns)) = console::Term::stdout().size_checked().filter(|_| std::io::stdout().is_terminal()) {
         layout.width = usize::from(columns).max(NARROWEST);
+        fold = Some(layout.width);
     }
-    let context = Context { coloured, layout, interrupts };
+    let context = Context { coloured, layout, fold, interrupts };
     let status = program.verb.execute(&context).unwrap_or_else(|failure| {
         let label = if coloured { "\u{1b}[1;31merror:\u{1b}[0m" } else { "error:" };
         let message = failure.message.trim_end();

@@ -8,6 +8,10 @@ use serde::Serialize;
 
 use crate::document::visible::{escaped_json, escaped_lines};
 pub use crate::report::terminal::escaped;
+use crate::report::terminal::wrapped;
+
+/// Text is not broken into lines shorter than this.
+const LEAST_ROOM: usize = 20;
 
 /// Begins a sequence of control.
 const ESCAPE: &str = "\u{1b}[";
@@ -76,8 +80,9 @@ pub fn tell(message: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", safe(message));
 }
 
-/// Rows of cells in columns, two blanks apart; the first row is the heading.
-pub fn table(rows: &[Vec<String>]) -> String {
+/// Rows of cells in columns, two blanks apart; the first row is the heading. Within `fold` characters, where the output is a
+/// terminal, the last column is broken at blanks.
+pub fn table(rows: &[Vec<String>], fold: Option<usize>) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| {
         rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
@@ -85,16 +90,30 @@ pub fn table(rows: &[Vec<String>]) -> String {
     let widths: Vec<usize> = (0..columns).map(width).collect();
     let mut text = String::new();
     for row in rows {
-        let mut line = String::new();
-        for (cell, width) in row.iter().zip(&widths) {
-            let fill = " ".repeat(width - cell.chars().count() + 2);
-            line.push_str(cell);
-            line.push_str(&fill);
+        let Some((last, others)) = row.split_last() else { continue };
+        let mut lead = String::new();
+        for (cell, width) in others.iter().zip(&widths) {
+            lead.push_str(cell);
+            lead.push_str(&" ".repeat(width - cell.chars().count() + 2));
         }
-        text.push_str(line.trim_end());
-        text.push('\n');
+        text.push_str(&folded(&lead, last, fold));
     }
     text
+}
+
+/// A text after what leads it, with a line's end. Within `fold` characters it is broken at blanks, and the lines that
+/// follow begin below its first character; a lead that leaves no room is no reason to break.
+pub fn folded(lead: &str, text: &str, fold: Option<usize>) -> String {
+    let indent = lead.chars().count();
+    let room = fold.and_then(|width| width.checked_sub(indent)).filter(|&room| room >= LEAST_ROOM);
+    let lines = room.map_or_else(|| vec![text.to_owned()], |room| wrapped(text, room));
+    let mut told = String::new();
+    for (position, line) in lines.iter().enumerate() {
+        let before = if position == 0 { lead.to_owned() } else { " ".repeat(indent) };
+        told.push_str(format!("{before}{line}").trim_end());
+        told.push('\n');
+    }
+    told
 }
 
 #[cfg(test)]
@@ -119,7 +138,15 @@ mod tests {
     #[test]
     fn columns_are_as_wide_as_their_widest_cell() {
         let row = |a: &str, b: &str| vec![a.to_owned(), b.to_owned()];
-        assert_eq!(table(&[row("job", "kind"), row("größer", "x")]), "job     kind\ngrößer  x\n");
-        assert_eq!(table(&[]), "");
+        assert_eq!(table(&[row("job", "kind"), row("größer", "x")], None), "job     kind\ngrößer  x\n");
+        assert_eq!(table(&[], None), "");
+    }
+
+    #[test]
+    fn on_a_terminal_the_last_column_is_broken_below_its_beginning() {
+        let rows = [vec!["gas-conduction".to_owned(), "Conduction by residual gas".to_owned()]];
+        assert_eq!(table(&rows, Some(40)), "gas-conduction  Conduction by residual\n                gas\n");
+        assert_eq!(table(&rows, Some(30)), "gas-conduction  Conduction by residual gas\n", "no room is left");
+        assert_eq!(folded("  a: ", "b c", Some(80)), "  a: b c\n");
     }
 }

@@ -70,7 +70,7 @@ impl PlanVerb {
                 format!("; at least {least} on {threads} {on}{more}")
             }
         };
-        print(&format!("{}\n{to_run} of {} jobs to run{length}\n", table(&rows), lines.len()))?;
+        print(&format!("{}\n{to_run} of {} jobs to run{length}\n", table(&rows, context.fold), lines.len()))?;
         memory::check(&lines)?;
         Ok(status)
     }

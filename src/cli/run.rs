@@ -2,7 +2,7 @@
 
 use super::execute::{Executed, execute};
 use super::options::{PathsArgument, RequireOption, RunOptions};
-use super::output::{escaped, print};
+use super::output::{escaped, folded, print};
 use super::status::{Failure, Status};
 use super::{Context, studies};
 use crate::report::{headline, terminal};
@@ -22,7 +22,7 @@ pub(super) struct Run {
 }
 
 /// What came out, by pass and job, and where to look next.
-fn outcome(executed: &Executed) -> Result<String, Failure> {
+fn outcome(executed: &Executed, fold: Option<usize>) -> Result<String, Failure> {
     let mut text = String::new();
     for pass in &executed.passes {
         let report = studies::view(pass, executed)?;
@@ -33,8 +33,11 @@ fn outcome(executed: &Executed) -> Result<String, Failure> {
         text.push_str(&format!("\n{shown}\n"));
         for job in &report.results {
             for (position, line) in headline::headlines(job).iter().enumerate() {
-                let name = if position == 0 { format!("{}: ", escaped(&job.name)) } else { "  ".to_owned() };
-                text.push_str(&format!("  {name}{}\n", terminal::plain(line)));
+                let line = terminal::plain(line);
+                let line = if position == 0 { format!("{}: {line}", escaped(&job.name)) } else { line };
+                // What follows stands below the job's name, and so do the lines that are broken.
+                let lead = if position == 0 { "  " } else { "    " };
+                text.push_str(&folded(lead, &line, fold));
             }
         }
         text.push_str(&format!("  look at it: bmv show {shown}, or bmv report {shown}\n"));
@@ -49,7 +52,7 @@ impl Run {
         if executed.passes.iter().all(|pass| pass.jobs.is_empty()) && !self.kinds.is_empty() {
             return Err(Failure::input(format!("no job of kind `{}`", self.kinds.join("`, `"))));
         }
-        print(&outcome(&executed)?)?;
+        print(&outcome(&executed, context.fold)?)?;
         self.require.judge(&executed, executed.status())
     }
 }

@@ -9,6 +9,7 @@ use crate::document::visible;
 
 use super::page::{Block, Inline, Section, Statement, Status, Table, Text};
 use table::Entry;
+pub use table::wrapped;
 
 /// How text is laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -84,11 +84,11 @@ fn without_words(mut pass: Node) -> Node {
 /// Places at which two trees differ, from top to bottom.
 fn walk(path: &str, before: Option<&Node>, after: Option<&Node>, found: &mut Vec<ChangedEntry>) {
     let below = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
-    match (before, after) {
-        (Some(old), Some(new)) if old.to_json() == new.to_json() => {}
-        (Some(Node { value: Value::Object(old), .. }), Some(Node { value: Value::Object(new), .. }))
-            if !is_whole(old) && !is_whole(new) =>
-        {
+    // Sections are told entry by entry, also those that only one of them has.
+    let is_section = !path.is_empty() && !path.contains(['.', '[']);
+    match (before.map(|node| &node.value), after.map(|node| &node.value)) {
+        (Some(old), Some(new)) if is_same(old, new) => {}
+        (Some(Value::Object(old)), Some(Value::Object(new))) if !reads_as_one(old, new) => {
             for entry in old {
                 walk(&below(&entry.key), Some(&entry.node), get(new, &entry.key), found);
             }
@@ -96,7 +96,13 @@ fn walk(path: &str, before: Option<&Node>, after: Option<&Node>, found: &mut Vec
                 walk(&below(&entry.key), None, Some(&entry.node), found);
             }
         }
-        (Some(Node { value: Value::Array(old), .. }), Some(Node { value: Value::Array(new), .. }))
+        (Some(Value::Object(old)), None) if is_section => {
+            old.iter().for_each(|entry| walk(&below(&entry.key), Some(&entry.node), None, found));
+        }
+        (None, Some(Value::Object(new))) if is_section => {
+            new.iter().for_each(|entry| walk(&below(&entry.key), None, Some(&entry.node), found));
+        }
+        (Some(Value::Array(old)), Some(Value::Array(new)))
             if old.len() == new.len() && old.iter().chain(new).all(|item| matches!(item.value, Value::Object(_))) =>
         {
             for (position, (old, new)) in old.iter().zip(new).enumerate() {
@@ -115,29 +121,52 @@ fn walk(path: &str, before: Option<&Node>, after: Option<&Node>, found: &mut Vec
     }
 }
 
-fn get<'n>(entries: &'n [Entry], key: &str) -> Option<&'n Node> {
-    entries.iter().find(|entry| entry.key == key).map(|entry| &entry.node)
+/// Whether two values are the same; numbers by their value, however written.
+fn is_same(old: &Value, new: &Value) -> bool {
+    match (old, new) {
+        (Value::Null, Value::Null) => true,
+        (Value::Bool(old), Value::Bool(new)) => old == new,
+        (Value::Number(old), Value::Number(new)) => match (old.as_u64(), new.as_u64()) {
+            // Large ones are not the same although they are as floats.
+            (Some(old), Some(new)) => old == new,
+            _ => old.as_f64() == new.as_f64(),
+        },
+        (Value::String(old), Value::String(new)) => old == new,
+        (Value::Array(old), Value::Array(new)) => {
+            old.len() == new.len() && old.iter().zip(new).all(|(old, new)| is_same(&old.value, &new.value))
+        }
+        (Value::Object(old), Value::Object(new)) => {
+            let has =
+                |entry: &Entry| get(new, &entry.key).is_some_and(|other| is_same(&entry.node.value, &other.value));
+            old.len() == new.len() && old.iter().all(has)
+        }
+        _ => false,
+    }
 }
 
-/// Whether an object is read as one thing: an amount with its unit, a prior by its name.
-fn is_whole(entries: &[Entry]) -> bool {
-    let is_amount = entries.len() == 2 && get(entries, "value").is_some() && get(entries, "unit").is_some();
-    let is_choice = |entry: &Entry| !matches!(entry.node.value, Value::Object(_));
-    is_amount || matches!(entries, [only] if is_choice(only))
+/// Whether a change from one object to the other is told as one: of amounts with their unit, and of a choice.
+fn reads_as_one(old: &[Entry], new: &[Entry]) -> bool {
+    is_amount(old) || is_amount(new) || matches!((old, new), ([old], [new]) if old.key != new.key)
+}
+
+fn is_amount(entries: &[Entry]) -> bool {
+    entries.len() == 2 && get(entries, "value").is_some() && get(entries, "unit").is_some()
+}
+
+fn get<'n>(entries: &'n [Entry], key: &str) -> Option<&'n Node> {
+    entries.iter().find(|entry| entry.key == key).map(|entry| &entry.node)
 }
 
 /// A value as people read it.
 fn shown(node: &Node) -> String {
     let text = match &node.value {
         Value::String(text) => text.clone(),
-        Value::Object(entries) if is_whole(entries) => {
-            match (get(entries, "value"), get(entries, "unit"), entries.as_slice()) {
-                (Some(value), Some(unit), _) => format!("{} {}", shown(value), shown(unit)),
-                (_, _, [only]) => format!("{} {}", only.key, shown(&only.node)),
-                _ => node.to_json().to_string(),
-            }
-        }
         Value::Number(_) => node.place.text().to_owned(),
+        Value::Object(entries) => match (get(entries, "value"), get(entries, "unit"), entries.as_slice()) {
+            (Some(value), Some(unit), [_, _]) => format!("{} {}", shown(value), shown(unit)),
+            (_, _, [only]) => format!("{} {}", only.key, shown(&only.node)),
+            _ => node.to_json().to_string(),
+        },
         _ => node.to_json().to_string(),
     };
     if text.chars().count() <= LONGEST {
@@ -176,11 +205,13 @@ mod tests {
                 "b.json:1 parameters.G.prior: uniform [0.15,0.5] | normal [0.3,0.1]",
                 "b.json:2 measurements.test.sigma: 0.1 K | 0.2 K",
                 "b.json:2 measurements.test.rows[1].at: 2 | 3",
-                "b.json:3 adopt: - | more {\"where\":\"plate\"}",
+                "b.json:3 adopt.more: - | where plate",
             ]
         );
         assert_eq!(changes(after, after), Vec::<String>::new());
-        assert_eq!(changes(after, "{}").len(), 3, "what is gone stands where it was");
-        assert!(changes(after, "{}")[0].starts_with("a.json:1 parameters: "));
+        let gone = changes(after, "{}");
+        assert_eq!(gone[0], "a.json:1 parameters.G: prior normal [0.3,0.1] | -", "what is gone stands where it was");
+        assert_eq!(gone.len(), 4);
+        assert_eq!(changes(r#"{"seed": 1}"#, r#"{"seed": 1e0}"#), Vec::<String>::new(), "the same number");
     }
 }

@@ -265,7 +265,9 @@ fn a_solve_under_way_is_left_when_its_thread_is_asked_to_stop() {
         assert!(ended.is_err_and(|payload| bmv::watch::Stopped::is(payload.as_ref())));
     };
     left(|network| drop(run(network, &[288.0, 0.0], &[5000.0], TransientOptions::default())));
-    left(|network| drop(network.solve_steady(&mut network.workspace(), Start::Default).unwrap()));
+    left(|network| {
+        network.solve_steady(&mut network.workspace(), Start::Default).unwrap();
+    });
     left(|network| network.solve_steady_batch(&mut network.batch::<4>(), Start::Default));
 }
 

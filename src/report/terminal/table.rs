@@ -25,7 +25,7 @@ impl From<String> for Entry {
 
 /// Lines of at most `width` characters, broken at blanks, and within words that are longer, there after a hyphen or a
 /// colon if one stands in time. A no-break blank does not break and is printed as a blank.
-pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
+pub fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines = Vec::new();
     let mut line = String::new();
     let mut used = 0;
