@@ -33,10 +33,12 @@ const MODEL: &str = r#"{"format": "bmv-network/1", "title": "All kinds",
 
 const PASS: &str = r#"{"format": "bmv-pass/1", "title": "Bench, pass 1: as delivered", "parent": null, "model": "model.json", "seed": 7,
  "measurements": {
-   "balance": {"steady": {"file": "data/balance.csv", "sensors": {
+   "balance": {"steady": {"file": "data/balance.csv", "inputs": {"T_plate": {"value": 17, "unit": "degC"}, "T_shroud": 120, "p": {"value": 0.02, "unit": "mbar"}, "i": {"value": 800, "unit": "mA"},
+       "flux": {"value": 10, "unit": "W/m2"}, "share": {"value": 50, "unit": "%"}, "free": {"value": 3, "unit": "s"}}, "sensors": {
      "TC box": {"measures": "box", "sigma": {"value": 0.25, "unit": "K"}}, "TC panel": {"measures": "panel", "sigma": {"value": 0.25, "unit": "K"}},
      "TC detector": {"measures": "detector", "sigma": {"value": 0.25, "unit": "K"}}}}},
-   "run": {"transient": {"file": "data/run.csv", "initial": {"temperatures": {"all": {"value": 17, "unit": "degC"}}},
+   "run": {"transient": {"file": "data/run.csv", "inputs": {"T_plate": {"value": 17, "unit": "degC"}, "T_shroud": 120, "p": {"value": 0.02, "unit": "mbar"}, "i": {"value": 800, "unit": "mA"},
+       "flux": {"value": 10, "unit": "W/m2"}, "share": {"value": 50, "unit": "%"}, "free": {"value": 3, "unit": "s"}}, "initial": {"temperatures": {"all": {"value": 17, "unit": "degC"}}},
      "sensors": {"TC box": {"measures": "box", "sigma": {"value": 0.25, "unit": "K"}}}}}},
  "jobs": {"tuned": {"calibrate": {"draws": 1e3, "parameters": ["G"]}}, "fit": {"compare": {"criteria": "precision-1k"}}, "missing": {"diagnose": {"false_alarm": 5e-3}}}}
 "#;

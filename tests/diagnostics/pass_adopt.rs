@@ -119,7 +119,7 @@ fn exchanged_channels_read_one_another() {
 #[test]
 fn a_lag_is_a_parameter_and_a_hidden_node_starts_with_its_host() {
     let study = Study::transient();
-    study.edit("pass-1.json", r#"{"all": {"value": 20, "unit": "degC"}}"#, r#"{"box": 300, "panel": 280}"#);
+    study.edit("pass-1.json", r#"{"all": {"value": 20, "unit": "degC"}}"#, r#"{"box": 293.15, "panel": 280}"#);
     let entry = r#""slow": {"effect": {"sensor-lag": {"where": "box", "parameters": {"time_constant": {"unit": "min", "nominal": 0.5}}}}, "because": "step"},
         "inside": {"effect": {"hidden-node": {"where": "panel"}}, "because": "two time constants"}"#;
     let pass = adopting(&study, entry);

@@ -68,7 +68,7 @@ fn an_unknown_phase_held_out() {
     error[measurement-form]: unknown phase `P4`
      --> study/pass-1.json:7:28
       |
-    7 |    "held_out": {"phases": ["P4"]}, "ignore": {"P3": "not stabilised"}}}},
+    7 |    "held_out": {"phases": ["P4"]}, "ignore": {"P3": "not stabilised"}, "inputs": {"T_s": 90}}}},
       |                            ^^^^ one of `P1`, `P2` and `P3`
       |
       = note: at $.measurements.balance.steady.held_out.phases[0]
@@ -84,7 +84,7 @@ fn an_ignored_phase_that_is_not_there() {
     error[measurement-form]: unknown phase or sensor `P33`
      --> study/pass-1.json:7:47
       |
-    7 |    "held_out": {"phases": ["P2"]}, "ignore": {"P33": "not stabilised"}}}},
+    7 |    "held_out": {"phases": ["P2"]}, "ignore": {"P33": "not stabilised"}, "inputs": {"T_s": 90}}}},
       |                                               ^^^^^ one of `P1`, `P2`, `P3`, `box` and `panel`
       |
       = note: at $.measurements.balance.steady.ignore.P33
@@ -150,7 +150,7 @@ fn a_declared_column_that_is_not_there() {
     error[table-column]: `study/data/balance.csv` has no column `Box (degC)`
      --> study/pass-1.json:7:34
       |
-    7 |    "columns": {"box": {"header": "Box (degC)", "unit": "degC"}}, "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}}}},
+    7 |    "columns": {"box": {"header": "Box (degC)", "unit": "degC"}}, "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}, "inputs": {"T_s": 90}}}},
       |                                  ^^^^^^^^^^^^ the columns are `phase`, `T_if [degC]`, `Q [W]`, `box [degC]`, `panel [degC]` and `note`
       |
       = note: at $.measurements.balance.steady.columns.box.header
@@ -166,7 +166,7 @@ fn a_declared_column_that_nothing_uses() {
     error[table-column]: unknown sensor or input `bxo`
      --> study/pass-1.json:7:16
       |
-    7 |    "columns": {"bxo": {"header": "box [degC]"}}, "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}}}},
+    7 |    "columns": {"bxo": {"header": "box [degC]"}}, "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}, "inputs": {"T_s": 90}}}},
       |                ^^^^^ one of `phase`, `T_if`, `Q`, `T_s`, `box` and `panel`
       |
       = note: at $.measurements.balance.steady.columns.bxo
@@ -182,7 +182,7 @@ fn a_separator_of_two_characters() {
     error[table-shape]: `::` cannot separate cells
      --> study/pass-1.json:7:17
       |
-    7 |    "separator": "::", "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}}}},
+    7 |    "separator": "::", "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}, "inputs": {"T_s": 90}}}},
       |                 ^^^^ one character such as `;`, or "tab"
       |
       = note: at $.measurements.balance.steady.separator
@@ -197,7 +197,7 @@ fn intervals_in_a_steady_measurement() {
     error[measurement-form]: a steady measurement has no intervals to hold out
      --> study/pass-1.json:7:31
       |
-    7 |    "held_out": {"intervals": [{"from": 3}]}, "ignore": {"P3": "not stabilised"}}}},
+    7 |    "held_out": {"intervals": [{"from": 3}]}, "ignore": {"P3": "not stabilised"}, "inputs": {"T_s": 90}}}},
       |                               ^^^^^^^^^^^ `phases` or `all`
       |
       = note: at $.measurements.balance.steady.held_out.intervals[0]
@@ -209,7 +209,7 @@ fn readings_below_absolute_zero() {
     let study = Study::new();
     study.edit("data/balance.csv", "24.5,-20.25", "-400,-20.25");
     let said = study.said("pass-1.json");
-    assert!(said.contains("-400 degC in `") && said.contains("below absolute zero"), "{said}");
+    assert!(said.contains("`box` is -126.85 K here, not above absolute zero"), "{said}");
 }
 
 #[test]
@@ -390,7 +390,7 @@ fn phases_in_a_transient() {
     error[measurement-form]: a transient has no phases to hold out
      --> study/pass-1.json:7:28
       |
-    7 |    "held_out": {"phases": ["P1"]}}}},
+    7 |    "held_out": {"phases": ["P1"]}, "inputs": {"T_if": {"value": 20, "unit": "degC"}, "T_s": 90}}}},
       |                            ^^^^ `intervals` or `all`
       |
       = note: at $.measurements.balance.transient.held_out.phases[0]
@@ -493,7 +493,7 @@ fn a_hash_that_is_none() {
     error[pinned-data]: `abc` is no SHA-256
      --> study/pass-1.json:7:25
       |
-    7 |    "pinned": {"sha256": "abc"}, "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}}}},
+    7 |    "pinned": {"sha256": "abc"}, "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}, "inputs": {"T_s": 90}}}},
       |                         ^^^^^ 64 hexadecimal digits
       |
       = note: at $.measurements.balance.steady.pinned.sha256
@@ -508,7 +508,7 @@ fn an_origin_that_is_not_fetched() {
     error[pinned-data]: `ftp://example.org/x` cannot be fetched
      --> study/pass-1.json:7:103
       |
-    7 | ...26e0490231de7a9def8ebdc", "origin": "ftp://example.org/x"}, "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}}}},
+    7 | ...26e0490231de7a9def8ebdc", "origin": "ftp://example.org/x"}, "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}, "inputs": {"T_s": 90}}}},
       |                                        ^^^^^^^^^^^^^^^^^^^^^ an address that begins with https://
       |
       = note: at $.measurements.balance.steady.pinned.origin

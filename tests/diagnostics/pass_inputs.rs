@@ -4,9 +4,16 @@ use bmv::inference::measurement::{Initial, Rows, Uncertain};
 
 use crate::diagnostics::pass_study::Study;
 
+/// A steady study that does not say what the shroud's temperature was.
+fn silent() -> Study {
+    let study = Study::new();
+    study.edit("pass-1.json", r#", "inputs": {"T_s": 90}"#, "");
+    study
+}
+
 /// A steady study whose file has a column of every input.
 fn with_shroud() -> Study {
-    let study = Study::new();
+    let study = silent();
     study.put(
         "data/balance.csv",
         "phase,T_if [degC],Q [W],T_s [K],box [degC],panel [degC]\nP1,20,5,90,24.5,-20.25\nP2,0,5,90,5.5,\nP3,40,8,90,47,1\n",
@@ -16,7 +23,7 @@ fn with_shroud() -> Study {
 
 #[test]
 fn an_input_without_a_value_is_told() {
-    let said = Study::new().said("pass-1.json");
+    let said = silent().said("pass-1.json");
     assert!(
         said.starts_with(
             "warning[input-missing]: `balance` does not say what `T_s` (90 K) was: the nominal value stands for it"
@@ -24,15 +31,15 @@ fn an_input_without_a_value_is_told() {
         "{said}"
     );
     assert!(said.contains("\"inputs\": {\"T_s\": {\"value\": 90, \"unit\": \"K\"}}"), "{said}");
-    assert_eq!(Study::new().load().measurements[0].doubts.len(), 1);
+    assert_eq!(silent().load().measurements[0].doubts.len(), 1);
     assert_eq!(with_shroud().said("pass-1.json"), "");
-    let declared = Study::new();
+    let declared = silent();
     declared.edit("pass-1.json", r#""held_out""#, r#""inputs": {"T_s": {"value": 80, "unit": "K"}}, "held_out""#);
     assert_eq!(declared.said("pass-1.json"), "");
     let Rows::Steady(phases) = &declared.load().measurements[0].rows else { panic!("steady") };
     assert!(phases.iter().all(|phase| phase.inputs[2] == 80.0));
     // The same value, said or not, makes the same model, but the results repeat what was not said.
-    let [silent, said] = [Study::new(), with_shroud()].map(|study| study.load().measurements[0].identity());
+    let [silent, said] = [silent(), with_shroud()].map(|study| study.load().measurements[0].identity());
     assert_ne!(silent["doubts"], said["doubts"]);
 }
 
@@ -56,7 +63,7 @@ fn an_input_of_a_part_that_the_test_does_not_touch_needs_no_value() {
 
 #[test]
 fn an_input_that_every_test_sets_must_be_said() {
-    let study = Study::new();
+    let study = silent();
     study.edit("model.json", r#""nominal": 90"#, r#""nominal": 90, "test_sets": true"#);
     let said = study.said("pass-1.json");
     assert!(
@@ -72,7 +79,7 @@ fn an_input_that_every_test_sets_must_be_said() {
 fn an_input_of_some_windows_is_told_of_the_others() {
     let study = Study::new();
     let windows = r#""windows": {"P1": {"file": "data/run.csv", "to": 60, "inputs": {"T_if": {"value": 20, "unit": "degC"}}},
-        "P2": {"file": "data/run.csv"}}, "inputs": {"T_s": 90},"#;
+        "P2": {"file": "data/run.csv"}},"#;
     study.edit("pass-1.json", r#""file": "data/balance.csv","#, windows);
     study.edit("pass-1.json", r#", "panel": {"measures": "panel"}"#, "");
     study.edit("pass-1.json", r#", "ignore": {"P3": "not stabilised"}"#, "");
@@ -91,7 +98,9 @@ fn an_input_of_some_windows_is_told_of_the_others() {
 fn an_input_far_outside_its_range_is_an_error_at_its_cell() {
     let study = with_shroud();
     study.edit("data/balance.csv", "P2,0,", "P2,400,");
-    insta::assert_snapshot!(study.said("pass-1.json"), @"");
+    let said = study.said("pass-1.json");
+    let expected = "error[input-range]: `T_if` is 400 degC here: far outside its range, -40 degC to 60 degC";
+    assert!(said.starts_with(expected) && said.contains("study/data/balance.csv:3:4"), "{said}");
 }
 
 #[test]
@@ -113,7 +122,6 @@ fn an_input_modestly_outside_its_range_is_a_warning_at_its_cell() {
     assert_eq!(study.said("pass-1.json"), "");
     // A constant is held to the same.
     let study = Study::new();
-    study.edit("pass-1.json", r#""held_out""#, r#""inputs": {"T_s": 90}, "held_out""#);
     study.edit("model.json", r#""nominal": 90"#, r#""nominal": 90, "range": [70, 80]"#);
     let said = study.said("pass-1.json");
     assert!(said.contains("warning[input-range]: `T_s` is 90 K here") && said.contains("pass-1.json:7:"), "{said}");
@@ -135,14 +143,11 @@ fn a_reading_below_absolute_zero_is_an_error_at_its_cell() {
     assert_eq!(study.said("pass-1.json"), "");
 }
 
-/// A transient of both nodes that says all inputs; the strap's panel has no sensor.
+/// A transient whose start and file are given; the panel has no sensor.
 fn transient(initial: &str, run: &str) -> Study {
     let study = Study::transient();
-    study.edit(
-        "pass-1.json",
-        r#""initial": {"temperatures": {"all": {"value": 20, "unit": "degC"}}}"#,
-        &format!(r#""initial": {initial}, "inputs": {{"T_if": {{"value": 20, "unit": "degC"}}, "T_s": 90}}"#),
-    );
+    let start = r#""initial": {"temperatures": {"all": {"value": 20, "unit": "degC"}}}"#;
+    study.edit("pass-1.json", start, &format!(r#""initial": {initial}"#));
     study.edit("pass-1.json", r#"{"measures": "box"}"#, r#"{"measures": "box", "sigma": {"value": 0.1, "unit": "K"}}"#);
     study.put("data/run.csv", run);
     study

@@ -21,7 +21,7 @@ pub const PASS: &str = r#"{"format": "bmv-pass/1", "title": "First", "parent": n
  "environments": {"hot": {"T_if": {"value": 40, "unit": "degC"}}},
  "measurements": {"balance": {"steady": {"file": "data/balance.csv",
    "sensors": {"box": {"measures": "box", "sigma": {"value": 0.25, "unit": "K"}}, "panel": {"measures": "panel"}},
-   "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}}}},
+   "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}, "inputs": {"T_s": 90}}}},
  "design": {"A": {"from": 0.01, "to": 0.1}},
  "jobs": {"spread": {"propagate": {"samples": 1024}}, "match": {"compare": {}}, "size": {"conventional": {}},
           "tuned": {"calibrate": {"data": ["balance"]}}}}
@@ -34,7 +34,7 @@ P1,20,5,24.5,-20.25,\nP2,0,5,5.5,,vented\nP3,40,8,47,1,\n";
 /// A transient measurement in place of the steady one.
 pub const TRANSIENT: &str = r#"{"transient": {"file": "data/run.csv", "initial": {"temperatures": {"all": {"value": 20, "unit": "degC"}}},
    "hold": ["Q"], "sensors": {"box": {"measures": "box"}},
-   "held_out": {"intervals": [{"from": {"value": 2, "unit": "min"}}]}}}"#;
+   "held_out": {"intervals": [{"from": {"value": 2, "unit": "min"}}]}, "inputs": {"T_if": {"value": 20, "unit": "degC"}, "T_s": 90}}}"#;
 
 /// Four instants.
 pub const RUN: &str = "time [s],Q [W],box [degC]\n0,5,20\n60,5,21\n120,0,21.5\n180,0,\n";
