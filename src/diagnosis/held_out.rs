@@ -30,7 +30,8 @@ const LEAST_BLOCKS: usize = 4;
 
 /// Tests whether a set predicts the held-out rows worse than the believed model, or predicts them badly without being
 /// clearly better; with twice the error and beyond what the parameters leave open it is worse however few blocks there are. A block
-/// is a phase, or three correlation times of a transient. `None` without held-out rows.
+/// is a phase, or three correlation times of a transient. `None` without held-out rows, and where errors are so many times
+/// the noise that their squares are no numbers.
 /// `stated`: all noise is stated, so that the size of the errors itself can be judged.
 pub(super) fn test(problem: &Problem, believed: &Refit, chosen: &Refit, stated: bool) -> Option<HeldOutTest> {
     let mut blocks: BTreeMap<(usize, usize), f64> = BTreeMap::new();
@@ -48,12 +49,8 @@ pub(super) fn test(problem: &Problem, believed: &Refit, chosen: &Refit, stated: 
         }
     }
     let count = blocks.len();
-    if count == 0 {
-        return None;
-    }
-    let mean = blocks.values().sum::<f64>() / count as f64;
-    let square = blocks.values().map(|gain| (gain - mean) * (gain - mean)).sum::<f64>();
-    let se = (square / (count * (count - 1)).max(1) as f64).sqrt();
+    let gains: Vec<f64> = blocks.into_values().collect();
+    let (mean, se) = mean_gain(&gains)?;
     let worse = count >= LEAST_BLOCKS && se > 0.0 && student_t_cdf(mean / se, (count - 1) as f64) < AGAINST;
     let judged = chi_square(problem, chosen, &undecided);
     let p = judged.map(|(square, readings)| chi_square_sf(square, readings as f64));
@@ -68,6 +65,15 @@ pub(super) fn test(problem: &Problem, believed: &Refit, chosen: &Refit, stated: 
         p,
         veto: worse || bad,
     })
+}
+
+/// Mean of the blocks' gains and its standard error; `None` without a block, or where they are no numbers.
+fn mean_gain(gains: &[f64]) -> Option<(f64, f64)> {
+    let count = gains.len();
+    let mean = gains.iter().sum::<f64>() / count as f64;
+    let square = gains.iter().map(|gain| (gain - mean) * (gain - mean)).sum::<f64>();
+    let se = (square / (count * count.saturating_sub(1)).max(1) as f64).sqrt();
+    (mean.is_finite() && se.is_finite()).then_some((mean, se))
 }
 
 /// Whether the errors are beyond what noise and fit allow (`p`), and either `judged` by that alone or twice as large as before;
@@ -191,6 +197,14 @@ fn block(problem: &Problem, measurement: usize, row: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn gains_without_a_number_are_no_test() {
+        assert_eq!(mean_gain(&[1.0, 3.0]), Some((2.0, 1.0)));
+        assert_eq!(mean_gain(&[5.0]), Some((5.0, 0.0)));
+        // Errors of 10 K by a noise of 1e-154 K.
+        assert_eq!((mean_gain(&[]), mean_gain(&[f64::INFINITY, 1.0]), mean_gain(&[1e200, -1e200])), (None, None, None));
+    }
 
     #[test]
     fn errors_that_double_beyond_the_noise_are_bad() {

@@ -248,20 +248,20 @@ fn sharp_exact(x: f64, sigma: f64, learns_c: bool) -> f64 {
 fn any_noise_has_an_estimator_that_is_right_and_names_the_best() {
     for (learn, learns_c) in [(r#"["a", "b", "c"]"#, true), (r#"["a", "b"]"#, false)] {
         let mut used = Vec::new();
-        for sigma in [1.0, 0.1, 0.01, 1e-3, 1e-4] {
+        for sigma in [2.0, 1.0, 0.1, 0.01, 1e-3, 1e-4] {
             let output = sharp(sigma, learn, "");
             for (candidate, x) in output.candidates.iter().zip([0.5, 1.0, 4.0]) {
                 let (found, margin) = value(candidate);
                 let exact = sharp_exact(x, sigma, learns_c);
                 assert!((found - exact).abs() < margin, "{sigma} {x} {}: {found} {exact} {margin}", output.estimator);
-                assert!(margin < 0.1 && !candidate.sees_nothing, "{sigma} {x}: {candidate:?}");
+                assert!(margin < 0.3 && !candidate.sees_nothing, "{sigma} {x}: {candidate:?}");
             }
             assert!(output.is_trusted && !output.because.is_empty(), "{sigma}");
             assert_eq!(output.best.unwrap().conditions["x"], 4.0, "{sigma}");
             used.push(output.estimator);
         }
         assert_eq!(used.first().map(String::as_str), Some("nested"), "{used:?}");
-        assert!(used[2..].iter().all(|name| name == "importance"), "{used:?}");
+        assert!(used[3..].iter().all(|name| name == "importance"), "{used:?}");
     }
 }
 
@@ -275,7 +275,7 @@ fn an_estimator_that_its_diagnostics_forbid_names_no_best() {
     assert!(said.contains("by `nested` cannot be trusted") && !said.contains("cannot see"), "{said}");
     // With noise enough it is fine, and is what an open choice takes, with the same numbers.
     let [named, open] =
-        ["nested", "automatic"].map(|name| sharp(1.0, r#"["a", "b", "c"]"#, &format!(r#", "estimator": "{name}""#)));
+        ["nested", "automatic"].map(|name| sharp(2.0, r#"["a", "b", "c"]"#, &format!(r#", "estimator": "{name}""#)));
     assert!(named.best.is_some() && named.because.is_empty());
     assert_eq!((named.candidates, named.best), (open.candidates, open.best));
 }
