@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::execute::{execute_loaded, is_judge};
 use super::options::RunOptions;
-use super::output::{print, print_json, tell};
+use super::output::{escaped, print, print_json, tell};
 use super::status::{Failure, Status};
 use super::studies::Loaded;
 use super::{Context, studies};
@@ -44,10 +44,10 @@ impl HistoryVerb {
             print_json(&history)?;
         } else if let Some(section) = error_by_pass(&history) {
             print(&terminal::render(&[section], context.layout))?;
-            let shown = self.study.display();
+            let shown = escaped(&self.study.display().to_string());
             tell(&format!("figure and all numbers: bmv report {shown}, bmv history {shown} --json"));
         } else if executed.status_of_wanted() == Status::Done {
-            let shown = self.study.display();
+            let shown = escaped(&self.study.display().to_string());
             let missing = missing_jobs(&history);
             let reasons: Vec<String> = missing.iter().map(|text| format!("\n{}", terminal::sentence(text))).collect();
             return Err(Failure::input(format!(

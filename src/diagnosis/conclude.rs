@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use super::carried::carried;
-use super::drift;
 use super::engine::{Diagnosis, Remainder, State, TIMES_THE_STEPS};
 use super::heat;
 use super::held_out;
@@ -79,9 +78,7 @@ impl Diagnosis {
         let believed = &state.refits[0];
         let missing = finds.then(|| heat::missing_heat(&problem, believed)).flatten();
         let weights = weigh(&problem, &state.refits, missing.as_ref().map(|missing| missing.log_evidence));
-        let mut warnings = drift::warnings(&problem);
-        let drifting = warnings.len();
-        warnings.extend(state.warnings.iter().cloned());
+        let mut warnings = state.warnings.clone();
         warnings.extend(given_up(state));
         if finds {
             warnings.extend(still::warnings(&problem, believed));
@@ -143,9 +140,9 @@ impl Diagnosis {
             state.refits[findings.selected].effects.iter().map(|&effect| findings.id(effect).to_owned()).collect();
         warnings.extend(trend::warnings(&problem, &state.refits[findings.selected].effects));
         let chosen = &state.refits[findings.selected];
-        // Beside the drift: both are about the data themselves.
+        // It is about the data themselves.
         if let Some(overstated) = overstated::warning(self.problem(), &problem, chosen, free(chosen)) {
-            warnings.insert(drifting, overstated);
+            warnings.insert(0, overstated);
         }
         let parted =
             if verdict == Verdict::Ambiguous { separate::experiment(&findings) } else { separate::Parted::default() };

@@ -4,13 +4,12 @@
 //! problem at a fit and the directions in which effects would move it. `score`, `pairs`, `family`, `detectable`: what
 //! stands out, and how surely (`bounded`, `null_maximum`: what these rest on). `evidence`: of linear models in closed form. `noise`: noise that is not wholly known. `refit`, `gaps`, `width`, `weigh`: fits, places of thresholds, evidence, probabilities.
 //! `heat`, `carried`, `held_out`, `still`, `trend`, `separate`: what is missing whatever its name, what heat a fitted effect carries, what the held-out rows say, which channels stand still, which inputs follow time, which test would part
-//! rivals. `prior_of`: priors that may be too narrow. `hints`, `overstated`, `drift`: what to check first, in the model, its noise, its phases. `engine`, `search`, `conclude`, `words`: the course, the sets that are fitted, the verdict, the sentences. `output`: the result.
+//! rivals. `prior_of`: priors that may be too narrow. `hints`, `overstated`: what to check first, in the model and its noise. `engine`, `search`, `conclude`, `words`: the course, the sets that are fitted, the verdict, the sentences. `output`: the result.
 
 pub mod bounded;
 mod carried;
 mod conclude;
 pub mod detectable;
-mod drift;
 mod engine;
 pub mod evidence;
 mod exchange;

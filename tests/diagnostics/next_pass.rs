@@ -14,7 +14,7 @@ use crate::diagnostics::pass_study::Study;
 /// inputs of several units.
 const MODEL: &str = r#"{"format": "bmv-network/1", "title": "All kinds",
  "inputs": {"T_plate": {"unit": "degC", "nominal": 17, "range": [-20, 45]}, "T_shroud": {"unit": "K", "nominal": 120, "range": [90, 150]},
-            "Q": {"unit": "W", "nominal": 6, "range": [3, 9]}, "p": {"unit": "mbar", "nominal": 0.02, "range": [0.01, 0.03]},
+            "Q": {"unit": "W", "nominal": 6, "range": [0, 9]}, "p": {"unit": "mbar", "nominal": 0.02, "range": [0.01, 0.03]},
             "i": {"unit": "mA", "nominal": 800, "range": [400, 1200]}, "flux": {"unit": "W/m2", "nominal": 10, "range": [0, 1361.3]},
             "share": {"unit": "%", "nominal": 50, "range": [0, 100]}, "free": {"unit": "s", "nominal": 3}},
  "parameters": {"G": {"unit": "W/K", "nominal": 0.6, "prior": {"uniform": [0.3, 0.9]}}},

@@ -141,7 +141,7 @@ fn a_lag_is_a_parameter_and_a_hidden_node_starts_with_its_host() {
     };
     let (prompt, late) = (read(0.0), read(60.0));
     assert_eq!(prompt[0], late[0]);
-    assert!((prompt[1] - 300.0).abs() > (late[1] - 300.0).abs(), "a lagging sensor has moved less");
+    assert!((prompt[1] - 293.15).abs() > (late[1] - 293.15).abs(), "a lagging sensor has moved less");
 }
 
 #[test]
@@ -167,14 +167,14 @@ fn a_study_brings_its_own_effect() {
 
 #[test]
 fn a_factor_changes_the_quantities_that_ask_for_it() {
-    let entry = r#""aging": {"effect": {"temperature-dependent-conductance": {"where": "bolts", "parameters": {"coefficient": {"prior": {"fixed": 0.01}}}}}, "because": "hot and cold differ"}"#;
+    let entry = r#""aging": {"effect": {"temperature-dependent-conductance": {"where": "bolts", "parameters": {"coefficient": {"prior": {"fixed": 0.004}}}}}, "because": "hot and cold differ"}"#;
     let pass = adopting(&Study::new(), entry);
     let network = Network::compile(&pass.model, &[]).expect("compiled");
     let mut workspace = network.workspace();
     network.solve_steady(&mut workspace, Start::Default).expect("solved");
     let temperatures = workspace.temperatures();
     let (plate, cabinet) = (temperatures[0], temperatures[2]);
-    let expected = 0.8 * (1.0 + 0.01 * (0.5 * (plate + cabinet) - 293.15)) * (cabinet - plate);
+    let expected = 0.8 * (1.0 + 0.004 * (0.5 * (plate + cabinet) - 293.15)) * (cabinet - plate);
     assert!((network.quantity(&workspace, 0) - expected).abs() < 1e-9, "`leak` is the heat through the bolts");
 }
 

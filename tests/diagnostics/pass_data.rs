@@ -150,8 +150,8 @@ fn a_declared_column_that_is_not_there() {
     error[table-column]: `study/data/balance.csv` has no column `Box (degC)`
      --> study/pass-1.json:7:34
       |
-    7 |    "columns": {"box": {"header": "Box (degC)", "unit": "degC"}}, "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}, "inputs": {"T_s": 90}}}},
-      |                                  ^^^^^^^^^^^^ the columns are `phase`, `T_if [degC]`, `Q [W]`, `box [degC]`, `panel [degC]` and `note`
+    7 | ...": {"header": "Box (degC)", "unit": "degC"}}, "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}, "inputs": {"T_s"...
+      |                  ^^^^^^^^^^^^ the columns are `phase`, `T_if [degC]`, `Q [W]`, `box [degC]`, `panel [degC]` and `note`
       |
       = note: at $.measurements.balance.steady.columns.box.header
       = help: did you mean `box [degC]`?
@@ -166,7 +166,7 @@ fn a_declared_column_that_nothing_uses() {
     error[table-column]: unknown sensor or input `bxo`
      --> study/pass-1.json:7:16
       |
-    7 |    "columns": {"bxo": {"header": "box [degC]"}}, "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}, "inputs": {"T_s": 90}}}},
+    7 |    "columns": {"bxo": {"header": "box [degC]"}}, "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}, "inputs": {"T_s"...
       |                ^^^^^ one of `phase`, `T_if`, `Q`, `T_s`, `box` and `panel`
       |
       = note: at $.measurements.balance.steady.columns.bxo
@@ -405,7 +405,7 @@ fn an_interval_beyond_the_data() {
     error[interval]: no row of the data lies in this interval
      --> study/pass-1.json:7:31
       |
-    7 |    "held_out": {"intervals": [{"from": {"value": 2, "unit": "h"}}]}}}},
+    7 |    "held_out": {"intervals": [{"from": {"value": 2, "unit": "h"}}]}, "inputs": {"T_if": {"value": 20, "unit": "degC"}, "T_s": 90}}}},
       |                               ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^ the data run from 0 s to 180 s
       |
       = note: at $.measurements.balance.transient.held_out.intervals[0]
@@ -420,7 +420,7 @@ fn an_interval_upside_down() {
     error[interval]: the interval from 100 s to 50 s is empty
      --> study/pass-1.json:7:31
       |
-    7 |    "held_out": {"intervals": [{"from": 100, "to": 50}]}}}},
+    7 |    "held_out": {"intervals": [{"from": 100, "to": 50}]}, "inputs": {"T_if": {"value": 20, "unit": "degC"}, "T_s": 90}}}},
       |                               ^^^^^^^^^^^^^^^^^^^^^^^ an end after the beginning
       |
       = note: at $.measurements.balance.transient.held_out.intervals[0]
@@ -508,7 +508,7 @@ fn an_origin_that_is_not_fetched() {
     error[pinned-data]: `ftp://example.org/x` cannot be fetched
      --> study/pass-1.json:7:103
       |
-    7 | ...26e0490231de7a9def8ebdc", "origin": "ftp://example.org/x"}, "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}, "inputs": {"T_s": 90}}}},
+    7 | ...26e0490231de7a9def8ebdc", "origin": "ftp://example.org/x"}, "held_out": {"phases": ["P2"]}, "ignore": {"P3": "not stabilised"}, "i...
       |                                        ^^^^^^^^^^^^^^^^^^^^^ an address that begins with https://
       |
       = note: at $.measurements.balance.steady.pinned.origin

@@ -217,7 +217,7 @@ fn byte_order_mark() {
     error[json-bom]: the file begins with a byte order mark
      --> model.json:1:1
       |
-    1 | ﻿{"format": "bmv-network/1", "quantities": {}}
+    1 | �{"format": "bmv-network/1", "quantities": {}}
       | ^
       |
       = note: at $

@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use bmv::job::propagate::{Propagate, Sampling, Spec};
-use bmv::job::{Job, Step};
+use bmv::job::propagate::{FailedSample, Propagate, Sampling, Spec};
+use bmv::job::{Job, Step, stored};
 use bmv::study::JobSpec;
 
 /// Temperatures of the radiator's nominal case, sample by sample, out of the blocks' bytes.
@@ -22,10 +22,8 @@ fn samples(count: u64, sampling: Sampling) -> Vec<u64> {
     let mut values = Vec::new();
     for input in &inputs {
         let bytes = job.block(&stage, input).unwrap();
-        // The length of a text, the text, the values.
-        let (length, rest) = bytes.split_first_chunk::<8>().unwrap();
-        let text = u64::from_le_bytes(*length) as usize;
-        values.extend(rest[text..].as_chunks::<8>().0.iter().map(|word| u64::from_le_bytes(*word)));
+        let (_, numbers) = stored::split_numbers::<(u64, Vec<FailedSample>)>(&bytes, &stage).unwrap();
+        values.extend(numbers.iter().map(|value| value.to_bits()));
     }
     assert_eq!(values.len() as u64, count);
     values

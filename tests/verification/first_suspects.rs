@@ -183,41 +183,6 @@ fn laws_that_no_phase_tells_apart_are_one_thing() {
     assert!(one.probability < 0.6 && output.words.iter().any(|word| word.contains("here they are one thing")));
 }
 
-/// Windows of a time series; in the last one the box still drifts by 2 K/h.
-#[test]
-fn a_phase_that_drifts_is_named_by_the_diagnosis() {
-    let key = StreamKey::new(22, "suspects", "noise");
-    let mut stream = key.stream(0);
-    let mut table = String::from("time [s],T_sink [K],Q [W],plate [K],box [K]\n");
-    for (phase, [sink, q]) in PHASES[..6].iter().enumerate() {
-        for row in 0..30 {
-            let time = 10_000 * phase + 60 * row;
-            let plate = sink + (q + 2.0) / 0.5;
-            let drift = if phase == 5 { 2.0 / 3600.0 * 60.0 * (row as f64 - 14.5) } else { 0.0 };
-            let read = [plate, plate + 2.0 / 0.3 + drift].map(|value| value + 0.02 * stream.normal());
-            table.push_str(&format!("{time},{sink},{q},{:e},{:e}\n", read[0], read[1]));
-        }
-    }
-    let window = |phase: usize| {
-        format!(r#""P{phase}": {{"file": "data.csv", "from": {}, "to": {}}}"#, 10_000 * phase, 10_000 * phase + 1740)
-    };
-    let windows: Vec<String> = (0..6).map(window).collect();
-    let sensor = |name: &str| format!(r#""{name}": {{"measures": "{name}", "sigma": {{"value": 0.1, "unit": "K"}}}}"#);
-    let pass = format!(
-        r#"{{"format": "bmv-pass/1", "title": "Drift", "parent": null, "model": "model.json", "seed": 3,
-        "measurements": {{"test": {{"steady": {{"windows": {{{}}}, "sensors": {{{}, {}}}}}}}}},
-        "jobs": {{"missing": {{"diagnose": {{"effects": ["heat-load"]}}}}}}}}"#,
-        windows.join(", "),
-        sensor("plate"),
-        sensor("box")
-    );
-    let model = MODEL.replace("PRIOR", "[0.3, 0.7]").replace("POWER", "Q");
-    let output = Study::new(&model, &table, &pass).diagnosed();
-    let said: Vec<&String> = output.warnings.iter().filter(|warning| warning.contains("was not steady")).collect();
-    assert_eq!(said.len(), 1, "{:?}", output.warnings);
-    assert!(said[0].contains("phase P5") && said[0].contains("box") && said[0].contains("+2.0"), "{said:?}");
-}
-
 /// A box behind a blanket that the model takes for weightless; the start is given for the box, the only node that stores.
 const BLANKET: &str = r#"{
   "format": "bmv-network/1",

@@ -240,7 +240,8 @@ impl Design {
                     let shell = head.shell();
                     let state = head.carry.ok_or_else(|| stored::unreadable(stage, "it carries nothing"))?;
                     for (&phase, readings) in head.phases.iter().zip(numbers.chunks_exact(all)) {
-                        let own = InformationInput { phases: vec![phase], ..shell.clone() };
+                        let sensors = (0..self.plant.sensors()).collect();
+                        let own = InformationInput { phases: vec![phase], sensors, ..shell.clone() };
                         let replicates = state.replicates.get(phase).cloned().unwrap_or_default();
                         sets.push((own, readings.to_vec(), replicates));
                     }
