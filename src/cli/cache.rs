@@ -3,7 +3,7 @@
 use clap::Subcommand;
 
 use super::options::{CacheOption, PathsArgument};
-use super::output::{escaped, print, print_json, table};
+use super::output::{escaped, print, print_json, shown, table};
 use super::status::{Failure, Status};
 use super::{Context, studies};
 use crate::runner::Plan;
@@ -71,7 +71,7 @@ impl CacheVerb {
                     row("not reproducible, in conflict", found.conflicts, None),
                     row("in the trash", found.trashed, None),
                 ];
-                print(&format!("{}\n{}", cache.root().display(), table(&rows, None)))?;
+                print(&format!("{}\n{}", shown(cache.root()), table(&rows, None)))?;
                 Ok(Status::Done)
             }
             Self::Verify { cache, json } => {

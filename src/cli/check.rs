@@ -5,7 +5,7 @@ use serde_json::json;
 use super::Context;
 use super::execute::execute;
 use super::options::{PathsArgument, RunOptions};
-use super::output::{escaped, print, print_json, tell};
+use super::output::{escaped, print, print_json, shown, tell};
 use super::status::{Failure, Status};
 use crate::runner::baseline;
 
@@ -41,7 +41,7 @@ impl Check {
                 let path = pass.study.join(&inside);
                 if self.archive {
                     baseline::archive(&pass.study, &inside, &finished.stored.value)?;
-                    text.push_str(&format!("archived {}\n", path.display()));
+                    text.push_str(&format!("archived {}\n", shown(&path)));
                     continue;
                 }
                 let Some(found) = baseline::compare(&path, &finished.stored.value)? else {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::execute::{execute_loaded, is_judge};
 use super::options::RunOptions;
-use super::output::{escaped, print, print_json, tell};
+use super::output::{print, print_json, shown, tell};
 use super::status::{Failure, Status};
 use super::studies::Loaded;
 use super::{Context, studies};
@@ -31,8 +31,8 @@ impl HistoryVerb {
         let mut folders: Vec<&PathBuf> = loaded.passes.iter().map(|pass| &pass.study).collect();
         folders.dedup();
         if folders.len() > 1 {
-            let names: Vec<String> = folders.iter().map(|folder| folder.display().to_string()).collect();
-            let message = format!("`{}` holds several studies; name one: {}", self.study.display(), names.join(", "));
+            let names: Vec<String> = folders.iter().map(|folder| shown(folder)).collect();
+            let message = format!("`{}` holds several studies; name one: {}", shown(&self.study), names.join(", "));
             return Err(Failure::input(message));
         }
         let is_folder = self.study.is_dir();
@@ -44,14 +44,14 @@ impl HistoryVerb {
             print_json(&history)?;
         } else if let Some(section) = error_by_pass(&history) {
             print(&terminal::render(&[section], context.layout))?;
-            let shown = escaped(&self.study.display().to_string());
-            tell(&format!("figure and all numbers: bmv report {shown}, bmv history {shown} --json"));
+            let study = shown(&self.study);
+            tell(&format!("figure and all numbers: bmv report {study}, bmv history {study} --json"));
         } else if executed.status_of_wanted() == Status::Done {
-            let shown = escaped(&self.study.display().to_string());
+            let study = shown(&self.study);
             let missing = missing_jobs(&history);
             let reasons: Vec<String> = missing.iter().map(|text| format!("\n{}", terminal::sentence(text))).collect();
             return Err(Failure::input(format!(
-                "no pass of `{shown}` is compared with measurements{}",
+                "no pass of `{study}` is compared with measurements{}",
                 reasons.concat()
             )));
         }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 
-use super::output::print;
+use super::output::{print, shown};
 use super::status::{Failure, Status};
 use crate::study::file::{self, Existing};
 
@@ -48,18 +48,18 @@ impl Example {
 
 impl Init {
     pub(super) fn execute(self) -> Result<Status, Failure> {
-        let shown = self.folder.display();
-        let cannot = |error: std::io::Error| Failure::input(format!("cannot make the study `{shown}`: {error}"));
+        let folder = shown(&self.folder);
+        let cannot = |error: std::io::Error| Failure::input(format!("cannot make the study `{folder}`: {error}"));
         for (name, _) in self.from.files() {
             if self.folder.join(name).symlink_metadata().is_ok() {
-                return Err(Failure::input(format!("`{shown}` has a `{name}` already; name another folder")));
+                return Err(Failure::input(format!("`{folder}` has a `{name}` already; name another folder")));
             }
         }
         for (name, text) in self.from.files() {
             file::write(&self.folder, Path::new(name), text.as_bytes(), Existing::Keep).map_err(cannot)?;
         }
-        let get = if self.from.has_pinned_data() { format!("bmv data get {shown}\n") } else { String::new() };
-        print(&format!("made {shown}; now try\n{get}bmv run {shown}\nbmv report {shown}\n"))?;
+        let get = if self.from.has_pinned_data() { format!("bmv data get {folder}\n") } else { String::new() };
+        print(&format!("made {folder}; now try\n{get}bmv run {folder}\nbmv report {folder}\n"))?;
         Ok(Status::Done)
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::Context;
 use super::options::RunOptions;
-use super::output::{escaped, print, print_json, table, tell};
+use super::output::{escaped, print, print_json, shown, table, tell};
 use super::status::{Failure, Status};
 use crate::diagnosis::laboratory::{Rate, Score, case, folder, standard};
 use crate::document::suggest;
@@ -68,20 +68,20 @@ impl LabVerb {
                 let found = crate::study::discover(std::slice::from_ref(study));
                 let found = found.map_err(|error| Failure::input(error.to_string()))?;
                 let path = found.iter().find_map(|study| study.passes.first().cloned());
-                let path = path.ok_or_else(|| Failure::input(format!("no pass in `{}`", study.display())))?;
+                let path = path.ok_or_else(|| Failure::input(format!("no pass in `{}`", shown(study))))?;
                 let pass = crate::study::load(&path).map_err(rendered)?;
                 project = Project::of(&pass.folder);
                 if !pass.warnings.is_empty() {
                     tell(&pass.warnings.render(context.coloured, MOST_DIAGNOSTICS));
                 }
                 if pass.measurements.is_empty() {
-                    return Err(Failure::input(format!("`{}` has no measurement to simulate", path.display())));
+                    return Err(Failure::input(format!("`{}` has no measurement to simulate", shown(&path))));
                 }
                 if let Some(own) = pass.handed_on.first() {
                     return Err(Failure::input(format!(
                         "the laboratory draws truths from distributions, and in `{}` {} has the draws of {} as its prior; \
                          name a pass with the prior that they began with",
-                        path.display(),
+                        shown(&path),
                         suggest::listed(own.draws.names.iter().map(String::as_str), 6),
                         own.draws.source
                     )));
@@ -116,7 +116,7 @@ impl LabVerb {
         }
         let output: Output = serde_json::from_value((*finished.stored.value).clone())
             .map_err(|error| Failure::job(format!("the laboratory's result: {error}")))?;
-        print(&shown(&output, context.fold))?;
+        print(&table_of(&output, context.fold))?;
         Ok(Status::Done)
     }
 
@@ -160,7 +160,7 @@ fn percent(rate: &Rate) -> String {
     }
 }
 
-fn shown(output: &Output, fold: Option<usize>) -> String {
+fn table_of(output: &Output, fold: Option<usize>) -> String {
     let diagnosed = output.rows.iter().any(|row| row.found.is_some());
     let mut heading = vec!["hidden", "size", "separable"];
     if diagnosed {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::execute::Executed;
-use super::output::{escaped, tell};
+use super::output::{escaped, shown, tell};
 use super::status::{Failure, Status};
 use super::studies::{self, LoadedPass};
 use crate::report::{required, terminal};
@@ -44,7 +44,7 @@ impl CacheOption {
         let is_shared = self.folder.is_none() && passes.iter().any(|pass| pass.project != of_first);
         is_shared.then(|| {
             let folder = of_first.cache();
-            format!("the studies lie in several projects: all use the cache `{}` (or --cache DIR)", folder.display())
+            format!("the studies lie in several projects: all use the cache `{}` (or --cache DIR)", shown(&folder))
         })
     }
 }

@@ -3,6 +3,7 @@
 
 use std::borrow::Cow;
 use std::io::{self, ErrorKind, Write};
+use std::path::Path;
 
 use serde::Serialize;
 
@@ -78,6 +79,11 @@ pub fn print_json(value: &impl Serialize) -> io::Result<()> {
 /// Tells something on standard error; a closed one is no error.
 pub fn tell(message: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", safe(message));
+}
+
+/// A path as it is printed.
+pub fn shown(path: &Path) -> String {
+    escaped(&path.display().to_string())
 }
 
 /// Rows of cells in columns, two blanks apart; the first row is the heading. Within `fold` characters, where the output is a

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::output::shown;
 use super::status::Failure;
 use super::studies;
 use crate::study::pinned::{self, Obtained, Sources, State};
@@ -34,7 +35,7 @@ pub(super) fn pinned(paths: &[PathBuf], from: Option<&Sources>) -> Result<Vec<Pi
             let (state, good) = if let Some(from) = from {
                 match pinned::get(&folder, entry, from) {
                     Ok(Obtained::AlreadyThere) => ("already there".to_owned(), true),
-                    Ok(Obtained::Copied(path)) => (format!("copied from {}", path.display()), true),
+                    Ok(Obtained::Copied(path)) => (format!("copied from {}", shown(&path)), true),
                     Ok(Obtained::Fetched(origin)) => (format!("fetched from {origin}"), true),
                     Err(error) => (error.to_string(), false),
                 }

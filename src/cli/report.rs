@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::execute::execute_loaded;
 use super::options::{PathsArgument, RequireOption, RunOptions};
-use super::output::{escaped, print, tell};
+use super::output::{escaped, print, shown, tell};
 use super::status::{Failure, Status};
 use super::{Context, archive, studies};
 
@@ -34,7 +34,7 @@ impl Report {
         }
         for (pass, target) in executed.passes.iter().zip(&targets) {
             if archive::render(pass, &executed, target)? {
-                print(&format!("{}\n", target.folder().join("report.html").display()))?;
+                print(&format!("{}\n", shown(&target.folder().join("report.html"))))?;
             } else {
                 tell(&format!("{}: no job has a result, no report", escaped(&pass.shown)));
             }

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::archive::study_name;
 use super::execute::Executed;
-use super::output::{escaped, tell};
+use super::output::{self, escaped, tell};
 use super::status::Failure;
 use crate::document::{Diagnostic, Diagnostics};
 use crate::job::{Job, JobError, compare, predict, propagate, sensitivity};
@@ -379,7 +379,7 @@ pub fn one_pass(path: &Path) -> Result<(), Failure> {
         return Ok(());
     }
     let names: Vec<_> = passes.iter().map(|pass| escaped(&pass.display().to_string())).collect();
-    Err(Failure::input(format!("`{}` holds several passes; name one: {}", path.display(), names.join(", "))))
+    Err(Failure::input(format!("`{}` holds several passes; name one: {}", output::shown(path), names.join(", "))))
 }
 
 /// The job of a kind: the one of this name, else the first, in the order of the file; where there are several, it is
@@ -388,7 +388,7 @@ pub fn one_pass(path: &Path) -> Result<(), Failure> {
 /// # Errors
 /// A pass that cannot be loaded, or that has no such job.
 pub fn job_of_kind(path: &Path, kind: &str, name: Option<&str>, coloured: bool) -> Result<String, Failure> {
-    let shown = path.display();
+    let shown = output::shown(path);
     let loaded = passes(&Reader::default(), &[path.to_owned()], coloured)?;
     let jobs = loaded.iter().flat_map(|(_, _, pass)| &pass.jobs).filter(|job| job.spec.kind() == kind);
     let jobs: Vec<&str> = jobs.map(|job| job.name.as_str()).collect();

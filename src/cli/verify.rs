@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::output::{escaped, print, print_json};
+use super::output::{escaped, print, print_json, shown};
 use super::status::{Failure, Status};
 use crate::report::seal::contradictions;
 use crate::runner::Manifest;
@@ -28,7 +28,7 @@ impl Verify {
         let root = self.root.clone().unwrap_or_else(|| root(&manifest, &self.report));
         let mut found = manifest.verify(&self.report, &root)?;
         found.contradictions = contradictions(&manifest, &self.report)
-            .map_err(|error| Failure::input(format!("`{}` cannot be read: {error}", self.report.display())))?;
+            .map_err(|error| Failure::input(format!("`{}` cannot be read: {error}", shown(&self.report))))?;
         let status = if found.is_intact() { Status::Done } else { Status::CheckFailed };
         if self.json {
             print_json(&found)?;

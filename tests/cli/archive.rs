@@ -104,7 +104,7 @@ fn a_report_is_the_same_however_the_study_is_named_and_wherever_from() {
         assert!(printed(from, &[&["plan"], paths].concat()).contains("\n0 of 2 jobs to run"), "{paths:?}");
     }
     let report = String::from_utf8(first.unwrap()[Path::new("report.md")].clone()).unwrap();
-    assert!(report.contains("bmv report plate/pass-1.json") && report.contains("bmv data get plate`"), "{report}");
+    assert!(report.contains("bmv report plate/pass-1.json") && report.contains("bmv data get plate\\`"), "{report}");
     // What is named explicitly wins.
     let out = other.join("out");
     printed(&study, &["report", "--out", "../other/out", "--cache", "../other/cache"]);

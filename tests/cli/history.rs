@@ -9,7 +9,6 @@ use super::studies::{bmv, code, plate, printed, text};
 #[test]
 fn history_says_which_job_a_pass_lacks() {
     let root = plate();
-    let first = root.path().join("plate/pass-1.json");
     let said = printed(root.path(), &["history", "plate"]);
     let plain = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(

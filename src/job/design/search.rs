@@ -121,7 +121,11 @@ impl Design {
         state.found.push(phase.clone());
         state.replicates.push(told.replicates.clone());
         if has_solutions {
-            sets.push((InformationInput { phases: vec![index], ..head.shell() }, readings, told.replicates));
+            sets.push((
+                InformationInput { phases: vec![index], sensors: (0..self.plant.sensors()).collect(), ..head.shell() },
+                readings,
+                told.replicates,
+            ));
         }
     }
 }

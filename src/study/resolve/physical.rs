@@ -180,31 +180,30 @@ impl<'a> Tried<'a> {
         })
     }
 
-    /// The first of the temperatures where a value's sign is wrong, the value there, and whether it is wrong at all of
-    /// them.
-    fn wrong(&self, signed: &Signed, parameters: &[f64], inputs: &[f64], depends: bool) -> Option<(f64, f64, bool)> {
+    /// The value at the first of the temperatures, and that temperature, where its sign is wrong at all of them: a law of
+    /// temperature that fails at one end only need not meet it.
+    fn wrong(&self, signed: &Signed, parameters: &[f64], inputs: &[f64], depends: bool) -> Option<(f64, f64)> {
         let temperatures = if depends { self.temperatures.as_slice() } else { &self.temperatures[..1] };
-        let tried = temperatures.iter().map(|own| (*own, self.value(signed.law.value, parameters, inputs, *own)));
-        let wrong: Vec<(f64, f64)> = tried.filter(|(_, value)| signed.law.is_broken_by(*value)).collect();
-        let (temperature_k, value) = *wrong.first()?;
-        Some((temperature_k, value, wrong.len() == temperatures.len()))
+        let mut tried = temperatures.iter().map(|own| (*own, self.value(signed.law.value, parameters, inputs, *own)));
+        let first = tried.next().filter(|(_, value)| signed.law.is_broken_by(*value))?;
+        tried.all(|(_, value)| signed.law.is_broken_by(value)).then_some(first)
     }
 
     /// The first fault of a value, and whether it is an error.
     fn fault(&self, signed: &Signed, left: &mut usize) -> Option<(Fault, bool)> {
         let symbols = self.model.graph.symbols(signed.law.value);
         let depends = symbols.iter().any(|symbol| matches!(symbol, Symbol::Node(_)));
-        let with = |at: &str, (temperature_k, value, always): (f64, f64, bool)| {
+        let with = |at: &str, (temperature_k, value): (f64, f64), is_certain: bool| {
             let hot = if depends { format!(" and {temperature_k} K") } else { String::new() };
-            (Fault { value, at: format!("{at}{hot}") }, always)
+            (Fault { value, at: format!("{at}{hot}") }, is_certain)
         };
         if let Some(wrong) = self.wrong(signed, &self.parameters, &self.inputs, depends) {
-            return Some(with("at the nominal values", wrong));
+            return Some(with("at the nominal values", wrong, true));
         }
         if symbols.iter().any(|symbol| matches!(symbol, Symbol::Input(_)))
             && let Some((at, wrong)) = self.in_states(signed, depends, left)
         {
-            return Some(with(&at, wrong));
+            return Some(with(&at, wrong, true));
         }
         symbols.iter().find_map(|symbol| {
             let (name, ends) = match *symbol {
@@ -226,14 +225,14 @@ impl<'a> Tried<'a> {
                     Symbol::Time | Symbol::Node(_) | Symbol::Mode(_) | Symbol::Local(_) => {}
                 }
                 // The end itself of a prior above 0 never occurs.
-                let wrong = self.wrong(signed, &parameters, &inputs, depends).filter(|(_, value, _)| *value < 0.0)?;
-                Some((with(&format!("where `{name}` is {end} (SI), which it may be"), wrong).0, false))
+                let wrong = self.wrong(signed, &parameters, &inputs, depends).filter(|(_, value)| *value < 0.0)?;
+                Some(with(&format!("where `{name}` is {end} (SI), which it may be"), wrong, false))
             })
         })
     }
 
     /// The first environment, phase or row whose inputs give the wrong sign.
-    fn in_states(&self, signed: &Signed, depends: bool, left: &mut usize) -> Option<(String, (f64, f64, bool))> {
+    fn in_states(&self, signed: &Signed, depends: bool, left: &mut usize) -> Option<(String, (f64, f64))> {
         let mut wrong = |inputs: &[f64]| {
             *left = left.checked_sub(1)?;
             self.wrong(signed, &self.parameters, inputs, depends)
