@@ -212,9 +212,14 @@ impl Job for Diagnose {
             Some(REFIT) => {
                 let input = inputs.first().map_or(&[][..], Vec::as_slice);
                 let mut state = from_bytes::<RefitInput>(input, stage)?.state;
+                let mut refits: Vec<Result<Refit, String>> = Vec::new();
                 for bytes in outputs {
-                    state.take(from_bytes(bytes, stage)?);
+                    refits.extend(from_bytes::<Vec<Result<Refit, String>>>(bytes, stage)?);
                 }
+                if refits.len() != state.pending.len() {
+                    return Err(unreadable(stage, "it has not one fit for each set"));
+                }
+                state.take(refits);
                 let stage = format!("{EXTEND} {}", state.rounds);
                 Ok(Step::Blocks { stage, inputs: vec![to_bytes(&state)?] })
             }
