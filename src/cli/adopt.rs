@@ -54,7 +54,7 @@ impl Adopt {
         let found = executed.results(pass).find(|(at, _)| executed.plan.nodes()[*at].name == job);
         let Some((_, result)) = found else { return Ok(executed.status_of_wanted()) };
         let findings = Findings::from_result(&job, &result.stored.value)
-            .map_err(|error| Failure::job(format!("{}: {error}", pass.shown)))?;
+            .map_err(|error| Failure::job(format!("{}: {error}", escaped(&pass.shown))))?;
         let path = destination(&pass.pass, self.out.as_deref(), &asked.command()).map_err(|wrong| {
             let mut diagnostics = Diagnostics::new();
             diagnostics.push(*wrong);

@@ -87,7 +87,7 @@ const COMMAND: &str = "bmv report";
 /// # Errors
 /// A result that cannot be rendered, a file that cannot be written, a study that changed while it was read.
 pub fn render(pass: &LoadedPass, executed: &Executed, target: &Target) -> Result<bool, Failure> {
-    let failed = |error: String| Failure::job(format!("{}: {error}", pass.shown));
+    let failed = |error: String| Failure::job(format!("{}: {error}", escaped(&pass.shown)));
     if executed.results(pass).next().is_none() && !pass.not_run.is_empty() {
         return Ok(false);
     }

@@ -56,7 +56,7 @@ impl Compare {
         let executed = prepared.run(&self.options, context)?;
         for pass in &executed.passes {
             if !pass.pass.jobs.iter().any(|job| job.spec.kind() == "compare") {
-                return Err(Failure::input(format!("`{}` has no job of kind `compare`", pass.shown)));
+                return Err(Failure::input(format!("`{}` has no job of kind `compare`", escaped(&pass.shown))));
             }
             let mut report = studies::view(pass, &executed)?;
             if self.json {

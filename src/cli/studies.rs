@@ -363,7 +363,7 @@ pub fn history(passes: &[&LoadedPass], executed: &Executed) -> Result<History, F
             comparison.as_ref().map(|(name, value)| (name.as_str(), value.as_ref())),
             calibration.as_ref().map(|(name, value)| (name.as_str(), value.as_ref())),
         );
-        history.passes.push(errors.map_err(|error| Failure::job(format!("{}: {error}", pass.shown)))?);
+        history.passes.push(errors.map_err(|error| Failure::job(format!("{}: {error}", escaped(&pass.shown))))?);
     }
     Ok(history)
 }
@@ -424,7 +424,7 @@ pub fn has_job(pass: &LoadedPass, job: &str) -> Result<(), Failure> {
         return Ok(());
     }
     let known: Vec<_> = names().map(|name| format!("`{}`", escaped(name))).collect();
-    let (shown, job) = (&pass.shown, escaped(job));
+    let (shown, job) = (escaped(&pass.shown), escaped(job));
     Err(Failure::input(if known.is_empty() {
         format!("`{shown}` has no job `{job}`, and no other")
     } else {
@@ -477,7 +477,8 @@ pub(super) fn view_in<'p>(
         .collect();
     let warnings = pass.not_run.iter().cloned().chain(failures(pass, executed)).collect();
     let surroundings = Surroundings { study: study_name(&pass.study), warnings, ..surroundings };
-    assemble(&pass.pass, &jobs, surroundings).map_err(|error| Failure::job(format!("{}: {error}", pass.shown)))
+    assemble(&pass.pass, &jobs, surroundings)
+        .map_err(|error| Failure::job(format!("{}: {error}", escaped(&pass.shown))))
 }
 
 /// Takes the single readings out of comparisons; a terminal shows their statistics.
