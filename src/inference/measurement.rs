@@ -82,13 +82,6 @@ pub enum Initial {
         /// or not; their values are first guesses.
         balanced: Vec<usize>,
     },
-    /// Some nodes at their first readings, the others in balance with them at the first row's inputs.
-    Measured {
-        /// Temperature of every node, K; of those that are not held a first guess.
-        temperatures: Vec<f64>,
-        /// Whether a node has its reading; nodes beyond its end have none.
-        held: Vec<bool>,
-    },
     /// The steady state at the first row's inputs.
     Steady,
     /// The periodic state of the inputs' cycle.

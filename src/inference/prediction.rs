@@ -141,7 +141,6 @@ impl Predictor {
                 start = values.iter().map(super::measurement::Uncertain::nominal).collect();
                 (InitialState::Temperatures(&start), balanced)
             }
-            Initial::Measured { temperatures, held } => (InitialState::Held { temperatures, held }, &[]),
             Initial::Steady => (InitialState::Steady, &[]),
             Initial::Periodic => (InitialState::Periodic, &[]),
         };

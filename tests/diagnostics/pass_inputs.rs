@@ -1,6 +1,7 @@
 //! What a measurement says of the inputs, and starts that its first readings contradict.
 
 use bmv::inference::measurement::{Initial, Rows, Uncertain};
+use bmv::random::Distribution;
 
 use crate::diagnostics::pass_study::Study;
 
@@ -180,31 +181,64 @@ fn initial(study: &Study) -> Initial {
     initial.clone()
 }
 
+/// Mean and standard deviation in degC of a start that is fitted.
+fn fitted(value: &Uncertain) -> (f64, f64) {
+    match value {
+        Uncertain::Inferred(Distribution::Normal { mean, sd, lower: None, upper: None }) => (mean - 273.15, *sd),
+        other => panic!("{other:?}"),
+    }
+}
+
 #[test]
-fn a_measured_start_holds_the_nodes_with_readings() {
-    // Nodes: plate, shroud, box, panel.
-    let Initial::Measured { temperatures, held } = initial(&transient(r#"{"measured": {}}"#, FAR)) else {
-        panic!("measured")
-    };
-    assert_eq!((temperatures[2], held), (32.0 + 273.15, vec![false, false, true, false]));
-    let first = |settings: &str| match initial(&transient(&format!(r#"{{"measured": {settings}}}"#), FAR)) {
-        Initial::Measured { temperatures, held } => (temperatures[2] - 273.15, temperatures[3] - 273.15, held[3]),
-        Initial::Temperatures { values, .. } => match values.as_slice() {
-            [_, _, Uncertain::Known(own), Uncertain::Known(panel)] => (own - 273.15, panel - 273.15, true),
-            other => panic!("{other:?}"),
-        },
+fn a_measured_start_is_fitted_about_the_first_readings() {
+    // Nodes: plate, shroud (boundaries), box, panel (store heat; only the box has a sensor, of 0.1 K).
+    let start = |settings: &str| match initial(&transient(&format!(r#"{{"measured": {settings}}}"#), FAR)) {
+        Initial::Temperatures { values, balanced, .. } => (values, balanced),
         other => panic!("{other:?}"),
     };
-    let near = |(own, panel, held): (f64, f64, bool), expected: (f64, f64, bool)| {
-        assert!(
-            (own - expected.0).abs() < 1e-9 && (panel - expected.1).abs() < 1e-9 && held == expected.2,
-            "{own} {panel} {held}"
-        );
+    let near = |value: &Uncertain, mean: f64, sd: f64| {
+        let found = fitted(value);
+        assert!((found.0 - mean).abs() < 1e-9 && (found.1 - sd).abs() < 1e-9, "{found:?}, not {mean} {sd}");
     };
-    near(first(r#"{"rows": 2}"#), (31.5, 31.5, false));
-    near(first(r#"{"over": {"value": 2, "unit": "min"}}"#), (31.0 + 1.0 / 6.0, 31.0 + 1.0 / 6.0, false));
-    near(first(r#"{"temperatures": {"panel": {"value": -10, "unit": "degC"}}}"#), (32.0, -10.0, true));
-    near(first(r#"{"others": {"nearest": {}}}"#), (32.0, 32.0, true));
+    let (values, balanced) = start("{}");
+    near(&values[2], 32.0, 0.5);
+    // Boundaries have temperatures of their own, and the panel is expected between the box and the cold.
+    assert_eq!(balanced, [0, 1]);
+    let (panel, sd) = fitted(&values[3]);
+    assert!(panel < 32.0 && panel > -200.0 && sd >= 1.0, "{panel} {sd}");
+    // The box moves by 1 K from the first row to the second, and by 1.5 K to the third.
+    near(&start(r#"{"rows": 2}"#).0[2], 31.5, 1.25_f64.sqrt());
+    near(&start(r#"{"over": {"value": 2, "unit": "min"}}"#).0[2], 31.0 + 1.0 / 6.0, 2.5_f64.sqrt());
+    let known = |settings: &str| match start(settings).0[3] {
+        Uncertain::Known(value) => value - 273.15,
+        ref other => panic!("{other:?}"),
+    };
+    assert!((known(r#"{"temperatures": {"panel": {"value": -10, "unit": "degC"}}}"#) + 10.0).abs() < 1e-9);
+    let prior = r#"{"temperatures": {"panel": {"prior": {"normal": {"mean": -10, "sd": 2}}, "unit": "degC"}}}"#;
+    near(&start(prior).0[3], -10.0, 2.0);
+    near(&start(r#"{"others": {"nearest": {}}, "others_sd": {"value": 3, "unit": "K"}}"#).0[3], 32.0, 3.0);
+    assert!((known(r#"{"others": {"nearest": {}}, "others_sd": 0}"#) - 32.0).abs() < 1e-9);
+    // In balance, whatever the parameters are.
+    assert_eq!(start(r#"{"others_sd": 0}"#).1, [0, 1, 3]);
+}
+
+#[test]
+fn many_starts_without_a_reading_are_fitted_where_a_spread_is_stated() {
+    let study = |settings: &str| {
+        let study = transient(&format!(r#"{{"measured": {settings}}}"#), FAR);
+        let fins: String = (0..41).map(|k| format!(r#", "fin {k}": {{"capacity": 5}}"#)).collect();
+        let arms: String =
+            (0..41).map(|k| format!(r#""arm {k}": {{"between": ["box", "fin {k}"], "conductance": 1}}, "#)).collect();
+        study.edit("model.json", r#""panel": {"capacity": 300}}"#, &format!(r#""panel": {{"capacity": 300}}{fins}}}"#));
+        study.edit("model.json", r#""strap""#, &format!(r#"{arms}"strap""#));
+        study
+    };
+    let said = study("{}").said("pass-1.json");
+    assert!(said.contains("warning[start-assumed]: 42 nodes of `balance` store heat"), "{said}");
+    let many = study(r#"{"others_sd": {"value": 2, "unit": "K"}}"#);
+    assert_eq!(many.said("pass-1.json"), "");
+    let Initial::Temperatures { values, .. } = initial(&many) else { panic!("temperatures") };
+    assert_eq!(values.iter().filter(|value| value.prior().is_some()).count(), 43);
 }
 
 #[test]
@@ -215,7 +249,8 @@ fn a_measured_start_that_cannot_be_is_an_error() {
     assert!(said(r#"{"rows": 5}"#, FAR).contains("5 of 4 rows"));
     assert!(said(r#"{"rows": 1, "over": 3}"#, FAR).contains("`rows` and `over`"));
     assert!(said(r#"{"temperatures": {"lid": 300}}"#, FAR).contains("unknown node `lid`"));
-    assert!(said(r#"{"temperatures": {"panel": -3}}"#, FAR).contains("a start of -3 K"));
+    assert!(said(r#"{"temperatures": {"panel": -3}}"#, FAR).contains("-3 is not above 0"));
+    assert!(said(r#"{"others_sd": -1}"#, FAR).contains("a standard deviation of -1 K"));
     let late = "time [s],Q [W],box [degC]\n0,5,\n60,5,23\n120,0,26\n180,0,29\n";
     assert!(said("{}", late).contains("`box` has no reading in the first rows to start at"));
     assert_eq!(said(r#"{"rows": 2}"#, late), "");

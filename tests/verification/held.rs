@@ -1,4 +1,4 @@
-//! Balances with some temperatures held, and transients that start from them.
+//! Balances with some temperatures held, and transients in which nodes start in balance with others.
 
 use bmv::expression::Symbol;
 use bmv::thermal::{InitialState, InputTable, Network, TransientRequest};
@@ -88,10 +88,14 @@ fn a_transient_starts_in_the_balance_and_is_differentiated_through_it() {
     let inputs = InputTable::default();
     let outputs = [0.0, 5.0, 100.0];
     let run = |network: &Network, conductance: f64, sensitivities: bool| {
-        let initial = InitialState::Held { temperatures: &given, held: &HELD };
+        let initial = InitialState::Temperatures(&given);
         let parameters = [conductance, 6.0];
-        let request =
-            TransientRequest { sensitivities, ..TransientRequest::new(&parameters, &inputs, initial, &outputs) };
+        let balanced = [2, 3, 5];
+        let request = TransientRequest {
+            sensitivities,
+            balanced: &balanced,
+            ..TransientRequest::new(&parameters, &inputs, initial, &outputs)
+        };
         network.solve_transient(&request).unwrap()
     };
     let network_of = network(&[Symbol::Parameter(0)]);

@@ -99,7 +99,6 @@ fn measurement(inputs: &[Input], own: &Measurement) -> String {
                 None => Value::Null,
             };
             let initial = match initial {
-                Initial::Measured { .. } => json!({"measured": {}}),
                 Initial::Steady => json!({"steady": {}}),
                 Initial::Periodic => json!({"periodic": {}}),
                 Initial::Temperatures { values, .. } => {

@@ -42,6 +42,9 @@ codes! { PASS_CODES:
     START_APART = "start-apart", "a start apart from the first readings (warning)",
         "A transient starts at temperatures that its own first readings contradict: a node begins more than five standard deviations of its sensor from the sensor's first reading, and more than 2 % of the range of its readings (10 % where no sigma is stated). All that follows then shows the wrong start, and a calibration bends parameters to make up for it.",
         "suspicious: \"initial\": {\"temperatures\": {\"all\": {\"value\": 20, \"unit\": \"degC\"}}} where the first readings are 32 degC\nright: \"initial\": {\"measured\": {}}, or a start with a prior";
+    START_ASSUMED = "start-assumed", "starts that are assumed and not fitted (warning)",
+        "A transient that starts at its first readings has many nodes that store heat and have no reading. Up to 40 such starts are fitted, each about the temperature in balance with the readings; more would make every transient slow. They begin in balance then, and where they did not, the first hours show it. A spread that is stated fits them whatever their number.",
+        "\"initial\": {\"measured\": {\"others_sd\": {\"value\": 5, \"unit\": \"K\"}}}";
     NOT_STABILISED = "not-stabilised", "a phase that drifts (warning)",
         "A phase cut from a log as a window is compared with a steady state, but a sensor's readings rise or fall in it: faster than the stabilisation of the criteria, and more surely than their scatter explains (Student's t about a parabola, with the correlation of neighbouring readings, at a level of 1 % a phase). The heat stored meanwhile is missing in the balance. Choose a later window, ignore the phase with a reason, or compare the log as a transient.",
         "\"windows\": {\"P03\": {\"file\": \"data/log.csv\", \"from\": {\"value\": 9, \"unit\": \"h\"}, \"to\": {\"value\": 10, \"unit\": \"h\"}}} instead of the first hour after a step";

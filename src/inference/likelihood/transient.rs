@@ -37,12 +37,6 @@ enum Begin {
         /// Nodes that start in balance with the others.
         balanced: Vec<usize>,
     },
-    Measured {
-        /// By node, K.
-        temperatures: Vec<f64>,
-        /// By node.
-        held: Vec<bool>,
-    },
     Steady,
     Periodic,
 }
@@ -109,7 +103,7 @@ impl TransientPart {
         let solution = self.solve(likelihood, unknowns, &memory.parameters, slopes)?;
         let fitted: &[usize] = match &self.start {
             Begin::Temperatures { fitted, .. } => fitted,
-            Begin::Measured { .. } | Begin::Steady | Begin::Periodic => &[],
+            Begin::Steady | Begin::Periodic => &[],
         };
 
         let n = unknowns.len();
@@ -205,7 +199,6 @@ impl TransientPart {
                 temperatures = values.iter().map(|value| value.at(unknowns)).collect();
                 (InitialState::Temperatures(&temperatures), seeds, balanced)
             }
-            Begin::Measured { temperatures, held } => (InitialState::Held { temperatures, held }, &[], &[]),
             Begin::Steady => (InitialState::Steady, &[], &[]),
             Begin::Periodic => (InitialState::Periodic, &[], &[]),
         };
@@ -243,7 +236,6 @@ impl TransientPart {
         }
         let why = match error {
             TransientError::Steady(_) => "has no steady state to begin with",
-            TransientError::Start(_) => "has no balance of the nodes without a reading to begin with",
             TransientError::Capacity { .. } => "meets a capacity that is not above 0",
             TransientError::StepTooShort { .. }
             | TransientError::TooManySteps { .. }
@@ -258,9 +250,6 @@ impl TransientPart {
 
 fn begin(model: &Model, measurement: &str, initial: &Initial, unknowns: &mut Unknowns) -> Begin {
     let (values, shared, balanced) = match initial {
-        Initial::Measured { temperatures, held } => {
-            return Begin::Measured { temperatures: temperatures.clone(), held: held.clone() };
-        }
         Initial::Steady => return Begin::Steady,
         Initial::Periodic => return Begin::Periodic,
         Initial::Temperatures { values, shared, balanced } => (values, shared, balanced),

@@ -37,7 +37,6 @@ fn overview(measurement: &Measurement) -> Block {
             };
             let start = match initial {
                 Initial::Temperatures { .. } => "given or fitted temperatures",
-                Initial::Measured { .. } => "the first readings, the other nodes in balance with them",
                 Initial::Steady => "the steady state",
                 Initial::Periodic => "the periodic state",
             };

@@ -157,17 +157,20 @@ written_struct! {
         optional rows: Spanned<u64>,
         /// Instead of `rows`: the time from the first row on that a reading is the mean over.
         optional over: Amount,
-        /// Temperatures of nodes that are known otherwise.
-        default(Map::default()) temperatures: Map<Amount>,
-        /// Where the nodes without a reading begin; `{"balance": {}}` where it is left out.
+        /// Temperatures of nodes that are known otherwise, each a value or a prior.
+        default(Map::default()) temperatures: Map<UncertainForm>,
+        /// Where the nodes without a reading are expected to begin; `{"balance": {}}` where it is left out.
         optional others: OtherNodesForm,
+        /// Standard deviation of the starts of nodes that store heat and have no reading, about where they are expected: half
+        /// of the range of the start temperatures where it is left out; with 0 they are not fitted.
+        optional others_sd: Amount,
     }
 }
 
 written_choice! {
-    /// Where nodes without a reading begin.
+    /// Where nodes without a reading are expected to begin.
     pub enum OtherNodesForm: "where nodes without a reading begin" {
-        /// In balance with the readings and the first row's inputs, at whatever parameters the model has.
+        /// In balance with the readings and the first row's inputs.
         "balance" => Balance(Empty),
         /// At the mean of the nodes with readings that are the fewest elements away.
         "nearest" => Nearest(Empty),

@@ -1,12 +1,12 @@
 //! How a transient begins: as stated, at its first readings, and whether these agree.
 
-use crate::document::{Amount, Diagnostic, Map, Place, Sense, code, suggest};
-use crate::expression::Dimension;
+use crate::document::{Diagnostic, Map, Place, Sense, code, suggest};
+use crate::expression::{Dimension, Unit};
 use crate::inference::measurement::{Initial, Sensor, Uncertain};
 use crate::random::Distribution;
 use crate::study::pass::measurement::{InitialForm, MeasuredStartForm, OtherNodesForm};
 use crate::study::pass::uncertain::UncertainForm;
-use crate::thermal::{NodeKind, island_beside, joined};
+use crate::thermal::{Network, NodeKind, island_beside, joined};
 
 use super::plausible::short;
 use super::scope::Scope;
@@ -25,6 +25,16 @@ const DOUBTFUL_SHARE_ALONE: f64 = 0.1;
 const TAIL: f64 = 0.0005;
 /// Sensors named in a message.
 const NAMED: usize = 4;
+/// Standard deviation of a start at a reading, in those of the reading. Wide, as the reading itself takes part in the fit too.
+const START_SIGMAS: f64 = 5.0;
+/// Standard deviation of a reading whose noise is not stated, K.
+const UNSTATED_SIGMA_K: f64 = 1.0;
+/// Least standard deviation of a start without a reading, K.
+const LEAST_SPREAD_K: f64 = 1.0;
+/// Standard deviations between a start without a reading and 0 K, at least.
+const ABOVE_ZERO: f64 = 4.0;
+/// Starts without a reading that are fitted unasked, at most: each is one more direction of derivatives in every transient.
+const MOST_FITTED: usize = 40;
 
 /// A start as far as it is known without the data.
 pub enum Stated<'a> {
@@ -36,6 +46,8 @@ pub enum Stated<'a> {
 
 /// The readings that a start is held against.
 pub struct FirstRows<'a> {
+    /// Value of every input of the model in the first row, SI.
+    pub inputs: &'a [f64],
     /// Instants, s.
     pub times_s: &'a [f64],
     /// Rows that are left out, with the reason.
@@ -63,53 +75,39 @@ pub fn stated<'a>(scope: &mut Scope, form: &'a InitialForm, place: &Place) -> Op
     }
 }
 
-/// The start at the first readings. `None` after an error.
+/// The start at the first readings. Nodes with a reading are fitted about it, nodes without one that store heat about where
+/// they are expected; what stores nothing is in balance with the others. `None` after an error.
 pub fn measured(
     scope: &mut Scope,
     form: &MeasuredStartForm,
     first: &FirstRows,
     sensors: &[Sensor],
-    place: &Place,
+    (measurement, place): (&str, &Place),
 ) -> Option<Initial> {
-    let is_first = first_rows(scope, form, first)?;
-    let nodes = scope.resolved.model.nodes.len();
-    let mut given: Vec<Option<f64>> = vec![None; nodes];
-    let mut counts = vec![0.0; nodes];
-    let mut silent: Vec<&str> = Vec::new();
-    for (position, sensor) in sensors.iter().enumerate() {
-        let Some(node) = stored_node(scope, sensor) else { continue };
-        let readings: Vec<f64> = (first.of(position, sensors.len()))
-            .filter(|(row, time_s, _)| is_first(*row, *time_s))
-            .map(|(_, _, reading)| reading)
-            .collect();
-        if readings.is_empty() {
-            silent.push(&sensor.name);
-            continue;
-        }
-        let bias = sensor.bias.as_ref().map_or(0.0, Uncertain::nominal);
-        let reading = readings.iter().sum::<f64>() / readings.len() as f64 - bias;
-        // Several sensors of one node: their mean.
-        counts[node] += 1.0;
-        let before = given[node].unwrap_or(0.0);
-        given[node] = Some(before + (reading - before) / counts[node]);
-    }
+    let mut given = readings(scope, form, first, sensors)?;
     let before = scope.diagnostics.errors();
     for entry in &form.temperatures {
-        let value = entry.value.si(Dimension::TEMPERATURE, None, Sense::Absolute, scope.diagnostics);
-        let Some(node) = scope.resolved.node(&entry.name) else {
-            unknown_node(scope, &entry.name, &entry.name_place, &[]);
-            continue;
-        };
-        if let Some(value) = value.filter(|value| above_zero(scope, &entry.value, *value)) {
-            given[node] = Some(value);
+        let value = scope.uncertain(&entry.value, Dimension::TEMPERATURE, Sense::Absolute, true);
+        match scope.resolved.node(&entry.name) {
+            Some(node) => given[node] = value,
+            None => unknown_node(scope, &entry.name, &entry.name_place, &[]),
         }
     }
-    for sensor in sensors.iter().filter(|sensor| silent.contains(&sensor.name.as_str())) {
+    for sensor in sensors {
         if stored_node(scope, sensor).is_some_and(|node| given[node].is_none()) {
             let message = format!("`{}` has no reading in the first rows to start at", sensor.name);
             let expected = "more `rows`, a longer `over`, or the node under `temperatures`";
             scope.error(&code::INITIAL, place, message, expected);
         }
+    }
+    let spread = match &form.others_sd {
+        Some(amount) => amount.si(Dimension::TEMPERATURE, None, Sense::Difference, scope.diagnostics),
+        None => None,
+    };
+    if let (Some(amount), Some(spread)) = (&form.others_sd, spread)
+        && spread < 0.0
+    {
+        scope.error(&code::OUT_OF_RANGE, &amount.place, format!("a standard deviation of {spread} K"), "0 K or more");
     }
     if scope.diagnostics.errors() > before {
         return None;
@@ -119,24 +117,147 @@ pub fn measured(
         scope.error(&code::INITIAL, place, message, "`temperatures`, `steady` or `periodic`");
         return None;
     }
-    let held: Vec<bool> = given.iter().map(Option::is_some).collect();
-    let filled = nearest(scope, &given);
+    let expected = without_reading(scope, form, first, &given, place)?;
+    let stores = |node: usize| {
+        matches!(scope.resolved.model.nodes[node].kind, NodeKind::Diffusion { .. })
+            && !scope.given_storage.contains(&node)
+    };
+    let others: Vec<usize> = (0..given.len()).filter(|&node| given[node].is_none() && stores(node)).collect();
+    let is_asked = spread.is_some();
+    let spread = spread.unwrap_or_else(|| half_range(scope, &expected, first));
+    let is_fitted = spread > 0.0 && (is_asked || others.len() <= MOST_FITTED);
+    if !is_fitted && !is_asked {
+        let message = format!(
+            "{} nodes of `{measurement}` store heat and have no reading at the start: they begin where they are expected, and \
+             are not fitted",
+            others.len()
+        );
+        let help = "`\"others_sd\": {\"value\": 5, \"unit\": \"K\"}` fits them within so many kelvin";
+        scope.doubts.push(Diagnostic::warning(&code::START_ASSUMED, place, message).help(help));
+    }
+    let is_near = matches!(form.others, Some(OtherNodesForm::Nearest(_)));
+    let mut balanced = Vec::new();
+    let mut values = Vec::with_capacity(given.len());
+    for (node, value) in given.into_iter().enumerate() {
+        let at = expected[node];
+        let sd = spread.min(at / ABOVE_ZERO);
+        values.push(match value {
+            Some(value) => value,
+            None if others.contains(&node) && is_fitted => Uncertain::Inferred(normal(at, sd)),
+            None => {
+                if !(is_near && others.contains(&node)) {
+                    balanced.push(node);
+                }
+                Uncertain::Known(at)
+            }
+        });
+    }
+    Some(Initial::Temperatures { values, shared: Vec::new(), balanced })
+}
+
+/// By node the start about its first reading. `None` after an error.
+fn readings(
+    scope: &mut Scope,
+    form: &MeasuredStartForm,
+    first: &FirstRows,
+    sensors: &[Sensor],
+) -> Option<Vec<Option<Uncertain>>> {
+    let is_first = first_rows(scope, form, first)?;
+    // By node: mean over its sensors, their number, the widest standard deviation.
+    let mut means: Vec<(f64, f64, f64)> = vec![(0.0, 0.0, 0.0); scope.resolved.model.nodes.len()];
+    for (position, sensor) in sensors.iter().enumerate() {
+        let Some(node) = stored_node(scope, sensor) else { continue };
+        let readings: Vec<f64> = (first.of(position, sensors.len()))
+            .filter(|(row, time_s, _)| is_first(*row, *time_s))
+            .map(|(_, _, reading)| reading)
+            .collect();
+        if readings.is_empty() {
+            continue;
+        }
+        let nominal = |value: &Option<Uncertain>| value.as_ref().map(Uncertain::nominal);
+        let reading = readings.iter().sum::<f64>() / readings.len() as f64 - nominal(&sensor.bias).unwrap_or(0.0);
+        // A mean over rows that move is not the first of them.
+        let moved = readings.iter().fold(0.0, |most: f64, other| most.max((other - readings[0]).abs()));
+        let bias_sd = match &sensor.bias {
+            Some(Uncertain::Inferred(prior)) => prior.quantile(0.84) - prior.quantile(0.5),
+            _ => 0.0,
+        };
+        let sigma = match nominal(&sensor.sigma) {
+            Some(sigma) => root_of_squares(&[sigma, nominal(&sensor.white).unwrap_or(0.0)]),
+            None => UNSTATED_SIGMA_K,
+        };
+        let sd = root_of_squares(&[START_SIGMAS * sigma, bias_sd, moved]);
+        let (mean, count, widest) = &mut means[node];
+        *count += 1.0;
+        *mean += (reading - *mean) / *count;
+        *widest = widest.max(sd);
+    }
+    let start = |(mean, count, sd): (f64, f64, f64)| {
+        let sd = sd.min(mean / ABOVE_ZERO);
+        let value = if sd > 0.0 { Uncertain::Inferred(normal(mean, sd)) } else { Uncertain::Known(mean) };
+        (count > 0.0).then_some(value)
+    };
+    Some(means.into_iter().map(start).collect())
+}
+
+fn root_of_squares(parts: &[f64]) -> f64 {
+    parts.iter().map(|part| part * part).sum::<f64>().sqrt()
+}
+
+fn normal(mean: f64, sd: f64) -> Distribution {
+    Distribution::Normal { mean, sd, lower: None, upper: None }
+}
+
+/// Where every node is expected at the start, K: those given as given, the others nearest to them or in balance with them at
+/// the nominal parameters. `None` after an error.
+fn without_reading(
+    scope: &mut Scope,
+    form: &MeasuredStartForm,
+    first: &FirstRows,
+    given: &[Option<Uncertain>],
+    place: &Place,
+) -> Option<Vec<f64>> {
+    let nominal: Vec<Option<f64>> = given.iter().map(|value| value.as_ref().map(Uncertain::nominal)).collect();
+    let filled = nearest(scope, &nominal);
     if matches!(form.others, Some(OtherNodesForm::Nearest(_))) {
         let stores = |node: usize| matches!(scope.resolved.model.nodes[node].kind, NodeKind::Diffusion { .. });
-        let lost: Vec<String> = (0..nodes)
+        let lost: Vec<String> = (0..filled.len())
             .filter(|&node| filled[node].is_none() && stores(node))
             .map(|node| scope.resolved.model.nodes[node].name.clone())
             .collect();
         without_path(scope, lost, place)?;
-        let values = filled.into_iter().map(|value| Uncertain::Known(value.unwrap_or(ROOM_K))).collect();
-        return Some(Initial::Temperatures { values, shared: Vec::new(), balanced: Vec::new() });
+        return Some(filled.into_iter().map(|value| value.unwrap_or(ROOM_K)).collect());
     }
+    let held: Vec<bool> = nominal.iter().map(Option::is_some).collect();
     let lost = island_beside(&scope.resolved.model, &held);
     without_path(scope, lost.unwrap_or_default(), place)?;
-    let count = given.iter().flatten().count() as f64;
-    let mean = given.iter().flatten().sum::<f64>() / count;
-    let temperatures = filled.into_iter().map(|value| value.unwrap_or(mean)).collect();
-    Some(Initial::Measured { temperatures, held })
+    let known = || nominal.iter().flatten();
+    let mean = known().sum::<f64>() / known().count().max(1) as f64;
+    let guesses: Vec<f64> = filled.into_iter().map(|value| value.unwrap_or(mean)).collect();
+    Some(balance(scope, &guesses, &held, first.inputs).unwrap_or(guesses))
+}
+
+/// The balance of the nodes that are not held with those that are, at nominal parameters; none where it cannot be found.
+fn balance(scope: &Scope, guesses: &[f64], held: &[bool], inputs: &[f64]) -> Option<Vec<f64>> {
+    let network = Network::compile(&scope.resolved.model, &[]).ok()?;
+    let mut workspace = network.workspace();
+    network.set_inputs(&mut workspace, inputs);
+    network.solve_held(&mut workspace, guesses, held).ok()?;
+    Some(workspace.temperatures().to_vec())
+}
+
+/// Half of the range of the start temperatures and of the boundaries that inputs set, K.
+fn half_range(scope: &Scope, expected: &[f64], first: &FirstRows) -> f64 {
+    let set = (scope.resolved.model.inputs.iter().zip(first.inputs)).filter_map(|(input, value)| {
+        let is_temperature = Unit::parse(&input.unit).is_ok_and(|unit| unit.dimension == Dimension::TEMPERATURE);
+        is_temperature.then_some(*value)
+    });
+    let stored = (scope.resolved.model.nodes.iter().zip(expected))
+        .filter(|(node, _)| !matches!(node.kind, NodeKind::Boundary { .. }))
+        .map(|(_, value)| *value);
+    let (low, high) = (stored.chain(set))
+        .fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), value| (low.min(value), high.max(value)));
+    (0.5 * (high - low)).max(LEAST_SPREAD_K)
 }
 
 /// Which rows, at which instants, are the first; reported where that is not well said.
@@ -285,13 +406,6 @@ fn expected(value: &Uncertain) -> Option<[f64; 2]> {
         Uncertain::Inferred(prior) => Some([prior.quantile(TAIL), prior.quantile(1.0 - TAIL)]),
         Uncertain::Parameter { .. } => None,
     }
-}
-
-fn above_zero(scope: &mut Scope, amount: &Amount, value: f64) -> bool {
-    if value <= 0.0 {
-        scope.error(&code::OUT_OF_RANGE, &amount.place, format!("a start of {value} K"), "a temperature above 0 K");
-    }
-    value > 0.0
 }
 
 fn unknown_node(scope: &mut Scope, name: &str, place: &Place, more: &[&str]) {

@@ -70,14 +70,23 @@ pub fn transient(
     let table_columns: Vec<InputColumn> =
         (parts.inputs.into_iter()).map(|(input, values)| InputColumn { input, values, hold: hold(input) }).collect();
     let Some(stated) = stated else { return Outcome::Wrong };
-    let first = FirstRows { times_s: &times_s, ignored: &ignored, readings: &readings };
+    let mut first_inputs = base.clone();
+    for column in &table_columns {
+        if let (Some(slot), Some(value)) = (first_inputs.get_mut(column.input), column.values.first()) {
+            *slot = *value;
+        }
+    }
+    let first = FirstRows { inputs: &first_inputs, times_s: &times_s, ignored: &ignored, readings: &readings };
     let sensors: Vec<Sensor> = list.into_iter().map(|(_, sensor)| sensor).collect();
     let initial = match stated {
         Stated::Known(initial) => initial,
-        Stated::Measured(form) => match initial::measured(scope, form, &first, &sensors, &entry.name_place) {
-            Some(initial) => initial,
-            None => return Outcome::Wrong,
-        },
+        Stated::Measured(form) => {
+            let whose = (entry.name.as_str(), &entry.name_place);
+            match initial::measured(scope, form, &first, &sensors, whose) {
+                Some(initial) => initial,
+                None => return Outcome::Wrong,
+            }
+        }
     };
     initial::compare(scope, &entry.name, &entry.name_place, &initial, &first, &sensors);
     let measurement = Measurement {

@@ -215,20 +215,12 @@ impl<'a> Integrator<'a> {
                     }
                 }
             }
-            InitialState::Steady | InitialState::Periodic | InitialState::Held { .. } => {
+            InitialState::Steady | InitialState::Periodic => {
                 let mut workspace = self.network.workspace();
                 self.network.set_parameters(&mut workspace, request.parameters);
                 self.network.set_inputs(&mut workspace, &self.inputs);
                 self.network.set_time(&mut workspace, self.time_s);
-                match request.initial {
-                    InitialState::Held { temperatures, held } => {
-                        let solved = self.network.solve_held(&mut workspace, temperatures, held);
-                        solved.map_err(TransientError::Start)?;
-                    }
-                    _ => {
-                        self.network.solve_steady(&mut workspace, Start::Default)?;
-                    }
-                }
+                self.network.solve_steady(&mut workspace, Start::Default)?;
                 for (value, &node) in self.stage_values[0].iter_mut().zip(&self.equations.unknowns) {
                     *value = workspace.temperatures()[node];
                 }

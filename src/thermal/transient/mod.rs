@@ -60,13 +60,6 @@ pub enum InitialState<'a> {
     Temperatures(&'a [f64]),
     /// In the steady state of the inputs at the start.
     Steady,
-    /// At the temperatures of some nodes, the others in balance with them and with the inputs at the start.
-    Held {
-        /// Of all nodes, K; first guesses of those that are not held.
-        temperatures: &'a [f64],
-        /// By node; those beyond its end are not held.
-        held: &'a [bool],
-    },
     /// In the periodic state of the inputs' cycle, which lasts from the table's first to its last instant.
     Periodic,
 }
@@ -188,9 +181,6 @@ pub enum TransientError {
     /// The steady state at the start, or balances without storage, were not solved.
     #[error(transparent)]
     Steady(#[from] SteadyError),
-    /// The nodes that are not held at the start have no balance.
-    #[error("no start: the nodes without a reading have no balance: {0}")]
-    Start(#[source] SteadyError),
     /// A capacity that is not positive.
     #[error("node `{node}`: heat capacity {capacity} J/K at {time_s} s is not above 0")]
     Capacity {
