@@ -5,6 +5,8 @@
 
 use std::collections::HashMap;
 
+use serde::Serialize;
+
 use crate::math::functions;
 
 /// A subexpression of a [`Graph`].
@@ -12,7 +14,8 @@ use crate::math::functions;
 pub struct ExprId(pub(super) u32);
 
 /// What an expression may depend on. The numbers index the model's lists.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Symbol {
     /// A parameter of the model, in its SI unit.
     Parameter(u32),
@@ -78,7 +81,8 @@ impl Symbol {
 }
 
 /// A function of one argument.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Unary {
     /// `-x`.
     Negate,
@@ -109,7 +113,8 @@ pub enum Unary {
 }
 
 /// A function of two arguments.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Binary {
     /// `a + b`.
     Add,

@@ -1,12 +1,18 @@
 //! Measurements, resolved: SI units, one row a phase or an instant, one column a sensor.
 
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use crate::document::canonical::canonical;
+use crate::document::hash;
 use crate::effect::SensorChange;
 use crate::random::Distribution;
 use crate::thermal::Model;
 pub use crate::thermal::transient::{InputColumn, InputTable};
 
 /// A number that is known, or has a prior and is inferred.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Uncertain {
     /// Known, SI.
     Known(f64),
@@ -49,7 +55,7 @@ impl Uncertain {
 }
 
 /// A sensor: what it measures and how well.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sensor {
     /// Name, the column of the data.
     pub name: String,
@@ -70,7 +76,8 @@ pub struct Sensor {
 }
 
 /// How a transient begins.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Initial {
     /// At given or fitted temperatures.
     Temperatures {
@@ -89,7 +96,7 @@ pub enum Initial {
 }
 
 /// A phase of a steady measurement.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Phase {
     /// Name.
     pub name: String,
@@ -104,7 +111,7 @@ pub struct Phase {
 }
 
 /// What a window of a time series says about steadiness, by sensor.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stabilisation {
     /// Window, s.
     pub from_s: f64,
@@ -142,7 +149,8 @@ impl Stabilisation {
 }
 
 /// Steady phases or a transient.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Rows {
     /// One row a phase.
     Steady(Vec<Phase>),
@@ -197,15 +205,14 @@ impl Measurement {
 
     /// What of the measurement decides a result, for a job's key: the file's hash, and a hash of everything that was
     /// read from it and declared for it.
-    pub fn identity(&self) -> serde_json::Value {
-        let resolved = format!("{:?} {:?} {:?}", self.rows, self.sensors, self.readings);
-        let mut identity = serde_json::json!({
-            "name": self.name,
-            "file": self.sha256,
-            "resolved": crate::document::hash::sha256_hex(resolved.as_bytes()),
-        });
+    pub fn identity(&self) -> Value {
+        let resolved = json!([self.rows, self.sensors, self.readings]);
+        // What was read is finite, and JSON has no other numbers.
+        let text = canonical(&resolved).unwrap_or_else(|_| resolved.to_string());
+        let mut identity =
+            json!({"name": self.name, "file": self.sha256, "resolved": hash::sha256_hex(text.as_bytes())});
         if !self.doubts.is_empty() {
-            identity["doubts"] = serde_json::json!(self.doubts);
+            identity["doubts"] = json!(self.doubts);
         }
         identity
     }

@@ -138,7 +138,7 @@ impl Job for Lab {
                 "model": problem.model.identity(),
                 "priors": problem.priors,
                 "parameters": problem.parameters,
-                "input_errors": format!("{:?}", problem.input_errors),
+                "input_errors": problem.input_errors,
                 "measurements": problem.measurements.iter().map(|own| own.identity()).collect::<Vec<_>>(),
                 "candidates": problem.candidates.iter().map(|own| own.id.as_str()).collect::<Vec<_>>(),
                 "effects": effects(&problem.catalogue),

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use serde_json::{Value, json};
 
-use crate::expression::{ExprId, Graph, Symbol, Term};
+use crate::expression::{ExprId, Graph, Term};
 
 use super::element::cooler::Drive;
 use super::element::{ElementKind, HeaterControl};
@@ -18,7 +18,7 @@ use super::model::{Model, NodeKind, QuantityValue};
 struct Terms<'m> {
     graph: &'m Graph,
     numbers: HashMap<ExprId, usize>,
-    written: Vec<String>,
+    written: Vec<Value>,
 }
 
 impl Terms<'_> {
@@ -40,26 +40,24 @@ impl Terms<'_> {
                 continue;
             }
             let at = |a: ExprId| self.numbers.get(&a).copied().unwrap_or_default();
-            let text = match self.graph.term(id) {
-                Term::Number(bits) => format!("{:?}", f64::from_bits(bits)),
-                Term::Symbol(symbol) => match symbol {
-                    Symbol::Parameter(i) => format!("parameter {i}"),
-                    Symbol::Input(i) => format!("input {i}"),
-                    Symbol::Time => "time".to_owned(),
-                    Symbol::Node(i) => format!("node {i}"),
-                    Symbol::Mode(i) => format!("mode {i}"),
-                    Symbol::Local(i) => format!("local {i}"),
-                },
-                Term::Unary(function, a) => format!("{function:?} {}", at(a)),
-                Term::Binary(function, a, b) => format!("{function:?} {} {}", at(a), at(b)),
-                Term::Interpolate(table, a) => format!("Interpolate {table} {}", at(a)),
-                Term::Slope(table, a) => format!("Slope {table} {}", at(a)),
+            let term = match self.graph.term(id) {
+                Term::Number(bits) => number(f64::from_bits(bits)),
+                Term::Symbol(symbol) => json!(symbol),
+                Term::Unary(function, a) => json!([function, at(a)]),
+                Term::Binary(function, a, b) => json!([function, at(a), at(b)]),
+                Term::Interpolate(table, a) => json!(["interpolate", table, at(a)]),
+                Term::Slope(table, a) => json!(["slope", table, at(a)]),
             };
             self.numbers.insert(id, self.written.len());
-            self.written.push(text);
+            self.written.push(term);
         }
         json!(self.numbers.get(&root).copied().unwrap_or_default())
     }
+}
+
+/// A number; one that is not finite, which JSON does not have, by its name.
+fn number(value: f64) -> Value {
+    if value.is_finite() { json!(value) } else { json!(value.to_string()) }
 }
 
 impl Model {

@@ -31,6 +31,8 @@ impl Studies {
         studies.change_pass(|pass| {
             pass["jobs"]["effects"]["sensitivity"]["samples"] = json!(128);
             pass["jobs"]["goal"]["goal"]["samples"] = json!(1024);
+            let design = &mut pass["jobs"]["coupon"]["design"];
+            (design["outer"], design["inner"]) = (json!(64), json!(64));
         });
         studies.write_cooling();
         studies
@@ -153,7 +155,6 @@ fn reports_have_the_same_bytes_for_any_threads_and_with_masked_cpu_features() {
     for file in ["radiator/pass-1/results.json", "radiator/pass-1/report.html", "cooling/pass-1/report.md"] {
         assert!(one.contains_key(file), "{file}: {:?}", one.keys());
     }
-    same(&one, &studies.report("two", "2", None), "2 threads");
     same(&one, &studies.report("seven", "7", None), "7 threads");
     same(&one, &studies.report("masked", "2", Some(MASKED)), "masked CPU features");
 }

@@ -17,6 +17,7 @@ mod whitening;
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use serde::Serialize;
 use thiserror::Error;
 
 use super::joint_prior::{JointPrior, STANDARD, pull_back, unknowns_at};
@@ -40,7 +41,7 @@ pub const GIVEN_UP: &str = "is given up";
 const HALF_LN_TAU: f64 = 0.918_938_533_204_672_7;
 
 /// The own error of an input.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct InputError {
     /// Standard deviation, SI, independent from phase to phase; enters steady data only.
     pub sigma: Option<f64>,

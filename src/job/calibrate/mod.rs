@@ -138,8 +138,6 @@ impl Job for Calibrate {
 
     fn identity(&self) -> Value {
         let data: Vec<Value> = self.measurements().iter().map(|measurement| measurement.identity()).collect();
-        let errors: Vec<Value> =
-            self.inputs.input_errors.iter().map(|error| json!({ "sigma": error.sigma, "bias": error.bias })).collect();
         let mut identity = json!({
             "parameters": self.spec.parameters,
             "sampler": self.spec.sampler,
@@ -148,7 +146,7 @@ impl Job for Calibrate {
             "draws": self.spec.draws,
             "model": self.inputs.model.identity(),
             "priors": self.inputs.priors,
-            "input_errors": errors,
+            "input_errors": self.inputs.input_errors,
             "data": data,
         });
         if let Some(acceptance) = self.spec.acceptance {

@@ -147,8 +147,6 @@ impl Job for Diagnose {
     fn identity(&self) -> Value {
         let problem = self.diagnosis.problem();
         let data: Vec<Value> = problem.measurements.iter().map(|measurement| measurement.identity()).collect();
-        let errors: Vec<Value> =
-            problem.input_errors.iter().map(|error| json!({ "sigma": error.sigma, "bias": error.bias })).collect();
         let effects: Vec<Value> = (self.spec.effects.iter())
             .filter_map(|name| problem.catalogue.get(name))
             .map(|effect| json!({ "name": effect.name, "file": effect.json }))
@@ -161,7 +159,7 @@ impl Job for Diagnose {
             "candidates": candidates,
             "model": problem.model.identity(),
             "priors": problem.priors,
-            "input_errors": errors,
+            "input_errors": problem.input_errors,
             "data": data,
         });
         if !self.handed_on.is_empty() {

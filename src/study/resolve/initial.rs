@@ -63,6 +63,17 @@ impl FirstRows<'_> {
             .filter(|(row, _)| self.ignored[*row].is_none())
             .filter_map(move |(row, time_s)| Some((row, *time_s, self.readings[row * sensors + sensor]?)))
     }
+
+    /// The first reading of a sensor, carried back to the first instant along the line to its second where it comes late.
+    fn at_start(&self, sensor: usize, sensors: usize) -> Option<f64> {
+        let begin_s = self.times_s.first().copied().unwrap_or(0.0);
+        let mut readings = self.of(sensor, sensors);
+        let (_, time_s, reading) = readings.next()?;
+        let second = readings.next().filter(|_| time_s > begin_s);
+        let back =
+            second.map_or(0.0, |(_, later_s, later)| (later - reading) / (later_s - time_s) * (time_s - begin_s));
+        Some(reading - back)
+    }
 }
 
 /// The start as written. `None` after an error.
@@ -176,8 +187,9 @@ fn readings(
         }
         let nominal = |value: &Option<Uncertain>| value.as_ref().map(Uncertain::nominal);
         let reading = readings.iter().sum::<f64>() / readings.len() as f64 - nominal(&sensor.bias).unwrap_or(0.0);
-        // A mean over rows that move is not the first of them.
-        let moved = readings.iter().fold(0.0, |most: f64, other| most.max((other - readings[0]).abs()));
+        // A mean over rows that move is not the first of them, and a late reading is not the start.
+        let start = first.at_start(position, sensors.len()).unwrap_or(readings[0]);
+        let moved = readings.iter().fold(0.0, |most: f64, other| most.max((other - start).abs()));
         let bias_sd = match &sensor.bias {
             Some(Uncertain::Inferred(prior)) => prior.quantile(0.84) - prior.quantile(0.5),
             _ => 0.0,
@@ -354,19 +366,13 @@ pub fn compare(
     sensors: &[Sensor],
 ) {
     let Initial::Temperatures { values, .. } = initial else { return };
-    let begin_s = first.times_s.first().copied().unwrap_or(0.0);
     let mut apart: Vec<(f64, String)> = Vec::new();
     for (position, sensor) in sensors.iter().enumerate() {
         let Some(node) = stored_node(scope, sensor) else { continue };
         if !matches!(scope.resolved.model.nodes[node].kind, NodeKind::Diffusion { .. }) {
             continue;
         }
-        let mut readings = first.of(position, sensors.len());
-        let Some((_, time_s, mut reading)) = readings.next() else { continue };
-        let second = readings.next();
-        if let Some((_, later_s, later)) = second.filter(|_| time_s > begin_s) {
-            reading -= (later - reading) / (later_s - time_s) * (time_s - begin_s);
-        }
+        let Some(reading) = first.at_start(position, sensors.len()) else { continue };
         let mut range = (reading, reading);
         for (_, _, value) in first.of(position, sensors.len()) {
             range = (range.0.min(value), range.1.max(value));

@@ -1,7 +1,9 @@
 //! Inputs over time, as measured or prescribed: linear between rows or constant from row to row.
 
+use serde::Serialize;
+
 /// Values of one input over time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct InputColumn {
     /// Index of the input in the model's list.
     pub input: usize,
@@ -12,7 +14,7 @@ pub struct InputColumn {
 }
 
 /// Inputs over time: the columns given, and fixed values for the others.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize)]
 pub struct InputTable {
     /// Instants, s, strictly increasing.
     pub times_s: Vec<f64>,
