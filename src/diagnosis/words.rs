@@ -158,8 +158,13 @@ fn joined(names: &[String]) -> String {
 impl OneThing {
     /// That no phase parts the sets, in a sentence.
     pub fn in_words(&self) -> String {
+        format!("N{}.", &self.clause()[1..])
+    }
+
+    /// The same, to follow a semicolon.
+    pub fn clause(&self) -> String {
         format!(
-            "No steady phase within the stated ranges tells {} apart: the best would do so with probability {}, repeating an old one with {}, and a coin with 50 %.",
+            "no steady phase within the stated ranges tells {} apart: the best would do so with probability {}, repeating an old one with {}, and a coin with 50 %",
             joined(&self.sets),
             percent(self.probability),
             percent(self.repeat_probability)
@@ -262,8 +267,9 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 words.push(too_narrow(effect, findings.problem));
             }
             for effect in selected.iter().filter(|effect| !is_prior(effect)) {
+                let head = if output.verdict == Verdict::Identified { "Missing" } else { "Perhaps missing" };
                 words.push(format!(
-                    "Missing: {} ({}){}{}; probability {}, log Bayes factor {:.1}.{}",
+                    "{head}: {} ({}){}{}; probability {}, log Bayes factor {:.1}.{}",
                     effect.title,
                     effect.id,
                     size(effect),

@@ -5,7 +5,6 @@
 
 use super::graph::{Binary, ExprId, Graph, Symbol, Unary};
 use super::scope::{SIGMA, Scope};
-use crate::document::counted;
 
 /// Longer texts are refused, in bytes.
 pub const LONGEST: usize = 20_000;
@@ -407,7 +406,7 @@ impl<'a> Parser<'a> {
         let fits = if counts.is_empty() { count >= 2 } else { counts.contains(&count) };
         if !fits {
             let end = self.text[..self.at].trim_end().len();
-            let message = format!("`{name}` is given {}", counted(count, "argument"));
+            let message = format!("`{name}` is given {count} argument{}", if count == 1 { "" } else { "s" });
             return Err(fault(Fault::Arguments, start, end, message).expected(usage(name)));
         }
         self.apply(name, table, &arguments, start)

@@ -273,7 +273,7 @@ fn not_settled(findings: &Findings, selected: &[&Finding], asked: &Asked, job: &
 fn odds(findings: &Findings, chosen: &[&Finding]) -> String {
     let ids: Vec<&str> = chosen.iter().map(|finding| finding.id.as_str()).collect();
     let known = |value: Option<f64>| value.filter(|value| value.is_finite()).map(probability_text);
-    let own = known(findings.odds(chosen)).map_or_else(String::new, |odds| format!(" with probability {odds}"));
+    let own = known(findings.odds(chosen));
     let rivals = findings.rivals(chosen);
     let more = rivals.len().saturating_sub(MOST_LISTED);
     let mut named: Vec<String> = (rivals.into_iter().take(MOST_LISTED))
@@ -283,13 +283,14 @@ fn odds(findings: &Findings, chosen: &[&Finding]) -> String {
         named.push(format!("{more} more"));
     }
     let rivals = if named.is_empty() { String::new() } else { format!("; its rivals: {}", named.join(", ")) };
-    format!("these data do not settle that {} is missing{own}{rivals}", suggest::listed(ids, MOST_LISTED))
+    let own = own.map_or_else(String::new, |odds| format!(" (probability {odds})"));
+    format!("these data leave open whether it is {}{own}{rivals}", suggest::listed(ids, MOST_LISTED))
 }
 
 /// What would part the rivals, or that no phase does: as the diagnosis decided it.
 fn parting(findings: &Findings, model: &Model) -> Option<String> {
     let phase = findings.separating_experiment.as_ref().and_then(|own| experiment(own, model));
-    let none = findings.one_thing.as_ref().map(OneThing::in_words);
+    let none = findings.one_thing.as_ref().map(OneThing::clause);
     let words: Vec<String> = phase.into_iter().chain(none).collect();
     (!words.is_empty()).then(|| words.join("; "))
 }
