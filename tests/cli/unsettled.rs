@@ -11,7 +11,7 @@ use super::studies::{bmv, code, printed, text};
 fn model() -> Value {
     json!({"format": "bmv-network/1", "title": "Box and lid",
         "inputs": {"T_w": {"unit": "degC", "nominal": 20, "range": [0, 40], "settable": true}, "Q": {"unit": "W", "nominal": 4, "range": [0, 10], "settable": true}},
-        "parameters": {"G": {"unit": "W/K", "nominal": 1.0, "prior": {"normal": {"mean": 1.0, "sd": 0.01}}}},
+        "parameters": {"G": {"unit": "W/K", "nominal": 1.0, "prior": {"uniform": [0.99, 1.01]}}},
         "nodes": {"wall": {"boundary": "T_w"}, "box": {"capacity": 900}, "lid": {"capacity": 300}},
         "conductors": {"foot": {"between": ["box", "wall"], "conductance": "G"}, "hinge": {"between": ["lid", "box"], "conductance": 0.5}},
         "loads": {"heater": {"into": "box", "power": "Q"}}})
@@ -48,6 +48,11 @@ fn rivals_that_no_phase_parts_are_said_to_be_so_and_adopted_by_name_only() {
     let found: Value = serde_json::from_str(&printed(root.path(), &["diagnose", "box/pass-1.json", "--json"])).unwrap();
     assert_eq!(found["verdict"], "ambiguous", "{found}");
     assert!(found["separating_experiment"].is_null(), "{found}");
+    // The missing heat presses the conductance against its bound; both count it as an unknown.
+    let history: Value = serde_json::from_str(&printed(root.path(), &["history", "box", "--json"])).unwrap();
+    let [own, other] =
+        [&found["misfit"]["reduced_chi2"], &history["passes"][0]["reduced_chi2"]].map(|v| v.as_f64().unwrap());
+    assert!((own / other - 1.0).abs() < 1e-4, "{own} by diagnose, {other} by history");
     let output = bmv(root.path(), &["diagnose", "box/pass-1.json"]);
     let (said, next) = (text(&output.stdout).replace('\n', " "), text(&output.stderr));
     assert!(
