@@ -4,14 +4,16 @@ use std::path::{Path, PathBuf};
 
 use super::execute::execute;
 use super::options::CachedRunOptions;
-use super::output::{escaped, print};
+use super::output::{escaped, print, tell};
 use super::status::{Failure, Status};
 use super::studies::LoadedPass;
 use super::{Context, studies};
 use crate::diagnosis::RISES;
+use crate::document::visible::shell_word;
 use crate::document::{Diagnostics, suggest};
+use crate::inference::measurement::Doubt;
 use crate::job::findings::{Finding, Findings};
-use crate::study::next_pass::{Asked, NextPass, ambiguity, destination, next_pass, probability_text, twin, write};
+use crate::study::next_pass::{Asked, NextPass, destination, next_pass, probability_text, twin, write};
 
 /// Diagnostics printed of one refusal.
 const MOST_DIAGNOSTICS: usize = 20;
@@ -21,12 +23,12 @@ const MOST_DIAGNOSTICS: usize = 20;
 #[command(
     after_help = "Effects are named as in `effects` of `bmv diagnose PASS --json`, or by a beginning or an effect's \
                         name that stands for one. What the diagnosis did not select, or could not tell from what it \
-                        selected, is refused. The next pass takes all else from its parent; nothing is run."
+                        selected, is refused; what it leaves open (`ambiguous`) is adopted by name only. The next pass takes all else from its parent; nothing is run."
 )]
 pub(super) struct Adopt {
     /// Pass file
     pass: PathBuf,
-    /// Effects to adopt [default: those that the diagnosis selected]
+    /// Effects to adopt [default: those that the diagnosis selected, where its verdict is `identified`]
     #[arg(value_name = "EFFECT")]
     effects: Vec<String>,
     /// File of the next pass, beside its parent [default: the next free pass-N.json]
@@ -45,7 +47,9 @@ pub(super) struct Adopt {
 impl Adopt {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         studies::one_pass(&self.pass)?;
-        let asked = Asked::new(&format!("bmv adopt {}", self.pass.display()), &self.effects);
+        let of_job = self.job.as_ref().map_or_else(String::new, |job| format!(" --job {}", shell_word(job)));
+        let pass = self.pass.display().to_string();
+        let asked = Asked::new(&format!("bmv adopt {}{of_job}", shell_word(&pass)), &self.effects);
         let refused = |wrong: Diagnostics| Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS));
         let job = studies::job_of_kind(&self.pass, "diagnose", self.job.as_deref(), context.coloured)?;
         let options = self.options.clone().into();
@@ -70,6 +74,12 @@ impl Adopt {
                 return Ok(executed.status());
             }
         }
+        for line in findings.doubts.iter().map(Doubt::in_words) {
+            tell(&format!("warning: {}", escaped(&line)));
+        }
+        if !next.warnings.is_empty() {
+            tell(&next.warnings.render(context.coloured, MOST_DIAGNOSTICS));
+        }
         write(&next.text, &path, self.force && self.out.is_some(), &asked.command()).map_err(refused)?;
         print(&told(pass, &path, &next, &findings))?;
         Ok(executed.status())
@@ -90,9 +100,6 @@ fn told(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, findings: &Findings
     for (id, [before, after]) in chosen.iter().filter_map(|finding| Some((&finding.id, worse(finding)?))) {
         let id = escaped(id);
         text.push_str(&format!("with {id} the error on the held-out rows rises from {before:.2} to {after:.2} K\n"));
-    }
-    for line in ambiguity(findings, &chosen, &pass.pass.model) {
-        text.push_str(&format!("{}\n", escaped(&line)));
     }
     if !next.extended.is_empty() {
         let jobs = suggest::listed(next.extended.iter().map(String::as_str), 12);

@@ -6,6 +6,7 @@ use super::options::{CacheOption, PathsArgument};
 use super::output::{escaped, print, print_json, shown, table};
 use super::status::{Failure, Status};
 use super::{Context, studies};
+use crate::document::counted;
 use crate::runner::Plan;
 
 /// Verbs below `bmv cache`.
@@ -60,7 +61,7 @@ impl CacheVerb {
                     vec![
                         name.to_owned(),
                         count.to_string(),
-                        bytes.map_or(String::new(), |bytes| format!("{bytes} bytes")),
+                        bytes.map_or(String::new(), |bytes| counted(bytes, "byte")),
                     ]
                 };
                 let rows = [
@@ -82,7 +83,7 @@ impl CacheVerb {
                     for name in &found.damaged {
                         print(&format!("damaged: {name}\n"))?;
                     }
-                    print(&format!("{} objects are sound, {} damaged\n", found.sound, found.damaged.len()))?;
+                    print(&format!("{} sound, {} damaged\n", counted(found.sound, "object"), found.damaged.len()))?;
                 }
                 Ok(if found.damaged.is_empty() { Status::Done } else { Status::CheckFailed })
             }
@@ -95,8 +96,11 @@ impl CacheVerb {
                     print_json(&done)?;
                 } else {
                     print(&format!(
-                        "{} objects kept, {} moved to the trash ({} bytes), {} files deleted\n",
-                        done.kept, done.moved, done.moved_bytes, done.deleted
+                        "{} kept, {} moved to the trash ({}), {} deleted\n",
+                        counted(done.kept, "object"),
+                        done.moved,
+                        counted(done.moved_bytes, "byte"),
+                        counted(done.deleted, "file")
                     ))?;
                 }
                 Ok(Status::Done)

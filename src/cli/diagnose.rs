@@ -7,6 +7,9 @@ use super::options::RunOptions;
 use super::output::{escaped, print, print_json, tell};
 use super::status::{Failure, Status};
 use super::{Context, studies};
+use crate::diagnosis::Output;
+use crate::document::visible::shell_word;
+use crate::inference::measurement::Doubt;
 use crate::report::section::DIAGNOSIS;
 use crate::report::{JobResult, terminal};
 
@@ -24,6 +27,21 @@ pub(super) struct Diagnose {
     json: bool,
     #[command(flatten)]
     options: RunOptions,
+}
+
+/// What to do next: what is doubtful about the data goes first, then what `bmv adopt` (here with its pass) would take.
+fn next(output: &Output, adopt: &str) -> Option<String> {
+    if output.doubts.iter().any(Doubt::is_of_start) {
+        return Some("next: mend the start, then bmv diagnose again".to_owned());
+    }
+    if output.selected.is_empty() {
+        return None;
+    }
+    if output.verdict.settles() {
+        return Some(format!("next: {adopt}"));
+    }
+    let ids: Vec<_> = output.selected.iter().map(|id| shell_word(id)).collect();
+    Some(format!("next: these data leave it open; what you choose is adopted by name, as in {adopt} {}", ids.join(" ")))
 }
 
 impl Diagnose {
@@ -47,9 +65,12 @@ impl Diagnose {
             }
             let sections: Vec<_> = DIAGNOSIS(&report).into_iter().collect();
             print(&terminal::render(&sections, context.layout))?;
-            let selects = report.diagnoses().any(|(_, output)| !output.selected.is_empty());
-            if selects {
-                tell(&format!("next: bmv adopt {}", escaped(&pass.shown)));
+            let jobs = report.diagnoses().count();
+            for (name, output) in report.diagnoses() {
+                let of_job = if jobs > 1 { format!(" --job {}", shell_word(name)) } else { String::new() };
+                if let Some(line) = next(output, &format!("bmv adopt {}{of_job}", shell_word(&pass.shown))) {
+                    tell(&escaped(&line));
+                }
             }
         }
         Ok(executed.status_of_wanted())

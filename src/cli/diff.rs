@@ -10,6 +10,7 @@ use super::output::{escaped, print, print_json};
 use super::status::{Failure, Status};
 use super::studies::Loaded;
 use super::{Context, show, studies};
+use crate::document::counted;
 use crate::report::essentials::essentials;
 use crate::report::page::{Block, Cell, Column, Section, Table};
 use crate::report::{PassReport, terminal};
@@ -171,7 +172,12 @@ fn results(names: &[&str], reports: &[PassReport<'_>; 2]) -> Section {
         }
         let (what, gone) = (rows.len(), old.len().max(new.len()));
         blocks.push(Block::Table(Table {
-            caption: format!("Job {name}: {what} of {gone} figures differ.").into(),
+            caption: format!(
+                "Job {name}: {what} of {} {}.",
+                counted(gone, "figure"),
+                if what == 1 { "differs" } else { "differ" }
+            )
+            .into(),
             columns: vec![Column::text("Figure"), Column::text("Before"), Column::text("After")],
             rows,
         }));

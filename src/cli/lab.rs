@@ -8,7 +8,7 @@ use super::options::RunOptions;
 use super::output::{escaped, print, print_json, shown, table, tell};
 use super::status::{Failure, Status};
 use crate::diagnosis::laboratory::{Rate, Score, case, folder, standard};
-use crate::document::suggest;
+use crate::document::{counted, suggest};
 use crate::job::lab::{Lab, Output, Spec};
 use crate::runner::engine::local;
 use crate::runner::{Node, Plan, Progress, Ready, RunnerError, Settings};
@@ -144,7 +144,7 @@ impl LabVerb {
         if self.json {
             print_json(&serde_json::json!({"folder": folder, "cases": written}))?;
         } else {
-            print(&format!("{} cases in {}\n", written.len(), escaped(&folder.display().to_string())))?;
+            print(&format!("{} in {}\n", counted(written.len(), "case"), escaped(&folder.display().to_string())))?;
         }
         Ok(Status::Done)
     }
@@ -187,7 +187,7 @@ fn table_of(output: &Output, fold: Option<usize>) -> String {
         text.push_str(&summary(score, fold));
     }
     for (reason, count) in &output.reasons {
-        text.push_str(&format!("{count} cases: {}\n", escaped(reason)));
+        text.push_str(&format!("{}: {}\n", counted(*count, "case"), escaped(reason)));
     }
     text
 }

@@ -5,6 +5,7 @@ use super::options::{PathsArgument, RunOptions};
 use super::output::{escaped, print, print_json, table};
 use super::status::{Failure, Status};
 use super::{Context, studies};
+use crate::document::counted;
 use crate::runner::progress::duration_text;
 use crate::runner::{Plan, WorkHistory};
 
@@ -65,12 +66,15 @@ impl PlanVerb {
             (0, _) => "; how long they take is not known yet".to_owned(),
             (_, unknown) => {
                 let least = duration_text(known.iter().sum::<f64>() / threads as f64);
-                let on = if threads == 1 { "thread" } else { "threads" };
                 let more = if unknown > 0 { format!(", and {unknown} of unknown length") } else { String::new() };
-                format!("; at least {least} on {threads} {on}{more}")
+                format!("; at least {least} on {}{more}", counted(threads, "thread"))
             }
         };
-        print(&format!("{}\n{to_run} of {} jobs to run{length}\n", table(&rows, context.fold), lines.len()))?;
+        print(&format!(
+            "{}\n{to_run} of {} to run{length}\n",
+            table(&rows, context.fold),
+            counted(lines.len(), "job")
+        ))?;
         memory::check(&lines)?;
         Ok(status)
     }

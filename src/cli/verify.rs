@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::output::{escaped, print, print_json, shown};
 use super::status::{Failure, Status};
+use crate::document::counted;
 use crate::report::seal::contradictions;
 use crate::runner::Manifest;
 use crate::study::project::whole;
@@ -52,7 +53,7 @@ impl Verify {
             ));
         }
         let verdict = if found.is_intact() { "the report is as it was written" } else { "the report was altered" };
-        print(&format!("{text}{} files unchanged; {verdict}\n", found.unchanged))?;
+        print(&format!("{text}{} unchanged; {verdict}\n", counted(found.unchanged, "file")))?;
         Ok(status)
     }
 }

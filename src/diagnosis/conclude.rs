@@ -20,7 +20,8 @@ use super::trend;
 use super::weigh::{RIVALS_WITHIN, SURE, Weights, best, groups, held, nothing_stands, veto, weigh};
 use super::words;
 use super::{Problem, Refit};
-use crate::inference::measurement::Rows;
+use crate::document::counted;
+use crate::inference::measurement::{Doubt, Rows};
 use crate::math::functions::{ln, pow};
 use crate::math::special::{chi_square_sf, normal_quantile};
 
@@ -173,6 +174,7 @@ impl Diagnosis {
             ],
             handed_on: Vec::new(),
             converged: None,
+            doubts: doubts(&problem),
             warnings,
         };
         output.words = words::verdict(&output, &findings, self.settings().false_alarm);
@@ -422,8 +424,10 @@ fn given_up(state: &State) -> Option<String> {
     let sets = state.refits.iter().filter(|refit| refit.given_up > 0).count();
     (points > 0).then(|| {
         format!(
-            "fits of {sets} sets of effects left out {points} points at which a transient took more than {TIMES_THE_STEPS} \
-             times the steps of the believed model"
+            "fits of {} of effects left out {} at which a transient took more than {TIMES_THE_STEPS} times the steps of the \
+             believed model",
+            counted(sets, "set"),
+            counted(points, "point")
         )
     })
 }
@@ -434,9 +438,18 @@ fn changes_nothing(before: &Refit, after: &Refit) -> bool {
     before.residuals.len() == after.residuals.len() && moved.sqrt() < MOVES_NOTHING
 }
 
+/// What is doubtful about the data; starts first, since all that follows shows them.
+fn doubts(problem: &Problem) -> Vec<Doubt> {
+    let mut doubts: Vec<Doubt> = problem.measurements.iter().flat_map(|own| own.doubts.iter().cloned()).collect();
+    doubts.sort_by_key(|doubt| !doubt.is_of_start());
+    doubts
+}
+
 fn misfit(state: &State) -> Misfit {
     let believed = &state.refits[0];
-    let freedom = (believed.residuals.len() as f64 - free(believed) as f64).max(1.0);
+    // As in a calibration: a parameter at a bound counts too, so that both tell one figure where their noise is one.
+    let unknowns = believed.names.iter().filter(|name| !is_idle(name)).count();
+    let freedom = (believed.residuals.len() as f64 - unknowns as f64).max(1.0);
     let tests = state.screening.family.tests.iter();
     Misfit {
         reduced_chi2: believed.chi_square / freedom,

@@ -51,10 +51,11 @@ pub(super) fn test(problem: &Problem, believed: &Refit, chosen: &Refit, stated: 
     let count = blocks.len();
     let gains: Vec<f64> = blocks.into_values().collect();
     let (mean, se) = mean_gain(&gains)?;
-    let worse = count >= LEAST_BLOCKS && se > 0.0 && student_t_cdf(mean / se, (count - 1) as f64) < AGAINST;
+    let is_against = |se: f64| se > 0.0 && student_t_cdf(mean / se, (count - 1) as f64) < AGAINST;
+    let worse = count >= LEAST_BLOCKS && se.is_some_and(is_against);
     let judged = chi_square(problem, chosen, &undecided);
     let p = judged.map(|(square, readings)| chi_square_sf(square, readings as f64));
-    let clearly_better = mean > CLEARLY * se;
+    let clearly_better = mean > CLEARLY * se.unwrap_or(0.0);
     let bad = is_bad(p, stated && !clearly_better, squares);
     Some(HeldOutTest {
         gain: mean,
@@ -67,13 +68,14 @@ pub(super) fn test(problem: &Problem, believed: &Refit, chosen: &Refit, stated: 
     })
 }
 
-/// Mean of the blocks' gains and its standard error; `None` without a block, or where they are no numbers.
-fn mean_gain(gains: &[f64]) -> Option<(f64, f64)> {
+/// Mean of the blocks' gains and its standard error, which one block does not have; `None` without a block, or where they are
+/// no numbers.
+fn mean_gain(gains: &[f64]) -> Option<(f64, Option<f64>)> {
     let count = gains.len();
     let mean = gains.iter().sum::<f64>() / count as f64;
     let square = gains.iter().map(|gain| (gain - mean) * (gain - mean)).sum::<f64>();
-    let se = (square / (count * count.saturating_sub(1)).max(1) as f64).sqrt();
-    (mean.is_finite() && se.is_finite()).then_some((mean, se))
+    let se = (count > 1).then(|| (square / (count * (count - 1)) as f64).sqrt());
+    (mean.is_finite() && se.is_none_or(f64::is_finite)).then_some((mean, se))
 }
 
 /// Whether the errors are beyond what noise and fit allow (`p`), and either `judged` by that alone or twice as large as before;
@@ -200,8 +202,8 @@ mod tests {
 
     #[test]
     fn gains_without_a_number_are_no_test() {
-        assert_eq!(mean_gain(&[1.0, 3.0]), Some((2.0, 1.0)));
-        assert_eq!(mean_gain(&[5.0]), Some((5.0, 0.0)));
+        assert_eq!(mean_gain(&[1.0, 3.0]), Some((2.0, Some(1.0))));
+        assert_eq!(mean_gain(&[5.0]), Some((5.0, None)), "one block has no standard error");
         // Errors of 10 K by a noise of 1e-154 K.
         assert_eq!((mean_gain(&[]), mean_gain(&[f64::INFINITY, 1.0]), mean_gain(&[1e200, -1e200])), (None, None, None));
     }

@@ -63,5 +63,4 @@ pub use prior_of::{PRIOR_OF, wider};
 pub use problem::Problem;
 pub use refit::Refit;
 pub use score::{Prepared, Score};
-pub use separate::USEFUL;
 pub use settings::Settings;

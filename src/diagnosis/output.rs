@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::document::counted;
 use crate::inference::joint_prior::Fit;
+use crate::inference::measurement::Doubt;
 
 /// What is said of a model against its data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -22,6 +24,11 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// Whether it names one set to adopt: what the diagnosis proposes and what `bmv adopt` takes unasked.
+    pub fn settles(self) -> bool {
+        self == Self::Identified
+    }
+
     /// In a word.
     pub fn word(self) -> &'static str {
         match self {
@@ -65,7 +72,8 @@ pub struct Test {
 /// The misfit of the tuned model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Misfit {
-    /// Sum of squares of the whitened residuals over their freedom.
+    /// Sum of squares of the whitened residuals over the readings fitted less the unknowns, as in a calibration; the noise is
+    /// that of `noise`, parts of which may have been estimated here.
     pub reduced_chi2: f64,
     /// Probability of a misfit as clear as this where nothing is missing, over all tests.
     pub family_wise_p: f64,
@@ -282,8 +290,8 @@ pub struct GoesWith {
 pub struct HeldOutTest {
     /// Mean fall of the squared error in units of the noise, a block; above 0 where the set is better.
     pub gain: f64,
-    /// Its standard error.
-    pub se: f64,
+    /// Its standard error; `None` with one block, which has no scatter.
+    pub se: Option<f64>,
     /// Blocks.
     pub blocks: u64,
     /// Sum of squares of the held-out errors of the set over the covariance of noise and parameters.
@@ -359,6 +367,25 @@ pub struct Output {
     /// That chains behind a prior did not converge; `None` where none did so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub converged: Option<bool>,
+    /// What is doubtful about the data, a start apart from its first readings first: to be mended before the verdict is
+    /// believed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub doubts: Vec<Doubt>,
     /// What went wrong on the way.
     pub warnings: Vec<String>,
+}
+
+/// Doubts that are told in full.
+const MOST_DOUBTS: usize = 3;
+
+impl Output {
+    /// What must be said before the verdict, whatever it is: doubts of the data, with what mends them.
+    pub fn before_the_verdict(&self) -> Vec<String> {
+        let mut lines: Vec<String> = self.doubts.iter().take(MOST_DOUBTS).map(Doubt::in_words).collect();
+        let more = self.doubts.len().saturating_sub(MOST_DOUBTS);
+        if more > 0 {
+            lines.push(format!("{} of the data: bmv diagnose --json lists all.", counted(more, "more doubt")));
+        }
+        lines
+    }
 }

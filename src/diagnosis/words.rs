@@ -2,9 +2,10 @@
 
 use super::conclude::Findings;
 use super::held_out::SAYS_AGAINST;
-use super::output::{EffectResult, Output, RISES, SeparatingExperiment, Verdict};
+use super::output::{EffectResult, OneThing, Output, RISES, SeparatingExperiment, Verdict};
 use super::screen::AT_BOUNDS;
 use super::{PRIOR_OF, Problem};
+use crate::document::{counted, p_stated};
 use crate::expression::Unit;
 use crate::inference::measurement::Measurement;
 
@@ -12,6 +13,8 @@ use crate::inference::measurement::Measurement;
 const FIRST_KNOT: &str = "knot_1";
 /// A proposed phase this far beyond all readings is remarked on, K.
 const FAR_BEYOND_K: f64 = 30.0;
+/// Standard deviations between the mean and the most probable value from which both are told.
+const ELSEWHERE: f64 = 0.1;
 /// p at which a test is clear.
 const CLEARLY: f64 = 1e-6;
 
@@ -24,18 +27,8 @@ fn percent(probability: f64) -> String {
     }
 }
 
-/// A p-value as people read it.
-fn p_value(p: f64) -> String {
-    match p {
-        // Smaller than any float.
-        0.0 => "0".to_owned(),
-        p if p < 1e-4 => format!("{p:.0e}"),
-        p => format!("{p:.4}"),
-    }
-}
-
 /// The size of an effect, after a comma: its first parameter. Nothing for one that has none, and for a curve, of which the
-/// first knot says nothing.
+/// first knot says nothing. The most probable value, which `bmv adopt` writes, stands beside a mean that lies elsewhere.
 fn size(effect: &EffectResult) -> String {
     let first = effect.amplitudes.iter().next().filter(|(name, _)| *name != FIRST_KNOT);
     first.map_or_else(String::new, |(name, amount)| {
@@ -43,7 +36,11 @@ fn size(effect: &EffectResult) -> String {
         if amount.at_bound {
             return format!(", {name} {}{unit}, at a bound", short(amount.value, 3));
         }
-        format!(", {name} {}{unit}", with_error(amount.value, amount.sd))
+        let mean = with_error(amount.value, amount.sd);
+        if (amount.most_probable - amount.value).abs() <= ELSEWHERE * amount.sd {
+            return format!(", {name} {mean}{unit}");
+        }
+        format!(", {name} {mean}{unit} (most probable with all others {}{unit})", short(amount.most_probable, 4))
     })
 }
 
@@ -142,11 +139,36 @@ fn short(value: f64, digits: usize) -> String {
     format!("{value:.*}", (digits as f64 - 1.0 - power).max(0.0) as usize)
 }
 
+/// How clear a misfit is, from the p-value of all tests together.
+fn clearness(p: f64, false_alarm: f64) -> String {
+    if p > false_alarm {
+        return format!("the tests find no misfit in that ({})", p_stated(p));
+    }
+    format!("that is a misfit ({}, the probability of one as clear as this where nothing is missing)", p_stated(p))
+}
+
 /// `a, b and c`.
 fn joined(names: &[String]) -> String {
     match names.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
         _ => names.concat(),
+    }
+}
+
+impl OneThing {
+    /// That no phase parts the sets, in a sentence.
+    pub fn in_words(&self) -> String {
+        format!("N{}.", &self.clause()[1..])
+    }
+
+    /// The same, to follow a semicolon.
+    pub fn clause(&self) -> String {
+        format!(
+            "no steady phase within the stated ranges tells {} apart: the best would do so with probability {}, repeating an old one with {}, and a coin with 50 %",
+            joined(&self.sets),
+            percent(self.probability),
+            percent(self.repeat_probability)
+        )
     }
 }
 
@@ -201,14 +223,14 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             error.push_str(&format!(", {held_out:.2} K on the held-out rows"));
         }
     }
-    error.push_str(&format!(
-        "; a misfit as clear as this has the probability {} where nothing is missing.",
-        p_value(misfit.family_wise_p)
-    ));
+    if !findings.state.noise.is_empty() {
+        error.push_str(", by the noise that was settled here (see noise)");
+    }
+    error.push_str(&format!("; {}.", clearness(misfit.family_wise_p, false_alarm)));
     words.push(error);
     if !findings.state.noise.is_empty() {
         words.push(
-            "The noise of these fits is the one that was settled here (see noise): a calibration that infers its own may follow the readings more closely, or less."
+            "A calibration, `bmv compare` and `bmv history` take the noise as the pass states it or infer it beside the model as it is: their chi-square and RMSE are others."
                 .to_owned(),
         );
     }
@@ -217,8 +239,9 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
     match output.verdict {
         Verdict::Adequate => {
             words.push(format!(
-                "Nothing is missing that these data could show: {} effects and {} pairs were tried.",
-                output.looked_at[0], output.looked_at[1]
+                "Nothing is missing that these data could show: {} and {} were tried.",
+                counted(output.looked_at[0], "effect"),
+                counted(output.looked_at[1], "pair")
             ));
             if findings.doubted {
                 words.push(format!(
@@ -229,8 +252,8 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
         }
         Verdict::Unexplained => {
             words.push(format!(
-                "Something is missing, and none of {} effects, alone or in sets of up to {}, explains it: see the missing heat by node.",
-                output.looked_at[0],
+                "Something is missing, and none of {}, alone or in sets of up to {}, explains it: see the missing heat by node.",
+                counted(output.looked_at[0], "effect"),
                 findings.state.refits.iter().map(|refit| refit.effects.len()).max().unwrap_or(0)
             ));
             if output.warnings.iter().any(|warning| warning.starts_with(SAYS_AGAINST)) {
@@ -244,8 +267,9 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 words.push(too_narrow(effect, findings.problem));
             }
             for effect in selected.iter().filter(|effect| !is_prior(effect)) {
+                let head = if output.verdict == Verdict::Identified { "Missing" } else { "Perhaps missing" };
                 words.push(format!(
-                    "Missing: {} ({}){}{}; probability {}, log Bayes factor {:.1}.{}",
+                    "{head}: {} ({}){}{}; probability {}, log Bayes factor {:.1}.{}",
                     effect.title,
                     effect.id,
                     size(effect),
@@ -262,8 +286,8 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
     }
     if selected.len() > 1 {
         words.push(format!(
-            "Of sets of several effects the most promising were fitted, not all: probabilities are among {} sets.",
-            output.looked_at[2]
+            "Of sets of several effects the most promising were fitted, not all: probabilities are among {}.",
+            counted(output.looked_at[2], "set")
         ));
     }
     if !selected.is_empty() {
@@ -288,16 +312,16 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
     let pressed = misfit.tests.iter().find(|test| test.name == AT_BOUNDS && test.p <= CLEARLY);
     if let Some(test) = pressed.filter(|_| output.verdict != Verdict::Adequate) {
         words.push(format!(
-            "In the model as believed `{}` is pressed against an end of its prior (p = {}): is that prior wide enough?",
+            "In the model as believed `{}` is pressed against an end of its prior ({}): is that prior wide enough?",
             test.at,
-            p_value(test.p)
+            p_stated(test.p)
         ));
     }
     let left = output.remaining_p.filter(|p| *p <= false_alarm && !findings.goes_first());
     if let Some(p) = left.filter(|_| !selected.is_empty()) {
         words.push(format!(
-            "Tests still find something beside what is selected (p = {}): something smaller is missing too, or the noise is not what it is taken for.",
-            p_value(p)
+            "Tests still find something beside what is selected ({}): something smaller is missing too, or the noise is not what it is taken for.",
+            p_stated(p)
         ));
     }
     if output.verdict == Verdict::Ambiguous {
@@ -310,18 +334,11 @@ pub(super) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
         }
         if findings.plainest {
             words.push(format!(
-                "Tests still find something beside all of these (p = {}), so that the odds between them are too sure: the plainest goes first.",
-                output.remaining_p.map_or_else(|| "unknown".to_owned(), p_value)
+                "Tests still find something beside all of these ({}), so that the odds between them are too sure: the plainest goes first.",
+                p_stated(output.remaining_p.unwrap_or(f64::NAN))
             ));
         }
-        if let Some(one) = &output.one_thing {
-            words.push(format!(
-                "No steady phase within the stated ranges tells {} apart (probability {}; repeating an old phase {}): here they are one thing, and it does not matter which is adopted.",
-                joined(&one.sets),
-                percent(one.probability),
-                percent(one.repeat_probability)
-            ));
-        }
+        words.extend(output.one_thing.as_ref().map(OneThing::in_words));
         if let Some(experiment) = &output.separating_experiment {
             words.push(format!(
                 "A steady phase at the conditions stated below would tell {} apart with probability {}; repeating the best old phase with {}.",
@@ -340,8 +357,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_p_value_below_every_float_is_0() {
-        assert_eq!([0.0, 3e-7, 0.05].map(p_value), ["0", "3e-7", "0.0500"]);
+    fn a_misfit_is_called_clear_only_where_the_tests_find_one() {
+        assert_eq!(clearness(0.96, 0.01), "the tests find no misfit in that (p = 0.96)");
+        let found = clearness(0.0, 0.01);
+        assert!(found.starts_with("that is a misfit (p < 1e-6, "), "{found}");
+    }
+
+    #[test]
+    fn the_value_that_is_adopted_stands_beside_a_mean_that_lies_elsewhere() {
+        let effect = |most_probable: f64| {
+            let amount = serde_json::json!({"value": 0.0307, "sd": 0.0131, "most_probable": most_probable, "unit": "W/K", "at_bound": false});
+            serde_json::from_value::<EffectResult>(serde_json::json!({
+                "id": "a:x", "effect": "a", "title": "A", "where": ["x"], "where_kind": "node", "input": null, "probability": 0.9,
+                "log_bayes_factor": 9.0, "log_bayes_factor_scales": null, "group": null, "amplitudes": {"conductance": amount},
+                "rmse_k": {"train": [null, null], "held_out": [null, null]}, "watts": null, "confused_with": [], "separate": ""
+            }))
+            .expect("an effect")
+        };
+        assert_eq!(size(&effect(0.0308)), ", conductance 0.031 ± 0.013 W/K");
+        assert_eq!(
+            size(&effect(0.0347)),
+            ", conductance 0.031 ± 0.013 W/K (most probable with all others 0.03470 W/K)"
+        );
     }
 
     #[test]

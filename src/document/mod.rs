@@ -18,6 +18,7 @@ pub mod schema;
 pub mod source;
 pub mod suggest;
 pub mod visible;
+mod words;
 pub mod written;
 
 pub use declare::Empty;
@@ -31,4 +32,5 @@ pub use prior::{Prior, PriorForm};
 pub use quantity::{Amount, Scalar, Sense, WrittenUnit};
 pub use schema::Schemas;
 pub use source::{JsonPath, Place, Position, Source, Span};
+pub use words::{counted, p_stated, p_value};
 pub use written::{NameOr, OneOrMany, Spanned, Written, read_file};

@@ -88,6 +88,15 @@ pub fn shortened(text: &str) -> Cow<'_, str> {
     Cow::Owned(format!("{} ... ({left_out} characters) ... {}", &text[..starts[head]], &text[starts[tail]..]))
 }
 
+/// A word of a command as a shell takes it: in quotes where it would read anything into it.
+pub fn shell_word(text: &str) -> Cow<'_, str> {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./:,+=@%".contains(c);
+    if !text.is_empty() && text.chars().all(is_plain) {
+        return Cow::Borrowed(text);
+    }
+    Cow::Owned(format!("'{}'", text.replace('\'', "'\\''")))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -116,6 +125,14 @@ mod tests {
         let shown = escaped_json(&text);
         assert!(shown.contains("\\u202e") && shown.contains("\\u009b\\udb40\\udc41ä"), "{shown}");
         assert_eq!(serde_json::from_str::<serde_json::Value>(&shown).expect("JSON"), value);
+    }
+
+    #[test]
+    fn a_shell_reads_a_word_as_it_is() {
+        assert_eq!(shell_word("conductive-path:box:plate"), "conductive-path:box:plate");
+        assert_eq!(shell_word("product-load:box:T_pl*Q"), "'product-load:box:T_pl*Q'");
+        assert_eq!(shell_word("sensor-bias:TC o'clock"), "'sensor-bias:TC o'\\''clock'");
+        assert_eq!(shell_word(""), "''");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::document::formula::Expected;
 use crate::document::name::{self, check_symbol};
 use crate::document::prior::support;
 use crate::document::{
-    Diagnostic, Diagnostics, Empty, Formulas, MapEntry, Place, Prior, Spanned, WrittenUnit, code, suggest,
+    Diagnostic, Diagnostics, Empty, Formulas, MapEntry, Place, Prior, Spanned, WrittenUnit, code, counted, suggest,
 };
 use crate::expression::{Dependence, Dimension, ExprId, Graph, Names, Symbol};
 
@@ -157,7 +157,7 @@ impl Effect {
         }
         if let Some(curve) = &adds.value.curve {
             if !(2..=20).contains(&curve.knots.value) {
-                let message = format!("a curve of {} knots", curve.knots.value);
+                let message = format!("a curve of {}", counted(curve.knots.value, "knot"));
                 wrong(&curve.knots.place, &message, "2 to 20", diagnostics);
             }
             if self.form.parameters.get(KNOT).is_none() {

@@ -406,7 +406,7 @@ impl<'a> Parser<'a> {
         let fits = if counts.is_empty() { count >= 2 } else { counts.contains(&count) };
         if !fits {
             let end = self.text[..self.at].trim_end().len();
-            let message = format!("`{name}` is given {count} arguments");
+            let message = format!("`{name}` is given {count} argument{}", if count == 1 { "" } else { "s" });
             return Err(fault(Fault::Arguments, start, end, message).expected(usage(name)));
         }
         self.apply(name, table, &arguments, start)

@@ -1,10 +1,11 @@
 //! Measurements, resolved: SI units, one row a phase or an instant, one column a sensor.
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::document::canonical::canonical;
-use crate::document::hash;
+use crate::document::{Diagnostic, code, hash};
 use crate::effect::SensorChange;
 use crate::random::Distribution;
 use crate::thermal::Model;
@@ -167,6 +168,42 @@ pub enum Rows {
     },
 }
 
+/// Something doubtful about the data of a measurement.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Doubt {
+    /// Name of its kind, such as `start-apart` (`bmv explain`).
+    pub code: String,
+    /// What is doubtful, in a sentence without its full stop.
+    pub message: String,
+    /// What to do about it, likewise.
+    pub repair: Option<String>,
+}
+
+impl From<&Diagnostic> for Doubt {
+    /// The warning, as a result repeats it: without the signs that mark names in a terminal.
+    fn from(warning: &Diagnostic) -> Self {
+        let plain = |text: &String| text.replace('`', "");
+        Self {
+            code: warning.code.name.to_owned(),
+            message: plain(&warning.message),
+            repair: warning.help.as_ref().map(plain),
+        }
+    }
+}
+
+impl Doubt {
+    /// Whether it is a start of a transient that its own first readings contradict: all that follows shows it then.
+    pub fn is_of_start(&self) -> bool {
+        self.code == code::START_APART.name
+    }
+
+    /// What to mend before a result is believed, and how.
+    pub fn in_words(&self) -> String {
+        let repair = self.repair.as_ref().map_or_else(String::new, |repair| format!(" Repair: {repair}."));
+        format!("Mend this before the result is believed: {}.{repair}", self.message)
+    }
+}
+
 /// A measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
@@ -184,9 +221,9 @@ pub struct Measurement {
     pub sha256: String,
     /// Columns of the file that nothing uses.
     pub unused_columns: Vec<String>,
-    /// What is doubtful about the data, in sentences: inputs without a value, a start beside the first readings, phases
-    /// that drift. Results that rest on the data repeat it.
-    pub doubts: Vec<String>,
+    /// What is doubtful about the data: inputs without a value, a start beside the first readings, phases that drift.
+    /// Results that rest on the data repeat it.
+    pub doubts: Vec<Doubt>,
 }
 
 impl Measurement {

@@ -8,24 +8,45 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::JobError;
+use crate::diagnosis::Verdict;
+use crate::diagnosis::output::OneThing;
+use crate::inference::measurement::Doubt;
 
 /// A diagnosis.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Findings {
-    /// `adequate`, `identified`, `ambiguous` or `unexplained`.
-    pub verdict: String,
+    /// What is said of the model.
+    pub verdict: Verdict,
     /// Effects at places, best first.
     #[serde(default)]
     pub effects: Vec<Finding>,
     /// Ids of the set that the diagnosis would adopt.
     #[serde(default)]
     pub selected: Vec<String>,
+    /// Sets of effects with their odds, best first.
+    #[serde(default)]
+    pub models: Vec<Odds>,
+    /// What is doubtful about the data.
+    #[serde(default)]
+    pub doubts: Vec<Doubt>,
     /// Effects that the data cannot see.
     #[serde(default)]
     pub unseen: Vec<Unseen>,
     /// The experiment that would tell rivals apart.
     #[serde(default)]
     pub separating_experiment: Option<Experiment>,
+    /// Rivals that no settable phase tells apart.
+    #[serde(default)]
+    pub one_thing: Option<OneThing>,
+}
+
+/// A set of effects and its odds.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct Odds {
+    /// Ids; none for the model as it is believed.
+    pub effects: Vec<String>,
+    /// Probability.
+    pub probability: Option<f64>,
 }
 
 /// An effect at a place.
@@ -142,10 +163,40 @@ impl Findings {
 
     /// The effects that the diagnosis would adopt; where it names none of several that explain the data alike, the best.
     fn leading(&self) -> Vec<&Finding> {
-        if self.selected.is_empty() && self.verdict == "ambiguous" {
+        if self.selected.is_empty() && self.verdict == Verdict::Ambiguous {
             return self.effects.iter().find(|effect| effect.group.is_some()).into_iter().collect();
         }
         self.selected.iter().filter_map(|id| self.find(id)).collect()
+    }
+
+    /// Probability of exactly these effects; that of a single one where its set was not weighed alone.
+    pub fn odds(&self, chosen: &[&Finding]) -> Option<f64> {
+        let is_own = |odds: &&Odds| {
+            odds.effects.len() == chosen.len() && chosen.iter().all(|finding| odds.effects.contains(&finding.id))
+        };
+        let known = self.models.iter().find(is_own).and_then(|odds| odds.probability);
+        known.or(if let [one] = chosen { one.probability } else { None })
+    }
+
+    /// What else the data allow in place of these effects, best first, each with its probability: what shares a group with
+    /// one of them, or, where nothing does, other sets.
+    pub fn rivals(&self, chosen: &[&Finding]) -> Vec<(String, Option<f64>)> {
+        const LEAST: f64 = 0.01;
+        let is_chosen = |id: &str| chosen.iter().any(|finding| finding.id == id);
+        let mut rivals: Vec<(String, Option<f64>)> = Vec::new();
+        for rival in chosen.iter().flat_map(|finding| self.confused_with(finding)).filter(|own| !is_chosen(&own.id)) {
+            if !rivals.iter().any(|(id, _)| *id == rival.id) {
+                rivals.push((rival.id.clone(), rival.probability));
+            }
+        }
+        if rivals.is_empty() {
+            let is_own =
+                |odds: &Odds| odds.effects.len() == chosen.len() && odds.effects.iter().all(|id| is_chosen(id));
+            let others = self.models.iter().filter(|odds| !odds.effects.is_empty() && !is_own(odds));
+            let likely = others.filter(|odds| odds.probability.is_some_and(|probability| probability >= LEAST));
+            rivals.extend(likely.map(|odds| (odds.effects.join(" + "), odds.probability)));
+        }
+        rivals
     }
 
     /// Whether the diagnosis supports an effect: it is selected, or these data cannot tell it from one that is.

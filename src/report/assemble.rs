@@ -3,6 +3,7 @@
 use serde_json::Value;
 use thiserror::Error;
 
+use crate::inference::measurement::Doubt;
 use crate::study::Pass;
 
 use super::history::History;
@@ -129,7 +130,7 @@ pub fn assemble<'p>(
         engine_version: surroundings.engine_version,
         command: surroundings.command,
         warnings: (surroundings.warnings.into_iter())
-            .chain(pass.measurements.iter().flat_map(|own| own.doubts.iter().map(|doubt| format!("Data: {doubt}."))))
+            .chain(pass.measurements.iter().flat_map(|own| own.doubts.iter().map(Doubt::in_words)))
             .collect(),
     })
 }

@@ -1,5 +1,6 @@
 //! What came out of a job, in a line or two.
 
+use crate::document::counted;
 use crate::job::{calibrate, compare, conventional, design, goal, predict, propagate, sensitivity};
 
 use super::number::{self, Shown};
@@ -22,7 +23,9 @@ pub fn headlines(job: &JobEntry) -> Vec<String> {
         JobResult::Conventional(output) => of_sizes(output),
         JobResult::Compare(output) => of_comparison(output),
         JobResult::Calibrate(output) => of_calibration(output),
-        JobResult::Diagnose(output) => output.words.clone(),
+        JobResult::Diagnose(output) => {
+            output.before_the_verdict().into_iter().chain(output.words.iter().cloned()).collect()
+        }
         JobResult::Sensitivity(output) => of_sensitivity(output),
         JobResult::Goal(output) => of_goal(output),
         JobResult::Design(output) => of_design(output),
@@ -66,7 +69,9 @@ fn of_sensitivity(output: &sensitivity::Output) -> Vec<String> {
         }
         if case.failed > 0 {
             let (failed, solves, rows) = (case.failed, case.solves, case.rows_left_out);
-            lines.push(format!("{failed} of {solves} solves failed, {rows} rows are left out{place}"));
+            let are = if rows == 1 { "is" } else { "are" };
+            let rows = counted(rows, "row");
+            lines.push(format!("{failed} of {} failed, {rows} {are} left out{place}", counted(solves, "solve")));
         }
     }
     lines.extend(output.precision.filter(|precision| !precision.is_reached).map(|precision| {
@@ -131,7 +136,8 @@ fn of_propagation(output: &propagate::Output) -> Vec<String> {
             }));
         }
         if case.failed > 0 {
-            lines.push(format!("{} of {} samples have no solution{place}", case.failed, output.samples));
+            let samples = counted(output.samples, "sample");
+            lines.push(format!("no solution in {} of {samples}{place}", case.failed));
         }
     }
     lines
@@ -166,7 +172,7 @@ fn of_sizes(output: &conventional::Output) -> Vec<String> {
         }
         None => format!("no {} of the range satisfies any rule", output.design_variable),
     };
-    vec![format!("{range}; the nominal {nominal} passes {passing} of {} rules", output.sizes.len())]
+    vec![format!("{range}; the nominal {nominal} passes {passing} of {}", counted(output.sizes.len(), "rule"))]
 }
 
 /// RMSE and criteria, then where it fails.
@@ -193,15 +199,14 @@ fn of_comparison(output: &compare::Output) -> Vec<String> {
         parts.push(format!("{kept} of {} criteria kept ({})", output.verdicts.len(), output.criteria.title));
     }
     if !output.failed.is_empty() {
-        let phases = if output.failed.len() == 1 { "phase" } else { "phases" };
-        parts.push(format!("{} {phases} without a prediction", output.failed.len()));
+        parts.push(format!("{} without a prediction", counted(output.failed.len(), "phase")));
     }
     let mut lines = vec![parts.join("; ")];
     let of = if output.tuned.is_some() { "as delivered, " } else { "" };
     lines.extend(output.fails.iter().take(MOST_FINDINGS).map(|found| format!("{of}{found}")));
     if output.fails.len() > MOST_FINDINGS {
-        let more = output.fails.len() - MOST_FINDINGS;
-        lines.push(format!("and {more} more {}", if more == 1 { "finding" } else { "findings" }));
+        let more = counted(output.fails.len() - MOST_FINDINGS, "more finding");
+        lines.push(format!("and {more}"));
     } else if output.fails.is_empty() {
         lines.push("no place where the model fails".to_owned());
     }

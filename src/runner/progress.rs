@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressState, ProgressStyle};
 
+use crate::document::counted;
 use crate::document::visible::escaped;
 
 use super::events::{Event, Listener};
@@ -247,7 +248,7 @@ impl Stage {
     fn text(&self, now: Instant) -> String {
         let pace = Some(self.pace(now)).filter(|pace| !pace.is_empty());
         let pace = pace.map_or_else(String::new, |pace| format!(", {pace}"));
-        format!("{}: {} of {} blocks{pace}", self.name, self.done(), self.blocks)
+        format!("{}: {} of {}{pace}", self.name, self.done(), counted(self.blocks, "block"))
     }
 }
 
@@ -267,10 +268,6 @@ fn new_bar(job: &str, stage: &Arc<Mutex<Stage>>) -> ProgressBar {
 /// What is guarded here is whole after every assignment.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn counted(count: u64, what: &str) -> String {
-    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
 
 /// A duration in seconds, as a person says it.

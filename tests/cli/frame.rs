@@ -125,7 +125,7 @@ fn cache_stat_and_verify_see_damage() {
         serde_json::from_slice(&run(&["cache", "stat", "--json", "--cache", path]).stdout).unwrap();
     assert_eq!((&stat["results"], &stat["blocks"]), (&1.into(), &0.into()));
     let sound = run(&["cache", "verify", "--cache", path]);
-    assert_eq!((code(&sound), text(&sound.stdout)), (0, "1 objects are sound, 0 damaged\n".to_owned()));
+    assert_eq!((code(&sound), text(&sound.stdout)), (0, "1 object sound, 0 damaged\n".to_owned()));
     fs::File::options().append(true).open(cache.path(&name)).unwrap().write_all(b"x").unwrap();
     let damaged = run(&["cache", "verify", "--cache", path]);
     assert_eq!(code(&damaged), 1);

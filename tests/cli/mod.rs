@@ -10,4 +10,5 @@ mod history;
 mod not_finite;
 mod story;
 mod studies;
+mod unsettled;
 mod verbs;

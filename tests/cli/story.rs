@@ -137,6 +137,10 @@ fn of_several_diagnoses_the_first_is_adopted_from_and_no_pass_is_written_twice()
         let jobs = pass["jobs"].as_object_mut().unwrap();
         jobs.insert("other".to_owned(), jobs["missing"].clone());
     });
+    let proposed = text(&bmv(root.path(), &["diagnose", "hidden/pass-1.json"]).stderr);
+    for job in ["missing", "other"] {
+        assert!(proposed.contains(&format!("next: bmv adopt hidden/pass-1.json --job {job}")), "{proposed}");
+    }
     let output = bmv(root.path(), &["adopt", "hidden/pass-1.json"]);
     let said = text(&output.stderr);
     assert_eq!(code(&output), 0, "{said}");

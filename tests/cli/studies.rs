@@ -233,7 +233,7 @@ fn the_studies_that_init_makes_run_or_say_how_to_bring_their_data() {
         it is enough to know eps to 39.8 % of the prior standard deviation, 15.9 % of the variance
       margins: A from 0.2724 to 0.4649 m² by rule; the nominal 0.3000 m² passes 2 of 10 rules
       coupon: T_s = 250 K, W = 25 W tells most about eps: 1.2182 ± 0.0082 nats expected
-        The estimator is `nested`: its bias and its inner samples are good at all candidates that may be the best; for sets of readings `importance`, since `nested` is not good: at one candidate the bias is bounded by 0.02 nats only, and an inner average rests on 14.1 effective samples.
+        The estimator is `nested`, chosen by its diagnostics: the report says why.
       look at it: bmv show new/pass-1.json, or bmv report new/pass-1.json
     "#);
     let made = printed(root.path(), &["init", "bench", "--from", "tclab"]);

@@ -516,7 +516,7 @@ fn cooler_stages_and_couples() {
  "conductors": {"bolts": {"between": ["plate", "wall"], "conductance": "G_bi"}},
  "coolers": {"tec": {"cold": "plate", "hot": "wall", "current": 1, "seebeck": 4e-4, "resistance": 0.2, "conductance": 4e-4, "couples": [8, 24]}}}"#;
     insta::assert_snapshot!(rendered(text), @r#"
-    error[wrong-length]: 2 numbers of couples for 1 stages
+    error[wrong-length]: 2 numbers of couples for 1 stage
      --> model.json:6:136
       |
     6 | ... "conductance": 4e-4, "couples": [8, 24]}}}

@@ -153,7 +153,7 @@ fn every_effect_at_every_kind_of_place_is_written_and_read_again() {
 fn harness(group: Option<u64>) -> Value {
     json!({"id": "conductive-path:box:detector", "effect": "conductive-path", "where": ["box", "detector"], "where_kind": "nodes",
         "input": null, "probability": 0.98, "log_bayes_factor": 41.2, "group": group,
-        "amplitudes": {"conductance": {"value": 0.0491, "sd": 0.00312, "unit": "W/K"}},
+        "amplitudes": {"conductance": {"value": 0.0491, "sd": 0.00312, "most_probable": 0.0474, "unit": "W/K"}},
         "rmse_k": {"train": [0.71, 0.26], "held_out": [0.83, 0.27]}})
 }
 
@@ -178,7 +178,7 @@ fn the_file_is_readable_and_says_why() {
         other("joule-heating:box", "node", None),
     ];
     let found = findings("ambiguous", effects, &["conductive-path:box:detector"]);
-    let next = adopt(&study, &found, &[], false).expect("adopted");
+    let next = adopt(&study, &found, &["conductive-path"], false).expect("adopted");
     assert_eq!(next.extended, ["tuned"]);
     insta::assert_snapshot!(next.text, @r#"
     {
@@ -191,9 +191,9 @@ fn the_file_is_readable_and_says_why() {
         "box-detector conductive path": {
           "effect": {"conductive-path": {
             "where": ["box", "detector"],
-            "parameters": {"conductance": {"unit": "W/K", "nominal": 0.0491, "prior": {"halfnormal": 0.1}}}
+            "parameters": {"conductance": {"unit": "W/K", "nominal": 0.0474, "prior": {"halfnormal": 0.1}}}
           }},
-          "because": "diagnosis `missing` of pass-1.json: ambiguous; probability 0.980, log Bayes factor 41.2; conductance 0.0491 ± 0.0031 W/K; RMSE 0.71 K -> 0.26 K, on held-out rows 0.83 K -> 0.27 K; these data cannot tell it from `radiative-path:box:detector`",
+          "because": "diagnosis `missing` of pass-1.json: ambiguous; probability 0.980, log Bayes factor 41.2; conductance 0.0474 W/K (most probable; standard deviation 0.0031 W/K); RMSE 0.71 K -> 0.26 K, on held-out rows 0.83 K -> 0.27 K; these data cannot tell it from `radiative-path:box:detector`",
           "evidence": {"pass": "pass-1.json", "job": "missing"}
         }
       },
@@ -204,24 +204,87 @@ fn the_file_is_readable_and_says_why() {
       }
     }
     "#);
-    let lines = bmv::study::next_pass::ambiguity(&found, &[next.adopted[0].1], &study.load().model);
-    assert_eq!(
-        lines,
-        [
-            "these data cannot tell `conductive-path:box:detector` from `radiative-path:box:detector`",
-            "a phase at T_plate = 39.85 degC would tell them apart with probability 0.97 (repeating a phase: 0.60)",
-        ]
-    );
+    insta::assert_snapshot!(next.warnings.render(false, 9), @r"
+    warning[adopt-ambiguous]: these data leave open whether it is `conductive-path:box:detector` (probability 0.980); its rivals: `radiative-path:box:detector` (0.010)
+     --> command line:1:1
+      |
+    1 | bmv adopt pass-1.json conductive-path
+      | ^^^^^^^^^^^^^^^^^^^^^
+      |
+      = help: a phase at T_plate = 39.85 degC would tell them apart with probability 0.97 (repeating a phase: 0.60)
+    ");
 }
 
 #[test]
-fn an_experiment_that_is_no_better_than_a_coin_is_not_recommended() {
-    let whole = json!({"verdict": "ambiguous", "effects": [harness(Some(1)), other("hidden-node:box:detector", "nodes", Some(1))],
-        "selected": ["conductive-path:box:detector"], "separating_experiment": {"between": [], "predictions": {},
-        "conditions": {"T_plate": {"value": 313.0, "unit": "K"}}, "probability": 0.5, "repeat_probability": 0.5, "limits_ok": true}});
-    let found = Findings::from_result("missing", &whole).expect("of that form");
-    let lines = bmv::study::next_pass::ambiguity(&found, &[&found.effects[0]], &study().load().model);
-    assert_eq!(lines[1], "no settable phase within the limits would tell them apart; measure where they differ");
+fn what_the_data_do_not_settle_is_adopted_by_name_with_its_odds() {
+    let study = study();
+    let whole = |more: Value| {
+        let mut whole = json!({"verdict": "ambiguous",
+            "effects": [harness(Some(1)), other("radiative-path:box:detector", "nodes", Some(1)), other("heat-load:box", "node", None)],
+            "selected": ["conductive-path:box:detector"],
+            "models": [{"effects": ["conductive-path:box:detector"], "probability": 0.501}, {"effects": ["heat-load:box"], "probability": 0.3}]});
+        whole.as_object_mut().expect("an object").extend(more.as_object().expect("an object").clone());
+        Findings::from_result("missing", &whole).expect("of that form")
+    };
+    let parts = json!({"separating_experiment": {"between": [], "conditions": {"T_plate": {"value": 313.0, "unit": "K"}},
+        "probability": 0.97, "repeat_probability": 0.6, "limits_ok": true}});
+    let found = whole(parts);
+    let said = adopt(&study, &found, &[], false).expect_err("refused");
+    insta::assert_snapshot!(said, @r"
+    error[adopt-refused]: diagnosis `missing` is ambiguous: these data leave open whether it is `conductive-path:box:detector` (probability 0.501); its rivals: `radiative-path:box:detector` (0.010)
+     --> command line:1:1
+      |
+    1 | bmv adopt pass-1.json
+      | ^^^^^^^^^^^^^^^^^^^^^ the name of what you adopt
+      |
+      = help: to adopt it all the same, name it: bmv adopt pass-1.json conductive-path:box:detector; a phase at T_plate = 39.85 degC would tell them apart with probability 0.97 (repeating a phase: 0.60)
+    ");
+    for (effects, forced) in [(&["conductive-path"][..], false), (&[][..], true)] {
+        let next = adopt(&study, &found, effects, forced).expect("adopted");
+        let said = "these data leave open whether it is `conductive-path:box:detector` (probability 0.501); its rivals: `radiative-path:box:detector` (0.010)";
+        assert_eq!(next.warnings.plain()[0].message, said);
+    }
+    // What shares no group with it: other sets.
+    let mut alone = found.clone();
+    alone.effects.iter_mut().for_each(|effect| effect.group = None);
+    let next = adopt(&study, &alone, &["conductive-path"], false).expect("adopted");
+    assert!(
+        next.warnings.plain()[0].message.ends_with("its rivals: `heat-load:box` (0.300)"),
+        "{:?}",
+        next.warnings.plain()
+    );
+    // The diagnosis found no phase that parts them, and this says the same.
+    let none = whole(json!({"one_thing": {"sets": ["conductive-path:box:detector", "radiative-path:box:detector"],
+        "probability": 0.557, "repeat_probability": 0.5}}));
+    let next = adopt(&study, &none, &["conductive-path"], false).expect("adopted");
+    let help = next.warnings.plain()[0].help.clone().expect("help");
+    assert!(help.starts_with("no steady phase within the stated ranges tells") && help.contains("55.7 %"), "{help}");
+    // What is settled is adopted without a word.
+    let settled = findings("identified", vec![harness(None)], &["conductive-path:box:detector"]);
+    assert!(adopt(&study, &settled, &[], false).expect("adopted").warnings.is_empty());
+}
+
+#[test]
+fn every_knot_of_a_curve_has_the_size_that_was_fitted() {
+    let study = study();
+    let pass = study.load();
+    let catalogue = Catalogue::embedded(&mut Diagnostics::new());
+    let all = candidates(&pass.model, &groups(&pass), &sensor_places(pass.measurements.iter()), &catalogue);
+    let curve = all.iter().find(|candidate| candidate.effect == "input-function-load").expect("a curve");
+    let mut fitted = finding(curve);
+    let knot = |value: f64| json!({"value": 9.0, "sd": 0.1, "most_probable": value, "unit": "W"});
+    fitted["amplitudes"] = json!({"knot_1": knot(0.25), "knot_2": knot(-0.5)});
+    let found = findings("identified", vec![fitted], &[&curve.id]);
+    let next = adopt(&study, &found, &[], false).unwrap_or_else(|said| panic!("{said}"));
+    study.put("pass-2.json", &next.text);
+    let read =
+        bmv::study::load(&study.path("pass-2.json")).unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 9)));
+    let nominals: Vec<f64> =
+        read.adopted[0].parameters.clone().map(|index| read.model.parameters[index].nominal).collect();
+    assert_eq!(nominals[..2], [0.25, -0.5], "{}", next.text);
+    for part in ["knot 1 0.25 W (most probable; standard deviation 0.1 W)", "knot 2 -0.5 W (most probable"] {
+        assert!(next.text.contains(part), "{part}: {}", next.text);
+    }
 }
 
 #[test]

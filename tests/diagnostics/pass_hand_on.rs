@@ -159,7 +159,7 @@ fn files_of_draws() {
     let jobs = ready(&pass);
     assert!(matches!(jobs[0].1, Readiness::Ready(_)), "draws of a file wait for nothing");
     for (text, part) in [
-        ("G [W/K]\n0.4\n", "has 1 draws"),
+        ("G [W/K]\n0.4\n", "has 1 draw"),
         ("H [W/K]\n0.4\n0.5\n", "has no column `G`"),
         ("G [K]\n0.4\n0.5\n", "study/data/draws.csv:1:1"),
         ("G [W/K]\n0.4\n\n0.5\nx\n", "table-cell"),

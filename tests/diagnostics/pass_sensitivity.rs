@@ -34,7 +34,7 @@ fn settings_have_defaults_and_quantities_follow_the_requirements() {
 fn wrong_settings_are_told_at_their_place() {
     for (job, expected) in [
         (r#"{"sensitivity": {"samples": 1000}}"#, "1000 Sobol points are rounded up to 1024"),
-        (r#"{"sensitivity": {"samples": 1}}"#, "1 samples"),
+        (r#"{"sensitivity": {"samples": 1}}"#, "1 sample"),
         (r#"{"sensitivity": {"scrambles": 1}}"#, "an integer from 2 to 64"),
         (r#"{"sensitivity": {"precision": 0}}"#, "the width of an interval, above 0 and at most 1"),
         (r#"{"sensitivity": {"methods": ["sobl"]}}"#, "`sobol`"),

@@ -136,3 +136,55 @@ fn effects_that_change_nothing_are_counted_and_not_listed() {
     // On a phone a row of this table is a list, each value beside its heading.
     has(&report.html, &["<div class=\"table stacks\"", "data-label=\"RMSE, held out [K]\""]);
 }
+
+#[test]
+fn a_doubtful_start_stands_before_any_verdict() {
+    for verdict in ["identified", "ambiguous", "unexplained", "adequate"] {
+        let mut sample = diagnosed(verdict);
+        let job = sample.results.last_mut().expect("a diagnosis");
+        let JobResult::Diagnose(output) = &mut job.result else { panic!("a diagnosis") };
+        output.doubts = vec![bmv::inference::measurement::Doubt {
+            code: "start-apart".into(),
+            message: "the first readings of run lie apart from its start temperatures: board 12.73 K above".into(),
+            repair: Some(r#""initial": {"measured": {}} starts at the first readings"#.into()),
+        }];
+        let lines = bmv::report::headline::headlines(job);
+        assert!(lines[0].contains("board 12.73 K above. Repair: \"initial\": {\"measured\": {}}"), "{lines:?}");
+        let report = rendered(&sample);
+        let own = report.markdown.split(". What is missing").nth(1).expect("a section").to_owned();
+        let at = own.find("12.73 K above").expect("it is said");
+        assert!(at < own.find(verdict).expect("a verdict"), "{verdict}: {own}");
+        assert!(own.contains("Repair: "), "{own}");
+    }
+}
+
+#[test]
+fn one_held_out_block_has_no_standard_error_and_no_p_is_0() {
+    let mut sample = diagnosed("identified");
+    let Some(JobResult::Diagnose(output)) = sample.results.last_mut().map(|job| &mut job.result) else {
+        panic!("a diagnosis")
+    };
+    output.held_out_test = Some(bmv::diagnosis::output::HeldOutTest {
+        gain: 155.0,
+        se: None,
+        blocks: 1,
+        chi_square: None,
+        readings: 3,
+        p: None,
+        veto: false,
+    });
+    output.misfit.family_wise_p = 0.0;
+    output.misfit.tests[0].p = 0.0;
+    output.looked_at = [1, 0, 1];
+    let markdown = rendered(&sample).markdown.replace('\u{A0}', " ");
+    let own = markdown.split(". What is missing").nth(1).expect("a section");
+    has(
+        own,
+        &[
+            "Held-out rows, in one block, which has no standard error: squared error falls by 155 in units",
+            "1 set fitted",
+        ],
+    );
+    has(&markdown, &["together p &lt; 1e-6."]);
+    assert!(!markdown.contains("p = 0.") || !markdown.contains("p = 0 "), "{markdown}");
+}

@@ -106,8 +106,11 @@ codes! { PASS_CODES:
         "`bmv adopt` names effects as `effects` of `bmv diagnose --json` does, effect and place joined by colons. The name of the effect alone, or the beginning of an id, is enough where it stands for one: first among those that the diagnosis selected, then among those that it supports.",
         "wrong: bmv adopt pass-1.json conduction:board\nright: bmv adopt pass-1.json conductive-path:baseplate:board";
     ADOPT_REFUSED = "adopt-refused", "an effect that the diagnosis does not support",
-        "An effect is adopted where the diagnosis selected it, or where these data cannot tell it from one that is selected; rivals of one group are not adopted together. What else explains noise: the fit improves and the prediction does not. An engineer who knows better says so with --force, and the reason in the new pass says that it was against the diagnosis.",
+        "An effect is adopted where the diagnosis selected it, or where these data cannot tell it from one that is selected; of an ambiguous diagnosis it must be named, since the data leave the choice open; rivals of one group are not adopted together. What else explains noise: the fit improves and the prediction does not. An engineer who knows better says so with --force, and the reason in the new pass says that it was against the diagnosis.",
         "refused: bmv adopt pass-1.json heat-load:housing, verdict `adequate`\nagainst the diagnosis: bmv adopt pass-1.json heat-load:housing --force";
+    ADOPT_AMBIGUOUS = "adopt-ambiguous", "an effect that the data do not settle (warning)",
+        "Several sets of effects explain the misfit, and the diagnosis says how probable each is. What is adopted is then a choice of yours, which the data leave open: it is taken where it is named, or with --force, and the warning names its probability, its rivals and the phase that would part them, where there is one.",
+        "refused: bmv adopt pass-1.json, verdict `ambiguous`\nwith a warning: bmv adopt pass-1.json heat-load:housing";
     ADOPT_FILE = "adopt-file", "a file into which no next pass can be written",
         "A next pass names its parent by its file, so it lies in the same folder, and its name ends with `.json`. A file that is there is replaced only if `--out` names it and `--force` is given; a pass is never written over itself, its parents or its model.",
         "wrong: --out elsewhere/pass-2.json\nright: --out studies/bench/pass-2.json";

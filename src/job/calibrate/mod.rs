@@ -133,7 +133,7 @@ impl Job for Calibrate {
     }
 
     fn algorithm_version(&self) -> u32 {
-        7
+        8
     }
 
     fn identity(&self) -> Value {

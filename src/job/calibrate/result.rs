@@ -4,9 +4,11 @@ use super::block::{SampleInput, SampleOutput};
 use super::output::{Evidence, HandedOnPrior, MostProbable, Output, ParameterSummary, Spent, UsedData};
 use super::summary::Weighted;
 use super::{Calibrate, Sampler, words};
+use crate::document::counted;
 use crate::expression::Unit;
 use crate::inference::chains::{Chain, Chains};
 use crate::inference::convergence::{self, Convergence, ConvergenceLimits};
+use crate::inference::measurement::Doubt;
 use crate::inference::point_estimate::PointEstimate;
 use crate::inference::posterior::Work;
 use crate::inference::rows::used_rows;
@@ -159,7 +161,7 @@ impl Calibrate {
                 starts: [estimate.descents.len() as u64, reached.count() as u64],
             },
             tuned: self.tuned(estimate),
-            findings: words::findings(&estimate.findings, &judged.leaning, &unknowns.names),
+            findings: self.findings(words::findings(&estimate.findings, &judged.leaning, &unknowns.names)),
             warnings: self.warnings(estimate, &log_evidence, work),
             acceptance: chains.chains.iter().map(|chain| chain.moves.acceptance).collect(),
             draws: weighted.kept(KEPT),
@@ -227,12 +229,26 @@ impl Calibrate {
         tuned
     }
 
+    /// What is doubtful about the data; a start apart from its first readings, or all else.
+    fn doubts(&self, of_start: bool) -> impl Iterator<Item = String> {
+        let all = self.measurements().into_iter().flat_map(|own| &own.doubts);
+        all.filter(move |doubt| doubt.is_of_start() == of_start).map(Doubt::in_words)
+    }
+
+    /// Findings about parameters after what bends them all.
+    fn findings(&self, of_parameters: Vec<String>) -> Vec<String> {
+        self.doubts(true).chain(of_parameters).collect()
+    }
+
     fn warnings(&self, estimate: &PointEstimate, evidence: &Evidence, work: &Work) -> Vec<String> {
-        let mut warnings: Vec<String> = self.overstated(estimate).into_iter().collect();
+        let mut warnings: Vec<String> = self.doubts(false).collect();
+        warnings.extend(self.overstated(estimate));
         let (unknowns, readings) = (self.likelihood().dimension(), self.likelihood().data().len());
         if unknowns > readings {
             warnings.push(format!(
-                "{unknowns} unknowns stand against {readings} readings: the priors decide a part of the result."
+                "{} against {}: the priors decide a part of the result.",
+                counted(unknowns, "unknown"),
+                counted(readings, "reading")
             ));
         }
         if let Some(k) = evidence.pareto_k.filter(|k| *k > 0.7) {
@@ -250,7 +266,7 @@ impl Calibrate {
             }));
         }
         for (reason, count) in &work.rejections.by_reason {
-            warnings.push(format!("{count} evaluations failed: {reason}."));
+            warnings.push(format!("{} failed: {reason}.", counted(*count, "evaluation")));
         }
         warnings
     }

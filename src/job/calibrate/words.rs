@@ -1,5 +1,6 @@
 //! What stands against a calibration, in words.
 
+use crate::document::counted;
 use crate::inference::convergence::{Convergence, LeaningOnBound, Objection};
 use crate::inference::identifiability::{Combination, Finding};
 use crate::inference::point_estimate::End;
@@ -36,13 +37,16 @@ pub(super) fn objections(convergence: &Convergence, names: &[String]) -> Vec<Str
                 number(*value, 0)
             ),
             Objection::Divergences { count } => format!(
-                "{count} trajectories diverged: the posterior is narrower in places than the sampler's steps, and its draws \
+                "{} diverged: the posterior is narrower in places than the sampler's steps, and its draws \
                  may miss them. Shorter steps help (`\"acceptance\": 0.95` with `\"warmup\": 1000`); where they do not, look \
-                 for parameters at a bound or that act only together, or take `\"sampler\": \"smc\"`"
+                 for parameters at a bound or that act only together, or take `\"sampler\": \"smc\"`",
+                counted(*count, "trajectory")
             ),
             Objection::DepthLimited { count } => format!(
-                "{count} trajectories were cut short: the sampler moves too slowly along a direction that the data leave \
-                 open. A longer warm-up helps (`\"warmup\": 1000`), or a parameter fixed"
+                "{} {} cut short: the sampler moves too slowly along a direction that the data leave \
+                 open. A longer warm-up helps (`\"warmup\": 1000`), or a parameter fixed",
+                counted(*count, "trajectory"),
+                if *count == 1 { "was" } else { "were" }
             ),
         })
         .collect()

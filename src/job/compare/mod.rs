@@ -507,7 +507,7 @@ impl Job for Compare {
             failed: whole.failed,
             unused_columns: whole.unused_columns,
             warnings: (self.spec.data.iter())
-                .flat_map(|&index| self.measurements[index].doubts.iter().cloned())
+                .flat_map(|&index| self.measurements[index].doubts.iter().map(|doubt| doubt.message.clone()))
                 .chain(overstated)
                 .collect(),
         };

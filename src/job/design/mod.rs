@@ -360,7 +360,7 @@ impl Job for Design {
     }
 
     fn algorithm_version(&self) -> u32 {
-        3
+        4
     }
 
     fn identity(&self) -> Value {

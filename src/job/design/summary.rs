@@ -10,6 +10,7 @@ use super::output::{
 use super::plant::{Place, Whitening};
 use super::samples::REPLICATES;
 use super::{Design, State, Told};
+use crate::document::counted;
 use crate::inference::information::estimate::{Estimate, Replicate, Trust, difference};
 use crate::inference::information::linear;
 use crate::statistics::moments::correlation;
@@ -284,7 +285,10 @@ impl Design {
         if !output.is_trusted {
             findings.push(self.distrust(output));
         } else if !output.because.is_empty() && state.estimator != Estimator::Nested {
-            findings.push(format!("The estimator is `{}`: {}.", output.estimator, output.because));
+            findings.push(format!(
+                "The estimator is `{}`, chosen by its diagnostics: the report says why.",
+                output.estimator
+            ));
         }
         for (ended, what) in state.ended.into_iter().zip(["phases", "sensors"]) {
             if ended {
@@ -300,7 +304,7 @@ impl Design {
         if unseen > 0 && unseen == usable.len() {
             findings.push(format!("This experiment cannot see {learn}: no candidate tells more than noise would."));
         } else if unseen > 0 {
-            findings.push(format!("{unseen} of {} candidates cannot see {learn}.", usable.len()));
+            findings.push(format!("{unseen} of {} cannot see {learn}.", counted(usable.len(), "candidate")));
         }
         for observed in output.observability.iter().filter(|observed| observed.learn) {
             let seen =
@@ -313,8 +317,9 @@ impl Design {
             None if !output.is_trusted => {}
             None => findings.push("No candidate keeps the limits and has solutions.".to_owned()),
             Some(best) if !best.rivals.is_empty() => findings.push(format!(
-                "{} other candidates are not told from the best with so many samples.",
-                best.rivals.len()
+                "{} {} not told from the best with so many samples.",
+                counted(best.rivals.len(), "other candidate"),
+                if best.rivals.len() == 1 { "is" } else { "are" }
             )),
             Some(_) => {}
         }
@@ -333,7 +338,11 @@ impl Design {
         }
         let forbidden = output.candidates.iter().filter(|candidate| !candidate.allowed).count();
         if forbidden > 0 && output.best.is_some() {
-            findings.push(format!("{forbidden} of {} candidates are not allowed.", output.candidates.len()));
+            findings.push(format!(
+                "{forbidden} of {} {} not allowed.",
+                counted(output.candidates.len(), "candidate"),
+                if forbidden == 1 { "is" } else { "are" }
+            ));
         }
         if let Some(best) = &output.best {
             if let Some(bias) = best.bias_bound.filter(|bias| *bias > BIAS_WORTH_A_WORD.max(3.0 * best.se)) {

@@ -94,8 +94,6 @@ impl Diagnose {
 
     /// What is told of the priors beside the diagnosis.
     fn finish(&self, mut output: Output) -> Output {
-        let doubts = self.diagnosis.problem().measurements.iter().flat_map(|measurement| &measurement.doubts);
-        output.warnings.extend(doubts.cloned());
         for own in &self.priors {
             output.warnings.extend(own.fit.doubts.iter().map(|doubt| {
                 format!(
@@ -141,7 +139,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        11
+        12
     }
 
     fn identity(&self) -> Value {

@@ -2,6 +2,7 @@
 
 mod figures;
 
+use crate::document::{counted, p_value};
 use crate::job::calibrate::{Output, ParameterSummary, PhaseScore};
 use crate::job::compare;
 use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, typeset};
@@ -138,8 +139,9 @@ fn verdict(output: &Output) -> Vec<Block> {
     let mut blocks = Vec::new();
     if output.converged {
         let text = format!(
-            "The sampler converged: {} chains of {} draws agree, and every parameter has 400 effective draws or more.",
-            output.chains[0], output.chains[1]
+            "The sampler converged: {} of {} agree, and every parameter has 400 effective draws or more.",
+            counted(output.chains[0], "chain"),
+            counted(output.chains[1], "draw")
         );
         blocks.push(Block::callout(Tone::Verdict, text));
     } else {
@@ -151,7 +153,7 @@ fn verdict(output: &Output) -> Vec<Block> {
         let text = format!(
             "The tuned model does not explain the data: noise alone would leave so large a misfit with probability {}. \
              The posterior is too narrow for a model that lacks something.",
-            significant(p, 2)
+            p_value(p)
         );
         blocks.push(Block::callout(Tone::Warning, text));
     }
@@ -321,7 +323,8 @@ fn scores(output: &Output) -> Vec<Block> {
     if let Some(left_out) = &output.leave_one_phase_out {
         let count = output.phases.iter().filter(|phase| !phase.held_out).count();
         words.push_str(&format!(
-            "Log predictive density of {count} fitted phases, each left out in turn: {} \u{00B1} {}",
+            "Log predictive density of {}, each left out in turn: {} \u{00B1} {}",
+            counted(count, "fitted phase"),
             fixed(left_out.expected_log_density, 1),
             fixed(left_out.standard_error, 1)
         ));
@@ -333,9 +336,9 @@ fn scores(output: &Output) -> Vec<Block> {
     if let Some(held_out) = &output.held_out {
         let error = held_out.standard_error.map_or(String::new(), |error| format!(" \u{00B1} {}", fixed(error, 1)));
         words.push_str(&format!(
-            "Of {} phases held out ({} readings): {}{error}. ",
-            held_out.phases,
-            held_out.readings,
+            "Of {} held out ({}): {}{error}. ",
+            counted(held_out.phases, "phase"),
+            counted(held_out.readings, "reading"),
             fixed(held_out.log_density, 1)
         ));
     }
@@ -387,15 +390,17 @@ fn scores(output: &Output) -> Vec<Block> {
 fn method(output: &Output) -> String {
     let best = &output.most_probable;
     let mut text = format!(
-        "Sampler {}, {} of {} starts of the fit ended at the most probable point. ",
-        output.sampler, best.starts[1], best.starts[0]
+        "Sampler {}, {} of {} of the fit ended at the most probable point. ",
+        output.sampler,
+        best.starts[1],
+        counted(best.starts[0], "start")
     );
     if let Some(value) = output.log_evidence.value {
         let error = output.log_evidence.sd.map_or(String::new(), |sd| format!(" \u{00B1} {}", significant(sd, 2)));
         text.push_str(&format!("Log evidence {}{error} ({}). ", fixed(value, 2), output.log_evidence.method));
     }
     if let Some(p) = output.p_value {
-        text.push_str(&format!("Posterior predictive p-value {}. ", significant(p, 2)));
+        text.push_str(&format!("Posterior predictive p-value {}. ", p_value(p)));
     }
     if let Some(left_out) = &output.leave_one_out {
         text.push_str(&format!(
@@ -404,7 +409,7 @@ fn method(output: &Output) -> String {
             fixed(left_out.standard_error, 1)
         ));
         if left_out.unreliable > 0 {
-            text.push_str(&format!(" ({} readings unreliable)", left_out.unreliable));
+            text.push_str(&format!(" ({} unreliable)", counted(left_out.unreliable, "reading")));
         }
         text.push_str(". ");
     }

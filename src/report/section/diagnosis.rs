@@ -6,6 +6,7 @@ mod heat;
 
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{Amount, EffectResult, Output, RmseChange};
+use crate::document::{counted, p_stated, p_value};
 use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, typeset, with_error, with_unit};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
 use crate::report::view::PassReport;
@@ -30,6 +31,7 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
             blocks.push(Block::Heading(format!("Job {name}")));
         }
         let tone = if output.verdict == Verdict::Adequate { Tone::Note } else { Tone::Verdict };
+        blocks.extend(before_the_verdict(output));
         blocks.push(Block::callout(tone, verdict(output)));
         blocks.push(Block::List(output.words.iter().map(|word| Text::new(word.clone())).collect()));
         blocks.extend(warnings(output));
@@ -52,6 +54,11 @@ fn change(values: [Option<f64>; 2]) -> String {
         [Some(before), Some(after)] => format!("{} \u{2192} {}", fixed(before, 2), fixed(after, 2)),
         _ => NONE.to_owned(),
     }
+}
+
+/// What must be mended before the verdict is believed.
+fn before_the_verdict(output: &Output) -> impl Iterator<Item = Block> {
+    output.before_the_verdict().into_iter().map(|line| Block::callout(Tone::Warning, line))
 }
 
 /// The verdict and what it means, in a line.
@@ -159,6 +166,7 @@ fn effects(output: &Output) -> Option<Block> {
     };
     let mut left_out = match more {
         0 => String::new(),
+        1 => " 1 more was fitted and is less probable: bmv diagnose --json lists it.".to_owned(),
         more => format!(" {more} more were fitted and are less probable: bmv diagnose --json lists them."),
     };
     match idle.len() {
@@ -241,14 +249,14 @@ fn tests(output: &Output) -> Option<Block> {
         .iter()
         .map(|test| {
             let at = if test.at.is_empty() { NONE.into() } else { Cell::code(&test.at) };
-            vec![test.name.clone().into(), at, significant(test.p, 2).into()]
+            vec![test.name.clone().into(), at, p_value(test.p).into()]
         })
         .collect();
     (!rows.is_empty()).then(|| {
         Block::Table(Table {
             caption: format!(
-                "Tests of the tuned model as it was believed; together p = {}.",
-                significant(output.misfit.family_wise_p, 2)
+                "Tests of the tuned model as it was believed; together {}.",
+                p_stated(output.misfit.family_wise_p)
             )
             .into(),
             columns: vec![Column::text("Test"), Column::text("Worst at"), Column::number("p", "")],
@@ -287,31 +295,39 @@ fn noise(output: &Output) -> Option<Block> {
 fn method(output: &Output) -> String {
     let [effects, pairs, sets] = output.looked_at;
     let mut text = format!(
-        "{effects} effects at their places and {pairs} pairs were screened, {sets} sets fitted; probability that nothing is \
-         missing {}, that something is missing which no set explains {}. {} effects cannot be seen with these data.",
+        "{} at their places and {} were screened, {} fitted; probability that nothing is missing {}, that something is missing \
+         which no set explains {}. {} cannot be seen with these data.",
+        counted(effects, "effect"),
+        counted(pairs, "pair"),
+        counted(sets, "set"),
         chance(output.probability_nothing),
         chance(output.probability_unexplained),
-        output.unseen.len()
+        counted(output.unseen.len(), "effect")
     );
     for own in &output.handed_on {
         text.push_str(&format!(
-            " The prior of {} is the posterior of {}, as a normal distribution of its {} draws.",
+            " The prior of {} is the posterior of {}, as a normal distribution of its {}.",
             own.parameters.join(", "),
             own.source.replace('`', ""),
-            own.draws
+            counted(own.draws, "draw")
         ));
     }
     if let Some(p) = output.remaining_p {
-        text.push_str(&format!(" What the selected set leaves: p = {}.", significant(p, 2)));
+        text.push_str(&format!(" What the selected set leaves: {}.", p_stated(p)));
     }
     if let Some(test) = &output.held_out_test {
         let way = if test.gain < 0.0 { "rises" } else { "falls" };
-        text.push_str(&format!(
-            " Held-out rows, in {} blocks: squared error {way} by {} \u{00B1} {} a block in units of the noise.",
-            test.blocks,
-            significant(test.gain.abs(), 3),
-            significant(test.se, 2)
-        ));
+        let by = significant(test.gain.abs(), 3);
+        text.push_str(&match test.se {
+            Some(se) => format!(
+                " Held-out rows, in {}: squared error {way} by {by} \u{00B1} {} a block in units of the noise.",
+                counted(test.blocks, "block"),
+                significant(se, 2)
+            ),
+            None => format!(
+                " Held-out rows, in one block, which has no standard error: squared error {way} by {by} in units of the noise."
+            ),
+        });
     }
     text
 }

@@ -169,7 +169,9 @@ fn table(measured: &[&PassErrors]) -> Table {
     };
     Table {
         caption: "Readings for fitting / held out. Mean deviation (measured minus predicted) and share within the limit are of the \
-                  tuned state where there is one. Evidence compares passes that fit the same readings."
+                  tuned state where there is one. Reduced chi-square: sum of squares of the whitened residuals over readings less unknowns, \
+                  by the noise of the calibration; a diagnosis that settles the noise itself tells another. Evidence compares passes \
+                  that fit the same readings."
             .into(),
         columns: vec![
             Column::text("Pass"),

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::document::counted;
 use crate::expression::{Dependence, ExprId, Symbol};
 use crate::report::number::{NONE, Shown, as_given, with_unit};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Table, Text};
@@ -40,10 +41,6 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.push(elements(model));
     }
     Some(Section { id: "model", title: "Thermal model".into(), blocks })
-}
-
-fn counted(number: usize, noun: &str) -> String {
-    if number == 1 { format!("1 {noun}") } else { format!("{number} {noun}s") }
 }
 
 fn diagram(model: &Model) -> Diagram {

@@ -1,5 +1,6 @@
 //! Predictions after calibration: the posterior carried to environments, beside the same with the priors.
 
+use crate::document::counted;
 use crate::job::predict::Output;
 use crate::job::propagate::{self, Met};
 use crate::report::number::{self, NONE, Shown, significant, with_error};
@@ -51,10 +52,10 @@ fn opening(name: &str, output: &Output) -> Text {
     let mut text = Text::new("Job ").code(name).plain(": ");
     for own in &output.posterior.handed_on {
         text = text.plain(format!(
-            "the posterior of {} ({}; {} draws, worth {} independent ones), ",
+            "the posterior of {} ({}; {}, worth {} independent ones), ",
             own.source.replace('`', ""),
             own.parameters.join(", "),
-            own.draws,
+            counted(own.draws, "draw"),
             number::fixed(own.effective, 0)
         ));
     }
@@ -66,9 +67,9 @@ fn opening(name: &str, output: &Output) -> Text {
         text = text.plain(format!("with an error of the model added, normal with a standard deviation of {list}, "));
     }
     text.plain(format!(
-        "carried to the environments in {} samples a case; other parameters keep their priors. Beside it the same with the priors that \
+        "carried to the environments in {} a case; other parameters keep their priors. Beside it the same with the priors that \
          the calibration began with. The intervals count what the number of draws leaves open.",
-        output.posterior.samples
+        counted(output.posterior.samples, "sample")
     ))
 }
 

@@ -1,5 +1,6 @@
 //! Uncertainty propagation: distributions of the quantities, probability that the requirements are met.
 
+use crate::document::counted;
 use crate::job::propagate::{Case, Distributed, Joint, Met, Output, Probability};
 use crate::report::number::{self, Shown, fixed, percent, significant, with_error};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
@@ -19,8 +20,8 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
     for (name, output) in report.propagations() {
         blocks.push(Block::Paragraph(Text::new("Job ").code(name).plain(format!(
-            ": {} samples a case, drawn by {}.",
-            output.samples,
+            ": {} a case, drawn by {}.",
+            counted(output.samples, "sample"),
             sampling(&output.sampling)
         ))));
         blocks.extend(failures(output));
@@ -87,7 +88,7 @@ pub(super) fn failures(output: &Output) -> Vec<Block> {
     vec![
         Block::callout(
             Tone::Warning,
-            format!("{failed} samples have no solution. They count as not meeting any requirement."),
+            format!("No solution of {}: that counts as not meeting any requirement.", counted(failed, "sample")),
         ),
         Block::Table(Table {
             caption: "The first samples without a solution, parameters in SI.".into(),

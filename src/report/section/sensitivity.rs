@@ -1,5 +1,6 @@
 //! Which parameters matter: shares of the variance with their intervals, elementary effects, derivatives.
 
+use crate::document::counted;
 use crate::job::sensitivity::{Case, Method, OfQuantity, Output, Parameter, Sobol};
 use crate::report::number::{self, NONE, Shown, fixed, percent, significant};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
@@ -71,16 +72,17 @@ fn heading(output: &Output, case: &Case, quantity: &OfQuantity) -> String {
 fn introduction(name: &str, output: &Output) -> Text {
     let solves: u64 = output.cases.iter().map(|case| case.solves).sum();
     let mut text = Text::new("Job ").code(name).plain(format!(
-        ": {} uncertain parameters, {} solves.",
-        output.parameters.len(),
-        solves
+        ": {}, {}.",
+        counted(output.parameters.len(), "uncertain parameter"),
+        counted(solves, "solve")
     ));
     if output.methods.contains(&Method::Sobol) {
         text = text.plain(format!(
-            " Shares of the variance by {} independent scrambles of {} base points each (Saltelli 2010 for main, Jansen 1999 for \
+            " Shares of the variance by {} of {} each (Saltelli 2010 for main, Jansen 1999 for \
              total effects); 95 % intervals by Student's t from the scatter of the scrambles. A main effect is the share of \
              the variance that would go if the parameter were known, a total effect the share that would stay if all others were.",
-            output.scrambles, output.samples
+            counted(output.scrambles, "independent scramble"),
+            counted(output.samples, "base point")
         ));
     }
     text.plain(" The parameters are taken as independent.")
@@ -103,9 +105,14 @@ fn failures(case: &Case) -> Vec<Block> {
         return Vec::new();
     }
     let text = format!(
-        "{} of {} solves failed in environment {}. {} of {} rows and {} trajectories are left out whole; the tables bound what that \
+        "{} of {} failed in environment {}. {} of {} and {} are left out whole; the tables bound what that \
          could do to each index.",
-        case.failed, case.solves, case.environment, case.rows_left_out, case.rows, case.trajectories_left_out
+        case.failed,
+        counted(case.solves, "solve"),
+        case.environment,
+        case.rows_left_out,
+        counted(case.rows, "row"),
+        counted(case.trajectories_left_out, "trajectory")
     );
     let row = |failure: &crate::job::sensitivity::FailedSolve| {
         let parameters = failure.parameters.iter().map(|(name, value)| format!("{name} = {}", significant(*value, 5)));
@@ -289,11 +296,11 @@ fn scatters(job: &str, output: &Output, case: &Case, quantity: &OfQuantity) -> V
             ..Chart::default()
         };
         let caption = format!(
-            "{} against {} in environment {}: {} samples of the priors.",
+            "{} against {} in environment {}: {} of the priors.",
             quantity.name,
             parameter.name,
             case.environment,
-            scatter.y.len()
+            counted(scatter.y.len(), "sample")
         );
         Figure {
             id: format!("{job}-{}-{}-{}", case.environment, quantity.name, parameter.name),

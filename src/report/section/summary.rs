@@ -4,6 +4,7 @@
 
 mod missing;
 
+use crate::document::counted;
 use crate::job::compare::{Deviation, Output, SensorSummary};
 use crate::job::{conventional, predict, propagate};
 use crate::report::number::{self, Shown, fixed, signed};
@@ -240,9 +241,9 @@ fn how_wrong(output: &Output, shown: &Shown) -> Statement {
         if statuses.contains(&Status::Fail) { Some(Status::Fail) } else { statuses.first().map(|_| Status::Ok) };
     let label = "How wrong".to_owned();
     let (delivered, of) = if output.held_out.count > 0 {
-        (&output.held_out, format!("{} held-out readings", output.held_out.count))
+        (&output.held_out, counted(output.held_out.count, "held-out reading"))
     } else {
-        (&output.train, format!("{} readings; none is held out", output.train.count))
+        (&output.train, format!("{}; none is held out", counted(output.train.count, "reading")))
     };
     let Some(tuned) = &output.tuned else {
         let rest = match output.held_out.count {

@@ -1,7 +1,7 @@
 //! Elements of the network from their written form.
 
 use crate::document::formula::Expected;
-use crate::document::{Diagnostic, Diagnostics, MapEntry, Place, Scalar, Spanned, code};
+use crate::document::{Diagnostic, Diagnostics, MapEntry, Place, Scalar, Spanned, code, counted};
 use crate::expression::{Dimension, ExprId};
 use crate::thermal::element::{
     Conductor, Cooler, Element, ElementKind, Flow, Heater, HeaterControl, Load, Radiation, cooler::Drive, law,
@@ -196,7 +196,7 @@ impl ResolvedModel {
         let stages = 1 + form.interstage.len();
         let written = &form.couples.value.0;
         if written.len() != stages {
-            let message = format!("{} numbers of couples for {stages} stages", written.len());
+            let message = format!("{} of couples for {}", counted(written.len(), "number"), counted(stages, "stage"));
             diagnostics.push(
                 Diagnostic::error(&code::WRONG_LENGTH, &form.couples.place, message)
                     .expected(format!("{stages}, from cold to hot: one more than nodes in `interstage`")),

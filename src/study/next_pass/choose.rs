@@ -2,11 +2,15 @@
 
 use std::sync::Arc;
 
-use crate::diagnosis::USEFUL;
+use crate::diagnosis::Verdict;
+use crate::diagnosis::output::OneThing;
+use crate::document::visible::shell_word;
 use crate::document::{Diagnostic, Diagnostics, Place, Source, Span, code, suggest};
 use crate::expression::Unit;
 use crate::job::findings::{Experiment, Finding, Findings};
 use crate::thermal::Model;
+
+use super::entry::probability_text;
 
 /// Ids that a message lists.
 const MOST_LISTED: usize = 8;
@@ -43,23 +47,35 @@ impl Asked {
     }
 }
 
-/// The effects to adopt: those asked for, or, where none are, those that the diagnosis selected.
+/// What is adopted, and what must be said of it.
+#[derive(Debug)]
+pub struct Chosen<'f> {
+    /// The effects.
+    pub effects: Vec<&'f Finding>,
+    /// That the data do not settle them.
+    pub warnings: Diagnostics,
+}
+
+/// The effects to adopt: those asked for, or, where none are, those that the diagnosis selected and settled.
 ///
 /// # Errors
-/// What is not known, not unique or not supported; the last is let through where `forced`.
+/// What is not known, not unique, not supported, or not settled and not asked for by name; what is not supported or settled is
+/// let through where `forced`.
 pub fn choose<'f>(
     findings: &'f Findings,
     asked: &Asked,
     job: &str,
     forced: bool,
     model: &Model,
-) -> Result<Vec<&'f Finding>, Diagnostics> {
+) -> Result<Chosen<'f>, Diagnostics> {
     let mut diagnostics = Diagnostics::new();
     let mut chosen: Vec<(&Finding, Place)> = Vec::new();
     if asked.effects.is_empty() {
         let selected: Vec<&Finding> = findings.selected.iter().filter_map(|id| findings.find(id)).collect();
         if selected.is_empty() {
             diagnostics.push(nothing_selected(findings, asked, job, model));
+        } else if !forced && !findings.verdict.settles() {
+            diagnostics.push(not_settled(findings, &selected, asked, job, model));
         }
         chosen.extend(selected.into_iter().map(|finding| (finding, asked.command())));
     }
@@ -83,7 +99,16 @@ pub fn choose<'f>(
     if diagnostics.has_errors() {
         Err(diagnostics)
     } else {
-        Ok(chosen.into_iter().map(|(finding, _)| finding).collect())
+        let effects: Vec<&Finding> = chosen.into_iter().map(|(finding, _)| finding).collect();
+        let mut warnings = Diagnostics::new();
+        if findings.verdict == Verdict::Ambiguous {
+            let warning = Diagnostic::warning(&code::ADOPT_AMBIGUOUS, &asked.command(), odds(findings, &effects));
+            warnings.push(match parting(findings, model) {
+                Some(words) => warning.help(words),
+                None => warning,
+            });
+        }
+        Ok(Chosen { effects, warnings })
     }
 }
 
@@ -179,7 +204,7 @@ fn further(findings: &Findings) -> Vec<&str> {
 }
 
 fn refused(findings: &Findings, finding: &Finding, place: &Place, job: &str) -> Diagnostic {
-    let verdict = &findings.verdict;
+    let verdict = findings.verdict.word();
     let further = further(findings);
     let accepted = match (findings.selected.is_empty(), further.is_empty()) {
         (true, true) => "nothing would be accepted".to_owned(),
@@ -205,20 +230,20 @@ fn rivals(findings: &Findings, finding: &Finding, rival: &Finding, place: &Place
     let message =
         format!("`{}` and `{}` explain the same misfit: these data cannot tell them apart", rival.id, finding.id);
     let mut help = "adopt one of them, or both with --force".to_owned();
-    if let Some(experiment) = findings.separating_experiment.as_ref().and_then(|own| experiment(own, model)) {
-        help.push_str(&format!("; {experiment}"));
+    if let Some(words) = parting(findings, model) {
+        help.push_str(&format!("; {words}"));
     }
     Diagnostic::error(&code::ADOPT_REFUSED, place, message).expected("one of the two").help(help)
 }
 
 fn nothing_selected(findings: &Findings, asked: &Asked, job: &str, model: &Model) -> Diagnostic {
-    let verdict = &findings.verdict;
-    let expected = match verdict.as_str() {
-        "adequate" => "these data need no further effect",
-        "unexplained" => "something is missing, and nothing of the catalogue explains it",
-        "ambiguous" => "several effects explain the data alike",
-        _ => "the diagnosis would adopt nothing",
+    let expected = match findings.verdict {
+        Verdict::Adequate => "these data need no further effect",
+        Verdict::Unexplained => "something is missing, and nothing of the catalogue explains it",
+        Verdict::Ambiguous => "several effects explain the data alike",
+        Verdict::Identified => "the diagnosis would adopt nothing",
     };
+    let verdict = findings.verdict.word();
     let message = format!("diagnosis `{job}` selected nothing to adopt; its verdict is `{verdict}`");
     let diagnostic = Diagnostic::error(&code::ADOPT_REFUSED, &asked.command(), message).expected(expected);
     let further = further(findings);
@@ -226,27 +251,48 @@ fn nothing_selected(findings: &Findings, asked: &Asked, job: &str, model: &Model
         return diagnostic.help("name an effect with --force to adopt it against the diagnosis");
     }
     let mut help = format!("name one of {}", suggest::listed(further, MOST_LISTED));
-    if let Some(experiment) = findings.separating_experiment.as_ref().and_then(|own| experiment(own, model)) {
-        help.push_str(&format!("; {experiment}"));
+    if let Some(words) = parting(findings, model) {
+        help.push_str(&format!("; {words}"));
     }
     diagnostic.help(help)
 }
 
-/// What these data cannot tell apart, and what would: a line for each effect that has rivals.
-pub fn ambiguity(findings: &Findings, chosen: &[&Finding], model: &Model) -> Vec<String> {
-    let mut lines = Vec::new();
-    for finding in chosen {
-        let alike: Vec<&str> = findings.confused_with(finding).map(|other| other.id.as_str()).collect();
-        if alike.is_empty() {
-            continue;
-        }
-        let listed = suggest::listed(alike, MOST_LISTED);
-        lines.push(format!("these data cannot tell `{}` from {listed}", finding.id));
+/// That a set was selected which these data do not settle, and how it is adopted all the same.
+fn not_settled(findings: &Findings, selected: &[&Finding], asked: &Asked, job: &str, model: &Model) -> Diagnostic {
+    let message = format!("diagnosis `{job}` is ambiguous: {}", odds(findings, selected));
+    let ids: Vec<_> = selected.iter().map(|finding| shell_word(&finding.id)).collect();
+    let command = asked.command();
+    let mut help = format!("to adopt it all the same, name it: {} {}", command.text(), ids.join(" "));
+    if let Some(words) = parting(findings, model) {
+        help.push_str(&format!("; {words}"));
     }
-    if !lines.is_empty() {
-        lines.extend(findings.separating_experiment.as_ref().and_then(|own| experiment(own, model)));
+    Diagnostic::error(&code::ADOPT_REFUSED, &command, message).expected("the name of what you adopt").help(help)
+}
+
+/// How probable some effects are, and what else it could be.
+fn odds(findings: &Findings, chosen: &[&Finding]) -> String {
+    let ids: Vec<&str> = chosen.iter().map(|finding| finding.id.as_str()).collect();
+    let known = |value: Option<f64>| value.filter(|value| value.is_finite()).map(probability_text);
+    let own = known(findings.odds(chosen));
+    let rivals = findings.rivals(chosen);
+    let more = rivals.len().saturating_sub(MOST_LISTED);
+    let mut named: Vec<String> = (rivals.into_iter().take(MOST_LISTED))
+        .map(|(id, odds)| known(odds).map_or_else(|| format!("`{id}`"), |odds| format!("`{id}` ({odds})")))
+        .collect();
+    if more > 0 {
+        named.push(format!("{more} more"));
     }
-    lines
+    let rivals = if named.is_empty() { String::new() } else { format!("; its rivals: {}", named.join(", ")) };
+    let own = own.map_or_else(String::new, |odds| format!(" (probability {odds})"));
+    format!("these data leave open whether it is {}{own}{rivals}", suggest::listed(ids, MOST_LISTED))
+}
+
+/// What would part the rivals, or that no phase does: as the diagnosis decided it.
+fn parting(findings: &Findings, model: &Model) -> Option<String> {
+    let phase = findings.separating_experiment.as_ref().and_then(|own| experiment(own, model));
+    let none = findings.one_thing.as_ref().map(OneThing::clause);
+    let words: Vec<String> = phase.into_iter().chain(none).collect();
+    (!words.is_empty()).then(|| words.join("; "))
 }
 
 /// The separating experiment in words.
@@ -265,9 +311,6 @@ fn experiment(experiment: &Experiment, model: &Model) -> Option<String> {
         let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
         format!("{name} = {}{unit}", value(number))
     });
-    if experiment.probability.is_some_and(|probability| probability < USEFUL) {
-        return Some("no settable phase within the limits would tell them apart; measure where they differ".to_owned());
-    }
     let mut text = format!("a phase at {} would tell them apart", conditions.collect::<Vec<_>>().join(", "));
     if let Some(probability) = experiment.probability {
         text.push_str(&format!(" with probability {probability:.2}"));

@@ -65,8 +65,32 @@ fn split(text: &str, count: usize, find: &dyn Fn(usize, &str) -> Option<Bound>) 
     (count > 0 && rest(text, 0, count, find, &mut bound)).then_some(bound)
 }
 
-/// What stands under `effect`.
-pub fn usage(effect: &Effect, finding: &Finding, bound: &[Bound], model: &Model) -> Item {
+/// Entries of an object.
+pub type Fields = Vec<(String, Item)>;
+
+/// A parameter at the value that the diagnosis fitted: the nominal value of the entry, and the number of its reason.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    name: String,
+    /// In the entry's unit, to four digits.
+    value: f64,
+    /// Standard deviation in the same unit.
+    sd: Option<f64>,
+    unit: String,
+}
+
+impl Fitted {
+    fn in_words(&self) -> String {
+        let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
+        let value = crate::document::canonical::float(self.value).unwrap_or_default();
+        let sd = self.sd.filter(|sd| sd.is_finite() && *sd > 0.0);
+        let sd = sd.map_or(String::new(), |sd| format!("; standard deviation {}{unit}", significant(sd, 2)));
+        format!("; {} {value}{unit} (most probable{sd})", self.name.replace('_', " "))
+    }
+}
+
+/// What stands under `effect`, and the values that were fitted.
+pub fn usage(effect: &Effect, finding: &Finding, bound: &[Bound], model: &Model) -> (Item, Vec<Fitted>) {
     let mut fields = vec![("where".to_owned(), place(finding))];
     let is_in_place = finding.input.is_none();
     if !bound.is_empty() && !is_in_place {
@@ -75,17 +99,28 @@ pub fn usage(effect: &Effect, finding: &Finding, bound: &[Bound], model: &Model)
         fields.push(("inputs".to_owned(), Item::Object(inputs)));
     }
     let mut parameters: Vec<(String, Item)> = Vec::new();
+    let mut told = Vec::new();
     for parameter in effect.parameters(model, bound) {
-        // A curve's knots are described together.
+        let unit = unit(effect, &parameter, bound, model);
+        let fitted = finding.amplitudes.get(&parameter.name).and_then(|own| fitted(&parameter, own, &unit));
+        // A curve's knots are described together; each has a size of its own.
+        let is_knot = parameter.name != parameter.written;
         if !parameters.iter().any(|(name, _)| *name == parameter.written) {
-            let item = self::parameter(effect, &parameter, finding, bound, model);
-            parameters.push((parameter.written, item));
+            let nominal = fitted.as_ref().filter(|_| !is_knot);
+            let item = self::parameter(effect, &parameter, finding, nominal, &unit);
+            parameters.push((parameter.written.clone(), item));
+        }
+        if let Some(fitted) = fitted {
+            if is_knot {
+                parameters.push((parameter.name, Item::one("nominal", Item::number(fitted.value))));
+            }
+            told.push(fitted);
         }
     }
     if !parameters.is_empty() {
         fields.push(("parameters".to_owned(), Item::Object(parameters)));
     }
-    Item::one(&effect.name, Item::Object(fields))
+    (Item::one(&effect.name, Item::Object(fields)), told)
 }
 
 fn place(finding: &Finding) -> Item {
@@ -98,38 +133,54 @@ fn place(finding: &Finding) -> Item {
 
 /// Unit, nominal value and prior. The nominal value is the one that the diagnosis fitted, else the catalogue's where it
 /// states one: at the prior's median, the model as delivered with the effect would be nobody's model.
-fn parameter(effect: &Effect, parameter: &EffectParameter, finding: &Finding, bound: &[Bound], model: &Model) -> Item {
+fn parameter(
+    effect: &Effect,
+    parameter: &EffectParameter,
+    finding: &Finding,
+    fitted: Option<&Fitted>,
+    unit: &Unit,
+) -> Item {
     let mut fields = Vec::new();
-    let fitted = |unit: &Unit| fitted(parameter, finding.amplitudes.get(&parameter.name)?, unit).map(Item::number);
+    let fitted = fitted.map(|fitted| Item::number(fitted.value));
     let form = effect.form.parameters.get(&parameter.written).map(|entry| &entry.value);
-    let written = form.filter(|form| form.per.is_empty()).and_then(|form| form.unit.as_ref());
     let own = |field: &str| effect.json.pointer(&format!("/parameters/{}/{field}", parameter.written));
     // What the diagnosis took for the amplitude's prior; the catalogue's would pull it back.
     let width = finding.prior_width.filter(|width| parameter.amplitude && *width != 1.0);
     let prior = width.map_or(parameter.prior, |width| widened(parameter.prior, width));
-    if let (Some(written), Some(in_file)) = (written, own("prior")) {
-        fields.push(("unit".to_owned(), Item::text(&written.unit.text)));
-        let nominal = fitted(&written.unit).or_else(|| own("nominal").map(catalogued));
+    fields.push(("unit".to_owned(), Item::text(&unit.text)));
+    if let (Some(_), Some(in_file)) = (stated_unit(effect, parameter), own("prior")) {
+        let nominal = fitted.or_else(|| own("nominal").map(catalogued));
         fields.extend(nominal.map(|nominal| ("nominal".to_owned(), nominal)));
         let is_other = width.is_some() || parameter.enlarged != 1.0;
-        let wide = is_other.then(|| distribution(&prior, &written.unit, parameter.sense));
+        let wide = is_other.then(|| distribution(&prior, unit, parameter.sense));
         fields.push(("prior".to_owned(), wide.unwrap_or_else(|| catalogued(in_file))));
         return Item::Object(fields);
     }
-    // The scale follows from what the effect's inputs stand for.
-    let unit = bound_unit(effect, parameter, bound, model);
-    fields.push(("unit".to_owned(), Item::text(&unit.text)));
     let stated = || form.is_some_and(|form| form.nominal.is_some());
-    let catalogued = || Item::number(rounded(in_unit(parameter.nominal, &unit, parameter.sense)));
-    let nominal = fitted(&unit).or_else(|| stated().then(catalogued));
+    let catalogued = || Item::number(rounded(in_unit(parameter.nominal, unit, parameter.sense)));
+    let nominal = fitted.or_else(|| stated().then(catalogued));
     fields.extend(nominal.map(|nominal| ("nominal".to_owned(), nominal)));
-    fields.push(("prior".to_owned(), distribution(&prior, &unit, parameter.sense)));
+    fields.push(("prior".to_owned(), distribution(&prior, unit, parameter.sense)));
     Item::Object(fields)
+}
+
+/// The unit that the catalogue states for a parameter, where nothing of the model's inputs enters it.
+fn stated_unit<'e>(effect: &'e Effect, parameter: &EffectParameter) -> Option<&'e Unit> {
+    let form = effect.form.parameters.get(&parameter.written).map(|entry| &entry.value);
+    form.filter(|form| form.per.is_empty()).and_then(|form| form.unit.as_ref()).map(|written| &written.unit)
+}
+
+/// The unit of a parameter's entry: as the catalogue states it with its prior, else as it follows from what the effect's
+/// inputs stand for.
+fn unit(effect: &Effect, parameter: &EffectParameter, bound: &[Bound], model: &Model) -> Unit {
+    let has_prior = effect.json.pointer(&format!("/parameters/{}/prior", parameter.written)).is_some();
+    let stated = stated_unit(effect, parameter).filter(|_| has_prior).cloned();
+    stated.unwrap_or_else(|| bound_unit(effect, parameter, bound, model))
 }
 
 /// What the diagnosis fitted, in a unit and to four digits; nothing where it is 0, which is no effect, or lies outside
 /// the prior.
-fn fitted(parameter: &EffectParameter, amplitude: &Amplitude, unit: &Unit) -> Option<f64> {
+fn fitted(parameter: &EffectParameter, amplitude: &Amplitude, unit: &Unit) -> Option<Fitted> {
     let own = Unit::parse(&amplitude.unit).ok().filter(|own| own.dimension == unit.dimension)?;
     let value = amplitude.most_probable.or(amplitude.value)?;
     let si = match parameter.sense {
@@ -142,21 +193,26 @@ fn fitted(parameter: &EffectParameter, amplitude: &Amplitude, unit: &Unit) -> Op
         Sense::Difference => unit.difference_to_si(short),
     };
     let [lower, upper] = support(&parameter.prior);
-    (short != 0.0 && !parameter.prior.is_fixed() && lower <= back && back <= upper).then_some(short)
+    let sd = amplitude.sd.map(|sd| unit.difference_from_si(own.difference_to_si(sd)));
+    let is_usable = short != 0.0 && !parameter.prior.is_fixed() && lower <= back && back <= upper;
+    is_usable.then(|| Fitted { name: parameter.name.clone(), value: short, sd, unit: unit.text.clone() })
 }
 
-/// Nominal value and prior of a parameter whose own prior is too narrow; the former is the one that the diagnosis fitted.
-pub fn wider_prior(finding: &Finding, pass: &Pass, name: &str) -> Option<Vec<(String, Item)>> {
+/// Nominal value and prior of a parameter whose own prior is too narrow; the former is the one that the diagnosis fitted, which
+/// is given beside them.
+pub fn wider_prior(finding: &Finding, pass: &Pass, name: &str) -> Option<(Fields, Option<Fitted>)> {
     let index = pass.model.parameters.iter().position(|own| own.name == name)?;
     let own = &pass.model.parameters[index];
     let unit = Unit::parse(&own.unit).ok()?;
     let prior = wider(pass.priors.get(index)?, &own.unit, finding.prior_width.unwrap_or(1.0))?;
     let mut fields = Vec::new();
-    let fitted = finding.amplitudes.values().next().and_then(|amplitude| amplitude.most_probable.or(amplitude.value));
-    let fitted = fitted.and_then(|value| format!("{value:.3e}").parse::<f64>().ok());
-    fields.extend(fitted.map(|value| ("nominal".to_owned(), Item::number(value))));
+    let fitted = finding.amplitudes.iter().next().and_then(|(name, amplitude)| {
+        let value = format!("{:.3e}", amplitude.most_probable.or(amplitude.value)?).parse().ok()?;
+        Some(Fitted { name: name.clone(), value, sd: amplitude.sd, unit: own.unit.clone() })
+    });
+    fields.extend(fitted.iter().map(|fitted| ("nominal".to_owned(), Item::number(fitted.value))));
     fields.push(("prior".to_owned(), distribution(&prior, &unit, Sense::Absolute)));
-    Some(fields)
+    Some((fields, fitted))
 }
 
 /// A value of the catalogue, as its file has it.
@@ -262,10 +318,10 @@ fn distribution(prior: &Distribution, unit: &Unit, sense: Sense) -> Item {
     }
 }
 
-/// Why an effect is adopted, from the diagnosis.
-pub fn because(finding: &Finding, findings: &Findings, job: &str, pass: &str) -> String {
+/// Why an effect is adopted, from the diagnosis; sizes are the nominal values of its entry.
+pub fn because(finding: &Finding, fitted: &[Fitted], findings: &Findings, job: &str, pass: &str) -> String {
     let mut text = String::new();
-    let verdict = &findings.verdict;
+    let verdict = findings.verdict.word();
     let known = |value: Option<f64>| value.filter(|value| value.is_finite());
     if findings.supports(finding) {
         let _ = write!(text, "diagnosis `{job}` of {pass}: {verdict}");
@@ -286,7 +342,8 @@ pub fn because(finding: &Finding, findings: &Findings, job: &str, pass: &str) ->
         let _ = write!(text, ", log Bayes factor {factor:.1}");
     }
     for (name, amplitude) in &finding.amplitudes {
-        text.push_str(&amplitude_text(name, amplitude));
+        let own = fitted.iter().find(|fitted| fitted.name == *name);
+        text.push_str(&own.map_or_else(|| amplitude_text(name, amplitude), Fitted::in_words));
     }
     text.push_str(&rmse_text(&finding.rmse_k));
     let rivals: Vec<&str> = findings.confused_with(finding).map(|other| other.id.as_str()).collect();
@@ -301,12 +358,12 @@ pub fn probability_text(value: f64) -> String {
     if value > 0.9995 { "above 0.999".to_owned() } else { format!("{value:.3}") }
 }
 
+/// A size that is no nominal value, such as 0.
 fn amplitude_text(name: &str, amplitude: &Amplitude) -> String {
-    let Some(value) = amplitude.value.filter(|value| value.is_finite()) else { return String::new() };
+    let value = amplitude.most_probable.or(amplitude.value).filter(|value| value.is_finite());
+    let Some(value) = value else { return String::new() };
     let unit = if amplitude.unit == "1" { String::new() } else { format!(" {}", amplitude.unit) };
-    let sd = amplitude.sd.filter(|sd| sd.is_finite() && *sd > 0.0);
-    let sd = sd.map_or(String::new(), |sd| format!(" \u{B1} {}", significant(sd, 2)));
-    format!("; {} {}{sd}{unit}", name.replace('_', " "), significant(value, 3))
+    format!("; {} {}{unit}", name.replace('_', " "), significant(value, 4))
 }
 
 fn significant(value: f64, digits: usize) -> String {

@@ -10,7 +10,7 @@ mod file;
 mod name;
 mod text;
 
-pub use choose::{Asked, ambiguity};
+pub use choose::Asked;
 pub use entry::probability_text;
 pub use file::{destination, twin, write};
 
@@ -29,6 +29,7 @@ use super::inherit::folder_diagnostic_at;
 use super::pass::FORMAT;
 use super::resolve::effects;
 use super::resolved::{JobSpec, Pass};
+use choose::Chosen;
 use text::Item;
 
 /// A pass to be written.
@@ -42,6 +43,8 @@ pub struct NextPass<'f> {
     pub extended: Vec<String>,
     /// Jobs that the parent does not have and that its error is told by: name and kind.
     pub added: Vec<(String, &'static str)>,
+    /// What must be said of what is adopted: that the data do not settle it.
+    pub warnings: Diagnostics,
 }
 
 /// The pass that adopts what was asked for, or what the diagnosis selected. `job` is the diagnosis's name in the pass;
@@ -57,7 +60,7 @@ pub fn next_pass<'f>(
     forced: bool,
     file: &Path,
 ) -> Result<NextPass<'f>, Diagnostics> {
-    let chosen = choose::choose(findings, asked, job, forced, &pass.model)?;
+    let Chosen { effects: chosen, warnings } = choose::choose(findings, asked, job, forced, &pass.model)?;
     let catalogue = effects(Some(&pass.folder))?;
     let mut diagnostics = Diagnostics::new();
     let Some(tree) = tree(pass, asked, &mut diagnostics) else { return Err(diagnostics) };
@@ -101,7 +104,7 @@ pub fn next_pass<'f>(
     sections.push(("jobs".to_owned(), Item::Object(jobs)));
     let document = Item::Object(sections);
     let adopted = adopted.into_iter().map(|one| (one.name, one.finding)).collect();
-    Ok(NextPass { text: document.document(), adopted, extended, added })
+    Ok(NextPass { text: document.document(), adopted, extended, added, warnings })
 }
 
 /// An effect, or a wider prior, with its entry.
@@ -141,10 +144,10 @@ fn adopt<'f>(
     let model = &pass.model;
     if finding.effect == PRIOR_OF {
         let [key] = finding.place.as_slice() else { return None };
-        let mut item = entry::wider_prior(finding, pass, key)?;
+        let (mut item, fitted) = entry::wider_prior(finding, pass, key)?;
         let because = format!(
             "{}; the prior before was too narrow for these data: ask where it came from",
-            entry::because(finding, findings, job, &pass.file)
+            entry::because(finding, fitted.as_slice(), findings, job, &pass.file)
         );
         item.push(("because".to_owned(), Item::text(&because)));
         let (name, key) = (format!("wider prior of {key}"), key.clone());
@@ -165,9 +168,10 @@ fn adopt<'f>(
     };
     let name = name::name(finding, &taken);
     let evidence = vec![("pass".to_owned(), Item::text(&pass.file)), ("job".to_owned(), Item::text(job))];
+    let (usage, fitted) = entry::usage(effect, finding, &bound, model);
     let item = Item::Object(vec![
-        ("effect".to_owned(), entry::usage(effect, finding, &bound, model)),
-        ("because".to_owned(), Item::text(&entry::because(finding, findings, job, &pass.file))),
+        ("effect".to_owned(), usage),
+        ("because".to_owned(), Item::text(&entry::because(finding, &fitted, findings, job, &pass.file))),
         ("evidence".to_owned(), Item::Object(evidence)),
     ]);
     let parameters = effect.parameters(model, &bound).into_iter().filter(|parameter| !parameter.prior.is_fixed());

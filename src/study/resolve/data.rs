@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use crate::document::hash::sha256_hex;
 use crate::document::quantity::{parse_unit, report_dimension, warn_of_coulomb};
-use crate::document::{Diagnostic, Diagnostics, Map, Place, Sense, Source, Span, Spanned, WrittenUnit, code, suggest};
+use crate::document::{
+    Diagnostic, Diagnostics, Map, Place, Sense, Source, Span, Spanned, WrittenUnit, code, counted, suggest,
+};
 use crate::expression::{Dimension, Unit};
 use crate::study::inherit::folder_diagnostic_at;
 use crate::study::pass::measurement::{ColumnForm, PinForm};
@@ -347,7 +349,7 @@ fn report(scope: &mut Scope, source: &Arc<Source>, problems: Problems) -> bool {
     }
     if problems.more > 0 {
         let place = Place::in_text(source, Span::new(last.start, last.end));
-        let message = format!("{} more problems follow in this file", problems.more);
+        let message = format!("{} in this file", counted(problems.more, "further problem"));
         scope.diagnostics.push_once(Diagnostic::error(&code::TABLE_CELL, &place, message));
     }
     true

@@ -1,7 +1,7 @@
 //! Designs of experiments: conditions, sensors and parameters looked up, settings with their defaults.
 
 use crate::document::prior::Prior;
-use crate::document::{Diagnostic, Map, MapEntry, Place, Sense, Spanned, code};
+use crate::document::{Diagnostic, Map, MapEntry, Place, Sense, Spanned, code, counted};
 use crate::inference::measurement::{Sensor, Uncertain};
 use crate::job::design::{DesignSensor, ErringInput, Estimator, Phase, Spec, Varied};
 use crate::random::Distribution;
@@ -165,7 +165,7 @@ fn conditions(
         return None;
     }
     if count == 0 || count > MOST_CANDIDATES {
-        let message = format!("{count} candidate phases");
+        let message = counted(count, "candidate phase");
         let expected = format!("from 1 to {MOST_CANDIDATES} candidates");
         scope.error(&code::DESIGN_CONDITIONS, &form.place, message, &expected);
         return None;
@@ -190,7 +190,7 @@ fn grid(scope: &mut Scope, axes: &Map<SweepForm>, base: &[f64], offered: &Offere
                 let to = scale.si(to, Sense::Absolute, scope.diagnostics);
                 let count = steps.steps.value;
                 if !(2..=MOST_CANDIDATES).contains(&count) {
-                    let message = format!("{count} values of `{}`", axis.name);
+                    let message = format!("{} of `{}`", counted(count, "value"), axis.name);
                     let expected = format!("from 2 to {MOST_CANDIDATES} values");
                     scope.error(&code::DESIGN_CONDITIONS, &steps.steps.place, message, &expected);
                     continue;

@@ -1,7 +1,7 @@
 //! Phases that drift, told of the measurements so that what rests on them can repeat it.
 
-use crate::document::{Diagnostic, code};
-use crate::inference::measurement::{Measurement, Rows};
+use crate::document::{Diagnostic, code, counted};
+use crate::inference::measurement::{Doubt, Measurement, Rows};
 use crate::study::pass::PassForm;
 use crate::study::resolved::{JobSpec, NamedJob};
 
@@ -36,14 +36,17 @@ pub(super) fn doubts(scope: &mut Scope, form: &PassForm, jobs: &[NamedJob], meas
             found.truncate(NAMED);
             found.push(format!("{} more", count - NAMED));
         }
+        let drift = if count == 1 { "drifts" } else { "drift" };
         let message = format!(
-            "{count} of {all} phases of `{}` drift faster than {} K/h: {}",
+            "{count} of {} of `{}` {drift} faster than {} K/h: {}",
+            counted(all, "phase"),
             measurement.name,
             short(limit * HOUR_S),
             found.join(", ")
         );
         let help = "choose a later window, ignore the phase with a reason, or compare the log as a transient";
-        measurement.doubts.push(message.replace('`', ""));
-        scope.doubts.push(Diagnostic::warning(&code::NOT_STABILISED, &entry.name_place, message).help(help));
+        let doubt = Diagnostic::warning(&code::NOT_STABILISED, &entry.name_place, message).help(help);
+        measurement.doubts.push(Doubt::from(&doubt));
+        scope.doubts.push(doubt);
     }
 }

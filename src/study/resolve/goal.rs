@@ -1,6 +1,6 @@
 //! Goal setting: settings with their defaults, names looked up.
 
-use crate::document::{Amount, Map, MapEntry, Sense, Spanned, code};
+use crate::document::{Amount, Map, MapEntry, Sense, Spanned, code, counted};
 use crate::job::goal::{Discrepancy, Spec};
 use crate::job::propagate::Sampling;
 use crate::study::pass::job::{GoalForm, JobForm};
@@ -26,7 +26,7 @@ pub(super) fn goal(scope: &mut Scope, entry: &MapEntry<JobForm>, form: &GoalForm
     let design = if names_one { design_variable(scope, entry, form.design_variable.as_ref(), offered) } else { None };
     let samples = samples(scope, form.samples.as_ref(), Sampling::Sobol);
     if let Some(written) = form.samples.as_ref().filter(|written| written.value < FEWEST_SAMPLES) {
-        let message = format!("{} samples: too few to tell main effects", written.value);
+        let message = format!("{}: too few to tell main effects", counted(written.value, "sample"));
         scope.error(&code::JOB_SETTING, &written.place, message, "an integer from 1024 on");
     }
     let failure_limit = failure_limit(scope, form.failure_limit.as_ref());

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use crate::document::{Diagnostic, Place, Prior, Sense, Spanned, code, suggest};
+use crate::document::{Diagnostic, Place, Prior, Sense, Spanned, code, counted, suggest};
 use crate::inference::rows::used_rows;
 use crate::job::calibrate;
 use crate::job::handed_on::HandedOn;
@@ -232,7 +232,7 @@ fn from_file(
     let columns = data::draws(scope, &data, &wanted).ok()?;
     let count = columns.first().map_or(0, Vec::len);
     if count < 2 {
-        scope.error(&code::DRAWS_FILE, &place, format!("`{file}` has {count} draws"), "two draws or more");
+        scope.error(&code::DRAWS_FILE, &place, format!("`{file}` has {}", counted(count, "draw")), "two draws or more");
         return None;
     }
     for (&parameter, column) in parameters.iter().zip(&columns) {

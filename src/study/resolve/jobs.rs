@@ -1,7 +1,7 @@
 //! Jobs: settings with their defaults, names looked up.
 
 use crate::document::prior::support;
-use crate::document::{Amount, Diagnostic, Map, MapEntry, NameOr, Node, Place, Sense, Spanned, Value, code};
+use crate::document::{Amount, Diagnostic, Map, MapEntry, NameOr, Node, Place, Sense, Spanned, Value, code, counted};
 use crate::effect::Catalogue;
 use crate::expression::Dimension;
 use crate::inference::measurement::Measurement;
@@ -271,7 +271,7 @@ pub(super) fn samples(scope: &mut Scope, written: Option<&Spanned<u64>>, samplin
     let Some(Spanned { value, place }) = written else { return SAMPLES };
     if !(2..=MOST_SAMPLES).contains(value) {
         let expected = format!("an integer from 2 to {MOST_SAMPLES}");
-        scope.error(&code::JOB_SETTING, place, format!("{value} samples"), &expected);
+        scope.error(&code::JOB_SETTING, place, counted(*value, "sample"), &expected);
         return SAMPLES;
     }
     let rounded = value.next_power_of_two();
@@ -320,7 +320,7 @@ fn sweep(scope: &mut Scope, form: &Spanned<Map<SweepForm>>) -> Option<Sweep> {
             let (from, to) = (value(scope, &steps.from, &scale)?, value(scope, &steps.to, &scale)?);
             let count = steps.steps.value;
             if !(2..=MOST_STEPS).contains(&count) {
-                let message = format!("a sweep of {count} steps");
+                let message = format!("a sweep of {}", counted(count, "step"));
                 scope.error(&code::SWEEP, &steps.steps.place, message, &format!("from 2 to {MOST_STEPS} values"));
                 return None;
             }

@@ -2,7 +2,7 @@
 
 use crate::document::{Amount, Map, MapEntry, NameOr, Place, Sense, Spanned, code};
 use crate::expression::Dimension;
-use crate::inference::measurement::{Measurement, Rows, Sensor};
+use crate::inference::measurement::{Doubt, Measurement, Rows, Sensor};
 use crate::study::pass::measurement::{HeldOutForm, IgnoredIntervalForm, IntervalForm, MeasurementForm, SensorForm};
 use crate::study::pinned::Pinned;
 use crate::study::resolved::IgnoredSensor;
@@ -38,7 +38,7 @@ pub fn measurement(
         return Outcome::Wrong;
     }
     if let Outcome::Ready(measurement) = &mut outcome {
-        measurement.doubts = scope.doubts[doubts..].iter().map(|doubt| doubt.message.replace('`', "")).collect();
+        measurement.doubts = scope.doubts[doubts..].iter().map(Doubt::from).collect();
     }
     outcome
 }

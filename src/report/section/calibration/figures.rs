@@ -1,5 +1,6 @@
 //! Figures of a calibration: correlations, predictions in time, traces and ranks.
 
+use crate::document::counted;
 use crate::job::calibrate::{Output, SensorPredictive};
 use crate::report::number::Shown;
 use crate::report::page::{Block, Figure, Text};
@@ -70,7 +71,11 @@ fn pair_plot(job: &str, output: &Output) -> Option<Figure> {
     let rest = if left_off == 0 {
         String::new()
     } else {
-        format!(" {left_off} further unknowns with weaker correlations are not drawn.")
+        format!(
+            " {} with weaker correlations {} not drawn.",
+            counted(left_off, "further unknown"),
+            if left_off == 1 { "is" } else { "are" }
+        )
     };
     Some(Figure {
         id: format!("{job}-pairs"),
@@ -80,7 +85,7 @@ fn pair_plot(job: &str, output: &Output) -> Option<Figure> {
              point.{rest}"
         )
         .into(),
-        alternative: format!("Pair plot of the posterior draws of {} unknowns.", unknowns.len()),
+        alternative: format!("Pair plot of the posterior draws of {}.", counted(unknowns.len(), "unknown")),
     })
 }
 

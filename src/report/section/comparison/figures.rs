@@ -1,5 +1,6 @@
 //! Figures of a comparison: map of the phases, residuals and histories in time, histogram of the deviations.
 
+use crate::document::counted;
 use crate::job::compare::{Output, Row};
 use crate::report::number::{NONE, signed};
 use crate::report::page::{Block, Figure, Text};
@@ -131,10 +132,10 @@ pub(in crate::report::section) fn phase_map(job: &str, output: &Output, measurem
             .code(measurement)
             .plain("."),
         alternative: format!(
-            "Heat map of measured minus predicted{} in {unit} for {} phases and {} sensors of {measurement}. {}",
+            "Heat map of measured minus predicted{} in {unit} for {} and {} of {measurement}. {}",
             shows.words(output),
-            phases.len(),
-            sensors.len(),
+            counted(phases.len(), "phase"),
+            counted(sensors.len(), "sensor"),
             output.fails.first().filter(|_| shows == Shows::Delivered).map_or("", String::as_str)
         ),
     }
@@ -203,8 +204,8 @@ fn strips(job: &str, output: &Output, measurement: &str) -> Figure {
         drawing: residual_strips(title, &format!("dev. [{unit}]"), &strips, &shades),
         caption: Text::new("Measured minus predicted over time, ").code(measurement).plain(format!("{shaded}.")),
         alternative: format!(
-            "Residuals over time, one strip for each of {} sensors of {measurement}{shaded}.",
-            sensors.len()
+            "Residuals over time, one strip for each of {} of {measurement}{shaded}.",
+            counted(sensors.len(), "sensor")
         ),
     }
 }
@@ -294,7 +295,7 @@ fn residual_histogram(job: &str, output: &Output, measurement: &str) -> Option<F
         height: 700,
         ..Chart::default()
     };
-    let caption = format!("All deviations of {measurement}, {} readings.", residuals.len());
+    let caption = format!("All deviations of {measurement}, {}.", counted(residuals.len(), "reading"));
     Some(Figure {
         id: format!("{job}-{measurement}-deviations"),
         drawing: chart.draw(),

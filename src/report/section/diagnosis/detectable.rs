@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::Output;
+use crate::document::counted;
 use crate::report::number::{significant, typeset, with_unit};
 use crate::report::page::{Block, Cell, Column, Table};
 
@@ -36,7 +37,11 @@ pub(super) fn table(output: &Output) -> Option<Block> {
         }
     }
     let more = kinds.len().saturating_sub(MOST_KINDS);
-    let more = if more > 0 { format!(" {more} more kinds: bmv diagnose --json lists them.") } else { String::new() };
+    let more = if more > 0 {
+        format!(" {}: bmv diagnose --json lists all.", counted(more, "more kind"))
+    } else {
+        String::new()
+    };
     let rows = kinds.into_iter().take(MOST_KINDS).map(|((effect, unit), kind)| {
         let shown = |value: f64| with_unit(&significant(value, 2), &typeset(unit));
         vec![

@@ -3,6 +3,7 @@
 use super::figures;
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{Carried, EffectResult, Heat, Output};
+use crate::document::p_value;
 use crate::report::number::{fixed, significant, with_error};
 use crate::report::page::{Block, Cell, Column, Table, Text};
 
@@ -83,7 +84,11 @@ pub(super) fn missing(output: &Output) -> Option<Block> {
             ]
         })
         .collect();
-    let more = if more == 0 { String::new() } else { format!(" {more} more are above two standard deviations.") };
+    let more = if more == 0 {
+        String::new()
+    } else {
+        format!(" {more} more {} above two standard deviations.", if more == 1 { "is" } else { "are" })
+    };
     (!rows.is_empty()).then(|| {
         Block::Table(Table {
             caption: format!(
@@ -110,12 +115,7 @@ pub(super) fn goes_with(output: &Output) -> Option<Block> {
         .goes_with
         .iter()
         .map(|one| {
-            vec![
-                Cell::code(&one.node),
-                Cell::code(&one.input),
-                significant(one.slope, 3).into(),
-                significant(one.p, 2).into(),
-            ]
+            vec![Cell::code(&one.node), Cell::code(&one.input), significant(one.slope, 3).into(), p_value(one.p).into()]
         })
         .collect();
     (!rows.is_empty()).then(|| {

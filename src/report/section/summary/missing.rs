@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{EffectResult, Heat, HeldOutTest, Output};
+use crate::document::{counted, p_stated};
 use crate::report::number::{fixed, significant, with_unit};
 use crate::report::page::{Statement, Status, Text};
 use crate::report::section::diagnosis::{amount, chance};
@@ -48,8 +49,11 @@ fn what(output: &Output, selected: &[&EffectResult]) -> Statement {
     match (output.verdict, selected) {
         (Verdict::Adequate, _) => {
             let [effects, pairs, _] = output.looked_at;
-            let text =
-                format!("{effects} effects and {pairs} pairs of them were tried on the tuned model; none is needed.");
+            let text = format!(
+                "{} and {} of them were tried on the tuned model; none is needed.",
+                counted(effects, "effect"),
+                counted(pairs, "pair")
+            );
             statement("nothing that shows", text.into(), Some(Status::Ok))
         }
         (Verdict::Unexplained, _) | (_, []) => {
@@ -90,7 +94,7 @@ fn what(output: &Output, selected: &[&EffectResult]) -> Statement {
 }
 
 fn how_sure(output: &Output, selected: &[&EffectResult]) -> Statement {
-    let p = |p: f64| format!("A misfit as clear as this would have p = {} if nothing were missing.", significant(p, 2));
+    let p = |p: f64| format!("A misfit as clear as this would have {} if nothing were missing.", p_stated(p));
     let best = output.models.iter().find(|model| {
         model.effects.len() == output.selected.len() && model.effects.iter().all(|id| output.selected.contains(id))
     });
@@ -98,7 +102,7 @@ fn how_sure(output: &Output, selected: &[&EffectResult]) -> Statement {
         (Verdict::Adequate, _) => {
             let nothing = chance(output.probability_nothing);
             let text = format!("Over all tests together. That nothing is missing has a probability of {nothing}.");
-            (format!("p = {}", significant(output.misfit.family_wise_p, 2)), text)
+            (p_stated(output.misfit.family_wise_p), text)
         }
         (Verdict::Unexplained, _) | (_, None) => {
             (chance(output.probability_unexplained), p(output.misfit.family_wise_p))
@@ -197,8 +201,10 @@ fn what_else(output: &Output, selected: &[&EffectResult]) -> Option<Statement> {
     if let Some(experiment) = &output.separating_experiment {
         text = text
             .plain(format!(" The phase proposed below would, with probability {}.", chance(experiment.probability)));
+    } else if let Some(one) = &output.one_thing {
+        text = text.plain(" ").plain(one.in_words());
     }
-    let value = if rivals.len() == 1 { "1 rival".to_owned() } else { format!("{} rivals", rivals.len()) };
+    let value = counted(rivals.len(), "rival");
     Some(Statement { label, value, text, status: Some(Status::Caution) })
 }
 

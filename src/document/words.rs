@@ -1,0 +1,58 @@
+//! Numbers inside sentences: counts with their nouns, and p-values.
+
+use std::fmt::Display;
+
+/// p below which only this bound is stated: so far out in its tail no test is exact, and nobody decides otherwise.
+const LEAST_P: f64 = 1e-6;
+/// p from which decimals are read more easily than a power of ten.
+const READABLE_P: f64 = 1e-3;
+
+/// A count with its noun, given for one: `1 block`, `2 blocks`, `0 trajectories`.
+pub fn counted<N: Display + PartialEq + From<u8>>(count: N, noun: &str) -> String {
+    if count == N::from(1) {
+        return format!("{count} {noun}");
+    }
+    match noun.strip_suffix('y') {
+        Some(stem) if !stem.ends_with(['a', 'e', 'i', 'o', 'u']) => format!("{count} {stem}ies"),
+        _ => format!("{count} {noun}s"),
+    }
+}
+
+/// A p-value to two digits, or the bound that it lies below: `0.96`, `0.012`, `6.5e-5`, `< 1e-6`.
+pub fn p_value(p: f64) -> String {
+    match p {
+        p if p.is_nan() => "unknown".to_owned(),
+        p if p < LEAST_P => format!("< {LEAST_P:e}"),
+        p if p < READABLE_P => format!("{p:.1e}"),
+        p if p < 0.01 => format!("{p:.4}"),
+        p if p < 0.1 => format!("{p:.3}"),
+        p => format!("{p:.2}"),
+    }
+}
+
+/// A p-value with its letter: `p = 0.012`, `p < 1e-6`.
+pub fn p_stated(p: f64) -> String {
+    let value = p_value(p);
+    if value.starts_with('<') { format!("p {value}") } else { format!("p = {value}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_of_a_thing_is_no_plural() {
+        let said = [counted(1_u64, "block"), counted(2_usize, "block"), counted(0_u64, "held-out reading")];
+        assert_eq!(said, ["1 block", "2 blocks", "0 held-out readings"]);
+        assert_eq!([counted(1_u64, "trajectory"), counted(3_u64, "trajectory")], ["1 trajectory", "3 trajectories"]);
+        assert_eq!(counted(2_u64, "day"), "2 days");
+    }
+
+    #[test]
+    fn a_p_value_is_never_0() {
+        let said = [0.0, 2e-288, 9.9e-7, 1e-6, 6.54e-5, 0.0029, 0.012, 0.05, 0.96, 1.0].map(p_value);
+        let wanted = ["< 1e-6", "< 1e-6", "< 1e-6", "1.0e-6", "6.5e-5", "0.0029", "0.012", "0.050", "0.96", "1.00"];
+        assert_eq!(said, wanted);
+        assert_eq!([0.0, 0.96, f64::NAN].map(p_stated), ["p < 1e-6", "p = 0.96", "p = unknown"]);
+    }
+}
