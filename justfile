@@ -18,7 +18,7 @@ nightly:
 
 # benchmarks of everything that has a speed target
 bench:
-    cargo bench
+    cargo build --release && cargo bench --package bmv-benches
 
 # the documentation of the library
 doc:

@@ -30,7 +30,7 @@ mod network8_data;
 
 /// The likelihood of the monitor with all 43 phases: of these parameters, or of all uncertain ones.
 fn monitor(parameters: Option<&[&str]>) -> Option<Likelihood> {
-    let pass = bmv::study::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/sxm/pass-3.json")).ok()?;
+    let pass = bmv::study::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies/sxm/pass-3.json")).ok()?;
     let chosen: Vec<usize> = (0..pass.priors.len())
         .filter(|&i| match parameters {
             Some(names) => names.contains(&pass.model.parameters[i].name.as_str()),
@@ -115,7 +115,8 @@ fn program(sampler: &str, warmup: u64, draws: u64, repeat: u64) -> (f64, f64) {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("box-{sampler}-{draws}-{repeat}"));
     let _ = std::fs::remove_dir_all(&folder);
     box_study::write(&folder, sampler, 4, warmup, draws).unwrap();
-    let program = env!("CARGO_BIN_EXE_bmv");
+    // `just bench` builds it first.
+    let program = &Path::new(env!("CARGO_TARGET_TMPDIR")).join("../release/bmv");
     let cache = folder.join("cache");
     let (seconds, _) = timed(Command::new(program).args(["run", "--threads", "2", "--cache"]).arg(&cache).arg(&folder));
     let show = ["show", "--json", "--cache"];

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 /// A pass of this repository, loaded.
 fn load(pass: &str) -> Pass {
-    match bmv::study::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join(pass)) {
+    match bmv::study::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(pass)) {
         Ok(pass) => pass,
         Err(_) => panic!("{pass} does not load"),
     }

@@ -22,7 +22,7 @@ mod words;
 pub mod written;
 
 pub use declare::Empty;
-pub(crate) use declare::{written_choice, written_struct, written_words};
+pub use declare::{written_choice, written_struct, written_words};
 pub use diagnostic::{Diagnostic, Diagnostics, PlainDiagnostic, Severity};
 pub use evidence::{EvidenceForm, source_text};
 pub use formula::Formulas;

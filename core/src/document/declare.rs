@@ -135,6 +135,7 @@ pub fn word<'a>(node: &'a Node, words: &[&str], what: &str, diagnostics: &mut Di
 ///     }
 /// }
 /// ```
+#[macro_export]
 macro_rules! written_struct {
     (
         $(#[doc = $doc:literal])*
@@ -208,7 +209,7 @@ macro_rules! written_struct {
         $fields.optional::<$type>($key, $diagnostics).map(|value| value.unwrap_or_else(|| $default))
     };
 }
-pub(crate) use written_struct;
+pub use written_struct;
 
 /// Declares a choice: an object with exactly one key, the kind, its reader and its schema.
 ///
@@ -221,6 +222,7 @@ pub(crate) use written_struct;
 ///     }
 /// }
 /// ```
+#[macro_export]
 macro_rules! written_choice {
     (
         $(#[doc = $doc:literal])*
@@ -268,9 +270,10 @@ macro_rules! written_choice {
         }
     };
 }
-pub(crate) use written_choice;
+pub use written_choice;
 
 /// Declares one of some words, its reader and its schema.
+#[macro_export]
 macro_rules! written_words {
     (
         $(#[doc = $doc:literal])*
@@ -316,7 +319,7 @@ macro_rules! written_words {
         }
     };
 }
-pub(crate) use written_words;
+pub use written_words;
 
 written_struct! {
     /// An object without fields: `{}`.

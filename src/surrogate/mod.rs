@@ -1,1 +1,0 @@
-//! Surrogates of expensive functions.
