@@ -6,7 +6,7 @@ use super::output::{escaped, print, print_json, shown};
 use super::status::{Failure, Status};
 use crate::report::seal::contradictions;
 use crate::runner::Manifest;
-use crate::study::project::whole;
+use crate::study::project::{missing, whole};
 
 /// Arguments of `bmv verify`.
 #[derive(Debug, clap::Args)]
@@ -24,6 +24,9 @@ pub(super) struct Verify {
 
 impl Verify {
     pub(super) fn execute(self) -> Result<Status, Failure> {
+        if !self.report.exists() {
+            return Err(Failure::input(missing(&self.report)));
+        }
         let manifest = Manifest::read(&self.report).map_err(|error| Failure::input(error.to_string()))?;
         let root = self.root.clone().unwrap_or_else(|| root(&manifest, &self.report));
         let mut found = manifest.verify(&self.report, &root)?;

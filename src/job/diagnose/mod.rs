@@ -141,7 +141,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        11
+        12
     }
 
     fn identity(&self) -> Value {
