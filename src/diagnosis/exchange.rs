@@ -59,3 +59,33 @@ fn left(problem: &Problem, believed: &Refit, effects: &[usize]) -> Result<[f64; 
         Err(_) => f64::INFINITY,
     }))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::diagnosis::laboratory::{Recipe, TestKind, Topology, Wish, case};
+    use crate::diagnosis::{Diagnosis, Settings};
+    use crate::document::Diagnostics;
+    use crate::effect::{Catalogue, Site};
+    use crate::random::StreamKey;
+
+    #[test]
+    fn an_exchange_of_which_no_model_can_be_made_is_told_with_its_reason() {
+        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+        let wish = Wish { only: Some("heat-load".to_owned()), size: Some(5.0), ..Wish::default() };
+        let recipe = Recipe { topology: Some(Topology::Star), test: Some(TestKind::Steady), wish, rivals: false };
+        let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+        let is_swap = |candidate: &crate::effect::Candidate| candidate.effect == "swapped-channels";
+        let broken = problem.candidates.iter().position(is_swap).unwrap();
+        problem.candidates[broken].site = Site::Nodes(vec![(0, 1.0)]);
+        let diagnosis = Diagnosis::new(problem.clone(), Settings::default(), StreamKey::new(1, "test", "exchange"));
+        let state = diagnosis.screen().unwrap();
+        let found = exchanges(&problem, &state.refits[0], usize::MAX).unwrap();
+        assert!(!found.likeliest.contains(&broken));
+        let [(position, why)] = found.impossible.as_slice() else { panic!("{:?}", found.impossible) };
+        assert!(*position == broken && why.contains("swapped-channels"), "{why}");
+        assert!(state.failed.contains(&found.impossible[0]), "{:?}", state.failed);
+    }
+}

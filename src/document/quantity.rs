@@ -60,7 +60,9 @@ pub fn parse_unit(text: &str, place: &Place, offset: usize, diagnostics: &mut Di
         Ok(unit) => match unit.without_coulomb() {
             None => Some(unit),
             Some(meant) => {
-                let message = format!("`C` in the unit `{}` is the coulomb, not the degree Celsius", unit.text);
+                let place_in_unit =
+                    if unit.text == "C" { String::new() } else { format!(" in the unit `{}`", unit.text) };
+                let message = format!("`C`{place_in_unit} is the coulomb, not the degree Celsius");
                 let help = format!("write `{meant}`; an electric charge is written in `A s`");
                 diagnostics
                     .push(Diagnostic::error(&code::COULOMB, place, message).expected(format!("`{meant}`")).help(help));

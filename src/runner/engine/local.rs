@@ -2,11 +2,12 @@
 //!
 //! Nothing waits inside the pool: each block is a task, the last block of a stage reduces it and starts the next, the last
 //! job that another builds upon starts that one. So jobs and blocks of all jobs fill the threads together. Every finished
-//! block is published at once; a run that was killed begins where it stopped. A block that is left because the run was
+//! block is published at once, and so are the states that long ones leave on their way; a run that was killed begins where it stopped. A block that is left because the run was
 //! asked to stop is one that was not begun. What the system does not let store (another user's cache, a full disk) is
 //! used all the same, and the run says so once.
 
 use std::any::Any;
+use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -15,7 +16,7 @@ use std::time::Instant;
 use rayon::ScopeFifo;
 
 use super::{Finished, Outcome, RunSummary, Settings, StopFlag};
-use crate::job::{Job, JobError, Step};
+use crate::job::{Job, JobError, Parts, Step};
 use crate::runner::cache::{Cache, Kind, Lookup};
 use crate::runner::error::RunnerError;
 use crate::runner::events::{Event, Listener};
@@ -309,8 +310,12 @@ impl<'a> Run<'a> {
                 }
                 let share = Share::default();
                 self.listener.block_runs(&self.id(active.position), index, &share);
-                let run = |job: &dyn Job| watch::with_share(&share, || job.block(stage, input));
+                let parts = KeptParts { run: self, owner, stage, index, input, refused: RefCell::default() };
+                let run = |job: &dyn Job| watch::with_share(&share, || job.block_in_parts(stage, input, &parts));
                 let output = self.guarded(active, Some(stage), Some(index), run)?;
+                if let Some(error) = parts.refused.take() {
+                    return Err(Halt::Failed(error));
+                }
                 self.store(Kind::Block, owner, &name, &output).map_err(Halt::Failed)?;
                 active.blocks_run.fetch_add(1, Ordering::Relaxed);
                 (output, false)
@@ -394,6 +399,46 @@ impl<'a> Run<'a> {
 
     fn failure(&self, position: usize, stage: Option<&str>, block: Option<usize>, source: JobError) -> RunnerError {
         RunnerError::Job { job: self.id(position), stage: stage.map(str::to_owned), block, source }
+    }
+}
+
+/// The states of a block that runs, as objects of the cache.
+struct KeptParts<'r, 'a> {
+    run: &'r Run<'a>,
+    owner: &'r Key,
+    stage: &'r str,
+    index: usize,
+    input: &'r [u8],
+    /// Other bytes than an earlier run's.
+    refused: RefCell<Option<RunnerError>>,
+}
+
+impl KeptParts<'_, '_> {
+    fn name(&self, part: u64) -> Key {
+        block_key(self.owner, &format!("{}, part {part}", self.stage), self.index, self.input)
+    }
+}
+
+impl Parts for KeptParts<'_, '_> {
+    fn find(&self, part: u64) -> Option<Vec<u8>> {
+        if self.run.force {
+            return None;
+        }
+        let name = self.name(part);
+        match self.run.cache.get(Kind::Block, &name) {
+            Lookup::Found(state) => Some(state),
+            Lookup::Absent => None,
+            Lookup::Damaged => {
+                self.run.listener.hear(&Event::Damaged { object: name });
+                None
+            }
+        }
+    }
+
+    fn keep(&self, part: u64, state: &[u8]) {
+        if let Err(error) = self.run.store(Kind::Block, self.owner, &self.name(part), state) {
+            self.refused.replace(Some(error));
+        }
     }
 }
 

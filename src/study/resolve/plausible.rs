@@ -82,7 +82,8 @@ fn outside(
     );
     let finding = if far { Diagnostic::error } else { Diagnostic::warning };
     if let Some((WrittenUnit { unit, place: at }, other)) = mistaken {
-        let message = format!("`{name}` is {shown}, {outside}; in {} it would be inside", other.text);
+        let message =
+            format!("`{name}` is {shown}, {outside}: its unit is most likely `{}`, not `{}`", other.text, unit.text);
         return finding(&code::INPUT_RANGE, at, message)
             .expected(format!("most likely `{}`", other.text))
             .related(place, format!("{shown} here"))
