@@ -85,8 +85,7 @@ pub fn sample<T: Target>(
     chain: u64,
     start: Option<&[f64]>,
 ) -> Result<Chain, SampleError> {
-    let mut whole = Parts { from: None, every: u64::MAX, keep: &mut |_, _| {} };
-    sample_in_parts(target, settings, key, chain, start, &mut whole)
+    Parts::none(|parts| sample_in_parts(target, settings, key, chain, start, parts))
 }
 
 /// A chain on its way.

@@ -54,6 +54,8 @@ pub enum JobError {
 pub trait Parts {
     /// The state that was kept under this number.
     fn find(&self, part: u64) -> Option<Vec<u8>>;
+    /// Whether a state is to be kept now: it takes time, and a block that is short needs none.
+    fn is_due(&self) -> bool;
     /// Keeps the state of this number: a pure function of the job, the stage, the input and the number.
     fn keep(&self, part: u64, state: &[u8]);
 }
@@ -64,6 +66,9 @@ pub struct NoParts;
 impl Parts for NoParts {
     fn find(&self, _part: u64) -> Option<Vec<u8>> {
         None
+    }
+    fn is_due(&self) -> bool {
+        false
     }
     fn keep(&self, _part: u64, _state: &[u8]) {}
 }

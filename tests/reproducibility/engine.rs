@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
 
 use bmv::job::{Job, JobError, NoParts, Parts, Step};
 use bmv::runner::engine::local;
@@ -223,7 +224,7 @@ impl Job for Stepwise {
             bmv::watch::check();
             let steps = self.steps.fetch_add(1, Ordering::Relaxed) + 1;
             state.push(part as u8 + self.wrong);
-            if part < 10 {
+            if part < 10 && parts.is_due() {
                 parts.keep(part, &state);
             }
             if let Some((_, stop)) = self.stop_after.as_ref().filter(|(count, _)| steps == *count) {
@@ -245,7 +246,10 @@ fn a_long_block_goes_on_from_the_last_state_that_it_left() {
         Plan::new(vec![node("walk", job)]).unwrap()
     };
     let folder = tempfile::tempdir().unwrap();
-    let whole = run(&plan(&start(None, 0)), &Cache::new(folder.path()), 1);
+    let cache = Cache::new(folder.path());
+    let short = Settings { keep_every: Some(Duration::MAX), ..settings(1) };
+    let whole = local::run(&plan(&start(None, 0)), &cache, &short, &StopFlag::default(), &Heard::default()).unwrap();
+    assert_eq!(cache.statistics().unwrap().blocks, 2, "short blocks leave no states");
     let whole = whole.finished("walk").unwrap().stored.sha256.clone();
     let folder = tempfile::tempdir().unwrap();
     let cache = Cache::new(folder.path());

@@ -398,9 +398,14 @@ fn a_chain_that_goes_on_from_a_state_is_the_same() {
             assert_eq!(part, kept.len() as u64 + 1, "states are numbered");
             kept.push(bmv::job::stored::to_bytes(&state).expect("bytes"));
         };
-        let whole = run(&mut Parts { from: None, every, keep: &mut keep });
+        let whole = run(&mut Parts { from: None, every, is_due: &|| true, keep: &mut keep });
         let read = |bytes: &Vec<u8>| bmv::job::stored::from_bytes::<S>(bytes, "state").expect("reads back");
-        let again = |bytes| run(&mut Parts { from: Some(read(bytes)), every: u64::MAX, keep: &mut |_, _| {} });
+        let again = |bytes| {
+            Parts::none(|parts| {
+                parts.from = Some(read(bytes));
+                run(parts)
+            })
+        };
         (whole, kept.iter().map(again).collect())
     }
     let (model, _) = models::conjugate();

@@ -20,10 +20,10 @@ use crate::job::{self, JobError, Step};
 /// A second mode is used as a start if its log posterior is within this of the best.
 const MODES_WITHIN: f64 = 10.0;
 
-/// Transitions of a trajectory's chain after which its state is kept, each time.
-const TRANSITIONS: u64 = 50;
+/// Transitions of a chain of trajectories after which its state may be kept, each time.
+const TRANSITIONS: u64 = 10;
 /// The same of steps of a walk.
-const STEPS: u64 = 1000;
+const STEPS: u64 = 100;
 
 /// Runs a chain of so many transitions that keeps its state every so many, from the last one that is there.
 fn in_parts<S: Serialize + DeserializeOwned>(
@@ -38,7 +38,7 @@ fn in_parts<S: Serialize + DeserializeOwned>(
         Ok(bytes) => kept.keep(part, &bytes),
         Err(error) => failure = Some(error),
     };
-    let chain = run(&mut Parts { from, every, keep: &mut keep });
+    let chain = run(&mut Parts { from, every, is_due: &|| kept.is_due(), keep: &mut keep });
     match failure {
         Some(error) => Err(error),
         None => chain.map_err(|error| JobError::Failed(error.to_string())),

@@ -7,7 +7,7 @@
 //! used all the same, and the run says so once.
 
 use std::any::Any;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -59,7 +59,7 @@ pub fn run(
     let to_run = count(|state| *state == State::Missing);
     listener.hear(&Event::RunStarted { to_run, cached: count(|state| matches!(state, State::Cached(_))), threads });
 
-    let run = Run::new(plan, cache, settings.force, stop, listener, &states);
+    let run = Run::new(plan, cache, settings, stop, listener, &states);
     for (position, state) in states.into_iter().enumerate() {
         if let State::Cached(stored) = state {
             let (job, key) = (plan.nodes()[position].id.clone(), plan.keys()[position].clone());
@@ -107,7 +107,7 @@ impl Slot {
 struct Run<'a> {
     plan: &'a Plan,
     cache: &'a Cache,
-    force: bool,
+    settings: &'a Settings,
     stop: &'a StopFlag,
     listener: &'a dyn Listener,
     slots: Vec<Slot>,
@@ -138,7 +138,7 @@ impl<'a> Run<'a> {
     fn new(
         plan: &'a Plan,
         cache: &'a Cache,
-        force: bool,
+        settings: &'a Settings,
         stop: &'a StopFlag,
         listener: &'a dyn Listener,
         states: &[State],
@@ -163,7 +163,7 @@ impl<'a> Run<'a> {
             slot.waiting = AtomicUsize::new(waits_for.len());
             slot.waits_for = waits_for;
         }
-        Self { plan, cache, force, stop, listener, slots, told_not_stored: AtomicBool::new(false) }
+        Self { plan, cache, settings, stop, listener, slots, told_not_stored: AtomicBool::new(false) }
     }
 
     fn ready_at_once(&self) -> Vec<usize> {
@@ -298,7 +298,7 @@ impl<'a> Run<'a> {
     fn output(&self, active: &Active, stage: &str, index: usize, input: &[u8]) -> Result<Vec<u8>, Halt<RunnerError>> {
         let owner = &self.plan.keys()[active.position];
         let name = block_key(owner, stage, index, input);
-        let found = if self.force { Lookup::Absent } else { self.cache.get(Kind::Block, &name) };
+        let found = if self.settings.force { Lookup::Absent } else { self.cache.get(Kind::Block, &name) };
         let (output, cached) = match found {
             Lookup::Found(output) => {
                 active.blocks_cached.fetch_add(1, Ordering::Relaxed);
@@ -310,7 +310,8 @@ impl<'a> Run<'a> {
                 }
                 let share = Share::default();
                 self.listener.block_runs(&self.id(active.position), index, &share);
-                let parts = KeptParts { run: self, owner, stage, index, input, refused: RefCell::default() };
+                let (last, refused) = (Cell::new(Instant::now()), RefCell::default());
+                let parts = KeptParts { run: self, owner, stage, index, input, last, refused };
                 let run = |job: &dyn Job| watch::with_share(&share, || job.block_in_parts(stage, input, &parts));
                 let output = self.guarded(active, Some(stage), Some(index), run)?;
                 if let Some(error) = parts.refused.take() {
@@ -409,6 +410,8 @@ struct KeptParts<'r, 'a> {
     stage: &'r str,
     index: usize,
     input: &'r [u8],
+    /// When it began, or kept a state.
+    last: Cell<Instant>,
     /// Other bytes than an earlier run's.
     refused: RefCell<Option<RunnerError>>,
 }
@@ -421,7 +424,7 @@ impl KeptParts<'_, '_> {
 
 impl Parts for KeptParts<'_, '_> {
     fn find(&self, part: u64) -> Option<Vec<u8>> {
-        if self.run.force {
+        if self.run.settings.force {
             return None;
         }
         let name = self.name(part);
@@ -435,7 +438,12 @@ impl Parts for KeptParts<'_, '_> {
         }
     }
 
+    fn is_due(&self) -> bool {
+        self.last.get().elapsed() >= self.run.settings.keep_every()
+    }
+
     fn keep(&self, part: u64, state: &[u8]) {
+        self.last.set(Instant::now());
         if let Err(error) = self.run.store(Kind::Block, self.owner, &self.name(part), state) {
             self.refused.replace(Some(error));
         }
