@@ -213,7 +213,7 @@ fn diff_runs_both_passes_at_once_and_names_the_figures_of_every_kind_of_job() {
     });
     let second = json!({
         "format": "bmv-pass/1", "title": "Plate, pass 2", "parent": "pass-1.json",
-        "parameters": {"G": {"nominal": 0.45, "prior": {"uniform": [0.41, 0.46]}, "because": "a handbook"}},
+        "parameters": {"G": {"nominal": 0.57, "prior": {"uniform": [0.55, 0.6]}, "because": "a handbook"}},
         "jobs": {
             "sized": {"conventional": {"design_variable": {"G": {"from": 0.4, "to": 1.2}}}},
             "aim": {"goal": {"samples": 1024}},
@@ -232,7 +232,7 @@ fn diff_runs_both_passes_at_once_and_names_the_figures_of_every_kind_of_job() {
     let output = diff(&[]);
     let (printed, said) = (text(&output.stdout), text(&output.stderr));
     assert_eq!(said.matches("nothing to run").count(), 1, "{said}");
-    for figure in ["G by rule", "P(plate) in nominal", "P(nothing is missing)", "information expected"] {
+    for figure in ["G, nominal", "P(plate) in nominal", "P(nothing is missing)", "information expected"] {
         assert!(printed.contains(figure), "{figure}: {printed}");
     }
     assert!(!printed.contains("line 1"), "{printed}");

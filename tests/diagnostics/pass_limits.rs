@@ -157,7 +157,7 @@ fn celsius_is_not_the_coulomb() {
     told(&["study/model.json:2:", "study/pass-1.json:3:"]);
     study.edit("model.json", r#""unit": "C""#, r#""unit": "degC""#);
     study.edit("pass-1.json", r#""unit": "C""#, r#""unit": "degC""#);
-    told(&["study/data/balance.csv:1:7", "study/data/balance.csv:1:23"]);
+    told(&["study/data/balance.csv:1:7", "study/data/balance.csv:1:22"]);
     // In a product it stands for a difference; a charge has another name.
     let study = Study::new();
     study.edit("model.json", r#""unit": "W/K""#, r#""unit": "W/C""#);
