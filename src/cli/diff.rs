@@ -8,13 +8,14 @@ use super::execute::{Executed, prepare};
 use super::options::RunOptions;
 use super::output::{escaped, print, print_json};
 use super::status::{Failure, Status};
-use super::studies::Loaded;
+use super::studies::{Loaded, LoadedPass};
 use super::{Context, show, studies};
 use crate::document::counted;
 use crate::report::essentials::essentials;
 use crate::report::page::{Block, Cell, Column, Section, Table};
 use crate::report::{PassReport, terminal};
 use crate::runner::{Difference, differences};
+use crate::study::project::whole;
 use crate::study::{ChangedEntry, changed};
 
 /// Places of a job's identity that are told where no entry of the files explains them.
@@ -51,22 +52,22 @@ struct Side {
 
 impl Diff {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
-        for path in [&self.before, &self.after] {
-            studies::one_pass(path)?;
-        }
-        let may_run = self.run || self.options.is_forced();
-        let mut not_there = Vec::new();
-        let mut run = |path: &PathBuf| -> Result<Executed, Failure> {
-            let loaded = studies::load(std::slice::from_ref(path), context.coloured)?;
-            let mut prepared = prepare(loaded, Loaded::default(), context, |_, _, _| true)?;
-            if !may_run {
-                let cache = prepared.cache(&self.options.cache);
-                not_there.extend(prepared.leave_out_missing(&cache));
-            }
-            prepared.run(&self.options, context)
+        let paths = [studies::one_pass(&self.before)?, studies::one_pass(&self.after)?];
+        // Both at once: what they share is found, or run and told of, once.
+        let loaded = studies::load(&paths, context.coloured)?;
+        let mut prepared = prepare(loaded, Loaded::default(), context, |_, _, _| true)?;
+        let not_there = if self.run || self.options.is_forced() {
+            Vec::new()
+        } else {
+            let cache = prepared.cache(&self.options.cache);
+            prepared.leave_out_missing(&cache)
         };
-        let (before, after) = (run(&self.before)?, run(&self.after)?);
-        let ([old], [new]) = (before.passes.as_slice(), after.passes.as_slice()) else {
+        let executed = prepared.run(&self.options, context)?;
+        let find = |path: &PathBuf| {
+            let passes = executed.passes.iter();
+            passes.clone().find(|pass| whole(&pass.study.join(&pass.file)) == whole(path))
+        };
+        let [Some(old), Some(new)] = paths.each_ref().map(find) else {
             return Err(Failure::input("name two pass files"));
         };
         let entries = changed(&old.pass, &new.pass)
@@ -80,7 +81,7 @@ impl Diff {
         let compared: Vec<(&str, Vec<Difference>, Vec<Difference>)> = names
             .iter()
             .map(|&name| {
-                let [old, new] = [&before, &after].map(|run| side(run, name));
+                let [old, new] = [old, new].map(|pass| side(&executed, pass, name));
                 let definition = differences(&old.definition, &new.definition);
                 (name, definition, differences(&old.result, &new.result))
             })
@@ -94,22 +95,21 @@ impl Diff {
                 .collect();
             print_json(&json!({ "files": entries, "jobs": jobs }))?;
         } else {
-            let reports = [studies::view(old, &before)?, studies::view(new, &after)?];
+            let reports = [studies::view(old, &executed)?, studies::view(new, &executed)?];
             let unexplained =
                 if entries.is_empty() { compared.iter().flat_map(|one| &one.1).collect() } else { vec![] };
             let sections = [definitions(&entries, &unexplained), results(&names, &reports)];
             print(&terminal::render(&sections, context.layout))?;
         }
         show::tell_not_there(&not_there);
-        let statuses = [before.status(), after.status()];
-        let status = statuses.into_iter().find(|status| *status != Status::Done).unwrap_or(Status::Done);
+        let status = executed.status();
         Ok(if status == Status::Done && !not_there.is_empty() { Status::WrongInput } else { status })
     }
 }
 
 /// Definition and result of a job; null where there is none.
-fn side(run: &Executed, name: &str) -> Side {
-    let position = run.passes.first().and_then(|pass| run.plan.find(&format!("{}:{name}", pass.shown)));
+fn side(run: &Executed, pass: &LoadedPass, name: &str) -> Side {
+    let position = run.plan.find(&format!("{}:{name}", pass.shown));
     let Some(position) = position else { return Side { definition: Value::Null, result: Value::Null } };
     let definition = serde_json::to_value(run.plan.material(position)).unwrap_or_default();
     let finished = run.summary.finished(&run.plan.nodes()[position].id);

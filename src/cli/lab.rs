@@ -64,11 +64,7 @@ impl LabVerb {
         let mut project = Project::here();
         let (shown_id, lab) = match &self.study {
             Some(study) => {
-                super::studies::one_pass(study)?;
-                let found = crate::study::discover(std::slice::from_ref(study));
-                let found = found.map_err(|error| Failure::input(error.to_string()))?;
-                let path = found.iter().find_map(|study| study.passes.first().cloned());
-                let path = path.ok_or_else(|| Failure::input(format!("no pass in `{}`", shown(study))))?;
+                let path = super::studies::one_pass(study)?;
                 let pass = crate::study::load(&path).map_err(rendered)?;
                 project = Project::of(&pass.folder);
                 if !pass.warnings.is_empty() {

@@ -140,7 +140,7 @@ impl RunOptions {
 
     /// Settings of a run of all jobs.
     pub fn settings(&self) -> Settings {
-        Settings { threads: self.threads, force: self.force, only: None }
+        Settings { threads: self.threads, force: self.force, ..Settings::default() }
     }
 }
 

@@ -372,11 +372,11 @@ pub fn history(passes: &[&LoadedPass], executed: &Executed) -> Result<History, F
 ///
 /// # Errors
 /// A folder of several passes, each named; a path that is none.
-pub fn one_pass(path: &Path) -> Result<(), Failure> {
+pub fn one_pass(path: &Path) -> Result<PathBuf, Failure> {
     let found = discover(&[path.to_owned()]).map_err(|error| Failure::input(error.to_string()))?;
     let passes: Vec<_> = found.iter().flat_map(|study| &study.passes).collect();
-    if passes.len() == 1 {
-        return Ok(());
+    if let [pass] = passes.as_slice() {
+        return Ok((*pass).clone());
     }
     let names: Vec<_> = passes.iter().map(|pass| escaped(&pass.display().to_string())).collect();
     Err(Failure::input(format!("`{}` holds several passes; name one: {}", output::shown(path), names.join(", "))))

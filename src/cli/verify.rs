@@ -7,7 +7,7 @@ use super::status::{Failure, Status};
 use crate::document::counted;
 use crate::report::seal::contradictions;
 use crate::runner::Manifest;
-use crate::study::project::whole;
+use crate::study::project::{missing, whole};
 
 /// Arguments of `bmv verify`.
 #[derive(Debug, clap::Args)]
@@ -25,6 +25,9 @@ pub(super) struct Verify {
 
 impl Verify {
     pub(super) fn execute(self) -> Result<Status, Failure> {
+        if !self.report.exists() {
+            return Err(Failure::input(missing(&self.report)));
+        }
         let manifest = Manifest::read(&self.report).map_err(|error| Failure::input(error.to_string()))?;
         let root = self.root.clone().unwrap_or_else(|| root(&manifest, &self.report));
         let mut found = manifest.verify(&self.report, &root)?;

@@ -49,6 +49,30 @@ pub enum JobError {
     },
 }
 
+/// States that a block leaves on its way, so that one that was killed goes on from the last of them. They decide nothing: from
+/// each of them the block gives the same bytes as from its input.
+pub trait Parts {
+    /// The state that was kept under this number.
+    fn find(&self, part: u64) -> Option<Vec<u8>>;
+    /// Whether a state is to be kept now: it takes time, and a block that is short needs none.
+    fn is_due(&self) -> bool;
+    /// Keeps the state of this number: a pure function of the job, the stage, the input and the number.
+    fn keep(&self, part: u64, state: &[u8]);
+}
+
+/// Keeps nothing.
+pub struct NoParts;
+
+impl Parts for NoParts {
+    fn find(&self, _part: u64) -> Option<Vec<u8>> {
+        None
+    }
+    fn is_due(&self) -> bool {
+        false
+    }
+    fn keep(&self, _part: u64, _state: &[u8]) {}
+}
+
 /// A job that is ready to run: everything resolved, nothing looked up later.
 pub trait Job: Send + Sync {
     /// The kind, as in the pass file.
@@ -62,6 +86,10 @@ pub trait Job: Send + Sync {
     fn begin(&self) -> Result<Step, JobError>;
     /// Runs one block: a pure function of the job, the stage and the input.
     fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError>;
+    /// The same, for a block that takes long: it keeps its state now and then, and goes on from the last one that was kept.
+    fn block_in_parts(&self, stage: &str, input: &[u8], _parts: &dyn Parts) -> Result<Vec<u8>, JobError> {
+        self.block(stage, input)
+    }
     /// About how much memory the job takes for what grows with its settings (samples, draws), bytes; 0 where none of it
     /// is long.
     fn memory_bytes(&self) -> u64 {

@@ -1,6 +1,7 @@
 //! What came out of a job, in a line or two.
 
 use crate::document::counted;
+use crate::job::compare::Verdict;
 use crate::job::{calibrate, compare, conventional, design, goal, predict, propagate, sensitivity};
 
 use super::number::{self, Shown};
@@ -190,25 +191,30 @@ fn of_comparison(output: &compare::Output) -> Vec<String> {
             let delivered = shown.text(delivered.rmse);
             parts.push(match tuned {
                 Some(tuned) => format!("RMSE{rows} {delivered} as delivered, {} tuned", shown.text(tuned.rmse)),
-                None => format!("RMSE{rows} {delivered}"),
+                None => format!("RMSE{rows} {delivered} as delivered"),
             });
         }
     }
     if !output.verdicts.is_empty() {
-        let kept = output.verdicts.iter().filter(|verdict| verdict.kept).count();
-        parts.push(format!("{kept} of {} criteria kept ({})", output.verdicts.len(), output.criteria.title));
+        let [kept, tuned] = [&output.verdicts, &output.tuned_verdicts()].map(|verdicts| kept(verdicts));
+        let tuned = if output.tuned.is_some() { format!(", {tuned} tuned") } else { String::new() };
+        parts.push(format!("{kept} criteria kept as delivered{tuned} ({})", output.criteria.title));
     }
     if !output.failed.is_empty() {
         parts.push(format!("{} without a prediction", counted(output.failed.len(), "phase")));
     }
     let mut lines = vec![parts.join("; ")];
-    let of = if output.tuned.is_some() { "as delivered, " } else { "" };
-    lines.extend(output.fails.iter().take(MOST_FINDINGS).map(|found| format!("{of}{found}")));
+    lines.extend(output.fails.iter().take(MOST_FINDINGS).map(|found| format!("as delivered, {found}")));
     if output.fails.len() > MOST_FINDINGS {
         let more = counted(output.fails.len() - MOST_FINDINGS, "more finding");
         lines.push(format!("and {more}"));
     } else if output.fails.is_empty() {
-        lines.push("no place where the model fails".to_owned());
+        lines.push("as delivered, the model fails at no place".to_owned());
     }
     lines
+}
+
+/// How many of some criteria are kept.
+pub fn kept(verdicts: &[Verdict]) -> String {
+    format!("{} of {}", verdicts.iter().filter(|verdict| verdict.kept).count(), verdicts.len())
 }

@@ -165,7 +165,11 @@ impl Shown {
                     return;
                 }
                 let failed = if *failed > 0 { format!(", {failed} without one") } else { String::new() };
-                let end = if *interrupted { "; interrupted, what was finished is kept" } else { "" };
+                let end = if *interrupted {
+                    "; interrupted: what was finished is kept, and the next run goes on from there"
+                } else {
+                    ""
+                };
                 self.line(&format!("{} with a result{failed}{end}", counted(*finished as u64, "job")));
             }
         }

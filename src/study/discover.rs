@@ -4,7 +4,7 @@ use std::path::{Component, Path, PathBuf};
 
 use thiserror::Error;
 
-use super::project::whole;
+use super::project::{missing, whole};
 
 /// A study folder with its passes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,10 +19,10 @@ pub struct Found {
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum DiscoverError {
     /// There is nothing at the path.
-    #[error("`{path}` does not exist")]
+    #[error("{}", missing(path))]
     Missing {
         /// As given.
-        path: String,
+        path: PathBuf,
     },
     /// The folder holds no pass.
     #[error("no pass file (pass-1.json, pass-2.json, ...) under `{path}`")]
@@ -73,7 +73,7 @@ pub fn discover(paths: &[PathBuf]) -> Result<Vec<Found>, DiscoverError> {
             let folder = path.parent().map_or_else(PathBuf::new, plain);
             found.push(Found { folder, passes: vec![plain(path)] });
         } else {
-            return Err(DiscoverError::Missing { path: shown });
+            return Err(DiscoverError::Missing { path: path.clone() });
         }
     }
     found.sort_by(|a, b| a.folder.cmp(&b.folder));

@@ -77,6 +77,22 @@ impl Project {
     }
 }
 
+/// Where a path lies, seen from the working folder, that is not there and would be if the program were called in the
+/// project's folder: as paths stand in what was printed there.
+pub fn from_project(path: &Path) -> Option<PathBuf> {
+    if path.is_absolute() || path.exists() {
+        return None;
+    }
+    let found = Project::here().folder().join(path);
+    found.exists().then_some(found)
+}
+
+/// That nothing is at a path, and where it lies where it is in the project.
+pub fn missing(path: &Path) -> String {
+    let hint = from_project(path).map(|found| format!("; from here it is `{}`", found.display()));
+    format!("`{}` does not exist{}", path.display(), hint.unwrap_or_default())
+}
+
 /// What a verb works on where no path is given: `studies` of the working folder; else the study in which that is; else
 /// all below it where it is, or lies in, a folder `studies`.
 pub fn default_path() -> PathBuf {

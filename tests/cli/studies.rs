@@ -70,8 +70,8 @@ fn run_says_what_came_out_and_where_to_look() {
     insta::assert_snapshot!(printed(root.path(), &["run", "plate"]), @r#"
     plate/pass-1.json
       prior: P(plate) = 0.609, required 0.900: not met
-      delivered: RMSE 3.00 K; RMSE on held-out rows 3.00 K; 2 of 2 criteria kept (Each reading within 3 K of the model)
-        plate: the model is too cold; measured minus predicted is +3.00 K on average, RMSE 3.00 K (3.00 K on the rows for fitting, 3.00 K on the rows held out), at worst +3.00 K in phase P2.
+      delivered: RMSE 3.00 K as delivered; RMSE on held-out rows 3.00 K as delivered; 2 of 2 criteria kept as delivered (Each reading within 3 K of the model)
+        as delivered, plate: the model is too cold; measured minus predicted is +3.00 K on average, RMSE 3.00 K (3.00 K on the rows for fitting, 3.00 K on the rows held out), at worst +3.00 K in phase P2.
       look at it: bmv show plate/pass-1.json, or bmv report plate/pass-1.json
     "#);
 }

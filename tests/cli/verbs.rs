@@ -187,3 +187,78 @@ fn diff_tells_changes_in_the_words_of_the_files_and_runs_nothing_unasked() {
     assert!(found["files"].as_array().is_some_and(|files| !files.is_empty()), "{found}");
     assert!(found["jobs"]["prior"]["result"].as_array().is_some_and(|places| !places.is_empty()), "{found}");
 }
+
+#[test]
+fn each_judgement_says_of_which_state_of_the_model_it_is() {
+    let root = tuned();
+    fs::write(root.path().join("plate/data/balance.csv"), "phase,Q,wall,plate\nP1,10,20,44\nP2,5,20,32\n").unwrap();
+    let output = bmv(root.path(), &["run", "plate"]);
+    let printed = text(&output.stdout);
+    let line = printed.lines().find(|line| line.contains("criteria kept")).unwrap_or_else(|| panic!("{printed}"));
+    assert!(line.contains("1 of 2 criteria kept as delivered, 2 of 2 tuned"), "{line}");
+    let words = printed.split(':').filter(|part| part.contains("the model is too cold")).count();
+    assert_eq!(printed.matches("as delivered, plate").count(), words, "{printed}");
+}
+
+#[test]
+fn diff_runs_both_passes_at_once_and_names_the_figures_of_every_kind_of_job() {
+    let root = plate();
+    change(root.path(), |pass| {
+        pass["jobs"] = json!({
+            "sized": {"conventional": {"design_variable": {"G": {"from": 0.4, "to": 1.2}}}},
+            "aim": {"goal": {"samples": 1024}},
+            "missing": {"diagnose": {"effects": ["heat-load"]}},
+            "next": {"design": {"conditions": {"Q": [5, 10]}, "sensors": ["plate"], "outer": 256, "inner": 64}}
+        })
+    });
+    let second = json!({
+        "format": "bmv-pass/1", "title": "Plate, pass 2", "parent": "pass-1.json",
+        "parameters": {"G": {"nominal": 0.57, "prior": {"uniform": [0.55, 0.6]}, "because": "a handbook"}},
+        "jobs": {
+            "sized": {"conventional": {"design_variable": {"G": {"from": 0.4, "to": 1.2}}}},
+            "aim": {"goal": {"samples": 1024}},
+            "missing": {"diagnose": {"effects": ["heat-load"]}},
+            "next": {"design": {"conditions": {"Q": [5, 10]}, "sensors": ["plate"], "outer": 256, "inner": 64}}
+        }
+    });
+    fs::write(root.path().join("plate/pass-2.json"), second.to_string()).unwrap();
+    let diff = |arguments: &[&str]| {
+        let mut all = vec!["diff", "plate/pass-1.json", "plate/pass-2.json"];
+        all.extend(arguments);
+        bmv(root.path(), &all)
+    };
+    let first = diff(&["--run"]);
+    assert_eq!(text(&first.stderr).matches("to run on").count(), 1, "{}", text(&first.stderr));
+    let output = diff(&[]);
+    let (printed, said) = (text(&output.stdout), text(&output.stderr));
+    assert_eq!(said.matches("nothing to run").count(), 1, "{said}");
+    for figure in ["G, nominal", "P(plate) in nominal", "P(nothing is missing)", "information expected"] {
+        assert!(printed.contains(figure), "{figure}: {printed}");
+    }
+    assert!(!printed.contains("line 1"), "{printed}");
+    // A pass is the same as itself.
+    let same = bmv(root.path(), &["diff", "plate/pass-1.json", "plate"]);
+    assert_eq!(code(&same), 2, "{}", text(&same.stderr));
+    let same = bmv(root.path(), &["diff", "plate/pass-1.json", "./plate/pass-1.json"]);
+    assert_eq!(code(&same), 0, "{}", text(&same.stderr));
+    assert!(text(&same.stdout).contains("The files say the same."), "{}", text(&same.stdout));
+}
+
+#[test]
+fn a_path_of_the_project_that_is_given_inside_of_a_study_is_found() {
+    let root = tempfile::tempdir().unwrap();
+    let studies = root.path().join("studies");
+    fs::create_dir_all(&studies).unwrap();
+    let made = plate();
+    fs::rename(made.path().join("plate"), studies.join("plate")).unwrap();
+    fs::create_dir_all(root.path().join("reports/plate")).unwrap();
+    let inside = studies.join("plate");
+    for arguments in [["verify", "reports/plate"], ["run", "studies/plate"], ["show", "studies/plate/pass-1.json"]] {
+        let output = bmv(&inside, &arguments);
+        let said = text(&output.stderr);
+        let hint = format!("`{}` does not exist; from here it is `../../{}`", arguments[1], arguments[1]);
+        assert!(code(&output) == 2 && said.contains(&hint), "{arguments:?}: {said}");
+    }
+    let output = bmv(&inside, &["verify", "reports/nothing"]);
+    assert!(text(&output.stderr).trim_end().ends_with("`reports/nothing` does not exist"), "{}", text(&output.stderr));
+}

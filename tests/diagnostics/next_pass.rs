@@ -354,7 +354,7 @@ fn what_the_diagnosis_does_not_support_is_refused_with_what_it_does() {
         ("heat-load", "stands for 2 effects of diagnosis `missing`"),
         ("heat-laod:box", "the nearest: `heat-load:box`"),
         ("thermal-mass:box", "these data cannot see `thermal-mass:box`: steady data see no capacity"),
-        ("", "diagnosis `missing` has no effect ``"),
+        ("", "diagnosis `missing` has no effect (an empty name)"),
     ] {
         let said = adopt(&study, &found, &[text], false).expect_err("refused");
         assert!(said.contains(part), "{text}: {said}");

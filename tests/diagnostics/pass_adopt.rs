@@ -197,3 +197,20 @@ fn effects_scale_with_the_ranges_of_the_data() {
     assert_eq!(pass.priors[adopted.parameters.start], expected[0].prior);
     assert_ne!(pass.model.inputs[input].range, Some([2.5, 7.5]), "half the nominal value on either side");
 }
+
+#[test]
+fn a_sensor_whose_data_are_wrong_or_not_here_is_no_unknown_one() {
+    let study = Study::new();
+    let other = r#""other": {"steady": {"file": "data/other.csv", "sensors": {"case": {"measures": "box"}}, "inputs": {"T_s": 90}}}, "balance""#;
+    study.edit("pass-1.json", r#""balance": {"steady""#, &format!("{other}: {{\"steady\""));
+    study.put("data/other.csv", "phase,T_if [degC],Q [W],case [degC]\nP1,20,x,24.5\n");
+    let entry =
+        r#""adopt": {"off": {"effect": {"sensor-bias": {"where": "case"}}, "because": "seen"}}, "design": {"A""#;
+    study.edit("pass-1.json", r#""design": {"A""#, entry);
+    let said = study.said("pass-1.json");
+    assert!(said.contains("`x` is not a number") && said.matches("error[").count() == 1, "{said}");
+    study.edit("data/other.csv", "x", "5");
+    assert!(!study.said("pass-1.json").contains("error["), "{}", study.said("pass-1.json"));
+    study.edit("pass-1.json", r#""where": "case""#, r#""where": "cas""#);
+    assert!(study.said("pass-1.json").contains("unknown sensor `cas`"), "{}", study.said("pass-1.json"));
+}

@@ -395,3 +395,29 @@ fn a_removal_of_nothing() {
       = note: at $.environments.cold
     "##);
 }
+
+#[test]
+fn a_field_that_a_sibling_job_has_is_called_by_its_name_here() {
+    for (job, written, told) in [
+        ("calibrate", "samples", "did you mean `draws`?"),
+        ("calibrate", "iterations", "did you mean `draws`?"),
+        ("calibrate", "burn_in", "did you mean `warmup`?"),
+        ("propagate", "draws", "did you mean `samples`?"),
+        ("propagate", "n", "did you mean `samples`?"),
+        ("sensitivity", "sampler", "did you mean `methods`?"),
+        ("propagate", "chains", "`calibrate` has `chains`; here the fields are"),
+        ("compare", "seed", "a pass has one `seed`, beside `jobs`"),
+        // What is spelt alike is still found.
+        ("calibrate", "drwas", "did you mean `draws`?"),
+    ] {
+        let study = Study::new();
+        let entry = format!(r#""jobs": {{"own": {{"{job}": {{"{written}": 8}}}}, "#);
+        study.edit("pass-1.json", r#""jobs": {"#, &entry);
+        let said = study.said("pass-1.json");
+        assert!(said.contains(&format!("unknown field `{written}`")) && said.contains(told), "{told}: {said}");
+    }
+    // Outside of jobs only the object's own fields are named.
+    let study = Study::new();
+    study.edit("model.json", r#""A": {"unit": "m2""#, r#""A": {"chains": 3, "unit": "m2""#);
+    assert!(!study.said("pass-1.json").contains("calibrate"), "{}", study.said("pass-1.json"));
+}

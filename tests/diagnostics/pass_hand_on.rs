@@ -210,3 +210,18 @@ fn a_sensor_without_noise_stops_its_calibration_alone() {
     assert!(matches!(&jobs[1].1, Readiness::Ready(job) if job.kind() == "compare"), "without the tuned state");
     assert!(matches!(&jobs[3].1, Readiness::Refused(why) if why[0].message.contains("has no `sigma`")));
 }
+
+#[test]
+fn data_with_errors_of_their_own_are_behind_no_prior_twice() {
+    // The one measurement is wrong, so that none is there; and beside another one, which is not taken for it.
+    for other in [
+        "",
+        r#""measurements": {"before": {"steady": {"file": "data/before.csv", "sensors": {"box": {"measures": "box", "sigma": 0.25}}}}},"#,
+    ] {
+        let study = handed_on(&format!(r#"{} "jobs": {{"again": {{"calibrate": {{"data": ["balance"]}}}}}}"#, other));
+        study.put("data/before.csv", "phase,T_if [degC],Q [W],T_s [K],box [degC]\nP1,20,5,90,24.5\n");
+        study.edit("data/balance.csv", "P1,20,5,24.5", "P1,20,x,24.5");
+        let said = study.said("pass-2.json");
+        assert!(said.contains("`x` is not a number") && !said.contains("data-used-twice"), "{said}");
+    }
+}

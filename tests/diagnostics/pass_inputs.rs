@@ -264,3 +264,140 @@ fn a_measured_start_that_cannot_be_is_an_error() {
     study.edit("model.json", r#""strap""#, r#""ring": {"between": ["lid", "rim"], "conductance": 1}, "strap""#);
     assert!(study.said("pass-1.json").contains("no start temperature of `lid` and `rim`: no path joins them"));
 }
+
+/// The steady study with two windows of one file.
+fn windows() -> Study {
+    let study = Study::new();
+    let windows = r#""windows": {"P1": {"file": "data/run.csv", "to": 60}, "P2": {"file": "data/run.csv"}},"#;
+    study.edit("pass-1.json", r#""file": "data/balance.csv","#, windows);
+    study.edit("pass-1.json", r#", "panel": {"measures": "panel"}"#, "");
+    study.edit("pass-1.json", r#", "ignore": {"P3": "not stabilised"}"#, "");
+    study.edit("pass-1.json", r#""inputs": {"T_s": 90}"#, r#""inputs": {"T_s": 90, "T_if": 293}"#);
+    study
+}
+
+#[test]
+fn what_follows_from_a_file_that_cannot_be_read_is_not_said() {
+    let bad_cell = |study: &Study| {
+        study.edit("data/run.csv", "120,0,21.5", "120,x,21.5");
+    };
+    let lost_column = |study: &Study| {
+        study.edit("data/run.csv", "box [degC]", "bux [degC]");
+    };
+    for (spoil, code) in [(&bad_cell as &dyn Fn(&Study), "table-cell"), (&lost_column, "table-column")] {
+        let study = windows();
+        spoil(&study);
+        let said = study.said("pass-1.json");
+        assert_eq!((said.matches("error[").count(), said.contains(&format!("error[{code}]"))), (1, true), "{said}");
+        // A second measurement of the same file, of which the same is not said again.
+        let file = std::fs::read_to_string(study.path("pass-1.json")).expect("readable");
+        let (start, end) = (file.find("{\"steady\"").expect("there"), file.find("},\n \"design\"").expect("there"));
+        let twice = format!("{}, \"again\": {}{}", &file[..end], &file[start..end], &file[end..]);
+        study.put("pass-1.json", twice);
+        let said = study.said("pass-1.json");
+        assert!(!said.contains("table-empty") && !said.contains("``"), "{said}");
+    }
+    // What is wrong beside it is still said.
+    let study = windows();
+    bad_cell(&study);
+    study.edit("pass-1.json", r#""phases": ["P2"]"#, r#""phases": ["P2", "P7"]"#);
+    let said = study.said("pass-1.json");
+    assert_eq!(said.matches("error[").count(), 2, "{said}");
+    assert!(said.contains("unknown phase `P7`") && said.contains("one of `P1` and `P2`"), "{said}");
+    // A measurement without windows has no file to name.
+    let study = windows();
+    let text = std::fs::read_to_string(study.path("pass-1.json")).expect("readable");
+    let (from, to) = (text.find("\"windows\": {").expect("there"), text.find("\"sensors\"").expect("there"));
+    study.put("pass-1.json", format!("{}\"windows\": {{}}, {}", &text[..from], &text[to..]));
+    let said = study.said("pass-1.json");
+    assert!(said.contains("the measurement `balance` has no windows") && !said.contains("``"), "{said}");
+}
+
+#[test]
+fn an_empty_name_is_said_to_be_one() {
+    let study = Study::new();
+    study.edit("pass-1.json", r#"{"measures": "panel"}"#, r#"{"measures": ""}"#);
+    let said = study.said("pass-1.json");
+    assert!(said.contains("unknown quantity or node (an empty name)") && !said.contains("``"), "{said}");
+    study.edit("pass-1.json", r#"{"measures": ""}"#, r#"{"measures": "panel"}"#);
+    study.put("data/balance.csv", "phase,T_if [degC],Q [W],bux [degC],panel [degC],\nP1,20,5,24.5,-20.25,\n");
+    let said = study.said("pass-1.json");
+    assert!(said.contains("(an empty name)") && !said.contains("``"), "{said}");
+}
+
+#[test]
+fn an_unused_column_of_nearly_an_input_s_name_is_told() {
+    let study = silent();
+    study.put("data/balance.csv", "phase,T_if [degC],Q [W],Ts [K],box [degC],panel [degC]\nP1,20,5,80,24.5,-20.25\nP2,0,5,80,5.5,1\nP3,40,8,80,47,1\n");
+    let said = study.said("pass-1.json");
+    assert!(said.starts_with("warning[input-missing]: `balance` does not say what `T_s` (90 K) was"), "{said}");
+    assert!(said.contains("the file has an unused column `Ts`: rename it `T_s`, or declare it"), "{said}");
+    assert!(said.contains(r#""columns": {"T_s": {"header": "Ts [K]"}}"#), "{said}");
+    // An input that every test sets, of a column without a unit.
+    study.edit("model.json", r#""nominal": 90"#, r#""nominal": 90, "test_sets": true"#);
+    study.edit("data/balance.csv", "Ts [K]", "TS");
+    let said = study.said("pass-1.json");
+    assert!(said.starts_with("error[input-missing]") && said.contains("an unused column `TS`"), "{said}");
+    assert!(said.contains(r#"{"header": "TS", "unit": "K"}"#), "{said}");
+    // The column of a sensor that is left out is none, and neither is one of another name.
+    study.edit("data/balance.csv", "TS,box [degC],panel [degC]", "note,box [degC],T_p [degC]");
+    study.edit("pass-1.json", r#""panel": {"measures": "panel"}"#, r#""T_p": {"measures": "panel"}"#);
+    study.edit("pass-1.json", r#""ignore": {"#, r#""ignore": {"T_p": "loose", "#);
+    assert!(!study.said("pass-1.json").contains("unused column"), "{}", study.said("pass-1.json"));
+    // Windows say it too.
+    let study = windows();
+    study.edit("pass-1.json", r#", "T_if": 293"#, "");
+    study.put("data/run.csv", "time [s],Q [W],Tif [degC],box [degC]\n0,5,20,20\n60,5,20,21\n120,0,20,21.5\n");
+    assert!(study.said("pass-1.json").contains("the file has an unused column `Tif`: rename it `T_if`"));
+}
+
+#[test]
+fn a_unit_in_which_the_values_would_lie_in_the_range_is_proposed_where_it_is_written() {
+    let ranged = |range: &str, cells: [&str; 3]| {
+        let study = with_shroud();
+        study.edit("model.json", r#""nominal": 5"#, &format!(r#""nominal": 5, "range": {range}"#));
+        let [a, b, c] = cells;
+        let rows = format!("P1,20,{a},90,24.5,1\nP2,0,{b},90,5.5,\nP3,40,{c},90,47,1\n");
+        study.put("data/balance.csv", format!("phase,T_if [degC],Q [W],T_s [K],box [degC],panel [degC]\n{rows}"));
+        study.edit("pass-1.json", r#", "ignore": {"P3": "not stabilised"}"#, "");
+        study
+    };
+    let study = ranged("[0, 16]", ["12006", "0", "8003"]);
+    let said = study.said("pass-1.json");
+    let told = "error[input-range]: `Q` is 12006 W, far outside its range, 0 W to 16 W; it is outside in another row too: its \
+                unit is most likely `mW`, not `W`";
+    assert!(said.starts_with(told), "{said}");
+    assert!(said.contains("study/data/balance.csv:1:19") && said.contains("study/data/balance.csv:2:7"), "{said}");
+    // Where the pass states the unit, there.
+    study.edit("pass-1.json", r#""held_out""#, r#""columns": {"Q": {"header": "Q [W]", "unit": "W"}}, "held_out""#);
+    let said = study.said("pass-1.json");
+    assert!(said.contains("--> study/pass-1.json:7:") && said.contains("most likely `mW`"), "{said}");
+    study.edit("pass-1.json", r#""header": "Q [W]", "unit": "W""#, r#""header": "Q [W]", "unit": "mW""#);
+    assert!(!study.said("pass-1.json").contains("input-range"));
+    let likely = |range: &str, cells: [&str; 3], unit: Option<&str>| {
+        let said = ranged(range, cells).said("pass-1.json");
+        let found = unit.map(|unit| format!("most likely `{unit}`, not `W`"));
+        match found {
+            Some(found) => assert!(said.contains(&found), "{found}: {said}"),
+            None => assert!(!said.contains("most likely"), "{said}"),
+        }
+    };
+    likely("[5, 16]", ["0.006", "0.012", "0.015"], Some("kW"));
+    likely("[0, 16]", ["6e6", "12e6", "1"], Some("uW"));
+    likely("[5e6, 6e6]", ["5.1", "5.2", "5.9"], Some("MW"));
+    // Just outside, of several sizes, or with one slip: no unit explains it.
+    likely("[0, 16]", ["17", "16", "15"], None);
+    likely("[0, 16]", ["40", "16", "15"], None);
+    likely("[0, 16]", ["12000", "12", "30000"], None);
+    // Kelvins for degrees.
+    let study = with_shroud();
+    study.put("data/balance.csv", "phase,T_if [degC],Q [W],T_s [K],box [degC],panel [degC]\nP1,293,5,90,24.5,-20\nP2,273.15,5,90,5.5,\nP3,313,8,90,47,1\n");
+    let said = study.said("pass-1.json");
+    assert!(said.contains("most likely `K`, not `degC`"), "{said}");
+    // A constant is told at its unit.
+    let study = silent();
+    study.edit("model.json", r#""nominal": 90"#, r#""nominal": 90, "range": [70, 110]"#);
+    study.edit("pass-1.json", r#""held_out""#, r#""inputs": {"T_s": {"value": -183, "unit": "K"}}, "held_out""#);
+    let said = study.said("pass-1.json");
+    assert!(said.contains("most likely `degC`, not `K`") && said.contains("study/pass-1.json:7:"), "{said}");
+}

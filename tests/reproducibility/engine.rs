@@ -1,9 +1,10 @@
 //! The local engine: thread counts, resuming, failures, interruption.
 
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
 
-use bmv::job::{Job, JobError, Step};
+use bmv::job::{Job, JobError, NoParts, Parts, Step};
 use bmv::runner::engine::local;
 use bmv::runner::{Cache, Event, Key, Kind, Manifest, Outcome, Plan, RunnerError, Settings, StopFlag};
 
@@ -190,6 +191,88 @@ fn a_block_that_is_left_when_the_run_is_stopped_is_not_kept_and_no_failure() {
         let summary = run(&plan(false), &cache, threads);
         assert_eq!(summary.finished("endless").unwrap().stored.value["blocks"], serde_json::json!([0, 1, 2, 3]));
     }
+}
+
+/// Blocks of ten steps, each of which is kept; counts the steps that are done, and asks to stop after so many.
+struct Stepwise {
+    stop_after: Option<(usize, StopFlag)>,
+    steps: AtomicUsize,
+    /// Added to the states, as a job that is not reproducible would.
+    wrong: u8,
+}
+
+impl Job for Stepwise {
+    fn kind(&self) -> &'static str {
+        "stepwise"
+    }
+    fn algorithm_version(&self) -> u32 {
+        1
+    }
+    fn identity(&self) -> serde_json::Value {
+        serde_json::json!({})
+    }
+    fn begin(&self) -> Result<Step, JobError> {
+        Ok(Step::Blocks { stage: "walk".into(), inputs: vec![vec![1], vec![2]] })
+    }
+    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
+        self.block_in_parts(stage, input, &NoParts)
+    }
+    fn block_in_parts(&self, _stage: &str, input: &[u8], parts: &dyn Parts) -> Result<Vec<u8>, JobError> {
+        let found = (1..10).rev().find_map(|part| Some((part, parts.find(part)?)));
+        let (first, mut state) = found.unwrap_or((0, input.to_vec()));
+        for part in first + 1..=10 {
+            bmv::watch::check();
+            let steps = self.steps.fetch_add(1, Ordering::Relaxed) + 1;
+            state.push(part as u8 + self.wrong);
+            if part < 10 && parts.is_due() {
+                parts.keep(part, &state);
+            }
+            if let Some((_, stop)) = self.stop_after.as_ref().filter(|(count, _)| steps == *count) {
+                stop.stop();
+            }
+        }
+        Ok(state)
+    }
+    fn reduce(&self, _stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
+        Ok(Step::Done(serde_json::json!({ "all": outputs })))
+    }
+}
+
+#[test]
+fn a_long_block_goes_on_from_the_last_state_that_it_left() {
+    let start = |stop_after, wrong| Arc::new(Stepwise { stop_after, steps: AtomicUsize::new(0), wrong });
+    let plan = |job: &Arc<Stepwise>| {
+        let job: Arc<dyn Job> = Arc::clone(job) as Arc<dyn Job>;
+        Plan::new(vec![node("walk", job)]).unwrap()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let cache = Cache::new(folder.path());
+    let short = Settings { keep_every: Some(Duration::MAX), ..settings(1) };
+    let whole = local::run(&plan(&start(None, 0)), &cache, &short, &StopFlag::default(), &Heard::default()).unwrap();
+    assert_eq!(cache.statistics().unwrap().blocks, 2, "short blocks leave no states");
+    let whole = whole.finished("walk").unwrap().stored.sha256.clone();
+    let folder = tempfile::tempdir().unwrap();
+    let cache = Cache::new(folder.path());
+    let stop = StopFlag::default();
+    let stopped = start(Some((7, stop.clone())), 0);
+    let summary = local::run(&plan(&stopped), &cache, &settings(1), &stop, &Heard::default()).unwrap();
+    assert!(matches!(summary.outcomes["walk"], Outcome::Interrupted), "{summary:?}");
+    assert_eq!(cache.statistics().unwrap().blocks, 7, "the states of the block that was left");
+    let again = start(None, 0);
+    let summary = run(&plan(&again), &cache, 1);
+    assert_eq!(summary.finished("walk").unwrap().stored.sha256, whole);
+    assert_eq!(again.steps.load(Ordering::Relaxed), 20 - 7, "nothing that was kept is run again");
+    // Run again on purpose, all is done and held against what was kept.
+    let forced = |job: &Arc<Stepwise>| {
+        let settings = Settings { force: true, ..settings(1) };
+        let outcome = local::run(&plan(job), &cache, &settings, &StopFlag::default(), &Heard::default()).unwrap();
+        (outcome, job.steps.load(Ordering::Relaxed))
+    };
+    let (summary, steps) = forced(&start(None, 0));
+    assert!(summary.finished("walk").is_some() && steps == 20, "{summary:?}");
+    let (summary, _) = forced(&start(None, 1));
+    let Outcome::Failed(error) = &summary.outcomes["walk"] else { panic!("{summary:?}") };
+    assert!(matches!(**error, RunnerError::Nondeterministic { .. }), "{error}");
 }
 
 #[test]

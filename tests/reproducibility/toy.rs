@@ -132,7 +132,8 @@ pub fn following(id: &str, from: &[&str]) -> Node {
 }
 
 pub fn settings(threads: usize) -> Settings {
-    Settings { threads: std::num::NonZeroUsize::new(threads), ..Settings::default() }
+    let threads = std::num::NonZeroUsize::new(threads);
+    Settings { threads, keep_every: Some(std::time::Duration::ZERO), ..Settings::default() }
 }
 
 pub fn run(plan: &Plan, cache: &Cache, threads: usize) -> RunSummary {

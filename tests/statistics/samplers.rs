@@ -8,11 +8,14 @@ use bmv::inference::convergence::{Convergence, ConvergenceLimits, Objection, jud
 use bmv::inference::importance::{ImportanceEstimate, ImportanceSettings, estimate as importance};
 use bmv::inference::metropolis::{self, MetropolisSettings};
 use bmv::inference::nuts::{self, NutsSettings};
+use bmv::inference::parts::Parts;
 use bmv::inference::shear::NormalApproximation;
 use bmv::inference::smc::{self, SmcResult, SmcSettings};
 use bmv::inference::target::Target;
 use bmv::random::StreamKey;
 use bmv::statistics::chain_diagnostics::{mcse_mean, mcse_sd};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use super::models::{self, check_gradient};
 
@@ -381,4 +384,45 @@ fn work_of_a_fixed_seed_is_kept() {
     assert!(gradients < 50_000, "{gradients}");
     assert!(1000.0 * effective / gradients as f64 > 80.0, "{effective} of {gradients}");
     assert!(smc.chains.work().likelihoods < 200_000);
+}
+
+/// A chain that goes on from any of the states that it left is the same to the bit; the states pass through bytes.
+#[test]
+fn a_chain_that_goes_on_from_a_state_is_the_same() {
+    fn states<S: Serialize + DeserializeOwned>(
+        every: u64,
+        run: impl Fn(&mut Parts<'_, S>) -> Chain,
+    ) -> (Chain, Vec<Chain>) {
+        let mut kept: Vec<Vec<u8>> = Vec::new();
+        let mut keep = |part: u64, state: S| {
+            assert_eq!(part, kept.len() as u64 + 1, "states are numbered");
+            kept.push(bmv::job::stored::to_bytes(&state).expect("bytes"));
+        };
+        let whole = run(&mut Parts { from: None, every, is_due: &|| true, keep: &mut keep });
+        let read = |bytes: &Vec<u8>| bmv::job::stored::from_bytes::<S>(bytes, "state").expect("reads back");
+        let again = |bytes| {
+            Parts::none(|parts| {
+                parts.from = Some(read(bytes));
+                run(parts)
+            })
+        };
+        (whole, kept.iter().map(again).collect())
+    }
+    let (model, _) = models::conjugate();
+    for warm_up in [0, 60, 200] {
+        let settings = NutsSettings { warm_up, draws: 90, ..Default::default() };
+        let run = |parts: &mut Parts<'_, _>| nuts::sample_in_parts(&model, &settings, &key("nuts"), 1, None, parts);
+        let (whole, again) = states(20, |parts| run(parts).expect("a chain"));
+        assert_eq!(whole, nuts::sample(&model, &settings, &key("nuts"), 1, None).expect("a chain"));
+        assert_eq!(again.len() as u64, (warm_up + 89) / 20);
+        assert!(again.iter().all(|own| *own == whole), "warm-up {warm_up}");
+    }
+    for adapt_throughout in [false, true] {
+        let settings = MetropolisSettings { warm_up: 300, draws: 200, thin: 2, adapt_throughout, ..Default::default() };
+        let run =
+            |parts: &mut Parts<'_, _>| metropolis::sample_in_parts(&model, &settings, &key("walk"), 1, None, parts);
+        let (whole, again) = states(70, |parts| run(parts).expect("a chain"));
+        assert_eq!(whole, metropolis::sample(&model, &settings, &key("walk"), 1, None).expect("a chain"));
+        assert!(again.len() == 9 && again.iter().all(|own| *own == whole), "{adapt_throughout}");
+    }
 }

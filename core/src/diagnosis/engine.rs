@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::exchange::likeliest;
+use super::exchange::exchanges;
 use super::noise::{SettledNoise, settle};
 use super::refit::Begin;
 use super::screen::{Lead, Screening};
@@ -258,8 +258,14 @@ impl Diagnosis {
             state.order(&[lead], &[], 0);
         }
         if finds {
-            for candidate in likeliest(&problem, &state.refits[0], EXCHANGES) {
-                state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &[], 0);
+            match exchanges(&problem, &state.refits[0], EXCHANGES) {
+                Ok(found) => {
+                    for candidate in found.likeliest {
+                        state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &[], 0);
+                    }
+                    state.failed.extend(found.impossible);
+                }
+                Err(why) => state.warn(why),
             }
             match self.leads_unbent(&problem, &state.refits[0]) {
                 Ok(leads) => leads.iter().take(SINGLES_UNBENT).for_each(|lead| state.order(&[lead], &[], 0)),

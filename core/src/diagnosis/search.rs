@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::Problem;
 use super::engine::{Diagnosis, Remainder, SINGLES, State};
-use super::exchange::likeliest;
+use super::exchange::exchanges;
 use super::screen::Lead;
 use super::weigh::{best, log_weights, weigh};
 
@@ -73,13 +73,15 @@ impl Diagnosis {
         for lead in near(&screening.leads, 2 * BESIDE, SINGLES) {
             state.order(&[lead], &set, place);
         }
-        match problem.with(&state.refits[place]) {
-            Ok(with) => {
-                for candidate in likeliest(&with, &state.refits[place], EXCHANGES_BESIDE) {
+        let with = problem.with(&state.refits[place]).map_err(|error| error.to_string());
+        // What cannot be made beside this set was tried alone before.
+        match with.and_then(|with| exchanges(&with, &state.refits[place], EXCHANGES_BESIDE)) {
+            Ok(found) => {
+                for candidate in found.likeliest {
                     state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &set, place);
                 }
             }
-            Err(why) => state.warn(why.to_string()),
+            Err(why) => state.warn(why),
         }
         if set.len() as u64 + 2 <= self.settings().most {
             for pair in screening.pairs.iter().take(BESIDE) {

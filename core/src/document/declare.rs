@@ -12,6 +12,9 @@ use super::source::{Place, Span};
 use super::suggest;
 use super::written::{Written, wrong_type};
 
+/// What the description of a job's settings begins with.
+const SETTINGS: &str = "settings of ";
+
 /// The fields of an object that is being read. Used by `written_struct!`.
 pub struct Fields<'a> {
     place: &'a Place,
@@ -24,13 +27,19 @@ impl<'a> Fields<'a> {
         let Value::Object(entries) = &node.value else { return wrong_type(node, what, diagnostics) };
         for entry in entries {
             if !known.contains(&entry.key.as_str()) {
-                let near = diagnostics.nearest(&entry.key, known.iter().copied());
+                // A word for the same thing says more than one that is spelt alike.
+                let same = other_tools::same_field(&entry.key, known);
+                let near = same.or_else(|| diagnostics.nearest(&entry.key, known.iter().copied()));
+                let who = || other_tools::who_has(&entry.key).filter(|_| what.starts_with(SETTINGS));
                 let text = if let Value::String(text) = &entry.node.value { Some(text.as_str()) } else { None };
                 let help = match (other_tools::advice(&entry.key, text), near) {
                     (Some(advice), _) => advice,
                     (None, Some(near)) => format!("did you mean `{near}`?"),
                     (None, None) if known.is_empty() => "the object has no fields: write {}".to_owned(),
-                    (None, None) => format!("the fields are {}", suggest::listed(known.iter().copied(), 20)),
+                    (None, None) => {
+                        let fields = format!("the fields are {}", suggest::listed(known.iter().copied(), 20));
+                        who().map_or_else(|| fields.clone(), |who| format!("{who}; here {fields}"))
+                    }
                 };
                 diagnostics.push(
                     Diagnostic::error(&code::UNKNOWN_FIELD, &entry.key_place, format!("unknown field `{}`", entry.key))

@@ -207,6 +207,9 @@ const KEPT: usize = 1000;
 /// Behind so many errors no name is suggested any more.
 const SUGGESTED: usize = 100;
 
+/// An empty name in backticks, which says nothing.
+const NO_NAME: &str = "``";
+
 /// The findings of a run over some files.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Diagnostics {
@@ -221,7 +224,7 @@ impl Diagnostics {
         Self::default()
     }
 
-    /// Adds a finding; of very long texts the beginning and the end are kept.
+    /// Adds a finding; of very long texts the beginning and the end are kept, and an empty name is said to be one.
     pub fn push(&mut self, mut diagnostic: Diagnostic) {
         match diagnostic.severity {
             Severity::Error => self.errors += 1,
@@ -230,6 +233,9 @@ impl Diagnostics {
         if self.list.len() < KEPT {
             for text in [Some(&mut diagnostic.message), diagnostic.expected.as_mut(), diagnostic.help.as_mut()] {
                 let Some(text) = text else { continue };
+                if text.contains(NO_NAME) {
+                    *text = text.replace(NO_NAME, "(an empty name)");
+                }
                 if let Cow::Owned(short) = shortened(text) {
                     *text = short;
                 }

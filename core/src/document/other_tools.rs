@@ -1,4 +1,4 @@
-//! Words of other thermal tools, and what stands for them here.
+//! Words of other thermal tools and of other samplers, and what stands for them here.
 
 /// A word of another tool, such as ESATAN's or SINDA's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,6 +92,57 @@ pub static OTHER_WORDS: &[OtherWord] = &[
     },
 ];
 
+/// Fields that different jobs, or different tools, call by different names, and who has them where the object that is read
+/// has none of them.
+static SAME_FIELD: &[(&[&str], &str)] = &[
+    (
+        &[
+            "draws",
+            "samples",
+            "outer",
+            "iterations",
+            "n",
+            "n_samples",
+            "num_samples",
+            "sample",
+            "n_draws",
+            "nsamples",
+            "sample_size",
+            "points",
+            "particles",
+        ],
+        "`calibrate` has `draws`; `propagate`, `predict`, `goal` and `sensitivity` have `samples`; `design` has `outer`",
+    ),
+    (
+        &["warmup", "warm_up", "burn_in", "burnin", "burn", "tune", "adapt", "discard", "n_warmup", "num_warmup"],
+        "`calibrate` has `warmup`",
+    ),
+    (&["chains", "n_chains", "num_chains", "walkers", "nwalkers", "islands"], "`calibrate` has `chains`"),
+    (&["acceptance", "target_accept", "adapt_delta", "target_acceptance"], "`calibrate` has `acceptance`"),
+    (
+        &["sampler", "sampling", "methods", "estimator", "method", "algorithm", "scheme"],
+        "`calibrate` has `sampler`, `propagate` and `predict` have `sampling`, `sensitivity` has `methods`, `design` has \
+         `estimator`",
+    ),
+    (&["scrambles", "replicates", "bootstrap", "resamples", "repeats"], "`sensitivity` has `scrambles`"),
+    (&["data", "measurements", "tests", "datasets"], "`compare`, `calibrate` and `diagnose` have `data`"),
+    (
+        &["parameters", "learn", "unknowns", "variables", "free", "fit"],
+        "`calibrate`, `diagnose` and `goal` have `parameters`; `design` has `learn`",
+    ),
+    (&["quantities", "outputs", "responses", "qoi"], "`propagate`, `predict` and `sensitivity` have `quantities`"),
+    (
+        &["environments", "environment", "cases", "scenarios"],
+        "`propagate`, `predict`, `sensitivity`, `goal` and `conventional` have `environments`; `design` has `environment`",
+    ),
+    (&["from", "posterior", "calibration"], "`predict` and `compare` have `from`, the name of a `calibrate` job"),
+    (&["effects", "candidates", "include"], "`diagnose` has `effects`"),
+    (&["without", "exclude", "except", "skip"], "`diagnose` has `without`"),
+    (&["false_alarm", "alpha", "significance", "p_value"], "`diagnose` has `false_alarm`"),
+    (&["sigma", "std", "sd", "stdev", "uncertainty", "noise", "standard_deviation"], "a sensor has `sigma`"),
+    (&["seed", "random_seed", "random_state"], "a pass has one `seed`, beside `jobs`"),
+];
+
 /// Longer words that mean the same.
 static SAME: &[(&str, &str)] = &[
     ("diffusion", "D"),
@@ -121,9 +172,45 @@ pub fn advice(field: &str, value: Option<&str>) -> Option<String> {
     Some(format!("{} ({}): write {}", own.word, own.meaning, own.write))
 }
 
+/// A field's other names, and who has such a field.
+fn same_fields(field: &str) -> Option<(&'static [&'static str], &'static str)> {
+    SAME_FIELD.iter().find(|(words, _)| words.iter().any(|word| word.eq_ignore_ascii_case(field))).copied()
+}
+
+/// What an unknown field is called among the known ones of an object.
+pub fn same_field(field: &str, known: &[&str]) -> Option<&'static str> {
+    let (words, _) = same_fields(field)?;
+    words.iter().copied().find(|word| known.contains(word))
+}
+
+/// Which jobs have a field like this one, and what it is called there.
+pub fn who_has(field: &str) -> Option<&'static str> {
+    same_fields(field).map(|(_, who)| who)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn fields_of_sibling_jobs_are_told_apart() {
+        let calibrate = ["data", "parameters", "sampler", "chains", "warmup", "draws"];
+        for (field, own) in [
+            ("samples", "draws"),
+            ("iterations", "draws"),
+            ("n", "draws"),
+            ("burn_in", "warmup"),
+            ("warm_up", "warmup"),
+            ("walkers", "chains"),
+            ("method", "sampler"),
+            ("Measurements", "data"),
+        ] {
+            assert_eq!(same_field(field, &calibrate), Some(own), "{field}");
+        }
+        assert_eq!(same_field("draws", &["samples", "sampling"]), Some("samples"));
+        assert_eq!((same_field("chains", &["samples"]), who_has("chains")), (None, Some("`calibrate` has `chains`")));
+        assert_eq!((same_field("colour", &calibrate), who_has("colour")), (None, None));
+    }
 
     #[test]
     fn words_of_either_case_and_capital_letters_are_known() {

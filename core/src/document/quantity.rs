@@ -53,10 +53,23 @@ impl Written for WrittenUnit {
     }
 }
 
-/// Parses a unit that stands at byte `offset` of the decoded string at `place` (or of a place that is no string).
+/// Parses a unit that stands at byte `offset` of the decoded string at `place` (or of a place that is no string). A coulomb
+/// is an error.
 pub fn parse_unit(text: &str, place: &Place, offset: usize, diagnostics: &mut Diagnostics) -> Option<Unit> {
     match Unit::parse(text) {
-        Ok(unit) => Some(unit),
+        Ok(unit) => match unit.without_coulomb() {
+            None => Some(unit),
+            Some(meant) => {
+                let place_in_unit =
+                    if unit.text == "C" { String::new() } else { format!(" in the unit `{}`", unit.text) };
+                let message = format!("`C`{place_in_unit} is the coulomb, not the degree Celsius");
+                let help = format!("write `{meant}`; an electric charge is written in `A s`");
+                diagnostics
+                    .push(Diagnostic::error(&code::COULOMB, place, message).expected(format!("`{meant}`")).help(help));
+                // It is read as it was meant, so that no other error follows from it.
+                Some(Unit::parse(&meant).unwrap_or(unit))
+            }
+        },
         Err(error) => {
             let code = if error.unknown { &code::UNKNOWN_UNIT } else { &code::UNIT_SYNTAX };
             let place = place.inside_string(offset + error.start, offset + error.end);
@@ -141,23 +154,8 @@ pub fn report_dimension(unit: &Unit, place: &Place, expected: Dimension, diagnos
         same if same == unit.text => format!("the unit `{same}` does not fit here"),
         si => format!("the unit `{}` does not fit here: in SI it is {si}", unit.text),
     };
-    let mut diagnostic =
-        Diagnostic::error(&code::WRONG_DIMENSION, place, message).expected(format!("a unit of {expected}"));
-    let meant = unit.without_coulomb().filter(|meant| Unit::parse(meant).is_ok_and(|own| own.dimension == expected));
-    diagnostic.help = meant.map(|meant| coulomb(&meant));
-    diagnostics.push(diagnostic);
-}
-
-fn coulomb(meant: &str) -> String {
-    format!("`C` is the coulomb: write `{meant}` for degrees Celsius")
-}
-
-/// Warns of a coulomb in a unit that nothing else is held against.
-pub fn warn_of_coulomb(unit: &Unit, place: &Place, diagnostics: &mut Diagnostics) {
-    if let Some(meant) = unit.without_coulomb() {
-        let message = format!("the unit `{}` is {} in SI", unit.text, unit.dimension);
-        diagnostics.push(Diagnostic::warning(&code::COULOMB, place, message).help(coulomb(&meant)));
-    }
+    diagnostics
+        .push(Diagnostic::error(&code::WRONG_DIMENSION, place, message).expected(format!("a unit of {expected}")));
 }
 
 impl Written for Amount {

@@ -113,6 +113,38 @@ impl Unit {
         (instead != self.text).then_some(instead)
     }
 
+    /// Units in which the same values may have been written by mistake, the likeliest first: K and degC, a share and per
+    /// cent, else those that are a thousand or a million times smaller or larger by their first symbol's prefix.
+    pub fn easily_mistaken(&self) -> Vec<Self> {
+        const TIMES: [f64; 4] = [1e-3, 1e3, 1e-6, 1e6];
+        let swapped = match self.text.as_str() {
+            "K" => vec!["degC"],
+            "1" => vec!["%"],
+            "%" => vec!["1"],
+            _ if self.has_offset() => vec!["K"],
+            _ => vec![],
+        };
+        let mut found: Vec<Self> = swapped.into_iter().filter_map(|text| Self::parse(text).ok()).collect();
+        if self.has_offset() {
+            return found;
+        }
+        let bare = PREFIXES.iter().filter_map(|(prefix, _)| self.text.strip_prefix(prefix));
+        let texts: Vec<String> = std::iter::once(self.text.as_str())
+            .chain(bare)
+            .flat_map(|text| {
+                [""].into_iter().chain(PREFIXES.iter().map(|(prefix, _)| *prefix)).map(move |p| format!("{p}{text}"))
+            })
+            .collect();
+        let parsed: Vec<Self> = texts.iter().filter_map(|text| Self::parse(text).ok()).collect();
+        for times in TIMES {
+            let is_meant = |other: &&Self| {
+                other.dimension == self.dimension && (other.factor / (self.factor * times) - 1.0).abs() < 1e-9
+            };
+            found.extend(parsed.iter().find(is_meant).cloned());
+        }
+        found
+    }
+
     /// Whether it is an absolute scale with a zero of its own (degC).
     pub fn has_offset(&self) -> bool {
         self.offset != 0.0

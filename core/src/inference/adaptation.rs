@@ -1,9 +1,11 @@
 //! What samplers learn while they warm up: the covariance of the draws, and a step size.
 
+use serde::{Deserialize, Serialize};
+
 use crate::math::functions::{exp, ln, pow};
 
 /// Running mean and covariance (Welford 1962).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunningCovariance {
     count: u64,
     mean: Vec<f64>,
@@ -72,7 +74,7 @@ impl RunningCovariance {
 }
 
 /// Step size by dual averaging (Hoffman & Gelman 2014, section 3.2: gamma 0.05, t0 10, kappa 0.75).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DualAveraging {
     target: f64,
     anchor: f64,

@@ -2,12 +2,14 @@
 //!
 //! Momenta are normal with the inverse of the covariance as theirs, velocities are covariance times momentum.
 
+use serde::{Deserialize, Serialize};
+
 use super::adaptation::RunningCovariance;
 use super::cholesky;
 use crate::random::Stream;
 
 /// The inverse mass matrix.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Metric {
     /// Variances.
     Diagonal(Vec<f64>),

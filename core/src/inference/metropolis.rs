@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::adaptation::RunningCovariance;
 use super::chains::{Chain, SampleError, start_point};
 use super::cholesky;
+use super::parts::Parts;
 use super::posterior::{Density, Evaluator, Posterior};
 use super::target::Target;
 use crate::math::functions::{exp, ln, ln_1p};
@@ -84,46 +85,105 @@ pub fn sample<T: Target>(
     chain: u64,
     start: Option<&[f64]>,
 ) -> Result<Chain, SampleError> {
+    Parts::none(|parts| sample_in_parts(target, settings, key, chain, start, parts))
+}
+
+/// A chain on its way.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MetropolisState {
+    /// Steps done.
+    steps: u64,
+    /// Place in the chain's stream of random numbers.
+    words: u64,
+    coordinates: Vec<f64>,
+    density: Density,
+    /// Lower Cholesky factor of the proposal's covariance.
+    factor: Vec<f64>,
+    history: RunningCovariance,
+    /// First proposals accepted before the opening last judged its scale.
+    before: u64,
+    /// First proposals, those accepted of them, second ones, those accepted of them.
+    counts: [u64; 4],
+    /// The draws so far, and the work.
+    chain: Chain,
+}
+
+/// The same chain, which keeps its state on the way and goes on from one that was kept.
+///
+/// # Errors
+/// As [`sample`].
+pub fn sample_in_parts<T: Target>(
+    target: &T,
+    settings: &MetropolisSettings,
+    key: &StreamKey,
+    chain: u64,
+    start: Option<&[f64]>,
+    parts: &mut Parts<'_, MetropolisState>,
+) -> Result<Chain, SampleError> {
     settings.check()?;
     let posterior = Posterior::new(target)?;
     let mut stream = key.stream(chain);
     let mut evaluator = posterior.evaluator();
-    let start = start_point(&posterior, &mut evaluator, &mut stream, start, false)?;
-    let mut walker = Walker::new(evaluator, stream, start.coordinates, start.density, settings.second_scale);
     let dimension = posterior.dimension();
-    let mut result = Chain::with_capacity(dimension, settings.draws as usize);
-    let mut history = RunningCovariance::new(dimension);
+    let (mut walker, mut result, mut history, mut before, first);
+    match parts.from.take() {
+        Some(state) => {
+            stream.seek(state.words);
+            evaluator.work = state.chain.work.clone();
+            walker = Walker::new(evaluator, stream, state.coordinates, state.density, settings.second_scale);
+            walker.factor = state.factor;
+            [walker.firsts, walker.first_accepted, walker.seconds, walker.second_accepted] = state.counts;
+            (result, history, before, first) = (state.chain, state.history, state.before, state.steps);
+        }
+        None => {
+            let start = start_point(&posterior, &mut evaluator, &mut stream, start, false)?;
+            walker = Walker::new(evaluator, stream, start.coordinates, start.density, settings.second_scale);
+            result = Chain::with_capacity(dimension, settings.draws as usize);
+            history = RunningCovariance::new(dimension);
+            (before, first) = (0, 0);
+        }
+    }
     let opening = (settings.opening * settings.warm_up as f64) as u64;
-    let mut before = 0;
     let steps = settings.warm_up + settings.draws * settings.thin;
-    for step in 0..settings.warm_up {
+    for step in first..steps {
         watch::at(step, steps);
+        if step == settings.warm_up {
+            walker.forget_counts();
+        }
         walker.advance();
         if step < opening {
             if (step + 1).is_multiple_of(OPENING_BATCH) {
                 walker.rescale((walker.first_accepted - before) as f64 / OPENING_BATCH as f64);
                 before = walker.first_accepted;
             }
-        } else {
+        } else if step < settings.warm_up {
             history.add(&walker.coordinates);
             if (step + 1 - opening).is_multiple_of(settings.interval) {
                 walker.learn(&history, settings.regularisation);
             }
-        }
-    }
-    walker.forget_counts();
-    for step in 0..settings.draws * settings.thin {
-        watch::at(settings.warm_up + step, steps);
-        walker.advance();
-        if settings.adapt_throughout {
-            history.add(&walker.coordinates);
-            if (step + 1).is_multiple_of(settings.interval) {
-                walker.learn(&history, settings.regularisation);
+        } else {
+            let kept = step + 1 - settings.warm_up;
+            if settings.adapt_throughout {
+                history.add(&walker.coordinates);
+                if kept.is_multiple_of(settings.interval) {
+                    walker.learn(&history, settings.regularisation);
+                }
+            }
+            if kept.is_multiple_of(settings.thin) {
+                result.push(&posterior, &walker.coordinates, &walker.density);
             }
         }
-        if (step + 1).is_multiple_of(settings.thin) {
-            result.push(&posterior, &walker.coordinates, &walker.density);
-        }
+        parts.at(step + 1, steps, || MetropolisState {
+            steps: step + 1,
+            words: walker.stream.position(),
+            coordinates: walker.coordinates.clone(),
+            density: walker.density,
+            factor: walker.factor.clone(),
+            history: history.clone(),
+            before,
+            counts: [walker.firsts, walker.first_accepted, walker.seconds, walker.second_accepted],
+            chain: Chain { work: walker.evaluator.work.clone(), ..result.clone() },
+        });
     }
     result.moves.acceptance = walker.first_accepted as f64 / walker.firsts.max(1) as f64;
     result.moves.second_acceptance =

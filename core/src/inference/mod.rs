@@ -21,6 +21,7 @@ pub mod natural;
 pub mod noise;
 pub mod nuts;
 pub mod optimise;
+pub mod parts;
 pub mod point_estimate;
 pub mod posterior;
 pub mod prediction;

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::adaptation::{DualAveraging, RunningCovariance, Windows};
 use super::chains::{Chain, SampleError, start_point};
 use super::metric::Metric;
+use super::parts::Parts;
 use super::posterior::{Density, Evaluator, Posterior};
 use super::shear::NormalApproximation;
 use super::target::Target;
@@ -80,6 +81,38 @@ pub fn sample<T: Target>(
     chain: u64,
     start: Option<&[f64]>,
 ) -> Result<Chain, SampleError> {
+    Parts::none(|parts| sample_in_parts(target, settings, key, chain, start, parts))
+}
+
+/// A chain on its way.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NutsState {
+    /// Transitions done.
+    transitions: u64,
+    /// Place in the chain's stream of random numbers.
+    words: u64,
+    sample: Point,
+    metric: Metric,
+    step: f64,
+    averaging: DualAveraging,
+    window: RunningCovariance,
+    acceptance_sum: f64,
+    /// The draws so far, and the work.
+    chain: Chain,
+}
+
+/// The same chain, which keeps its state on the way and goes on from one that was kept.
+///
+/// # Errors
+/// As [`sample`].
+pub fn sample_in_parts<T: Target>(
+    target: &T,
+    settings: &NutsSettings,
+    key: &StreamKey,
+    chain: u64,
+    start: Option<&[f64]>,
+    parts: &mut Parts<'_, NutsState>,
+) -> Result<Chain, SampleError> {
     settings.check()?;
     let dimension = target.dimension();
     let fits = |normal: &&NormalApproximation| {
@@ -89,8 +122,14 @@ pub fn sample<T: Target>(
     let posterior = normal.map_or_else(|| Posterior::new(target), |normal| Posterior::along(target, normal))?;
     let mut stream = key.stream(chain);
     let mut evaluator = posterior.evaluator();
-    let start = start_point(&posterior, &mut evaluator, &mut stream, start, true)?;
-    let current = Point { coordinates: start.coordinates, gradient: start.gradient, density: start.density };
+    let from = parts.from.take();
+    let current = match &from {
+        Some(state) => state.sample.clone(),
+        None => {
+            let start = start_point(&posterior, &mut evaluator, &mut stream, start, true)?;
+            Point { coordinates: start.coordinates, gradient: start.gradient, density: start.density }
+        }
+    };
     let dense = dimension <= settings.dense_up_to;
     let known = normal.and_then(|normal| Metric::of(&in_coordinates(normal, &posterior), dimension, dense));
     let mut sampler = Sampler {
@@ -108,35 +147,60 @@ pub fn sample<T: Target>(
         diverged: false,
     };
     let mut trajectory = Trajectory::new(&current, settings.greatest_depth);
-    let mut result = Chain::with_capacity(dimension, settings.draws as usize);
     let windows = Windows::new(settings.warm_up);
-    let mut window = RunningCovariance::new(dimension);
-    sampler.step = sampler.reasonable_step(&trajectory.sample);
-    let mut averaging = DualAveraging::new(sampler.step, settings.acceptance);
-    for transition in 0..settings.warm_up {
-        watch::at(transition, settings.warm_up + settings.draws);
-        let outcome = trajectory.advance(&mut sampler);
-        averaging.update(outcome.acceptance);
-        sampler.step = averaging.step();
-        if windows.collects(transition) {
-            window.add(&trajectory.sample.coordinates);
+    let (mut result, mut window, mut averaging, mut acceptance_sum, first);
+    match from {
+        Some(state) => {
+            sampler.stream.seek(state.words);
+            (sampler.metric, sampler.step, sampler.evaluator.work) =
+                (state.metric, state.step, state.chain.work.clone());
+            (result, window, averaging) = (state.chain, state.window, state.averaging);
+            (acceptance_sum, first) = (state.acceptance_sum, state.transitions);
         }
-        if windows.ends(transition) {
-            sampler.metric.learn(&window, known.as_ref());
-            window.reset();
+        None => {
+            result = Chain::with_capacity(dimension, settings.draws as usize);
+            window = RunningCovariance::new(dimension);
             sampler.step = sampler.reasonable_step(&trajectory.sample);
             averaging = DualAveraging::new(sampler.step, settings.acceptance);
+            (acceptance_sum, first) = (0.0, 0);
         }
     }
-    sampler.step = averaging.averaged();
-    let mut acceptance_sum = 0.0;
-    for draw in 0..settings.draws {
-        watch::at(settings.warm_up + draw, settings.warm_up + settings.draws);
+    let transitions = settings.warm_up + settings.draws;
+    for transition in first..transitions {
+        watch::at(transition, transitions);
+        if transition == settings.warm_up {
+            sampler.step = averaging.averaged();
+        }
         let outcome = trajectory.advance(&mut sampler);
-        acceptance_sum += outcome.acceptance;
-        result.moves.divergences += u64::from(outcome.diverged);
-        result.moves.depth_limited += u64::from(outcome.depth_limited);
-        result.push(&posterior, &trajectory.sample.coordinates, &trajectory.sample.density);
+        if transition < settings.warm_up {
+            averaging.update(outcome.acceptance);
+            sampler.step = averaging.step();
+            if windows.collects(transition) {
+                window.add(&trajectory.sample.coordinates);
+            }
+            if windows.ends(transition) {
+                sampler.metric.learn(&window, known.as_ref());
+                window.reset();
+                sampler.step = sampler.reasonable_step(&trajectory.sample);
+                averaging = DualAveraging::new(sampler.step, settings.acceptance);
+            }
+        } else {
+            acceptance_sum += outcome.acceptance;
+            result.moves.divergences += u64::from(outcome.diverged);
+            result.moves.depth_limited += u64::from(outcome.depth_limited);
+            result.push(&posterior, &trajectory.sample.coordinates, &trajectory.sample.density);
+        }
+        parts.at(transition + 1, transitions, || NutsState {
+            transitions: transition + 1,
+            words: sampler.stream.position(),
+            sample: trajectory.sample.clone(),
+            metric: sampler.metric.clone(),
+            step: sampler.step,
+            averaging: averaging.clone(),
+            window: window.clone(),
+            acceptance_sum,
+            chain: Chain { work: sampler.evaluator.work.clone(), ..result.clone() },
+        });
     }
     result.moves.acceptance = acceptance_sum / settings.draws as f64;
     result.moves.step_size = Some(sampler.step);
@@ -167,7 +231,7 @@ fn in_coordinates<T: Target>(normal: &NormalApproximation, posterior: &Posterior
 }
 
 /// A state without its momentum.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Point {
     coordinates: Vec<f64>,
     gradient: Vec<f64>,

@@ -41,6 +41,12 @@ pub struct Stream {
 }
 
 impl Stream {
+    /// Number of the next 64-bit word: what [`Stream::seek`] takes to go on from here.
+    pub fn position(&self) -> u64 {
+        // Words are numbered by 64 bits; nothing draws more of them.
+        u64::try_from(self.generator.get_word_pos() / 2).unwrap_or(u64::MAX)
+    }
+
     /// Makes the given 64-bit word (counted from 0) the next one.
     pub fn seek(&mut self, word: u64) {
         let position = 2 * u128::from(word);

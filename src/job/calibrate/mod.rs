@@ -26,7 +26,7 @@ pub use output::{
 
 use super::handed_on::HandedOn;
 use super::stored::{from_bytes, to_bytes, unreadable};
-use super::{Job, JobError, Step};
+use super::{Job, JobError, NoParts, Parts, Step};
 use crate::inference::informed::Informed;
 use crate::inference::joint_prior::Fit;
 use crate::inference::likelihood::{Definition, InputError, Likelihood};
@@ -166,6 +166,10 @@ impl Job for Calibrate {
     }
 
     fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
+        self.block_in_parts(stage, input, &NoParts)
+    }
+
+    fn block_in_parts(&self, stage: &str, input: &[u8], parts: &dyn Parts) -> Result<Vec<u8>, JobError> {
         match stage {
             ESTIMATE => {
                 let key = self.stream("calibrate estimate");
@@ -173,7 +177,7 @@ impl Job for Calibrate {
                 let found = point_estimate::estimate(&self.target, &settings, &key, &[]);
                 to_bytes(&found.map_err(|e| JobError::Failed(e.to_string()))?)
             }
-            SAMPLE => self.sample(from_bytes(input, stage)?)?.into_bytes(),
+            SAMPLE => self.sample(from_bytes(input, stage)?, parts)?.into_bytes(),
             PREDICT => match from_bytes(input, stage)? {
                 PredictInput::Draws { prior, draws } => self.predict(prior, &draws).to_bytes(),
                 PredictInput::Carry(_) => Ok(Vec::new()),

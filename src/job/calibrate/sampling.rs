@@ -1,20 +1,49 @@
 //! Where chains start, and what runs them: chains, islands of particles, the evidence.
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
 use super::block::{SampleInput, SampleOutput, SampleTask};
 use super::{Calibrate, SAMPLE, Sampler};
-use crate::inference::chains::SampleError;
+use crate::inference::chains::{Chain, SampleError};
 use crate::inference::importance::{self, ImportanceEstimate, ImportanceSettings};
 use crate::inference::metropolis::{self, MetropolisSettings};
 use crate::inference::nuts::{self, NutsSettings};
+use crate::inference::parts::Parts;
 use crate::inference::point_estimate::PointEstimate;
 use crate::inference::posterior::Posterior;
 use crate::inference::smc::{self, SmcSettings};
 use crate::inference::target::Target;
-use crate::job::stored::to_bytes;
-use crate::job::{JobError, Step};
+use crate::job::stored::{from_bytes, to_bytes};
+use crate::job::{self, JobError, Step};
 
 /// A second mode is used as a start if its log posterior is within this of the best.
 const MODES_WITHIN: f64 = 10.0;
+
+/// Transitions of a chain of trajectories after which its state may be kept, each time.
+const TRANSITIONS: u64 = 10;
+/// The same of steps of a walk.
+const STEPS: u64 = 100;
+
+/// Runs a chain of so many transitions that keeps its state every so many, from the last one that is there.
+fn in_parts<S: Serialize + DeserializeOwned>(
+    kept: &dyn job::Parts,
+    transitions: u64,
+    every: u64,
+    run: impl FnOnce(&mut Parts<'_, S>) -> Result<Chain, SampleError>,
+) -> Result<Chain, JobError> {
+    let from = (1..transitions.div_ceil(every)).rev().find_map(|part| from_bytes(&kept.find(part)?, SAMPLE).ok());
+    let mut failure = None;
+    let mut keep = |part: u64, state: S| match to_bytes(&state) {
+        Ok(bytes) => kept.keep(part, &bytes),
+        Err(error) => failure = Some(error),
+    };
+    let chain = run(&mut Parts { from, every, is_due: &|| kept.is_due(), keep: &mut keep });
+    match failure {
+        Some(error) => Err(error),
+        None => chain.map_err(|error| JobError::Failed(error.to_string())),
+    }
+}
 
 impl Calibrate {
     /// Starts of the chains, within the priors' supports.
@@ -64,7 +93,7 @@ impl Calibrate {
     }
 
     /// Runs a chain, an island or the evidence.
-    pub(super) fn sample(&self, input: SampleInput) -> Result<SampleOutput, JobError> {
+    pub(super) fn sample(&self, input: SampleInput, parts: &dyn job::Parts) -> Result<SampleOutput, JobError> {
         let failed = |e: SampleError| JobError::Failed(e.to_string());
         let mut target = self.target.clone();
         let reference = target.parameters(&input.estimate.parameters);
@@ -74,17 +103,20 @@ impl Calibrate {
             SampleTask::Chain { index, start } => match self.spec.sampler {
                 Sampler::AdaptiveMetropolis => {
                     let settings = MetropolisSettings { warm_up, draws, ..MetropolisSettings::default() };
-                    metropolis::sample(&target, &settings, &self.key, index, Some(&start))
+                    in_parts(parts, warm_up + draws * settings.thin, STEPS, |parts| {
+                        metropolis::sample_in_parts(&target, &settings, &self.key, index, Some(&start), parts)
+                    })
                 }
                 Sampler::Nuts | Sampler::Smc => {
                     let normal = Some(input.estimate.normal_approximation());
                     let mut settings = NutsSettings { warm_up, draws, normal, ..NutsSettings::default() };
                     settings.acceptance = self.spec.acceptance.unwrap_or(settings.acceptance);
-                    nuts::sample(&target, &settings, &self.key, index, Some(&start))
+                    in_parts(parts, warm_up + draws, TRANSITIONS, |parts| {
+                        nuts::sample_in_parts(&target, &settings, &self.key, index, Some(&start), parts)
+                    })
                 }
             }
-            .map(SampleOutput::Chain)
-            .map_err(failed),
+            .map(SampleOutput::Chain),
             SampleTask::Island { index } => {
                 let particles = usize::try_from(draws).unwrap_or(usize::MAX);
                 let settings = SmcSettings { particles, islands: self.spec.chains, ..SmcSettings::default() };

@@ -415,6 +415,17 @@ fn verdicts(criteria: &Criteria, train: &Deviation, held_out: &Deviation) -> Vec
     found
 }
 
+impl Output {
+    /// The criteria judged of the tuned state, as [`Output::verdicts`] judges them of the delivered one; none where there is
+    /// no tuned state, or where nothing is judged.
+    pub fn tuned_verdicts(&self) -> Vec<Verdict> {
+        match &self.tuned {
+            Some(tuned) if !self.verdicts.is_empty() => verdicts(&self.criteria, &tuned.train, &tuned.held_out),
+            Some(_) | None => Vec::new(),
+        }
+    }
+}
+
 impl Job for Compare {
     fn kind(&self) -> &'static str {
         "compare"

@@ -15,6 +15,16 @@ pub enum Basis {
     StackedWorstCase,
 }
 
+impl Basis {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Nominal => "nominal",
+            Self::StackedWorstCase => "stacked worst case",
+        }
+    }
+}
+
 /// What a rule adds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]

@@ -18,21 +18,13 @@ const LEAST_EFFECTIVE: f64 = 400.0;
 
 /// The section on calibrations; not without one.
 pub fn build(report: &PassReport<'_>) -> Option<Section> {
-    let mut blocks = Vec::new();
-    let jobs = report.calibrations().count();
-    for (name, output) in report.calibrations() {
-        if jobs > 1 {
-            blocks.push(Block::Heading(format!("Job {name}")));
-        }
-        blocks.extend(verdict(output));
-        blocks.push(parameters(output));
-        blocks.extend(report.comparisons().filter_map(|(_, comparison)| achieved(name, comparison)));
-        blocks.push(coverage(output));
+    let checks = |name: &str, output: &Output| {
+        let mut blocks = vec![coverage(output)];
         blocks.extend(scores(output));
         blocks.extend(figures::figures(name, output));
-        blocks.push(Block::paragraph(method(output)));
-    }
-    (!blocks.is_empty()).then(|| Section { id: "calibration", title: "Calibration".into(), blocks })
+        blocks
+    };
+    of_each(report, |output| vec![parameters(output)], checks)
 }
 
 /// What tuning achieved in the comparisons, without the calibrations themselves.
@@ -44,6 +36,16 @@ pub fn achieved_alone(report: &PassReport<'_>) -> Option<Section> {
 
 /// The posterior, whether it can be believed, the evidence; without the checks that a report goes into.
 pub fn outlined(report: &PassReport<'_>) -> Option<Section> {
+    of_each(report, |output| vec![posterior(output), trust(output)], |_, _| Vec::new())
+}
+
+/// The section with all calibrations: of each whether it can be believed, what it found, what tuning achieved, its checks and
+/// how it was done.
+fn of_each(
+    report: &PassReport<'_>,
+    found: impl Fn(&Output) -> Vec<Block>,
+    checks: impl Fn(&str, &Output) -> Vec<Block>,
+) -> Option<Section> {
     let mut blocks = Vec::new();
     let jobs = report.calibrations().count();
     for (name, output) in report.calibrations() {
@@ -51,9 +53,9 @@ pub fn outlined(report: &PassReport<'_>) -> Option<Section> {
             blocks.push(Block::Heading(format!("Job {name}")));
         }
         blocks.extend(verdict(output));
-        blocks.push(posterior(output));
-        blocks.push(trust(output));
+        blocks.extend(found(output));
         blocks.extend(report.comparisons().filter_map(|(_, comparison)| achieved(name, comparison)));
+        blocks.extend(checks(name, output));
         blocks.push(Block::paragraph(method(output)));
     }
     (!blocks.is_empty()).then(|| Section { id: "calibration", title: "Calibration".into(), blocks })

@@ -99,10 +99,7 @@ pub(super) fn probabilistic<'a>(
 
 /// Name of a rule's size: what is stacked and what is added.
 pub(super) fn label(size: &Size) -> String {
-    let basis = match size.basis {
-        Basis::Nominal => "nominal",
-        Basis::StackedWorstCase => "stacked worst case",
-    };
+    let basis = size.basis.words();
     let margin = match size.rule.margin {
         Margin::TemperatureK(0.0) => "no margin".to_owned(),
         Margin::TemperatureK(k) => format!("+ {} K", number::as_given(k)),

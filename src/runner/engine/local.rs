@@ -2,11 +2,12 @@
 //!
 //! Nothing waits inside the pool: each block is a task, the last block of a stage reduces it and starts the next, the last
 //! job that another builds upon starts that one. So jobs and blocks of all jobs fill the threads together. Every finished
-//! block is published at once; a run that was killed begins where it stopped. A block that is left because the run was
+//! block is published at once, and so are the states that long ones leave on their way; a run that was killed begins where it stopped. A block that is left because the run was
 //! asked to stop is one that was not begun. What the system does not let store (another user's cache, a full disk) is
 //! used all the same, and the run says so once.
 
 use std::any::Any;
+use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -15,7 +16,7 @@ use std::time::Instant;
 use rayon::ScopeFifo;
 
 use super::{Finished, Outcome, RunSummary, Settings, StopFlag};
-use crate::job::{Job, JobError, Step};
+use crate::job::{Job, JobError, Parts, Step};
 use crate::runner::cache::{Cache, Kind, Lookup};
 use crate::runner::error::RunnerError;
 use crate::runner::events::{Event, Listener};
@@ -58,7 +59,7 @@ pub fn run(
     let to_run = count(|state| *state == State::Missing);
     listener.hear(&Event::RunStarted { to_run, cached: count(|state| matches!(state, State::Cached(_))), threads });
 
-    let run = Run::new(plan, cache, settings.force, stop, listener, &states);
+    let run = Run::new(plan, cache, settings, stop, listener, &states);
     for (position, state) in states.into_iter().enumerate() {
         if let State::Cached(stored) = state {
             let (job, key) = (plan.nodes()[position].id.clone(), plan.keys()[position].clone());
@@ -106,7 +107,7 @@ impl Slot {
 struct Run<'a> {
     plan: &'a Plan,
     cache: &'a Cache,
-    force: bool,
+    settings: &'a Settings,
     stop: &'a StopFlag,
     listener: &'a dyn Listener,
     slots: Vec<Slot>,
@@ -137,7 +138,7 @@ impl<'a> Run<'a> {
     fn new(
         plan: &'a Plan,
         cache: &'a Cache,
-        force: bool,
+        settings: &'a Settings,
         stop: &'a StopFlag,
         listener: &'a dyn Listener,
         states: &[State],
@@ -162,7 +163,7 @@ impl<'a> Run<'a> {
             slot.waiting = AtomicUsize::new(waits_for.len());
             slot.waits_for = waits_for;
         }
-        Self { plan, cache, force, stop, listener, slots, told_not_stored: AtomicBool::new(false) }
+        Self { plan, cache, settings, stop, listener, slots, told_not_stored: AtomicBool::new(false) }
     }
 
     fn ready_at_once(&self) -> Vec<usize> {
@@ -297,7 +298,7 @@ impl<'a> Run<'a> {
     fn output(&self, active: &Active, stage: &str, index: usize, input: &[u8]) -> Result<Vec<u8>, Halt<RunnerError>> {
         let owner = &self.plan.keys()[active.position];
         let name = block_key(owner, stage, index, input);
-        let found = if self.force { Lookup::Absent } else { self.cache.get(Kind::Block, &name) };
+        let found = if self.settings.force { Lookup::Absent } else { self.cache.get(Kind::Block, &name) };
         let (output, cached) = match found {
             Lookup::Found(output) => {
                 active.blocks_cached.fetch_add(1, Ordering::Relaxed);
@@ -309,8 +310,13 @@ impl<'a> Run<'a> {
                 }
                 let share = Share::default();
                 self.listener.block_runs(&self.id(active.position), index, &share);
-                let run = |job: &dyn Job| watch::with_share(&share, || job.block(stage, input));
+                let (last, refused) = (Cell::new(Instant::now()), RefCell::default());
+                let parts = KeptParts { run: self, owner, stage, index, input, last, refused };
+                let run = |job: &dyn Job| watch::with_share(&share, || job.block_in_parts(stage, input, &parts));
                 let output = self.guarded(active, Some(stage), Some(index), run)?;
+                if let Some(error) = parts.refused.take() {
+                    return Err(Halt::Failed(error));
+                }
                 self.store(Kind::Block, owner, &name, &output).map_err(Halt::Failed)?;
                 active.blocks_run.fetch_add(1, Ordering::Relaxed);
                 (output, false)
@@ -394,6 +400,53 @@ impl<'a> Run<'a> {
 
     fn failure(&self, position: usize, stage: Option<&str>, block: Option<usize>, source: JobError) -> RunnerError {
         RunnerError::Job { job: self.id(position), stage: stage.map(str::to_owned), block, source }
+    }
+}
+
+/// The states of a block that runs, as objects of the cache.
+struct KeptParts<'r, 'a> {
+    run: &'r Run<'a>,
+    owner: &'r Key,
+    stage: &'r str,
+    index: usize,
+    input: &'r [u8],
+    /// When it began, or kept a state.
+    last: Cell<Instant>,
+    /// Other bytes than an earlier run's.
+    refused: RefCell<Option<RunnerError>>,
+}
+
+impl KeptParts<'_, '_> {
+    fn name(&self, part: u64) -> Key {
+        block_key(self.owner, &format!("{}, part {part}", self.stage), self.index, self.input)
+    }
+}
+
+impl Parts for KeptParts<'_, '_> {
+    fn find(&self, part: u64) -> Option<Vec<u8>> {
+        if self.run.settings.force {
+            return None;
+        }
+        let name = self.name(part);
+        match self.run.cache.get(Kind::Block, &name) {
+            Lookup::Found(state) => Some(state),
+            Lookup::Absent => None,
+            Lookup::Damaged => {
+                self.run.listener.hear(&Event::Damaged { object: name });
+                None
+            }
+        }
+    }
+
+    fn is_due(&self) -> bool {
+        self.last.get().elapsed() >= self.run.settings.keep_every()
+    }
+
+    fn keep(&self, part: u64, state: &[u8]) {
+        self.last.set(Instant::now());
+        if let Err(error) = self.run.store(Kind::Block, self.owner, &self.name(part), state) {
+            self.refused.replace(Some(error));
+        }
     }
 }
 

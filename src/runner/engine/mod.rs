@@ -5,6 +5,7 @@ pub mod local;
 use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
+use std::time::Duration;
 
 use super::error::RunnerError;
 use super::key::Key;
@@ -23,9 +24,19 @@ pub struct Settings {
     pub force: bool,
     /// Ids of the wanted jobs; nothing = all.
     pub only: Option<BTreeSet<String>>,
+    /// How long a block runs before it keeps its state, each time; nothing = a second.
+    pub keep_every: Option<Duration>,
 }
 
+/// After this time a block keeps its state: what a kill costs at most, and hardly a cost itself.
+const KEEP_EVERY: Duration = Duration::from_secs(1);
+
 impl Settings {
+    /// How long a block runs before it keeps its state.
+    fn keep_every(&self) -> Duration {
+        self.keep_every.unwrap_or(KEEP_EVERY)
+    }
+
     /// Number of threads that a run uses.
     pub fn threads(&self) -> usize {
         self.threads.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get)

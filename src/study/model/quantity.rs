@@ -1,7 +1,6 @@
 //! Quantities: what is asked of a model.
 
 use crate::document::formula::{Expected, Formulas};
-use crate::document::quantity::warn_of_coulomb;
 use crate::document::{
     Diagnostic, Diagnostics, Map, NameOr, Place, Sense, Spanned, WrittenUnit, code, written_choice, written_struct,
 };
@@ -287,7 +286,6 @@ fn expression(
         return None;
     }
     let unit = &form.unit.unit;
-    warn_of_coulomb(unit, &form.unit.place, diagnostics);
     if unit.factor != 1.0 {
         let message = format!("an expression's value is SI; `{}` is not", unit.text);
         diagnostics.push(

@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, HashMap};
 
 use crate::document::formula::Expected;
 use crate::document::prior::{Prior, support};
-use crate::document::quantity::warn_of_coulomb;
 use crate::document::{
     Amount, Diagnostic, Diagnostics, MapEntry, Place, Sense, Source, Span, Spanned, WrittenUnit, code,
 };
@@ -279,11 +278,8 @@ pub fn resolve(form: &ModelForm, diagnostics: &mut Diagnostics) -> Option<Resolv
 }
 
 /// The scale of an entry: its unit, or the one beside its nominal value.
-fn scale(unit: &Option<WrittenUnit>, nominal: &Amount, diagnostics: &mut Diagnostics) -> Scale {
+fn scale(unit: &Option<WrittenUnit>, nominal: &Amount) -> Scale {
     let written = unit.as_ref().or(nominal.unit.as_ref());
-    if let Some(WrittenUnit { unit, place }) = written {
-        warn_of_coulomb(unit, place, diagnostics);
-    }
     Scale { unit: written.map(|written| written.unit.clone()) }
 }
 
@@ -311,7 +307,7 @@ impl ResolvedModel {
     fn resolve_parameter(&mut self, entry: &MapEntry<ParameterForm>, diagnostics: &mut Diagnostics) {
         name::check_symbol(&entry.name, &entry.name_place, diagnostics);
         let form = &entry.value;
-        let scale = scale(&form.unit, &form.nominal, diagnostics);
+        let scale = scale(&form.unit, &form.nominal);
         let nominal = scale.si(&form.nominal, Sense::Absolute, diagnostics).unwrap_or_default();
         let dimension = scale.dimension().unwrap_or(Dimension::NONE);
         let prior = match &form.prior {
@@ -352,7 +348,7 @@ impl ResolvedModel {
     fn resolve_input(&mut self, entry: &MapEntry<InputForm>, diagnostics: &mut Diagnostics) {
         name::check_symbol(&entry.name, &entry.name_place, diagnostics);
         let form = &entry.value;
-        let scale = scale(&form.unit, &form.nominal, diagnostics);
+        let scale = scale(&form.unit, &form.nominal);
         let nominal = scale.si(&form.nominal, Sense::Absolute, diagnostics).unwrap_or_default();
         let convert = |amount: &Amount, diagnostics: &mut Diagnostics| scale.si(amount, Sense::Absolute, diagnostics);
         let range = form.range.as_ref().and_then(|pair| ordered(pair, "the range", convert, diagnostics));

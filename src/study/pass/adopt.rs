@@ -30,6 +30,16 @@ written_struct! {
     }
 }
 
+impl EffectUse {
+    /// The names of what it acts on, without groups.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.place.iter().flat_map(|OneOrMany(places)| places).filter_map(|place| match place {
+            NameOr::Name(name) => Some(name.value.as_str()),
+            NameOr::Other(GroupForm { .. }) => None,
+        })
+    }
+}
+
 written_struct! {
     /// A group of the model.
     pub struct GroupForm: "a group" {

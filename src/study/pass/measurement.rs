@@ -14,6 +14,16 @@ written_choice! {
     }
 }
 
+impl MeasurementForm {
+    /// The sensors, those that are left out among them.
+    pub fn sensors(&self) -> &Map<SensorForm> {
+        match self {
+            Self::Steady(form) => &form.sensors,
+            Self::Transient(form) => &form.sensors,
+        }
+    }
+}
+
 written_struct! {
     /// Steady phases, from a table of phases or from windows of time series.
     pub struct SteadyForm: "a steady measurement" {

@@ -1,6 +1,6 @@
 //! Adopted effects: looked up, placed, given their parameters, and applied to the model and to the measurements.
 
-use crate::document::{Diagnostics, MapEntry, Place, code};
+use crate::document::{Diagnostics, Map, MapEntry, Place, code};
 use crate::effect::{Applied, Bound, Catalogue, Effect, Instance, PlaceKind, SensorChange, SensorPlace, apply};
 use crate::expression::{Dimension, Unit};
 use crate::inference::measurement::{Measurement, Rows};
@@ -11,6 +11,7 @@ use crate::study::inherit::unnamed_file_diagnostic;
 use crate::study::model::Scale;
 use crate::study::pass::PassForm;
 use crate::study::pass::adopt::{Adopted, EffectUse};
+use crate::study::pass::measurement::SensorForm;
 use crate::study::resolved::AdoptedEffect;
 use crate::thermal::Input;
 
@@ -187,6 +188,9 @@ impl Adoption {
         catalogue: &Catalogue,
         measurements: &mut [Measurement],
     ) {
+        let is_resolved = |name: &str| measurements.iter().any(|measurement| measurement.name == name);
+        let absent = form.measurements.iter().filter(|entry| !is_resolved(&entry.name));
+        let absent: Vec<&Map<SensorForm>> = absent.map(|entry| entry.value.sensors()).collect();
         for entry in &form.adopt {
             // What is wrong with its name was said before.
             let found = entry.value.effect.iter().next().and_then(|usage| Some((catalogue.get(&usage.name)?, usage)));
@@ -198,6 +202,11 @@ impl Adoption {
             let sensors = sensor_places(measurements.iter().filter(|measurement| has(&measurement.name)));
             if sensors.is_empty() && !form.measurements.is_empty() && measurements.len() < form.measurements.len() {
                 // The data of a measurement are missing or wrong, and its sensors with them.
+                continue;
+            }
+            let is_here = |name: &str| sensors.iter().any(|own| own.name == name);
+            let is_absent = |name: &str| !is_here(name) && absent.iter().any(|form| form.get(name).is_some());
+            if usage.value.names().any(is_absent) {
                 continue;
             }
             let Some(applied) = self.adopt_one(scope, entry, effect, usage, &sensors) else { continue };

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::document::hash::sha256_hex;
-use crate::document::quantity::{parse_unit, report_dimension, warn_of_coulomb};
+use crate::document::quantity::{parse_unit, report_dimension};
 use crate::document::{
     Diagnostic, Diagnostics, Map, Place, Sense, Source, Span, Spanned, WrittenUnit, code, counted, suggest,
 };
@@ -51,6 +51,16 @@ pub struct Layout<'a> {
     pub key: &'static str,
 }
 
+impl Layout<'_> {
+    /// Whether a header is that of the column of this name.
+    fn names(&self, name: &str, header: &Header) -> bool {
+        match self.columns.get(name).and_then(|entry| entry.value.header.as_ref()) {
+            Some(text) => header.text == text.value.trim(),
+            None => header.name == name,
+        }
+    }
+}
+
 /// A column that is wanted.
 pub struct Wanted<'a> {
     /// The name.
@@ -69,14 +79,18 @@ pub struct Wanted<'a> {
 
 /// A column that was read.
 pub struct Read {
-    /// Unit as written.
-    pub unit: String,
+    /// Where it stands.
+    pub origin: Origin,
     /// Values, SI.
     pub values: Vec<Option<f64>>,
+}
+
+/// Where a column stands in its file, and its unit.
+pub struct Origin {
     /// Column of the file.
     pub column: usize,
-    /// Whether the unit has a zero of its own, as degC has.
-    pub has_offset: bool,
+    /// The unit, at the place in the file or in the pass where it is stated.
+    pub unit: WrittenUnit,
 }
 
 /// The wanted columns of a file.
@@ -87,6 +101,8 @@ pub struct Columns {
     pub read: Vec<Option<Read>>,
     /// Headers that nothing uses.
     pub unused: Vec<String>,
+    /// Of these the columns that belong to no sensor, not even to one that is left out.
+    pub spare: Vec<Header>,
 }
 
 /// Checks a pin and gives it its plain form.
@@ -199,7 +215,7 @@ pub fn columns(scope: &mut Scope, data: &Data, layout: &Layout, wanted: &[Wanted
     let steady = layout.key == "phase";
     let key_place = Place::in_text(&data.source, first_line(data.source.text()));
     let key = find(scope, &data.source, headers, layout, layout.key, &key_place, true);
-    let mut placed: Vec<Option<(usize, Unit)>> = Vec::new();
+    let mut placed: Vec<Option<(usize, WrittenUnit)>> = Vec::new();
     if steady {
         asked.extend(key.map(|index| (index, Cells::Names)));
     }
@@ -225,17 +241,16 @@ pub fn columns(scope: &mut Scope, data: &Data, layout: &Layout, wanted: &[Wanted
     for (wanted, placed) in wanted.iter().zip(&placed) {
         read.push(placed.as_ref().and_then(|(index, unit)| {
             let column = columns.next()?;
-            let values = converted(&column, unit, wanted.sense);
-            Some(Read { unit: unit.text.clone(), values, column: *index, has_offset: unit.has_offset() })
+            let values = converted(&column, &unit.unit, wanted.sense);
+            Some(Read { origin: Origin { column: *index, unit: unit.clone() }, values })
         }));
     }
-    let unused = headers
-        .iter()
-        .enumerate()
-        .filter(|(index, _)| !asked.iter().any(|(used, _)| used == index))
-        .map(|(_, header)| header.text.clone())
-        .collect();
-    Ok(Columns { phases, read, unused })
+    let is_asked = |index: usize| asked.iter().any(|(used, _)| *used == index);
+    let unused: Vec<&Header> =
+        (0..headers.len()).filter(|&index| !is_asked(index)).map(|index| &headers[index]).collect();
+    let of_sensor = |header: &&&Header| layout.sensors.iter().any(|sensor| layout.names(sensor, header));
+    let spare = unused.iter().filter(|header| !of_sensor(header)).map(|&header| header.clone()).collect();
+    Ok(Columns { phases, read, unused: unused.iter().map(|header| header.text.clone()).collect(), spare })
 }
 
 fn converted(column: &Column, unit: &Unit, sense: Sense) -> Vec<Option<f64>> {
@@ -262,11 +277,7 @@ fn find(
 ) -> Option<usize> {
     let declared = layout.columns.get(name);
     let declared_header = declared.and_then(|entry| entry.value.header.as_ref());
-    let matches = |header: &Header| match declared_header {
-        Some(text) => header.text == text.value.trim(),
-        None => header.name == name,
-    };
-    let found: Vec<usize> = (0..headers.len()).filter(|index| matches(&headers[*index])).collect();
+    let found: Vec<usize> = (0..headers.len()).filter(|index| layout.names(name, &headers[*index])).collect();
     match (found.as_slice(), declared) {
         ([index], _) => Some(*index),
         ([first, second, ..], _) => {
@@ -309,7 +320,13 @@ fn in_table(source: &Arc<Source>, header: &Header) -> Place {
 }
 
 /// The unit of a column, of the right dimension.
-fn unit(scope: &mut Scope, source: &Arc<Source>, header: &Header, layout: &Layout, wanted: &Wanted) -> Option<Unit> {
+fn unit(
+    scope: &mut Scope,
+    source: &Arc<Source>,
+    header: &Header,
+    layout: &Layout,
+    wanted: &Wanted,
+) -> Option<WrittenUnit> {
     let declared = layout.columns.get(wanted.name).and_then(|entry| entry.value.unit.as_ref());
     let place = in_table(source, header);
     let (unit, place) = match (declared, &header.unit) {
@@ -327,10 +344,7 @@ fn unit(scope: &mut Scope, source: &Arc<Source>, header: &Header, layout: &Layou
         report_dimension(&unit, &place, expected, scope.diagnostics);
         return None;
     }
-    if wanted.dimension.is_none() {
-        warn_of_coulomb(&unit, &place, scope.diagnostics);
-    }
-    Some(unit)
+    Some(WrittenUnit { unit, place })
 }
 
 /// The problems of a table as diagnostics, each said once, however many measurements and windows use the file. Whether
@@ -379,6 +393,6 @@ pub fn draws(scope: &mut Scope, data: &Data, wanted: &[Wanted]) -> Result<Vec<Ve
         return Err(Reported);
     }
     let senses = wanted.iter().map(|wanted| wanted.sense);
-    let read = read.iter().zip(&units).zip(senses).map(|((column, unit), sense)| converted(column, unit, sense));
+    let read = read.iter().zip(&units).zip(senses).map(|((column, unit), sense)| converted(column, &unit.unit, sense));
     Ok(read.map(|values| values.into_iter().flatten().collect()).collect())
 }

@@ -8,7 +8,7 @@ use crate::study::pinned::Pinned;
 use crate::study::resolved::IgnoredSensor;
 use crate::study::table::Cells;
 
-use super::data::{Columns, Read, Wanted};
+use super::data::{Columns, Origin, Read, Wanted};
 use super::plausible;
 use super::scope::Scope;
 
@@ -122,8 +122,8 @@ pub fn wanted<'a>(
 pub struct Parted {
     /// Position of an input, and its values, SI.
     pub inputs: Vec<(usize, Vec<f64>)>,
-    /// Of each of these the column of the file, and whether its unit has a zero of its own.
-    pub input_columns: Vec<(usize, bool)>,
+    /// Where each of these stands.
+    pub input_columns: Vec<Origin>,
     /// Unit and readings of each sensor, SI.
     pub sensors: Vec<Read>,
 }
@@ -134,7 +134,7 @@ pub fn parted(columns: &mut Columns, inputs: usize) -> Parted {
     for (position, read) in columns.read.drain(..).enumerate() {
         let Some(read) = read else { continue };
         if position < inputs {
-            parted.input_columns.push((read.column, read.has_offset));
+            parted.input_columns.push(read.origin);
             // An empty cell of an input was an error.
             parted.inputs.push((position, read.values.into_iter().flatten().collect()));
         } else {

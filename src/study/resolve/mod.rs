@@ -250,8 +250,8 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
                 missing.extend(pinned.last().cloned());
                 None
             }
-            // An error stands for it: the position is never used.
-            Outcome::Wrong => Some(0),
+            // An error stands for it: nothing has this position.
+            Outcome::Wrong => Some(usize::MAX),
         };
         positions.push((entry.name.clone(), position));
     }

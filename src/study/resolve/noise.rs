@@ -1,10 +1,9 @@
 //! Calibrations and diagnoses on sensors whose noise is not stated: they do not run, everything else does.
 
-use crate::document::{Diagnostic, Map, code};
+use crate::document::{Diagnostic, code};
 use crate::inference::measurement::Measurement;
 use crate::inference::rows::used_rows;
 use crate::study::pass::PassForm;
-use crate::study::pass::measurement::{MeasurementForm, SensorForm};
 use crate::study::resolved::{JobSpec, NamedJob, Refused};
 
 use super::scope::Scope;
@@ -24,7 +23,7 @@ pub(super) fn refused(scope: &Scope, jobs: &[NamedJob], form: &PassForm, measure
             for sensor in measurement.sensors.iter().filter(|sensor| sensor.sigma.is_none()) {
                 // Nothing is asked of a sensor without a reading to fit.
                 let used = rows.iter().any(|row| row.readings.iter().any(|(name, _)| *name == sensor.name));
-                let entry = form.measurements.get(&measurement.name).map(|entry| sensors(&entry.value));
+                let entry = form.measurements.get(&measurement.name).map(|entry| entry.value.sensors());
                 let Some(entry) = entry.and_then(|sensors| sensors.get(&sensor.name)).filter(|_| used) else {
                     continue;
                 };
@@ -45,11 +44,4 @@ pub(super) fn refused(scope: &Scope, jobs: &[NamedJob], form: &PassForm, measure
         }
     }
     refused
-}
-
-fn sensors(form: &MeasurementForm) -> &Map<SensorForm> {
-    match form {
-        MeasurementForm::Steady(form) => &form.sensors,
-        MeasurementForm::Transient(form) => &form.sensors,
-    }
 }

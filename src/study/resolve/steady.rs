@@ -9,10 +9,10 @@ use crate::study::pass::measurement::{
 };
 use crate::study::pinned::Pinned;
 use crate::study::resolved::IgnoredSensor;
-use crate::study::table::Cells;
+use crate::study::table::{Cells, Header};
 use crate::study::window::window;
 
-use super::data::{Data, Layout, Wanted, columns, data, pin, separator};
+use super::data::{Columns, Data, Layout, Wanted, columns, data, pin, separator};
 use super::measurement::{Outcome, has_content, parted, rows_within, said, said_twice, sensors, test_inputs, wanted};
 use super::plausible;
 use super::scope::Scope;
@@ -43,10 +43,15 @@ pub fn steady(
         return Outcome::Wrong;
     }
     if let Rows::Steady(phases) = &mut measurement.rows {
-        hold_out(scope, form.held_out.as_ref(), phases);
-        leave_out(scope, &form.ignore, &form.sensors, phases);
+        mark(scope, form, phases);
     }
     Outcome::Ready(measurement)
+}
+
+/// Marks the phases that are held out or left out; names of others are reported.
+fn mark(scope: &mut Scope, form: &SteadyForm, phases: &mut [Phase]) {
+    hold_out(scope, form.held_out.as_ref(), phases);
+    leave_out(scope, &form.ignore, &form.sensors, phases);
 }
 
 fn table(
@@ -83,7 +88,7 @@ fn table(
     let sensors: Vec<&Sensor> = list.iter().map(|(_, sensor)| sensor).collect();
     plausible::cells(scope, &data, &parts, &sensors, &is_used, &is_used);
     let given = [(String::new(), said(scope, &parts, &[&form.inputs]))];
-    plausible::unsaid(scope, &entry.name, &entry.name_place, &given, &sensors);
+    plausible::unsaid(scope, &entry.name, &entry.name_place, &given, &sensors, &columns.spare);
     let mut phases = Vec::new();
     let mut readings = Vec::new();
     for (row, name) in columns.phases.iter().enumerate() {
@@ -95,7 +100,7 @@ fn table(
         readings.extend(parts.sensors.iter().map(|sensor| sensor.values[row]));
     }
     for ((_, sensor), read) in list.iter_mut().zip(&parts.sensors) {
-        sensor.unit.clone_from(&read.unit);
+        sensor.unit.clone_from(&read.origin.unit.unit.text);
     }
     Outcome::Ready(Box::new(Measurement {
         name: entry.name.clone(),
@@ -118,6 +123,7 @@ struct Series {
     times_s: Vec<f64>,
     parts: super::measurement::Parted,
     unused: Vec<String>,
+    spare: Vec<Header>,
 }
 
 fn series(
@@ -137,7 +143,8 @@ fn series(
     let parts = parted(&mut columns, names.len());
     said_twice(scope, &form.inputs, &parts);
     let used = vec![false; times_s.len()];
-    Some(Series { file: file.value.clone(), data, used, times_s, parts, unused: columns.unused })
+    let Columns { unused, spare, .. } = columns;
+    Some(Series { file: file.value.clone(), data, used, times_s, parts, unused, spare })
 }
 
 /// The column of instants.
@@ -163,15 +170,28 @@ fn from_windows(
         let message = "`pinned` belongs to a measurement with one `file`";
         scope.error(&code::MEASUREMENT_FORM, &pinned.sha256.place, message, "no `pinned` beside `windows`");
     }
+    if windows.is_empty() {
+        let message = format!("the measurement `{}` has no windows", entry.name);
+        scope.error(&code::MEASUREMENT_FORM, &entry.name_place, message, "at least one entry under `windows`");
+        return Outcome::Wrong;
+    }
     let mut all: Vec<Series> = Vec::new();
     // What is wrong with a file is said once.
     let mut wrong: Vec<&str> = Vec::new();
     let base = scope.nominal_inputs();
     let base = test_inputs(scope, base, &form.inputs);
     let mut given = Vec::new();
-    let mut phases = Vec::new();
+    // A window that cannot be read keeps its name, so that what names it is not reported too.
+    let unread = |entry: &MapEntry<WindowForm>| Phase {
+        name: entry.name.clone(),
+        inputs: Vec::new(),
+        held_out: false,
+        ignored: None,
+        stabilisation: None,
+    };
+    let mut phases: Vec<Phase> = windows.iter().map(unread).collect();
     let mut readings = Vec::new();
-    for MapEntry { name, value, place, .. } in windows {
+    for (phase, MapEntry { name, value, place, .. }) in phases.iter_mut().zip(windows) {
         if !all.iter().any(|series| series.file == value.file.value) {
             if wrong.contains(&value.file.value.as_str()) {
                 continue;
@@ -224,18 +244,23 @@ fn from_windows(
             steadiness.chances.push(statistics.and_then(|statistics| statistics.chance));
             steadiness.mean_errors.push(statistics.and_then(|statistics| statistics.mean_error));
         }
-        let stabilisation = Some(steadiness);
-        phases.push(Phase { name: name.clone(), inputs, held_out: false, ignored: None, stabilisation });
+        (phase.inputs, phase.stabilisation) = (inputs, Some(steadiness));
     }
     let sensors: Vec<&Sensor> = list.iter().map(|(_, sensor)| sensor).collect();
     for series in &all {
         let is_used = |row: usize| series.used[row];
         plausible::cells(scope, &series.data, &series.parts, &sensors, &is_used, &is_used);
     }
-    plausible::unsaid(scope, &entry.name, &entry.name_place, &given, &sensors);
+    let spare: Vec<Header> = all.iter_mut().flat_map(|series| std::mem::take(&mut series.spare)).collect();
+    plausible::unsaid(scope, &entry.name, &entry.name_place, &given, &sensors, &spare);
+    if phases.iter().any(|phase| phase.stabilisation.is_none()) {
+        // What is wrong with a window has been reported.
+        mark(scope, form, &mut phases);
+        return Outcome::Wrong;
+    }
     if let Some(series) = all.first() {
         for ((_, sensor), read) in list.iter_mut().zip(&series.parts.sensors) {
-            sensor.unit.clone_from(&read.unit);
+            sensor.unit.clone_from(&read.origin.unit.unit.text);
         }
     }
     let mut unused_columns: Vec<String> = Vec::new();

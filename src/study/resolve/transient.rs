@@ -57,14 +57,14 @@ pub fn transient(
     let held_out = held_out_rows(scope, form.held_out.as_ref(), &times_s);
     let ignored = ignored_rows(scope, form, &times_s);
     let used: Vec<&Sensor> = list.iter().map(|(_, sensor)| sensor).collect();
-    plausible::unsaid(scope, &entry.name, &entry.name_place, &given, &used);
+    plausible::unsaid(scope, &entry.name, &entry.name_place, &given, &used, &columns.spare);
     plausible::cells(scope, &data, &parts, &used, &|_| true, &|row| ignored[row].is_none());
     let mut readings = Vec::with_capacity(times_s.len() * list.len());
     for row in 0..times_s.len() {
         readings.extend(parts.sensors.iter().map(|sensor| sensor.values[row]));
     }
     for ((_, sensor), read) in list.iter_mut().zip(&parts.sensors) {
-        sensor.unit.clone_from(&read.unit);
+        sensor.unit.clone_from(&read.origin.unit.unit.text);
     }
     let hold = |input: usize| form.hold.iter().any(|hold| hold.value == names[input]);
     let table_columns: Vec<InputColumn> =

@@ -30,7 +30,8 @@ pub(super) fn check(
             Some(JobSpec::Diagnose(spec)) => ("diagnoses", &spec.data, &spec.parameters),
             _ => continue,
         };
-        let data: Vec<&Measurement> = data.iter().map(|&index| &measurements[index]).collect();
+        // A measurement with an error of its own is not among them.
+        let data: Vec<&Measurement> = data.iter().filter_map(|&index| measurements.get(index)).collect();
         let used = |own: &&HandedOnPrior| own.draws.parameters.iter().any(|p| parameters.contains(p));
         job(scope, entry, does, &data, handed_on.iter().filter(used));
     }

@@ -27,9 +27,9 @@ UNIT_SYNTAX = "unit-syntax", "a unit that does not parse",
 WRONG_DIMENSION = "wrong-dimension", "a unit of another kind",
     "The unit given measures something else than what is asked for here, such as watts where a temperature belongs. Values are converted to SI where they are read, so a wrong unit would be a wrong number.",
     "wrong: \"sigma\": {\"value\": 0.25, \"unit\": \"W\"}\nright: \"sigma\": {\"value\": 0.25, \"unit\": \"K\"}";
-COULOMB = "coulomb", "the coulomb where degrees Celsius are most likely meant (warning)",
-    "C is the SI unit of charge. A thermal model hardly has charges, so that `C` is most likely meant for degrees Celsius, which are `degC`; in a product, as a standard deviation or as a difference they are `K`.",
-    "suspicious: \"T_if\": {\"unit\": \"C\", \"nominal\": 20}\nright: \"T_if\": {\"unit\": \"degC\", \"nominal\": 20}";
+COULOMB = "coulomb", "the coulomb where degrees Celsius are most likely meant",
+    "C is the SI unit of charge. A thermal model hardly has charges, so that `C` is most likely meant for degrees Celsius, which are `degC`; in a product, as a standard deviation or as a difference they are `K`. A charge is written in `A s`.",
+    "wrong: \"T_if\": {\"unit\": \"C\", \"nominal\": 20}\nright: \"T_if\": {\"unit\": \"degC\", \"nominal\": 20}";
 NEEDS_NUMBER = "needs-number", "an expression where a number is needed",
     "Here a value must be known before the model runs: a number in SI, or {\"value\": ..., \"unit\": ...}. An expression string is allowed only where a part of the model is described.",
     "wrong: \"range\": [\"T_min\", 60]\nright: \"range\": [-40, 60]";
