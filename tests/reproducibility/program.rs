@@ -32,7 +32,7 @@ impl Studies {
             pass["jobs"]["effects"]["sensitivity"]["samples"] = json!(128);
             pass["jobs"]["goal"]["goal"]["samples"] = json!(1024);
             let design = &mut pass["jobs"]["coupon"]["design"];
-            (design["outer"], design["inner"]) = (json!(64), json!(64));
+            (design["outer"], design["inner"]) = (json!(256), json!(64));
         });
         studies.write_cooling();
         studies
