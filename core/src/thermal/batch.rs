@@ -25,6 +25,12 @@ pub struct Batch<const N: usize> {
     stale_parameters: bool,
 }
 
+/// Samples that jobs solve side by side; no part of any identity, since each lane gives the bits of a solve alone.
+pub const LANES: usize = 16;
+
+/// The batch of jobs.
+pub type SampleBatch = Batch<LANES>;
+
 impl<const N: usize> Batch<N> {
     /// Sets all parameters of a lane, SI.
     pub fn set_parameters(&mut self, network: &Network, lane: usize, values: &[f64]) {
@@ -94,6 +100,17 @@ impl<const N: usize> Batch<N> {
 }
 
 impl Network {
+    /// The batch of jobs with every lane at the nominal parameters and inputs. It is compiled here once, and not in the
+    /// crates that call it.
+    pub fn sample_batch(&self) -> SampleBatch {
+        self.batch()
+    }
+
+    /// Solves every lane of the batch of jobs, as [`Network::solve_steady_batch`] does.
+    pub fn solve_samples(&self, batch: &mut SampleBatch, start: Start<'_>) {
+        self.solve_steady_batch(batch, start);
+    }
+
     /// A batch with every lane at the nominal parameters and inputs.
     pub fn batch<const N: usize>(&self) -> Batch<N> {
         let mut batch = Batch {

@@ -19,7 +19,7 @@ pub mod tangent;
 pub mod transient;
 
 pub use balance::{HeatBalance, NodeHeat};
-pub use batch::Batch;
+pub use batch::{Batch, LANES, SampleBatch};
 pub use connectivity::{island_beside, joined};
 pub use model::{Input, Limits, Model, Node, NodeKind, Parameter, Quantity, QuantityValue};
 pub use network::{Network, NetworkError, Workspace};

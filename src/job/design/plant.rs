@@ -7,10 +7,7 @@ use crate::inference::cholesky;
 use crate::inference::information::coordinates;
 use crate::job::JobError;
 use crate::random::Distribution;
-use crate::thermal::{Batch, Model, Network, Start, Workspace};
-
-/// Samples solved side by side; no part of the identity.
-const LANES: usize = 16;
+use crate::thermal::{LANES, Model, Network, SampleBatch, Start, Workspace};
 
 /// Networks with the sensors' quantities alone.
 #[derive(Debug)]
@@ -88,7 +85,7 @@ impl Whitening {
 /// Room of one block.
 #[derive(Debug)]
 pub(super) struct Room {
-    batch: Batch<LANES>,
+    batch: SampleBatch,
     workspace: Workspace,
     parameters: Vec<f64>,
     slopes: Vec<f64>,
@@ -199,7 +196,7 @@ impl Plant {
     }
 
     pub fn room(&self) -> Room {
-        let mut batch = self.plain.batch();
+        let mut batch = self.plain.sample_batch();
         for lane in 0..LANES {
             batch.set_parameters(&self.plain, lane, &self.base);
         }
@@ -246,7 +243,7 @@ impl Plant {
                     batch.set_inputs(&self.plain, lane, &inputs);
                 }
             }
-            self.plain.solve_steady_batch(batch, at.start());
+            self.plain.solve_samples(batch, at.start());
             room.solutions += lanes as u64;
             for lane in 0..lanes {
                 let row = &mut out[lane * sensors..(lane + 1) * sensors];
@@ -279,7 +276,7 @@ impl Plant {
         }
     }
 
-    fn count(&self, batch: &Batch<LANES>, lane: usize, is_good: bool, outside: &mut Outside) {
+    fn count(&self, batch: &SampleBatch, lane: usize, is_good: bool, outside: &mut Outside) {
         if !is_good {
             outside.failed += 1;
             for (count, has) in outside.outside.iter_mut().zip(self.has_limits()) {

@@ -8,10 +8,8 @@ use crate::job::fault::listed;
 use crate::job::propagate::{Probability, Variable};
 use crate::math::special::normal_cdf;
 use crate::statistics::Interval;
-use crate::thermal::{Batch, Start};
+use crate::thermal::{LANES, SampleBatch, Start};
 
-/// Samples solved side by side; no part of the identity, since each lane gives the bits of a solve alone.
-const LANES: usize = 16;
 /// Confidence of intervals.
 const CONFIDENCE: f64 = 0.95;
 
@@ -117,7 +115,7 @@ impl Goal {
             .collect();
         let variable = self.spec.design.as_ref().map(|design| design.variable).zip(design);
         let mut rows = vec![0.5; width * LANES];
-        let mut batch: Batch<LANES> = self.network.batch();
+        let mut batch: SampleBatch = self.network.sample_batch();
         let mut values = vec![0.0; self.spec.requirements.len()];
         let mut columns = vec![[0.0; LANES]; width];
         let mut done = 0;
@@ -149,7 +147,7 @@ impl Goal {
                     }
                     None => {}
                 }
-                self.network.solve_steady_batch(&mut batch, Start::Temperatures(&self.starts[case]));
+                self.network.solve_samples(&mut batch, Start::Temperatures(&self.starts[case]));
                 for lane in 0..lanes {
                     for (value, requirement) in values.iter_mut().zip(&self.spec.requirements) {
                         *value = batch.quantity(&self.network, lane, requirement.quantity);

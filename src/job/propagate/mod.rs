@@ -23,7 +23,7 @@ use serde_json::{Value, json};
 use crate::math::special::normal_quantile;
 use crate::random::{Distribution, PointKind, Points, StreamKey};
 use crate::statistics::clusters::Clusters;
-use crate::thermal::{Batch, Model, Network, Start};
+use crate::thermal::{LANES, Model, Network, SampleBatch, Start};
 
 pub use output::{
     AddedDiscrepancy, Case, Conditional, Distributed, FailedSample, Joint, MainEffect, Met, Output, Probability,
@@ -40,8 +40,6 @@ use block::{BlockInput, BlockOutput};
 
 /// Samples in a block; part of the job's identity.
 const BLOCK: u64 = 8192;
-/// Samples solved side by side; no part of the identity, since each lane gives the bits of a solve alone.
-const LANES: usize = 16;
 /// Batches whose points are drawn at once.
 const BATCHES_DRAWN: usize = 32;
 /// Failed samples kept with their inputs, a block and a case.
@@ -247,7 +245,7 @@ impl Propagate {
             _ => None,
         };
         let start = Start::Temperatures(&self.starts[block.case]);
-        let mut batch: Batch<LANES> = self.network.batch();
+        let mut batch: SampleBatch = self.network.sample_batch();
         for lane in 0..LANES {
             batch.set_parameters(&self.network, lane, &nominal);
             batch.set_inputs(&self.network, lane, &inputs);
@@ -279,7 +277,7 @@ impl Propagate {
                     }
                 }
             }
-            self.network.solve_steady_batch(&mut batch, start);
+            self.network.solve_samples(&mut batch, start);
             for lane in 0..lanes {
                 let fault = match batch.outcome(lane) {
                     Err(error) => Some(error.to_string()),

@@ -1,10 +1,8 @@
 //! The model at many points side by side.
 
 use super::Sensitivity;
-use crate::thermal::{Batch, Start};
+use crate::thermal::{LANES, SampleBatch, Start};
 
-/// Points solved side by side; no part of the identity, since each lane gives the bits of a solve alone.
-pub const LANES: usize = 16;
 /// Values above this would overflow when squared and summed.
 const LARGEST: f64 = 1e140;
 
@@ -15,13 +13,13 @@ pub type Lanes = [f64; LANES];
 pub struct Evaluator<'j> {
     job: &'j Sensitivity,
     case: usize,
-    batch: Batch<LANES>,
+    batch: SampleBatch,
 }
 
 impl<'j> Evaluator<'j> {
     /// Every lane at the nominal parameters.
     pub fn new(job: &'j Sensitivity, case: usize) -> Self {
-        let mut batch: Batch<LANES> = job.network.batch();
+        let mut batch: SampleBatch = job.network.sample_batch();
         for lane in 0..LANES {
             batch.set_parameters(&job.network, lane, &job.nominal);
             batch.set_inputs(&job.network, lane, &job.spec.environments[case].inputs);
@@ -40,11 +38,11 @@ impl<'j> Evaluator<'j> {
         match from {
             Some(temperatures) => {
                 self.batch.set_all_temperatures(temperatures);
-                self.job.network.solve_steady_batch(&mut self.batch, Start::Current);
+                self.job.network.solve_samples(&mut self.batch, Start::Current);
             }
             None => {
                 let start = Start::Temperatures(&self.job.starts[self.case]);
-                self.job.network.solve_steady_batch(&mut self.batch, start);
+                self.job.network.solve_samples(&mut self.batch, start);
             }
         }
     }

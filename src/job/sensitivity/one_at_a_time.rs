@@ -1,12 +1,13 @@
 //! Derivatives at the nominal parameters, mean squared derivatives, elementary effects.
 
 use super::block::{FAILURES_KEPT, Found, Squares};
-use super::evaluate::{Evaluator, LANES, Lanes};
+use super::evaluate::{Evaluator, Lanes};
 use super::output::{FailedSolve, Local};
 use super::{JobError, Sensitivity};
 use crate::statistics::Moments;
 use crate::statistics::elementary_effects::Trajectory;
 use crate::statistics::poincare::Poincare;
+use crate::thermal::LANES;
 use crate::thermal::{Start, Workspace};
 
 impl Sensitivity {

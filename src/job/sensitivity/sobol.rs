@@ -2,9 +2,10 @@
 
 use super::Sensitivity;
 use super::block::{FAILURES_KEPT, Found, OfScramble};
-use super::evaluate::{Evaluator, LANES, Lanes};
+use super::evaluate::{Evaluator, Lanes};
 use super::output::FailedSolve;
 use crate::statistics::sobol_indices::SobolSums;
+use crate::thermal::LANES;
 
 /// Batches whose points are drawn at once.
 const BATCHES_DRAWN: usize = 16;
