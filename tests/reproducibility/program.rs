@@ -150,7 +150,7 @@ fn same(first: &BTreeMap<String, Vec<u8>>, second: &BTreeMap<String, Vec<u8>>, w
 
 #[test]
 fn reports_have_the_same_bytes_for_any_threads_and_with_masked_cpu_features() {
-    let studies = Studies::new(12_000);
+    let studies = Studies::new(4000);
     let one = studies.report("one", "1", None);
     for file in ["radiator/pass-1/results.json", "radiator/pass-1/report.html", "cooling/pass-1/report.md"] {
         assert!(one.contains_key(file), "{file}: {:?}", one.keys());
@@ -161,7 +161,7 @@ fn reports_have_the_same_bytes_for_any_threads_and_with_masked_cpu_features() {
 
 #[test]
 fn ten_kills_at_random_moments_leave_no_trace_in_the_result() {
-    let studies = Studies::new(1 << 20);
+    let studies = Studies::new(1 << 18);
     studies.change_job(|job| job["sweep"] = json!({"A": [0.28, 0.30, 0.32]}));
     let mut moments = StreamKey::new(9, "kills", "moments").stream(0);
     let mut killed = 0;
@@ -188,7 +188,7 @@ fn ten_kills_at_random_moments_leave_no_trace_in_the_result() {
 
 #[test]
 fn two_programs_share_a_cache() {
-    let studies = Studies::new(60_000);
+    let studies = Studies::new(16_000);
     let mut processes: Vec<_> = (0..2)
         .map(|_| studies.bmv(&["run", "studies", "--threads", "2"], "cache").stderr(Stdio::null()).spawn().unwrap())
         .collect();
