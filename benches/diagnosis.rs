@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use bmv::diagnosis::Problem;
-use bmv::diagnosis::signature::{for_each_direction, linearise};
+use bmv::diagnosis::linearisation::signature::{for_each_direction, linearise};
 use bmv::document::Diagnostics;
 use bmv::effect::{Catalogue, candidates};
 use bmv::inference::likelihood::Likelihood;

@@ -9,9 +9,9 @@ use bmv::inference::importance::{ImportanceEstimate, ImportanceSettings, estimat
 use bmv::inference::metropolis::{self, MetropolisSettings};
 use bmv::inference::nuts::{self, NutsSettings};
 use bmv::inference::parts::Parts;
-use bmv::inference::shear::NormalApproximation;
 use bmv::inference::smc::{self, SmcResult, SmcSettings};
 use bmv::inference::target::Target;
+use bmv::inference::triangular_transport::NormalApproximation;
 use bmv::random::StreamKey;
 use bmv::statistics::chain_diagnostics::{mcse_mean, mcse_sd};
 use serde::Serialize;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use bmv::diagnosis::refit::Begin;
+use bmv::diagnosis::fits::refit::Begin;
 use bmv::diagnosis::{Diagnosis, Problem, Settings, Verdict};
 use bmv::inference::measurement::Uncertain;
 use bmv::job::{Job, Step};

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bmv::diagnosis::signature::{Unseen, directions, linearise};
+use bmv::diagnosis::linearisation::signature::{Unseen, directions, linearise};
 use bmv::diagnosis::{Direction, Problem};
 use bmv::effect::{Candidate, SensorPlace, candidates};
 use bmv::inference::likelihood::{InputError, Likelihood};

@@ -5,12 +5,16 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::exchange::exchanges;
-use super::noise::{SettledNoise, settle};
-use super::refit::Begin;
-use super::screen::{Lead, Screening};
-use super::weigh::weigh;
-use super::{Problem, Refit, Settings};
+use crate::diagnosis::Problem;
+use crate::diagnosis::Refit;
+use crate::diagnosis::Settings;
+use crate::diagnosis::fits::exchange::exchanges;
+use crate::diagnosis::fits::refit::Begin;
+use crate::diagnosis::noise::estimate::SettledNoise;
+use crate::diagnosis::noise::estimate::settle;
+use crate::diagnosis::odds::posterior_odds::weigh;
+use crate::diagnosis::screening::screen::Lead;
+use crate::diagnosis::screening::screen::Screening;
 use crate::effect::Effect;
 use crate::inference::joint_prior::JointPrior;
 use crate::inference::measurement::Rows;
@@ -18,7 +22,7 @@ use crate::inference::target::Target;
 use crate::random::StreamKey;
 
 /// Single effects that are fitted at first.
-pub(super) const SINGLES: usize = 30;
+pub(crate) const SINGLES: usize = 30;
 /// Pairs that are fitted at first.
 const PAIRS: usize = 30;
 /// Most exchanges of channels that are fitted whatever their linearisation says.
@@ -32,7 +36,7 @@ const BENT: f64 = 0.02;
 /// Starts of the believed model.
 const STARTS: usize = 8;
 /// A transient of a hypothesis may take this many times the steps of the believed model.
-pub(super) const TIMES_THE_STEPS: u64 = 50;
+pub(crate) const TIMES_THE_STEPS: u64 = 50;
 /// And so many in any case: they cost nothing.
 const LEAST_OF_MOST_STEPS: u64 = 2000;
 
@@ -124,30 +128,30 @@ impl State {
     }
 
     /// Orders a set once more where it was fitted, with a fit of a larger set as its start.
-    pub(super) fn order_again(&mut self, effects: Vec<usize>, from: usize) {
+    pub(crate) fn order_again(&mut self, effects: Vec<usize>, from: usize) {
         if !self.pending.iter().any(|order| order.effects == effects) {
             self.pending.push(Order { effects, starts: vec![BTreeMap::new()], from });
         }
     }
 
     /// Whether what a set leaves was tested and went into orders.
-    pub(super) fn is_gone_on_from(&self, place: usize) -> bool {
+    pub(crate) fn is_gone_on_from(&self, place: usize) -> bool {
         self.remainders.iter().any(|remainder| remainder.effects == self.refits[place].effects)
     }
 
-    pub(super) fn warn(&mut self, why: String) {
+    pub(crate) fn warn(&mut self, why: String) {
         if !self.warnings.contains(&why) {
             self.warnings.push(why);
         }
     }
 
-    pub(super) fn is_known(&self, effects: &[usize]) -> bool {
+    pub(crate) fn is_known(&self, effects: &[usize]) -> bool {
         self.refits.iter().any(|refit| refit.effects == effects)
             || self.pending.iter().any(|order| order.effects == effects)
     }
 
     /// Orders a fit of a set, unless it is there.
-    pub(super) fn order(&mut self, leads: &[&Lead], with: &[usize], from: usize) {
+    pub(crate) fn order(&mut self, leads: &[&Lead], with: &[usize], from: usize) {
         let mut effects: Vec<usize> = leads.iter().map(|lead| lead.candidate).chain(with.iter().copied()).collect();
         effects.sort_unstable();
         effects.dedup();
@@ -194,12 +198,12 @@ impl Diagnosis {
     }
 
     /// The streams of random numbers.
-    pub(super) fn key(&self) -> &StreamKey {
+    pub(crate) fn key(&self) -> &StreamKey {
         &self.key
     }
 
     /// The problem with the estimated noise as if it were known, and bounds on the steps of transients.
-    pub(super) fn settled(&self, noise: &[SettledSensor], most_steps: &[u64]) -> Problem {
+    pub(crate) fn settled(&self, noise: &[SettledSensor], most_steps: &[u64]) -> Problem {
         let mut problem = Problem { most_steps: most_steps.to_vec(), ..self.problem.clone() };
         for one in noise {
             settle(&mut problem.measurements[one.measurement], one.sensor, &one.noise);
@@ -283,7 +287,7 @@ impl Diagnosis {
 
     /// What stands out where the parameters are as they were believed beforehand, if the fit bends them far from there: about
     /// a fit that a strong effect has bent, its linearisation may not look like it any more. The starts hold the parameters.
-    pub(super) fn leads_unbent(&self, problem: &Problem, believed: &Refit) -> Result<Vec<Lead>, String> {
+    pub(crate) fn leads_unbent(&self, problem: &Problem, believed: &Refit) -> Result<Vec<Lead>, String> {
         let likelihood = self.likelihood(problem)?;
         let mut unbent = believed.clone();
         let mut bent = false;
@@ -305,7 +309,7 @@ impl Diagnosis {
     }
 
     /// Whether the tests find that something is missing.
-    pub(super) fn finds(&self, screening: &Screening) -> bool {
+    pub(crate) fn finds(&self, screening: &Screening) -> bool {
         screening.family.p <= self.settings.false_alarm
     }
 
@@ -334,14 +338,14 @@ impl Diagnosis {
         problem.refit(&order.effects, &begin, &self.key).map_err(|why| format!("{}: {why}", names.join(" + ")))
     }
 
-    pub(super) fn is_unknown_function(&self, effect: usize) -> bool {
+    pub(crate) fn is_unknown_function(&self, effect: usize) -> bool {
         let effect = self.problem.catalogue.get(&self.problem.candidates[effect].effect);
         effect.is_some_and(Effect::is_unknown_function)
     }
 
     /// Settles the noise anew beside the best fitted effect or pair; before, it was settled beside a linearised one. Where it
     /// changes, everything is screened and fitted again. `None` where it stays.
-    pub(super) fn settle_again(&self, state: &State) -> Result<Option<State>, String> {
+    pub(crate) fn settle_again(&self, state: &State) -> Result<Option<State>, String> {
         let weights = weigh(&self.problem, &state.refits, None);
         // An unknown function, or a third effect, could take noise for physics.
         let plain = |place: &usize| {
@@ -373,7 +377,7 @@ impl Diagnosis {
     }
 
     /// Screens what a fitted set leaves.
-    pub(super) fn screen_beside(&self, problem: &Problem, refit: &Refit) -> Result<Screening, String> {
+    pub(crate) fn screen_beside(&self, problem: &Problem, refit: &Refit) -> Result<Screening, String> {
         let with = problem.with(refit).map_err(|error| error.to_string())?;
         self.screen_problem(&with, refit, false)
     }
@@ -382,7 +386,7 @@ impl Diagnosis {
     ///
     /// # Errors
     /// As [`Diagnosis::screen`].
-    pub fn run(&self) -> Result<super::Output, String> {
+    pub fn run(&self) -> Result<crate::diagnosis::Output, String> {
         let mut state = self.screen()?;
         loop {
             let orders = self.orders(&state);

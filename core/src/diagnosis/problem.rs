@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::HypothesisError;
+use crate::diagnosis::HypothesisError;
 use crate::effect::{Candidate, Catalogue};
 use crate::inference::joint_prior::JointPrior;
 use crate::inference::likelihood::{InputError, Likelihood, LikelihoodError};
@@ -39,7 +39,7 @@ pub struct Problem {
 impl Problem {
     /// A likelihood of the problem's parameters, and perhaps others after them, with the joint priors; `most_steps` are those
     /// of its measurements.
-    pub(super) fn informed(&self, likelihood: Likelihood, most_steps: &[u64]) -> Likelihood {
+    pub(crate) fn informed(&self, likelihood: Likelihood, most_steps: &[u64]) -> Likelihood {
         likelihood.with_joint_priors(self.joint.clone()).with_most_steps(most_steps.to_vec())
     }
 
@@ -67,6 +67,6 @@ impl Problem {
 }
 
 /// Whether an unknown is the parameter that acts on nothing.
-pub(super) fn is_idle(name: &str) -> bool {
+pub(crate) fn is_idle(name: &str) -> bool {
     name == IDLE
 }

@@ -1,7 +1,6 @@
 //! Priors, measurements, likelihood, point estimates, samplers, evidence, predictive checks.
 
 pub mod adaptation;
-pub mod between_bounds;
 pub mod box_probability;
 pub mod chains;
 pub mod cholesky;
@@ -30,8 +29,9 @@ pub mod psis;
 pub mod rows;
 pub mod scatter;
 pub mod score;
-pub mod shear;
 pub mod smc;
 pub mod target;
 pub mod transform;
+pub mod triangular_transport;
+pub mod truncated_moments;
 pub mod unknown;

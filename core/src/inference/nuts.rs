@@ -4,7 +4,7 @@
 //! the weights of its points, later halves preferred, and the turn is judged by the sum of the momenta (Betancourt 2017,
 //! appendix A), also across the seam of two halves, so that trajectories that come round in one half are seen.
 //! The step size follows dual averaging, the metric is learnt in doubling windows of the warm-up. Where a normal
-//! approximation of the posterior is known, coordinates are sheared along it (`shear`).
+//! approximation of the posterior is known, coordinates are sheared along it (`triangular_transport`).
 
 use serde::{Deserialize, Serialize};
 
@@ -13,8 +13,8 @@ use super::chains::{Chain, SampleError, start_point};
 use super::metric::Metric;
 use super::parts::Parts;
 use super::posterior::{Density, Evaluator, Posterior};
-use super::shear::NormalApproximation;
 use super::target::Target;
+use super::triangular_transport::NormalApproximation;
 use crate::math::functions::{exp, ln, ln_1p};
 use crate::random::{Stream, StreamKey};
 use crate::watch;

@@ -6,15 +6,15 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::between_bounds::{Moments, moments};
 use super::chains::{SampleError, most_frequent};
 use super::identifiability::{self, Finding};
 use super::laplace::Laplace;
 use super::natural::NaturalObjective;
 use super::optimise::{Bounds, Minimum, free_variables, hessian, minimise};
 use super::posterior::Work;
-use super::shear::NormalApproximation;
 use super::target::LeastSquares;
+use super::triangular_transport::NormalApproximation;
+use super::truncated_moments::{Moments, moments};
 use crate::random::{PointKind, Points, StreamKey};
 use crate::watch;
 
@@ -84,7 +84,7 @@ pub struct PointEstimate {
     pub log_evidence: Option<f64>,
     /// Means and standard deviations with bounds considered, SI, to first order in the coordinates; where they are asked for and exist.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub between_bounds: Option<Moments>,
+    pub truncated_moments: Option<Moments>,
     /// What is wrong with the fit.
     pub findings: Vec<Finding>,
     /// The starts.
@@ -158,13 +158,13 @@ pub fn estimate<T: LeastSquares>(
     };
     let mut estimate = assemble(&objective, &best, &bounds, &curvature, findings, descents);
     if settings.moments {
-        estimate.between_bounds = between_bounds(&objective, &best, &bounds, &curvature);
+        estimate.truncated_moments = truncated_moments(&objective, &best, &bounds, &curvature);
     }
     Ok(estimate)
 }
 
 /// The moments of the parameters.
-fn between_bounds<T: LeastSquares>(
+fn truncated_moments<T: LeastSquares>(
     objective: &NaturalObjective<'_, T>,
     best: &Minimum,
     bounds: &Bounds,
@@ -259,7 +259,7 @@ fn assemble<T: LeastSquares>(
         held,
         covariance,
         log_evidence,
-        between_bounds: None,
+        truncated_moments: None,
         findings,
         descents,
         work: objective.work.clone(),

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::shear::{NormalApproximation, Shear, covariance_of_coordinates};
 use super::target::{Rejected, Rejections, Target};
 use super::transform::{Transform, TransformError};
+use super::triangular_transport::{NormalApproximation, Transport, covariance_of_coordinates};
 use crate::random::Stream;
 use crate::watch;
 
@@ -12,7 +12,7 @@ use crate::watch;
 pub struct Posterior<'a, T: Target> {
     target: &'a T,
     transforms: Vec<Transform>,
-    shear: Option<Shear>,
+    transport: Option<Transport>,
 }
 
 impl<'a, T: Target> Posterior<'a, T> {
@@ -27,28 +27,30 @@ impl<'a, T: Target> Posterior<'a, T> {
             .enumerate()
             .map(|(index, prior)| Transform::new(prior, index))
             .collect::<Result<_, _>>()?;
-        Ok(Self { target, transforms, shear: None })
+        Ok(Self { target, transforms, transport: None })
     }
 
-    /// The posterior in coordinates that keep the ridges of a normal approximation straight ([`Shear`]).
+    /// The posterior in coordinates that keep the ridges of a normal approximation straight ([`Transport`]).
     ///
     /// # Errors
     /// As [`Posterior::new`].
     pub fn along(target: &'a T, normal: &NormalApproximation) -> Result<Self, TransformError> {
         let own = Self::new(target)?;
-        let shear = Shear::new(&own.transforms, target.priors(), normal);
-        Ok(Self { shear, ..own })
+        let transport = Transport::new(&own.transforms, target.priors(), normal);
+        Ok(Self { transport, ..own })
     }
 
     /// A normal approximation's covariance over the coordinates, n x n, to first order at its mode.
     pub fn covariance(&self, normal: &NormalApproximation) -> Vec<f64> {
-        covariance_of_coordinates(&self.transforms, self.shear.as_ref(), normal)
+        covariance_of_coordinates(&self.transforms, self.transport.as_ref(), normal)
     }
 
     /// The parameter at a place of the order in which they are computed, and how far those before move its coordinate.
     #[inline]
     fn at_place(&self, place: usize, parameters: &[f64]) -> (usize, f64) {
-        self.shear.as_ref().map_or((place, 0.0), |shear| (shear.parameter(place), shear.shift(place, parameters)))
+        self.transport
+            .as_ref()
+            .map_or((place, 0.0), |transport| (transport.parameter(place), transport.shift(place, parameters)))
     }
 
     /// Number of coordinates.
@@ -60,12 +62,12 @@ impl<'a, T: Target> Posterior<'a, T> {
     pub fn coordinates(&self, parameters: &[f64]) -> Vec<f64> {
         let maps = self.transforms.iter().zip(parameters);
         let mut coordinates: Vec<f64> = maps.map(|(transform, &value)| transform.coordinate(value)).collect();
-        if let Some(shear) = &self.shear {
+        if let Some(transport) = &self.transport {
             // A parameter at its bound has a coordinate a little inside.
             let maps = self.transforms.iter().zip(&coordinates);
             let inside: Vec<f64> = maps.map(|(transform, &z)| transform.at(z).value).collect();
             for place in 0..coordinates.len() {
-                coordinates[shear.parameter(place)] -= shear.shift(place, &inside);
+                coordinates[transport.parameter(place)] -= transport.shift(place, &inside);
             }
         }
         coordinates
@@ -194,11 +196,11 @@ impl<T: Target> Evaluator<'_, T> {
             self.posterior.target.log_likelihood_gradient(&self.parameters, &mut self.workspace, &mut self.gradient);
         let log_likelihood = self.checked(answer)?;
         for place in (0..gradient.len()).rev() {
-            let shear = self.posterior.shear.as_ref();
-            let i = shear.map_or(place, |shear| shear.parameter(place));
+            let transport = self.posterior.transport.as_ref();
+            let i = transport.map_or(place, |transport| transport.parameter(place));
             gradient[i] += self.gradient[i] * self.slopes[i];
-            if let Some(shear) = shear {
-                gradient[i] += shear.returned(place, gradient) * self.slopes[i];
+            if let Some(transport) = transport {
+                gradient[i] += transport.returned(place, gradient) * self.slopes[i];
             }
             if !gradient[i].is_finite() {
                 self.work.rejections.count(&Rejected::new("the gradient is not finite"));
@@ -300,7 +302,7 @@ mod tests {
     fn gradients_over_sheared_coordinates_agree_with_central_differences() {
         let (target, normal) = ridge();
         let posterior = Posterior::along(&target, &normal).expect("maps");
-        assert!(posterior.shear.is_some());
+        assert!(posterior.transport.is_some());
         let mut evaluator = posterior.evaluator();
         let mut gradient = [0.0; 3];
         for at in [[-2.0, 0.3, -0.4], [0.1, -0.8, 0.2], [-4.0, 0.5, 0.7]] {

@@ -7,15 +7,19 @@
 //! while the evidence rises by more than the logarithm of the number of choices. Then the model is linearised anew with
 //! the heat in it, until it stays: the heat may have let the parameters go far from where they were without it.
 
+pub(crate) mod effect_heat_flow;
 mod relations;
 mod sources;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::evidence::{Amplitude, Evidence};
-use super::output::{GoesWith, Heat};
-use super::products::dot;
-use super::{Problem, Refit};
+use crate::diagnosis::Problem;
+use crate::diagnosis::Refit;
+use crate::diagnosis::fits::evidence::Amplitude;
+use crate::diagnosis::fits::evidence::Evidence;
+use crate::diagnosis::linearisation::scalar_products::dot;
+use crate::diagnosis::output::GoesWith;
+use crate::diagnosis::output::Heat;
 use crate::math::functions::ln;
 use crate::watch;
 use relations::relations;
@@ -34,7 +38,7 @@ const STAYS: f64 = 0.02;
 
 /// The heat that is missing.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct MissingHeat {
+pub(crate) struct MissingHeat {
     /// Log evidence of a model with such sources.
     pub log_evidence: f64,
     /// The heat of each node and phase or stretch.
@@ -167,7 +171,7 @@ fn settle(sources: &Sources, mut state: State, chosen: &Needed) -> State {
 }
 
 /// The heat that a fit of the believed model lacks. `None` for networks that are too large or that cannot be solved so.
-pub(super) fn missing_heat(problem: &Problem, believed: &Refit) -> Option<MissingHeat> {
+pub(crate) fn missing_heat(problem: &Problem, believed: &Refit) -> Option<MissingHeat> {
     let sources = Sources::new(problem)?;
     let list = sources.list();
     let state = sources.at(&believed.unknowns, &vec![0.0; list.len()])?;
@@ -198,8 +202,12 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::diagnosis::laboratory::{Recipe, TestKind, Topology, Wish, case};
-    use crate::diagnosis::refit::Begin;
+    use crate::diagnosis::fits::refit::Begin;
+    use crate::diagnosis::laboratory::Recipe;
+    use crate::diagnosis::laboratory::TestKind;
+    use crate::diagnosis::laboratory::Topology;
+    use crate::diagnosis::laboratory::Wish;
+    use crate::diagnosis::laboratory::case;
     use crate::document::Diagnostics;
     use crate::effect::Catalogue;
     use crate::random::StreamKey;

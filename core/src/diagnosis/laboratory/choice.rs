@@ -4,7 +4,7 @@ use super::draw::{Draw, short};
 use super::hide::HideError;
 use super::truth::{HiddenEffect, HiddenValue, Outside};
 use crate::diagnosis::Problem;
-use crate::diagnosis::weigh::Odds;
+use crate::diagnosis::odds::posterior_odds::Odds;
 use crate::effect::EffectParameter;
 use crate::inference::measurement::{Measurement, Rows};
 use crate::thermal::NodeKind;

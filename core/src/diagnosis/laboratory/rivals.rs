@@ -13,7 +13,7 @@ use super::hide::{Hidden, HideError, told};
 use super::refit::{self, Refit};
 use super::truth::{NoiseTruth, Rival};
 use crate::diagnosis::Problem;
-use crate::diagnosis::levels::thresholds;
+use crate::diagnosis::fits::threshold_levels::thresholds;
 use crate::effect::{Candidate, EffectParameter};
 use crate::inference::measurement::Uncertain;
 use crate::inference::target::{LeastSquares, Target};

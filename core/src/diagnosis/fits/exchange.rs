@@ -1,0 +1,97 @@
+//! Exchanged channels that no linearisation shows: a large exchange bends the fit of the believed model so far that its
+//! predictions there say nothing of what the sensors would read.
+
+use crate::diagnosis::Problem;
+use crate::diagnosis::Refit;
+use crate::effect::Effect;
+use crate::inference::target::{LeastSquares, Target};
+
+/// Candidates that exchange channels.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Exchanges {
+    /// Those that, nothing being refitted, leave less than the believed model does: at its fit or at the priors' medians.
+    /// Positions, those that leave least first.
+    pub likeliest: Vec<usize>,
+    /// Those of which no model can be made: position and why.
+    pub impossible: Vec<(usize, String)>,
+}
+
+/// The candidates that exchange channels, at most `count` of the likeliest.
+///
+/// # Errors
+/// Why nothing can be predicted without any of them.
+pub(crate) fn exchanges(problem: &Problem, believed: &Refit, count: usize) -> Result<Exchanges, String> {
+    let is_one = |effect: &str| problem.catalogue.get(effect).is_some_and(Effect::exchanges_channels);
+    let mut all = (0..problem.candidates.len()).filter(|&own| is_one(&problem.candidates[own].effect)).peekable();
+    let (mut found, mut impossible) = (Vec::new(), Vec::new());
+    if all.peek().is_none() {
+        return Ok(Exchanges::default());
+    }
+    let without = left(problem, believed, &[])?;
+    for position in all {
+        match left(problem, believed, &[position]) {
+            Ok(with) if with[0] < without[0] || with[1] < without[1] => found.push((with[0].min(with[1]), position)),
+            Ok(_) => {}
+            Err(why) => impossible.push((position, why)),
+        }
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    found.truncate(count);
+    Ok(Exchanges { likeliest: found.into_iter().map(|(_, position)| position).collect(), impossible })
+}
+
+/// Sums of squares with effects at the believed model's fit and at the medians of all priors; infinite where the model has
+/// no solution.
+///
+/// # Errors
+/// Why no model can be made with these effects.
+fn left(problem: &Problem, believed: &Refit, effects: &[usize]) -> Result<[f64; 2], String> {
+    let hypothesis = problem.hypothesis(effects, 1.0).and_then(|own| own.likelihood(problem));
+    let likelihood = hypothesis.map_err(|error| error.to_string())?;
+    let known = believed.by_name();
+    let medians: Vec<f64> = likelihood.priors().iter().map(|prior| prior.quantile(0.5)).collect();
+    let fitted: Vec<f64> = (likelihood.names().iter().zip(&medians))
+        .map(|(name, median)| known.get(name).copied().unwrap_or(*median))
+        .collect();
+    let mut workspace = likelihood.workspace();
+    let mut residuals = vec![0.0; likelihood.residual_count()];
+    Ok([fitted, medians].map(|at| match likelihood.residuals(&at, &mut workspace, &mut residuals) {
+        Ok(_) => residuals.iter().map(|r| r * r).sum(),
+        Err(_) => f64::INFINITY,
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::diagnosis::Diagnosis;
+    use crate::diagnosis::Settings;
+    use crate::diagnosis::laboratory::Recipe;
+    use crate::diagnosis::laboratory::TestKind;
+    use crate::diagnosis::laboratory::Topology;
+    use crate::diagnosis::laboratory::Wish;
+    use crate::diagnosis::laboratory::case;
+    use crate::document::Diagnostics;
+    use crate::effect::{Catalogue, Site};
+    use crate::random::StreamKey;
+
+    #[test]
+    fn an_exchange_of_which_no_model_can_be_made_is_told_with_its_reason() {
+        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+        let wish = Wish { only: Some("heat-load".to_owned()), size: Some(5.0), ..Wish::default() };
+        let recipe = Recipe { topology: Some(Topology::Star), test: Some(TestKind::Steady), wish, rivals: false };
+        let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+        let is_swap = |candidate: &crate::effect::Candidate| candidate.effect == "swapped-channels";
+        let broken = problem.candidates.iter().position(is_swap).unwrap();
+        problem.candidates[broken].site = Site::Nodes(vec![(0, 1.0)]);
+        let diagnosis = Diagnosis::new(problem.clone(), Settings::default(), StreamKey::new(1, "test", "exchange"));
+        let state = diagnosis.screen().unwrap();
+        let found = exchanges(&problem, &state.refits[0], usize::MAX).unwrap();
+        assert!(!found.likeliest.contains(&broken));
+        let [(position, why)] = found.impossible.as_slice() else { panic!("{:?}", found.impossible) };
+        assert!(*position == broken && why.contains("swapped-channels"), "{why}");
+        assert!(state.failed.contains(&found.impossible[0]), "{:?}", state.failed);
+    }
+}

@@ -1,0 +1,205 @@
+//! The believed model with a set of effects added, and the measurements as it sees them.
+
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use crate::diagnosis::Problem;
+use crate::diagnosis::Refit;
+use crate::effect::apply::LEAST_CAPACITY_J_PER_K;
+use crate::effect::parameter::widened;
+use crate::effect::{
+    Applied, ApplyError, Candidate, Effect, EffectParameter, Instance, SensorChange, SensorPlace, Site, apply,
+};
+use crate::expression::{Dimension, Unit};
+use crate::inference::likelihood::{Definition, Likelihood, LikelihoodError};
+use crate::inference::measurement::{Initial, Measurement, Uncertain};
+use crate::random::Distribution;
+use crate::thermal::Model;
+
+/// A model with effects that a problem's model lacks.
+#[derive(Clone, Debug)]
+pub struct Hypothesis {
+    /// Positions of the effects in the problem's list of candidates.
+    pub effects: Vec<usize>,
+    /// The model with them.
+    pub model: Model,
+    /// Priors of its parameters, SI.
+    pub priors: Vec<Distribution>,
+    /// Positions of the inferred parameters: those of the problem, then those of the effects.
+    pub parameters: Vec<usize>,
+    /// Parameters of each effect: positions in the model.
+    pub amplitudes: Vec<std::ops::Range<usize>>,
+    /// The measurements with their sensors changed and a start temperature for every added node.
+    pub measurements: Vec<Measurement>,
+}
+
+/// Effects that do not go together, or a model that they spoil.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum HypothesisError {
+    /// An effect that cannot be applied.
+    #[error(transparent)]
+    Apply(#[from] ApplyError),
+    /// A likelihood that cannot be made.
+    #[error(transparent)]
+    Likelihood(#[from] LikelihoodError),
+}
+
+impl Problem {
+    /// Adds effects, in the order given. `scale` widens the priors of their amplitudes (1 leaves them).
+    ///
+    /// # Errors
+    /// [`HypothesisError::Apply`] where they do not fit.
+    pub fn hypothesis(&self, effects: &[usize], scale: f64) -> Result<Hypothesis, HypothesisError> {
+        self.hypothesis_of_widths(effects, &vec![scale; effects.len()])
+    }
+
+    /// The same with a width for each effect.
+    ///
+    /// # Errors
+    /// [`HypothesisError::Apply`] where they do not fit.
+    pub(crate) fn hypothesis_of_widths(
+        &self,
+        effects: &[usize],
+        widths: &[f64],
+    ) -> Result<Hypothesis, HypothesisError> {
+        let mut hypothesis = Hypothesis {
+            effects: effects.to_vec(),
+            model: (*self.model).clone(),
+            priors: self.priors.clone(),
+            parameters: self.parameters.clone(),
+            amplitudes: Vec::new(),
+            measurements: self.measurements.clone(),
+        };
+        for (&effect, &width) in effects.iter().zip(widths) {
+            hypothesis.add(self, effect, width)?;
+        }
+        Ok(hypothesis)
+    }
+
+    /// The problem whose believed model has the effects of a fit, with priors as wide as the fit took them. The candidates
+    /// are the same.
+    ///
+    /// # Errors
+    /// [`HypothesisError::Apply`] where they do not fit.
+    pub fn with(&self, fit: &Refit) -> Result<Problem, HypothesisError> {
+        let Hypothesis { model, priors, parameters, measurements, .. } =
+            self.hypothesis_of_widths(&fit.effects, &fit.widths)?;
+        Ok(Problem { model: Arc::new(model), priors, parameters, measurements, ..self.clone() })
+    }
+}
+
+impl Hypothesis {
+    /// Adds one more effect of the problem.
+    fn add(&mut self, problem: &Problem, position: usize, scale: f64) -> Result<(), HypothesisError> {
+        let candidate = &problem.candidates[position];
+        let misplaced = || ApplyError::Place { effect: candidate.effect.clone() };
+        if let Site::Parameter(index) = candidate.site {
+            let wide = problem.wider_prior(index, scale).ok_or_else(misplaced)?;
+            *self.priors.get_mut(index).ok_or_else(misplaced)? = wide;
+            self.amplitudes.push(index..index + 1);
+            return Ok(());
+        }
+        let effect = problem.catalogue.get(&candidate.effect).ok_or_else(misplaced)?;
+        let mut parameters = effect.parameters(&self.model, &candidate.bound);
+        for parameter in parameters.iter_mut().filter(|parameter| parameter.unit.dimension == heat_capacity()) {
+            // A hidden part has some capacity: at exactly 0 the model would not feel it, and evidence would not see the bound.
+            if let Distribution::HalfNormal { scale } = parameter.prior {
+                let lower = Some(LEAST_CAPACITY_J_PER_K);
+                parameter.prior = Distribution::Normal { mean: 0.0, sd: scale, lower, upper: None };
+            }
+        }
+        for parameter in parameters.iter_mut().filter(|parameter| parameter.amplitude && scale != 1.0) {
+            parameter.prior = widened(parameter.prior, scale);
+        }
+        self.add_as(candidate, effect, &candidate.id, parameters)?;
+        Ok(())
+    }
+
+    /// Adds an effect at a candidate's place under a name, with parameters of its own.
+    pub(crate) fn add_as(
+        &mut self,
+        candidate: &Candidate,
+        effect: &Effect,
+        name: &str,
+        parameters: Vec<EffectParameter>,
+    ) -> Result<Applied, HypothesisError> {
+        let (site, bound) = (self.site(&candidate.site), candidate.bound.clone());
+        let instance = Instance { name, effect, site, bound, parameters, switch: None };
+        let applied = apply(&mut self.model, &instance)?;
+        let range = applied.first_parameter..applied.first_parameter + instance.parameters.len();
+        for (offset, parameter) in instance.parameters.iter().enumerate() {
+            self.priors.push(parameter.prior);
+            if !parameter.prior.is_fixed() {
+                self.parameters.push(range.start + offset);
+            }
+        }
+        self.amplitudes.push(range);
+        for measurement in &mut self.measurements {
+            for &(node, host) in &applied.nodes {
+                measurement.begin_like(node, host);
+            }
+            for change in &applied.sensors {
+                let nominal = match change {
+                    SensorChange::Lag { parameter, .. } => self.model.parameters[*parameter].nominal,
+                    _ => 0.0,
+                };
+                measurement.change_sensors(change, nominal);
+            }
+        }
+        Ok(applied)
+    }
+
+    /// A place as it is now: a sensor that an effect before changed reads another quantity.
+    fn site(&self, site: &Site) -> Site {
+        let Site::Sensors(sensors) = site else { return site.clone() };
+        let now = |place: &SensorPlace| {
+            let own = self.measurements.iter().flat_map(|m| &m.sensors).find(|sensor| sensor.name == place.name);
+            SensorPlace { quantity: own.map_or(place.quantity, |sensor| sensor.quantity), ..place.clone() }
+        };
+        Site::Sensors(sensors.iter().map(now).collect())
+    }
+
+    /// Its likelihood.
+    ///
+    /// # Errors
+    /// [`HypothesisError::Likelihood`].
+    pub fn likelihood(&self, problem: &Problem) -> Result<Likelihood, HypothesisError> {
+        let measurements: Vec<&Measurement> = self.measurements.iter().collect();
+        let likelihood = Likelihood::new(&Definition {
+            model: &self.model,
+            priors: &self.priors,
+            parameters: &self.parameters,
+            measurements: &measurements,
+            input_errors: &problem.input_errors,
+        })?;
+        Ok(problem.informed(likelihood, &problem.most_steps))
+    }
+}
+
+impl Measurement {
+    /// Gives a node that was added a start temperature: that of its host.
+    pub(crate) fn begin_like(&mut self, node: usize, host: usize) {
+        if let crate::inference::measurement::Rows::Transient {
+            initial: Initial::Temperatures { values, shared, balanced },
+            ..
+        } = &mut self.rows
+            && let Some(value) = values.get(host).cloned()
+        {
+            if shared.contains(&host) {
+                shared.push(node);
+            }
+            if balanced.contains(&host) {
+                balanced.push(node);
+            }
+            // Boundaries that effects added before it have no start temperature.
+            values.resize(node.max(values.len()), Uncertain::Known(0.0));
+            values.push(value);
+        }
+    }
+}
+
+/// The dimension of J/K.
+fn heat_capacity() -> Dimension {
+    Unit::parse("J/K").map_or(Dimension::NONE, |unit| unit.dimension)
+}

@@ -1,0 +1,340 @@
+//! A hypothesis fitted to the data: evidence, amplitudes, errors on the rows that it saw and on those that it did not.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::diagnosis::Hypothesis;
+use crate::diagnosis::Problem;
+use crate::diagnosis::fits::threshold_gaps::Flat;
+use crate::diagnosis::fits::threshold_gaps::together;
+use crate::diagnosis::odds::prior_of::is_prior;
+use crate::diagnosis::odds::prior_scale::Amplitudes;
+use crate::diagnosis::odds::prior_scale::WIDTHS;
+use crate::expression::Unit;
+use crate::inference::likelihood::{GIVEN_UP, Likelihood};
+use crate::inference::measurement::Measurement;
+use crate::inference::point_estimate::{PointEstimate, PointSettings, estimate};
+use crate::inference::prediction::Predictor;
+use crate::inference::target::{LeastSquares, Target};
+use crate::inference::truncated_moments::Moments;
+use crate::inference::unknown::settled;
+use crate::math::functions::ln;
+use crate::random::StreamKey;
+
+/// A parameter of an effect after the fit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Amplitude {
+    /// Its name in the effect.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Most probable value, in the unit.
+    pub mode: f64,
+    /// Mean between the bounds of all parameters ([`crate::inference::truncated_moments`]), in the unit.
+    pub mean: f64,
+    /// Standard deviation between them, in the unit.
+    pub sd: f64,
+    /// Whether the fit pressed it against a bound.
+    pub at_bound: bool,
+}
+
+/// A held-out reading.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HeldOut {
+    /// Position of the measurement.
+    pub measurement: usize,
+    /// Row.
+    pub row: usize,
+    /// Position of the sensor.
+    pub sensor: usize,
+    /// Reading minus prediction, SI.
+    pub error: f64,
+    /// Standard deviation of the noise, SI.
+    pub sigma: f64,
+}
+
+/// A hypothesis at its most probable point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Refit {
+    /// Effects by their positions in the problem's list.
+    pub effects: Vec<usize>,
+    /// How many times as wide as the catalogue's each effect's priors are.
+    pub widths: Vec<f64>,
+    /// Laplace log evidence, bounds considered; with the odds of the widths beforehand.
+    pub log_evidence: f64,
+    /// Log likelihood.
+    pub log_likelihood: f64,
+    /// Sum of squares of the whitened residuals.
+    pub chi_square: f64,
+    /// Most probable unknowns, SI: the model's parameters, the effects', what is inferred of the data.
+    pub unknowns: Vec<f64>,
+    /// Their names.
+    pub names: Vec<String>,
+    /// Which of the unknowns are held at a bound.
+    pub held: Vec<bool>,
+    /// Parameters of each effect.
+    pub amplitudes: Vec<Vec<Amplitude>>,
+    /// Whitened residuals of the readings that were fitted.
+    pub residuals: Vec<f64>,
+    /// Root mean square error of the fitted readings in K; `None` where no sensor is in kelvin.
+    pub rmse_train_k: Option<f64>,
+    /// The same of the held-out readings.
+    pub rmse_held_out_k: Option<f64>,
+    /// The held-out readings.
+    pub held_out: Vec<HeldOut>,
+    /// Points of the fit at which a transient took too many steps and was given up.
+    #[serde(default)]
+    pub given_up: u64,
+}
+
+/// Where a fit begins and how hard it tries.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Begin {
+    /// Starts by name of the unknown, SI; the prior's median where a name is left out.
+    pub starts: Vec<BTreeMap<String, f64>>,
+    /// Further starts from the prior.
+    pub from_prior: usize,
+    /// Factor of the priors' scales of the effects' amplitudes.
+    pub scale: f64,
+}
+
+/// Most steps of a descent.
+const MOST_STEPS: u64 = 60;
+
+impl Problem {
+    /// Fits the model with effects.
+    ///
+    /// The priors of its amplitudes are mixtures of widths: wider ones are fitted, narrower ones counted. Thresholds are
+    /// sought in all gaps between the data's levels, and the evidence is the sum over them.
+    ///
+    /// # Errors
+    /// Why there is no fit: effects that do not go together, a likelihood that cannot be evaluated.
+    pub fn refit(&self, effects: &[usize], begin: &Begin, key: &StreamKey) -> Result<Refit, String> {
+        together(self.refits_over_gaps(effects, begin, key)?).ok_or_else(|| "no fit".to_owned())
+    }
+
+    /// Fits with thresholds where the starts, and what descends from there, have them. Without `moments` the amplitudes have
+    /// the most probable values for means, and standard deviations by the curvature.
+    pub(crate) fn refit_here(
+        &self,
+        effects: &[usize],
+        begin: &Begin,
+        key: &StreamKey,
+        moments: bool,
+    ) -> Result<Refit, String> {
+        let mut places = vec![0; effects.len()];
+        let (mut best, mut amplitudes) = self.refit_of_widths(effects, &places, begin, key, moments)?;
+        loop {
+            let wider = amplitudes.wider(&places);
+            if wider == places {
+                break;
+            }
+            let begin = Begin { starts: vec![best.by_name()], from_prior: 0, scale: begin.scale };
+            match self.refit_of_widths(effects, &wider, &begin, key, moments) {
+                Ok(next) if next.0.log_evidence > best.log_evidence => (best, amplitudes) = next,
+                _ => break,
+            }
+            places = wider;
+        }
+        // A prior that is wider than the written one is none of the catalogue's, and no narrower one stands beside it.
+        let own = |(&effect, &place): (&usize, &usize)| place.max(usize::from(is_prior(&self.candidates[effect])));
+        best.log_evidence += amplitudes.narrower(&effects.iter().zip(&places).map(own).collect::<Vec<usize>>());
+        Ok(best)
+    }
+
+    fn refit_of_widths(
+        &self,
+        effects: &[usize],
+        places: &[usize],
+        begin: &Begin,
+        key: &StreamKey,
+        moments: bool,
+    ) -> Result<(Refit, Amplitudes), String> {
+        let widths: Vec<f64> = places.iter().map(|&place| begin.scale * WIDTHS[place].factor).collect();
+        let odds: f64 = places.iter().map(|&place| ln(WIDTHS[place].odds)).sum();
+        let hypothesis = self.hypothesis_of_widths(effects, &widths).map_err(|error| error.to_string())?;
+        let likelihood = hypothesis.likelihood(self).map_err(|error| error.to_string())?;
+        let settings = PointSettings {
+            starts: begin.from_prior,
+            most_iterations: MOST_STEPS,
+            findings: false,
+            moments,
+            ..PointSettings::default()
+        };
+        let place = |start: &BTreeMap<String, f64>| -> Vec<f64> {
+            let own = likelihood.names().iter().zip(likelihood.priors());
+            // A start may come from a set with a wider prior.
+            let (least, most) = (1e-3, 1.0 - 1e-3);
+            own.map(|(name, prior)| match start.get(name).copied() {
+                Some(value) if value < prior.support().0 => prior.quantile(least),
+                Some(value) if value > prior.support().1 => prior.quantile(most),
+                value => value.unwrap_or_else(|| prior.quantile(0.5)),
+            })
+            .collect()
+        };
+        let starts: Vec<Vec<f64>> = begin.starts.iter().map(place).collect();
+        let found = estimate(&likelihood, &settings, key, &starts).map_err(|error| error.to_string())?;
+        let mut residuals = vec![0.0; likelihood.residual_count()];
+        likelihood
+            .residuals(&found.parameters, &mut likelihood.workspace(), &mut residuals)
+            .map_err(|rejected| rejected.to_string())?;
+        let log_evidence = found.log_evidence.filter(|value| value.is_finite()).ok_or("the fit has no curvature")?;
+        let widths_at = Amplitudes::at(&hypothesis, &found, &self.which_are_amplitudes(effects));
+        // Laplace's evidence is too high where the likelihood is flat in a gap and falls beyond it, which no curvature tells.
+        let flat = self.flat(effects, &likelihood, &found);
+        let mut refit = Refit {
+            effects: effects.to_vec(),
+            widths,
+            log_evidence: log_evidence + odds + flat.iter().map(|flat| flat.log_share).sum::<f64>(),
+            log_likelihood: found.log_likelihood,
+            chi_square: found.chi_square,
+            held: found.held.iter().map(Option::is_some).collect(),
+            amplitudes: amplitudes(&hypothesis, &likelihood, &found, &flat),
+            given_up: given_up(&found),
+            unknowns: found.parameters,
+            names: likelihood.names().to_vec(),
+            residuals,
+            rmse_train_k: None,
+            rmse_held_out_k: None,
+            held_out: Vec::new(),
+        };
+        refit.score(&hypothesis, &likelihood)?;
+        Ok((refit, widths_at))
+    }
+
+    /// Of each effect's parameters, which are amplitudes.
+    fn which_are_amplitudes(&self, effects: &[usize]) -> Vec<Vec<bool>> {
+        let of = |&effect: &usize| {
+            let candidate = &self.candidates[effect];
+            if is_prior(candidate) {
+                return vec![true];
+            }
+            let own = self.catalogue.get(&candidate.effect);
+            let parameters = own.map(|own| own.parameters(&self.model, &candidate.bound)).unwrap_or_default();
+            parameters.iter().map(|parameter| parameter.amplitude).collect()
+        };
+        effects.iter().map(of).collect()
+    }
+}
+
+/// Points at which a transient was given up.
+fn given_up(found: &PointEstimate) -> u64 {
+    let reasons = found.work.rejections.by_reason.iter();
+    reasons.filter(|(reason, _)| reason.contains(GIVEN_UP)).map(|(_, count)| count).sum()
+}
+
+fn amplitudes(
+    hypothesis: &Hypothesis,
+    likelihood: &Likelihood,
+    found: &PointEstimate,
+    flat: &[Flat],
+) -> Vec<Vec<Amplitude>> {
+    let full = likelihood.full_parameters(&found.parameters);
+    let own = found.truncated_moments.clone();
+    let mut own = own.unwrap_or_else(|| Moments { mean: found.parameters.clone(), sd: found.sd() });
+    for flat in flat {
+        [own.mean[flat.place], own.sd[flat.place]] = flat.moments();
+    }
+    let one = |index: usize| {
+        let parameter = &hypothesis.model.parameters[index];
+        let unit = Unit::parse(&parameter.unit).ok();
+        let place = hypothesis.parameters.iter().position(|&inferred| inferred == index);
+        let shown = |value: f64| unit.as_ref().map_or(value, |unit| unit.from_si(value));
+        let spread = |value: f64| unit.as_ref().map_or(value, |unit| unit.difference_from_si(value));
+        Amplitude {
+            name: parameter.name.rsplit('.').next().unwrap_or(&parameter.name).to_owned(),
+            unit: parameter.unit.clone(),
+            mode: shown(full[index]),
+            mean: shown(place.map_or(full[index], |place| own.mean[place])),
+            sd: place.map_or(0.0, |place| spread(own.sd[place])),
+            at_bound: place.is_some_and(|place| found.held[place].is_some()),
+        }
+    };
+    hypothesis.amplitudes.iter().map(|range| range.clone().map(one).collect()).collect()
+}
+
+impl Refit {
+    /// Its unknowns by name, SI.
+    pub fn by_name(&self) -> BTreeMap<String, f64> {
+        self.names.iter().cloned().zip(self.unknowns.iter().copied()).collect()
+    }
+
+    /// Whether an effect of the set does nothing: a bound holds its first parameter at 0.
+    pub fn does_nothing(&self, effect: usize) -> bool {
+        let position = self.effects.iter().position(|&own| own == effect);
+        let first = position.and_then(|position| self.amplitudes[position].first());
+        first.is_some_and(|amplitude| amplitude.at_bound && amplitude.mode == 0.0)
+    }
+
+    /// Predicts all rows at the fit and scores them.
+    ///
+    /// # Errors
+    /// A row, held out perhaps, in which the model has no solution.
+    fn score(&mut self, hypothesis: &Hypothesis, likelihood: &Likelihood) -> Result<(), String> {
+        let predictor = Predictor::new(&hypothesis.model, &[]).map_err(|error| error.to_string())?;
+        let full = likelihood.full_parameters(&self.unknowns);
+        let names = likelihood.names();
+        let find = |name: &str| names.iter().position(|known| known == name).map(|place| self.unknowns[place]);
+        let inputs: Vec<String> = hypothesis.model.inputs.iter().map(|input| input.name.clone()).collect();
+        let nodes: Vec<String> = hypothesis.model.nodes.iter().map(|node| node.name.clone()).collect();
+        let mut workspace = predictor.workspace();
+        let (mut train, mut held_out) = (Squares::default(), Squares::default());
+        let mut errors = Vec::new();
+        for (index, measurement) in hypothesis.measurements.iter().enumerate() {
+            let settled = settled(measurement, &inputs, &nodes, &find);
+            let predicted = predictor.predict(&mut workspace, &settled, &full).readings;
+            let width = measurement.sensors.len();
+            for row in (0..measurement.len()).filter(|&row| !measurement.ignored(row)) {
+                for sensor in 0..width {
+                    let Some(reading) = measurement.reading(row, sensor) else { continue };
+                    let error = reading - predicted[row * width + sensor];
+                    if !error.is_finite() {
+                        // What has no solution where nothing was fitted predicts nothing there.
+                        return Err(format!("no solution in row {} of `{}`", row + 1, measurement.name));
+                    }
+                    let kelvin = hypothesis.model.quantities[measurement.sensors[sensor].quantity].unit == "K";
+                    if measurement.held_out(row) {
+                        let sigma = total_sigma(&settled, sensor);
+                        errors.push(HeldOut { measurement: index, row, sensor, error, sigma });
+                        held_out.add(kelvin, error);
+                    } else {
+                        train.add(kelvin, error);
+                    }
+                }
+            }
+        }
+        self.rmse_train_k = train.rmse();
+        self.rmse_held_out_k = held_out.rmse();
+        self.held_out = errors;
+        Ok(())
+    }
+}
+
+/// Standard deviation of one reading of a sensor whose noise is settled, SI; 0 where it is not stated.
+pub(crate) fn total_sigma(measurement: &Measurement, sensor: usize) -> f64 {
+    let own = &measurement.sensors[sensor];
+    let part = |value: &Option<crate::inference::measurement::Uncertain>| value.as_ref().map_or(0.0, |v| v.nominal());
+    let (sigma, white) = (part(&own.sigma), part(&own.white));
+    (sigma * sigma + white * white).sqrt()
+}
+
+#[derive(Default)]
+struct Squares {
+    sum: f64,
+    count: usize,
+}
+
+impl Squares {
+    fn add(&mut self, kelvin: bool, error: f64) {
+        if kelvin {
+            self.sum += error * error;
+            self.count += 1;
+        }
+    }
+
+    fn rmse(&self) -> Option<f64> {
+        let rmse = (self.sum / self.count.max(1) as f64).sqrt();
+        (self.count > 0 && rmse.is_finite()).then_some(rmse)
+    }
+}

@@ -1,0 +1,291 @@
+//! The search through sets of effects, from round to round: which of them go on from what was fitted.
+
+use std::collections::BTreeMap;
+
+use crate::diagnosis::Problem;
+use crate::diagnosis::engine::Diagnosis;
+use crate::diagnosis::engine::Remainder;
+use crate::diagnosis::engine::SINGLES;
+use crate::diagnosis::engine::State;
+use crate::diagnosis::fits::exchange::exchanges;
+use crate::diagnosis::odds::posterior_odds::best;
+use crate::diagnosis::odds::posterior_odds::log_weights;
+use crate::diagnosis::odds::posterior_odds::weigh;
+use crate::diagnosis::screening::screen::Lead;
+
+/// Effects that are tried beside a set, or in the place of one of its members.
+const BESIDE: usize = 8;
+/// Falls of the sum of squares that differ by less are those of rivals: by a factor of 100 in probability.
+const NEAR: f64 = 9.2;
+/// Most rounds of extension.
+const MOST_ROUNDS: u32 = 8;
+/// Most times that other sets than the best one are gone on from.
+const MOST_ASIDE: u32 = 6;
+/// Single effects from which sets are sought that the best one does not lead to.
+const MOST_SEEDS: usize = 3;
+/// Exchanges of channels that are fitted beside a set that is gone on from.
+const EXCHANGES_BESIDE: usize = 2;
+
+/// The best effects, of those within [`NEAR`] of the first as many as these two numbers allow.
+fn near(leads: &[Lead], least: usize, most: usize) -> impl Iterator<Item = &Lead> {
+    let best = leads.first().map_or(0.0, |lead| lead.fall);
+    let count = leads.iter().filter(|lead| best - lead.fall < NEAR).count();
+    leads.iter().take(count.clamp(least, most))
+}
+
+impl Diagnosis {
+    /// Tests what the best set leaves, and orders the sets that go on from it.
+    pub fn extend(&self, mut state: State) -> State {
+        state.pending.clear();
+        state.rounds += 1;
+        if state.rounds == 1 {
+            match self.settle_again(&state) {
+                Ok(Some(next)) => return next,
+                Ok(None) => {}
+                Err(why) => state.warn(why),
+            }
+        }
+        let weights = weigh(self.problem(), &state.refits, None);
+        let Some(place) = best(&weights) else { return state };
+        let problem = self.settled(&state.noise, &state.most_steps);
+        if state.is_gone_on_from(place) {
+            while state.pending.is_empty() && state.aside < MOST_ASIDE {
+                let Some(place) = self.aside(&state, place) else { break };
+                state.aside += 1;
+                self.go_on(&problem, &mut state, place);
+                self.replace_members(&problem, &mut state, place);
+            }
+        } else if !state.refits[place].effects.is_empty() && state.rounds.saturating_sub(state.aside) <= MOST_ROUNDS {
+            self.go_on(&problem, &mut state, place);
+            self.order_unbent(&problem, &mut state, place);
+            self.order_like(&mut state, place);
+            self.replace_members(&problem, &mut state, place);
+        }
+        state
+    }
+
+    /// Tests what a set leaves, and orders those with one or two effects more where that is something.
+    fn go_on(&self, problem: &Problem, state: &mut State, place: usize) {
+        let set = state.refits[place].effects.clone();
+        let screening = match self.screen_beside(problem, &state.refits[place]) {
+            Ok(screening) => screening,
+            Err(why) => return state.warn(why),
+        };
+        state.remainders.push(Remainder { effects: set.clone(), p: screening.family.p });
+        if !self.finds(&screening) || set.len() as u64 >= self.settings().most {
+            return;
+        }
+        for lead in near(&screening.leads, 2 * BESIDE, SINGLES) {
+            state.order(&[lead], &set, place);
+        }
+        let with = problem.with(&state.refits[place]).map_err(|error| error.to_string());
+        // What cannot be made beside this set was tried alone before.
+        match with.and_then(|with| exchanges(&with, &state.refits[place], EXCHANGES_BESIDE)) {
+            Ok(found) => {
+                for candidate in found.likeliest {
+                    state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &set, place);
+                }
+            }
+            Err(why) => state.warn(why),
+        }
+        if set.len() as u64 + 2 <= self.settings().most {
+            for pair in screening.pairs.iter().take(BESIDE) {
+                state.order(&[&pair[0], &pair[1]], &set, place);
+            }
+        }
+    }
+
+    /// The next set to go on from when the best one, of several effects or with a curve, is done: single steps from the best
+    /// single effect may not lead to the best set. The best set of effects with names, where a curve belongs to the best one; and
+    /// where that is large, or something is still found beside it, the best ones with each of the single effects that
+    /// explain most at places of their own, while they are smaller.
+    fn aside(&self, state: &State, leader: usize) -> Option<usize> {
+        let leading = &state.refits[leader].effects;
+        let logs = log_weights(self.problem(), &state.refits);
+        let is_named = |effects: &[usize]| !effects.iter().any(|&effect| self.is_unknown_function(effect));
+        let effects = |place: usize| state.refits[place].effects.as_slice();
+        let best_of = |allowed: &dyn Fn(&[usize]) -> bool| {
+            let better = |a: usize, b: usize| if logs[b] > logs[a] { b } else { a };
+            let is_allowed =
+                |&place: &usize| !effects(place).is_empty() && is_named(effects(place)) && allowed(effects(place));
+            (0..state.refits.len()).filter(is_allowed).reduce(better)
+        };
+        let is_new = |place: &usize| !state.is_gone_on_from(*place);
+        if !is_named(leading)
+            && let Some(place) = best_of(&|effects| effects.len() <= leading.len()).filter(is_new)
+        {
+            return Some(place);
+        }
+        let place_of = |effect: usize| &self.problem().candidates[effect].place;
+        let mut places: Vec<_> = leading.iter().map(|&effect| place_of(effect)).collect();
+        let left = state.remainders.iter().find(|remainder| remainder.effects == *leading);
+        let is_doubtful = leading.len() > 2 || left.is_some_and(|left| left.p <= self.settings().false_alarm);
+        for _ in 0..if leading.len() > 1 && is_doubtful { MOST_SEEDS } else { 0 } {
+            let seed = best_of(&|effects| effects.len() == 1 && !places.contains(&place_of(effects[0])))?;
+            let seed = effects(seed)[0];
+            places.push(place_of(seed));
+            let with = best_of(&|effects| effects.contains(&seed) && effects.len() < leading.len());
+            if with.is_some_and(|place| is_new(&place)) {
+                return with;
+            }
+        }
+        None
+    }
+
+    /// Orders the sets with one more effect that stands out where the parameters are as they were believed beforehand, if what
+    /// is still missing bends the fit with the set: a parameter that a bound holds gives way only far from there, which
+    /// no linearisation at the bound tells.
+    fn order_unbent(&self, problem: &Problem, state: &mut State, place: usize) {
+        let set = state.refits[place].effects.clone();
+        if set.len() as u64 >= self.settings().most {
+            return;
+        }
+        let with = problem.with(&state.refits[place]).map_err(|error| error.to_string());
+        match with.and_then(|with| self.leads_unbent(&with, &state.refits[place])) {
+            Ok(leads) => leads.iter().take(BESIDE).for_each(|lead| state.order(&[lead], &set, place)),
+            Err(why) => state.warn(why),
+        }
+    }
+
+    /// Orders the sets in which another law stands at the place of a member. At the believed fit, which a strong effect bends,
+    /// their linearisations may have missed the best of them.
+    fn order_like(&self, state: &mut State, place: usize) {
+        let set = state.refits[place].effects.clone();
+        let candidates = &self.problem().candidates;
+        let unseen: Vec<usize> = state.screening.unseen.iter().map(|(candidate, _)| *candidate).collect();
+        for &member in &set {
+            let own = &candidates[member];
+            let rest: Vec<usize> = set.iter().copied().filter(|&other| other != member).collect();
+            let is_like = |&other: &usize| {
+                let one = &candidates[other];
+                one.place == own.place
+                    && one.where_kind == own.where_kind
+                    && (one.input.is_none() || one.input == own.input)
+                    && !set.contains(&other)
+                    && !self.is_unknown_function(other)
+                    // What plausible sizes would not show, larger ones may.
+                    && (one.steady || !unseen.contains(&other))
+            };
+            for candidate in (0..candidates.len()).filter(is_like).take(BESIDE) {
+                state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &rest, place);
+            }
+        }
+    }
+
+    /// Orders the sets in which another effect stands in the place of a member, and those without it.
+    fn replace_members(&self, problem: &Problem, state: &mut State, place: usize) {
+        let set = state.refits[place].effects.clone();
+        if set.len() < 2 {
+            return;
+        }
+        for &member in &set {
+            let rest: Vec<usize> = set.iter().copied().filter(|&other| other != member).collect();
+            let Some(from) = state.refits.iter().position(|refit| refit.effects == rest) else {
+                state.order(&[], &rest, place);
+                continue;
+            };
+            // What does nothing is not needed: without it the fit is at least as good, unless it stopped elsewhere.
+            if state.refits[place].does_nothing(member) && !rest.is_empty() {
+                state.order_again(rest.clone(), place);
+            }
+            match self.screen_beside(problem, &state.refits[from]) {
+                Err(why) => state.warn(why),
+                Ok(screening) => {
+                    for lead in near(&screening.leads, BESIDE, 2 * BESIDE) {
+                        state.order(&[lead], &rest, from);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::diagnosis::Settings;
+    use crate::diagnosis::laboratory::Recipe;
+    use crate::diagnosis::laboratory::TestKind;
+    use crate::diagnosis::laboratory::Topology;
+    use crate::diagnosis::laboratory::Wish;
+    use crate::diagnosis::laboratory::case;
+    use crate::document::Diagnostics;
+    use crate::effect::Catalogue;
+    use crate::random::StreamKey;
+
+    /// A leader of two effects, one of another place that explains most alone, and a curve.
+    struct Fixture {
+        diagnosis: Diagnosis,
+        state: State,
+        members: [usize; 2],
+        seed: usize,
+        curve: usize,
+    }
+
+    fn fixture() -> Fixture {
+        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+        let wish = Wish { only: Some("heat-load".to_owned()), size: Some(5.0), ..Wish::default() };
+        let recipe = Recipe { topology: Some(Topology::Star), test: Some(TestKind::Steady), wish, rivals: false };
+        let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+        let of = |effect: &str| problem.candidates.iter().position(|own| own.effect == effect).unwrap();
+        let members = [of("heat-load"), of("conductive-path")];
+        let seed = of("swapped-channels");
+        let curve = of("input-function-load");
+        let diagnosis = Diagnosis::new(problem, Settings::default(), StreamKey::new(1, "test", "search"));
+        let mut state = diagnosis.screen().unwrap();
+        state.refits.truncate(1);
+        state.pending.clear();
+        Fixture { diagnosis, state, members, seed, curve }
+    }
+
+    impl Fixture {
+        /// Adds a fit of a set, whose evidence lies so much above that of nothing.
+        fn add(&mut self, effects: &[usize], gain: f64) -> usize {
+            let mut refit = self.state.refits[0].clone();
+            refit.effects = effects.to_vec();
+            refit.log_evidence += gain;
+            self.state.refits.push(refit);
+            self.state.refits.len() - 1
+        }
+
+        fn done(&mut self, place: usize, p: f64) {
+            let effects = self.state.refits[place].effects.clone();
+            self.state.remainders.push(Remainder { effects, p });
+        }
+    }
+
+    #[test]
+    fn a_leader_that_leaves_something_is_set_aside_for_other_beginnings() {
+        let mut own = fixture();
+        let [first, second] = own.members;
+        own.add(&[first], 400.0);
+        let alone = own.add(&[own.seed], 100.0);
+        let leader = own.add(&[first, second], 500.0);
+        own.done(leader, 0.3);
+        assert_eq!(own.diagnosis.aside(&own.state, leader), None, "it explains all");
+        own.state.remainders.clear();
+        own.done(leader, 1e-6);
+        assert_eq!(own.diagnosis.aside(&own.state, leader), Some(alone));
+        own.done(alone, 1e-6);
+        assert_eq!(own.diagnosis.aside(&own.state, leader), None, "what is as large as the leader goes no further");
+        own.add(&[own.seed, second], 450.0);
+        assert_eq!(own.diagnosis.aside(&own.state, leader), None);
+    }
+
+    #[test]
+    fn beside_a_curve_the_best_effects_with_names_are_gone_on_from() {
+        let mut own = fixture();
+        let [first, second] = own.members;
+        let named = own.add(&[first], 100.0);
+        let leader = own.add(&[own.curve, second], 500.0);
+        own.done(leader, 0.3);
+        assert_eq!(own.diagnosis.aside(&own.state, leader), Some(named));
+        own.done(named, 1e-6);
+        let both = own.add(&[first, second], 300.0);
+        assert_eq!(own.diagnosis.aside(&own.state, leader), Some(both));
+        own.done(both, 1e-6);
+        assert_eq!(own.diagnosis.aside(&own.state, leader), None);
+    }
+}

@@ -1,0 +1,178 @@
+//! Levels that the data have of what an effect depends on: a threshold is tried between each two of them, and the data
+//! cannot tell where between two it lies.
+
+use crate::diagnosis::Problem;
+use crate::effect::{Bound, Candidate, Effect, EffectParameter};
+use crate::expression::Symbol;
+use crate::inference::measurement::{Measurement, Rows};
+use crate::math::functions::ln;
+use crate::random::Distribution;
+
+/// Most thresholds that are tried.
+const MOST: usize = 24;
+/// Levels nearer than this share of their range are one.
+const SAME: f64 = 0.005;
+/// Thresholds that are tried in what varies continuously.
+const MOST_OF_COURSE: usize = 7;
+
+/// Values of a parameter that has the unit of one of the effect's inputs, SI: the middles between the input's levels in the
+/// phases that are fitted; where there are transients, and more levels than a few, evenly between the least and the greatest
+/// of the rows that are fitted; for a node without a sensor evenly over the temperatures that others had there. `None` where it
+/// has no such unit, and where there are no two levels.
+pub(crate) fn thresholds(
+    problem: &Problem,
+    candidate: &Candidate,
+    effect: &Effect,
+    parameter: &EffectParameter,
+) -> Option<Vec<f64>> {
+    let steady = all_steady(problem);
+    let evenly = |[least, most]: [f64; 2], count: usize| -> Vec<f64> {
+        (0..count).map(|k| least + (most - least) * (k as f64 + 0.5) / count as f64).collect()
+    };
+    let Some(levels) = all_levels(problem, candidate, effect, parameter) else {
+        let Bound::Node(_) = bound(candidate, effect, parameter)? else { return None };
+        return Some(evenly(span(problem)?, if steady { MOST } else { MOST_OF_COURSE }));
+    };
+    let middles: Vec<f64> = levels.windows(2).map(|two| 0.5 * (two[0] + two[1])).collect();
+    if middles.is_empty() {
+        return None;
+    }
+    if !steady && middles.len() > MOST_OF_COURSE {
+        return Some(evenly([levels[0], levels[levels.len() - 1]], MOST_OF_COURSE));
+    }
+    let count = middles.len().min(MOST);
+    Some((0..count).map(|k| middles[(2 * k + 1) * middles.len() / (2 * count)]).collect())
+}
+
+/// The levels about a value (SI) of such a parameter, or the ends of its prior. `None` where it has no levels or its prior
+/// is not uniform.
+pub(crate) fn gap(
+    problem: &Problem,
+    candidate: &Candidate,
+    effect: &Effect,
+    parameter: &EffectParameter,
+    value: f64,
+) -> Option<[f64; 2]> {
+    let Distribution::Uniform { lower, upper } = parameter.prior else { return None };
+    let levels = levels(problem, candidate, effect, parameter)?;
+    let below = levels.iter().copied().filter(|level| *level <= value).fold(lower, f64::max);
+    let above = levels.iter().copied().filter(|level| *level > value).fold(upper, f64::min);
+    Some([below, above])
+}
+
+/// Values of such a parameter in the middles of the gaps before and after that of a value (SI). None beyond the outermost
+/// levels: there all rows lie on one side.
+pub(crate) fn beside(
+    problem: &Problem,
+    candidate: &Candidate,
+    effect: &Effect,
+    parameter: &EffectParameter,
+    value: f64,
+) -> [Option<f64>; 2] {
+    let Some(levels) = levels(problem, candidate, effect, parameter) else { return [None; 2] };
+    let above = levels.partition_point(|level| *level <= value);
+    let middle = |gap: usize| Some(0.5 * (levels.get(gap)? + levels.get(gap + 1)?));
+    [above.checked_sub(2).and_then(middle), middle(above)]
+}
+
+/// Logarithm of the share of the prior that lies between these levels.
+pub(crate) fn log_share(parameter: &EffectParameter, [below, above]: [f64; 2]) -> f64 {
+    let (lower, upper) = parameter.prior.support();
+    ln(((above - below) / (upper - lower)).clamp(SAME, 1.0))
+}
+
+/// The value of what such a parameter is compared with in a row of a measurement: an input of a phase, or the reading of a
+/// sensor on the node.
+pub(crate) fn level_of_row(
+    problem: &Problem,
+    candidate: &Candidate,
+    effect: &Effect,
+    parameter: &EffectParameter,
+    measurement: &Measurement,
+    row: usize,
+) -> Option<f64> {
+    let Rows::Steady(phases) = &measurement.rows else { return None };
+    match bound(candidate, effect, parameter)? {
+        Bound::Input(input) => phases[row].inputs.get(input).copied(),
+        Bound::Node(node) => {
+            on_node(problem, measurement, node).into_iter().find_map(|sensor| measurement.reading(row, sensor))
+        }
+    }
+}
+
+/// What stands for the input whose unit a parameter has.
+fn bound(candidate: &Candidate, effect: &Effect, parameter: &EffectParameter) -> Option<Bound> {
+    let form = &effect.form.parameters.iter().find(|form| form.name == parameter.written)?.value;
+    let like = &form.unit_of.as_ref()?.value;
+    let position = effect.form.inputs.iter().position(|input| input.name == *like)?;
+    candidate.bound.get(position).copied()
+}
+
+/// Sensors that read the temperature of a node.
+fn on_node(problem: &Problem, measurement: &Measurement, node: usize) -> Vec<usize> {
+    let is_on = |sensor: &usize| {
+        let quantity = problem.model.quantities.get(measurement.sensors[*sensor].quantity);
+        let symbol = u32::try_from(node).ok().map(Symbol::Node);
+        quantity.zip(symbol).is_some_and(|(quantity, symbol)| {
+            problem.model.graph.symbols(quantity.value.expression()).into_iter().eq([symbol])
+        })
+    };
+    (0..measurement.sensors.len()).filter(is_on).collect()
+}
+
+/// Distinct levels in steady phases. `None` where there are transients: there the likelihood tells where a threshold is.
+fn levels(problem: &Problem, candidate: &Candidate, effect: &Effect, parameter: &EffectParameter) -> Option<Vec<f64>> {
+    all_levels(problem, candidate, effect, parameter).filter(|_| all_steady(problem))
+}
+
+/// Distinct levels, ascending, of the input whose unit a parameter has, in the rows that are fitted. `None` where it has no
+/// such unit, and without any level.
+fn all_levels(
+    problem: &Problem,
+    candidate: &Candidate,
+    effect: &Effect,
+    parameter: &EffectParameter,
+) -> Option<Vec<f64>> {
+    let bound = bound(candidate, effect, parameter)?;
+    let mut levels = Vec::new();
+    for measurement in &problem.measurements {
+        let fitted = (0..measurement.len()).filter(|&row| !measurement.held_out(row) && !measurement.ignored(row));
+        match (bound, &measurement.rows) {
+            (Bound::Input(input), Rows::Steady(phases)) => {
+                levels.extend(fitted.filter_map(|row| phases[row].inputs.get(input).copied()));
+            }
+            (Bound::Input(input), Rows::Transient { inputs, .. }) => {
+                levels.extend(fitted.map(|row| inputs.in_row(row, input)));
+            }
+            (Bound::Node(node), _) => {
+                let sensors = on_node(problem, measurement, node);
+                for row in fitted {
+                    levels.extend(sensors.iter().filter_map(|&sensor| measurement.reading(row, sensor)));
+                }
+            }
+        }
+    }
+    levels.sort_by(f64::total_cmp);
+    let range = levels.last()? - levels.first()?;
+    levels.dedup_by(|b, a| *b - *a <= SAME * range);
+    Some(levels)
+}
+
+fn all_steady(problem: &Problem) -> bool {
+    problem.measurements.iter().all(|measurement| matches!(measurement.rows, Rows::Steady(_)))
+}
+
+/// The least and the greatest of the fitted temperatures, K. `None` where they are one, or none.
+fn span(problem: &Problem) -> Option<[f64; 2]> {
+    let mut span = [f64::INFINITY, f64::NEG_INFINITY];
+    for measurement in &problem.measurements {
+        let kelvin = |sensor: &usize| problem.model.quantities[measurement.sensors[*sensor].quantity].unit == "K";
+        for row in (0..measurement.len()).filter(|&row| !measurement.held_out(row) && !measurement.ignored(row)) {
+            let sensors = (0..measurement.sensors.len()).filter(kelvin);
+            for reading in sensors.filter_map(|sensor| measurement.reading(row, sensor)) {
+                span = [span[0].min(reading), span[1].max(reading)];
+            }
+        }
+    }
+    (span[0] < span[1]).then_some(span)
+}

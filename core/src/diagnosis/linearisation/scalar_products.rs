@@ -1,0 +1,110 @@
+//! Scalar products of long columns, in a fixed order.
+
+use crate::watch;
+
+/// Scalar product by eight interleaved sums, then their sum in order: the same bits everywhere, and no wait for the sum before.
+#[inline]
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 8];
+    let (blocks_a, blocks_b) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    for (x, y) in blocks_a.0.iter().zip(blocks_b.0) {
+        for lane in 0..8 {
+            sums[lane] += x[lane] * y[lane];
+        }
+    }
+    for (lane, (x, y)) in blocks_a.1.iter().zip(blocks_b.1).enumerate() {
+        sums[lane] += x * y;
+    }
+    ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]))
+}
+
+/// `y += factor x`.
+#[inline]
+pub(crate) fn add_scaled(y: &mut [f64], factor: f64, x: &[f64]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += factor * x;
+    }
+}
+
+/// Takes from a column its components along orthonormal columns (one after the other in `basis`), twice, so that what is
+/// left is orthogonal to rounding even where little is left (Giraud, Langou & Rozloznik 2005).
+pub(crate) fn project_out(column: &mut [f64], basis: &[f64]) {
+    for _ in 0..2 {
+        for q in basis.chunks_exact(column.len().max(1)) {
+            let along = dot(q, column);
+            add_scaled(column, -along, q);
+        }
+    }
+}
+
+/// Orthonormal columns with the span of the given ones, which are scaled to length 1 first: Gram and Schmidt's process, the
+/// longest remainder next, ties by index, until remainders are shorter than `tolerance`.
+/// Also the position of the column behind each. `start` are orthonormal columns that are taken out and stay in front.
+pub(crate) fn orthonormal(columns: &[&[f64]], start: Vec<f64>, tolerance: f64) -> (Vec<f64>, Vec<usize>) {
+    let mut basis = start;
+    let mut chosen = Vec::new();
+    let mut rest: Vec<(usize, Vec<f64>)> = Vec::with_capacity(columns.len());
+    for (index, column) in columns.iter().enumerate() {
+        let norm = dot(column, column).sqrt();
+        if norm > 0.0 && norm.is_finite() {
+            let mut column: Vec<f64> = column.iter().map(|x| x / norm).collect();
+            project_out(&mut column, &basis);
+            rest.push((index, column));
+        }
+    }
+    loop {
+        watch::check();
+        let mut best: Option<(usize, f64)> = None;
+        for (place, (_, column)) in rest.iter().enumerate() {
+            let square = dot(column, column);
+            if square > tolerance * tolerance && best.is_none_or(|(_, longest)| square > longest) {
+                best = Some((place, square));
+            }
+        }
+        let Some((place, square)) = best else { return (basis, chosen) };
+        let (index, mut column) = rest.remove(place);
+        let norm = square.sqrt();
+        column.iter_mut().for_each(|x| *x /= norm);
+        // A short remainder holds rounding along the columns before.
+        project_out(&mut column, &basis);
+        let norm = dot(&column, &column).sqrt();
+        column.iter_mut().for_each(|x| *x /= norm);
+        for (_, other) in &mut rest {
+            let along = dot(&column, other);
+            add_scaled(other, -along, &column);
+        }
+        basis.extend_from_slice(&column);
+        chosen.push(index);
+    }
+}
+
+/// Coordinates of columns of length 1 in an orthonormal basis of their span, one column's after the other: the rows of the
+/// Cholesky factor of their products, where a column whose remainder's square is below 1e-9 adds no dimension. With their
+/// number; `None` where it would exceed `largest`. Cost: columns x dimensions x rows.
+pub(crate) fn coordinates(columns: &[&[f64]], largest: usize) -> Option<(Vec<f64>, usize)> {
+    let mut pivots: Vec<usize> = Vec::new();
+    let mut rows: Vec<Vec<f64>> = Vec::with_capacity(columns.len());
+    for (index, column) in columns.iter().enumerate() {
+        let mut row: Vec<f64> = Vec::with_capacity(pivots.len() + 1);
+        for (k, &pivot) in pivots.iter().enumerate() {
+            let known = &rows[pivot];
+            let product = dot(column, columns[pivot]) - dot(&row, &known[..k]);
+            row.push(product / known[k]);
+        }
+        let left = 1.0 - dot(&row, &row);
+        if left > 1e-9 {
+            if pivots.len() == largest {
+                return None;
+            }
+            pivots.push(index);
+            row.push(left.sqrt());
+        } else {
+            let norm = dot(&row, &row).sqrt();
+            row.iter_mut().for_each(|x| *x /= norm);
+        }
+        rows.push(row);
+    }
+    let dimensions = pivots.len();
+    rows.iter_mut().for_each(|row| row.resize(dimensions, 0.0));
+    Some((rows.concat(), dimensions))
+}

@@ -1,0 +1,241 @@
+//! What each candidate would do to the whitened predictions at a fit: its signature.
+//!
+//! `linearise`: the believed model at its fit. `directions`: every candidate. An effect that is smooth at amplitude 0
+//! has exact derivatives, with steady phases alone by adjoints (`adjoint`), with transients as sensitivities of a model
+//! that holds many effects with amplitude 0 (`extended`); one that is not, such as a hidden node, is tried at finite
+//! values (`probe`); exchanged channels are exchanged predictions (`swap`), a prior that is too narrow is its parameter (`parameter`). What no reading can see is told with its
+//! reason (`form`: which of these an effect is, and why not).
+
+mod adjoint;
+mod extended;
+mod form;
+mod parameter;
+mod probe;
+mod swap;
+mod variant;
+
+use rayon::prelude::*;
+use thiserror::Error;
+
+use crate::diagnosis::fits::hypothesis::HypothesisError;
+use crate::diagnosis::linearisation::linear::Direction;
+use crate::diagnosis::linearisation::linear::Linear;
+use crate::diagnosis::problem::Problem;
+use crate::inference::likelihood::{Likelihood, Whitening};
+use crate::inference::measurement::Rows;
+use crate::inference::natural::NaturalObjective;
+use crate::inference::optimise::Objective;
+use crate::inference::target::{LeastSquares, Rejected, Target};
+use crate::inference::transform::TransformError;
+use adjoint::Phases;
+use form::{Form, Forms};
+
+/// A coordinate this close to a bound, as a share of its range, is at it.
+const AT_BOUND: f64 = 1e-9;
+/// Entries of the derivatives that are held at once.
+const MOST_ENTRIES: usize = 1 << 22;
+/// Most candidates whose derivatives are found together.
+const MOST_TOGETHER: usize = 2000;
+
+/// Why there are no signatures.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SignatureError {
+    /// A fit that cannot be evaluated.
+    #[error("at the fit, {0}")]
+    Rejected(#[from] Rejected),
+    /// A prior without spread.
+    #[error(transparent)]
+    Prior(#[from] TransformError),
+    /// A likelihood that cannot be made.
+    #[error(transparent)]
+    Hypothesis(#[from] HypothesisError),
+}
+
+/// A candidate that has no direction.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unseen {
+    /// Position in the problem's list.
+    pub candidate: usize,
+    /// Why, such as `steady phases do not see heat capacities`.
+    pub reason: String,
+}
+
+/// Whitened residuals and their slopes at given unknowns (SI, of this likelihood).
+///
+/// The Jacobian is that of the predictions, so that a step `d` leaves `r - J d`; an unknown of the noise has a column as
+/// any other ([`Likelihood::noise_unknowns`] tells which these are). The bounds are those of a step; exactly 0 for what
+/// stands at its bound.
+///
+/// # Errors
+/// [`SignatureError`] where the likelihood cannot be evaluated there.
+pub fn linearise(likelihood: &Likelihood, unknowns: &[f64]) -> Result<Linear, SignatureError> {
+    let mut objective = NaturalObjective::new(likelihood)?;
+    let at = objective.coordinates(unknowns);
+    let (rows, n) = (objective.rows(), objective.dimension());
+    let mut linear = Linear {
+        rows,
+        readings: objective.data_rows(),
+        residuals: vec![0.0; rows],
+        jacobian: vec![0.0; rows * n],
+        lower: vec![0.0; n],
+        upper: vec![0.0; n],
+    };
+    let mut gradient = vec![0.0; n];
+    if objective.slopes(&at, &mut linear.residuals, &mut linear.jacobian, &mut gradient).is_none() {
+        // The objective counts reasons; the likelihood tells this one.
+        let mut residuals = vec![0.0; linear.readings];
+        likelihood.residuals(unknowns, &mut likelihood.workspace(), &mut residuals)?;
+        return Err(Rejected::new("derivatives of the predictions are not there").into());
+    }
+    // The objective's are slopes of the residuals.
+    for value in &mut linear.jacobian {
+        *value = -*value;
+    }
+    let bounds = objective.bounds();
+    for i in 0..n {
+        let width = bounds.upper[i] - bounds.lower[i];
+        let scale = if width.is_finite() {
+            width
+        } else {
+            let mut end = unknowns.to_vec();
+            end[i] = likelihood.priors()[i].quantile(0.84);
+            let end = objective.coordinates(&end)[i];
+            (end - at[i]).abs().max(at[i].abs())
+        };
+        let room = |bound: f64| if (bound - at[i]).abs() <= AT_BOUND * scale { 0.0 } else { bound - at[i] };
+        linear.lower[i] = room(bounds.lower[i]).min(0.0);
+        linear.upper[i] = room(bounds.upper[i]).max(0.0);
+    }
+    Ok(linear)
+}
+
+/// All directions, in the order of the candidates, and the candidates that have none. As [`for_each_direction`].
+///
+/// # Errors
+/// [`SignatureError`].
+pub fn directions(
+    problem: &Problem,
+    likelihood: &Likelihood,
+    unknowns: &[f64],
+) -> Result<(Vec<Direction>, Vec<Unseen>), SignatureError> {
+    let mut all = Vec::new();
+    let unseen = for_each_direction(problem, likelihood, unknowns, &mut |direction| all.push(direction))?;
+    Ok((all, unseen))
+}
+
+/// Gives every candidate's directions one after another, in the order of the candidates: a direction for each value
+/// of an effect's shape parameters that is tried, or for each probe of an effect that is not smooth at amplitude 0.
+/// `likelihood` is that of the problem without effects, `unknowns` (SI) its fit. What comes back are the candidates
+/// that have none.
+///
+/// # Errors
+/// [`SignatureError`] where the fit cannot be evaluated.
+pub fn for_each_direction(
+    problem: &Problem,
+    likelihood: &Likelihood,
+    unknowns: &[f64],
+    give: &mut dyn FnMut(Direction),
+) -> Result<Vec<Unseen>, SignatureError> {
+    let base = Base::new(problem, likelihood, unknowns)?;
+    let forms = Forms::new(problem);
+    // Transients have no adjoints here.
+    let phases = if forms.is_steady() { Some(Phases::new(likelihood, unknowns)?) } else { None };
+    let mut swaps = swap::Swaps::default();
+    let mut parameters = parameter::Parameters::default();
+    let mut unseen = Vec::new();
+    let together = (MOST_ENTRIES / base.rows.max(1)).clamp(16, MOST_TOGETHER);
+    let positions: Vec<usize> = (0..problem.candidates.len()).collect();
+    for block in positions.chunks(together) {
+        let forms: Vec<Form<'_>> = block.iter().map(|&position| forms.of(problem, position)).collect();
+        let smooth: Vec<(usize, &Form<'_>)> =
+            block.iter().copied().zip(&forms).filter(|(_, form)| matches!(form, Form::Smooth { .. })).collect();
+        let mut exact = exact(&base, phases.as_ref(), &smooth).into_iter();
+        let probe = |(&position, form): (&usize, &Form<'_>)| match form {
+            Form::Probe { effect } => Some(probe::directions(&base, position, effect)),
+            _ => None,
+        };
+        let probed: Vec<Found> = block.par_iter().zip(&forms).filter_map(probe).collect();
+        let mut probed = probed.into_iter();
+        for (&position, form) in block.iter().zip(&forms) {
+            let found = match form {
+                Form::Unseen(reason) => Err(reason.clone()),
+                Form::Smooth { .. } => exact.next().unwrap_or_else(|| Err(String::new())),
+                Form::Probe { .. } => probed.next().unwrap_or_else(|| Err(String::new())),
+                Form::Swap => swaps.direction(&base, position),
+                Form::Parameter(index) => parameters.direction(&base, position, *index),
+            };
+            match found {
+                Ok(found) => found.into_iter().for_each(&mut *give),
+                Err(reason) => unseen.push(Unseen { candidate: position, reason }),
+            }
+        }
+    }
+    Ok(unseen)
+}
+
+/// The directions of effects that are smooth at amplitude 0.
+fn exact(base: &Base<'_>, phases: Option<&Phases>, asked: &[(usize, &Form<'_>)]) -> Vec<Found> {
+    let variants = variant::variants(base, asked);
+    let mut found: Vec<Found> = asked.iter().map(|_| Ok(Vec::new())).collect();
+    match phases {
+        Some(phases) => phases.directions(base, &variants, &mut found),
+        None => extended::solve(base, &variants, &mut found),
+    }
+    for found in found.iter_mut().filter(|found| found.as_ref().is_ok_and(Vec::is_empty)) {
+        *found = Err("no reading depends on it".to_owned());
+    }
+    found
+}
+
+/// The directions of a candidate, or why there is none.
+type Found = Result<Vec<Direction>, String>;
+
+/// The model without effects at its fit.
+struct Base<'a> {
+    problem: &'a Problem,
+    likelihood: &'a Likelihood,
+    unknowns: &'a [f64],
+    /// Whitened residuals of the readings.
+    residuals: Vec<f64>,
+    whitening: Whitening,
+    /// Readings and rows of priors.
+    rows: usize,
+}
+
+impl<'a> Base<'a> {
+    fn new(problem: &'a Problem, likelihood: &'a Likelihood, unknowns: &'a [f64]) -> Result<Self, SignatureError> {
+        let mut residuals = vec![0.0; likelihood.residual_count()];
+        likelihood.residuals(unknowns, &mut likelihood.workspace(), &mut residuals)?;
+        let rows = NaturalObjective::new(likelihood)?.rows();
+        let whitening = likelihood.whitening(unknowns)?;
+        Ok(Self { problem, likelihood, unknowns, residuals, whitening, rows })
+    }
+
+    /// Unknowns of another likelihood that has most of these: by name, others at their prior's median.
+    fn carried(&self, other: &Likelihood) -> Vec<f64> {
+        let own = self.likelihood.unknowns();
+        let values: std::collections::HashMap<&str, f64> =
+            own.names.iter().map(String::as_str).zip(self.unknowns.iter().copied()).collect();
+        (other.unknowns().names.iter().zip(&other.unknowns().priors))
+            .map(|(name, prior)| values.get(name.as_str()).copied().unwrap_or_else(|| prior.quantile(0.5)))
+            .collect()
+    }
+}
+
+/// Which kinds of measurement have readings to fit.
+fn kinds(problem: &Problem) -> (bool, bool) {
+    let (mut steady, mut transient) = (false, false);
+    for measurement in &problem.measurements {
+        let sensors = measurement.sensors.len();
+        let used = (0..measurement.len()).any(|row| {
+            !measurement.held_out(row)
+                && !measurement.ignored(row)
+                && (0..sensors).any(|sensor| measurement.reading(row, sensor).is_some())
+        });
+        match measurement.rows {
+            Rows::Steady(_) => steady |= used,
+            Rows::Transient { .. } => transient |= used,
+        }
+    }
+    (steady, transient)
+}

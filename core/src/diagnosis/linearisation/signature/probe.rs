@@ -1,0 +1,131 @@
+//! Effects that are not smooth at amplitude 0, by finite values.
+
+use super::{Base, Found};
+use crate::diagnosis::fits::hypothesis::Hypothesis;
+use crate::diagnosis::linearisation::linear::Direction;
+use crate::effect::form::Sign;
+use crate::effect::{Effect, EffectParameter};
+use crate::inference::likelihood::Likelihood;
+use crate::inference::measurement::{Initial, Rows, Uncertain};
+use crate::inference::target::{LeastSquares, Target};
+use crate::inference::unknown::start_name;
+use crate::random::Distribution;
+
+/// Most probes of an effect.
+const MOST_PROBES: usize = 9;
+
+/// The directions of an effect's probes.
+pub(super) fn directions(base: &Base<'_>, position: usize, effect: &Effect) -> Found {
+    let problem = base.problem;
+    let candidate = &problem.candidates[position];
+    let written = effect.parameters(&problem.model, &candidate.bound);
+    let failed = |error: &dyn std::fmt::Display| error.to_string();
+    let mut hypothesis = problem.hypothesis(&[], 1.0).map_err(|error| failed(&error))?;
+    let parameters: Vec<EffectParameter> = written
+        .iter()
+        .map(|parameter| EffectParameter {
+            // Any prior with spread makes an unknown of a parameter. At amplitude 0 the covariance is that without it.
+            prior: Distribution::Uniform { lower: -1.0, upper: 1.0 },
+            nominal: if parameter.amplitude { 0.0 } else { parameter.nominal },
+            ..parameter.clone()
+        })
+        .collect();
+    let applied = hypothesis.add_as(candidate, effect, &candidate.id, parameters).map_err(|error| failed(&error))?;
+    begin_as_fitted(base, &mut hypothesis, &applied.nodes);
+    let mut likelihood = hypothesis.likelihood(problem).map_err(|error| failed(&error))?;
+    if likelihood.residual_count() != base.residuals.len() {
+        return Err("it changes what is measured".to_owned());
+    }
+    let own = base.likelihood.model_parameters();
+    let mut unknowns = base.carried(&likelihood);
+    let mut memory = likelihood.workspace();
+    let mut found: Vec<Direction> = Vec::new();
+    let mut solved = false;
+    for probe in probes(&written) {
+        unknowns[own..own + probe.len()].copy_from_slice(&probe);
+        let Some(residuals) = evaluate(&mut likelihood, &unknowns, &mut memory) else { continue };
+        solved = true;
+        let mut columns: Vec<f64> =
+            base.residuals.iter().zip(&residuals).map(|(before, after)| before - after).collect();
+        let usable = columns.iter().all(|value| value.is_finite()) && columns.iter().any(|value| *value != 0.0);
+        columns.resize(base.rows, 0.0);
+        // A parameter that the data do not see gives the same column again.
+        if usable && found.iter().all(|other| other.columns != columns) {
+            found.push(share(position, columns, probe));
+        }
+    }
+    match (found.is_empty(), solved) {
+        (false, _) => Ok(found),
+        (true, true) => Err("no reading depends on it".to_owned()),
+        (true, false) => Err("the model does not solve at any of its probes".to_owned()),
+    }
+}
+
+/// A direction whose amplitude is a share of what made its column.
+pub(super) fn share(candidate: usize, columns: Vec<f64>, probe: Vec<f64>) -> Direction {
+    Direction {
+        candidate,
+        columns,
+        lower: vec![0.0],
+        upper: vec![f64::INFINITY],
+        plausible: vec![1.0],
+        probe,
+        ..Direction::default()
+    }
+}
+
+/// Residuals, from where the model without the effect stands or, where that does not lead there, from afresh.
+fn evaluate(
+    likelihood: &mut Likelihood,
+    unknowns: &[f64],
+    memory: &mut <Likelihood as Target>::Workspace,
+) -> Option<Vec<f64>> {
+    let mut residuals = vec![0.0; likelihood.residual_count()];
+    if likelihood.residuals(unknowns, memory, &mut residuals).is_err() {
+        likelihood.set_reference(unknowns);
+        likelihood.residuals(unknowns, memory, &mut residuals).ok()?;
+    }
+    Some(residuals)
+}
+
+/// Nodes that were added begin at their hosts' fitted temperatures.
+fn begin_as_fitted(base: &Base<'_>, hypothesis: &mut Hypothesis, added: &[(usize, usize)]) {
+    let unknowns = base.likelihood.unknowns();
+    for measurement in &mut hypothesis.measurements {
+        let name = measurement.name.clone();
+        let Rows::Transient { initial: Initial::Temperatures { values, shared, .. }, .. } = &mut measurement.rows
+        else {
+            continue;
+        };
+        for &(node, host) in added.iter().filter(|(node, _)| !shared.contains(node)) {
+            let host = hypothesis.model.nodes.get(host).map_or("", |node| node.name.as_str());
+            let place = unknowns.names.iter().position(|own| *own == start_name(&name, host));
+            if let (Some(value), Some(place)) = (values.get_mut(node), place) {
+                *value = Uncertain::Known(base.unknowns[place]);
+            }
+        }
+    }
+}
+
+/// Values of all parameters: the product of the amplitudes' probes, the others at their nominal values.
+fn probes(parameters: &[EffectParameter]) -> Vec<Vec<f64>> {
+    let mut all: Vec<Vec<f64>> = vec![Vec::new()];
+    for parameter in parameters {
+        let values = match (parameter.amplitude, parameter.probes.as_slice()) {
+            (false, _) => vec![parameter.nominal],
+            (true, []) => match parameter.sign {
+                Sign::Positive => vec![parameter.plausible],
+                Sign::Negative => vec![-parameter.plausible],
+                Sign::Either => vec![-parameter.plausible, parameter.plausible],
+            },
+            (true, probes) => probes.to_vec(),
+        };
+        all = all.iter().flat_map(|before| values.iter().map(move |&v| [before.as_slice(), &[v]].concat())).collect();
+    }
+    let count = all.len();
+    if count > MOST_PROBES {
+        // Spread over the product, its ends among them.
+        all = (0..MOST_PROBES).map(|k| all[k * (count - 1) / (MOST_PROBES - 1)].clone()).collect();
+    }
+    all
+}

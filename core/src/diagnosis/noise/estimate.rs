@@ -1,0 +1,501 @@
+//! Noise of sensors whose noise is not wholly known, estimated so that missing physics is not taken for noise.
+//!
+//! The residuals of the fit hold noise and whatever the model lacks. So they are first freed of the parameters and of the
+//! pair of effects that explains most, by least squares on the linearised problem; what is left is given, sensor by
+//! sensor, the most likely Ornstein-Uhlenbeck process with white noise beside it (`inference::noise`), its variance
+//! enlarged by the freedom that the fit took. A stated sigma stands: then only the share and the time of the correlation
+//! are sought, at that size or a smaller one. White noise and noise with any share and time are as likely beforehand: the likelihood's
+//! mean over shares and times is weighed against that of white noise, which charges their freedom for what it is worth in these data
+//! (Schwarz' price of `ln n` charges three times as much for what some hundred readings tell of a slow part). What the fit has taken of
+//! the slow part is made good by the restricted likelihood ([`crate::diagnosis::noise::restricted_likelihood`]).
+
+use serde::{Deserialize, Serialize};
+
+use crate::diagnosis::noise::restricted_likelihood::Taken;
+use crate::inference::measurement::{Measurement, Rows, Uncertain};
+use crate::inference::noise::{Noise, Series};
+use crate::inference::unknown::Value;
+use crate::math::functions::{exp, ln};
+use crate::math::sum::log_sum_exp;
+use crate::watch;
+
+/// Readings of one sensor in the order of time, with their places among the rows of a linearised problem.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SensorRows {
+    /// Position of the measurement.
+    pub measurement: usize,
+    /// Position of the sensor.
+    pub sensor: usize,
+    /// Rows of the linearised problem, in the order of time.
+    pub rows: Vec<usize>,
+    /// Instants, s; in steady data the phases' numbers.
+    pub times_s: Vec<f64>,
+}
+
+/// Noise of a sensor as it was estimated, SI.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SettledNoise {
+    /// Standard deviation of the correlated part; of all noise where there is no correlation.
+    pub sigma: f64,
+    /// Correlation time, s.
+    pub correlation_time_s: Option<f64>,
+    /// Standard deviation of white noise beside the correlated part.
+    pub white: Option<f64>,
+}
+
+impl SettledNoise {
+    /// White noise.
+    pub fn white(sigma: f64) -> Self {
+        Self { sigma, correlation_time_s: None, white: None }
+    }
+
+    /// Standard deviation of one reading.
+    pub fn total(&self) -> f64 {
+        let white = self.white.unwrap_or(0.0);
+        if white == 0.0 { self.sigma } else { (self.sigma * self.sigma + white * white).sqrt() }
+    }
+
+    /// Whether another noise is another by more than a tenth.
+    pub fn differs(&self, other: &Self) -> bool {
+        let apart = |a: f64, b: f64| (a - b).abs() > 0.1 * a.abs().max(b.abs());
+        let time = |one: &Self| one.correlation_time_s.unwrap_or(0.0);
+        apart(self.sigma, other.sigma)
+            || apart(time(self), time(other))
+            || apart(self.white.unwrap_or(0.0), other.white.unwrap_or(0.0))
+    }
+
+    fn noise(&self) -> Noise {
+        Noise {
+            sigma: Value::Known(self.sigma),
+            correlation_time_s: self.correlation_time_s.map(Value::Known),
+            white: self.white.map(Value::Known),
+        }
+    }
+
+    /// Whitens a sensor's values in place; returns the sum of the logarithms of the standard deviations, negative.
+    pub fn whiten(&self, times_s: &[f64], values: &mut [f64]) -> f64 {
+        let mut scales = vec![0.0; values.len()];
+        let mut series =
+            Series { times_s, values, jacobian: &mut [], log_scales: &mut scales, scale_gradient: &mut [] };
+        // Noise that is settled is above 0.
+        let _ = self.noise().whiten(&[], &mut series);
+        scales.iter().sum()
+    }
+}
+
+/// Whether a sensor's noise leaves something to estimate.
+pub fn is_open(measurement: &Measurement, sensor: usize) -> bool {
+    let own = &measurement.sensors[sensor];
+    let inferred = |value: &Option<Uncertain>| value.as_ref().is_some_and(|value| value.prior().is_some());
+    let unstated = own.correlation_time_s.is_none() && matches!(measurement.rows, Rows::Transient { .. });
+    own.sigma.is_none() || inferred(&own.sigma) || inferred(&own.white) || inferred(&own.correlation_time_s) || unstated
+}
+
+/// What is known of a sensor's noise beforehand.
+struct Known {
+    /// Standard deviation of one reading, where it is stated.
+    total: Option<f64>,
+    /// Shares of the correlated part in the variance that are tried.
+    shares: Vec<f64>,
+    /// Correlation times that are tried, s.
+    times_s: Vec<f64>,
+}
+
+/// Shares of the correlated part that are tried where nothing is stated.
+const SHARES: [f64; 13] = [0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.87, 0.95, 0.99, 1.0];
+/// Number of correlation times that are tried.
+const TIMES: usize = 18;
+/// Falls of the log likelihood of the errors within which noise is tried with what the fit has taken.
+const NEAR: f64 = 25.0;
+/// Falls of the log likelihood within which noise is likely.
+const LIKELY: f64 = 2.0;
+/// Log odds beforehand by which a sensor has the noise of the others rather than its own.
+const LIKE_THE_OTHERS: f64 = 3.0;
+/// Relative standard deviation of stated sizes about the truth.
+const STATED_WITHIN: f64 = 0.1;
+/// Fewest readings of a sensor whose correlation is estimated.
+const LEAST_READINGS: usize = 30;
+
+fn known(measurement: &Measurement, sensor: usize, times_s: &[f64]) -> Known {
+    let own = &measurement.sensors[sensor];
+    let fixed = |value: &Option<Uncertain>| match value {
+        Some(value) if value.prior().is_none() => Some(value.nominal()),
+        _ => None,
+    };
+    let white_is_open = own.white.as_ref().is_some_and(|white| white.prior().is_some());
+    let total = match (fixed(&own.sigma), &own.white) {
+        (Some(sigma), None) => Some(sigma),
+        (Some(sigma), Some(_)) if !white_is_open => {
+            let white = fixed(&own.white).unwrap_or(0.0);
+            Some((sigma * sigma + white * white).sqrt())
+        }
+        _ => None,
+    };
+    let steady = matches!(measurement.rows, Rows::Steady(_));
+    let span = times_s.last().copied().unwrap_or(0.0) - times_s.first().copied().unwrap_or(0.0);
+    let step = span / times_s.len().saturating_sub(1).max(1) as f64;
+    let (shares, times) = if steady || times_s.len() < LEAST_READINGS || !(step > 0.0) {
+        (vec![0.0], vec![1.0])
+    } else {
+        let range = match &own.correlation_time_s {
+            Some(value) => value.prior().map_or([value.nominal(); 2], |prior| {
+                [prior.quantile(0.001).max(0.2 * step), prior.quantile(0.999).min(span)]
+            }),
+            // A stated size bounds what slow noise can take up; else it could take up all that is slow.
+            None => [0.5 * step, if total.is_some() { 0.3 * span } else { 0.1 * span }],
+        };
+        let times = if range[1] > range[0] {
+            let ratio = ln(range[1] / range[0]) / (TIMES - 1) as f64;
+            (0..TIMES).map(|k| range[0] * exp(ratio * k as f64)).collect()
+        } else {
+            vec![range[0]]
+        };
+        let shares = match (&own.correlation_time_s, &own.white) {
+            (Some(_), None) => vec![1.0],
+            (Some(_), Some(_)) if total.is_some() => {
+                let sigma = fixed(&own.sigma).unwrap_or(0.0);
+                vec![sigma * sigma / total.map_or(1.0, |total| total * total)]
+            }
+            _ => SHARES.to_vec(),
+        };
+        (shares, times)
+    };
+    Known { total, shares, times_s: times }
+}
+
+/// What is left of a sensor's readings, and what its noise may be.
+struct Sought<'a> {
+    series: &'a SensorRows,
+    /// What is left, SI.
+    errors: &'a [f64],
+    /// Share of the rows that the fit did not take.
+    freedom: f64,
+    known: Known,
+}
+
+/// Its log likelihood or evidence, and noise.
+type Weighed = (f64, SettledNoise);
+
+impl Sought<'_> {
+    fn count(&self) -> f64 {
+        self.errors.len().max(1) as f64
+    }
+
+    /// Noise of which a share of the variance is correlated, of its most likely size.
+    fn at(&self, share: f64, time_s: f64) -> Weighed {
+        let unit = split(1.0, share, time_s);
+        let mut whitened = self.errors.to_vec();
+        let scales = unit.whiten(&self.series.times_s, &mut whitened);
+        let square = whitened.iter().map(|e| e * e).sum::<f64>() / self.freedom;
+        let count = self.count();
+        let free = (square / count).max(f64::MIN_POSITIVE);
+        let (variance, penalty) = self.known.total.map_or((free, 0.0), |total| size(free, total * total));
+        let log_likelihood = scales - 0.5 * count * ln(variance) - 0.5 * square / variance - penalty;
+        (log_likelihood, split(self.known.total.unwrap_or(variance.sqrt()), share, time_s))
+    }
+
+    /// Its noise whatever that of the others is: the most likely of the kind, white or correlated, that has the greater evidence.
+    fn alone(&self) -> Weighed {
+        let white = self.known.shares.contains(&0.0).then(|| self.at(0.0, self.known.times_s[0]));
+        let all = grid(&self.known).map(|(share, time)| self.at(share, time));
+        match (white, of_grid(all, |one| one.0)) {
+            (Some(white), Some((evidence, _))) if white.0 >= evidence => white,
+            (_, Some((evidence, best))) => (evidence, best.1),
+            (Some(white), None) => white,
+            (None, None) => (f64::NEG_INFINITY, SettledNoise::white(1.0)),
+        }
+    }
+}
+
+/// Shares and times of correlated noise that are tried.
+fn grid(known: &Known) -> impl Iterator<Item = (f64, f64)> {
+    let correlated = known.shares.iter().filter(|share| **share > 0.0);
+    correlated.flat_map(|&share| known.times_s.iter().map(move |&time| (share, time)))
+}
+
+/// The mean of what is tried, as the logarithm of that of the exponentials, and the best.
+fn of_grid<T>(tried: impl Iterator<Item = T>, value: impl Fn(&T) -> f64) -> Option<(f64, T)> {
+    let mut logs = Vec::new();
+    let mut best: Option<T> = None;
+    for one in tried {
+        watch::check();
+        logs.push(value(&one));
+        if best.as_ref().is_none_or(|known| value(&one) > value(known)) {
+            best = Some(one);
+        }
+    }
+    best.map(|best| (log_sum_exp(&logs) - ln(logs.len() as f64), best))
+}
+
+/// The most likely noise of sensors, from what a fit has left of their readings, SI; `freedom` is the share of the rows that the
+/// fit did not take (above 0, at most 1), `current` the noise that others have while that of one measurement is sought.
+///
+/// Sensors of a measurement of whose correlation nothing is stated hang on one logger and in one chamber: they have the same
+/// share and time, or all have white noise, and a sensor departs from the others only at a price. What the parameters and the
+/// best pair took of a sensor's slow noise would else make white noise of it, and whatever moves that sensor alone would be found.
+pub fn most_likely(
+    measurements: &[Measurement],
+    series: &[SensorRows],
+    taken: &Taken,
+    freedom: f64,
+    current: &[SettledNoise],
+) -> Vec<SettledNoise> {
+    let errors: Vec<Vec<f64>> =
+        series.iter().map(|one| one.rows.iter().map(|&row| taken.errors[row]).collect()).collect();
+    let sought: Vec<Sought<'_>> = (series.iter().zip(&errors))
+        .map(|(series, errors)| {
+            let known = known(&measurements[series.measurement], series.sensor, &series.times_s);
+            Sought { series, errors, freedom, known }
+        })
+        .collect();
+    let alone: Vec<Weighed> = sought.iter().map(Sought::alone).collect();
+    let mut found: Vec<SettledNoise> = alone.iter().map(|(_, noise)| *noise).collect();
+    for (position, measurement) in measurements.iter().enumerate() {
+        let is_open = |one: &Sought<'_>| {
+            let own = &measurement.sensors[one.series.sensor];
+            one.series.measurement == position && own.correlation_time_s.is_none() && own.white.is_none()
+        };
+        let members: Vec<usize> = (0..sought.len()).filter(|&place| is_open(&sought[place])).collect();
+        let correction = |noises: &[Weighed]| {
+            let mut all = current.to_vec();
+            members.iter().zip(noises).for_each(|(&place, (_, noise))| all[place] = *noise);
+            taken.correction(series, &all)
+        };
+        for (place, noise) in together(&sought, &alone, &members, correction) {
+            found[place] = noise;
+        }
+    }
+    found
+}
+
+/// The noise of those members that have the same.
+fn together(
+    sought: &[Sought<'_>],
+    alone: &[Weighed],
+    members: &[usize],
+    correction: impl Fn(&[Weighed]) -> f64,
+) -> Vec<(usize, SettledNoise)> {
+    // Times that are allowed for all: those of a sensor whose size is not stated, if there is one.
+    let tried = members.iter().copied().filter(|&place| sought[place].known.shares.len() > 1);
+    let longest = tried.max_by_key(|&place| (sought[place].known.total.is_none(), sought[place].errors.len()));
+    let Some(longest) = longest.map(|place| &sought[place].known) else { return Vec::new() };
+    // With the same noise, but for those that depart.
+    let at = |share: f64, time: f64| -> (f64, Vec<Weighed>) {
+        let own = members.iter().map(|&m| (sought[m].at(share, time), (alone[m].0 - LIKE_THE_OTHERS, alone[m].1)));
+        let all: Vec<Weighed> = own.map(|(own, departs)| if own.0 >= departs.0 { own } else { departs }).collect();
+        (all.iter().map(|(value, _)| value).sum(), all)
+    };
+    let mut tried: Vec<(f64, f64, Vec<Weighed>)> = Vec::new();
+    for (share, time) in grid(longest) {
+        watch::check();
+        let (value, all) = at(share, time);
+        tried.push((value, share * time, all));
+    }
+    let best = tried.iter().map(|(value, ..)| *value).fold(f64::NEG_INFINITY, f64::max);
+    for (value, _, all) in &mut tried {
+        // What is far from the best stays so: the correction changes little from one noise to the next.
+        *value += if best - *value < NEAR { correction(all) } else { f64::NEG_INFINITY };
+    }
+    let (white, all) = at(0.0, longest.times_s[0]);
+    let white = (white + correction(&all), all);
+    let logs: Vec<f64> = tried.iter().map(|(value, ..)| *value).collect();
+    let total = log_sum_exp(&logs);
+    let same = if total - ln(logs.len() as f64) > white.0 {
+        // Of what is likely, the one whose slow part is as strong as it is on the average: what is tested for is slow, and the most
+        // likely noise is as often too weak there as it is too strong.
+        let mean: f64 = tried.iter().map(|(value, slow, _)| exp(value - total) * slow).sum();
+        let best = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let far = |slow: f64| ln(slow / mean).abs();
+        let likely = tried.into_iter().filter(|(value, ..)| best - value < LIKELY);
+        likely.min_by(|a, b| far(a.1).total_cmp(&far(b.1))).map_or(white.1, |(_, _, all)| all)
+    } else {
+        white.1
+    };
+    members.iter().copied().zip(same.into_iter().map(|(_, noise)| noise)).collect()
+}
+
+/// The variance that errors have whose size is stated, and half the square of the deviate by which it lies below. Stated
+/// sizes are often too large: at the stated one a correlated part that never shows would take up what is too much. But they
+/// are near, and never taken for too small: readings that are close in time tell the ratio of variance and correlation time
+/// only, so that a size left free makes the time wrong, and with it the noise of every difference.
+fn size(free: f64, stated: f64) -> (f64, f64) {
+    let variance = free.min(stated);
+    let deviate = 0.5 * ln(variance / stated) / STATED_WITHIN;
+    (variance, 0.5 * deviate * deviate)
+}
+
+/// Noise of a standard deviation of which a share of the variance is correlated.
+fn split(total: f64, share: f64, time_s: f64) -> SettledNoise {
+    if share <= 0.0 {
+        return SettledNoise::white(total);
+    }
+    let white = (share < 1.0).then(|| total * (1.0 - share).sqrt());
+    SettledNoise { sigma: total * share.sqrt(), correlation_time_s: Some(time_s), white }
+}
+
+/// Writes noise into a measurement as known.
+pub fn settle(measurement: &mut Measurement, sensor: usize, noise: &SettledNoise) {
+    let own = &mut measurement.sensors[sensor];
+    own.sigma = Some(Uncertain::Known(noise.sigma));
+    own.correlation_time_s = noise.correlation_time_s.map(Uncertain::Known);
+    own.white = noise.white.map(Uncertain::Known);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inference::measurement::{Initial, InputTable, Sensor};
+    use crate::random::StreamKey;
+
+    fn measurement(rows: usize, step_s: f64, sigma: Option<f64>) -> Measurement {
+        let times_s: Vec<f64> = (0..rows).map(|k| k as f64 * step_s).collect();
+        Measurement {
+            name: "m".into(),
+            rows: Rows::Transient {
+                inputs: InputTable { times_s, ..InputTable::default() },
+                initial: Initial::Steady,
+                held_out: vec![false; rows],
+                ignored: vec![None; rows],
+            },
+            sensors: vec![Sensor {
+                name: "a".into(),
+                quantity: 0,
+                unit: "K".into(),
+                sigma: sigma.map(Uncertain::Known),
+                bias: None,
+                lag_s: None,
+                correlation_time_s: None,
+                white: None,
+            }],
+            readings: vec![Some(0.0); rows],
+            file: String::new(),
+            sha256: String::new(),
+            unused_columns: vec![],
+            doubts: vec![],
+        }
+    }
+
+    fn drawn(rows: usize, step_s: f64, noise: &SettledNoise, seed: u64) -> Vec<f64> {
+        let mut stream = StreamKey::new(seed, "noise", "test").stream(0);
+        let phi = noise.correlation_time_s.map_or(0.0, |tau| exp(-step_s / tau));
+        let mut state = noise.sigma * stream.normal();
+        (0..rows)
+            .map(|row| {
+                if row > 0 {
+                    state = phi * state + noise.sigma * (1.0 - phi * phi).sqrt() * stream.normal();
+                }
+                state + noise.white.unwrap_or(0.0) * stream.normal()
+            })
+            .collect()
+    }
+
+    fn alone(measurement: &Measurement, series: &SensorRows, errors: &[f64]) -> SettledNoise {
+        let taken = Taken { columns: Vec::new(), errors: errors.to_vec() };
+        let current = [SettledNoise::white(1.0)];
+        most_likely(std::slice::from_ref(measurement), std::slice::from_ref(series), &taken, 1.0, &current)[0]
+    }
+
+    /// Sensors of one measurement with noise of 0.3 K, each drawn with its own.
+    fn of_many(noises: &[SettledNoise], rows: usize, seed: u64) -> Vec<SettledNoise> {
+        let step = 60.0;
+        let mut measured = measurement(rows, step, Some(0.3));
+        measured.sensors = vec![measured.sensors[0].clone(); noises.len()];
+        let times_s: Vec<f64> = (0..rows).map(|k| k as f64 * step).collect();
+        let series: Vec<SensorRows> = (0..noises.len())
+            .map(|sensor| {
+                let own = (sensor * rows..(sensor + 1) * rows).collect();
+                SensorRows { measurement: 0, sensor, rows: own, times_s: times_s.clone() }
+            })
+            .collect();
+        let errors =
+            (0..).zip(noises).flat_map(|(place, noise)| drawn(rows, step, noise, 100 * seed + place)).collect();
+        let taken = Taken { columns: Vec::new(), errors };
+        most_likely(&[measured], &series, &taken, 1.0, &vec![SettledNoise::white(1.0); noises.len()])
+    }
+
+    /// A fifth of the variance correlated over two intervals is told by one sensor of 150 readings in half of the
+    /// cases, and by six together nearly always; one such sensor among five white ones stays alone.
+    #[test]
+    fn sensors_that_are_alike_are_judged_together() {
+        let correlated = split(0.3, 0.2, 120.0);
+        let (mut lone, mut all, mut few) = (0, 0, 0);
+        for seed in 0..20 {
+            let six = of_many(&[correlated; 6], 150, seed);
+            all += six.iter().filter(|noise| noise.correlation_time_s.is_some()).count();
+            lone += usize::from(of_many(&[correlated], 150, seed)[0].correlation_time_s.is_some());
+            let mut mixed = [SettledNoise::white(0.3); 6];
+            mixed[0] = split(0.3, 0.9, 900.0);
+            let found = of_many(&mixed, 150, seed);
+            assert!(found[0].correlation_time_s.is_some(), "{found:?}");
+            few += found[1..].iter().filter(|noise| noise.correlation_time_s.is_some()).count();
+        }
+        assert!(all >= 108 && lone <= 14, "{all} of 120, {lone} of 20");
+        // The odds against one that departs are passed by chance in less than 1 of 100.
+        assert!(few <= 2, "{few} of 100");
+    }
+
+    #[test]
+    fn white_noise_of_known_size_stays_white_and_correlated_noise_is_found() {
+        let (rows, step) = (400, 60.0);
+        let series = SensorRows {
+            measurement: 0,
+            sensor: 0,
+            rows: (0..rows).collect(),
+            times_s: (0..rows).map(|k| k as f64 * step).collect(),
+        };
+        let stated = measurement(rows, step, Some(0.4));
+        let mut white = 0;
+        for seed in 0..40 {
+            let errors = drawn(rows, step, &SettledNoise::white(0.4), seed);
+            let found = alone(&stated, &series, &errors);
+            white += usize::from(found.correlation_time_s.is_none());
+            assert!((found.total() - 0.4).abs() < 1e-12);
+        }
+        // The mean over shares and times passes the likelihood of white noise by chance in 5 of 100 at 400 readings; more than 6 of 40
+        // then come in 1 of 200 such tests.
+        assert!(white >= 34, "{white}");
+        let truth = SettledNoise { sigma: 0.4, correlation_time_s: Some(600.0), white: None };
+        for seed in 0..20 {
+            let errors = drawn(rows, step, &truth, seed);
+            let found = alone(&stated, &series, &errors);
+            let tau = found.correlation_time_s.unwrap();
+            // At a known size 400 differences tell the time to sqrt(2 / 400) = 0.07; 3.5 of them, and half a step of the grid,
+            // which is a factor of 1.29. With a size left free the relative error would be sqrt(2 tau / T) = 0.22.
+            assert!(tau > 600.0 / 1.45 && tau < 600.0 * 1.45, "{found:?}");
+            assert!(found.white.unwrap_or(0.0) < 0.2, "{found:?}");
+        }
+    }
+
+    /// An engineer states a sigma that is on the safe side: 0.25 K for noise of 0.2 K.
+    #[test]
+    fn a_sigma_that_is_stated_too_large_is_no_correlation() {
+        let (rows, step) = (1000, 60.0);
+        let series = SensorRows {
+            measurement: 0,
+            sensor: 0,
+            rows: (0..rows).collect(),
+            times_s: (0..rows).map(|k| k as f64 * step).collect(),
+        };
+        let stated = measurement(rows, step, Some(0.25));
+        let found = |seed| alone(&stated, &series, &drawn(rows, step, &SettledNoise::white(0.2), seed));
+        let white = (0..40).filter(|&seed| found(seed) == SettledNoise::white(0.25)).count();
+        // As with a sigma that is right.
+        assert!(white >= 34, "{white}");
+    }
+
+    #[test]
+    fn unknown_size_is_estimated() {
+        let (rows, step) = (600, 1.0);
+        let series = SensorRows {
+            measurement: 0,
+            sensor: 0,
+            rows: (0..rows).collect(),
+            times_s: (0..rows).map(|k| k as f64 * step).collect(),
+        };
+        let open = measurement(rows, step, None);
+        let errors = drawn(rows, step, &SettledNoise::white(0.1), 3);
+        let found = alone(&open, &series, &errors);
+        // The relative error of a standard deviation from 600 is 0.03; 3.5 of them.
+        assert!((found.total() - 0.1).abs() < 0.0105, "{found:?}");
+    }
+}

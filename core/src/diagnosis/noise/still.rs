@@ -1,0 +1,104 @@
+//! Channels that stand still while the model moves: frozen or saturated, which no physics of the hardware explains.
+
+use crate::diagnosis::Problem;
+use crate::diagnosis::Refit;
+use crate::diagnosis::fits::refit::total_sigma;
+use crate::expression::Unit;
+use crate::inference::measurement::Rows;
+use crate::inference::prediction::Predictor;
+use crate::inference::unknown::settled;
+
+/// Fewest readings in a row that are the same.
+const LEAST_READINGS: usize = 8;
+/// The model moves meanwhile by this many standard deviations of the noise and steps of the channel.
+const MOVES: f64 = 5.0;
+
+/// A stretch of readings that are the same.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Still {
+    /// First and last row.
+    rows: [usize; 2],
+    /// The reading, SI.
+    reading: f64,
+    /// By how much the prediction moves meanwhile, SI.
+    moves: f64,
+}
+
+/// What is said of channels of transients that stand still at a fit of the believed model.
+pub(crate) fn warnings(problem: &Problem, believed: &Refit) -> Vec<String> {
+    let mut said = Vec::new();
+    let Ok(hypothesis) = problem.hypothesis(&[], 1.0) else { return said };
+    let (Ok(likelihood), Ok(predictor)) = (hypothesis.likelihood(problem), Predictor::new(&hypothesis.model, &[]))
+    else {
+        return said;
+    };
+    let full = likelihood.full_parameters(&believed.unknowns);
+    let known = believed.by_name();
+    let inputs: Vec<String> = hypothesis.model.inputs.iter().map(|input| input.name.clone()).collect();
+    let nodes: Vec<String> = hypothesis.model.nodes.iter().map(|node| node.name.clone()).collect();
+    let mut workspace = predictor.workspace();
+    for measurement in &problem.measurements {
+        let Rows::Transient { inputs: table, .. } = &measurement.rows else { continue };
+        let settled = settled(measurement, &inputs, &nodes, &|name: &str| known.get(name).copied());
+        let predicted = predictor.predict(&mut workspace, &settled, &full).readings;
+        let width = measurement.sensors.len();
+        for (place, sensor) in measurement.sensors.iter().enumerate() {
+            let readings: Vec<Option<f64>> =
+                (0..measurement.len()).map(|row| measurement.reading(row, place)).collect();
+            let own: Vec<f64> = predicted.iter().skip(place).step_by(width.max(1)).copied().collect();
+            let sigma = total_sigma(&settled, place);
+            let Some(still) = still(&readings, &own, sigma) else { continue };
+            let unit = Unit::parse(&sensor.unit).ok();
+            let shown = |si: f64| unit.as_ref().map_or(si, |unit| unit.from_si(si));
+            let [from, to] = still.rows.map(|row| table.times_s[row]);
+            said.push(format!(
+                "sensor `{}` of `{}` reads {} {} without a change from {from} s to {to} s, while the model moves by {:.1} {}: was the channel \
+                 frozen, or at the end of its range? Empty its cells there, and diagnose again",
+                sensor.name,
+                measurement.name,
+                (shown(still.reading) * 1e6).round() / 1e6,
+                sensor.unit,
+                still.moves,
+                hypothesis.model.quantities[sensor.quantity].unit,
+            ));
+        }
+    }
+    said
+}
+
+/// The longest stretch that stands still. Coarse steps make readings that are the same too, but not while the temperature goes
+/// through several of them.
+fn still(readings: &[Option<f64>], predicted: &[f64], sigma: f64) -> Option<Still> {
+    let present: Vec<(usize, f64)> = (0..).zip(readings).filter_map(|(row, own)| Some((row, (*own)?))).collect();
+    let differences = present.windows(2).map(|two| (two[1].1 - two[0].1).abs()).filter(|by| *by > 0.0);
+    let step = differences.fold(f64::INFINITY, f64::min);
+    let step = if step.is_finite() { step } else { 0.0 };
+    let stretches = present.chunk_by(|a, b| a.1 == b.1).filter(|stretch| stretch.len() >= LEAST_READINGS);
+    let moving = stretches.filter_map(|stretch| {
+        let of = stretch.iter().map(|(row, _)| predicted[*row]);
+        let (least, most) =
+            of.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), own| (own.min(least), own.max(most)));
+        let (moves, rows) = (most - least, [stretch[0].0, stretch[stretch.len() - 1].0]);
+        (moves > MOVES * (sigma + step)).then_some((stretch.len(), Still { rows, reading: stretch[0].1, moves }))
+    });
+    moving.reduce(|a, b| if b.0 > a.0 { b } else { a }).map(|(_, still)| still)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_channel_at_the_end_of_its_range_stands_still_and_coarse_steps_do_not() {
+        let model: Vec<f64> = (0..100).map(|row| 300.0 + 0.2 * f64::from(row)).collect();
+        let clipped: Vec<Option<f64>> = model.iter().map(|value| Some(value.min(310.0))).collect();
+        let found = still(&clipped, &model, 0.1).expect("it stands still");
+        assert_eq!((found.rows, found.reading), ([50, 99], 310.0));
+        assert!((found.moves - 9.8).abs() < 1e-9);
+        // Steps of 2 K: ten readings each.
+        let coarse: Vec<Option<f64>> = model.iter().map(|value| Some((value / 2.0).round() * 2.0)).collect();
+        assert_eq!(still(&coarse, &model, 0.1), None);
+        let gaps: Vec<Option<f64>> = clipped.iter().enumerate().map(|(row, own)| own.filter(|_| row < 55)).collect();
+        assert_eq!(still(&gaps, &model, 0.1), None, "five readings are too few");
+    }
+}

@@ -1,0 +1,271 @@
+//! Probabilities of sets of effects.
+//!
+//! Beforehand each kind of effect is missing with probability 0.05, at any of its places in this network alike, and so is
+//! physics that no kind describes: so the number of places is paid for. What is out of place, such as convection in
+//! vacuum, is less probable. A hidden node between two nodes that the model does not join is two things at once, a path
+//! and a part. Probabilities sum to one over "nothing", the refitted sets and "something else".
+
+use std::collections::BTreeMap;
+
+use crate::diagnosis::Problem;
+use crate::diagnosis::Refit;
+use crate::diagnosis::odds::medium::is_pressure;
+use crate::diagnosis::odds::medium::is_vacuum;
+use crate::effect::{Bound, Effect, Site};
+use crate::math::functions::{exp, ln};
+use crate::math::sum::log_sum_exp;
+use crate::thermal::element::{Element, ElementKind};
+
+/// Probability beforehand that a kind of effect is missing.
+const MISSING: f64 = 0.05;
+/// Sets within this factor of the best are rivals.
+pub const RIVALS_WITHIN: f64 = 10.0;
+/// Most rivals that are taken to hold enough probability.
+const MOST_RIVALS: usize = 5;
+
+/// Probability below which a set that is not near the best is no rival.
+const LEAST_RIVAL: f64 = 0.01;
+
+/// Log odds by which an unknown function stands behind an effect that has a name.
+const UNKNOWN_FUNCTION: f64 = 3.0;
+/// Log odds by which an effect stands behind others where its physics is out of place: a twentieth, not nothing, as the
+/// model may say too little of where it is.
+const OUT_OF_PLACE: f64 = 3.0;
+/// Probability at which "nothing" stands against a test that is not clear.
+const STANDS: f64 = 0.2;
+/// Probability that a group and its rivals hold together.
+pub const SURE: f64 = 0.91;
+
+/// Log prior odds, against "nothing", of one instance of each kind of effect.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Odds {
+    kinds: BTreeMap<String, f64>,
+    vacuum: bool,
+}
+
+impl Odds {
+    /// Counts the places of each kind.
+    pub fn new(problem: &Problem) -> Self {
+        let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+        for candidate in &problem.candidates {
+            *counts.entry(candidate.effect.clone()).or_default() += 1;
+        }
+        let odds = |effect: &str, count: usize| {
+            let unknown = problem.catalogue.get(effect).is_some_and(Effect::is_unknown_function);
+            let behind = if unknown { UNKNOWN_FUNCTION } else { 0.0 };
+            ln(MISSING / (1.0 - MISSING)) - ln(count.max(1) as f64) - behind
+        };
+        let kinds = counts.into_iter().map(|(effect, count)| (effect.clone(), odds(&effect, count))).collect();
+        Self { kinds, vacuum: is_vacuum(problem) }
+    }
+
+    /// Whether a candidate's physics is out of place: it needs a gas in vacuum, or something that any input may stand for
+    /// is a pressure (heat moves through a gas between two temperatures; no pressure is a source of it).
+    pub fn is_out_of_place(&self, problem: &Problem, candidate: usize) -> bool {
+        let candidate = &problem.candidates[candidate];
+        let Some(effect) = problem.catalogue.get(&candidate.effect) else { return false };
+        let mut bound = effect.form.inputs.iter().zip(&candidate.bound);
+        self.vacuum && effect.needs_gas()
+            || bound.any(|(form, bound)| {
+                form.value.unit.is_none()
+                    && matches!(bound, Bound::Input(input) if is_pressure(&problem.model.inputs[*input]))
+            })
+    }
+
+    /// Of a set of candidates.
+    pub fn of(&self, problem: &Problem, effects: &[usize]) -> f64 {
+        let one = |&effect: &usize| {
+            let odds = self.kinds.get(&problem.candidates[effect].effect)?;
+            let place = if self.is_out_of_place(problem, effect) { OUT_OF_PLACE } else { 0.0 };
+            let second = if is_path_and_part(problem, effect) { ln(MISSING / (1.0 - MISSING)) } else { 0.0 };
+            Some(odds + second - place)
+        };
+        effects.iter().filter_map(one).sum()
+    }
+
+    /// Of "something else".
+    pub fn unexplained() -> f64 {
+        ln(MISSING / (1.0 - MISSING))
+    }
+}
+
+/// Whether an effect is a hidden node between two nodes that nothing in the believed model joins.
+fn is_path_and_part(problem: &Problem, effect: usize) -> bool {
+    let candidate = &problem.candidates[effect];
+    let Site::Pair([a, b]) = candidate.site else { return false };
+    let has_node = problem.catalogue.get(&candidate.effect).is_some_and(|own| own.form.adds.value.node.is_some());
+    let joins = |element: &Element| {
+        let between = match &element.kind {
+            ElementKind::Conductor(own) => own.between,
+            ElementKind::Radiation(own) => own.between,
+            ElementKind::Flow(own) => own.between,
+            ElementKind::Load(_) | ElementKind::Cooler(_) | ElementKind::Heater(_) => return false,
+        };
+        between == [a, b] || between == [b, a]
+    };
+    has_node && !problem.model.elements.iter().any(joins)
+}
+
+/// Probabilities of the sets, in their order, and of something else.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weights {
+    /// Of each set.
+    pub sets: Vec<f64>,
+    /// Of something that is in none of the sets.
+    pub unexplained: f64,
+}
+
+/// Logarithms of what sets weigh by evidence and prior, not normalised.
+pub fn log_weights(problem: &Problem, refits: &[Refit]) -> Vec<f64> {
+    let odds = Odds::new(problem);
+    refits.iter().map(|refit| refit.log_evidence + odds.of(problem, &refit.effects)).collect()
+}
+
+/// Weighs sets by evidence and prior; `unexplained` is the log evidence of something else, where it is known.
+pub fn weigh(problem: &Problem, refits: &[Refit], unexplained: Option<f64>) -> Weights {
+    let mut logs = log_weights(problem, refits);
+    logs.push(unexplained.map_or(f64::NEG_INFINITY, |evidence| evidence + Odds::unexplained()));
+    let total = log_sum_exp(&logs);
+    let mut sets: Vec<f64> =
+        logs.into_iter().map(|log| if total.is_finite() { exp(log - total) } else { 0.0 }).collect();
+    let unexplained = sets.pop().unwrap_or(0.0);
+    Weights { sets, unexplained }
+}
+
+/// Whether "nothing" stands although a test finds something with this p: it keeps a fifth of the probability, also against an
+/// unspecified alternative that is as likely as the p allows, by a Bayes factor of at most `1 / (-e p ln p)` (Sellke, Bayarri &
+/// Berger 2001, Am. Stat. 55, 62, eq. 3). A test knows the noise as it was settled; the odds ask for something that made it.
+pub fn nothing_stands(nothing: f64, p: f64) -> bool {
+    let p = p.min(exp(-1.0));
+    let least = -std::f64::consts::E * p * ln(p);
+    nothing / (1.0 + nothing * exp(Odds::unexplained()) / least) >= STANDS
+}
+
+/// What is left of the weights when sets are vetoed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vetoed {
+    /// The vetoed sets, ascending.
+    pub sets: Vec<usize>,
+    /// Their probability given to what no set explains.
+    pub with: Weights,
+    /// The probabilities of the others and of something else when the vetoed sets are out of the question.
+    pub without: Weights,
+}
+
+/// Asks, of every set of at least some probability, whether it is vetoed; also of those that come to it as others go. The
+/// first, "nothing", is not asked.
+///
+/// Where a set is left that explains all, giving what is lost to something else is too much: a flexible curve with the best
+/// fit to the rows that it saw would take the effect that made them along when it fails on others.
+pub fn veto(weights: &Weights, least: f64, is_vetoed: impl Fn(usize) -> bool) -> Vetoed {
+    let mut vetoed = Vetoed { sets: Vec::new(), with: weights.clone(), without: weights.clone() };
+    let mut asked = vec![false; weights.sets.len()];
+    let next = |asked: &[bool], left: &Weights| (1..asked.len()).find(|&set| !asked[set] && left.sets[set] >= least);
+    while let Some(set) = next(&asked, &vetoed.without) {
+        asked[set] = true;
+        if !is_vetoed(set) {
+            continue;
+        }
+        vetoed.sets.push(set);
+        vetoed.with.unexplained += weights.sets[set];
+        vetoed.with.sets[set] = 0.0;
+        let left = &mut vetoed.without;
+        left.sets[set] = 0.0;
+        let total = left.sets.iter().sum::<f64>() + left.unexplained;
+        if total > 0.0 {
+            left.sets.iter_mut().chain([&mut left.unexplained]).for_each(|weight| *weight /= total);
+        }
+    }
+    vetoed.sets.sort_unstable();
+    vetoed
+}
+
+/// Position of the most probable set.
+pub fn best(weights: &Weights) -> Option<usize> {
+    let better = |best: Option<usize>, next: usize| match best {
+        Some(known) if !(weights.sets[next] > weights.sets[known]) => Some(known),
+        _ => Some(next),
+    };
+    (0..weights.sets.len()).fold(None, better)
+}
+
+/// The groups of a set's members, each member first in its own, and the sets that are its rivals, itself first.
+///
+/// A rival is not larger. Rivals are taken in the order of their probability: those within a factor of the set, those that
+/// predict the same, and others while the groups together do not hold [`SURE`]. Between sets that predict the same only the
+/// odds beforehand decide, which are conventions (how many places a kind of effect has): no data tell them apart. A rival's
+/// effects that the set does not have go into the groups of the members that the rival lacks.
+pub fn groups(refits: &[Refit], weights: &Weights, of: usize, within: f64) -> (Vec<Vec<usize>>, Vec<usize>) {
+    let own = &refits[of].effects;
+    let mut groups: Vec<Vec<usize>> = own.iter().map(|&effect| vec![effect]).collect();
+    let mut rivals = vec![of];
+    let is_rival = |other: &usize| {
+        let effects = &refits[*other].effects;
+        *other != of && !effects.is_empty() && effects.len() <= own.len() && weights.sets[*other] > 0.0
+    };
+    let mut others: Vec<usize> = (0..refits.len()).filter(is_rival).collect();
+    others.sort_by(|&a, &b| weights.sets[b].total_cmp(&weights.sets[a]).then(a.cmp(&b)));
+    for other in others {
+        let near = weights.sets[other] * within >= weights.sets[of];
+        let likely = weights.sets[other] >= LEAST_RIVAL;
+        let unsure = likely && held(refits, weights, &groups) < SURE && rivals.len() < MOST_RIVALS;
+        let same = likely && rivals.len() < MOST_RIVALS && predict_the_same(&refits[of], &refits[other]);
+        if !near && !unsure && !same {
+            if !likely {
+                break;
+            }
+            continue;
+        }
+        let effects = &refits[other].effects;
+        let absent: Vec<usize> = own.iter().copied().filter(|effect| !effects.contains(effect)).collect();
+        for (position, &effect) in effects.iter().filter(|effect| !own.contains(effect)).enumerate() {
+            // The last where there are more than members.
+            let Some(&member) = absent.get(position).or(absent.last()) else { continue };
+            let group = own.iter().position(|&known| known == member).unwrap_or(0);
+            if !groups.iter().any(|group| group.contains(&effect)) {
+                groups[group].push(effect);
+            }
+        }
+        rivals.push(other);
+    }
+    (groups, rivals)
+}
+
+/// Whether the predictions of two fits differ by less than a standard deviation, all fitted readings together.
+fn predict_the_same(a: &Refit, b: &Refit) -> bool {
+    let square: f64 = a.residuals.iter().zip(&b.residuals).map(|(a, b)| (a - b) * (a - b)).sum();
+    a.residuals.len() == b.residuals.len() && square < 1.0
+}
+
+/// Probability of the sets that have an effect of every group.
+pub fn held(refits: &[Refit], weights: &Weights, groups: &[Vec<usize>]) -> f64 {
+    let hits = |refit: &Refit| groups.iter().all(|group| group.iter().any(|effect| refit.effects.contains(effect)));
+    refits.iter().zip(&weights.sets).filter(|(refit, _)| hits(refit)).map(|(_, weight)| weight).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_stands_while_no_test_is_clear_and_no_set_takes_its_probability() {
+        assert!(nothing_stands(1.0, 0.9) && nothing_stands(1.0, 0.005) && nothing_stands(0.3, 0.005));
+        // 1 / (1 / 0.2 + 0.0526 / 0.072) = 0.17; at p = 1e-4 an alternative may be 400 times as likely.
+        assert!(!nothing_stands(0.2, 0.005) && !nothing_stands(1.0, 1e-4) && !nothing_stands(1.0, 0.0));
+    }
+
+    /// A curve at 0.9 and, once it is gone, another at 1e-4 are vetoed; what is left is 0.08 + 0.01 + 0.0099.
+    #[test]
+    fn vetoed_sets_go_to_something_else_or_out_of_the_question() {
+        let weights = Weights { sets: vec![0.0, 0.9, 0.08, 1e-4, 0.01], unexplained: 0.0099 };
+        let found = veto(&weights, 2e-3, |set| set == 1 || set == 3);
+        assert_eq!(found.sets, [1]);
+        assert!((found.with.unexplained - 0.9099).abs() < 1e-12 && found.with.sets[2] == 0.08);
+        let found = veto(&weights, 5e-4, |set| set == 1 || set == 3);
+        assert_eq!(found.sets, [1, 3], "1e-4 / 0.1 is above the least");
+        assert!((found.without.sets[2] - 0.08 / 0.0999).abs() < 1e-12, "{found:?}");
+        assert!((found.without.unexplained - 0.0099 / 0.0999).abs() < 1e-12);
+        let nothing = veto(&weights, 1e-3, |_| false);
+        assert_eq!((nothing.with, nothing.without), (weights.clone(), weights));
+    }
+}

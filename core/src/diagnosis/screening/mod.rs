@@ -1,0 +1,17 @@
+//! Which directions stand out, and how surely.
+//!
+//! `score`, `pairs`: how much each, and each two, would lower the misfit. `family`, `null_maximum`: the probability that the best looks as
+//! good by chance. `detectable`: what would have been seen. `screen`: all of them at a fit.
+
+pub mod detectable;
+pub mod family;
+#[cfg(test)]
+mod family_tests;
+#[cfg(test)]
+pub(crate) mod fixture;
+pub mod null_maximum;
+pub mod pairs;
+pub mod score;
+#[cfg(test)]
+mod score_tests;
+pub(crate) mod screen;

@@ -1,0 +1,552 @@
+//! Screening: what each effect and each pair of effects would do to the misfit at a fit, and the family of tests.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::diagnosis::Direction;
+use crate::diagnosis::Linear;
+use crate::diagnosis::Problem;
+use crate::diagnosis::Refit;
+use crate::diagnosis::engine::Diagnosis;
+use crate::diagnosis::engine::SettledSensor;
+use crate::diagnosis::linearisation::bounded::Place;
+use crate::diagnosis::linearisation::signature;
+use crate::diagnosis::noise::estimate;
+use crate::diagnosis::noise::restricted_likelihood::Taken;
+use crate::diagnosis::odds::posterior_odds::nothing_stands;
+use crate::diagnosis::odds::prior_of::is_prior;
+use crate::diagnosis::screening::detectable::detectable;
+use crate::diagnosis::screening::family::Extras;
+use crate::diagnosis::screening::family::Family;
+use crate::diagnosis::screening::family::MemberKind;
+use crate::diagnosis::screening::null_maximum::Sampling;
+use crate::diagnosis::screening::pairs::best_pairs;
+use crate::diagnosis::screening::score::Column;
+use crate::diagnosis::screening::score::Prepared;
+use crate::diagnosis::screening::score::Score;
+use crate::effect::Site;
+use crate::inference::likelihood::Likelihood;
+use crate::inference::measurement::{Rows, Uncertain};
+
+/// Effects that are kept.
+const MOST_LEADS: usize = 80;
+/// Pairs that are kept.
+const MOST_PAIRS: usize = 300;
+/// Pairs of one effect that are kept.
+const MOST_PARTNERS: usize = 12;
+/// Single-column directions among which pairs are sought.
+const MOST_IN_PAIRS: usize = 1500;
+/// The same for the pair beside which the noise is settled.
+const MOST_BESIDE_NOISE: usize = 400;
+/// Numbers of all columns above which only the best directions are held: 200 MB, of which a screening needs a few copies.
+const MOST_ENTRIES: usize = 25_000_000;
+/// Draws of the family-wise probability.
+const DRAWS: usize = 1000;
+/// Draws of the probability that is critical for a member: 8 % of it are 1 % of a detectable amplitude.
+const DRAWS_OF_CRITICAL: usize = 250;
+/// Rounds in which the noise is settled.
+const NOISE_ROUNDS: usize = 3;
+/// The name of the test of parameters at their bounds.
+pub(crate) const AT_BOUNDS: &str = "parameters at bounds";
+/// Power at which amplitudes are said to be detectable.
+const POWER: f64 = 0.9;
+/// Best directions of an effect that are starts of its fit.
+const MOST_STARTS: usize = 3;
+
+/// An effect that stands out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Lead {
+    /// Position of the candidate.
+    pub candidate: usize,
+    /// By how much it lowers the sum of squares, less two for each further freedom that it takes.
+    pub fall: f64,
+    /// Starts of its parameters by name, SI.
+    pub starts: Vec<BTreeMap<String, f64>>,
+}
+
+/// A test of the family.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FamilyTest {
+    /// What was tested.
+    pub name: String,
+    /// What it found worst.
+    pub at: String,
+    /// Its p-value alone.
+    pub p: f64,
+}
+
+/// The tests together.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FamilySummary {
+    /// Family-wise p.
+    pub p: f64,
+    /// The best of each kind of test.
+    pub tests: Vec<FamilyTest>,
+}
+
+/// What screening found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Screening {
+    /// Single effects, best first.
+    pub leads: Vec<Lead>,
+    /// Pairs, best first.
+    pub pairs: Vec<[Lead; 2]>,
+    /// Number of pairs.
+    pub pairs_screened: u64,
+    /// The tests.
+    pub family: FamilySummary,
+    /// What the data cannot see: position and why.
+    pub unseen: Vec<(usize, String)>,
+    /// What would have been seen: position, amplitude and unit.
+    pub detectable: Vec<(usize, f64, String)>,
+}
+
+/// The linearised problem with everything that was scored.
+struct Scored {
+    prepared: Prepared,
+    directions: Vec<Direction>,
+    scores: Vec<Score>,
+}
+
+impl Scored {
+    /// Takes a direction and scores it.
+    fn take(&mut self, direction: Direction) {
+        self.scores.push(self.prepared.score(&direction));
+        self.directions.push(direction);
+    }
+
+    /// Scores all wanted directions at a fit. Where they are too many to be held, only the best are kept; the number of the
+    /// others stands last.
+    fn best(
+        problem: &Problem,
+        likelihood: &Likelihood,
+        unknowns: &[f64],
+        linear: &Linear,
+        wanted: impl Fn(&Direction) -> bool,
+    ) -> Result<(Self, Vec<signature::Unseen>, u64), String> {
+        let mut scored = Self { prepared: Prepared::new(linear), directions: Vec::new(), scores: Vec::new() };
+        let (mut left_out, mut held) = (0, 0);
+        let mut give = |direction: Direction| {
+            if !wanted(&direction) {
+                return;
+            }
+            held += direction.columns.len();
+            scored.take(direction);
+            if held >= 2 * MOST_ENTRIES {
+                left_out += scored.keep(MOST_ENTRIES);
+                held = scored.directions.iter().map(|direction| direction.columns.len()).sum();
+            }
+        };
+        let unseen = signature::for_each_direction(problem, likelihood, unknowns, &mut give);
+        let unseen = unseen.map_err(|error| error.to_string())?;
+        left_out += scored.keep(MOST_ENTRIES);
+        Ok((scored, unseen, left_out))
+    }
+
+    /// Keeps the best directions whose columns have no more numbers together, in their order, and gives the number of the
+    /// others.
+    fn keep(&mut self, entries: usize) -> u64 {
+        let before = self.directions.len();
+        let mut order: Vec<usize> = (0..before).collect();
+        order.sort_by(|&a, &b| self.fall(b).total_cmp(&self.fall(a)).then(a.cmp(&b)));
+        let mut held = 0;
+        order.retain(|&place| {
+            held += self.directions[place].columns.len();
+            held <= entries
+        });
+        order.sort_unstable();
+        self.directions = order.iter().map(|&place| std::mem::take(&mut self.directions[place])).collect();
+        self.scores = order.iter().map(|&place| self.scores[place].clone()).collect();
+        (before - order.len()) as u64
+    }
+
+    /// What orders directions: the fall of the sum of squares, less two for each freedom beyond the first.
+    fn fall(&self, position: usize) -> f64 {
+        let score = &self.scores[position];
+        score.likelihood_ratio - 2.0 * (score.freedom - 1.0).max(0.0)
+    }
+
+    /// Positions of directions, best first.
+    fn ranked(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.directions.len()).filter(|&d| self.scores[d].seen).collect();
+        order.sort_by(|&a, &b| self.fall(b).total_cmp(&self.fall(a)).then(a.cmp(&b)));
+        order
+    }
+
+    /// The best pairs of different effects, of the `among` best directions of one column: positions and amplitudes.
+    fn pairs(&self, among: usize, count: usize) -> Vec<([usize; 2], [f64; 2], f64)> {
+        let single = self.ranked().into_iter().filter(|&d| self.directions[d].amplitudes() == 1);
+        let mut chosen: Vec<usize> = single.take(among).collect();
+        chosen.sort_unstable();
+        let directions: Vec<Direction> = chosen.iter().map(|&d| self.directions[d].clone()).collect();
+        let scores: Vec<Score> = chosen.iter().map(|&d| self.scores[d].clone()).collect();
+        best_pairs(&self.prepared, &directions, &scores, count)
+            .into_iter()
+            .map(|pair| ([chosen[pair.first], chosen[pair.second]], pair.amplitudes, pair.likelihood_ratio))
+            .filter(|([a, b], _, _)| self.directions[*a].candidate != self.directions[*b].candidate)
+            .collect()
+    }
+}
+
+impl Diagnosis {
+    /// Screens what a fit of the problem's model leaves; where that is nothing, `whole` also
+    /// finds what would have been detected.
+    pub(crate) fn screen_problem(&self, problem: &Problem, refit: &Refit, whole: bool) -> Result<Screening, String> {
+        let likelihood = self.likelihood(problem)?;
+        let linear = signature::linearise(&likelihood, &refit.unknowns).map_err(|e| e.to_string())?;
+        let (scored, unseen, left_out) = Scored::best(problem, &likelihood, &refit.unknowns, &linear, |_| true)?;
+        let (groups, names) = groups(problem, &likelihood);
+        let estimated = self.estimates_sigma();
+        let extras = Extras { groups: &groups, bounds: true, priors: true, omnibus: estimated.is_none() };
+        let family = Family::new(&scored.prepared, &scored.directions, &scored.scores, &extras, estimated);
+        let sampling = Sampling { key: *self.key(), draws: DRAWS };
+        let judged = family.test(&sampling);
+        // What was left out for its size was tested too: all of them are paid for (Bonferroni).
+        let all = (judged.members.len() as u64 + left_out) as f64;
+        let p = if left_out > 0 { judged.p.max(judged.smallest_p * all) } else { judged.p }.clamp(0.0, 1.0);
+        let mut tests: Vec<FamilyTest> = Vec::new();
+        for member in &judged.members {
+            let (name, at) = match member.kind {
+                MemberKind::Direction(d) => ("effects", problem.candidates[scored.directions[d].candidate].id.clone()),
+                MemberKind::Group(group) => ("means of residuals", names[group].clone()),
+                MemberKind::Bound(parameter) => (AT_BOUNDS, refit.names.get(parameter).cloned().unwrap_or_default()),
+                MemberKind::Prior(_) => ("distance from the priors", String::new()),
+                MemberKind::Omnibus => ("sum of squares", String::new()),
+            };
+            match tests.iter_mut().find(|test| test.name == name) {
+                Some(test) if test.p <= member.p => {}
+                Some(test) => (test.at, test.p) = (at, member.p),
+                None => tests.push(FamilyTest { name: name.to_owned(), at, p: member.p }),
+            }
+        }
+        let mut screening = Screening {
+            leads: self.leads(problem, &scored),
+            pairs: Vec::new(),
+            pairs_screened: 0,
+            family: FamilySummary { p, tests },
+            unseen: unseen.into_iter().map(|one| (one.candidate, one.reason)).collect(),
+            detectable: Vec::new(),
+        };
+        let singles = scored.directions.iter().filter(|direction| direction.amplitudes() == 1).count() as u64;
+        screening.pairs_screened = singles * singles.saturating_sub(1) / 2;
+        let mut taken: BTreeMap<usize, usize> = BTreeMap::new();
+        for ([a, b], amplitudes, fall) in scored.pairs(MOST_IN_PAIRS, MOST_PAIRS) {
+            // One effect that stands out would fill the list with whatever goes beside it.
+            let ends = [a, b].map(|d| scored.directions[d].candidate);
+            if ends.iter().any(|candidate| taken.get(candidate).copied().unwrap_or(0) >= MOST_PARTNERS) {
+                continue;
+            }
+            ends.iter().for_each(|candidate| *taken.entry(*candidate).or_default() += 1);
+            let lead = |d: usize, amplitude: f64| Lead {
+                candidate: scored.directions[d].candidate,
+                fall,
+                starts: vec![self.start(problem, &scored.directions[d], &[amplitude])],
+            };
+            screening.pairs.push([lead(a, amplitudes[0]), lead(b, amplitudes[1])]);
+        }
+        for position in 0..problem.candidates.len() {
+            let own: Vec<usize> =
+                (0..scored.directions.len()).filter(|&d| scored.directions[d].candidate == position).collect();
+            if !own.is_empty() && own.iter().all(|&d| !scored.scores[d].seen) {
+                let why = if is_prior(&problem.candidates[position]) {
+                    "nothing presses the parameter out of its prior"
+                } else {
+                    "within its plausible size it moves no reading by more than the parameters can take up"
+                };
+                screening.unseen.push((position, why.to_owned()));
+            }
+        }
+        if whole && (p > self.settings().false_alarm || nothing_stands(1.0, p)) {
+            let sampling = Sampling { draws: DRAWS_OF_CRITICAL, ..sampling };
+            let critical_p = family.critical(self.settings().false_alarm, &sampling);
+            for direction in scored.directions.iter().filter(|direction| direction.amplitudes() == 1) {
+                if screening.detectable.iter().any(|(candidate, _, _)| *candidate == direction.candidate) {
+                    continue;
+                }
+                let amplitude = detectable(&scored.prepared, direction, critical_p, POWER, estimated);
+                if let Some(amplitude) = amplitude.filter(|amplitude| amplitude.is_finite()) {
+                    screening.detectable.extend(shown(problem, direction, amplitude));
+                }
+            }
+        }
+        Ok(screening)
+    }
+
+    pub(crate) fn likelihood(&self, problem: &Problem) -> Result<Likelihood, String> {
+        let believed = problem.hypothesis(&[], 1.0).map_err(|error| error.to_string())?;
+        believed.likelihood(problem).map_err(|error| error.to_string())
+    }
+
+    /// The effects, best first, with starts from their best directions.
+    fn leads(&self, problem: &Problem, scored: &Scored) -> Vec<Lead> {
+        let mut leads: Vec<Lead> = Vec::new();
+        for d in scored.ranked() {
+            let direction = &scored.directions[d];
+            let start = || self.start(problem, direction, &scored.scores[d].amplitudes);
+            let full = leads.len() >= MOST_LEADS;
+            match leads.iter_mut().find(|lead| lead.candidate == direction.candidate) {
+                Some(lead) if lead.starts.len() < MOST_STARTS => lead.starts.push(start()),
+                Some(_) => {}
+                None if !full => {
+                    leads.push(Lead { candidate: direction.candidate, fall: scored.fall(d), starts: vec![start()] })
+                }
+                None => {}
+            }
+        }
+        leads
+    }
+
+    /// Values of an effect's parameters at amplitudes of one of its directions, within the priors.
+    fn start(&self, problem: &Problem, direction: &Direction, amplitudes: &[f64]) -> BTreeMap<String, f64> {
+        let candidate = &problem.candidates[direction.candidate];
+        if let Site::Parameter(index) = candidate.site {
+            let at = direction.shape.iter().sum::<f64>() + amplitudes.iter().sum::<f64>();
+            let Some(wide) = self.problem().wider_prior(index, 1.0) else { return BTreeMap::new() };
+            let (least, most) = wide.support();
+            let at = if at <= least { wide.quantile(1e-3) } else { at };
+            let at = if at >= most { wide.quantile(1.0 - 1e-3) } else { at };
+            return BTreeMap::from([(problem.model.parameters[index].name.clone(), at)]);
+        }
+        let Some(effect) = problem.catalogue.get(&candidate.effect) else { return BTreeMap::new() };
+        let parameters = effect.parameters(&self.problem().model, &candidate.bound);
+        let mut values: Vec<f64> = parameters.iter().map(|parameter| parameter.nominal).collect();
+        if direction.probe.is_empty() {
+            for (&place, amplitude) in direction.parameters.iter().zip(amplitudes) {
+                values[place] = *amplitude;
+            }
+            let shapes = (0..parameters.len()).filter(|place| !direction.parameters.contains(place));
+            for (place, shape) in shapes.zip(&direction.shape) {
+                values[place] = *shape;
+            }
+        } else {
+            values.clone_from(&direction.probe);
+        }
+        let inside = |place: usize| {
+            let prior = &parameters[place].prior;
+            let (lower, upper) = (prior.quantile(0.001), prior.quantile(0.999));
+            // An amplitude may lie far beyond what was thought plausible; a bound holds.
+            let (least, most) = prior.support();
+            let value = if direction.probe.is_empty() { values[place] } else { values[place].max(lower).min(upper) };
+            let margin = 1e-3 * (upper - lower);
+            value.max(least + margin.min(lower - least).max(0.0)).min(most - margin.min(most - upper).max(0.0))
+        };
+        (0..parameters.len())
+            .map(|place| (format!("{}.{}", candidate.id, parameters[place].name), inside(place)))
+            .collect()
+    }
+
+    /// Degrees of freedom of an estimated sigma; `None` where all are stated.
+    pub(crate) fn estimates_sigma(&self) -> Option<f64> {
+        let measurements = self.problem().measurements.iter();
+        let open = measurements.filter(|measurement| {
+            measurement.sensors.iter().any(|sensor| {
+                let inferred = |value: &Option<Uncertain>| value.as_ref().is_some_and(|v| v.prior().is_some());
+                inferred(&sensor.sigma) || inferred(&sensor.white)
+            })
+        });
+        let rows = open.map(|measurement| (0..measurement.len()).filter(|&row| !measurement.held_out(row)).count());
+        let parameters = self.problem().parameters.len();
+        rows.min().map(|rows| (rows.saturating_sub(parameters).max(3)) as f64)
+    }
+
+    /// Noise of the sensors whose noise is not wholly known, from a fit of the problem; beside the pair of effects that
+    /// explains most, or of the fit alone.
+    pub(crate) fn settle_noise(
+        &self,
+        problem: &Problem,
+        declared: &Refit,
+        beside_pair: bool,
+    ) -> Result<Vec<SettledSensor>, String> {
+        let mut bare = problem.clone();
+        let mut open = Vec::new();
+        for (measurement, entry) in bare.measurements.iter_mut().enumerate() {
+            for sensor in 0..entry.sensors.len() {
+                if estimate::is_open(entry, sensor) {
+                    estimate::settle(entry, sensor, &estimate::SettledNoise::white(1.0));
+                    open.push((measurement, sensor));
+                }
+            }
+        }
+        if open.is_empty() {
+            return Ok(Vec::new());
+        }
+        let likelihood = self.likelihood(&bare)?;
+        let known = declared.by_name();
+        let unknowns: Vec<f64> =
+            likelihood.unknowns().names.iter().map(|name| known.get(name).copied().unwrap_or_default()).collect();
+        let linear = signature::linearise(&likelihood, &unknowns).map_err(|e| e.to_string())?;
+        let directions = if beside_pair {
+            // A curve beside which the noise is settled could take the noise for physics.
+            let single = |direction: &Direction| direction.amplitudes() == 1;
+            Scored::best(&bare, &likelihood, &unknowns, &linear, single)?.0.directions
+        } else {
+            Vec::new()
+        };
+        let series: Vec<estimate::SensorRows> =
+            open.iter().map(|&(measurement, sensor)| sensor_rows(&bare, &likelihood, measurement, sensor)).collect();
+        // To begin with, white: as stated, or as large as the residuals.
+        let original = &self.problem().measurements;
+        let mut settled: Vec<SettledSensor> = series
+            .iter()
+            .map(|one| {
+                let square: f64 = one.rows.iter().map(|&row| linear.residuals[row] * linear.residuals[row]).sum();
+                let rms = (square / one.rows.len().max(1) as f64).sqrt().max(f64::MIN_POSITIVE.sqrt());
+                let stated = match &original[one.measurement].sensors[one.sensor].sigma {
+                    Some(sigma) if sigma.prior().is_none() => sigma.nominal(),
+                    _ => rms,
+                };
+                let noise = estimate::SettledNoise::white(stated);
+                SettledSensor { measurement: one.measurement, sensor: one.sensor, noise }
+            })
+            .collect();
+        for _ in 0..NOISE_ROUNDS {
+            let before = settled.clone();
+            let taken = self.taken_by_best_pair(&linear, &directions, &series, &settled);
+            let freedom = 1.0 - (linear.parameters() + 2) as f64 / linear.readings.max(1) as f64;
+            let current: Vec<estimate::SettledNoise> = settled.iter().map(|one| one.noise).collect();
+            let found = estimate::most_likely(original, &series, &taken, freedom.max(0.1), &current);
+            for (one, noise) in settled.iter_mut().zip(found) {
+                one.noise = noise;
+            }
+            if settled == before {
+                break;
+            }
+        }
+        Ok(settled)
+    }
+
+    /// What the parameters and the best pair of effects take of the readings of sensors with unit noise, and leave, SI.
+    fn taken_by_best_pair(
+        &self,
+        linear: &Linear,
+        directions: &[Direction],
+        series: &[estimate::SensorRows],
+        settled: &[SettledSensor],
+    ) -> Taken {
+        let whiten = |column: &mut [f64]| {
+            for (one, rows) in settled.iter().zip(series) {
+                let mut own: Vec<f64> = rows.rows.iter().map(|&row| column[row]).collect();
+                one.noise.whiten(&rows.times_s, &mut own);
+                for (&row, value) in rows.rows.iter().zip(own) {
+                    column[row] = value;
+                }
+            }
+        };
+        let mut white = linear.clone();
+        whiten(&mut white.residuals);
+        let n = linear.parameters();
+        for parameter in 0..n {
+            let mut column: Vec<f64> = (0..linear.rows).map(|row| linear.jacobian[row * n + parameter]).collect();
+            whiten(&mut column);
+            for (row, value) in column.into_iter().enumerate() {
+                white.jacobian[row * n + parameter] = value;
+            }
+        }
+        let mut scored = Scored { prepared: Prepared::new(&white), directions: Vec::new(), scores: Vec::new() };
+        for direction in directions {
+            let mut own = direction.clone();
+            whiten(&mut own.columns);
+            scored.take(own);
+            if scored.directions.len() >= 2 * MOST_BESIDE_NOISE {
+                scored.keep(MOST_BESIDE_NOISE * linear.rows);
+            }
+        }
+        let best: Vec<usize> = match scored.pairs(MOST_BESIDE_NOISE, 1).first() {
+            Some((pair, _, _)) => pair.to_vec(),
+            None => scored.ranked().into_iter().take(1).collect(),
+        };
+        let columns: Vec<Column<'_>> = best
+            .iter()
+            .map(|&d| {
+                let own = &scored.directions[d];
+                Column { values: own.column(0), lower: own.lower[0], upper: own.upper[0], precision: 0.0 }
+            })
+            .collect();
+        let fit = scored.prepared.fit(&columns);
+        let step = scored.prepared.step();
+        let mut errors = linear.residuals.clone();
+        let mut columns = Vec::new();
+        let mut take = |column: Vec<f64>, size: f64, place: Place| {
+            errors.iter_mut().zip(&column).for_each(|(error, own)| *error -= own * size);
+            if place == Place::Free {
+                columns.push(column);
+            }
+        };
+        for parameter in 0..n {
+            let column = (0..linear.rows).map(|row| linear.jacobian[row * n + parameter]).collect();
+            take(column, step[parameter] + fit.x[parameter], fit.places[parameter]);
+        }
+        for (position, &d) in best.iter().enumerate() {
+            // As it was before it was whitened; of those that were scored only the best are kept.
+            let own = &scored.directions[d];
+            let is_own = |other: &&Direction| {
+                other.candidate == own.candidate
+                    && other.parameters == own.parameters
+                    && other.shape == own.shape
+                    && other.probe == own.probe
+            };
+            let Some(original) = directions.iter().find(is_own) else { continue };
+            take(original.column(0).to_vec(), fit.x[n + position], fit.places[n + position]);
+        }
+        Taken { columns, errors }
+    }
+}
+
+/// Rows of the sensors and of the steady phases, with their names.
+fn groups(problem: &Problem, likelihood: &Likelihood) -> (Vec<Vec<usize>>, Vec<String>) {
+    let (mut groups, mut names) = (Vec::new(), Vec::new());
+    let mut add = |rows: Vec<usize>, name: String| {
+        if rows.len() > 1 {
+            groups.push(rows);
+            names.push(name);
+        }
+    };
+    for (index, measurement) in problem.measurements.iter().enumerate() {
+        let own: Vec<(usize, usize, usize)> = (likelihood.data().iter().enumerate())
+            .filter(|(_, datum)| datum.measurement == index)
+            .map(|(position, datum)| (position, datum.row, datum.sensor))
+            .collect();
+        for (place, sensor) in measurement.sensors.iter().enumerate() {
+            let rows = own.iter().filter(|(_, _, other)| *other == place).map(|(position, _, _)| *position).collect();
+            add(rows, format!("sensor {}", sensor.name));
+        }
+        if let Rows::Steady(phases) = &measurement.rows {
+            for (row, phase) in phases.iter().enumerate() {
+                let rows = own.iter().filter(|(_, other, _)| *other == row).map(|(position, _, _)| *position).collect();
+                add(rows, format!("phase {}", phase.name));
+            }
+        }
+    }
+    (groups, names)
+}
+
+fn sensor_rows(problem: &Problem, likelihood: &Likelihood, measurement: usize, sensor: usize) -> estimate::SensorRows {
+    let mut rows = Vec::new();
+    let mut times_s = Vec::new();
+    for (position, datum) in likelihood.data().iter().enumerate() {
+        if datum.measurement == measurement && datum.sensor == sensor {
+            rows.push(position);
+            times_s.push(match &problem.measurements[measurement].rows {
+                Rows::Steady(_) => datum.row as f64,
+                Rows::Transient { inputs, .. } => inputs.times_s[datum.row],
+            });
+        }
+    }
+    estimate::SensorRows { measurement, sensor, rows, times_s }
+}
+
+/// An amplitude of a direction in the unit of its parameter; a share of a probe becomes the probe's first amplitude.
+fn shown(problem: &Problem, direction: &Direction, amplitude: f64) -> Option<(usize, f64, String)> {
+    let candidate = &problem.candidates[direction.candidate];
+    let parameters = problem.catalogue.get(&candidate.effect)?.parameters(&problem.model, &candidate.bound);
+    let (place, value) = match direction.parameters.first() {
+        Some(&place) => (place, amplitude),
+        None => {
+            let place = parameters.iter().position(|parameter| parameter.amplitude)?;
+            (place, amplitude * direction.probe.get(place)?)
+        }
+    };
+    let unit = &parameters.get(place)?.unit;
+    Some((direction.candidate, unit.difference_from_si(value), unit.text.clone()))
+}

@@ -1,0 +1,552 @@
+//! From fits to the verdict.
+
+use std::collections::BTreeMap;
+
+use crate::diagnosis::Problem;
+use crate::diagnosis::Refit;
+use crate::diagnosis::engine::Diagnosis;
+use crate::diagnosis::engine::Remainder;
+use crate::diagnosis::engine::State;
+use crate::diagnosis::engine::TIMES_THE_STEPS;
+use crate::diagnosis::fits::held_out;
+use crate::diagnosis::fits::refit::Begin;
+use crate::diagnosis::heat;
+use crate::diagnosis::heat::effect_heat_flow::carried;
+use crate::diagnosis::noise::overstated;
+use crate::diagnosis::noise::still;
+use crate::diagnosis::odds::posterior_odds::RIVALS_WITHIN;
+use crate::diagnosis::odds::posterior_odds::SURE;
+use crate::diagnosis::odds::posterior_odds::Weights;
+use crate::diagnosis::odds::posterior_odds::best;
+use crate::diagnosis::odds::posterior_odds::groups;
+use crate::diagnosis::odds::posterior_odds::held;
+use crate::diagnosis::odds::posterior_odds::nothing_stands;
+use crate::diagnosis::odds::posterior_odds::veto;
+use crate::diagnosis::odds::posterior_odds::weigh;
+use crate::diagnosis::odds::prior_of::SEPARATE;
+use crate::diagnosis::odds::prior_of::TITLE;
+use crate::diagnosis::odds::prior_of::is_prior;
+use crate::diagnosis::output::Amount;
+use crate::diagnosis::output::Detectable;
+use crate::diagnosis::output::EffectResult;
+use crate::diagnosis::output::Misfit;
+use crate::diagnosis::output::ModelResult;
+use crate::diagnosis::output::NoiseResult;
+use crate::diagnosis::output::Output;
+use crate::diagnosis::output::Rmse;
+use crate::diagnosis::output::RmseChange;
+use crate::diagnosis::output::Test;
+use crate::diagnosis::output::Unseen;
+use crate::diagnosis::output::Verdict;
+use crate::diagnosis::problem::is_idle;
+use crate::diagnosis::verdict::discriminating_experiment;
+use crate::diagnosis::verdict::hints::hints;
+use crate::diagnosis::verdict::trend;
+use crate::diagnosis::verdict::words;
+use crate::document::counted;
+use crate::inference::measurement::{Doubt, Rows};
+use crate::math::functions::{ln, pow};
+use crate::math::special::{chi_square_sf, normal_quantile};
+
+/// Sets and effects that are written out.
+const MOST_WRITTEN: usize = 60;
+/// Probability of a set below which the held-out rows are not asked.
+const LEAST_TESTED: f64 = 1e-3;
+/// Probability of an effect below which the heat that it would carry is not told.
+const LEAST_TOLD: f64 = 1e-3;
+/// Length of the change of all predictions, in standard deviations of the noise, below which an effect changes nothing.
+const MOVES_NOTHING: f64 = 0.01;
+/// p-value of the remaining sum of squares below which a set does not bring the model near the noise.
+const FAR_FROM_NOISE: f64 = 1e-3;
+
+/// The sets, weighed, and which of them is said.
+pub(crate) struct Findings<'a> {
+    pub problem: &'a Problem,
+    pub state: &'a State,
+    pub weights: Weights,
+    /// Position of the selected fit; that of the believed model where nothing is selected.
+    pub selected: usize,
+    /// Members of each group: positions of effects, the selected one first.
+    pub groups: Vec<Vec<usize>>,
+    /// Fits that are rivals of the selected one, itself first.
+    pub rivals: Vec<usize>,
+    /// What sets leave that were not screened before.
+    pub late: Vec<Remainder>,
+    /// Whether nothing stands although tests find something.
+    pub doubted: bool,
+    /// Whether the selected set goes before a more probable one since odds are doubted.
+    pub plainest: bool,
+}
+
+impl Findings<'_> {
+    pub fn id(&self, effect: usize) -> &str {
+        &self.problem.candidates[effect].id
+    }
+
+    /// Probability that an effect is missing.
+    pub fn probability(&self, effect: usize) -> f64 {
+        let with =
+            self.state.refits.iter().zip(&self.weights.sets).filter(|(refit, _)| refit.effects.contains(&effect));
+        with.map(|(_, weight)| weight).sum()
+    }
+}
+
+impl Diagnosis {
+    /// The verdict on what was found.
+    pub fn conclude(&self, state: &State) -> Output {
+        let problem = self.settled(&state.noise, &state.most_steps);
+        let finds = state.screening.family.p <= self.settings().false_alarm;
+        let stated = self.estimates_sigma().is_none();
+        let moved = finds.then(|| self.moved(state, &problem, stated));
+        let state = moved.as_ref().unwrap_or(state);
+        let believed = &state.refits[0];
+        let missing = finds.then(|| heat::missing_heat(&problem, believed)).flatten();
+        let weights = weigh(&problem, &state.refits, missing.as_ref().map(|missing| missing.log_evidence));
+        let mut warnings = state.warnings.clone();
+        warnings.extend(given_up(state));
+        if finds {
+            warnings.extend(still::warnings(&problem, believed));
+        }
+        if finds && missing.is_none() {
+            warnings.push("heat whatever its cause could not be weighed beside the effects: the network is too large or not solved so".to_owned());
+        }
+        let mut findings = Findings {
+            problem: &problem,
+            state,
+            weights,
+            selected: 0,
+            groups: Vec::new(),
+            rivals: Vec::new(),
+            late: Vec::new(),
+            doubted: false,
+            plainest: false,
+        };
+        let nothing = findings.weights.sets[0];
+        // Where all noise is told, the p is what it says.
+        findings.doubted = finds && !state.noise.is_empty() && nothing_stands(nothing, state.screening.family.p);
+        let mut verdict = Verdict::Adequate;
+        let mut held_out_test = None;
+        let missing = missing.filter(|_| !findings.doubted);
+        if finds && !findings.doubted {
+            verdict = Verdict::Unexplained;
+            held_out_test = best(&findings.weights)
+                .and_then(|place| held_out::test(&problem, believed, &state.refits[place], stated));
+            let is_vetoed = |place: usize| {
+                held_out::test(&problem, believed, &state.refits[place], stated).is_some_and(|test| test.veto)
+            };
+            let vetoed = veto(&findings.weights, LEAST_TESTED, is_vetoed);
+            findings.weights = vetoed.with.clone();
+            for &place in &vetoed.sets {
+                let effects = named(&findings, &state.refits[place].effects);
+                warnings.push(format!("{} {effects}", held_out::SAYS_AGAINST));
+            }
+            if !vetoed.sets.is_empty() {
+                let place = best(&vetoed.without).unwrap_or(0);
+                if place > 0 && self.leaves_nothing(&mut findings, place) {
+                    findings.weights = vetoed.without;
+                    held_out_test = held_out::test(&problem, believed, &state.refits[place], stated);
+                }
+            }
+            findings.select(self.settings().false_alarm);
+            let chosen = &state.refits[findings.selected];
+            let explains = !chosen.effects.is_empty() && !self.leaves_too_much(&findings);
+            if explains {
+                verdict = findings.judge();
+            } else {
+                // The test was that of a set which is not adopted.
+                held_out_test = None;
+                findings.selected = 0;
+                findings.groups.clear();
+                findings.rivals.clear();
+            }
+        }
+        let selected: Vec<String> =
+            state.refits[findings.selected].effects.iter().map(|&effect| findings.id(effect).to_owned()).collect();
+        warnings.extend(trend::warnings(&problem, &state.refits[findings.selected].effects));
+        let chosen = &state.refits[findings.selected];
+        // It is about the data themselves.
+        if let Some(overstated) = overstated::warning(self.problem(), &problem, chosen, free(chosen)) {
+            warnings.insert(0, overstated);
+        }
+        let parted = if verdict == Verdict::Ambiguous {
+            discriminating_experiment::experiment(&findings)
+        } else {
+            discriminating_experiment::Parted::default()
+        };
+        let remaining_p = if findings.selected > 0 { findings.remaining_now() } else { None };
+        let (heat, goes_with) = missing.map_or_else(Default::default, |missing| (missing.heat, missing.goes_with));
+        let mut output = Output {
+            verdict,
+            words: Vec::new(),
+            probability_nothing: nothing,
+            probability_unexplained: findings.weights.unexplained,
+            misfit: misfit(state),
+            effects: self.effects(&findings),
+            models: models(&findings),
+            selected,
+            unseen: unseen(&findings),
+            detectable: detectable(&findings),
+            noise: noise(&problem, state),
+            separating_experiment: parted.experiment,
+            one_thing: parted.one_thing,
+            heat,
+            goes_with,
+            held_out_test,
+            remaining_p,
+            looked_at: [
+                problem.candidates.len() as u64,
+                state.screening.pairs_screened,
+                state.refits.len().saturating_sub(1) as u64,
+            ],
+            handed_on: Vec::new(),
+            converged: None,
+            doubts: doubts(&problem),
+            warnings,
+        };
+        output.words = words::verdict(&output, &findings, self.settings().false_alarm);
+        output
+    }
+
+    /// Where the held-out rows veto a set with its thresholds in the likeliest gaps, and not in others, which the fitted rows leave
+    /// open, the likeliest of these counts.
+    fn moved(&self, state: &State, problem: &Problem, stated: bool) -> State {
+        let mut moved = state.clone();
+        let weights = weigh(problem, &state.refits, None);
+        let is_vetoed =
+            |refit: &Refit| held_out::test(problem, &state.refits[0], refit, stated).is_some_and(|test| test.veto);
+        for (refit, weight) in moved.refits.iter_mut().zip(&weights.sets).skip(1) {
+            if *weight < LEAST_TESTED || !problem.has_thresholds(&refit.effects) || !is_vetoed(refit) {
+                continue;
+            }
+            let begin = Begin { starts: vec![refit.by_name()], from_prior: 0, scale: 1.0 };
+            let all = match problem.refits_over_gaps(&refit.effects, &begin, self.key()) {
+                Ok(all) => all,
+                Err(why) => {
+                    let effects: Vec<&str> =
+                        refit.effects.iter().map(|&own| problem.candidates[own].id.as_str()).collect();
+                    moved.warnings.push(format!("other gaps for the threshold of {}: {why}", effects.join(" + ")));
+                    continue;
+                }
+            };
+            let highest = all.iter().map(|one| one.log_evidence).fold(f64::NEG_INFINITY, f64::max);
+            let is_open = |other: &Refit| other.log_evidence + ln(RIVALS_WITHIN) >= highest && !is_vetoed(other);
+            let better = |a: Refit, b: Refit| if b.log_evidence > a.log_evidence { b } else { a };
+            let Some(other) = all.into_iter().filter(is_open).reduce(better) else { continue };
+            let ids: Vec<&str> = refit.effects.iter().map(|&effect| problem.candidates[effect].id.as_str()).collect();
+            moved.warnings.push(format!("{} {}", held_out::SAYS_MOVED, ids.join(" + ")));
+            *refit = other;
+        }
+        moved
+    }
+
+    /// Whether tests find nothing beside a set; what it leaves is screened where that was not done.
+    fn leaves_nothing(&self, findings: &mut Findings<'_>, place: usize) -> bool {
+        let refit = &findings.state.refits[place];
+        let known = findings.remaining(place);
+        let p = known.or_else(|| Some(self.screen_beside(findings.problem, refit).ok()?.family.p));
+        let Some(p) = p else { return false };
+        if known.is_none() {
+            findings.late.push(Remainder { effects: refit.effects.clone(), p });
+        }
+        p > self.settings().false_alarm
+    }
+
+    /// Whether the selected set leaves the model far from the noise while tests go on finding something.
+    fn leaves_too_much(&self, findings: &Findings<'_>) -> bool {
+        let chosen = &findings.state.refits[findings.selected];
+        let found = findings.remaining_now().is_some_and(|p| p <= self.settings().false_alarm);
+        let freedom = chosen.residuals.len() as f64 - free(chosen) as f64;
+        let far = chi_square_sf(chosen.chi_square, freedom.max(1.0)) < FAR_FROM_NOISE;
+        let rather_else = findings.weights.unexplained > 0.5;
+        (found && far) || rather_else
+    }
+
+    /// All fitted effects, most probable first.
+    fn effects(&self, findings: &Findings<'_>) -> Vec<EffectResult> {
+        let state = findings.state;
+        let mut seen: Vec<usize> = state.refits.iter().flat_map(|refit| refit.effects.iter().copied()).collect();
+        seen.sort_unstable();
+        seen.dedup();
+        let mut ranked: Vec<(f64, f64, usize)> = seen
+            .into_iter()
+            .map(|effect| {
+                let alone = state.refits.iter().find(|refit| refit.effects == [effect]);
+                (findings.probability(effect), alone.map_or(f64::NEG_INFINITY, |refit| refit.log_evidence), effect)
+            })
+            .collect();
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)).then(a.2.cmp(&b.2)));
+        let most = ranked.into_iter().take(MOST_WRITTEN);
+        most.map(|(probability, _, effect)| self.effect(findings, effect, probability)).collect()
+    }
+
+    fn effect(&self, findings: &Findings<'_>, effect: usize, probability: f64) -> EffectResult {
+        let (problem, state) = (findings.problem, findings.state);
+        let candidate = &problem.candidates[effect];
+        let file = problem.catalogue.get(&candidate.effect);
+        // Its best set: the selected one where it belongs to it, else the most probable.
+        let with = |place: &usize| state.refits[*place].effects.contains(&effect);
+        let better = |a: usize, b: usize| if findings.weights.sets[b] > findings.weights.sets[a] { b } else { a };
+        let own = Some(findings.selected).filter(with).or_else(|| (0..state.refits.len()).filter(with).reduce(better));
+        let own = own.unwrap_or(0);
+        let refit = &state.refits[own];
+        let rest: Vec<usize> = refit.effects.iter().copied().filter(|&other| other != effect).collect();
+        let before = state.refits.iter().find(|other| other.effects == rest).unwrap_or(&state.refits[0]);
+        let position = refit.effects.iter().position(|&other| other == effect);
+        let amplitudes: BTreeMap<String, Amount> = position
+            .map(|position| {
+                let list = refit.amplitudes[position].iter();
+                list.map(|a| {
+                    let (value, sd) = if a.at_bound { (a.mode, 0.0) } else { (a.mean, a.sd) };
+                    let (unit, at_bound) = (a.unit.clone(), a.at_bound);
+                    let amount = Amount { value, sd, most_probable: a.mode, unit, at_bound };
+                    (a.name.clone(), amount)
+                })
+                .collect()
+            })
+            .unwrap_or_default();
+        let group = findings.groups.iter().position(|group| group.contains(&effect)).map(|group| group as u64 + 1);
+        let scales = group.and_then(|_| self.at_scales(findings, refit, before));
+        let is_told = probability >= LEAST_TOLD || group.is_some();
+        let carries = if is_told { carried(problem, refit, effect) } else { Vec::new() };
+        let first = carries.first().map(|first| first.node.clone());
+        let most = carries.iter().filter(|one| Some(&one.node) == first.as_ref()).map(|one| one.watts);
+        let watts = most.fold(None, |range: Option<[f64; 2]>, watts| {
+            let [least, most] = range.unwrap_or([watts; 2]);
+            Some([least.min(watts), most.max(watts)])
+        });
+        let hints = if is_told { hints(problem, refit, effect) } else { Vec::new() };
+        EffectResult {
+            hints,
+            id: candidate.id.clone(),
+            effect: candidate.effect.clone(),
+            title: file.map_or_else(|| TITLE.to_owned(), |file| file.form.title.clone()),
+            place: candidate.place.clone(),
+            where_kind: candidate.where_kind.to_owned(),
+            input: candidate.input.clone(),
+            probability,
+            log_bayes_factor: refit.log_evidence - before.log_evidence,
+            log_bayes_factor_scales: scales,
+            changes_nothing: changes_nothing(before, refit),
+            group,
+            amplitudes,
+            rmse_k: RmseChange {
+                train: [before.rmse_train_k, refit.rmse_train_k],
+                held_out: [before.rmse_held_out_k, refit.rmse_held_out_k],
+            },
+            watts,
+            prior_width: position.map_or(1.0, |position| refit.widths[position]),
+            carries,
+            confused_with: file
+                .map(|file| file.form.confused_with.iter().map(|name| name.value.clone()).collect())
+                .unwrap_or_default(),
+            separate: file
+                .map_or_else(|| Some(SEPARATE.to_owned()), |file| file.form.separate.clone())
+                .unwrap_or_default(),
+        }
+    }
+
+    /// Log Bayes factors with the amplitudes' priors at half and at double scale.
+    fn at_scales(&self, findings: &Findings<'_>, refit: &Refit, before: &Refit) -> Option<[f64; 2]> {
+        let at = |scale: f64| {
+            let begin = Begin { starts: vec![refit.by_name()], from_prior: 0, scale };
+            let found = findings.problem.refit(&refit.effects, &begin, self.key()).ok()?;
+            Some(found.log_evidence - before.log_evidence).filter(|value| value.is_finite())
+        };
+        Some([at(0.5)?, at(2.0)?])
+    }
+}
+
+/// By how much odds are too sure beside which tests still find something: the ratio of the squares of the normal deviates
+/// of what they find and of their level; 1 where they find nothing.
+fn doubt(p: f64, false_alarm: f64) -> f64 {
+    const MOST: f64 = 10.0;
+    let square = |p: f64| normal_quantile(0.5 * p.clamp(1e-300, 1.0)) * normal_quantile(0.5 * p.clamp(1e-300, 1.0));
+    (square(p) / square(false_alarm)).clamp(1.0, MOST)
+}
+
+/// Number of parameters that are not held at a bound.
+fn free(refit: &Refit) -> usize {
+    refit.held.iter().zip(&refit.names).filter(|(held, name)| !**held && !is_idle(name)).count()
+}
+
+fn named(findings: &Findings<'_>, effects: &[usize]) -> String {
+    let ids: Vec<&str> = effects.iter().map(|&effect| findings.id(effect)).collect();
+    ids.join(" + ")
+}
+
+impl Findings<'_> {
+    /// Selects the most probable set, its rivals and its groups.
+    /// While something is still found beside the most probable set, the likelihood is known to be wrong, and odds made with
+    /// it are too sure: their logarithms are divided by how far beyond the level of the tests that is (a likelihood raised
+    /// to a power below 1; Miller & Dunson 2019, J. Am. Stat. Assoc. 114, 1113), and of the sets that are rivals then the one
+    /// with the fewest parameters goes first.
+    fn select(&mut self, false_alarm: f64) {
+        let place = best(&self.weights).unwrap_or(0);
+        self.selected = place;
+        if place == 0 {
+            return;
+        }
+        let refits = &self.state.refits;
+        let doubt = self.remaining(place).map_or(1.0, |p| doubt(p, false_alarm));
+        let within = pow(RIVALS_WITHIN, doubt);
+        // What takes more parameters has no claim on doubt.
+        let mut weights = self.weights.clone();
+        for (refit, weight) in refits.iter().zip(&mut weights.sets) {
+            let near = *weight * RIVALS_WITHIN >= self.weights.sets[place];
+            if doubt > 1.0 && !near && refit.unknowns.len() > refits[place].unknowns.len() {
+                *weight = 0.0;
+            }
+        }
+        (self.groups, self.rivals) = groups(refits, &weights, place, within);
+        if doubt > 1.0 {
+            let alike = |other: &&usize| refits[**other].effects.len() == refits[place].effects.len();
+            let plainer = |a: usize, b: usize| if refits[b].unknowns.len() < refits[a].unknowns.len() { b } else { a };
+            self.selected = self.rivals.iter().filter(alike).copied().reduce(plainer).unwrap_or(place);
+            self.plainest = self.selected != place;
+            (self.groups, self.rivals) = groups(refits, &weights, self.selected, within);
+        }
+        // Of rivals the one goes first that has to invent least: a prior may simply be wrong.
+        let invented = |other: usize| {
+            let effects = refits[other].effects.iter();
+            effects.filter(|&&effect| !is_prior(&self.problem.candidates[effect])).count()
+        };
+        let alike = |other: &&usize| refits[**other].effects.len() == refits[self.selected].effects.len();
+        let first = self.rivals.iter().filter(alike).copied();
+        let first = first.reduce(|a, b| if invented(b) < invented(a) { b } else { a }).unwrap_or(self.selected);
+        if invented(first) < invented(self.selected) {
+            self.selected = first;
+            self.plainest = false;
+            (self.groups, self.rivals) = groups(refits, &weights, first, within);
+        }
+    }
+
+    /// Whether the selected set goes before a more probable one.
+    pub fn goes_first(&self) -> bool {
+        best(&self.weights).is_some_and(|place| self.selected != 0 && place != self.selected)
+    }
+
+    /// The family-wise p of what a set leaves, where that was tested.
+    fn remaining(&self, place: usize) -> Option<f64> {
+        let effects = &self.state.refits[place].effects;
+        let mut known = self.state.remainders.iter().chain(&self.late);
+        known.find(|remainder| remainder.effects == *effects).map(|remainder| remainder.p)
+    }
+
+    /// The same of the selected set, or of the most probable one where the selected one goes before it.
+    fn remaining_now(&self) -> Option<f64> {
+        self.remaining(self.selected).or_else(|| self.remaining(best(&self.weights)?))
+    }
+
+    fn judge(&self) -> Verdict {
+        let alone = self.rivals.len() == 1;
+        let sure = held(&self.state.refits, &self.weights, &self.groups) >= SURE;
+        if alone && sure { Verdict::Identified } else { Verdict::Ambiguous }
+    }
+}
+
+/// What is said of fits in which transients were given up.
+fn given_up(state: &State) -> Option<String> {
+    let points: u64 = state.refits.iter().map(|refit| refit.given_up).sum();
+    let sets = state.refits.iter().filter(|refit| refit.given_up > 0).count();
+    (points > 0).then(|| {
+        format!(
+            "fits of {} of effects left out {} at which a transient took more than {TIMES_THE_STEPS} times the steps of the \
+             believed model",
+            counted(sets, "set"),
+            counted(points, "point")
+        )
+    })
+}
+
+/// Whether two fits predict the same, to less than any table shows.
+fn changes_nothing(before: &Refit, after: &Refit) -> bool {
+    let moved = before.residuals.iter().zip(&after.residuals).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+    before.residuals.len() == after.residuals.len() && moved.sqrt() < MOVES_NOTHING
+}
+
+/// What is doubtful about the data; starts first, since all that follows shows them.
+fn doubts(problem: &Problem) -> Vec<Doubt> {
+    let mut doubts: Vec<Doubt> = problem.measurements.iter().flat_map(|own| own.doubts.iter().cloned()).collect();
+    doubts.sort_by_key(|doubt| !doubt.is_of_start());
+    doubts
+}
+
+fn misfit(state: &State) -> Misfit {
+    let believed = &state.refits[0];
+    // As in a calibration: a parameter at a bound counts too, so that both tell one figure where their noise is one.
+    let unknowns = believed.names.iter().filter(|name| !is_idle(name)).count();
+    let freedom = (believed.residuals.len() as f64 - unknowns as f64).max(1.0);
+    let tests = state.screening.family.tests.iter();
+    Misfit {
+        reduced_chi2: believed.chi_square / freedom,
+        family_wise_p: state.screening.family.p,
+        rmse_k: Rmse { train: believed.rmse_train_k, held_out: believed.rmse_held_out_k },
+        tests: tests.map(|test| Test { name: test.name.clone(), at: test.at.clone(), p: test.p }).collect(),
+    }
+}
+
+fn models(findings: &Findings<'_>) -> Vec<ModelResult> {
+    let refits = &findings.state.refits;
+    let mut order: Vec<usize> = (0..refits.len()).collect();
+    order.sort_by(|&a, &b| findings.weights.sets[b].total_cmp(&findings.weights.sets[a]).then(a.cmp(&b)));
+    let result = |place: usize| {
+        let refit = &refits[place];
+        ModelResult {
+            effects: refit.effects.iter().map(|&effect| findings.id(effect).to_owned()).collect(),
+            log_evidence: refit.log_evidence,
+            probability: findings.weights.sets[place],
+            chi_square: refit.chi_square,
+            rmse_k: Rmse { train: refit.rmse_train_k, held_out: refit.rmse_held_out_k },
+        }
+    };
+    order.into_iter().take(MOST_WRITTEN).map(result).collect()
+}
+
+fn unseen(findings: &Findings<'_>) -> Vec<Unseen> {
+    let told = |effect: usize, why: String| Unseen { id: findings.id(effect).to_owned(), why };
+    let mut list: Vec<Unseen> =
+        findings.state.screening.unseen.iter().map(|(effect, why)| told(*effect, why.clone())).collect();
+    // What no set was fitted with is not judged either.
+    let is_fitted = |effect: &usize| findings.state.refits.iter().any(|refit| refit.effects.contains(effect));
+    for (effect, why) in findings.state.failed.iter().filter(|(effect, _)| !is_fitted(effect)) {
+        let id = findings.id(*effect);
+        if !list.iter().any(|known| known.id == id) {
+            let own = why.strip_prefix(id).and_then(|rest| rest.strip_prefix(": ")).unwrap_or(why);
+            list.push(told(*effect, format!("it cannot be fitted: {own}")));
+        }
+    }
+    list
+}
+
+fn detectable(findings: &Findings<'_>) -> BTreeMap<String, Detectable> {
+    let list = findings.state.screening.detectable.iter();
+    list.map(|(effect, value, unit)| {
+        (findings.id(*effect).to_owned(), Detectable { value: *value, unit: unit.clone() })
+    })
+    .collect()
+}
+
+fn noise(problem: &Problem, state: &State) -> BTreeMap<String, NoiseResult> {
+    let mut results = BTreeMap::new();
+    for (index, measurement) in problem.measurements.iter().enumerate() {
+        for (place, sensor) in measurement.sensors.iter().enumerate() {
+            let part = |value: &Option<crate::inference::measurement::Uncertain>| value.as_ref().map(|v| v.nominal());
+            let (sigma, white) = (part(&sensor.sigma).unwrap_or(0.0), part(&sensor.white).unwrap_or(0.0));
+            let total = (sigma * sigma + white * white).sqrt();
+            let time = part(&sensor.correlation_time_s).filter(|_| matches!(measurement.rows, Rows::Transient { .. }));
+            let share = if time.is_some() && total > 0.0 { sigma * sigma / (total * total) } else { 0.0 };
+            let estimated = state.noise.iter().any(|one| one.measurement == index && one.sensor == place);
+            results.insert(
+                sensor.name.clone(),
+                NoiseResult {
+                    sigma: total,
+                    correlation_time_s: time,
+                    correlated_share: share,
+                    unit: problem.model.quantities[sensor.quantity].unit.clone(),
+                    estimated,
+                },
+            );
+        }
+    }
+    results
+}

@@ -1,0 +1,84 @@
+//! Inputs that rise or fall throughout a transient: an effect that goes with one may stand for whatever changes with time.
+
+use crate::diagnosis::Problem;
+use crate::inference::measurement::Rows;
+use crate::math::functions::sqrt;
+
+/// Rank correlation with time (Spearman 1904) from which an input follows it.
+const FOLLOWS: f64 = 0.9;
+/// Fewest rows of which that is said.
+const LEAST_ROWS: usize = 8;
+
+/// What is said of the inputs of a set's effects.
+pub(crate) fn warnings(problem: &Problem, effects: &[usize]) -> Vec<String> {
+    let mut said = Vec::new();
+    for &effect in effects {
+        let candidate = &problem.candidates[effect];
+        let inputs = (0..problem.model.inputs.len()).filter(|&input| {
+            candidate
+                .input
+                .as_deref()
+                .is_some_and(|own| own.split('*').any(|one| one == problem.model.inputs[input].name))
+        });
+        for input in inputs.filter(|&input| follows_time(problem, input)) {
+            said.push(format!(
+                "`{}` goes with `{}`, which rises or falls throughout the test: the effect may stand for anything else that changed with time",
+                candidate.id, problem.model.inputs[input].name
+            ));
+        }
+    }
+    said
+}
+
+/// Whether an input follows time in every transient; not where there are steady phases, whose order says nothing.
+fn follows_time(problem: &Problem, input: usize) -> bool {
+    let follows = |rows: &Rows| match rows {
+        Rows::Steady(_) => false,
+        Rows::Transient { inputs, .. } => {
+            let values: Vec<f64> = (0..inputs.times_s.len()).map(|row| inputs.in_row(row, input)).collect();
+            values.len() >= LEAST_ROWS && correlation(&ranks(&values), &ranks(&inputs.times_s)).abs() >= FOLLOWS
+        }
+    };
+    !problem.measurements.is_empty() && problem.measurements.iter().all(|measurement| follows(&measurement.rows))
+}
+
+/// Ranks from 0; equal values share the mean of theirs.
+fn ranks(values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let mut ranks = vec![0.0; values.len()];
+    let mut first = 0;
+    for same in order.chunk_by(|&a, &b| values[a] == values[b]) {
+        let mean = first as f64 + 0.5 * (same.len() - 1) as f64;
+        same.iter().for_each(|&place| ranks[place] = mean);
+        first += same.len();
+    }
+    ranks
+}
+
+/// 0 where either does not vary.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let (of_a, of_b) = (mean(a), mean(b));
+    let product = |x: &[f64], of_x: f64, y: &[f64], of_y: f64| -> f64 {
+        x.iter().zip(y).map(|(x, y)| (x - of_x) * (y - of_y)).sum()
+    };
+    let scale = sqrt(product(a, of_a, a, of_a) * product(b, of_b, b, of_b));
+    if scale > 0.0 { product(a, of_a, b, of_b) / scale } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranks_of_equal_values_are_shared_and_a_ramp_follows_time() {
+        assert_eq!(ranks(&[3.0, 1.0, 3.0, 2.0]), [2.5, 0.0, 2.5, 1.0]);
+        let times: Vec<f64> = (0..40).map(f64::from).collect();
+        let decaying: Vec<f64> = times.iter().map(|t| 100.0 / (1.0 + t)).collect();
+        assert!((correlation(&ranks(&decaying), &ranks(&times)) + 1.0).abs() < 1e-12);
+        let cycles: Vec<f64> = times.iter().map(|t| f64::from(u8::from(t % 10.0 < 4.0))).collect();
+        assert!(correlation(&ranks(&cycles), &ranks(&times)).abs() < 0.3);
+        assert_eq!(correlation(&ranks(&[1.0; 9]), &ranks(&times[..9])), 0.0);
+    }
+}

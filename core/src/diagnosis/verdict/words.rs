@@ -1,0 +1,400 @@
+//! The verdict in sentences.
+
+use crate::diagnosis::PRIOR_OF;
+use crate::diagnosis::Problem;
+use crate::diagnosis::fits::held_out::SAYS_AGAINST;
+use crate::diagnosis::output::EffectResult;
+use crate::diagnosis::output::OneThing;
+use crate::diagnosis::output::Output;
+use crate::diagnosis::output::RISES;
+use crate::diagnosis::output::SeparatingExperiment;
+use crate::diagnosis::output::Verdict;
+use crate::diagnosis::screening::screen::AT_BOUNDS;
+use crate::diagnosis::verdict::conclude::Findings;
+use crate::document::{counted, p_stated};
+use crate::expression::Unit;
+use crate::inference::measurement::Measurement;
+
+/// The first parameter of a curve.
+const FIRST_KNOT: &str = "knot_1";
+/// A proposed phase this far beyond all readings is remarked on, K.
+const FAR_BEYOND_K: f64 = 30.0;
+/// Standard deviations between the mean and the most probable value from which both are told.
+const ELSEWHERE: f64 = 0.1;
+/// p at which a test is clear.
+const CLEARLY: f64 = 1e-6;
+
+/// A probability as people read it.
+fn percent(probability: f64) -> String {
+    match probability {
+        p if p > 0.999 => "over 99.9 %".to_owned(),
+        p if p < 0.001 => "below 0.1 %".to_owned(),
+        p => format!("{:.1} %", 100.0 * p),
+    }
+}
+
+/// The size of an effect, after a comma: its first parameter. Nothing for one that has none, and for a curve, of which the
+/// first knot says nothing. The most probable value, which `bmv adopt` writes, stands beside a mean that lies elsewhere.
+fn size(effect: &EffectResult) -> String {
+    let first = effect.amplitudes.iter().next().filter(|(name, _)| *name != FIRST_KNOT);
+    first.map_or_else(String::new, |(name, amount)| {
+        let unit = if amount.unit == "1" { String::new() } else { format!(" {}", amount.unit) };
+        if amount.at_bound {
+            return format!(", {name} {}{unit}, at a bound", short(amount.value, 3));
+        }
+        let mean = with_error(amount.value, amount.sd);
+        if (amount.most_probable - amount.value).abs() <= ELSEWHERE * amount.sd {
+            return format!(", {name} {mean}{unit}");
+        }
+        format!(", {name} {mean}{unit} (most probable with all others {}{unit})", short(amount.most_probable, 4))
+    })
+}
+
+/// That a prior is too narrow, and by how much.
+fn too_narrow(effect: &EffectResult, problem: &Problem) -> String {
+    let name = effect.place.first().map_or("", String::as_str);
+    let own = problem.model.parameters.iter().zip(&problem.priors).find(|(own, _)| own.name == name);
+    let held = own.map_or_else(String::new, |(own, prior)| {
+        let unit = Unit::parse(&own.unit).ok();
+        let shown = |si: f64| short(unit.as_ref().map_or(si, |unit| unit.from_si(si)), 3);
+        let (lower, upper) = prior.support();
+        let ends = match (lower.is_finite() && upper.is_finite(), prior) {
+            (true, _) => format!("{} to {}", shown(lower), shown(upper)),
+            (false, prior) => format!("{} to {} (95 %)", shown(prior.quantile(0.025)), shown(prior.quantile(0.975))),
+        };
+        let text = if own.unit == "1" { String::new() } else { format!(" {}", own.unit) };
+        format!(", and its prior says {ends}{text}")
+    });
+    let wanted = effect.amplitudes.values().next().map_or_else(String::new, |amount| {
+        let unit = if amount.unit == "1" { String::new() } else { format!(" {}", amount.unit) };
+        format!(" wants to be {}{unit}", with_error(amount.value, amount.sd))
+    });
+    format!(
+        "A prior is too narrow, or a number is wrong: `{name}`{wanted}{held} ({}); probability {}, log Bayes factor {:.1}. Check this before anything is added to the model.",
+        effect.id,
+        percent(effect.probability),
+        effect.log_bayes_factor
+    )
+}
+
+/// A sentence that goes on after a colon.
+fn lower(sentence: &str) -> String {
+    let mut letters = sentence.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}
+
+/// That an effect is larger than thought.
+fn surprising(effect: &EffectResult) -> String {
+    if effect.prior_width <= 1.0 {
+        return String::new();
+    }
+    format!(
+        " It is larger than what the catalogue takes for plausible, whose prior had to be {} times as wide: can it be so large here?",
+        effect.prior_width
+    )
+}
+
+/// The heat that an effect moves, where it moves any.
+fn carried(effect: &EffectResult) -> String {
+    let (Some([least, most]), Some(first)) = (effect.watts, effect.carries.first()) else { return String::new() };
+    let node = &first.node;
+    let range = |least: f64, most: f64| match (short(least, 2), short(most, 2)) {
+        (least, most) if least == most => format!("{least} W"),
+        (least, most) => format!("{least} to {most} W"),
+    };
+    if effect.amplitudes.contains_key(FIRST_KNOT) {
+        // A curve's level trades for whatever else is constant there.
+        let swing = short(most - least, 2);
+        return format!(", heat that varies by {swing} W into {node} ({})", range(least, most));
+    }
+    if most <= 0.0 {
+        return format!(", which takes {} from {node}", range(-most, -least));
+    }
+    format!(", which gives {node} {}", range(least, most))
+}
+
+/// A value and its spread, to two digits of the spread.
+fn with_error(value: f64, sd: f64) -> String {
+    let decimals = 1.0 - (crate::math::functions::ln(sd) / core::f64::consts::LN_10).floor();
+    if sd > 0.0 && (0.0..=8.0).contains(&decimals) {
+        let decimals = decimals as usize;
+        return format!("{value:.decimals$} ± {sd:.decimals$}");
+    }
+    let largest = value.abs().max(sd);
+    let power = (crate::math::functions::ln(largest) / core::f64::consts::LN_10).floor();
+    // Far more digits than anybody reads, or nothing to divide by.
+    if !(sd > 1e-6 * largest && largest < f64::INFINITY) || power == 0.0 {
+        return format!("{} ± {}", short(value, 3), short(sd, 2));
+    }
+    // One power of ten for both.
+    let unit = crate::math::functions::pow(10.0, power);
+    format!("({})e{power}", with_error(value / unit, sd / unit))
+}
+
+/// A number to some significant digits.
+fn short(value: f64, digits: usize) -> String {
+    let magnitude = value.abs();
+    if magnitude == 0.0 || !magnitude.is_finite() {
+        // Not "-0".
+        return format!("{}", value + 0.0);
+    }
+    let power = (crate::math::functions::ln(magnitude) / core::f64::consts::LN_10).floor();
+    if !(-4.0..6.0).contains(&power) {
+        return format!("{value:.*e}", digits - 1);
+    }
+    format!("{value:.*}", (digits as f64 - 1.0 - power).max(0.0) as usize)
+}
+
+/// How clear a misfit is, from the p-value of all tests together.
+fn clearness(p: f64, false_alarm: f64) -> String {
+    if p > false_alarm {
+        return format!("the tests find no misfit in that ({})", p_stated(p));
+    }
+    format!("that is a misfit ({}, the probability of one as clear as this where nothing is missing)", p_stated(p))
+}
+
+/// `a, b and c`.
+fn joined(names: &[String]) -> String {
+    match names.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => names.concat(),
+    }
+}
+
+impl OneThing {
+    /// That no phase parts the sets, in a sentence.
+    pub fn in_words(&self) -> String {
+        format!("N{}.", &self.clause()[1..])
+    }
+
+    /// The same, to follow a semicolon.
+    pub fn clause(&self) -> String {
+        format!(
+            "no steady phase within the stated ranges tells {} apart: the best would do so with probability {}, repeating an old one with {}, and a coin with 50 %",
+            joined(&self.sets),
+            percent(self.probability),
+            percent(self.repeat_probability)
+        )
+    }
+}
+
+fn fall([before, after]: [Option<f64>; 2]) -> Option<String> {
+    Some(format!("{before:.2} to {after:.2} K", before = before?, after = after?))
+}
+
+/// That a proposed phase goes far beyond all readings so far.
+fn beyond_what_was_measured(experiment: &SeparatingExperiment, problem: &Problem) -> Option<String> {
+    let kelvin = |measurement: &Measurement, sensor: usize| {
+        problem.model.quantities[measurement.sensors[sensor].quantity].is_temperature
+    };
+    let mut measured = [f64::INFINITY, f64::NEG_INFINITY];
+    let mut names = Vec::new();
+    for own in &problem.measurements {
+        for sensor in (0..own.sensors.len()).filter(|&sensor| kelvin(own, sensor)) {
+            names.push(own.sensors[sensor].name.as_str());
+            for reading in (0..own.len()).filter_map(|row| own.reading(row, sensor)) {
+                measured = [measured[0].min(reading), measured[1].max(reading)];
+            }
+        }
+    }
+    let predicted = experiment.predictions.iter().filter(|(sensor, _)| names.contains(&sensor.as_str()));
+    let predicted = predicted.flat_map(|(sensor, values)| values.iter().map(move |value| (sensor, *value)));
+    let predicted = predicted.filter(|(_, value)| value.is_finite());
+    if measured[0] > measured[1] {
+        return None;
+    }
+    let beyond = |value: f64| (value - measured[1]).max(measured[0] - value);
+    let (sensor, value) = predicted.max_by(|a, b| beyond(a.1).total_cmp(&beyond(b.1)))?;
+    (beyond(value) > FAR_BEYOND_K).then(|| {
+        format!(
+            "There `{sensor}` would read {:.0} degC, while all readings so far lie between {:.0} and {:.0} degC: is the hardware made for that?",
+            value - 273.15,
+            measured[0] - 273.15,
+            measured[1] - 273.15
+        )
+    })
+}
+
+/// The sentences: how wrong, what is missing, how sure, what it does to the error, what else it could be.
+pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64) -> Vec<String> {
+    let mut words = Vec::new();
+    let misfit = &output.misfit;
+    let mut error = format!(
+        "Tuned as far as its parameters allow, the model has a reduced chi-square of {:.2}",
+        misfit.reduced_chi2
+    );
+    if let Some(train) = misfit.rmse_k.train {
+        error.push_str(&format!(" and an RMSE of {train:.2} K on the fitted rows"));
+        if let Some(held_out) = misfit.rmse_k.held_out {
+            error.push_str(&format!(", {held_out:.2} K on the held-out rows"));
+        }
+    }
+    if !findings.state.noise.is_empty() {
+        error.push_str(", by the noise that was settled here (see noise)");
+    }
+    error.push_str(&format!("; {}.", clearness(misfit.family_wise_p, false_alarm)));
+    words.push(error);
+    if !findings.state.noise.is_empty() {
+        words.push(
+            "A calibration, `bmv compare` and `bmv history` take the noise as the pass states it or infer it beside the model as it is: their chi-square and RMSE are others."
+                .to_owned(),
+        );
+    }
+    let selected: Vec<&EffectResult> =
+        output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id)).collect();
+    match output.verdict {
+        Verdict::Adequate => {
+            words.push(format!(
+                "Nothing is missing that these data could show: {} and {} were tried.",
+                counted(output.looked_at[0], "effect"),
+                counted(output.looked_at[1], "pair")
+            ));
+            if findings.doubted {
+                words.push(format!(
+                    "A test finds something, but nothing that could have made it is likely enough: that nothing is missing keeps a probability of {}. More data, or the noise told, would settle it.",
+                    percent(output.probability_nothing)
+                ));
+            }
+        }
+        Verdict::Unexplained => {
+            words.push(format!(
+                "Something is missing, and none of {}, alone or in sets of up to {}, explains it: see the missing heat by node.",
+                counted(output.looked_at[0], "effect"),
+                findings.state.refits.iter().map(|refit| refit.effects.len()).max().unwrap_or(0)
+            ));
+            if output.warnings.iter().any(|warning| warning.starts_with(SAYS_AGAINST)) {
+                words.push("What fits the fitted rows fails on the held-out ones.".to_owned());
+            }
+        }
+        Verdict::Identified | Verdict::Ambiguous => {
+            // What invents nothing goes first.
+            let is_prior = |effect: &&&EffectResult| effect.effect == PRIOR_OF;
+            for effect in selected.iter().filter(is_prior) {
+                words.push(too_narrow(effect, findings.problem));
+            }
+            for effect in selected.iter().filter(|effect| !is_prior(effect)) {
+                let head = if output.verdict == Verdict::Identified { "Missing" } else { "Perhaps missing" };
+                words.push(format!(
+                    "{head}: {} ({}){}{}; probability {}, log Bayes factor {:.1}.{}",
+                    effect.title,
+                    effect.id,
+                    size(effect),
+                    carried(effect),
+                    percent(effect.probability),
+                    effect.log_bayes_factor,
+                    surprising(effect)
+                ));
+            }
+            for effect in &selected {
+                words.extend(effect.hints.iter().map(|hint| format!("{}: {}", effect.id, lower(hint))));
+            }
+        }
+    }
+    if selected.len() > 1 {
+        words.push(format!(
+            "Of sets of several effects the most promising were fitted, not all: probabilities are among {}.",
+            counted(output.looked_at[2], "set")
+        ));
+    }
+    if !selected.is_empty() {
+        let place = findings.selected;
+        let (before, after) = (&findings.state.refits[0], &findings.state.refits[place]);
+        let train = fall([before.rmse_train_k, after.rmse_train_k]);
+        let held_out = fall([before.rmse_held_out_k, after.rmse_held_out_k]);
+        if let Some(train) = train {
+            let held_out = held_out.map_or_else(String::new, |fall| format!(", on the held-out rows from {fall}"));
+            let with = if selected.len() == 1 { "With it" } else { "With them" };
+            words.push(format!("{with} the RMSE on the fitted rows goes from {train}{held_out}."));
+            if let (Some(before), Some(after)) = (before.rmse_held_out_k, after.rmse_held_out_k)
+                && after > RISES * before
+            {
+                words.push(
+                    "On the held-out rows the error rises: what was found need not hold beyond the rows that were fitted."
+                        .to_owned(),
+                );
+            }
+        }
+    }
+    let pressed = misfit.tests.iter().find(|test| test.name == AT_BOUNDS && test.p <= CLEARLY);
+    if let Some(test) = pressed.filter(|_| output.verdict != Verdict::Adequate) {
+        words.push(format!(
+            "In the model as believed `{}` is pressed against an end of its prior ({}): is that prior wide enough?",
+            test.at,
+            p_stated(test.p)
+        ));
+    }
+    let left = output.remaining_p.filter(|p| *p <= false_alarm && !findings.goes_first());
+    if let Some(p) = left.filter(|_| !selected.is_empty()) {
+        words.push(format!(
+            "Tests still find something beside what is selected ({}): something smaller is missing too, or the noise is not what it is taken for.",
+            p_stated(p)
+        ));
+    }
+    if output.verdict == Verdict::Ambiguous {
+        for (number, group) in findings.groups.iter().enumerate().filter(|(_, group)| group.len() > 1) {
+            let ids: Vec<String> = group
+                .iter()
+                .map(|&effect| format!("{} ({})", findings.id(effect), percent(findings.probability(effect))))
+                .collect();
+            words.push(format!("These data cannot tell apart (group {}): {}.", number + 1, ids.join(", ")));
+        }
+        if findings.plainest {
+            words.push(format!(
+                "Tests still find something beside all of these ({}), so that the odds between them are too sure: the plainest goes first.",
+                p_stated(output.remaining_p.unwrap_or(f64::NAN))
+            ));
+        }
+        words.extend(output.one_thing.as_ref().map(OneThing::in_words));
+        if let Some(experiment) = &output.separating_experiment {
+            words.push(format!(
+                "A steady phase at the conditions stated below would tell {} apart with probability {}; repeating the best old phase with {}.",
+                joined(&experiment.between),
+                percent(experiment.probability),
+                percent(experiment.repeat_probability)
+            ));
+            words.extend(beyond_what_was_measured(experiment, findings.problem));
+        }
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_misfit_is_called_clear_only_where_the_tests_find_one() {
+        assert_eq!(clearness(0.96, 0.01), "the tests find no misfit in that (p = 0.96)");
+        let found = clearness(0.0, 0.01);
+        assert!(found.starts_with("that is a misfit (p < 1e-6, "), "{found}");
+    }
+
+    #[test]
+    fn the_value_that_is_adopted_stands_beside_a_mean_that_lies_elsewhere() {
+        let effect = |most_probable: f64| {
+            let amount = serde_json::json!({"value": 0.0307, "sd": 0.0131, "most_probable": most_probable, "unit": "W/K", "at_bound": false});
+            serde_json::from_value::<EffectResult>(serde_json::json!({
+                "id": "a:x", "effect": "a", "title": "A", "where": ["x"], "where_kind": "node", "input": null, "probability": 0.9,
+                "log_bayes_factor": 9.0, "log_bayes_factor_scales": null, "group": null, "amplitudes": {"conductance": amount},
+                "rmse_k": {"train": [null, null], "held_out": [null, null]}, "watts": null, "confused_with": [], "separate": ""
+            }))
+            .expect("an effect")
+        };
+        assert_eq!(size(&effect(0.0308)), ", conductance 0.031 ± 0.013 W/K");
+        assert_eq!(
+            size(&effect(0.0347)),
+            ", conductance 0.031 ± 0.013 W/K (most probable with all others 0.03470 W/K)"
+        );
+    }
+
+    #[test]
+    fn sizes_are_read_with_their_errors() {
+        assert_eq!(with_error(0.05143, 0.00273), "0.0514 ± 0.0027");
+        assert_eq!(with_error(8_680_000.0, 449_161.0), "(8.68 ± 0.45)e6");
+        assert_eq!(with_error(-1234.0, 250.0), "(-1.23 ± 0.25)e3");
+        assert_eq!(with_error(1.0, 0.0), "1.00 ± 0");
+        assert_eq!(with_error(1.0, 1e-8), "1.00 ± 1.0e-8");
+        assert_eq!(with_error(f64::NAN, 1.0), "NaN ± 1.0");
+        assert_eq!(short(-0.0, 2), "0");
+    }
+}
