@@ -5,16 +5,12 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::diagnosis::Problem;
-use crate::diagnosis::Refit;
-use crate::diagnosis::Settings;
 use crate::diagnosis::fits::exchange::exchanges;
 use crate::diagnosis::fits::refit::Begin;
-use crate::diagnosis::noise::estimate::SettledNoise;
-use crate::diagnosis::noise::estimate::settle;
+use crate::diagnosis::noise::estimate::{SettledNoise, settle};
 use crate::diagnosis::odds::posterior_odds::weigh;
-use crate::diagnosis::screening::screen::Lead;
-use crate::diagnosis::screening::screen::Screening;
+use crate::diagnosis::screening::screen::{Lead, Screening};
+use crate::diagnosis::{Problem, Refit, Settings};
 use crate::effect::Effect;
 use crate::inference::joint_prior::JointPrior;
 use crate::inference::measurement::Rows;

@@ -3,8 +3,8 @@
 //! A key belongs to a study's seed, a job and a purpose; each key has 2^64 streams, each stream 2^67 words.
 //! Sample i of a set takes its own fixed range of words, so any part of a set can be drawn alone.
 
+use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use sha2::{Digest, Sha256};
 
 use crate::math::special::normal_quantile;

@@ -12,8 +12,7 @@
 //! phase, an offset of every sensor ("something else").
 
 use crate::diagnosis::Linear;
-use crate::diagnosis::linearisation::bounded::Place;
-use crate::diagnosis::linearisation::bounded::minimise;
+use crate::diagnosis::linearisation::bounded::{Place, minimise};
 use crate::diagnosis::linearisation::scalar_products::dot;
 use crate::inference::box_probability::log_box_probability;
 use crate::inference::cholesky;
@@ -145,10 +144,7 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
 
     use super::*;
-    use crate::diagnosis::screening::fixture::columns;
-    use crate::diagnosis::screening::fixture::problem;
-    use crate::diagnosis::screening::fixture::random_direction;
-    use crate::diagnosis::screening::fixture::stream;
+    use crate::diagnosis::screening::fixture::{columns, problem, random_direction, stream};
     use crate::math::functions::exp;
     use crate::math::quadrature::gauss_legendre;
     use crate::math::special::normal_cdf;

@@ -1,8 +1,7 @@
 //! Exchanged channels that no linearisation shows: a large exchange bends the fit of the believed model so far that its
 //! predictions there say nothing of what the sensors would read.
 
-use crate::diagnosis::Problem;
-use crate::diagnosis::Refit;
+use crate::diagnosis::{Problem, Refit};
 use crate::effect::Effect;
 use crate::inference::target::{LeastSquares, Target};
 
@@ -66,13 +65,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::diagnosis::Diagnosis;
-    use crate::diagnosis::Settings;
-    use crate::diagnosis::laboratory::Recipe;
-    use crate::diagnosis::laboratory::TestKind;
-    use crate::diagnosis::laboratory::Topology;
-    use crate::diagnosis::laboratory::Wish;
-    use crate::diagnosis::laboratory::case;
+    use crate::diagnosis::laboratory::{Recipe, TestKind, Topology, Wish, case};
+    use crate::diagnosis::{Diagnosis, Settings};
     use crate::document::Diagnostics;
     use crate::effect::{Catalogue, Site};
     use crate::random::StreamKey;

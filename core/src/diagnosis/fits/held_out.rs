@@ -2,19 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::diagnosis::Linear;
-use crate::diagnosis::Problem;
-use crate::diagnosis::Refit;
-use crate::diagnosis::fits::threshold_levels::gap;
-use crate::diagnosis::fits::threshold_levels::level_of_row;
+use crate::diagnosis::fits::threshold_levels::{gap, level_of_row};
 use crate::diagnosis::linearisation::signature::linearise;
 use crate::diagnosis::output::HeldOutTest;
+use crate::diagnosis::{Linear, Problem, Refit};
 use crate::inference::cholesky;
 use crate::inference::measurement::{Measurement, Rows};
 use crate::math::special::{chi_square_sf, student_t_cdf};
 
-/// How the warning of a set that is vetoed begins.
-pub(crate) const SAYS_AGAINST: &str = "the held-out rows speak against";
 /// How the warning of a set with a threshold that they place begins.
 pub(crate) const SAYS_MOVED: &str = "a threshold lies where the held-out rows allow it, not in the gap between two levels that fits \
                                 slightly better and fails on them; they have taken part in the choice:";

@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::diagnosis::Problem;
-use crate::diagnosis::Refit;
+use crate::diagnosis::{Problem, Refit};
 use crate::effect::apply::LEAST_CAPACITY_J_PER_K;
 use crate::effect::parameter::widened;
 use crate::effect::{

@@ -4,13 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::diagnosis::Hypothesis;
-use crate::diagnosis::Problem;
-use crate::diagnosis::fits::threshold_gaps::Flat;
-use crate::diagnosis::fits::threshold_gaps::together;
+use crate::diagnosis::fits::threshold_gaps::{Flat, together};
 use crate::diagnosis::odds::prior_of::is_prior;
-use crate::diagnosis::odds::prior_scale::Amplitudes;
-use crate::diagnosis::odds::prior_scale::WIDTHS;
+use crate::diagnosis::odds::prior_scale::{Amplitudes, WIDTHS};
+use crate::diagnosis::{Hypothesis, Problem};
 use crate::expression::Unit;
 use crate::inference::likelihood::{GIVEN_UP, Likelihood};
 use crate::inference::measurement::Measurement;

@@ -3,14 +3,9 @@
 use std::collections::BTreeMap;
 
 use crate::diagnosis::Problem;
-use crate::diagnosis::engine::Diagnosis;
-use crate::diagnosis::engine::Remainder;
-use crate::diagnosis::engine::SINGLES;
-use crate::diagnosis::engine::State;
+use crate::diagnosis::engine::{Diagnosis, Remainder, SINGLES, State};
 use crate::diagnosis::fits::exchange::exchanges;
-use crate::diagnosis::odds::posterior_odds::best;
-use crate::diagnosis::odds::posterior_odds::log_weights;
-use crate::diagnosis::odds::posterior_odds::weigh;
+use crate::diagnosis::odds::posterior_odds::{best, log_weights, weigh};
 use crate::diagnosis::screening::screen::Lead;
 
 /// Effects that are tried beside a set, or in the place of one of its members.
@@ -206,11 +201,7 @@ mod tests {
 
     use super::*;
     use crate::diagnosis::Settings;
-    use crate::diagnosis::laboratory::Recipe;
-    use crate::diagnosis::laboratory::TestKind;
-    use crate::diagnosis::laboratory::Topology;
-    use crate::diagnosis::laboratory::Wish;
-    use crate::diagnosis::laboratory::case;
+    use crate::diagnosis::laboratory::{Recipe, TestKind, Topology, Wish, case};
     use crate::document::Diagnostics;
     use crate::effect::Catalogue;
     use crate::random::StreamKey;

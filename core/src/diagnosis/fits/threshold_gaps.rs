@@ -1,12 +1,9 @@
 //! The gaps, between two levels of the fitted rows, in which a set has its thresholds. Within a gap the likelihood is flat, and no
 //! slope leads from one to the next: they are fitted one after another, and the evidence is the sum over them.
 
-use crate::diagnosis::Problem;
-use crate::diagnosis::Refit;
 use crate::diagnosis::fits::refit::Begin;
-use crate::diagnosis::fits::threshold_levels::beside;
-use crate::diagnosis::fits::threshold_levels::gap;
-use crate::diagnosis::fits::threshold_levels::log_share;
+use crate::diagnosis::fits::threshold_levels::{beside, gap, log_share};
+use crate::diagnosis::{Problem, Refit};
 use crate::effect::EffectParameter;
 use crate::inference::likelihood::Likelihood;
 use crate::inference::point_estimate::PointEstimate;

@@ -6,10 +6,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnosis::Hypothesis;
-use crate::diagnosis::Problem;
-use crate::diagnosis::Refit;
 use crate::diagnosis::output::Carried;
+use crate::diagnosis::{Hypothesis, Problem, Refit};
 use crate::inference::measurement::{Measurement, Rows};
 use crate::inference::prediction::Predictor;
 use crate::inference::unknown::settled;

@@ -13,13 +13,10 @@ mod sources;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::diagnosis::Problem;
-use crate::diagnosis::Refit;
-use crate::diagnosis::fits::evidence::Amplitude;
-use crate::diagnosis::fits::evidence::Evidence;
+use crate::diagnosis::fits::evidence::{Amplitude, Evidence};
 use crate::diagnosis::linearisation::scalar_products::dot;
-use crate::diagnosis::output::GoesWith;
-use crate::diagnosis::output::Heat;
+use crate::diagnosis::output::{GoesWith, Heat};
+use crate::diagnosis::{Problem, Refit};
 use crate::math::functions::ln;
 use crate::watch;
 use relations::relations;
@@ -203,11 +200,7 @@ mod tests {
 
     use super::*;
     use crate::diagnosis::fits::refit::Begin;
-    use crate::diagnosis::laboratory::Recipe;
-    use crate::diagnosis::laboratory::TestKind;
-    use crate::diagnosis::laboratory::Topology;
-    use crate::diagnosis::laboratory::Wish;
-    use crate::diagnosis::laboratory::case;
+    use crate::diagnosis::laboratory::{Recipe, TestKind, Topology, Wish, case};
     use crate::document::Diagnostics;
     use crate::effect::Catalogue;
     use crate::random::StreamKey;

@@ -2,11 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnosis::Linear;
-use crate::diagnosis::Problem;
-use crate::diagnosis::Refit;
 use crate::diagnosis::linearisation::scalar_products::dot;
 use crate::diagnosis::linearisation::signature::linearise;
+use crate::diagnosis::{Linear, Problem, Refit};
 use crate::expression::{Names, Scope, Symbol, parse};
 use crate::inference::likelihood::{Definition, Likelihood};
 use crate::inference::measurement::{Measurement, Rows};

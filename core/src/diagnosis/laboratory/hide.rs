@@ -9,8 +9,7 @@ use super::draw::{Draw, short};
 use super::refit::{self, Refit};
 use super::truth::{NoiseTruth, Truth};
 use super::world::World;
-use crate::diagnosis::HypothesisError;
-use crate::diagnosis::Problem;
+use crate::diagnosis::{HypothesisError, Problem};
 use crate::inference::measurement::{Rows, Uncertain};
 use crate::math::functions::{exp, ln};
 

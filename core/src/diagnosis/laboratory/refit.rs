@@ -1,8 +1,6 @@
 //! The believed model, or one with effects, fitted to readings that are given.
 
-use crate::diagnosis::Hypothesis;
-use crate::diagnosis::HypothesisError;
-use crate::diagnosis::Problem;
+use crate::diagnosis::{Hypothesis, HypothesisError, Problem};
 use crate::inference::likelihood::{Definition, Likelihood};
 use crate::inference::measurement::Measurement;
 use crate::inference::natural::NaturalObjective;

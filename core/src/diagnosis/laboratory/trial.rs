@@ -12,9 +12,7 @@ use super::draw::Draw;
 use super::hide::{HideError, Wish, hide};
 use super::rivals::rivals;
 use super::truth::Truth;
-use crate::diagnosis::Diagnosis;
-use crate::diagnosis::Problem;
-use crate::diagnosis::Settings;
+use crate::diagnosis::{Diagnosis, Problem, Settings};
 use crate::effect::Catalogue;
 use crate::random::StreamKey;
 

@@ -2,8 +2,7 @@
 
 use super::hide::HideError;
 use super::truth::Outside;
-use crate::diagnosis::Hypothesis;
-use crate::diagnosis::Problem;
+use crate::diagnosis::{Hypothesis, Problem};
 use crate::expression::{Binary, Names, Scope, Symbol, parse};
 use crate::inference::measurement::{InputColumn, Rows};
 use crate::inference::prediction::Predictor;

@@ -8,15 +8,8 @@
 use nalgebra::DMatrix;
 
 use crate::diagnosis::Direction;
-use crate::diagnosis::linearisation::scalar_products::add_scaled;
-use crate::diagnosis::linearisation::scalar_products::dot;
-use crate::diagnosis::linearisation::scalar_products::project_out;
-use crate::diagnosis::screening::score::Column;
-use crate::diagnosis::screening::score::LARGEST_PLAUSIBLE;
-use crate::diagnosis::screening::score::Prepared;
-use crate::diagnosis::screening::score::SMALLEST_SHARE;
-use crate::diagnosis::screening::score::Score;
-use crate::diagnosis::screening::score::Side;
+use crate::diagnosis::linearisation::scalar_products::{add_scaled, dot, project_out};
+use crate::diagnosis::screening::score::{Column, LARGEST_PLAUSIBLE, Prepared, SMALLEST_SHARE, Score, Side};
 use crate::math::functions::sqrt;
 use crate::math::special::{normal_quantile, weighted_chi_square_sf};
 

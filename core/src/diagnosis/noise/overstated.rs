@@ -1,7 +1,6 @@
 //! Whether the noise that a study states is larger than what its readings scatter by.
 
-use crate::diagnosis::Problem;
-use crate::diagnosis::Refit;
+use crate::diagnosis::{Problem, Refit};
 use crate::inference::likelihood::Datum;
 use crate::inference::scatter;
 

@@ -5,8 +5,7 @@
 //! whitened by the noise that is tried, it is the likelihood of the errors with `b' A^-1 b / 2 - log |A| / 2` added,
 //! `A = X'X`, `b = X'e`: the fit is made anew under that noise, and integrated over.
 
-use crate::diagnosis::noise::estimate::SensorRows;
-use crate::diagnosis::noise::estimate::SettledNoise;
+use crate::diagnosis::noise::estimate::{SensorRows, SettledNoise};
 use crate::inference::cholesky;
 use crate::math::dense::dot;
 

@@ -1,8 +1,7 @@
 //! Channels that stand still while the model moves: frozen or saturated, which no physics of the hardware explains.
 
-use crate::diagnosis::Problem;
-use crate::diagnosis::Refit;
 use crate::diagnosis::fits::refit::total_sigma;
+use crate::diagnosis::{Problem, Refit};
 use crate::expression::Unit;
 use crate::inference::measurement::Rows;
 use crate::inference::prediction::Predictor;

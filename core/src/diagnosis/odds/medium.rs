@@ -61,11 +61,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::diagnosis::laboratory::Recipe;
-    use crate::diagnosis::laboratory::TestKind;
-    use crate::diagnosis::laboratory::Topology;
-    use crate::diagnosis::laboratory::Wish;
-    use crate::diagnosis::laboratory::case;
+    use crate::diagnosis::laboratory::{Recipe, TestKind, Topology, Wish, case};
     use crate::diagnosis::odds::posterior_odds::Odds;
     use crate::document::Diagnostics;
     use crate::effect::{Bound, Catalogue};

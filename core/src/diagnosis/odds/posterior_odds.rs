@@ -7,10 +7,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnosis::Problem;
-use crate::diagnosis::Refit;
-use crate::diagnosis::odds::medium::is_pressure;
-use crate::diagnosis::odds::medium::is_vacuum;
+use crate::diagnosis::odds::medium::{is_pressure, is_vacuum};
+use crate::diagnosis::{Problem, Refit};
 use crate::effect::{Bound, Effect, Site};
 use crate::math::functions::{exp, ln};
 use crate::math::sum::log_sum_exp;

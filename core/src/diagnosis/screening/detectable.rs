@@ -7,8 +7,7 @@
 
 use crate::diagnosis::Direction;
 use crate::diagnosis::linearisation::multi_column::Projected;
-use crate::diagnosis::screening::score::Prepared;
-use crate::diagnosis::screening::score::Side;
+use crate::diagnosis::screening::score::{Prepared, Side};
 use crate::math::special::{normal_quantile, student_t_quantile};
 
 /// The amplitude, SI, of a direction of one column that is found with a power (0.9, say) at a member's critical

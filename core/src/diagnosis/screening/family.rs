@@ -12,17 +12,11 @@
 //! stay pressed, with the true parameter at the bound, which is the worst case. Where the bounds of further parameters lower a
 //! likelihood ratio, the probability is an upper limit.
 
-use crate::diagnosis::Direction;
-use crate::diagnosis::Score;
 use crate::diagnosis::linearisation::multi_column::Projected;
-use crate::diagnosis::linearisation::scalar_products::coordinates;
-use crate::diagnosis::linearisation::scalar_products::dot;
-use crate::diagnosis::linearisation::scalar_products::orthonormal;
-use crate::diagnosis::screening::null_maximum::Null;
-use crate::diagnosis::screening::null_maximum::Sampling;
-use crate::diagnosis::screening::null_maximum::Several;
-use crate::diagnosis::screening::score::Prepared;
-use crate::diagnosis::screening::score::Side;
+use crate::diagnosis::linearisation::scalar_products::{coordinates, dot, orthonormal};
+use crate::diagnosis::screening::null_maximum::{Null, Sampling, Several};
+use crate::diagnosis::screening::score::{Prepared, Side};
+use crate::diagnosis::{Direction, Score};
 use crate::math::functions::sqrt;
 use crate::math::special::{
     chi_square_sf, fisher_f_sf, normal_cdf, normal_quantile, student_t_cdf, weighted_chi_square_sf,

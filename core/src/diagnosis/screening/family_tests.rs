@@ -1,19 +1,9 @@
 //! The family's probability where it is known: independent, equal, and correlated members, bounds, unknown scale.
 
-use crate::diagnosis::Direction;
-use crate::diagnosis::Extras;
-use crate::diagnosis::Family;
-use crate::diagnosis::Linear;
-use crate::diagnosis::MemberKind;
-use crate::diagnosis::Prepared;
-use crate::diagnosis::Sampling;
-use crate::diagnosis::Score;
 use crate::diagnosis::linearisation::scalar_products::dot;
 use crate::diagnosis::screening::detectable::detectable;
-use crate::diagnosis::screening::fixture::direction;
-use crate::diagnosis::screening::fixture::problem;
-use crate::diagnosis::screening::fixture::random_direction;
-use crate::diagnosis::screening::fixture::stream;
+use crate::diagnosis::screening::fixture::{direction, problem, random_direction, stream};
+use crate::diagnosis::{Direction, Extras, Family, Linear, MemberKind, Prepared, Sampling, Score};
 use crate::math::functions::{pow, sqrt};
 use crate::math::quadrature::gauss_legendre;
 use crate::math::special::{chi_square_quantile, chi_square_sf, normal_cdf, normal_density, student_t_cdf};

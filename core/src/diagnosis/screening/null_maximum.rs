@@ -12,9 +12,7 @@
 //! With an unknown scale, `e = x / s` with `d s^2` a chi-square of d degrees: `s` is drawn given what was drawn from the tail,
 //! as `(d + length^2) s^2` is a chi-square of `d + k` degrees, k being the number of components drawn.
 
-use crate::diagnosis::linearisation::scalar_products::add_scaled;
-use crate::diagnosis::linearisation::scalar_products::dot;
-use crate::diagnosis::linearisation::scalar_products::project_out;
+use crate::diagnosis::linearisation::scalar_products::{add_scaled, dot, project_out};
 use crate::diagnosis::screening::family::square_tail;
 use crate::diagnosis::screening::score::Side;
 use crate::inference::box_probability::log_box_probability;

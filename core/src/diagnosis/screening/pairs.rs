@@ -11,10 +11,7 @@ use std::collections::BinaryHeap;
 use crate::diagnosis::Direction;
 use crate::diagnosis::linearisation::multi_column::Projected;
 use crate::diagnosis::linearisation::scalar_products::dot;
-use crate::diagnosis::screening::score::Column;
-use crate::diagnosis::screening::score::Prepared;
-use crate::diagnosis::screening::score::Score;
-use crate::diagnosis::screening::score::Side;
+use crate::diagnosis::screening::score::{Column, Prepared, Score, Side};
 use crate::watch;
 
 /// Pairs with less than this left of one given the other (`1 - c^2`) are one direction.

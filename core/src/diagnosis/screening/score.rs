@@ -7,15 +7,9 @@
 //! likelihood ratio (Rao 1948). A parameter that the data press against a bound is not free: `P` leaves it out.
 //! Of directions with several columns: `several`.
 
-use crate::diagnosis::Direction;
-use crate::diagnosis::Linear;
-use crate::diagnosis::linearisation::bounded::Minimum;
-use crate::diagnosis::linearisation::bounded::Place;
-use crate::diagnosis::linearisation::bounded::minimise;
-use crate::diagnosis::linearisation::scalar_products::add_scaled;
-use crate::diagnosis::linearisation::scalar_products::dot;
-use crate::diagnosis::linearisation::scalar_products::orthonormal;
-use crate::diagnosis::linearisation::scalar_products::project_out;
+use crate::diagnosis::linearisation::bounded::{Minimum, Place, minimise};
+use crate::diagnosis::linearisation::scalar_products::{add_scaled, dot, orthonormal, project_out};
+use crate::diagnosis::{Direction, Linear};
 use crate::math::functions::sqrt;
 use crate::math::special::{normal_cdf, normal_quantile, normal_quantile_of_ln};
 use crate::watch;

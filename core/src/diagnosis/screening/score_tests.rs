@@ -2,21 +2,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::diagnosis::Direction;
-use crate::diagnosis::Linear;
-use crate::diagnosis::Prepared;
-use crate::diagnosis::Score;
 use crate::diagnosis::linearisation::scalar_products::dot;
-use crate::diagnosis::screening::fixture::columns;
-use crate::diagnosis::screening::fixture::direction;
-use crate::diagnosis::screening::fixture::enumerated;
-use crate::diagnosis::screening::fixture::problem;
-use crate::diagnosis::screening::fixture::products;
-use crate::diagnosis::screening::fixture::random_direction;
-use crate::diagnosis::screening::fixture::stream;
-use crate::diagnosis::screening::pairs::best_pairs;
-use crate::diagnosis::screening::pairs::screen;
+use crate::diagnosis::screening::fixture::{
+    columns, direction, enumerated, problem, products, random_direction, stream,
+};
+use crate::diagnosis::screening::pairs::{best_pairs, screen};
 use crate::diagnosis::screening::score::Side;
+use crate::diagnosis::{Direction, Linear, Prepared, Score};
 use crate::math::special::normal_cdf;
 
 /// Sum of squares of the free fit on some columns.

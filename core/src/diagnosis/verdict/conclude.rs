@@ -2,47 +2,24 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnosis::Problem;
-use crate::diagnosis::Refit;
-use crate::diagnosis::engine::Diagnosis;
-use crate::diagnosis::engine::Remainder;
-use crate::diagnosis::engine::State;
-use crate::diagnosis::engine::TIMES_THE_STEPS;
+use crate::diagnosis::engine::{Diagnosis, Remainder, State, TIMES_THE_STEPS};
 use crate::diagnosis::fits::held_out;
 use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::heat;
 use crate::diagnosis::heat::effect_heat_flow::carried;
-use crate::diagnosis::noise::overstated;
-use crate::diagnosis::noise::still;
-use crate::diagnosis::odds::posterior_odds::RIVALS_WITHIN;
-use crate::diagnosis::odds::posterior_odds::SURE;
-use crate::diagnosis::odds::posterior_odds::Weights;
-use crate::diagnosis::odds::posterior_odds::best;
-use crate::diagnosis::odds::posterior_odds::groups;
-use crate::diagnosis::odds::posterior_odds::held;
-use crate::diagnosis::odds::posterior_odds::nothing_stands;
-use crate::diagnosis::odds::posterior_odds::veto;
-use crate::diagnosis::odds::posterior_odds::weigh;
-use crate::diagnosis::odds::prior_of::SEPARATE;
-use crate::diagnosis::odds::prior_of::TITLE;
-use crate::diagnosis::odds::prior_of::is_prior;
-use crate::diagnosis::output::Amount;
-use crate::diagnosis::output::Detectable;
-use crate::diagnosis::output::EffectResult;
-use crate::diagnosis::output::Misfit;
-use crate::diagnosis::output::ModelResult;
-use crate::diagnosis::output::NoiseResult;
-use crate::diagnosis::output::Output;
-use crate::diagnosis::output::Rmse;
-use crate::diagnosis::output::RmseChange;
-use crate::diagnosis::output::Test;
-use crate::diagnosis::output::Unseen;
-use crate::diagnosis::output::Verdict;
+use crate::diagnosis::noise::{overstated, still};
+use crate::diagnosis::odds::posterior_odds::{
+    RIVALS_WITHIN, SURE, Weights, best, groups, held, nothing_stands, veto, weigh,
+};
+use crate::diagnosis::odds::prior_of::{SEPARATE, TITLE, is_prior};
+use crate::diagnosis::output::{
+    Amount, Detectable, EffectResult, Misfit, ModelResult, NoiseResult, Output, Rmse, RmseChange, Test, Unseen, Verdict,
+};
 use crate::diagnosis::problem::is_idle;
 use crate::diagnosis::verdict::discriminating_experiment;
 use crate::diagnosis::verdict::hints::hints;
-use crate::diagnosis::verdict::trend;
-use crate::diagnosis::verdict::words;
+use crate::diagnosis::verdict::{trend, words};
+use crate::diagnosis::{Problem, Refit};
 use crate::document::counted;
 use crate::inference::measurement::{Doubt, Rows};
 use crate::math::functions::{ln, pow};
@@ -74,6 +51,8 @@ pub(crate) struct Findings<'a> {
     pub late: Vec<Remainder>,
     /// Whether nothing stands although tests find something.
     pub doubted: bool,
+    /// Whether the held-out rows speak against a set that fits the others.
+    pub vetoed: bool,
     /// Whether the selected set goes before a more probable one since odds are doubted.
     pub plainest: bool,
 }
@@ -119,6 +98,7 @@ impl Diagnosis {
             rivals: Vec::new(),
             late: Vec::new(),
             doubted: false,
+            vetoed: false,
             plainest: false,
         };
         let nothing = findings.weights.sets[0];
@@ -138,9 +118,10 @@ impl Diagnosis {
             findings.weights = vetoed.with.clone();
             for &place in &vetoed.sets {
                 let effects = named(&findings, &state.refits[place].effects);
-                warnings.push(format!("{} {effects}", held_out::SAYS_AGAINST));
+                warnings.push(format!("the held-out rows speak against {effects}"));
             }
-            if !vetoed.sets.is_empty() {
+            findings.vetoed = !vetoed.sets.is_empty();
+            if findings.vetoed {
                 let place = best(&vetoed.without).unwrap_or(0);
                 if place > 0 && self.leaves_nothing(&mut findings, place) {
                     findings.weights = vetoed.without;

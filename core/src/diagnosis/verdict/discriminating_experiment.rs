@@ -9,13 +9,10 @@ use std::collections::BTreeMap;
 
 use nalgebra::DMatrix;
 
-use crate::diagnosis::Problem;
-use crate::diagnosis::Refit;
 use crate::diagnosis::linearisation::signature::linearise;
-use crate::diagnosis::output::OneThing;
-use crate::diagnosis::output::SeparatingExperiment;
-use crate::diagnosis::output::Setting;
+use crate::diagnosis::output::{OneThing, SeparatingExperiment, Setting};
 use crate::diagnosis::verdict::conclude::Findings;
+use crate::diagnosis::{Problem, Refit};
 use crate::inference::cholesky;
 use crate::inference::information::separation;
 use crate::inference::likelihood::{Definition, Likelihood};

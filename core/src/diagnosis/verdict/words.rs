@@ -1,16 +1,9 @@
 //! The verdict in sentences.
 
-use crate::diagnosis::PRIOR_OF;
-use crate::diagnosis::Problem;
-use crate::diagnosis::fits::held_out::SAYS_AGAINST;
-use crate::diagnosis::output::EffectResult;
-use crate::diagnosis::output::OneThing;
-use crate::diagnosis::output::Output;
-use crate::diagnosis::output::RISES;
-use crate::diagnosis::output::SeparatingExperiment;
-use crate::diagnosis::output::Verdict;
+use crate::diagnosis::output::{EffectResult, OneThing, Output, RISES, SeparatingExperiment, Verdict};
 use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::verdict::conclude::Findings;
+use crate::diagnosis::{PRIOR_OF, Problem};
 use crate::document::{counted, p_stated};
 use crate::expression::Unit;
 use crate::inference::measurement::Measurement;
@@ -262,7 +255,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 counted(output.looked_at[0], "effect"),
                 findings.state.refits.iter().map(|refit| refit.effects.len()).max().unwrap_or(0)
             ));
-            if output.warnings.iter().any(|warning| warning.starts_with(SAYS_AGAINST)) {
+            if findings.vetoed {
                 words.push("What fits the fitted rows fails on the held-out ones.".to_owned());
             }
         }

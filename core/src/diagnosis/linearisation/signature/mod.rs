@@ -18,8 +18,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::diagnosis::fits::hypothesis::HypothesisError;
-use crate::diagnosis::linearisation::linear::Direction;
-use crate::diagnosis::linearisation::linear::Linear;
+use crate::diagnosis::linearisation::linear::{Direction, Linear};
 use crate::diagnosis::problem::Problem;
 use crate::inference::likelihood::{Likelihood, Whitening};
 use crate::inference::measurement::Rows;
