@@ -80,7 +80,7 @@ fn threads_are_started_by_the_runner_and_by_the_screening_of_effects() {
     let users: Vec<String> = (sources().into_iter())
         .filter(|(_, _, text)| program(text).contains("rayon"))
         .map(|(path, room, _)| format!("{room}: {}", path.display()))
-        .filter(|user| !user.starts_with("runner: ") && !user.contains("diagnosis/signature/"))
+        .filter(|user| !user.starts_with("runner: ") && !user.contains("diagnosis/linearisation/signature/"))
         .collect();
     assert!(users.is_empty(), "{users:?}");
 }

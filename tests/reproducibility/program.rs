@@ -30,9 +30,10 @@ impl Studies {
         studies.change_job(|job| job["samples"] = json!(samples));
         studies.change_pass(|pass| {
             pass["jobs"]["effects"]["sensitivity"]["samples"] = json!(128);
-            pass["jobs"]["goal"]["goal"]["samples"] = json!(1024);
-            let design = &mut pass["jobs"]["coupon"]["design"];
-            (design["outer"], design["inner"]) = (json!(256), json!(64));
+            // `reproducibility::jobs` runs the kinds of these two on any number of threads.
+            for slow in ["goal", "coupon"] {
+                pass["jobs"].as_object_mut().unwrap().remove(slow).unwrap();
+            }
         });
         studies.write_cooling();
         studies
