@@ -23,10 +23,17 @@ fn run(job: &dyn Job) -> Result<serde_json::Value, JobError> {
 }
 
 fn job(sampler: Sampler, draws: u64, change: &dyn Fn(&mut Measurement)) -> Result<Calibrate, JobError> {
+    job_of(sampler, (sampler.defaults().0, draws), change)
+}
+
+fn job_of(
+    sampler: Sampler,
+    (warmup, draws): (u64, u64),
+    change: &dyn Fn(&mut Measurement),
+) -> Result<Calibrate, JobError> {
     let model = model();
     let mut data = measurement(&model);
     change(&mut data);
-    let (warmup, _) = sampler.defaults();
     let spec =
         Spec { data: vec![0], parameters: vec![0, 1, 2, 3], sampler, chains: 4, warmup, draws, acceptance: None };
     let inputs = Inputs {
@@ -111,7 +118,7 @@ fn short_chains_are_not_called_converged() {
 #[test]
 fn held_out_readings_do_not_change_the_posterior() {
     let at = |value: f64| {
-        let job = job(Sampler::Nuts, 50, &|data| {
+        let job = job_of(Sampler::Nuts, (50, 20), &|data| {
             let Rows::Steady(phases) = &mut data.rows else { unreachable!() };
             phases[5].held_out = true;
             data.readings[27] = Some(value);
