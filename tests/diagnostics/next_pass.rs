@@ -211,7 +211,7 @@ fn the_file_is_readable_and_says_why() {
     1 | bmv adopt pass-1.json conductive-path
       | ^^^^^^^^^^^^^^^^^^^^^
       |
-      = help: a phase at T_plate = 39.85 degC would tell them apart with probability 0.97 (repeating a phase: 0.60)
+      = help: a phase at T_plate = 39.85 degC would tell them apart with probability 97.0 % (repeating a phase: 60.0 %)
     ");
 }
 
@@ -237,7 +237,7 @@ fn what_the_data_do_not_settle_is_adopted_by_name_with_its_odds() {
     1 | bmv adopt pass-1.json
       | ^^^^^^^^^^^^^^^^^^^^^ the name of what you adopt
       |
-      = help: to adopt it all the same, name it: bmv adopt pass-1.json conductive-path:box:detector; a phase at T_plate = 39.85 degC would tell them apart with probability 0.97 (repeating a phase: 0.60)
+      = help: to adopt it all the same, name it: bmv adopt pass-1.json conductive-path:box:detector; a phase at T_plate = 39.85 degC would tell them apart with probability 97.0 % (repeating a phase: 60.0 %)
     ");
     for (effects, forced) in [(&["conductive-path"][..], false), (&[][..], true)] {
         let next = adopt(&study, &found, effects, forced).expect("adopted");

@@ -1,4 +1,4 @@
-//! Numbers inside sentences: counts with their nouns, and p-values.
+//! Numbers inside sentences: counts with their nouns, probabilities and p-values.
 
 use std::fmt::Display;
 
@@ -36,9 +36,24 @@ pub fn p_stated(p: f64) -> String {
     if value.starts_with('<') { format!("p {value}") } else { format!("p = {value}") }
 }
 
+/// A probability in per cent, or the bound beyond which digits say nothing: `over 99.9 %`, `below 0.1 %`, `17.5 %`.
+pub fn percent(probability: f64) -> String {
+    match probability {
+        p if p > 0.999 => "over 99.9 %".to_owned(),
+        p if p < 0.001 => "below 0.1 %".to_owned(),
+        p => format!("{:.1} %", 100.0 * p),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_probability_that_is_all_but_certain_is_a_bound() {
+        let said = [0.99999, 0.175, 2e-5].map(percent);
+        assert_eq!(said, ["over 99.9 %", "17.5 %", "below 0.1 %"]);
+    }
 
     #[test]
     fn one_of_a_thing_is_no_plural() {

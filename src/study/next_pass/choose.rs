@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::OneThing;
 use crate::document::visible::shell_word;
-use crate::document::{Diagnostic, Diagnostics, Place, Source, Span, code, suggest};
+use crate::document::{Diagnostic, Diagnostics, Place, Source, Span, code, percent, suggest};
 use crate::expression::Unit;
 use crate::job::findings::{Experiment, Finding, Findings};
 use crate::thermal::Model;
@@ -313,10 +313,10 @@ fn experiment(experiment: &Experiment, model: &Model) -> Option<String> {
     });
     let mut text = format!("a phase at {} would tell them apart", conditions.collect::<Vec<_>>().join(", "));
     if let Some(probability) = experiment.probability {
-        text.push_str(&format!(" with probability {probability:.2}"));
+        text.push_str(&format!(" with probability {}", percent(probability)));
     }
     if let Some(repeated) = experiment.repeat_probability {
-        text.push_str(&format!(" (repeating a phase: {repeated:.2})"));
+        text.push_str(&format!(" (repeating a phase: {})", percent(repeated)));
     }
     Some(text)
 }

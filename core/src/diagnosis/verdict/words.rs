@@ -4,7 +4,7 @@ use crate::diagnosis::output::{EffectResult, OneThing, Output, RISES, Separating
 use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::verdict::conclude::Findings;
 use crate::diagnosis::{PRIOR_OF, Problem};
-use crate::document::{counted, p_stated};
+use crate::document::{counted, p_stated, percent};
 use crate::expression::Unit;
 use crate::inference::measurement::Measurement;
 
@@ -16,15 +16,6 @@ const FAR_BEYOND_K: f64 = 30.0;
 const ELSEWHERE: f64 = 0.1;
 /// p at which a test is clear.
 const CLEARLY: f64 = 1e-6;
-
-/// A probability as people read it.
-fn percent(probability: f64) -> String {
-    match probability {
-        p if p > 0.999 => "over 99.9 %".to_owned(),
-        p if p < 0.001 => "below 0.1 %".to_owned(),
-        p => format!("{:.1} %", 100.0 * p),
-    }
-}
 
 /// The size of an effect, after a comma: its first parameter. Nothing for one that has none, and for a curve, of which the
 /// first knot says nothing. The most probable value, which `bmv adopt` writes, stands beside a mean that lies elsewhere.
