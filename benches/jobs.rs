@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use bmv::job::propagate::{Propagate, Sampling, Spec};
-use bmv::job::{Job, Step};
+use bmv::job::{Next, NoParts, Runnable};
 use bmv::study::{JobSpec, Pass};
 use criterion::{Criterion, criterion_group, criterion_main};
 use rayon::prelude::*;
@@ -31,14 +31,15 @@ fn propagation(pass: &Pass, samples: u64) -> Propagate {
 
 /// The whole job on the threads of a pool, as an engine without a disk would run it.
 fn run(job: &Propagate, pool: &rayon::ThreadPool) -> serde_json::Value {
-    let mut step = job.begin().unwrap();
+    let mut next = job.begin().unwrap();
     loop {
-        match step {
-            Step::Done(value) => return value,
-            Step::Blocks { stage, inputs } => {
-                let outputs: Vec<Vec<u8>> =
-                    pool.install(|| inputs.par_iter().map(|input| job.block(&stage, input).unwrap()).collect());
-                step = job.reduce(&stage, &inputs, &outputs).unwrap();
+        match next {
+            Next::Done(value) => return value,
+            Next::Stage(stage) => {
+                let blocks = (0..stage.inputs.len()).into_par_iter();
+                let block = |index| job.block(&stage, index, &NoParts).unwrap();
+                let outputs: Vec<Vec<u8>> = pool.install(|| blocks.map(block).collect());
+                next = job.reduce(&stage, outputs).unwrap();
             }
         }
     }
@@ -59,13 +60,14 @@ fn propagate(c: &mut Criterion) {
     }
     let pass = load("studies/radiator/pass-1.json");
     let job = propagation(&pass, 1_000_000);
-    let Ok(Step::Blocks { stage, inputs }) = job.begin() else { panic!("blocks") };
-    let outputs: Vec<Vec<u8>> = inputs.iter().map(|input| job.block(&stage, input).unwrap()).collect();
+    let Ok(Next::Stage(stage)) = job.begin() else { panic!("blocks") };
+    let block = |index| job.block(&stage, index, &NoParts).unwrap();
+    let outputs: Vec<Vec<u8>> = (0..stage.inputs.len()).map(block).collect();
     group.bench_function("radiator network, one block of 8192", |bench| {
-        bench.iter(|| black_box(job.block(&stage, &inputs[0]).unwrap()));
+        bench.iter(|| black_box(block(0)));
     });
     group.bench_function("radiator network, summary of 10^6", |bench| {
-        bench.iter(|| black_box(job.reduce(&stage, &inputs, &outputs).unwrap()));
+        bench.iter(|| black_box(job.reduce(&stage, outputs.clone()).unwrap()));
     });
     group.finish();
 }

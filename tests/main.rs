@@ -7,5 +7,6 @@ mod house;
 mod reference;
 mod reports;
 mod reproducibility;
+mod serial;
 mod statistics;
 mod verification;

@@ -11,7 +11,7 @@ use super::execute::Executed;
 use super::output::{self, escaped, tell};
 use super::status::Failure;
 use crate::document::{Diagnostic, Diagnostics};
-use crate::job::{Job, JobError, compare, predict, propagate, sensitivity};
+use crate::job::{JobError, Runnable, compare, predict, propagate, sensitivity};
 use crate::report::assemble::{FinishedJob, Surroundings, assemble};
 use crate::report::{History, JobEntry, JobResult, PassErrors, PassReport};
 use crate::runner::{Node, Outcome, Ready, RunnerError, Task};
@@ -98,7 +98,7 @@ impl Task for After {
         self.0.job().memory_bytes()
     }
 
-    fn prepare(&self, upstream: &[Arc<Value>]) -> Result<Arc<dyn Job>, JobError> {
+    fn prepare(&self, upstream: &[Arc<Value>]) -> Result<Arc<dyn Runnable>, JobError> {
         self.0.prepare(upstream)
     }
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{Job, JobError, Step, stored};
+use super::{Done, Job, JobError, Parts, Step};
 use crate::diagnosis::laboratory::{
     Outcome, Rate, Score, Trial, Truth, drawn_case, own_case, own_wish, score, standard,
 };
@@ -119,6 +119,11 @@ impl Lab {
 const STAGE: &str = "cases";
 
 impl Job for Lab {
+    type State = ();
+    type Input = u64;
+    type Partial = Outcome;
+    type Output = Output;
+
     fn kind(&self) -> &'static str {
         "lab"
     }
@@ -146,32 +151,28 @@ impl Job for Lab {
         }
     }
 
-    fn begin(&self) -> Result<Step, JobError> {
-        let inputs = (0..self.spec.cases).map(|number| stored::to_bytes(&number)).collect::<Result<_, _>>()?;
-        Ok(Step::Blocks { stage: STAGE.to_owned(), inputs })
+    fn begin(&self) -> Result<Step<Self>, JobError> {
+        Ok(Step::Blocks { stage: STAGE.to_owned(), state: (), inputs: (0..self.spec.cases).collect() })
     }
 
-    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        let number: u64 = stored::from_bytes(input, stage)?;
+    fn block(&self, (): &(), number: u64, _parts: &dyn Parts) -> Result<Outcome, JobError> {
         let seed = self.spec.seed;
         // How far a fit of a case has come says nothing of the case.
-        let outcome = watch::with_share(&watch::Share::default(), || match &self.ground {
+        Ok(watch::with_share(&watch::Share::default(), || match &self.ground {
             Ground::Drawn(catalogue) => drawn_case(catalogue, &standard(number), seed, number),
             Ground::Own(problem) => {
                 let wish = own_wish(number, self.spec.effect.as_deref(), self.spec.amplitude);
                 own_case(problem, &wish, seed, number)
             }
-        });
-        stored::to_bytes(&outcome)
+        }))
     }
 
-    fn is_last(&self, _stage: &str) -> bool {
+    fn is_last(&self, (): &()) -> bool {
         true
     }
 
-    fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        let cases: Vec<Outcome> =
-            outputs.iter().map(|output| stored::from_bytes(output, stage)).collect::<Result<_, _>>()?;
+    fn reduce(&self, (): (), blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        let cases: Vec<Outcome> = blocks.into_iter().map(|(_, case)| case).collect();
         let mut reasons = BTreeMap::new();
         for reason in cases.iter().filter_map(|case| case.reason.clone()) {
             *reasons.entry(reason).or_insert(0) += 1;
@@ -179,7 +180,7 @@ impl Job for Lab {
         let trials = trials(cases.iter());
         let score = (!trials.is_empty()).then(|| score(&trials));
         let output = Output { spec: self.spec.clone(), rows: rows(&cases), score, reasons, cases };
-        stored::result(&output)
+        Ok(Step::Done(Box::new(output)))
     }
 }
 

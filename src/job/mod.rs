@@ -1,5 +1,6 @@
-//! Job kinds, a kind a file. A job is stages: each stage cuts its inputs into blocks, runs a block as a pure function
-//! to bytes, and reduces the blocks in order to the next stage or to the output. Nothing here knows threads or files.
+//! Job kinds, a kind a folder. A job is stages: each cuts its work into blocks, runs a block as a pure function of the job,
+//! the state and the block's input, and reduces the blocks in order to the next stage or to the output. Nothing here knows
+//! threads or files.
 
 pub mod calibrate;
 pub mod compare;
@@ -14,23 +15,31 @@ pub mod lab;
 pub mod predict;
 pub mod propagate;
 pub mod requirement;
+pub mod runnable;
 pub mod sensitivity;
 pub mod stored;
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use thiserror::Error;
 
+pub use runnable::{Next, Runnable, Stage};
+use stored::Block;
+
 /// What a job does next.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Step {
-    /// Run these blocks, then call [`Job::reduce`]. A block's input is all that it needs beside the job itself.
+#[derive(Debug)]
+pub enum Step<J: Job> {
+    /// Run these blocks, then call [`Job::reduce`].
     Blocks {
-        /// Name of the stage, part of each block's identity.
+        /// Name of the stage, for people; part of each block's identity.
         stage: String,
-        /// Input of each block: small and serialisable, so that a block can run on another machine.
-        inputs: Vec<Vec<u8>>,
+        /// What is known so far: the same for all blocks of the stage.
+        state: J::State,
+        /// What each block is to do.
+        inputs: Vec<J::Input>,
     },
     /// The result.
-    Done(serde_json::Value),
+    Done(Box<J::Output>),
 }
 
 /// Why a job failed.
@@ -74,7 +83,18 @@ impl Parts for NoParts {
 }
 
 /// A job that is ready to run: everything resolved, nothing looked up later.
-pub trait Job: Send + Sync {
+///
+/// State, inputs and partial results cross between processes as bytes ([`Block`]); [`Runnable`] does that for every job.
+pub trait Job: Send + Sync + Sized {
+    /// What is known when a stage begins.
+    type State: Block + Clone + Send + Sync + 'static;
+    /// What a block is to do, beside the job and the state.
+    type Input: Block;
+    /// What a block found.
+    type Partial: Block;
+    /// The result.
+    type Output: Serialize + DeserializeOwned;
+
     /// The kind, as in the pass file.
     fn kind(&self) -> &'static str;
     /// Raised when the same definition gives another result.
@@ -83,13 +103,21 @@ pub trait Job: Send + Sync {
     /// hashes of the data. Named fields only; goes into the key in canonical form.
     fn identity(&self) -> serde_json::Value;
     /// The first step.
-    fn begin(&self) -> Result<Step, JobError>;
-    /// Runs one block: a pure function of the job, the stage and the input.
-    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError>;
-    /// The same, for a block that takes long: it keeps its state now and then, and goes on from the last one that was kept.
-    fn block_in_parts(&self, stage: &str, input: &[u8], _parts: &dyn Parts) -> Result<Vec<u8>, JobError> {
-        self.block(stage, input)
-    }
+    ///
+    /// # Errors
+    /// A [`JobError`] where the job cannot begin.
+    fn begin(&self) -> Result<Step<Self>, JobError>;
+    /// Runs one block: a pure function of the job, the state and the input. One that takes long keeps a state of its own in
+    /// `parts` now and then, and goes on from the last that was kept.
+    ///
+    /// # Errors
+    /// A [`JobError`] where the block has no result.
+    fn block(&self, state: &Self::State, input: Self::Input, parts: &dyn Parts) -> Result<Self::Partial, JobError>;
+    /// Takes what the blocks of a stage found, in their order, to the next step.
+    ///
+    /// # Errors
+    /// A [`JobError`] where the job cannot go on.
+    fn reduce(&self, state: Self::State, blocks: Done<Self>) -> Result<Step<Self>, JobError>;
     /// About how much memory the job takes for what grows with its settings (samples, draws), bytes; 0 where none of it
     /// is long.
     fn memory_bytes(&self) -> u64 {
@@ -97,13 +125,10 @@ pub trait Job: Send + Sync {
     }
     /// Whether no other stage follows this one, as far as is known when it begins: for the time left, which is not told
     /// of stages that nobody has counted yet.
-    fn is_last(&self, _stage: &str) -> bool {
+    fn is_last(&self, _state: &Self::State) -> bool {
         false
     }
-    /// Takes the blocks' outputs, in order, to the next step.
-    fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError>;
-    /// The same, where the outputs are not needed any more: a job with long ones gives their memory up on the way.
-    fn reduce_owned(&self, stage: &str, inputs: &[Vec<u8>], outputs: Vec<Vec<u8>>) -> Result<Step, JobError> {
-        self.reduce(stage, inputs, &outputs)
-    }
 }
+
+/// The blocks of a stage, each with what it found.
+pub type Done<J> = Vec<(<J as Job>::Input, <J as Job>::Partial)>;

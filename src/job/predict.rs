@@ -7,13 +7,8 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::propagate::{self, Propagate};
-use super::stored::{self, unreadable};
-use super::{Job, JobError, Step};
-
-/// Prefixes of the stages, by the propagation that they belong to.
-const PRIOR: &str = "prior ";
-const POSTERIOR: &str = "posterior ";
+use super::propagate::{self, BlockInput, BlockOutput, Propagate};
+use super::{Done, Job, JobError, Parts, Step};
 
 /// A prediction, ready to run.
 #[derive(Debug)]
@@ -33,31 +28,25 @@ pub struct Output {
     pub prior: propagate::Output,
 }
 
-/// What the propagation with priors hands to the reduction of the other.
-#[derive(Serialize, Deserialize)]
-struct Carried(propagate::Output);
-
 impl Predict {
+    /// A step of the propagation with the posterior, where the result with the priors is known, else of the one with them.
+    fn step(&self, prior: Option<propagate::Output>, own: Step<Propagate>) -> Result<Step<Self>, JobError> {
+        match (own, prior) {
+            (Step::Blocks { stage, state: (), inputs }, prior) => {
+                let of = if prior.is_some() { "posterior" } else { "prior" };
+                Ok(Step::Blocks { stage: format!("{of} {stage}"), state: prior, inputs })
+            }
+            (Step::Done(prior), None) => self.step(Some(*prior), self.posterior.begin()?),
+            (Step::Done(posterior), Some(prior)) => {
+                let converged = posterior.converged.unwrap_or(true);
+                Ok(Step::Done(Box::new(Output { converged, posterior: *posterior, prior })))
+            }
+        }
+    }
+
     /// The propagation with the priors that the calibration began with, and that with its posterior.
     pub fn new(prior: Propagate, posterior: Propagate) -> Self {
         Self { prior, posterior }
-    }
-
-    /// The steps of the propagation with the posterior, which carry the other's result as a last block.
-    fn with_posterior(&self, step: Step, carried: &Carried) -> Result<Step, JobError> {
-        match step {
-            Step::Blocks { stage, mut inputs } => {
-                inputs.push(stored::to_bytes(carried)?);
-                Ok(Step::Blocks { stage: format!("{POSTERIOR}{stage}"), inputs })
-            }
-            Step::Done(value) => {
-                let posterior: propagate::Output =
-                    serde_json::from_value(value).map_err(|error| JobError::Failed(error.to_string()))?;
-                let converged = posterior.converged.unwrap_or(true);
-                let output = Output { converged, posterior, prior: carried.0.clone() };
-                stored::result(&output)
-            }
-        }
     }
 }
 
@@ -70,6 +59,12 @@ pub fn view(output: &Output) -> Value {
 }
 
 impl Job for Predict {
+    /// The result with the priors, once it is known.
+    type State = Option<propagate::Output>;
+    type Input = BlockInput;
+    type Partial = BlockOutput;
+    type Output = Output;
+
     fn kind(&self) -> &'static str {
         "predict"
     }
@@ -83,49 +78,30 @@ impl Job for Predict {
         json!({ "prior": self.prior.identity(), "posterior": self.posterior.identity() })
     }
 
-    fn begin(&self) -> Result<Step, JobError> {
-        match self.prior.begin()? {
-            Step::Blocks { stage, inputs } => Ok(Step::Blocks { stage: format!("{PRIOR}{stage}"), inputs }),
-            done @ Step::Done(_) => Ok(done),
-        }
+    fn begin(&self) -> Result<Step<Self>, JobError> {
+        self.step(None, self.prior.begin()?)
     }
 
-    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        if let Some(own) = stage.strip_prefix(PRIOR) {
-            return self.prior.block(own, input);
-        }
-        let own = stage.strip_prefix(POSTERIOR).ok_or_else(|| unreadable(stage, "there is no such stage"))?;
-        if stored::from_bytes::<Carried>(input, stage).is_ok() {
-            return Ok(Vec::new());
-        }
-        self.posterior.block(own, input)
+    fn block(
+        &self,
+        state: &Option<propagate::Output>,
+        input: BlockInput,
+        parts: &dyn Parts,
+    ) -> Result<BlockOutput, JobError> {
+        if state.is_some() { &self.posterior } else { &self.prior }.block(&(), input, parts)
     }
 
     fn memory_bytes(&self) -> u64 {
         // One after the other.
-        self.prior.memory_bytes().max(self.posterior.memory_bytes())
+        Job::memory_bytes(&self.prior).max(Job::memory_bytes(&self.posterior))
     }
 
-    fn is_last(&self, stage: &str) -> bool {
-        stage.starts_with(POSTERIOR)
+    fn is_last(&self, state: &Option<propagate::Output>) -> bool {
+        state.is_some()
     }
 
-    fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        if let Some(own) = stage.strip_prefix(PRIOR) {
-            return match self.prior.reduce(own, inputs, outputs)? {
-                Step::Blocks { stage, inputs } => Ok(Step::Blocks { stage: format!("{PRIOR}{stage}"), inputs }),
-                Step::Done(value) => {
-                    let carried = serde_json::from_value(value).map_err(|error| unreadable(stage, error))?;
-                    self.with_posterior(self.posterior.begin()?, &Carried(carried))
-                }
-            };
-        }
-        let own = stage.strip_prefix(POSTERIOR).ok_or_else(|| unreadable(stage, "there is no such stage"))?;
-        let missing = || unreadable(stage, "the result with the priors is not there");
-        let (last, inputs) = inputs.split_last().ok_or_else(missing)?;
-        let (_, outputs) = outputs.split_last().ok_or_else(missing)?;
-        let carried: Carried = stored::from_bytes(last, stage)?;
-        let step = self.posterior.reduce(own, inputs, outputs)?;
-        self.with_posterior(step, &carried)
+    fn reduce(&self, state: Option<propagate::Output>, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        let own = if state.is_some() { &self.posterior } else { &self.prior };
+        self.step(state, own.reduce((), blocks)?)
     }
 }

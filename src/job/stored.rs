@@ -10,19 +10,11 @@ use ciborium::Value as Tree;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::{JobError, Step};
+use super::JobError;
 
 /// Keys of what names an entry of a list, for errors.
 const NAMES: [&str; 8] =
     ["name", "requirement", "environment", "quantity", "measurement", "phase", "sensor", "parameter"];
-
-/// The stored form of a block without long lists.
-///
-/// # Errors
-/// What [`with_numbers`] gives.
-pub fn to_bytes<T: Serialize + DeserializeOwned>(value: &T) -> Result<Vec<u8>, JobError> {
-    with_numbers(value, &[])
-}
 
 /// The stored form of a block: what heads it, and the numbers behind that.
 ///
@@ -42,15 +34,6 @@ pub fn with_numbers<T: Serialize + DeserializeOwned>(head: &T, numbers: &[f64]) 
     Ok(bytes)
 }
 
-/// Reads a block without long lists.
-///
-/// # Errors
-/// [`JobError::Unreadable`] for bytes of another form.
-pub fn from_bytes<T: DeserializeOwned>(bytes: &[u8], stage: &str) -> Result<T, JobError> {
-    let (value, numbers) = split_numbers(bytes, stage)?;
-    if numbers.is_empty() { Ok(value) } else { Err(unreadable(stage, "it is too long")) }
-}
-
 /// Reads a block: what heads it, and the numbers behind that.
 ///
 /// # Errors
@@ -64,14 +47,40 @@ pub fn split_numbers<T: DeserializeOwned>(bytes: &[u8], stage: &str) -> Result<(
     Ok((value, words.iter().map(|word| f64::from_le_bytes(*word)).collect()))
 }
 
-/// A job's last step: its result as JSON. A number that is not finite becomes `null` where it is optional.
+/// What crosses between stages and processes as bytes. Whatever serde can write is one; types with long lists of numbers
+/// write these behind ([`with_numbers`]).
+pub trait Block: Sized {
+    /// The stored form.
+    ///
+    /// # Errors
+    /// A value that cannot be written; in debug builds one that would not read back as it is.
+    fn into_bytes(self) -> Result<Vec<u8>, JobError>;
+    /// Reads the stored form.
+    ///
+    /// # Errors
+    /// [`JobError::Unreadable`] for bytes of another form.
+    fn from_bytes(bytes: &[u8], stage: &str) -> Result<Self, JobError>;
+}
+
+impl<T: Serialize + DeserializeOwned> Block for T {
+    fn into_bytes(self) -> Result<Vec<u8>, JobError> {
+        with_numbers(&self, &[])
+    }
+
+    fn from_bytes(bytes: &[u8], stage: &str) -> Result<Self, JobError> {
+        let (value, numbers) = split_numbers(bytes, stage)?;
+        if numbers.is_empty() { Ok(value) } else { Err(unreadable(stage, "it is too long")) }
+    }
+}
+
+/// A result as JSON. A number that is not finite becomes `null` where it is optional.
 ///
 /// # Errors
 /// A result that would not read back as what it is: a number that must be finite and is not, with its place.
-pub fn result<T: Serialize + DeserializeOwned>(output: &T) -> Result<Step, JobError> {
+pub fn result<T: Serialize + DeserializeOwned>(output: &T) -> Result<serde_json::Value, JobError> {
     let json = serde_json::to_value(output).map_err(|error| JobError::Failed(error.to_string()))?;
     match T::deserialize(&json) {
-        Ok(_) => Ok(Step::Done(json)),
+        Ok(_) => Ok(json),
         Err(error) => Err(JobError::Failed(match not_finite(output) {
             Some(place) => format!("the result has no finite number at {place}"),
             None => format!("the result would not read back: {error}"),
@@ -244,8 +253,8 @@ mod tests {
             let short = split_numbers::<Outer>(&bytes[..cut], "s");
             assert!(short.is_err() || short.is_ok_and(|(_, numbers)| numbers.len() < 2), "cut at {cut}");
         }
-        assert!(from_bytes::<Outer>(&bytes, "s").is_err_and(|error| error.to_string().contains("too long")));
-        let error = from_bytes::<Outer>(b"{\"first\": 1}", "conclude").expect_err("not CBOR");
+        assert!(Outer::from_bytes(&bytes, "s").is_err_and(|error| error.to_string().contains("too long")));
+        let error = Outer::from_bytes(b"{\"first\": 1}", "conclude").expect_err("not CBOR");
         assert!(error.to_string().contains("stage `conclude`"), "{error}");
     }
 
@@ -256,7 +265,7 @@ mod tests {
             #[serde(skip_serializing_if = "Vec::is_empty")]
             list: Vec<f64>,
         }
-        let refused = to_bytes(&Lossy { list: vec![] });
+        let refused = Lossy { list: vec![] }.into_bytes();
         assert!(refused.is_err_and(|error| error.to_string().contains("`list`")));
     }
 
@@ -264,7 +273,7 @@ mod tests {
     fn a_result_names_the_place_of_what_is_not_finite() {
         let mut output = outer([1.0; 5]);
         output.first[1].perhaps = Some(f64::NAN);
-        let Ok(Step::Done(value)) = result(&output) else { panic!("an optional number may be missing") };
+        let Ok(value) = result(&output) else { panic!("an optional number may be missing") };
         assert_eq!(value["first"][1]["perhaps"], json!(null));
         output.first[1].name = "gap".into();
         output.first[1].value = f64::NEG_INFINITY;

@@ -116,8 +116,8 @@ impl KeyMaterial {
     }
 }
 
-/// Identity of a block.
-pub fn block_key(job: &Key, stage: &str, index: usize, input: &[u8]) -> Key {
+/// Identity of a block; `known` is what it works on: the state of its stage and its own input.
+pub fn block_key(job: &Key, stage: &str, index: usize, known: &[&[u8]]) -> Key {
     let mut hash = Sha256::new();
     hash.update(BLOCK_VERSION.to_le_bytes());
     hash.update(job.as_str());
@@ -125,7 +125,7 @@ pub fn block_key(job: &Key, stage: &str, index: usize, input: &[u8]) -> Key {
     hash.update((stage.len() as u64).to_le_bytes());
     hash.update(stage);
     hash.update((index as u64).to_le_bytes());
-    hash.update(Sha256::digest(input));
+    known.iter().for_each(|bytes| hash.update(Sha256::digest(bytes)));
     Key::from_digest(&hash.finalize())
 }
 
@@ -207,11 +207,11 @@ mod tests {
     fn blocks_differ_by_job_stage_index_and_input() {
         let job = Key::of(b"job");
         let keys = [
-            block_key(&job, "sum", 0, b"input"),
-            block_key(&Key::of(b"other"), "sum", 0, b"input"),
-            block_key(&job, "mean", 0, b"input"),
-            block_key(&job, "sum", 1, b"input"),
-            block_key(&job, "sum", 0, b"inputs"),
+            block_key(&job, "sum", 0, &[b"", b"input"]),
+            block_key(&Key::of(b"other"), "sum", 0, &[b"", b"input"]),
+            block_key(&job, "mean", 0, &[b"", b"input"]),
+            block_key(&job, "sum", 1, &[b"", b"input"]),
+            block_key(&job, "sum", 0, &[b"", b"inputs"]),
         ];
         for (i, a) in keys.iter().enumerate() {
             assert!(keys[i + 1..].iter().all(|b| a != b), "key {i} is unique");

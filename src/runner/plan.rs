@@ -12,7 +12,7 @@ use super::cache::{Cache, Kind, Lookup};
 use super::error::RunnerError;
 use super::event_log::WorkHistory;
 use super::key::{ENGINE_VERSION, Key, KeyMaterial};
-use crate::job::{Job, JobError};
+use crate::job::{JobError, Runnable};
 
 /// A job that may need the results of others before it is ready.
 pub trait Task: Send + Sync {
@@ -20,9 +20,9 @@ pub trait Task: Send + Sync {
     fn kind(&self) -> &'static str;
     /// Raised when the same definition gives another result.
     fn algorithm_version(&self) -> u32;
-    /// Everything that decides the result beside seed, versions and upstream results, as [`Job::identity`].
+    /// Everything that decides the result beside seed, versions and upstream results, as [`Runnable::identity`].
     fn identity(&self) -> Value;
-    /// As [`Job::memory_bytes`].
+    /// As [`Runnable::memory_bytes`].
     fn memory_bytes(&self) -> u64 {
         0
     }
@@ -30,11 +30,11 @@ pub trait Task: Send + Sync {
     ///
     /// # Errors
     /// A [`JobError`] if the upstream results do not have what this job needs.
-    fn prepare(&self, upstream: &[Arc<Value>]) -> Result<Arc<dyn Job>, JobError>;
+    fn prepare(&self, upstream: &[Arc<Value>]) -> Result<Arc<dyn Runnable>, JobError>;
 }
 
 /// A job that needs no other.
-pub struct Ready(pub Arc<dyn Job>);
+pub struct Ready(pub Arc<dyn Runnable>);
 
 impl Task for Ready {
     fn kind(&self) -> &'static str {
@@ -53,7 +53,7 @@ impl Task for Ready {
         self.0.memory_bytes()
     }
 
-    fn prepare(&self, _upstream: &[Arc<Value>]) -> Result<Arc<dyn Job>, JobError> {
+    fn prepare(&self, _upstream: &[Arc<Value>]) -> Result<Arc<dyn Runnable>, JobError> {
         Ok(Arc::clone(&self.0))
     }
 }
@@ -341,7 +341,7 @@ mod tests {
         fn identity(&self) -> Value {
             json!({ "what": self.0 })
         }
-        fn prepare(&self, _upstream: &[Arc<Value>]) -> Result<Arc<dyn Job>, JobError> {
+        fn prepare(&self, _upstream: &[Arc<Value>]) -> Result<Arc<dyn Runnable>, JobError> {
             Err(JobError::Failed("never run here".into()))
         }
     }

@@ -19,7 +19,7 @@ use crate::job::handed_on::HandedOn;
 use crate::job::predict::Predict;
 use crate::job::propagate::{self, Propagate};
 use crate::job::sensitivity::Sensitivity;
-use crate::job::{Job, JobError};
+use crate::job::{JobError, Runnable};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
@@ -33,7 +33,7 @@ const NAMED: usize = 12;
 /// A pass's job: ready, or why it does not run now.
 pub enum Readiness {
     /// It can run.
-    Ready(Arc<dyn Job>),
+    Ready(Arc<dyn Runnable>),
     /// It can run when calibrations of the study have their results.
     After(Box<Deferred>),
     /// It does not run now; the reason in a line.
@@ -43,14 +43,14 @@ pub enum Readiness {
 }
 
 /// Makes a job from the results that it waits for.
-type Prepare = Box<dyn Fn(&[Arc<Value>]) -> Result<Arc<dyn Job>, JobError> + Send + Sync>;
+type Prepare = Box<dyn Fn(&[Arc<Value>]) -> Result<Arc<dyn Runnable>, JobError> + Send + Sync>;
 
 /// A job that waits for calibrations.
 pub struct Deferred {
     /// The calibrations.
     pub from: Vec<Upstream>,
     /// The job as far as it is known before.
-    known: Arc<dyn Job>,
+    known: Arc<dyn Runnable>,
     /// What decides the result beside the job's own identity and the calibrations.
     beside: Option<Value>,
     prepare: Prepare,
@@ -58,7 +58,7 @@ pub struct Deferred {
 
 impl Deferred {
     /// The job as far as it is known before: kind and version.
-    pub fn job(&self) -> &dyn Job {
+    pub fn job(&self) -> &dyn Runnable {
         self.known.as_ref()
     }
 
@@ -74,7 +74,7 @@ impl Deferred {
     ///
     /// # Errors
     /// Results that do not have what the job needs, draws that no density describes.
-    pub fn prepare(&self, results: &[Arc<Value>]) -> Result<Arc<dyn Job>, JobError> {
+    pub fn prepare(&self, results: &[Arc<Value>]) -> Result<Arc<dyn Runnable>, JobError> {
         (self.prepare)(results)
     }
 }
@@ -224,7 +224,7 @@ fn unfilled(draws: &[HandedOnPrior]) -> Vec<HandedOn> {
 }
 
 /// A job that waits for the calibrations behind these draws; ready at once where they are of none.
-fn after(draws: &[&[HandedOnPrior]], known: Arc<dyn Job>, prepare: Prepare) -> Result<Readiness, JobError> {
+fn after(draws: &[&[HandedOnPrior]], known: Arc<dyn Runnable>, prepare: Prepare) -> Result<Readiness, JobError> {
     let from: Vec<Upstream> = draws.iter().flat_map(|list| list.iter()).filter_map(|own| own.from.clone()).collect();
     if from.is_empty() {
         return prepare(&[]).map(Readiness::Ready);
@@ -293,7 +293,7 @@ impl Shared<'_> {
             return Ok(Readiness::Ready(Arc::new(known)));
         }
         let own = draws.clone();
-        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Job>, JobError> {
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
             Ok(Arc::new(make()?.with_handed_on(filled(&own, &mut results.iter())?)))
         };
         after(&[&draws], Arc::new(known), Box::new(prepare))
@@ -313,7 +313,7 @@ impl Shared<'_> {
         let prior = make()?.with_handed_on(join(unfilled(&before), &others));
         let known = Predict::new(prior, make()?.with_handed_on(join(unfilled(&own), &others)));
         let draws = [own.clone(), before.clone(), rest.clone()];
-        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Job>, JobError> {
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
             let mut results = results.iter();
             let own = filled(&own, &mut results)?;
             let before = filled(&before, &mut results)?;
@@ -337,11 +337,11 @@ impl Shared<'_> {
             }
             Conventional::new(spec.clone(), Arc::clone(&model), priors)
         };
-        let known: Arc<dyn Job> = Arc::new(make(&[])?);
+        let known: Arc<dyn Runnable> = Arc::new(make(&[])?);
         // The job itself knows intervals only: whose they are must be told.
         let beside: Value = draws.iter().map(|own| own.draws.identity()).collect();
         let own = draws.clone();
-        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Job>, JobError> {
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
             Ok(Arc::new(make(&filled(&own, &mut results.iter())?)?))
         };
         let mut readiness = after(&[&draws], known, Box::new(prepare))?;
@@ -365,7 +365,7 @@ impl Shared<'_> {
         }
         let known = known.with_handed_on(unfilled(&draws).into_iter().map(|own| own.with_no_draws()).collect())?;
         let (own, spec, seed, name) = (draws.clone(), spec.clone(), self.pass.seed, name.to_owned());
-        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Job>, JobError> {
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
             let job = Calibrate::new(spec.clone(), inputs.clone(), seed, &name)?;
             Ok(Arc::new(job.with_handed_on(filled(&own, &mut results.iter())?)?))
         };
@@ -403,7 +403,7 @@ impl Shared<'_> {
         }
         let known = known.with_handed_on(unfilled(&draws).into_iter().map(|own| own.with_no_draws()).collect())?;
         let (own, spec, seed, name) = (draws.clone(), spec.clone(), pass.seed, name.to_owned());
-        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Job>, JobError> {
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
             let job = Diagnose::new(spec.clone(), problem.clone(), seed, &name)?;
             Ok(Arc::new(job.with_handed_on(filled(&own, &mut results.iter())?)?))
         };
@@ -416,10 +416,10 @@ impl Shared<'_> {
         let spec = compare::Spec { calibration: shown.clone(), ..spec.clone() };
         let (model, measurements) = (Arc::clone(&self.model), Arc::clone(&self.measurements));
         let make = move || Compare::new(spec.clone(), Arc::clone(&model), Arc::clone(&measurements), nominal.clone());
-        let known: Arc<dyn Job> = Arc::new(make()?);
+        let known: Arc<dyn Runnable> = Arc::new(make()?);
         let Some(name) = shown else { return Ok(Readiness::Ready(known)) };
         let from = vec![Upstream { file: self.pass.file.clone(), job: name.clone() }];
-        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Job>, JobError> {
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
             let result = results.first().ok_or_else(|| JobError::Failed("a result is not there".to_owned()))?;
             Ok(Arc::new(make()?.with_tuned(Tuned::from_result(&name, result)?)))
         };

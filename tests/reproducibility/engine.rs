@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use bmv::job::{Job, JobError, NoParts, Parts, Step};
+use bmv::job::{Done, Job, JobError, Parts, Runnable, Step};
 use bmv::runner::engine::local;
 use bmv::runner::{Cache, Event, Key, Kind, Manifest, Outcome, Plan, RunnerError, Settings, StopFlag};
 
@@ -145,6 +145,10 @@ struct Endless {
 }
 
 impl Job for Endless {
+    type State = ();
+    type Input = u8;
+    type Partial = u8;
+    type Output = serde_json::Value;
     fn kind(&self) -> &'static str {
         "endless"
     }
@@ -154,11 +158,11 @@ impl Job for Endless {
     fn identity(&self) -> serde_json::Value {
         serde_json::json!({})
     }
-    fn begin(&self) -> Result<Step, JobError> {
-        Ok(Step::Blocks { stage: "wait".into(), inputs: (0..4).map(|index| vec![index]).collect() })
+    fn begin(&self) -> Result<Step<Self>, JobError> {
+        Ok(Step::Blocks { stage: "wait".into(), state: (), inputs: (0..4).collect() })
     }
-    fn block(&self, _stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        if self.goes_on && input[0] > 0 {
+    fn block(&self, (): &(), input: u8, _parts: &dyn Parts) -> Result<u8, JobError> {
+        if self.goes_on && input > 0 {
             loop {
                 bmv::watch::check();
                 std::thread::yield_now();
@@ -167,10 +171,11 @@ impl Job for Endless {
         if self.goes_on {
             self.stop.stop();
         }
-        Ok(input.to_vec())
+        Ok(input)
     }
-    fn reduce(&self, _stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        Ok(Step::Done(serde_json::json!({ "blocks": outputs.concat() })))
+    fn reduce(&self, (): (), blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        let outputs: Vec<u8> = blocks.into_iter().map(|(_, output)| output).collect();
+        Ok(Step::Done(Box::new(serde_json::json!({ "blocks": outputs }))))
     }
 }
 
@@ -202,6 +207,10 @@ struct Stepwise {
 }
 
 impl Job for Stepwise {
+    type State = ();
+    type Input = Vec<u8>;
+    type Partial = Vec<u8>;
+    type Output = serde_json::Value;
     fn kind(&self) -> &'static str {
         "stepwise"
     }
@@ -211,15 +220,12 @@ impl Job for Stepwise {
     fn identity(&self) -> serde_json::Value {
         serde_json::json!({})
     }
-    fn begin(&self) -> Result<Step, JobError> {
-        Ok(Step::Blocks { stage: "walk".into(), inputs: vec![vec![1], vec![2]] })
+    fn begin(&self) -> Result<Step<Self>, JobError> {
+        Ok(Step::Blocks { stage: "walk".into(), state: (), inputs: vec![vec![1], vec![2]] })
     }
-    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        self.block_in_parts(stage, input, &NoParts)
-    }
-    fn block_in_parts(&self, _stage: &str, input: &[u8], parts: &dyn Parts) -> Result<Vec<u8>, JobError> {
+    fn block(&self, (): &(), input: Vec<u8>, parts: &dyn Parts) -> Result<Vec<u8>, JobError> {
         let found = (1..10).rev().find_map(|part| Some((part, parts.find(part)?)));
-        let (first, mut state) = found.unwrap_or((0, input.to_vec()));
+        let (first, mut state) = found.unwrap_or((0, input));
         for part in first + 1..=10 {
             bmv::watch::check();
             let steps = self.steps.fetch_add(1, Ordering::Relaxed) + 1;
@@ -233,8 +239,9 @@ impl Job for Stepwise {
         }
         Ok(state)
     }
-    fn reduce(&self, _stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        Ok(Step::Done(serde_json::json!({ "all": outputs })))
+    fn reduce(&self, (): (), blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        let outputs: Vec<Vec<u8>> = blocks.into_iter().map(|(_, output)| output).collect();
+        Ok(Step::Done(Box::new(serde_json::json!({ "all": outputs }))))
     }
 }
 
@@ -242,7 +249,7 @@ impl Job for Stepwise {
 fn a_long_block_goes_on_from_the_last_state_that_it_left() {
     let start = |stop_after, wrong| Arc::new(Stepwise { stop_after, steps: AtomicUsize::new(0), wrong });
     let plan = |job: &Arc<Stepwise>| {
-        let job: Arc<dyn Job> = Arc::clone(job) as Arc<dyn Job>;
+        let job: Arc<dyn Runnable> = Arc::clone(job) as Arc<dyn Runnable>;
         Plan::new(vec![node("walk", job)]).unwrap()
     };
     let folder = tempfile::tempdir().unwrap();

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use bmv::job::design::{self, Design};
 use bmv::job::goal::{self, Goal};
-use bmv::job::{Job, JobError};
+use bmv::job::{JobError, Runnable};
 use bmv::runner::{Cache, Plan};
 use bmv::study::{JobSpec, Pass};
 
@@ -19,7 +19,7 @@ fn radiator() -> Pass {
 }
 
 /// Everything that a job leaves in the cache.
-fn stored(job: &dyn Fn() -> Result<Arc<dyn Job>, JobError>, threads: usize) -> BTreeMap<PathBuf, Vec<u8>> {
+fn stored(job: &dyn Fn() -> Result<Arc<dyn Runnable>, JobError>, threads: usize) -> BTreeMap<PathBuf, Vec<u8>> {
     let folder = tempfile::tempdir().unwrap();
     let plan = Plan::new(vec![node("job", job().unwrap())]).unwrap();
     assert_eq!(run(&plan, &Cache::new(folder.path()), threads).failures(), 0);
@@ -32,7 +32,7 @@ fn stored(job: &dyn Fn() -> Result<Arc<dyn Job>, JobError>, threads: usize) -> B
     files.collect()
 }
 
-fn same(blocks: usize, job: &dyn Fn() -> Result<Arc<dyn Job>, JobError>) {
+fn same(blocks: usize, job: &dyn Fn() -> Result<Arc<dyn Runnable>, JobError>) {
     let one = stored(job, 1);
     assert!(one.len() > blocks, "{}", one.len());
     for threads in [2, 7] {

@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use bmv::job::{Job, JobError, Step};
+use bmv::job::{Done, Job, JobError, Parts, Step};
 use bmv::runner::engine::local;
 use bmv::runner::interrupt::Interrupts;
 use bmv::runner::{Cache, Plan};
@@ -20,6 +20,10 @@ const FOLDER: &str = "BMV_TEST_CACHE";
 struct Slow;
 
 impl Job for Slow {
+    type State = ();
+    type Input = usize;
+    type Partial = usize;
+    type Output = Value;
     fn kind(&self) -> &'static str {
         "slow"
     }
@@ -29,16 +33,16 @@ impl Job for Slow {
     fn identity(&self) -> Value {
         json!({ "blocks": BLOCKS })
     }
-    fn begin(&self) -> Result<Step, JobError> {
-        let inputs = (0..BLOCKS).map(|index| index.to_string().into_bytes()).collect();
-        Ok(Step::Blocks { stage: "wait".into(), inputs })
+    fn begin(&self) -> Result<Step<Self>, JobError> {
+        Ok(Step::Blocks { stage: "wait".into(), state: (), inputs: (0..BLOCKS).collect() })
     }
-    fn block(&self, _stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
+    fn block(&self, (): &(), input: usize, _parts: &dyn Parts) -> Result<usize, JobError> {
         std::thread::sleep(Duration::from_millis(2));
-        Ok(input.to_vec())
+        Ok(input)
     }
-    fn reduce(&self, _stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        Ok(Step::Done(json!({ "joined": String::from_utf8_lossy(&outputs.concat()) })))
+    fn reduce(&self, (): (), blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        let joined: Vec<String> = blocks.iter().map(|(_, output)| output.to_string()).collect();
+        Ok(Step::Done(Box::new(json!({ "joined": joined.concat() }))))
     }
 }
 

@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use bmv::job::propagate::{FailedSample, Propagate, Sampling, Spec};
-use bmv::job::{Job, Step, stored};
+use bmv::job::propagate::{Propagate, Sampling, Spec};
+use bmv::job::{Job, NoParts, Step};
 use bmv::study::JobSpec;
 
-/// Temperatures of the radiator's nominal case, sample by sample, out of the blocks' bytes.
+/// Temperatures of the radiator's nominal case, sample by sample, out of the blocks.
 fn samples(count: u64, sampling: Sampling) -> Vec<u64> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/radiator/pass-1.json");
     let Ok(pass) = bmv::study::load(&file) else { panic!("the radiator loads") };
@@ -18,12 +18,11 @@ fn samples(count: u64, sampling: Sampling) -> Vec<u64> {
     let mut spec = Spec { samples: count, sampling, sweep: None, ..spec.unwrap() };
     spec.quantities.truncate(1);
     let job = Propagate::new(spec, Arc::new(pass.model), pass.priors, pass.seed, "prior").unwrap();
-    let Step::Blocks { stage, inputs } = job.begin().unwrap() else { panic!("blocks first") };
+    let Step::Blocks { inputs, .. } = job.begin().unwrap() else { panic!("blocks first") };
     let mut values = Vec::new();
-    for input in &inputs {
-        let bytes = job.block(&stage, input).unwrap();
-        let (_, numbers) = stored::split_numbers::<(u64, Vec<FailedSample>)>(&bytes, &stage).unwrap();
-        values.extend(numbers.iter().map(|value| value.to_bits()));
+    for input in inputs {
+        let block = job.block(&(), input, &NoParts).unwrap();
+        values.extend(block.values.iter().map(|value| value.to_bits()));
     }
     assert_eq!(values.len() as u64, count);
     values

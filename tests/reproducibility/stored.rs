@@ -3,7 +3,7 @@
 use std::fs;
 use std::sync::Arc;
 
-use bmv::job::{Job, JobError, Step};
+use bmv::job::{JobError, Next, NoParts, Runnable};
 use bmv::study::ready::{Readiness, ready};
 use ciborium::Value as Tree;
 use serde_json::Value;
@@ -43,7 +43,7 @@ const PASS: &str = r#"{
   }
 }"#;
 
-fn jobs() -> Vec<(String, Arc<dyn Job>)> {
+fn jobs() -> Vec<(String, Arc<dyn Runnable>)> {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("model.json"), MODEL).unwrap();
     fs::write(folder.path().join("pass-1.json"), PASS).unwrap();
@@ -95,23 +95,25 @@ fn poisoned(bytes: &[u8], value: f64) -> Vec<u8> {
 fn every_stage_of_every_job_kind_reads_what_the_one_before_may_give() {
     let mut stages = 0;
     for (name, job) in jobs() {
-        let mut step = job.begin().unwrap();
-        while let Step::Blocks { stage, inputs } = step {
-            let outputs: Vec<Vec<u8>> = inputs.iter().map(|input| job.block(&stage, input).unwrap()).collect();
+        let mut next = job.begin().unwrap();
+        while let Next::Stage(stage) = next {
+            let block = |index| job.block(&stage, index, &NoParts).unwrap();
+            let outputs: Vec<Vec<u8>> = (0..stage.inputs.len()).map(block).collect();
             for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
                 let bad: Vec<Vec<u8>> = outputs.iter().map(|output| poisoned(output, value)).collect();
                 // Nothing sensible can come of it, but it is read, and what is written next is read back in debug builds.
-                let unreadable = match job.reduce(&stage, &inputs, &bad) {
+                let unreadable = match job.reduce(&stage, bad.clone()) {
                     Err(JobError::Failed(reason)) => reason.contains("read back"),
                     Err(JobError::Unreadable { .. }) => true,
                     Ok(_) => false,
                 };
-                assert!(!unreadable, "{name}, stage {stage}, {value}: {:?}", job.reduce(&stage, &inputs, &bad));
+                let name = format!("{name}, stage {}, {value}", stage.name);
+                assert!(!unreadable, "{name}: {:?}", job.reduce(&stage, bad));
                 stages += 1;
             }
-            step = job.reduce(&stage, &inputs, &outputs).unwrap();
+            next = job.reduce(&stage, outputs).unwrap();
         }
-        let Step::Done(value) = step else { unreachable!() };
+        let Next::Done(value) = next else { unreachable!() };
         assert!(matches!(value, Value::Object(_)), "{name}");
     }
     assert!(stages > 40, "{stages}");

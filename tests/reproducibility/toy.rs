@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use bmv::job::{Job, JobError, Step};
+use bmv::job::{Done, Job, JobError, Parts, Runnable, Step};
 use bmv::runner::engine::local;
 use bmv::runner::{Cache, Event, Listener, Node, Plan, Ready, RunSummary, Settings, StopFlag, Task};
 use serde_json::{Value, json};
@@ -39,12 +39,12 @@ impl Harmonic {
     }
 }
 
-fn number(bytes: &[u8]) -> Result<f64, JobError> {
-    let text = std::str::from_utf8(bytes).map_err(|e| JobError::Failed(e.to_string()))?;
-    text.parse().map_err(|_| JobError::Failed(format!("`{text}` is no number")))
-}
-
 impl Job for Harmonic {
+    /// Whether it is the finer pass.
+    type State = bool;
+    type Input = usize;
+    type Partial = f64;
+    type Output = Value;
     fn kind(&self) -> &'static str {
         "harmonic"
     }
@@ -54,12 +54,11 @@ impl Job for Harmonic {
     fn identity(&self) -> Value {
         json!({ "terms": self.terms })
     }
-    fn begin(&self) -> Result<Step, JobError> {
-        let inputs = (0..self.terms).step_by(100).map(|start| start.to_string().into_bytes()).collect();
-        Ok(Step::Blocks { stage: "coarse".into(), inputs })
+    fn begin(&self) -> Result<Step<Self>, JobError> {
+        let inputs = (0..self.terms).step_by(100).collect();
+        Ok(Step::Blocks { stage: "coarse".into(), state: false, inputs })
     }
-    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        let start = number(input)? as usize;
+    fn block(&self, is_fine: &bool, start: usize, _parts: &dyn Parts) -> Result<f64, JobError> {
         assert!(self.fault != Fault::PanicInBlocks || start < 300, "term {start} is too large");
         let runs = self.blocks_run.fetch_add(1, Ordering::Relaxed) + 1;
         if let Some((count, stop)) = &self.stop_after
@@ -67,28 +66,24 @@ impl Job for Harmonic {
         {
             stop.stop();
         }
-        let scale = if stage == "fine" { 7.0 } else { 1.0 };
+        let scale = if *is_fine { 7.0 } else { 1.0 };
         let mut sum: f64 = (start..(start + 100).min(self.terms)).map(|i| scale / (i as f64 + 1.0)).sum();
         if self.fault == Fault::Counts {
             sum += runs as f64;
         }
-        Ok(sum.to_string().into_bytes())
+        Ok(sum)
     }
-    fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        assert!(!self.reduce_panics.load(Ordering::Relaxed), "the reduction of {stage} was killed");
-        assert_eq!(inputs.len(), outputs.len());
+    fn reduce(&self, is_fine: bool, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        assert!(!self.reduce_panics.load(Ordering::Relaxed), "the reduction was killed");
         if self.fault == Fault::FailInReduce {
             return Err(JobError::Failed("the sum does not converge".into()));
         }
-        let mut sum = 0.0;
-        for output in outputs {
-            sum += number(output)?;
+        let sum = blocks.iter().fold(0.0, |sum, (_, own)| sum + own);
+        if !is_fine {
+            let inputs = (0..sum as usize + 3).map(|start| start * 50).collect();
+            return Ok(Step::Blocks { stage: "fine".into(), state: true, inputs });
         }
-        if stage == "coarse" {
-            let inputs = (0..sum as usize + 3).map(|start| (start * 50).to_string().into_bytes()).collect();
-            return Ok(Step::Blocks { stage: "fine".into(), inputs });
-        }
-        Ok(Step::Done(json!({ "sum": sum, "blocks": outputs.len(), "whole": 2.0 })))
+        Ok(Step::Done(Box::new(json!({ "sum": sum, "blocks": blocks.len(), "whole": 2.0 }))))
     }
 }
 
@@ -105,7 +100,7 @@ impl Task for Following {
     fn identity(&self) -> Value {
         json!({})
     }
-    fn prepare(&self, upstream: &[Arc<Value>]) -> Result<Arc<dyn Job>, JobError> {
+    fn prepare(&self, upstream: &[Arc<Value>]) -> Result<Arc<dyn Runnable>, JobError> {
         let blocks: Option<Vec<u64>> = upstream.iter().map(|value| value["blocks"].as_u64()).collect();
         let blocks = blocks.ok_or_else(|| JobError::Failed("upstream without `blocks`".into()))?;
         Ok(Arc::new(Harmonic::new(100 * blocks.iter().sum::<u64>() as usize)))
@@ -122,7 +117,7 @@ impl Listener for Heard {
     }
 }
 
-pub fn node(id: &str, job: Arc<dyn Job>) -> Node {
+pub fn node(id: &str, job: Arc<dyn Runnable>) -> Node {
     Node { id: id.into(), name: id.into(), seed: 7, from: Vec::new(), task: Box::new(Ready(job)) }
 }
 
@@ -142,5 +137,5 @@ pub fn run(plan: &Plan, cache: &Cache, threads: usize) -> RunSummary {
 
 /// A plan of one toy called `sum`.
 pub fn single(job: &Arc<Harmonic>) -> Plan {
-    Plan::new(vec![node("sum", Arc::clone(job) as Arc<dyn Job>)]).expect("one job")
+    Plan::new(vec![node("sum", Arc::clone(job) as Arc<dyn Runnable>)]).expect("one job")
 }

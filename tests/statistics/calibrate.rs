@@ -3,24 +3,11 @@
 use std::sync::Arc;
 
 use bmv::inference::measurement::{Measurement, Rows, Uncertain};
+use bmv::job::JobError;
 use bmv::job::calibrate::{Calibrate, Inputs, Output, Sampler, Spec};
-use bmv::job::{Job, JobError, Step};
 
+use crate::serial::run;
 use crate::verification::network8_data::{measurement, model, priors};
-
-/// Runs a job's blocks in turn.
-fn run(job: &dyn Job) -> Result<serde_json::Value, JobError> {
-    let mut step = job.begin()?;
-    loop {
-        match step {
-            Step::Done(value) => return Ok(value),
-            Step::Blocks { stage, inputs } => {
-                let outputs = inputs.iter().map(|i| job.block(&stage, i)).collect::<Result<Vec<_>, _>>()?;
-                step = job.reduce(&stage, &inputs, &outputs)?;
-            }
-        }
-    }
-}
 
 fn job(sampler: Sampler, draws: u64, change: &dyn Fn(&mut Measurement)) -> Result<Calibrate, JobError> {
     job_of(sampler, (sampler.defaults().0, draws), change)

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use bmv::inference::rows::used_rows;
-use bmv::job::{Job, JobError, Step, calibrate, predict, propagate};
+use bmv::job::{calibrate, predict, propagate};
 use bmv::study::ready::Readiness;
 use bmv::study::{load, ready};
 use nalgebra::{DMatrix, DVector};
@@ -68,19 +68,6 @@ fn study() -> tempfile::TempDir {
     root
 }
 
-fn run(job: &dyn Job) -> Result<Value, JobError> {
-    let mut step = job.begin()?;
-    loop {
-        match step {
-            Step::Done(value) => return Ok(value),
-            Step::Blocks { stage, inputs } => {
-                let outputs = inputs.iter().map(|i| job.block(&stage, i)).collect::<Result<Vec<_>, _>>()?;
-                step = job.reduce(&stage, &inputs, &outputs)?;
-            }
-        }
-    }
-}
-
 /// Results of the jobs of passes, by file and name, each after those that it needs.
 pub struct Results<'s> {
     study: &'s Path,
@@ -112,7 +99,7 @@ impl<'s> Results<'s> {
             Readiness::NotRun(reason) => panic!("{reason}"),
             Readiness::Refused(wrong) => panic!("{wrong:?}"),
         };
-        let result = Arc::new(run(job_ready.as_ref()).unwrap());
+        let result = Arc::new(crate::serial::run(job_ready.as_ref()).unwrap());
         self.known.insert((file.to_owned(), job.to_owned()), Arc::clone(&result));
         result
     }

@@ -14,8 +14,6 @@ use bmv::inference::target::Target;
 use bmv::inference::triangular_transport::NormalApproximation;
 use bmv::random::StreamKey;
 use bmv::statistics::chain_diagnostics::{mcse_mean, mcse_sd};
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 
 use super::models::{self, check_gradient};
 
@@ -389,17 +387,14 @@ fn work_of_a_fixed_seed_is_kept() {
 /// A chain that goes on from any of the states that it left is the same to the bit; the states pass through bytes.
 #[test]
 fn a_chain_that_goes_on_from_a_state_is_the_same() {
-    fn states<S: Serialize + DeserializeOwned>(
-        every: u64,
-        run: impl Fn(&mut Parts<'_, S>) -> Chain,
-    ) -> (Chain, Vec<Chain>) {
+    fn states<S: bmv::job::stored::Block>(every: u64, run: impl Fn(&mut Parts<'_, S>) -> Chain) -> (Chain, Vec<Chain>) {
         let mut kept: Vec<Vec<u8>> = Vec::new();
         let mut keep = |part: u64, state: S| {
             assert_eq!(part, kept.len() as u64 + 1, "states are numbered");
-            kept.push(bmv::job::stored::to_bytes(&state).expect("bytes"));
+            kept.push(state.into_bytes().expect("bytes"));
         };
         let whole = run(&mut Parts { from: None, every, is_due: &|| true, keep: &mut keep });
-        let read = |bytes: &Vec<u8>| bmv::job::stored::from_bytes::<S>(bytes, "state").expect("reads back");
+        let read = |bytes: &Vec<u8>| S::from_bytes(bytes, "state").expect("reads back");
         let again = |bytes| {
             Parts::none(|parts| {
                 parts.from = Some(read(bytes));

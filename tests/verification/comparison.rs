@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use bmv::inference::measurement::{Initial, InputColumn, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};
 use bmv::job::compare::{Compare, Criteria, Output, Spec};
-use bmv::job::{Job, Step};
 use bmv::thermal::Model;
 
 use super::build::Build;
+use crate::serial;
 
 fn criteria() -> Criteria {
     Criteria {
@@ -56,10 +56,7 @@ fn compare(model: Model, measurement: Measurement) -> Output {
     let spec = Spec { data: vec![0], criteria: criteria(), from: "nominal".into(), calibration: None };
     let parameters = model.parameters.iter().map(|p| p.nominal).collect();
     let job = Compare::new(spec, Arc::new(model), Arc::new(vec![measurement]), parameters).unwrap();
-    let Step::Blocks { stage, inputs } = job.begin().unwrap() else { panic!("no blocks") };
-    let outputs: Vec<Vec<u8>> = inputs.iter().map(|input| job.block(&stage, input).unwrap()).collect();
-    let Step::Done(value) = job.reduce(&stage, &inputs, &outputs).unwrap() else { panic!("not done") };
-    serde_json::from_value(value).unwrap()
+    serde_json::from_value(serial::run(&job).unwrap()).unwrap()
 }
 
 /// 1 W through 0.5 W/K to 290 K: 292 K, 1 W into the boundary.

@@ -2,14 +2,13 @@
 //! drift; and what it must not lose on the way: nodes that begin to store heat, laws that are one thing here.
 
 use bmv::diagnosis::{Output, Verdict};
-use bmv::job::Job;
 use bmv::job::findings::Findings;
 use bmv::random::StreamKey;
 use bmv::study::Pass;
 use bmv::study::next_pass::{Asked, next_pass};
 use bmv::study::ready::Readiness;
 
-use super::linear_diagnosis::run;
+use crate::serial;
 
 /// A plate and a box behind it; `PRIOR` and `POWER` stand for a prior and the heater's power.
 const MODEL: &str = r#"{
@@ -81,8 +80,7 @@ impl Study {
     fn result(&self) -> serde_json::Value {
         let (_, readiness) = bmv::study::ready(&self.load("pass-1.json")).into_iter().next().expect("a job");
         let Readiness::Ready(job) = readiness else { panic!("ready") };
-        let job: &dyn Job = job.as_ref();
-        run(job)
+        serial::run(job.as_ref()).expect("a result")
     }
 
     fn diagnosed(&self) -> Output {

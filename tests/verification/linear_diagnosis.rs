@@ -8,11 +8,12 @@ use std::sync::Arc;
 use bmv::diagnosis::fits::refit::Begin;
 use bmv::diagnosis::{Diagnosis, Problem, Settings, Verdict};
 use bmv::inference::measurement::Uncertain;
-use bmv::job::{Job, Step};
 use bmv::math::functions::{exp, ln};
 use bmv::random::StreamKey;
 use bmv::study::ready::Readiness;
 use nalgebra::{DMatrix, DVector};
+
+use crate::serial;
 
 const MODEL: &str = r#"{
   "format": "bmv-network/1",
@@ -353,7 +354,8 @@ fn a_posterior_as_prior_gives_the_evidence_of_sequential_bayes() {
     let Readiness::After(waiting) = readiness else { panic!("after the calibration") };
     let job = waiting.prepare(&[Arc::new(result)]).expect("a density");
     assert_eq!(job.identity(), waiting.identity(), "known before the calibration ran");
-    let output: bmv::diagnosis::Output = serde_json::from_value(run(job.as_ref())).expect("a diagnosis");
+    let output: bmv::diagnosis::Output =
+        serde_json::from_value(serial::run(job.as_ref()).expect("a result")).expect("a diagnosis");
     assert_eq!(output.handed_on[0].parameters, ["P_A", "P_B"]);
     assert!(output.warnings.is_empty() && output.converged.is_none(), "{:?}", output.warnings);
 
@@ -478,19 +480,5 @@ fn diagnosed(table: &str, effect: (&str, &str), pass: &str) -> bmv::diagnosis::O
     let pass = pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)));
     let (_, readiness) = bmv::study::ready(&pass).into_iter().next().expect("a job");
     let Readiness::Ready(job) = readiness else { panic!("ready") };
-    serde_json::from_value(run(job.as_ref())).expect("a diagnosis")
-}
-
-/// The result of a job, stage after stage.
-pub fn run(job: &dyn Job) -> serde_json::Value {
-    let mut step = job.begin().expect("it begins");
-    loop {
-        match step {
-            Step::Done(value) => return value,
-            Step::Blocks { stage, inputs } => {
-                let outputs: Result<Vec<_>, _> = inputs.iter().map(|input| job.block(&stage, input)).collect();
-                step = job.reduce(&stage, &inputs, &outputs.expect("blocks")).expect("a step");
-            }
-        }
-    }
+    serde_json::from_value(serial::run(job.as_ref()).expect("a result")).expect("a diagnosis")
 }

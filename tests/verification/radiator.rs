@@ -9,12 +9,14 @@ use bmv::expression::Symbol;
 use bmv::job::conventional::Basis;
 use bmv::job::goal::Discrepancy;
 use bmv::job::propagate::{Propagate, Sampling, Spec, Sweep};
-use bmv::job::{Job, Step, conventional, propagate};
+use bmv::job::{Runnable, conventional, propagate};
 use bmv::random::Distribution;
 use bmv::study::ready::Readiness;
 use bmv::study::{JobSpec, Pass};
 use bmv::thermal::{Network, Start};
 use serde::de::DeserializeOwned;
+
+use crate::serial;
 
 fn radiator() -> Pass {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/radiator/pass-1.json");
@@ -24,17 +26,8 @@ fn radiator() -> Pass {
 }
 
 /// Runs a job to its end.
-pub fn run<T: DeserializeOwned>(job: &dyn Job) -> T {
-    let mut step = job.begin().unwrap();
-    loop {
-        match step {
-            Step::Done(value) => return serde_json::from_value(value).unwrap(),
-            Step::Blocks { stage, inputs } => {
-                let outputs: Vec<_> = inputs.iter().map(|input| job.block(&stage, input).unwrap()).collect();
-                step = job.reduce(&stage, &inputs, &outputs).unwrap();
-            }
-        }
-    }
+pub fn run<T: DeserializeOwned>(job: &dyn Runnable) -> T {
+    serde_json::from_value(serial::run(job).unwrap()).unwrap()
 }
 
 /// Settings of the pass's propagation.

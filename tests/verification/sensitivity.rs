@@ -10,6 +10,7 @@ use bmv::statistics::sobol_indices::Estimate;
 use bmv::study::{JobSpec, Pass};
 
 use super::radiator::run;
+use crate::serial;
 
 /// A pass of the repository.
 pub fn load(pass: &str) -> Pass {
@@ -176,9 +177,7 @@ fn failed_solves_leave_their_rows_out_and_are_bounded() {
     // Above the limit the job fails with the reason.
     let strict = Spec { failure_limit: 0.001, ..spec(&broken) };
     let job = Sensitivity::new(strict, Arc::new(pass.model.clone()), pass.priors.clone(), 1, "effects").unwrap();
-    let bmv::job::Step::Blocks { stage, inputs } = bmv::job::Job::begin(&job).unwrap() else { panic!("blocks") };
-    let outputs: Vec<_> = inputs.iter().map(|input| bmv::job::Job::block(&job, &stage, input).unwrap()).collect();
-    let error = bmv::job::Job::reduce(&job, &stage, &inputs, &outputs).unwrap_err().to_string();
+    let error = serial::run(&job).unwrap_err().to_string();
     assert!(error.contains("solves failed, more than the limit of 0.1 %"), "{error}");
 }
 

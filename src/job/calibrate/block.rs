@@ -9,54 +9,89 @@ use crate::inference::point_estimate::PointEstimate;
 use crate::inference::smc::Island;
 use crate::job::{JobError, stored};
 
-/// A chain, an island or the evidence, from the point estimate.
+/// What is known when a stage begins.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct SampleInput {
-    pub estimate: PointEstimate,
-    pub task: SampleTask,
+pub enum State {
+    /// Nothing: the most probable point is sought.
+    Nothing,
+    /// The most probable point: the posterior is sampled.
+    Sample(Box<PointEstimate>),
+    /// The result but for the predictive checks.
+    Predict(Box<Output>),
 }
 
-/// What a block of sampling does.
+/// What a block does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) enum SampleTask {
+pub enum Task {
+    /// The most probable point.
+    Estimate,
     /// A chain from a start.
     Chain { index: u64, start: Vec<f64> },
     /// An island of particles.
     Island { index: u64 },
     /// The evidence by importance sampling.
     Evidence,
+    /// What draws of the posterior or of the prior predict, SI.
+    Predict { prior: bool, draws: Vec<Vec<f64>> },
 }
 
 /// What it gives.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) enum SampleOutput {
+#[derive(Clone, Debug, PartialEq)]
+pub enum Partial {
+    /// The most probable point.
+    Estimate(Box<PointEstimate>),
+    /// A chain.
     Chain(Chain),
+    /// An island of particles.
     Island(Box<Island>),
     /// Nothing where the weights allow no estimate.
     Evidence(Option<ImportanceEstimate>),
+    /// What draws predict.
+    Predicted(Predicted),
 }
 
-impl SampleOutput {
-    /// Stored form: all but the chain's lists, then those.
-    pub fn into_bytes(mut self) -> Result<Vec<u8>, JobError> {
-        let lists = match &mut self {
-            Self::Chain(chain) => take(chain),
-            Self::Island(island) => take(&mut island.chain),
-            Self::Evidence(_) => Default::default(),
+/// All but the long lists, whose lengths follow.
+#[derive(Serialize, Deserialize)]
+enum Head {
+    Estimate(Box<PointEstimate>),
+    Chain(Chain),
+    Island(Box<Island>),
+    Evidence(Option<ImportanceEstimate>),
+    Predicted,
+}
+
+/// The head, then the lists.
+impl stored::Block for Partial {
+    fn into_bytes(self) -> Result<Vec<u8>, JobError> {
+        let (head, lists) = match self {
+            Self::Estimate(found) => (Head::Estimate(found), Default::default()),
+            Self::Chain(mut chain) => {
+                let lists = take(&mut chain);
+                (Head::Chain(chain), lists)
+            }
+            Self::Island(mut island) => {
+                let lists = take(&mut island.chain);
+                (Head::Island(island), lists)
+            }
+            Self::Evidence(found) => (Head::Evidence(found), Default::default()),
+            Self::Predicted(own) => (Head::Predicted, [own.readings, own.pointwise, own.squares]),
         };
-        stored::with_numbers(&(self, lists.each_ref().map(Vec::len)), &lists.concat())
+        stored::with_numbers(&(head, lists.each_ref().map(Vec::len)), &lists.concat())
     }
 
-    /// Reads the stored form.
-    pub fn from_bytes(bytes: &[u8], stage: &str) -> Result<Self, JobError> {
-        let ((mut output, lengths), numbers): ((Self, [usize; 2]), _) = stored::split_numbers(bytes, stage)?;
-        let lists = cut(&numbers, lengths, stage)?;
-        match &mut output {
-            Self::Chain(chain) => put(chain, lists),
-            Self::Island(island) => put(&mut island.chain, lists),
-            Self::Evidence(_) => {}
-        }
-        Ok(output)
+    fn from_bytes(bytes: &[u8], stage: &str) -> Result<Self, JobError> {
+        let ((head, lengths), numbers): ((Head, [usize; 3]), _) = stored::split_numbers(bytes, stage)?;
+        let [first, second, third] = cut(&numbers, lengths, stage)?;
+        Ok(match head {
+            Head::Estimate(found) => Self::Estimate(found),
+            Head::Chain(chain) => Self::Chain(Chain { draws: first, log_likelihoods: second, ..chain }),
+            Head::Island(mut island) => {
+                (island.chain.draws, island.chain.log_likelihoods) = (first, second);
+                Self::Island(island)
+            }
+            Head::Evidence(found) => Self::Evidence(found),
+            Head::Predicted => Self::Predicted(Predicted { readings: first, pointwise: second, squares: third }),
+        })
     }
 }
 
@@ -70,26 +105,13 @@ fn cut<const N: usize>(numbers: &[f64], lengths: [usize; N], stage: &str) -> Res
 }
 
 /// The long lists of a chain, taken out of it.
-fn take(chain: &mut Chain) -> [Vec<f64>; 2] {
-    [&mut chain.draws, &mut chain.log_likelihoods].map(std::mem::take)
-}
-
-fn put(chain: &mut Chain, lists: [Vec<f64>; 2]) {
-    [chain.draws, chain.log_likelihoods] = lists;
-}
-
-/// A block of predictive checks.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) enum PredictInput {
-    /// Draws of the posterior or of the prior, SI.
-    Draws { prior: bool, draws: Vec<Vec<f64>> },
-    /// The result so far, which the reduction completes.
-    Carry(Box<Output>),
+fn take(chain: &mut Chain) -> [Vec<f64>; 3] {
+    [std::mem::take(&mut chain.draws), std::mem::take(&mut chain.log_likelihoods), Vec::new()]
 }
 
 /// What draws predict, draw by draw.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Predicted {
+pub struct Predicted {
     /// Readings of all measurements, rows and sensors; NaN where the model failed.
     pub readings: Vec<f64>,
     /// Log density of each datum of the fit.
@@ -98,24 +120,10 @@ pub(super) struct Predicted {
     pub squares: Vec<f64>,
 }
 
-impl Predicted {
-    /// Stored form: the lengths, then the numbers.
-    pub fn to_bytes(&self) -> Result<Vec<u8>, JobError> {
-        let lists = [&self.readings, &self.pointwise, &self.squares];
-        stored::with_numbers(&lists.map(Vec::len), &lists.map(Vec::as_slice).concat())
-    }
-
-    /// Reads the stored form.
-    pub fn from_bytes(bytes: &[u8], stage: &str) -> Result<Self, JobError> {
-        let (lengths, numbers): ([usize; 3], _) = stored::split_numbers(bytes, stage)?;
-        let [readings, pointwise, squares] = cut(&numbers, lengths, stage)?;
-        Ok(Self { readings, pointwise, squares })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::job::stored::Block;
 
     #[test]
     fn chains_come_back_from_bytes_and_damage_is_seen() {
@@ -125,20 +133,20 @@ mod tests {
             log_likelihoods: vec![0.3, 1e300],
             ..Chain::default()
         };
-        let bytes = SampleOutput::Chain(chain.clone()).into_bytes().expect("bytes");
-        assert_eq!(SampleOutput::from_bytes(&bytes, "s"), Ok(SampleOutput::Chain(chain)));
-        for cut in 0..bytes.len() {
-            assert!(SampleOutput::from_bytes(&bytes[..cut], "s").is_err(), "cut at {cut}");
-        }
+        comes_back(&Partial::Chain(chain));
     }
 
     #[test]
     fn predictions_come_back_from_bytes_and_damage_is_seen() {
         let predicted = Predicted { readings: vec![1.5, -0.0], pointwise: vec![2.5], squares: vec![300.0, 1.0] };
-        let bytes = predicted.to_bytes().expect("bytes");
-        assert_eq!(Predicted::from_bytes(&bytes, "s"), Ok(predicted));
+        comes_back(&Partial::Predicted(predicted));
+    }
+
+    fn comes_back(partial: &Partial) {
+        let bytes = partial.clone().into_bytes().expect("bytes");
+        assert_eq!(Partial::from_bytes(&bytes, "s").as_ref(), Ok(partial));
         for cut in 0..bytes.len() {
-            assert!(Predicted::from_bytes(&bytes[..cut], "s").is_err(), "cut at {cut}");
+            assert!(Partial::from_bytes(&bytes[..cut], "s").is_err(), "cut at {cut}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Predictive checks of the finished posterior: what it and the prior predict, block by block, and the scores of that.
 
-use super::block::{PredictInput, Predicted};
+use super::block::{Partial, Predicted, State, Task};
 use super::output::{CrossValidation, Output};
 use super::predictive::{self, Draws, InputSpread};
 use super::{Calibrate, PREDICT, scores};
@@ -8,8 +8,7 @@ use crate::inference::measurement::{Measurement, Rows};
 use crate::inference::psis::{self, LeaveOneOut};
 use crate::inference::target::{LeastSquares, Target};
 use crate::inference::unknown::settled;
-use crate::job::stored::{from_bytes, result, to_bytes};
-use crate::job::{JobError, Step};
+use crate::job::{Done, JobError, Step};
 use crate::math::special::chi_square_sf;
 use crate::random::{PointKind, Points};
 
@@ -21,8 +20,8 @@ const PRIOR_CHECKS: usize = 256;
 const BLOCK: usize = 50;
 
 impl Calibrate {
-    /// The blocks of predictive checks; the result so far goes with them.
-    pub(super) fn predict_blocks(&self, output: Output) -> Result<Step, JobError> {
+    /// The blocks of predictive checks.
+    pub(super) fn predict_blocks(&self, output: Output) -> Result<Step<Self>, JobError> {
         let all = &output.draws.values;
         let count = POSTERIOR_CHECKS.min(all.len());
         let chosen: Vec<Vec<f64>> = (0..count).map(|k| all[(2 * k + 1) * all.len() / (2 * count)].clone()).collect();
@@ -42,11 +41,10 @@ impl Calibrate {
         let mut inputs = Vec::new();
         for (prior, draws) in [(false, &chosen), (true, &before)] {
             for draws in draws.chunks(BLOCK) {
-                inputs.push(to_bytes(&PredictInput::Draws { prior, draws: draws.to_vec() })?);
+                inputs.push(Task::Predict { prior, draws: draws.to_vec() });
             }
         }
-        inputs.push(to_bytes(&PredictInput::Carry(Box::new(output)))?);
-        Ok(Step::Blocks { stage: PREDICT.to_owned(), inputs })
+        Ok(Step::Blocks { stage: PREDICT.to_owned(), state: State::Predict(Box::new(output)), inputs })
     }
 
     /// What some draws predict.
@@ -91,25 +89,17 @@ impl Calibrate {
     }
 
     /// Completes the result.
-    pub(super) fn finish(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        let mut carried = None;
+    pub(super) fn finish(&self, mut output: Box<Output>, blocks: Done<Self>) -> Step<Self> {
         let empty = || Draws { values: Vec::new(), predicted: Predicted::default() };
         let (mut posterior, mut before) = (empty(), empty());
-        for (input, bytes) in inputs.iter().zip(outputs) {
-            match from_bytes(input, stage)? {
-                PredictInput::Carry(output) => carried = Some(output),
-                PredictInput::Draws { prior, draws } => {
-                    let own = if prior { &mut before } else { &mut posterior };
-                    let block = Predicted::from_bytes(bytes, stage)?;
-                    own.values.extend(draws);
-                    own.predicted.readings.extend(block.readings);
-                    own.predicted.pointwise.extend(block.pointwise);
-                    own.predicted.squares.extend(block.squares);
-                }
-            }
+        for block in blocks {
+            let (Task::Predict { prior, draws }, Partial::Predicted(block)) = block else { continue };
+            let own = if prior { &mut before } else { &mut posterior };
+            own.values.extend(draws);
+            own.predicted.readings.extend(block.readings);
+            own.predicted.pointwise.extend(block.pointwise);
+            own.predicted.squares.extend(block.squares);
         }
-        let mut output =
-            carried.ok_or_else(|| JobError::Failed("the summary of the chains is not there".to_owned()))?;
         let (measurements, spread) = (self.measurements(), self.input_spread());
         let (model, order) = (&self.inputs.model, &output.order);
         output.predictive = predictive::checks(&measurements, model, order, &posterior, &before, &spread);
@@ -135,6 +125,6 @@ impl Calibrate {
         output.phases =
             scores::phases(&measurements, &groups, left_out.as_ref(), good, &output.order, &posterior, &spread);
         output.held_out = scores::held_out(&output.phases);
-        result(&*output)
+        Step::Done(output)
     }
 }

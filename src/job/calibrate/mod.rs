@@ -25,8 +25,7 @@ pub use output::{
 };
 
 use super::handed_on::HandedOn;
-use super::stored::{from_bytes, to_bytes, unreadable};
-use super::{Job, JobError, NoParts, Parts, Step};
+use super::{Done, Job, JobError, Parts, Step};
 use crate::inference::informed::Informed;
 use crate::inference::joint_prior::Fit;
 use crate::inference::likelihood::{Definition, InputError, Likelihood};
@@ -35,7 +34,7 @@ use crate::inference::point_estimate::{self, PointSettings};
 use crate::inference::prediction::Predictor;
 use crate::random::{Distribution, StreamKey};
 use crate::thermal::Model;
-use block::PredictInput;
+use block::{Partial, State, Task};
 
 const ESTIMATE: &str = "estimate";
 const SAMPLE: &str = "sample";
@@ -128,6 +127,11 @@ impl Calibrate {
 }
 
 impl Job for Calibrate {
+    type State = State;
+    type Input = Task;
+    type Partial = Partial;
+    type Output = Output;
+
     fn kind(&self) -> &'static str {
         "calibrate"
     }
@@ -158,31 +162,23 @@ impl Job for Calibrate {
         identity
     }
 
-    fn begin(&self) -> Result<Step, JobError> {
+    fn begin(&self) -> Result<Step<Self>, JobError> {
         if let Some(own) = self.handed_on.iter().find(|own| own.draws.is_empty()) {
             return Err(JobError::Failed(format!("the posterior of {} has no draws", own.source)));
         }
-        Ok(Step::Blocks { stage: ESTIMATE.to_owned(), inputs: vec![Vec::new()] })
+        Ok(Step::Blocks { stage: ESTIMATE.to_owned(), state: State::Nothing, inputs: vec![Task::Estimate] })
     }
 
-    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        self.block_in_parts(stage, input, &NoParts)
-    }
-
-    fn block_in_parts(&self, stage: &str, input: &[u8], parts: &dyn Parts) -> Result<Vec<u8>, JobError> {
-        match stage {
-            ESTIMATE => {
+    fn block(&self, state: &State, task: Task, parts: &dyn Parts) -> Result<Partial, JobError> {
+        match (state, task) {
+            (State::Sample(estimate), task) => self.sample(estimate, task, parts),
+            (_, Task::Predict { prior, draws }) => Ok(Partial::Predicted(self.predict(prior, &draws))),
+            _ => {
                 let key = self.stream("calibrate estimate");
                 let settings = PointSettings::default();
                 let found = point_estimate::estimate(&self.target, &settings, &key, &[]);
-                to_bytes(&found.map_err(|e| JobError::Failed(e.to_string()))?)
+                Ok(Partial::Estimate(Box::new(found.map_err(|e| JobError::Failed(e.to_string()))?)))
             }
-            SAMPLE => self.sample(from_bytes(input, stage)?, parts)?.into_bytes(),
-            PREDICT => match from_bytes(input, stage)? {
-                PredictInput::Draws { prior, draws } => self.predict(prior, &draws).to_bytes(),
-                PredictInput::Carry(_) => Ok(Vec::new()),
-            },
-            _ => Err(unreadable(stage, "there is no such stage")),
         }
     }
 
@@ -193,27 +189,18 @@ impl Job for Calibrate {
         numbers.saturating_mul(3 * width).saturating_mul(size_of::<f64>() as u64)
     }
 
-    fn is_last(&self, stage: &str) -> bool {
-        stage == PREDICT
+    fn is_last(&self, state: &State) -> bool {
+        matches!(state, State::Predict(_))
     }
 
-    fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        match stage {
-            ESTIMATE => {
-                let bytes = outputs.first().map_or(&[][..], Vec::as_slice);
-                self.after_estimate(&from_bytes(bytes, stage)?)
-            }
-            SAMPLE => self.after_samples(stage, inputs, outputs),
-            _ => self.finish(stage, inputs, outputs),
-        }
-    }
-
-    fn reduce_owned(&self, stage: &str, inputs: &[Vec<u8>], outputs: Vec<Vec<u8>>) -> Result<Step, JobError> {
-        if stage == SAMPLE {
-            // The chains are by far the longest: their bytes go as they are read.
-            self.after_samples(stage, inputs, outputs)
-        } else {
-            self.reduce(stage, inputs, &outputs)
+    fn reduce(&self, state: State, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        match state {
+            State::Nothing => match blocks.into_iter().next() {
+                Some((_, Partial::Estimate(estimate))) => self.after_estimate(estimate),
+                _ => Err(JobError::Failed("the most probable point is not there".to_owned())),
+            },
+            State::Sample(estimate) => self.after_samples(&estimate, blocks),
+            State::Predict(output) => Ok(self.finish(output, blocks)),
         }
     }
 }

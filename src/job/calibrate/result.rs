@@ -1,6 +1,6 @@
 //! From the chains to the result: whether they can be believed, the evidence, summaries by parameter.
 
-use super::block::{SampleInput, SampleOutput};
+use super::block::Partial;
 use super::output::{Evidence, HandedOnPrior, MostProbable, Output, ParameterSummary, Spent, UsedData};
 use super::summary::Weighted;
 use super::{Calibrate, Sampler, words};
@@ -16,8 +16,7 @@ use crate::inference::scatter;
 use crate::inference::smc::{self, Island};
 use crate::inference::target::{LeastSquares, Target};
 use crate::job::handed_on::HandedOn;
-use crate::job::stored::from_bytes;
-use crate::job::{JobError, Step};
+use crate::job::{Done, JobError, Step};
 
 /// Draws kept of all chains.
 const KEPT: usize = 1000;
@@ -25,25 +24,20 @@ const KEPT: usize = 1000;
 const EVIDENCE_ERROR: f64 = 0.5;
 
 impl Calibrate {
-    /// Judges and summarises the chains; a block's bytes are given up as soon as its chain is read.
-    pub(super) fn after_samples(
-        &self,
-        stage: &str,
-        inputs: &[Vec<u8>],
-        outputs: impl IntoIterator<Item = impl AsRef<[u8]>>,
-    ) -> Result<Step, JobError> {
-        let first = inputs.first().ok_or_else(|| JobError::Failed("there are no chains".to_owned()))?;
-        let estimate = self.target.estimate(&from_bytes::<SampleInput>(first, stage)?.estimate);
+    /// Judges and summarises the chains.
+    pub(super) fn after_samples(&self, estimate: &PointEstimate, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        let estimate = self.target.estimate(estimate);
         let (mut chains, mut islands, mut importance) = (Vec::<Chain>::new(), Vec::<Island>::new(), None);
-        for bytes in outputs {
-            match SampleOutput::from_bytes(bytes.as_ref(), stage)? {
-                SampleOutput::Chain(chain) => chains.push(self.target.chain(chain)),
-                SampleOutput::Island(island) => {
+        for (_, partial) in blocks {
+            match partial {
+                Partial::Chain(chain) => chains.push(self.target.chain(chain)),
+                Partial::Island(island) => {
                     let mut island = *island;
                     island.chain = self.target.chain(island.chain);
                     islands.push(island);
                 }
-                SampleOutput::Evidence(found) => importance = found,
+                Partial::Evidence(found) => importance = found,
+                Partial::Estimate(_) | Partial::Predicted(_) => {}
             }
         }
         let names = self.likelihood().names().to_vec();

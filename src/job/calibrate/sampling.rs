@@ -1,9 +1,6 @@
 //! Where chains start, and what runs them: chains, islands of particles, the evidence.
 
-use serde::Serialize;
-use serde::de::DeserializeOwned;
-
-use super::block::{SampleInput, SampleOutput, SampleTask};
+use super::block::{Partial, State, Task};
 use super::{Calibrate, SAMPLE, Sampler};
 use crate::inference::chains::{Chain, SampleError};
 use crate::inference::importance::{self, ImportanceEstimate, ImportanceSettings};
@@ -14,7 +11,7 @@ use crate::inference::point_estimate::PointEstimate;
 use crate::inference::posterior::Posterior;
 use crate::inference::smc::{self, SmcSettings};
 use crate::inference::target::Target;
-use crate::job::stored::{from_bytes, to_bytes};
+use crate::job::stored::Block;
 use crate::job::{self, JobError, Step};
 
 /// A second mode is used as a start if its log posterior is within this of the best.
@@ -26,15 +23,15 @@ const TRANSITIONS: u64 = 10;
 const STEPS: u64 = 100;
 
 /// Runs a chain of so many transitions that keeps its state every so many, from the last one that is there.
-fn in_parts<S: Serialize + DeserializeOwned>(
+fn in_parts<S: Block>(
     kept: &dyn job::Parts,
     transitions: u64,
     every: u64,
     run: impl FnOnce(&mut Parts<'_, S>) -> Result<Chain, SampleError>,
 ) -> Result<Chain, JobError> {
-    let from = (1..transitions.div_ceil(every)).rev().find_map(|part| from_bytes(&kept.find(part)?, SAMPLE).ok());
+    let from = (1..transitions.div_ceil(every)).rev().find_map(|part| S::from_bytes(&kept.find(part)?, SAMPLE).ok());
     let mut failure = None;
-    let mut keep = |part: u64, state: S| match to_bytes(&state) {
+    let mut keep = |part: u64, state: S| match state.into_bytes() {
         Ok(bytes) => kept.keep(part, &bytes),
         Err(error) => failure = Some(error),
     };
@@ -78,29 +75,33 @@ impl Calibrate {
     }
 
     /// The blocks of sampling.
-    pub(super) fn after_estimate(&self, estimate: &PointEstimate) -> Result<Step, JobError> {
+    pub(super) fn after_estimate(&self, estimate: Box<PointEstimate>) -> Result<Step<Self>, JobError> {
         let mut tasks = Vec::new();
         match self.spec.sampler {
-            Sampler::Smc => tasks.extend((0..self.spec.chains).map(|index| SampleTask::Island { index })),
+            Sampler::Smc => tasks.extend((0..self.spec.chains).map(|index| Task::Island { index })),
             Sampler::Nuts | Sampler::AdaptiveMetropolis => {
-                let starts = self.starts(estimate)?;
-                tasks.extend((0..).zip(starts).map(|(index, start)| SampleTask::Chain { index, start }));
-                tasks.push(SampleTask::Evidence);
+                let starts = self.starts(&estimate)?;
+                tasks.extend((0..).zip(starts).map(|(index, start)| Task::Chain { index, start }));
+                tasks.push(Task::Evidence);
             }
         }
-        let inputs = tasks.into_iter().map(|task| to_bytes(&SampleInput { estimate: estimate.clone(), task }));
-        Ok(Step::Blocks { stage: SAMPLE.to_owned(), inputs: inputs.collect::<Result<_, _>>()? })
+        Ok(Step::Blocks { stage: SAMPLE.to_owned(), state: State::Sample(estimate), inputs: tasks })
     }
 
     /// Runs a chain, an island or the evidence.
-    pub(super) fn sample(&self, input: SampleInput, parts: &dyn job::Parts) -> Result<SampleOutput, JobError> {
+    pub(super) fn sample(
+        &self,
+        estimate: &PointEstimate,
+        task: Task,
+        parts: &dyn job::Parts,
+    ) -> Result<Partial, JobError> {
         let failed = |e: SampleError| JobError::Failed(e.to_string());
         let mut target = self.target.clone();
-        let reference = target.parameters(&input.estimate.parameters);
+        let reference = target.parameters(&estimate.parameters);
         target.target_mut().set_reference(&reference);
         let (warm_up, draws) = (self.spec.warmup, self.spec.draws);
-        match input.task {
-            SampleTask::Chain { index, start } => match self.spec.sampler {
+        match task {
+            Task::Chain { index, start } => match self.spec.sampler {
                 Sampler::AdaptiveMetropolis => {
                     let settings = MetropolisSettings { warm_up, draws, ..MetropolisSettings::default() };
                     in_parts(parts, warm_up + draws * settings.thin, STEPS, |parts| {
@@ -108,7 +109,7 @@ impl Calibrate {
                     })
                 }
                 Sampler::Nuts | Sampler::Smc => {
-                    let normal = Some(input.estimate.normal_approximation());
+                    let normal = Some(estimate.normal_approximation());
                     let mut settings = NutsSettings { warm_up, draws, normal, ..NutsSettings::default() };
                     settings.acceptance = self.spec.acceptance.unwrap_or(settings.acceptance);
                     in_parts(parts, warm_up + draws, TRANSITIONS, |parts| {
@@ -116,23 +117,24 @@ impl Calibrate {
                     })
                 }
             }
-            .map(SampleOutput::Chain),
-            SampleTask::Island { index } => {
+            .map(Partial::Chain),
+            Task::Island { index } => {
                 let particles = usize::try_from(draws).unwrap_or(usize::MAX);
                 let settings = SmcSettings { particles, islands: self.spec.chains, ..SmcSettings::default() };
                 let island = smc::run_island(&target, &settings, &self.key, index).map_err(failed)?;
-                Ok(SampleOutput::Island(Box::new(island)))
+                Ok(Partial::Island(Box::new(island)))
             }
-            SampleTask::Evidence => {
+            Task::Evidence => {
                 let settings = ImportanceSettings::default();
                 let key = self.stream("calibrate evidence");
-                let found = importance::estimate(&target, &settings, &key, 0, Some(&input.estimate.parameters));
+                let found = importance::estimate(&target, &settings, &key, 0, Some(&estimate.parameters));
                 let usable = |found: &ImportanceEstimate| {
                     let numbers = [found.log_evidence, found.log_evidence_error, found.effective];
                     (numbers.iter().chain(&found.mean).chain(&found.sd)).all(|number| number.is_finite())
                 };
-                Ok(SampleOutput::Evidence(found.ok().filter(usable)))
+                Ok(Partial::Evidence(found.ok().filter(usable)))
             }
+            Task::Estimate | Task::Predict { .. } => Err(JobError::Failed("a block samples nothing".to_owned())),
         }
     }
 }

@@ -25,7 +25,7 @@ pub use output::{
 pub use tuned::Tuned;
 pub use view::view;
 
-use super::{Job, JobError, Step, stored};
+use super::{Done, Job, JobError, Parts, Step};
 use deviation::{KELVIN, deviation, noise_rmse, of_one_unit};
 use stretch::{Stretch, stretches};
 
@@ -42,7 +42,7 @@ pub struct Compare {
 
 /// Part of the result that belongs to one measurement.
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
-struct Part {
+pub struct Part {
     rows: Vec<Row>,
     sensors: Vec<SensorSummary>,
     phases: Vec<PhaseSummary>,
@@ -427,6 +427,11 @@ impl Output {
 }
 
 impl Job for Compare {
+    type State = ();
+    type Input = usize;
+    type Partial = Part;
+    type Output = Output;
+
     fn kind(&self) -> &'static str {
         "compare"
     }
@@ -447,26 +452,23 @@ impl Job for Compare {
         })
     }
 
-    fn begin(&self) -> Result<Step, JobError> {
-        let inputs = self.spec.data.iter().map(stored::to_bytes).collect::<Result<_, _>>()?;
-        Ok(Step::Blocks { stage: "measurements".to_owned(), inputs })
+    fn begin(&self) -> Result<Step<Self>, JobError> {
+        Ok(Step::Blocks { stage: "measurements".to_owned(), state: (), inputs: self.spec.data.clone() })
     }
 
-    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        let measurement = self.measurements.get(stored::from_bytes::<usize>(input, stage)?);
-        let measurement = measurement.ok_or_else(|| stored::unreadable(stage, "it names no measurement"))?;
-        stored::to_bytes(&self.part(measurement))
+    fn block(&self, (): &(), input: usize, _parts: &dyn Parts) -> Result<Part, JobError> {
+        let measurement = self.measurements.get(input);
+        Ok(self.part(measurement.ok_or_else(|| JobError::Failed("there is no such measurement".to_owned()))?))
     }
 
-    fn is_last(&self, _stage: &str) -> bool {
+    fn is_last(&self, (): &()) -> bool {
         true
     }
 
-    fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
+    fn reduce(&self, (): (), blocks: Done<Self>) -> Result<Step<Self>, JobError> {
         let mut whole = Part::default();
         let mut chi2 = Some((0.0, 0));
-        for bytes in outputs {
-            let part: Part = stored::from_bytes(bytes, stage)?;
+        for (_, part) in blocks {
             whole.rows.extend(part.rows);
             whole.sensors.extend(part.sensors);
             whole.phases.extend(part.phases);
@@ -522,6 +524,6 @@ impl Job for Compare {
                 .chain(overstated)
                 .collect(),
         };
-        stored::result(&output)
+        Ok(Step::Done(Box::new(output)))
     }
 }

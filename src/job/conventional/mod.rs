@@ -20,7 +20,7 @@ pub use output::{Basis, Margin, Output, Rule, Size, Spec, WorstEnd};
 use super::fault::listed;
 use super::propagate::Variable;
 use super::requirement::{Environment, Requirement};
-use super::{Job, JobError, Step, stored};
+use super::{Done, Job, JobError, Parts, Step};
 
 /// Design values tried to find where a rule begins to pass.
 const GRID: usize = 65;
@@ -296,6 +296,11 @@ impl Conventional {
 }
 
 impl Job for Conventional {
+    type State = ();
+    type Input = ();
+    type Partial = Output;
+    type Output = Output;
+
     fn kind(&self) -> &'static str {
         "conventional"
     }
@@ -308,21 +313,21 @@ impl Job for Conventional {
         json!({"settings": self.spec, "model": self.model.identity(), "priors": self.priors})
     }
 
-    fn begin(&self) -> Result<Step, JobError> {
-        Ok(Step::Blocks { stage: "sizes".to_owned(), inputs: vec![Vec::new()] })
+    fn begin(&self) -> Result<Step<Self>, JobError> {
+        Ok(Step::Blocks { stage: "sizes".to_owned(), state: (), inputs: vec![()] })
     }
 
-    fn block(&self, _stage: &str, _input: &[u8]) -> Result<Vec<u8>, JobError> {
-        stored::to_bytes(&self.run()?)
+    fn block(&self, (): &(), (): (), _parts: &dyn Parts) -> Result<Output, JobError> {
+        self.run()
     }
 
-    fn is_last(&self, _stage: &str) -> bool {
+    fn is_last(&self, (): &()) -> bool {
         true
     }
 
-    fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        let bytes = outputs.first().ok_or_else(|| stored::unreadable(stage, "there is no block"))?;
-        stored::result(&stored::from_bytes::<Output>(bytes, stage)?)
+    fn reduce(&self, (): (), blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        let found = blocks.into_iter().next().map(|(_, output)| Step::Done(Box::new(output)));
+        found.ok_or_else(|| JobError::Failed("there are no sizes".to_owned()))
     }
 }
 

@@ -5,11 +5,10 @@
 //! sampling puts its draws where the likelihood is, and fails where the posterior is far from normal. Laplace's
 //! approximation has no diagnostics: it shows numbers where the others have none, and names no best candidate.
 
-use super::block::Purpose;
+use super::block::State;
 use super::output::{Candidate, Estimator};
-use super::{Design, Set, State, Told};
+use super::{Asked, Design};
 use crate::inference::information::estimate::{Estimate, Replicate, Trust};
-use crate::job::JobError;
 
 /// What follows from the candidates' estimates.
 pub(super) enum Choice {
@@ -19,11 +18,6 @@ pub(super) enum Choice {
     Try,
     /// An earlier one was better after all: it is judged again.
     Return,
-}
-
-/// A set of readings that was asked for.
-pub(super) fn as_set((head, numbers, _): &Told) -> Set<'_> {
-    (head.phases.clone(), head.sensors.clone(), vec![numbers.as_slice()])
 }
 
 /// How far the estimates of several sets can be relied on for finding the best: all must be of use, and good are those
@@ -130,15 +124,15 @@ impl Design {
         Choice::Try
     }
 
-    /// The sets of a greedy choice once more by importance sampling, where nested Monte Carlo is not good for them: a set of
-    /// readings is sharper than one alone.
-    pub(super) fn again(&self, state: &mut State, sets: &[Told]) -> Result<Option<Vec<Vec<u8>>>, JobError> {
+    /// Whether the sets of a greedy choice are estimated once more by importance sampling, as nested Monte Carlo is not good
+    /// for them: a set of readings is sharper than one alone.
+    pub(super) fn again(&self, state: &mut State, sets: &[Asked]) -> bool {
         let is_open = self.spec.estimator == Estimator::Automatic
             && state.estimator == Estimator::Nested
             && state.tried.is_empty();
-        let replicates: Vec<&[Replicate]> = sets.iter().map(|(_, _, own)| own.as_slice()).collect();
+        let replicates: Vec<&[Replicate]> = sets.iter().map(|(_, own)| own.as_slice()).collect();
         if !is_open || self.trust_in(state.estimator, &replicates) == Trust::Good {
-            return Ok(None);
+            return false;
         }
         let words = diagnostics(&replicates);
         state
@@ -147,8 +141,6 @@ impl Design {
             .push_str(&format!("; for sets of readings `importance`, since `nested` is not good: {words}"));
         state.tried.push((state.estimator, Vec::new()));
         state.estimator = Estimator::Importance;
-        let purpose = sets.first().map_or(Purpose::Phase, |(head, _, _)| head.purpose);
-        let sets: Vec<Set<'_>> = sets.iter().map(as_set).collect();
-        self.blocks(purpose, &sets, state).map(Some)
+        true
     }
 }

@@ -18,7 +18,6 @@ mod summary;
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 pub use output::{
@@ -26,13 +25,12 @@ pub use output::{
     Spec, UsedSensor, Varied, Violation,
 };
 
-use super::stored::{self, split_numbers, with_numbers};
-use super::{Job, JobError, Step};
+use super::{Done, Job, JobError, Parts, Step};
 use crate::inference::information::estimate::Replicate;
 use crate::random::{Distribution, StreamKey};
 use crate::thermal::Model;
-use block::{InformationInput, InformationOutput, PredictHead, PredictInput, Purpose};
-use choice::{Choice, as_set};
+use block::{Found, Information, Known, PredictHead, Purpose, Set, State, Task};
+use choice::Choice;
 use information::Question;
 use plant::{Outside, Place, Plant};
 use samples::{REPLICATES, Samples};
@@ -60,27 +58,8 @@ pub struct Design {
     key: StreamKey,
 }
 
-/// Phases, sensors, and the readings of each phase.
-type Set<'a> = (Vec<usize>, Vec<usize>, Vec<&'a [f64]>);
-
-/// The result so far.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct State {
-    output: Output,
-    /// The estimator at work, never `automatic`.
-    estimator: Estimator,
-    /// Of each candidate, by that estimator.
-    replicates: Vec<Vec<Replicate>>,
-    /// Phases that a search found: candidates after those of the settings.
-    found: Vec<Phase>,
-    /// What other estimators gave, which were not good.
-    tried: Vec<(Estimator, Vec<Vec<Replicate>>)>,
-    /// Whether the choice of further phases, and of sensors, has ended early.
-    ended: [bool; 2],
-}
-
-/// What was asked, its predictions, and the replicates found.
-type Told = (InformationInput, Vec<f64>, Vec<Replicate>);
+/// A set of readings that was asked for, with the replicates found.
+type Asked = (Set, Vec<Replicate>);
 
 impl Design {
     /// Prepares the job; `name` is its name in the pass, which its random streams are keyed by.
@@ -150,40 +129,27 @@ impl Design {
         (PredictHead { failed, outside, nodes, changes }, readings)
     }
 
-    /// Blocks for a set of readings, cut by replicates where there are few sets.
-    fn blocks(&self, purpose: Purpose, sets: &[Set<'_>], state: &State) -> Result<Vec<Vec<u8>>, JobError> {
+    /// Blocks for sets of readings, cut by replicates where there are few sets.
+    fn inform(stage: String, known: Known, sets: Vec<Set>) -> Step<Self> {
         let cut = if sets.len() < MANY { CUT } else { REPLICATES };
-        let mut inputs = Vec::new();
-        for (phases, sensors, predictions) in sets {
-            let numbers = predictions.concat();
-            for first in (0..REPLICATES).step_by(cut) {
-                let head = InformationInput {
-                    purpose,
-                    phases: phases.clone(),
-                    sensors: sensors.clone(),
-                    estimator: state.estimator,
-                    replicates: [first, cut],
-                    found: state.found.clone(),
-                    carry: None,
-                };
-                inputs.push(with_numbers(&head, &numbers)?);
-            }
-        }
-        inputs.push(with_numbers(&Self::carry(state, Vec::new()), &[])?);
-        Ok(inputs)
+        let replicates = |set: Set| {
+            let of = move |first| Task::Inform { set: set.clone(), replicates: [first, cut] };
+            (0..REPLICATES).step_by(cut).map(of)
+        };
+        Step::Blocks { stage, state: known, inputs: sets.into_iter().flat_map(replicates).collect() }
     }
 
-    /// A block that carries what is known so far; the numbers behind it are the readings of the candidates `with`.
-    fn carry(state: &State, with: Vec<usize>) -> InformationInput {
-        InformationInput {
-            purpose: Purpose::Carry,
-            phases: with,
-            sensors: Vec::new(),
-            estimator: state.estimator,
-            replicates: [0, 0],
-            found: Vec::new(),
-            carry: Some(Box::new(state.clone())),
-        }
+    /// All sensors, in order.
+    fn all_sensors(&self) -> Vec<usize> {
+        (0..self.plant.sensors()).collect()
+    }
+
+    /// A set of each candidate that has solutions.
+    fn candidate_sets(&self, known: &Known) -> Vec<Set> {
+        let solved = (0..known.readings.len()).filter(|&index| !known.readings[index].is_empty());
+        solved
+            .map(|index| Set { purpose: Purpose::Candidate, phases: vec![index], sensors: self.all_sensors() })
+            .collect()
     }
 
     fn question<'a>(
@@ -207,99 +173,79 @@ impl Design {
         }
     }
 
-    fn after_predictions(&self, stage: &str, outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        let mut heads = Vec::new();
-        let mut predictions = Vec::new();
-        for bytes in outputs {
-            let (head, numbers) = split_numbers::<PredictHead>(bytes, stage)?;
-            heads.push(head);
-            predictions.push(numbers);
-        }
+    fn after_predictions(&self, found: Vec<Found>) -> Step<Self> {
+        let heads: Vec<PredictHead> = found.iter().filter_map(|own| own.head.clone()).collect();
         let mut state = State { output: self.begun(&heads), estimator: self.first_estimator(), ..State::default() };
-        state.output.solutions = outputs.len() as u64 * self.all_samples() as u64;
-        let read: Vec<usize> = (0..self.plant.sensors()).collect();
-        let sets: Vec<_> = (state.output.candidates.iter().enumerate())
-            .filter(|(_, candidate)| self.has_solutions(candidate))
-            .map(|(index, _)| (vec![index], read.clone(), vec![predictions[index].as_slice()]))
-            .collect();
-        state.replicates = vec![Vec::new(); predictions.len()];
-        Ok(Step::Blocks { stage: INFORMATION.to_owned(), inputs: self.blocks(Purpose::Phase, &sets, &state)? })
+        state.output.solutions = found.iter().map(|own| own.information.solutions).sum();
+        state.replicates = vec![Vec::new(); found.len()];
+        let both = state.output.candidates.iter().zip(found);
+        let readings = both.map(|(own, found)| if self.has_solutions(own) { found.readings } else { Vec::new() });
+        let known = Known { readings: readings.collect(), state };
+        let sets = self.candidate_sets(&known);
+        Self::inform(INFORMATION.to_owned(), known, sets)
     }
 
-    fn after_information(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        let mut carried = None;
-        let mut sets: Vec<Told> = Vec::new();
-        let (mut searched, mut solutions) = (Vec::new(), 0);
-        let all = self.all_samples() * self.plant.sensors();
-        for (input, output) in inputs.iter().zip(outputs) {
-            let (head, numbers) = split_numbers::<InformationInput>(input, stage)?;
-            let (told, readings) = split_numbers::<InformationOutput>(output, stage)?;
-            solutions += told.solutions;
-            match head.purpose {
-                Purpose::Carry => {
-                    let shell = head.shell();
-                    let state = head.carry.ok_or_else(|| stored::unreadable(stage, "it carries nothing"))?;
-                    for (&phase, readings) in head.phases.iter().zip(numbers.chunks_exact(all)) {
-                        let sensors = (0..self.plant.sensors()).collect();
-                        let own = InformationInput { phases: vec![phase], sensors, ..shell.clone() };
-                        let replicates = state.replicates.get(phase).cloned().unwrap_or_default();
-                        sets.push((own, readings.to_vec(), replicates));
-                    }
-                    carried = Some(*state);
-                }
-                Purpose::Search => searched.push((head, told, readings)),
-                Purpose::Phase | Purpose::Sensor => match sets.last_mut() {
-                    Some((last, _, replicates)) if last.phases == head.phases && last.sensors == head.sensors => {
-                        replicates.extend(told.replicates);
-                    }
-                    _ => sets.push((head, numbers, told.replicates)),
+    fn after_information(&self, mut known: Known, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        let mut sets: Vec<Asked> = Vec::new();
+        for (task, found) in blocks {
+            known.state.output.solutions += found.information.solutions;
+            match task {
+                Task::Inform { set, .. } => match sets.last_mut() {
+                    Some((last, replicates)) if *last == set => replicates.extend(found.information.replicates),
+                    _ => sets.push((set, found.information.replicates)),
                 },
+                Task::Search { phase } => self.take_in(&mut known, phase, found),
+                Task::Predict { .. } => {}
             }
         }
-        let mut state = carried.ok_or_else(|| stored::unreadable(stage, "earlier stages are not there"))?;
-        state.output.solutions += solutions;
-        let is_of_all = stage.starts_with(INFORMATION);
-        if !is_of_all && searched.is_empty() {
-            return match self.again(&mut state, &sets)? {
-                Some(inputs) => Ok(Step::Blocks { stage: format!("{stage} by {}", state.estimator.name()), inputs }),
-                None => {
-                    self.add_pick(&mut state, &sets);
-                    self.next(&state, &sets)
+        if sets.iter().any(|(set, _)| set.purpose != Purpose::Candidate) {
+            return Ok(match self.again(&mut known.state, &sets) {
+                true => {
+                    let stage =
+                        format!("{} by {}", self.greedy_stage(&known.state, &sets), known.state.estimator.name());
+                    Self::inform(stage, known, sets.into_iter().map(|(set, _)| set).collect())
                 }
-            };
+                false => {
+                    self.add_pick(&mut known.state, &sets);
+                    self.next(known)
+                }
+            });
         }
-        if is_of_all {
-            for (head, _, replicates) in &sets {
-                if let Some(&candidate) = head.phases.last() {
-                    state.replicates[candidate].clone_from(replicates);
-                }
+        for (set, replicates) in sets {
+            if let Some(&candidate) = set.phases.last() {
+                known.state.replicates[candidate] = replicates;
             }
-        }
-        for (head, told, readings) in searched {
-            self.take_in(&mut state, &mut sets, head, told, readings);
         }
         let best = loop {
-            let best = self.judge(&mut state);
-            match self.choose(&mut state) {
+            let best = self.judge(&mut known.state);
+            match self.choose(&mut known.state) {
                 Choice::Keep => break best,
                 Choice::Return => {}
                 Choice::Try => {
-                    let sets: Vec<Set<'_>> = sets.iter().map(as_set).collect();
-                    let inputs = self.blocks(Purpose::Phase, &sets, &state)?;
-                    return Ok(Step::Blocks { stage: format!("{INFORMATION} by {}", state.estimator.name()), inputs });
+                    let stage = format!("{INFORMATION} by {}", known.state.estimator.name());
+                    let sets = self.candidate_sets(&known);
+                    return Ok(Self::inform(stage, known, sets));
                 }
             }
         };
-        if let Some(blocks) = self.search(&state, &sets)? {
-            return Ok(blocks);
+        if let Some(inputs) = self.search(&known.state) {
+            let stage = format!("search {}", known.state.found.len() + inputs.len());
+            return Ok(Step::Blocks { stage, state: known, inputs });
         }
-        if let Some(best) = best
-            && let Some((_, predictions, _)) = sets.iter().find(|(head, _, _)| head.phases == [best])
-        {
-            let place = self.place(best, &state.found);
-            self.describe_best(&mut state.output, place.as_ref(), predictions);
+        if let Some(best) = best.filter(|&best| !known.readings[best].is_empty()) {
+            let place = self.place(best, &known.state.found);
+            self.describe_best(&mut known.state.output, place.as_ref(), &known.readings[best]);
         }
-        self.next(&state, &sets)
+        Ok(self.next(known))
+    }
+
+    /// Name of a greedy stage.
+    fn greedy_stage(&self, state: &State, sets: &[Asked]) -> String {
+        if sets.first().is_some_and(|(set, _)| set.purpose == Purpose::Sensor) {
+            format!("sensor {}", state.output.sensor_picks.len() + 1)
+        } else {
+            format!("phase {}", state.output.picks.len() + 1)
+        }
     }
 
     /// A candidate of the settings, or of those that were found.
@@ -309,52 +255,50 @@ impl Design {
     }
 
     /// The next greedy stage, or the result.
-    fn next(&self, state: &State, sets: &[Told]) -> Result<Step, JobError> {
+    fn next(&self, known: Known) -> Step<Self> {
+        let Known { state, readings } = &known;
         let output = &state.output;
-        let all = self.all_samples() * self.plant.sensors();
-        // The readings of a candidate stand last in the blocks that ask for it.
-        let of = |candidate: usize| {
-            let own = sets.iter().find(|(head, _, _)| head.phases.last() == Some(&candidate));
-            own.map(|(_, numbers, _)| &numbers[numbers.len().saturating_sub(all)..])
-        };
+        let is_solved = |candidate: usize| readings.get(candidate).is_some_and(|own| !own.is_empty());
         let picked: Vec<usize> = output.picks.iter().map(|pick| pick.position).collect();
         if output.best.is_some() && (picked.len() as u64) < self.spec.pick && !state.ended[0] {
-            let read: Vec<usize> = (0..self.plant.sensors()).collect();
-            let sets: Vec<_> = (output.candidates.iter().enumerate())
-                .filter(|(_, candidate)| candidate.allowed)
-                .filter_map(|(index, _)| {
-                    let phases: Vec<usize> = picked.iter().copied().chain([index]).collect();
-                    let predictions: Option<Vec<&[f64]>> = phases.iter().map(|&phase| of(phase)).collect();
-                    Some((phases, read.clone(), predictions?))
+            let sets = (output.candidates.iter().enumerate())
+                .filter(|(index, candidate)| candidate.allowed && is_solved(*index))
+                .map(|(index, _)| Set {
+                    purpose: Purpose::Phase,
+                    phases: picked.iter().copied().chain([index]).collect(),
+                    sensors: self.all_sensors(),
                 })
                 .collect();
-            let stage = format!("phase {}", picked.len() + 1);
-            return Ok(Step::Blocks { stage, inputs: self.blocks(Purpose::Phase, &sets, state)? });
+            return Self::inform(format!("phase {}", picked.len() + 1), known, sets);
         }
         let chosen: Vec<usize> = output.sensor_picks.iter().map(|pick| pick.position).collect();
         let wanted = self.spec.choose_sensors.unwrap_or(0).min(self.plant.sensors() as u64);
-        if let Some(best) = &output.best
+        if let Some(best) = output.best.as_ref().filter(|best| is_solved(best.candidate))
             && (chosen.len() as u64) < wanted
             && !state.ended[1]
-            && let Some(predictions) = of(best.candidate)
         {
-            let sets: Vec<_> = (0..self.plant.sensors())
+            let sets = (0..self.plant.sensors())
                 .filter(|sensor| !chosen.contains(sensor))
-                .map(|sensor| {
-                    let read: Vec<usize> = chosen.iter().copied().chain([sensor]).collect();
-                    (vec![best.candidate], read, vec![predictions])
+                .map(|sensor| Set {
+                    purpose: Purpose::Sensor,
+                    phases: vec![best.candidate],
+                    sensors: chosen.iter().copied().chain([sensor]).collect(),
                 })
                 .collect();
-            let stage = format!("sensor {}", chosen.len() + 1);
-            return Ok(Step::Blocks { stage, inputs: self.blocks(Purpose::Sensor, &sets, state)? });
+            return Self::inform(format!("sensor {}", chosen.len() + 1), known, sets);
         }
         let mut output = output.clone();
         self.tell(&mut output, state);
-        stored::result(&output)
+        Step::Done(Box::new(output))
     }
 }
 
 impl Job for Design {
+    type State = Known;
+    type Input = Task;
+    type Partial = Found;
+    type Output = Output;
+
     fn kind(&self) -> &'static str {
         "design"
     }
@@ -367,48 +311,44 @@ impl Job for Design {
         json!({ "settings": self.spec, "model": self.model.identity(), "priors": self.priors })
     }
 
-    fn begin(&self) -> Result<Step, JobError> {
-        let inputs = (0..self.spec.candidates.len()).map(|candidate| with_numbers(&PredictInput { candidate }, &[]));
-        Ok(Step::Blocks { stage: PREDICT.to_owned(), inputs: inputs.collect::<Result<_, _>>()? })
+    fn begin(&self) -> Result<Step<Self>, JobError> {
+        let inputs = (0..self.spec.candidates.len()).map(|candidate| Task::Predict { candidate }).collect();
+        Ok(Step::Blocks { stage: PREDICT.to_owned(), state: Known::default(), inputs })
     }
 
-    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        let unreadable = |reason: &str| JobError::Unreadable { stage: stage.to_owned(), reason: reason.to_owned() };
-        if stage == PREDICT {
-            let (head, _) = split_numbers::<PredictInput>(input, stage)?;
-            let place = self.places.get(head.candidate).ok_or_else(|| unreadable("there is no such candidate"))?;
-            let (head, readings) = self.predict(place);
-            return with_numbers(&head, &readings);
+    fn block(&self, known: &Known, task: Task, _parts: &dyn Parts) -> Result<Found, JobError> {
+        let wrong = |reason: &str| JobError::Failed(reason.to_owned());
+        match task {
+            Task::Predict { candidate } => {
+                let place = self.places.get(candidate).ok_or_else(|| wrong("there is no such candidate"))?;
+                let (head, readings) = self.predict(place);
+                let information = Information { replicates: Vec::new(), solutions: self.all_samples() as u64 };
+                Ok(Found { head: Some(head), information, readings })
+            }
+            Task::Search { phase } => Ok(self.look(known.state.estimator, &self.plant.place(&phase))),
+            Task::Inform { set, replicates: [first, count] } => {
+                let places: Option<Vec<Place>> =
+                    set.phases.iter().map(|&phase| self.place(phase, &known.state.found)).collect();
+                let places = places.ok_or_else(|| wrong("there is no such candidate"))?;
+                let own = set.phases.iter().filter_map(|&phase| known.readings.get(phase));
+                let readings: Vec<f64> = own.flatten().copied().collect();
+                let fits = readings.len() == places.len() * self.all_samples() * self.plant.sensors()
+                    && first + count <= REPLICATES
+                    && set.sensors.iter().all(|sensor| *sensor < self.plant.sensors());
+                if !fits {
+                    return Err(wrong("its readings do not fit"));
+                }
+                let question = self.question(known.state.estimator, &places, &set.sensors, &readings);
+                let (replicates, solutions) = question.replicates(first..first + count);
+                Ok(Found { information: Information { replicates, solutions }, ..Found::default() })
+            }
         }
-        let (head, predictions) = split_numbers::<InformationInput>(input, stage)?;
-        if head.purpose == Purpose::Carry {
-            return with_numbers(&InformationOutput::default(), &[]);
-        }
-        let places: Option<Vec<Place>> = head.phases.iter().map(|&phase| self.place(phase, &head.found)).collect();
-        let places = places.ok_or_else(|| unreadable("there is no such candidate"))?;
-        if head.purpose == Purpose::Search {
-            let [place] = places.as_slice() else { return Err(unreadable("it is not one phase")) };
-            return self.look(head.estimator, place);
-        }
-        let [first, count] = head.replicates;
-        let expected = head.phases.len() * self.all_samples() * self.plant.sensors();
-        let fits = predictions.len() == expected
-            && first + count <= REPLICATES
-            && head.phases.len() as u64 <= self.spec.pick
-            && head.sensors.iter().all(|sensor| *sensor < self.plant.sensors());
-        if !fits {
-            return Err(unreadable("its readings do not fit"));
-        }
-        let (replicates, solutions) =
-            self.question(head.estimator, &places, &head.sensors, &predictions).replicates(first..first + count);
-        with_numbers(&InformationOutput { head: None, replicates, solutions }, &[])
     }
 
-    fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        if stage == PREDICT {
-            self.after_predictions(stage, outputs)
-        } else {
-            self.after_information(stage, inputs, outputs)
+    fn reduce(&self, known: Known, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        if known.readings.is_empty() {
+            return Ok(self.after_predictions(blocks.into_iter().map(|(_, found)| found).collect()));
         }
+        self.after_information(known, blocks)
     }
 }

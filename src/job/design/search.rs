@@ -1,15 +1,13 @@
 //! Phases between the values of a grid, where more may be learnt: Bayesian optimisation on the same random numbers as the
 //! grid's, so that what is sought is a smooth function.
 
-use super::block::{InformationInput, InformationOutput, Purpose};
+use super::Design;
+use super::block::{Found, Information, Known, State, Task};
 use super::output::{Estimator, Phase};
 use super::plant::Place;
 use super::samples::REPLICATES;
 use super::summary::FAILURE_LIMIT;
-use super::{Design, State, Told};
-use crate::inference::information::search::{Known, next};
-use crate::job::stored::with_numbers;
-use crate::job::{JobError, Step};
+use crate::inference::information::search::{self, next};
 
 /// Phases that are looked at side by side.
 const AT_ONCE: u64 = 4;
@@ -29,25 +27,25 @@ impl Design {
         ends.filter(|(_, low, high)| low < high).collect()
     }
 
-    /// The next stage of the search; nothing where it is over.
-    pub(super) fn search(&self, state: &State, sets: &[Told]) -> Result<Option<Step>, JobError> {
+    /// Phases that the search looks at next; nothing where it is over.
+    pub(super) fn search(&self, state: &State) -> Option<Vec<Task>> {
         let left = self.spec.search.saturating_sub(state.found.len() as u64);
         if left == 0 || state.output.best.is_none() {
-            return Ok(None);
+            return None;
         }
         let ranges = self.ranges();
         let inputs = |candidate: usize| {
             let own = self.spec.candidates.get(candidate);
             own.or_else(|| state.found.get(candidate.checked_sub(self.spec.candidates.len())?))
         };
-        let mut known: Vec<Known> = (state.output.candidates.iter().enumerate())
+        let mut known: Vec<search::Known> = (state.output.candidates.iter().enumerate())
             .filter_map(|(index, candidate)| {
                 let phase = inputs(index)?;
                 let excess = |share: Option<f64>, bound: Option<f64>| Some(share? - bound?);
                 let red = excess(candidate.violation.red, self.spec.red);
                 let yellow = excess(candidate.violation.yellow, self.spec.yellow);
                 let excesses = red.into_iter().chain(yellow).chain([candidate.failed - FAILURE_LIMIT]);
-                Some(Known {
+                Some(search::Known {
                     point: ranges
                         .iter()
                         .map(|&(input, low, high)| (phase.inputs[input] - low) / (high - low))
@@ -57,75 +55,42 @@ impl Design {
                 })
             })
             .collect();
-        let value = |own: &Known| own.value.unwrap_or(f64::NEG_INFINITY);
+        let value = |own: &search::Known| own.value.unwrap_or(f64::NEG_INFINITY);
         known.sort_by(|a, b| value(b).total_cmp(&value(a)));
         known.truncate(MOST_KNOWN);
         let count = usize::try_from(left.min(AT_ONCE)).unwrap_or(1);
         let points = next(&known, count, STEPS, &self.key);
-        let Some(base) = self.spec.candidates.first().filter(|_| !points.is_empty()) else { return Ok(None) };
-        let mut found = state.found.clone();
-        for point in points {
+        let base = self.spec.candidates.first().filter(|_| !points.is_empty())?;
+        let task = |point: Vec<f64>| {
             let mut phase = Phase { inputs: base.inputs.clone() };
             for (&(input, low, high), u) in ranges.iter().zip(point) {
                 phase.inputs[input] = low * (1.0 - u) + high * u;
             }
-            found.push(phase);
-        }
-        let mut blocks = Vec::new();
-        for place in state.found.len()..found.len() {
-            let head = InformationInput {
-                purpose: Purpose::Search,
-                phases: vec![self.spec.candidates.len() + place],
-                sensors: Vec::new(),
-                estimator: state.estimator,
-                replicates: [0, REPLICATES],
-                found: found.clone(),
-                carry: None,
-            };
-            blocks.push(with_numbers(&head, &[])?);
-        }
-        let with: Vec<usize> = sets.iter().filter_map(|(head, _, _)| head.phases.last().copied()).collect();
-        let numbers: Vec<f64> = sets.iter().flat_map(|(_, numbers, _)| numbers.iter().copied()).collect();
-        blocks.push(with_numbers(&Self::carry(state, with), &numbers)?);
-        Ok(Some(Step::Blocks { stage: format!("search {}", found.len()), inputs: blocks }))
+            Task::Search { phase }
+        };
+        Some(points.into_iter().map(task).collect())
     }
 
     /// Solves a phase of the search and estimates its information.
-    pub(super) fn look(&self, estimator: Estimator, place: &Place) -> Result<Vec<u8>, JobError> {
+    pub(super) fn look(&self, estimator: Estimator, place: &Place) -> Found {
         let (head, readings) = self.predict(place);
-        let read: Vec<usize> = (0..self.plant.sensors()).collect();
+        let read = self.all_sensors();
         let has_solutions = head.failed as f64 <= FAILURE_LIMIT * self.all_samples() as f64;
         let places = [place.clone()];
         let question = self.question(estimator, &places, &read, &readings);
         let (replicates, own) = if has_solutions { question.replicates(0..REPLICATES) } else { (Vec::new(), 0) };
         let solutions = own + self.all_samples() as u64;
-        with_numbers(&InformationOutput { head: Some(head), replicates, solutions }, &readings)
+        Found { head: Some(head), information: Information { replicates, solutions }, readings }
     }
 
     /// Makes a phase of the search a candidate.
-    pub(super) fn take_in(
-        &self,
-        state: &mut State,
-        sets: &mut Vec<Told>,
-        head: InformationInput,
-        told: InformationOutput,
-        readings: Vec<f64>,
-    ) {
-        let (Some(&index), Some(own)) = (head.phases.last(), told.head) else { return };
-        let Some(place) = index.checked_sub(self.spec.candidates.len()) else { return };
-        let (Some(phase), Some(at)) = (head.found.get(place), self.place(index, &head.found)) else { return };
-        let mut candidate = self.candidate(phase, &at, &own);
+    pub(super) fn take_in(&self, known: &mut Known, phase: Phase, found: Found) {
+        let Some(head) = found.head else { return };
+        let mut candidate = self.candidate(&phase, &self.plant.place(&phase), &head);
         candidate.is_found = true;
-        let has_solutions = self.has_solutions(&candidate);
-        state.output.candidates.push(candidate);
-        state.found.push(phase.clone());
-        state.replicates.push(told.replicates.clone());
-        if has_solutions {
-            sets.push((
-                InformationInput { phases: vec![index], sensors: (0..self.plant.sensors()).collect(), ..head.shell() },
-                readings,
-                told.replicates,
-            ));
-        }
+        known.readings.push(if self.has_solutions(&candidate) { found.readings } else { Vec::new() });
+        known.state.output.candidates.push(candidate);
+        known.state.found.push(phase);
+        known.state.replicates.push(found.information.replicates);
     }
 }

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 
 use super::block::PredictHead;
+use super::block::{Purpose, State};
 use super::information::whitened_rows;
 use super::output::{
     Axis, Best, Candidate, Estimator, Observed, Output, Partial, Phase, Pick, Redundant, UsedSensor, Violation,
 };
 use super::plant::{Place, Whitening};
 use super::samples::REPLICATES;
-use super::{Design, State, Told};
+use super::{Asked, Design};
 use crate::document::counted;
 use crate::inference::information::estimate::{Estimate, Replicate, Trust, difference};
 use crate::inference::information::linear;
@@ -228,17 +229,17 @@ impl Design {
     }
 
     /// Adds the set that tells most to the greedy choice, which ends where no estimate of the sets can be trusted.
-    pub(super) fn add_pick(&self, state: &mut State, sets: &[Told]) {
-        let is_of_sensors = sets.first().is_some_and(|(head, _, _)| head.purpose == super::block::Purpose::Sensor);
-        let replicates: Vec<&[Replicate]> = sets.iter().map(|(_, _, own)| own.as_slice()).collect();
+    pub(super) fn add_pick(&self, state: &mut State, sets: &[Asked]) {
+        let is_of_sensors = sets.first().is_some_and(|(set, _)| set.purpose == Purpose::Sensor);
+        let replicates: Vec<&[Replicate]> = sets.iter().map(|(_, own)| own.as_slice()).collect();
         if self.trust_in(state.estimator, &replicates) == Trust::No {
             state.ended[usize::from(is_of_sensors)] = true;
             return;
         }
         let mut most: Option<(usize, bool, Estimate)> = None;
-        for (head, _, replicates) in sets {
-            let is_sensor = head.purpose == super::block::Purpose::Sensor;
-            let added = if is_sensor { head.sensors.last() } else { head.phases.last() };
+        for (set, replicates) in sets {
+            let is_sensor = set.purpose == Purpose::Sensor;
+            let added = if is_sensor { set.sensors.last() } else { set.phases.last() };
             if let (Some(&added), Some(estimate)) = (added, Estimate::of(replicates))
                 && most.is_none_or(|(_, _, other)| estimate.value > other.value)
             {

@@ -1,14 +1,13 @@
 //! Which physics the model is missing: the diagnosis (`crate::diagnosis`) as stages of blocks.
 //!
 //! Stages: `screen` (one block), then rounds of `refit N` (sets of effects, some a block) and `extend N` (one block),
-//! then `conclude` (one block). What was found so far is carried from stage to stage in the blocks' inputs.
+//! then `conclude` (one block).
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::handed_on::HandedOn;
-use super::stored::{from_bytes, result, to_bytes, unreadable};
-use super::{Job, JobError, Step};
+use super::{Done, Job, JobError, Parts, Step};
 use crate::diagnosis::output::PriorOfDraws;
 use crate::diagnosis::{Diagnosis, Order, Output, Problem, Refit, Settings, State};
 use crate::random::StreamKey;
@@ -44,11 +43,28 @@ pub struct Diagnose {
     priors: Vec<PriorOfDraws>,
 }
 
-/// Input of a block of refits. All blocks of a stage carry what was found before.
-#[derive(Debug, Serialize, Deserialize)]
-struct RefitInput {
-    state: State,
-    orders: Vec<Order>,
+/// What is known when a stage begins.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum Known {
+    /// Nothing: the effects are to be screened.
+    Nothing,
+    /// Sets of effects are to be fitted.
+    Refit(Box<State>),
+    /// More sets are to be sought.
+    Extend(Box<State>),
+    /// Everything is fitted.
+    Conclude(Box<State>),
+}
+
+/// What a block found.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum Partial {
+    /// After the screening, and after further sets were sought.
+    State(Box<State>),
+    /// Of each set.
+    Refits(Vec<Result<Refit, String>>),
+    /// The diagnosis.
+    Output(Box<Output>),
 }
 
 impl Diagnose {
@@ -112,15 +128,17 @@ impl Diagnose {
         output
     }
 
-    fn next(&self, state: State) -> Result<Step, JobError> {
+    fn next(&self, state: Box<State>) -> Step<Self> {
         let orders = self.diagnosis.orders(&state);
         if orders.is_empty() {
-            return Ok(Step::Blocks { stage: CONCLUDE.to_owned(), inputs: vec![to_bytes(&state)?] });
+            return Step::Blocks {
+                stage: CONCLUDE.to_owned(),
+                state: Known::Conclude(state),
+                inputs: vec![Vec::new()],
+            };
         }
-        let stage = format!("{REFIT} {}", state.rounds);
-        let blocks =
-            orders.chunks(BLOCK).map(|orders| to_bytes(&RefitInput { state: state.clone(), orders: orders.to_vec() }));
-        Ok(Step::Blocks { stage, inputs: blocks.collect::<Result<_, _>>()? })
+        let inputs = orders.chunks(BLOCK).map(<[Order]>::to_vec).collect();
+        Step::Blocks { stage: format!("{REFIT} {}", state.rounds), state: Known::Refit(state), inputs }
     }
 }
 
@@ -134,6 +152,12 @@ fn failed(reason: impl std::fmt::Display) -> JobError {
 }
 
 impl Job for Diagnose {
+    type State = Known;
+    /// Sets to fit; none in the other stages.
+    type Input = Vec<Order>;
+    type Partial = Partial;
+    type Output = Output;
+
     fn kind(&self) -> &'static str {
         "diagnose"
     }
@@ -166,63 +190,49 @@ impl Job for Diagnose {
         identity
     }
 
-    fn begin(&self) -> Result<Step, JobError> {
+    fn begin(&self) -> Result<Step<Self>, JobError> {
         if let Some(own) = self.handed_on.iter().find(|own| own.draws.is_empty()) {
             return Err(JobError::Failed(format!("the posterior of {} has no draws", own.source)));
         }
-        Ok(Step::Blocks { stage: SCREEN.to_owned(), inputs: vec![Vec::new()] })
+        Ok(Step::Blocks { stage: SCREEN.to_owned(), state: Known::Nothing, inputs: vec![Vec::new()] })
     }
 
-    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        match stage.split(' ').next() {
-            Some(SCREEN) => to_bytes(&quietly(|| self.diagnosis.screen()).map_err(failed)?),
-            Some(REFIT) => {
-                let RefitInput { state, orders } = from_bytes(input, stage)?;
-                let mut refits: Vec<Result<Refit, String>> = Vec::with_capacity(orders.len());
+    fn block(&self, known: &Known, orders: Vec<Order>, _parts: &dyn Parts) -> Result<Partial, JobError> {
+        Ok(match known {
+            Known::Nothing => Partial::State(Box::new(quietly(|| self.diagnosis.screen()).map_err(failed)?)),
+            Known::Refit(state) => {
+                let mut refits = Vec::with_capacity(orders.len());
                 for (done, order) in orders.iter().enumerate() {
                     watch::at(done as u64, orders.len() as u64);
-                    refits.push(quietly(|| self.diagnosis.refit(&state, order)));
+                    refits.push(quietly(|| self.diagnosis.refit(state, order)));
                 }
-                to_bytes(&refits)
+                Partial::Refits(refits)
             }
-            Some(EXTEND) => {
-                let state = from_bytes(input, stage)?;
-                to_bytes(&quietly(|| self.diagnosis.extend(state)))
+            Known::Extend(state) => Partial::State(Box::new(quietly(|| self.diagnosis.extend(State::clone(state))))),
+            Known::Conclude(state) => Partial::Output(Box::new(quietly(|| self.diagnosis.conclude(state)))),
+        })
+    }
+
+    fn is_last(&self, known: &Known) -> bool {
+        matches!(known, Known::Conclude(_))
+    }
+
+    fn reduce(&self, known: Known, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        let mut refits = Vec::new();
+        for (_, partial) in blocks {
+            match partial {
+                Partial::State(state) => return Ok(self.next(state)),
+                Partial::Output(output) => return Ok(Step::Done(Box::new(self.finish(*output)))),
+                Partial::Refits(found) => refits.extend(found),
             }
-            Some(CONCLUDE) => {
-                let state = from_bytes(input, stage)?;
-                to_bytes(&quietly(|| self.diagnosis.conclude(&state)))
-            }
-            _ => Err(unreadable(stage, "there is no such stage")),
         }
-    }
-
-    fn is_last(&self, stage: &str) -> bool {
-        stage == CONCLUDE
-    }
-
-    fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        let first = outputs.first().map_or(&[][..], Vec::as_slice);
-        match stage.split(' ').next() {
-            Some(SCREEN | EXTEND) => self.next(from_bytes(first, stage)?),
-            Some(REFIT) => {
-                let input = inputs.first().map_or(&[][..], Vec::as_slice);
-                let mut state = from_bytes::<RefitInput>(input, stage)?.state;
-                let mut refits: Vec<Result<Refit, String>> = Vec::new();
-                for bytes in outputs {
-                    refits.extend(from_bytes::<Vec<Result<Refit, String>>>(bytes, stage)?);
-                }
-                if refits.len() != state.pending.len() {
-                    return Err(unreadable(stage, "it has not one fit for each set"));
-                }
+        match known {
+            Known::Refit(mut state) if refits.len() == state.pending.len() => {
                 state.take(refits);
                 let stage = format!("{EXTEND} {}", state.rounds);
-                Ok(Step::Blocks { stage, inputs: vec![to_bytes(&state)?] })
+                Ok(Step::Blocks { stage, state: Known::Extend(state), inputs: vec![Vec::new()] })
             }
-            _ => {
-                let output: Output = from_bytes(first, stage)?;
-                result(&self.finish(output))
-            }
+            _ => Err(JobError::Failed("there is not one fit for each set".to_owned())),
         }
     }
 }

@@ -23,7 +23,7 @@ use crate::thermal::{Model, Network, Start};
 pub use output::{Advice, Discrepancy, Driving, Knowledge, Leading, Level, Met, Next, Output, Spec, Target, Truths};
 
 use super::propagate::Variable;
-use super::{Job, JobError, Step, stored};
+use super::{Done, Job, JobError, Parts, Step};
 use cell::{Cell, Outcome, Role};
 use knowledge::{Known, error_for};
 use prior::Prior;
@@ -62,19 +62,19 @@ pub struct Goal {
     required: f64,
 }
 
-/// A block's input.
+/// What a block found.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Input {
-    /// The given design with prior knowledge.
-    Prior,
-    /// Cells of which those with a design value are one curve; the first block of a stage has what earlier stages found.
-    Cells(Vec<Cell>, Option<Box<State>>),
+pub enum Partial {
+    /// Of the given design with prior knowledge.
+    Prior(Box<Prior>),
+    /// Of each cell.
+    Cells(Vec<Outcome>),
 }
 
 /// All that was found so far.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct State {
+pub struct State {
     prior: Prior,
     outcomes: Vec<Outcome>,
     /// The set and the bracket of shares in which its target lies: reached, not reached.
@@ -290,31 +290,28 @@ impl Goal {
         cells
     }
 
-    /// A stage of blocks of cells; what was found goes with the first.
-    fn stage(&self, name: String, blocks: Vec<Vec<Cell>>, state: State) -> Result<Step, JobError> {
-        let mut state = Some(Box::new(state));
-        let inputs: Result<Vec<Vec<u8>>, _> =
-            blocks.into_iter().map(|cells| stored::to_bytes(&Input::Cells(cells, state.take()))).collect();
-        Ok(Step::Blocks { stage: name, inputs: inputs? })
+    /// A stage of blocks of cells.
+    fn stage(stage: String, inputs: Vec<Vec<Cell>>, state: State) -> Step<Self> {
+        Step::Blocks { stage, state: Some(state), inputs }
     }
 
     /// The next stage, or the result.
-    fn next(&self, mut state: State) -> Result<Step, JobError> {
+    fn next(&self, mut state: State) -> Result<Step<Self>, JobError> {
         self.check_failures(&state)?;
         if !state.has_truths {
             state.target = self.bracket(&state);
             let blocks = if state.searches < SEARCHES { self.search(&state) } else { Vec::new() };
             state.searches += 1;
             if !blocks.is_empty() {
-                return self.stage(format!("closer {}", state.searches), blocks, state);
+                return Ok(Self::stage(format!("closer {}", state.searches), blocks, state));
             }
             state.has_truths = true;
             let blocks = self.truths(&state);
             if !blocks.is_empty() {
-                return self.stage("truths".to_owned(), blocks, state);
+                return Ok(Self::stage("truths".to_owned(), blocks, state));
             }
         }
-        stored::result(&self.output(&state))
+        Ok(Step::Done(Box::new(self.output(&state))))
     }
 
     fn check_failures(&self, state: &State) -> Result<(), JobError> {
@@ -351,6 +348,13 @@ fn between(from: f64, to: f64, count: usize) -> Vec<f64> {
 }
 
 impl Job for Goal {
+    /// Nothing before the prior is known.
+    type State = Option<State>;
+    /// Cells of which those with a design value are one curve; none for the prior.
+    type Input = Vec<Cell>;
+    type Partial = Partial;
+    type Output = Output;
+
     fn kind(&self) -> &'static str {
         "goal"
     }
@@ -363,15 +367,15 @@ impl Job for Goal {
         json!({"settings": self.spec, "model": self.model.identity(), "priors": self.priors})
     }
 
-    fn begin(&self) -> Result<Step, JobError> {
-        Ok(Step::Blocks { stage: "prior".to_owned(), inputs: vec![stored::to_bytes(&Input::Prior)?] })
+    fn begin(&self) -> Result<Step<Self>, JobError> {
+        Ok(Step::Blocks { stage: "prior".to_owned(), state: None, inputs: vec![Vec::new()] })
     }
 
-    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        match stored::from_bytes(input, stage)? {
-            Input::Prior => stored::to_bytes(&self.prior()),
-            Input::Cells(cells, _) => stored::to_bytes(&self.run_all(&cells)),
-        }
+    fn block(&self, state: &Option<State>, cells: Vec<Cell>, _parts: &dyn Parts) -> Result<Partial, JobError> {
+        Ok(match state {
+            None => Partial::Prior(Box::new(self.prior())),
+            Some(_) => Partial::Cells(self.run_all(&cells)),
+        })
     }
 
     fn memory_bytes(&self) -> u64 {
@@ -380,26 +384,25 @@ impl Job for Goal {
         values.saturating_mul(self.spec.samples).saturating_mul(size_of::<f64>() as u64)
     }
 
-    fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        let missing = || stored::unreadable(stage, "there is no block");
-        match stored::from_bytes(inputs.first().ok_or_else(missing)?, stage)? {
-            Input::Prior => {
-                let prior: Prior = stored::from_bytes(outputs.first().ok_or_else(missing)?, stage)?;
-                let cells = self.levels(&prior);
-                let state = State { prior, outcomes: Vec::new(), target: None, searches: 0, has_truths: false };
-                self.check_failures(&state)?;
-                if cells.is_empty() {
-                    return self.next(state);
-                }
-                self.stage("knowledge".to_owned(), cells, state)
-            }
-            Input::Cells(_, state) => {
-                let mut state = *state.ok_or_else(|| stored::unreadable(stage, "earlier stages are not there"))?;
-                for bytes in outputs {
-                    state.outcomes.extend(stored::from_bytes::<Vec<Outcome>>(bytes, stage)?);
-                }
-                self.next(state)
+    fn reduce(&self, state: Option<State>, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        let mut outcomes = state.as_ref().map_or_else(Vec::new, |state| state.outcomes.clone());
+        let mut prior = state.as_ref().map(|state| state.prior.clone());
+        for (_, partial) in blocks {
+            match partial {
+                Partial::Prior(found) => prior = Some(*found),
+                Partial::Cells(found) => outcomes.extend(found),
             }
         }
+        let prior = prior.ok_or_else(|| JobError::Failed("the block of the prior is not there".to_owned()))?;
+        if let Some(state) = state {
+            return self.next(State { outcomes, ..state });
+        }
+        let cells = self.levels(&prior);
+        let state = State { prior, outcomes, target: None, searches: 0, has_truths: false };
+        self.check_failures(&state)?;
+        if cells.is_empty() {
+            return self.next(state);
+        }
+        Ok(Self::stage("knowledge".to_owned(), cells, state))
     }
 }

@@ -27,14 +27,13 @@ pub struct BlockOutput {
     pub failed: u64,
 }
 
-impl BlockOutput {
-    /// Stored form: the failures, then the values.
-    pub fn to_bytes(&self) -> Result<Vec<u8>, JobError> {
-        stored::with_numbers(&(self.failed, self.failures.clone()), &self.values)
+/// The failures, then the values.
+impl stored::Block for BlockOutput {
+    fn into_bytes(self) -> Result<Vec<u8>, JobError> {
+        stored::with_numbers(&(self.failed, self.failures), &self.values)
     }
 
-    /// Reads the stored form.
-    pub fn from_bytes(bytes: &[u8], stage: &str) -> Result<Self, JobError> {
+    fn from_bytes(bytes: &[u8], stage: &str) -> Result<Self, JobError> {
         let ((failed, failures), values) = stored::split_numbers(bytes, stage)?;
         Ok(Self { values, failures, failed })
     }
@@ -43,6 +42,7 @@ impl BlockOutput {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::job::stored::Block;
 
     #[test]
     fn bytes_come_back() {
@@ -51,7 +51,7 @@ mod tests {
             failures: vec![FailedSample { index: 7, parameters: vec![("a".into(), 0.1)], reason: "no".into() }],
             failed: 1,
         };
-        let bytes = block.to_bytes().expect("bytes");
+        let bytes = block.clone().into_bytes().expect("bytes");
         assert_eq!(BlockOutput::from_bytes(&bytes, "samples").expect("block"), block);
         for cut in 0..bytes.len() {
             let short = BlockOutput::from_bytes(&bytes[..cut], "samples");

@@ -35,8 +35,8 @@ use super::fault::listed;
 use super::goal::Discrepancy;
 use super::handed_on::HandedOn;
 use super::requirement::Environment;
-use super::{Job, JobError, Step, stored};
-use block::{BlockInput, BlockOutput};
+use super::{Done, Job, JobError, Parts, Step};
+pub use block::{BlockInput, BlockOutput};
 
 /// Samples in a block; part of the job's identity.
 const BLOCK: u64 = 8192;
@@ -333,6 +333,11 @@ impl Propagate {
 }
 
 impl Job for Propagate {
+    type State = ();
+    type Input = BlockInput;
+    type Partial = BlockOutput;
+    type Output = Output;
+
     fn kind(&self) -> &'static str {
         "propagate"
     }
@@ -357,7 +362,7 @@ impl Job for Propagate {
         identity
     }
 
-    fn begin(&self) -> Result<Step, JobError> {
+    fn begin(&self) -> Result<Step<Self>, JobError> {
         if let Some(own) = self.handed_on.iter().find(|own| own.draws.is_empty()) {
             return Err(JobError::Failed(format!("the posterior of {} has no draws", own.source)));
         }
@@ -366,16 +371,15 @@ impl Job for Propagate {
             let mut first = 0;
             while first < self.spec.samples {
                 let count = BLOCK.min(self.spec.samples - first);
-                let input = BlockInput { case, first, count };
-                inputs.push(stored::to_bytes(&input)?);
+                inputs.push(BlockInput { case, first, count });
                 first += count;
             }
         }
-        Ok(Step::Blocks { stage: STAGE.to_owned(), inputs })
+        Ok(Step::Blocks { stage: STAGE.to_owned(), state: (), inputs })
     }
 
-    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        self.run(stored::from_bytes(input, stage)?).to_bytes()
+    fn block(&self, (): &(), input: BlockInput, _parts: &dyn Parts) -> Result<BlockOutput, JobError> {
+        Ok(self.run(input))
     }
 
     fn memory_bytes(&self) -> u64 {
@@ -385,22 +389,23 @@ impl Job for Propagate {
         columns.saturating_mul(self.spec.samples).saturating_mul(size_of::<f64>() as u64)
     }
 
-    fn is_last(&self, _stage: &str) -> bool {
+    fn is_last(&self, (): &()) -> bool {
         true
     }
 
-    fn reduce(&self, stage: &str, _inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
+    fn reduce(&self, (): (), blocks: Done<Self>) -> Result<Step<Self>, JobError> {
         let per_case = usize::try_from(self.spec.samples.div_ceil(BLOCK)).unwrap_or(usize::MAX);
         let mut cases = Vec::new();
         let clusters = self.clusters();
-        for (case, blocks) in outputs.chunks(per_case.max(1)).enumerate() {
+        let mut blocks = blocks.into_iter().map(|(_, block)| block).peekable();
+        let mut case = 0;
+        while blocks.peek().is_some() {
             let samples = usize::try_from(self.spec.samples).unwrap_or(usize::MAX);
             let mut values: Vec<Vec<f64>> = vec![Vec::new(); self.spec.quantities.len()];
             values.iter_mut().for_each(|column| column.reserve_exact(samples));
             let mut failures = Vec::new();
             let mut failed = 0;
-            for bytes in blocks {
-                let block = BlockOutput::from_bytes(bytes, stage)?;
+            for block in blocks.by_ref().take(per_case.max(1)) {
                 let count = block.values.len() / values.len().max(1);
                 for (position, column) in values.iter_mut().enumerate() {
                     column.extend(&block.values[position * count..(position + 1) * count]);
@@ -440,6 +445,7 @@ impl Job for Propagate {
                 summary.main_effects = self.main_effects(&values);
             }
             cases.push(summary);
+            case += 1;
         }
         let reached = self.reached(&cases);
         let output = Output {
@@ -458,7 +464,7 @@ impl Job for Propagate {
             discrepancy: self.added(),
             converged: (!self.handed_on.is_empty()).then(|| self.handed_on.iter().all(|own| own.converged)),
         };
-        stored::result(&output)
+        Ok(Step::Done(Box::new(output)))
     }
 }
 

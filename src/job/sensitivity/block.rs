@@ -43,8 +43,6 @@ pub struct BlockInput {
     pub case: usize,
     /// What to do.
     pub work: Work,
-    /// What earlier stages found: with the first block of a later stage. No block reads it.
-    pub carried: Option<Vec<Found>>,
 }
 
 /// Sums of squared derivatives over points.

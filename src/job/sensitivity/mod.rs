@@ -28,7 +28,7 @@ pub use output::{
 pub use view::view;
 
 use super::fault::listed;
-use super::{Job, JobError, Step, stored};
+use super::{Done, Job, JobError, Parts, Step};
 use block::{BlockInput, Found, Work};
 
 /// Solves of a block of rows, about; part of the identity.
@@ -177,7 +177,7 @@ impl Sensitivity {
                 let mut first = from;
                 while first < to {
                     let count = rows.min(to - first);
-                    inputs.push(BlockInput { case, work: Work::Sobol { scramble, first, count }, carried: None });
+                    inputs.push(BlockInput { case, work: Work::Sobol { scramble, first, count } });
                     first += count;
                 }
             }
@@ -190,9 +190,8 @@ impl Sensitivity {
         if self.spec.precision.is_some() { FIRST_ROWS.min(self.spec.samples) } else { self.spec.samples }
     }
 
-    fn step(&self, rows: u64, inputs: &[BlockInput]) -> Result<Step, JobError> {
-        let inputs = inputs.iter().map(stored::to_bytes).collect::<Result<_, _>>()?;
-        Ok(Step::Blocks { stage: format!("rows to {rows}"), inputs })
+    fn step(rows: u64, state: Vec<Found>, inputs: Vec<BlockInput>) -> Step<Self> {
+        Step::Blocks { stage: format!("rows to {rows}"), state, inputs }
     }
 
     /// Fails where more solves failed than the study tolerates, or nothing is left.
@@ -220,6 +219,11 @@ impl Sensitivity {
 }
 
 impl Job for Sensitivity {
+    type State = Vec<Found>;
+    type Input = BlockInput;
+    type Partial = Found;
+    type Output = Output;
+
     fn kind(&self) -> &'static str {
         "sensitivity"
     }
@@ -237,10 +241,10 @@ impl Job for Sensitivity {
         })
     }
 
-    fn begin(&self) -> Result<Step, JobError> {
+    fn begin(&self) -> Result<Step<Self>, JobError> {
         let mut inputs = Vec::new();
         for case in 0..self.spec.environments.len() {
-            let mut add = |work: Work| inputs.push(BlockInput { case, work, carried: None });
+            let mut add = |work: Work| inputs.push(BlockInput { case, work });
             if self.spec.has(Method::Local) {
                 add(Work::Local);
             }
@@ -262,39 +266,32 @@ impl Job for Sensitivity {
         if self.spec.has(Method::Sobol) {
             inputs.extend(self.row_blocks(0, rows));
         }
-        self.step(rows, &inputs)
+        let state = vec![Found::default(); self.spec.environments.len()];
+        Ok(Self::step(rows, state, inputs))
     }
 
-    fn block(&self, stage: &str, input: &[u8]) -> Result<Vec<u8>, JobError> {
-        let input: BlockInput = stored::from_bytes(input, stage)?;
-        let found = match input.work {
+    fn block(&self, _state: &Vec<Found>, input: BlockInput, _parts: &dyn Parts) -> Result<Found, JobError> {
+        Ok(match input.work {
             Work::Local => self.local(input.case)?,
             Work::Morris { first, count } => self.trajectories(input.case, first, count),
             Work::Sobol { scramble, first, count } => self.rows(input.case, scramble, first, count),
             Work::Derivative { scramble, count } => self.squares(input.case, scramble, count),
-        };
-        stored::to_bytes(&found)
+        })
     }
 
-    fn is_last(&self, _stage: &str) -> bool {
+    fn is_last(&self, _state: &Vec<Found>) -> bool {
         self.spec.precision.is_none()
     }
 
-    fn reduce(&self, stage: &str, inputs: &[Vec<u8>], outputs: &[Vec<u8>]) -> Result<Step, JobError> {
-        let mut found = vec![Found::default(); self.spec.environments.len()];
+    fn reduce(&self, mut found: Vec<Found>, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
         let mut rows = 0;
-        for (input, output) in inputs.iter().zip(outputs) {
-            let input: BlockInput = stored::from_bytes(input, stage)?;
-            if let Some(carried) = input.carried {
-                found = carried;
-            }
-            let block: Found = stored::from_bytes(output, stage)?;
+        for (input, block) in blocks {
             if let Work::Sobol { first, count, .. } = input.work {
                 rows = rows.max(first + count);
             }
             found
                 .get_mut(input.case)
-                .ok_or_else(|| stored::unreadable(stage, "a block of an environment that does not exist"))?
+                .ok_or_else(|| JobError::Failed("a block is of an environment that does not exist".to_owned()))?
                 .absorb(&input.work, block);
         }
         self.check_failures(&found)?;
@@ -304,12 +301,8 @@ impl Job for Sensitivity {
             && !(self.widest(&found) <= precision)
         {
             let next = (2 * rows).min(self.spec.samples);
-            let mut inputs = self.row_blocks(rows, next);
-            if let Some(first) = inputs.first_mut() {
-                first.carried = Some(found);
-            }
-            return self.step(next, &inputs);
+            return Ok(Self::step(next, found, self.row_blocks(rows, next)));
         }
-        stored::result(&self.output(&found, rows))
+        Ok(Step::Done(Box::new(self.output(&found, rows))))
     }
 }

@@ -16,7 +16,7 @@ use std::time::Instant;
 use rayon::ScopeFifo;
 
 use super::{Finished, Outcome, RunSummary, Settings, StopFlag};
-use crate::job::{Job, JobError, Parts, Step};
+use crate::job::{JobError, Next, Parts, Runnable, Stage};
 use crate::runner::cache::{Cache, Kind, Lookup};
 use crate::runner::error::RunnerError;
 use crate::runner::events::{Event, Listener};
@@ -118,16 +118,15 @@ struct Run<'a> {
 /// A job that runs.
 struct Active {
     position: usize,
-    job: Arc<dyn Job>,
+    job: Arc<dyn Runnable>,
     work_ns: AtomicU64,
     blocks_run: AtomicUsize,
     blocks_cached: AtomicUsize,
 }
 
 /// A stage that runs.
-struct Stage {
-    name: String,
-    inputs: Vec<Vec<u8>>,
+struct Running {
+    stage: Stage,
     outputs: Mutex<Vec<Option<Vec<u8>>>>,
     remaining: AtomicUsize,
     /// The failure of the block with the lowest index: the same one for any number of threads.
@@ -187,8 +186,8 @@ impl<'a> Run<'a> {
     fn start<'s>(&'s self, scope: &ScopeFifo<'s>, position: usize) {
         match self.prepare(position) {
             Ok(active) => {
-                let step = self.guarded(&active, None, None, |job| job.begin());
-                self.advance(scope, active, step);
+                let next = self.guarded(&active, None, None, |job| job.begin());
+                self.advance(scope, active, next);
             }
             Err(outcome) => self.end(scope, position, outcome),
         }
@@ -228,34 +227,32 @@ impl<'a> Run<'a> {
     }
 
     /// Goes on from a step: to the next stage's blocks, or to the end.
-    fn advance<'s>(&'s self, scope: &ScopeFifo<'s>, active: Arc<Active>, step: Result<Step, Halt<RunnerError>>) {
-        let mut step = step;
+    fn advance<'s>(&'s self, scope: &ScopeFifo<'s>, active: Arc<Active>, next: Result<Next, Halt<RunnerError>>) {
+        let mut next = next;
         loop {
-            match step {
+            match next {
                 Err(halt) => return self.end(scope, active.position, halt.into()),
-                Ok(Step::Done(value)) => {
+                Ok(Next::Done(value)) => {
                     let outcome = self.publish(&active, &value);
                     let outcome = outcome.map_or_else(|error| Outcome::Failed(Arc::new(error)), Outcome::Finished);
                     return self.end(scope, active.position, outcome);
                 }
-                Ok(Step::Blocks { stage, inputs }) => {
-                    let (job, blocks) = (self.id(active.position), inputs.len());
-                    let is_last = active.job.is_last(&stage);
-                    self.listener.hear(&Event::StageStarted { job, stage: stage.clone(), blocks, is_last });
-                    if inputs.is_empty() {
-                        step = self.guarded(&active, Some(&stage), None, |job| job.reduce(&stage, &[], &[]));
+                Ok(Next::Stage(stage)) => {
+                    let (job, blocks, is_last) = (self.id(active.position), stage.inputs.len(), stage.is_last);
+                    self.listener.hear(&Event::StageStarted { job, stage: stage.name.clone(), blocks, is_last });
+                    if blocks == 0 {
+                        next = self.guarded(&active, Some(&stage.name), None, |job| job.reduce(&stage, Vec::new()));
                         continue;
                     }
-                    let stage = Arc::new(Stage {
-                        name: stage,
+                    let running = Arc::new(Running {
+                        stage,
                         outputs: Mutex::new(vec![None; blocks]),
                         remaining: AtomicUsize::new(blocks),
-                        inputs,
                         failure: Mutex::new(None),
                     });
                     for index in 0..blocks {
-                        let (active, stage) = (Arc::clone(&active), Arc::clone(&stage));
-                        scope.spawn_fifo(move |scope| self.block(scope, active, &stage, index));
+                        let (active, running) = (Arc::clone(&active), Arc::clone(&running));
+                        scope.spawn_fifo(move |scope| self.block(scope, active, &running, index));
                     }
                     return;
                 }
@@ -264,14 +261,14 @@ impl<'a> Run<'a> {
     }
 
     /// Takes a block from the cache or runs it; the last one of the stage goes on.
-    fn block<'s>(&'s self, scope: &ScopeFifo<'s>, active: Arc<Active>, stage: &Stage, index: usize) {
-        let is_moot = lock(&stage.failure).as_ref().is_some_and(|(failed, _)| *failed < index);
+    fn block<'s>(&'s self, scope: &ScopeFifo<'s>, active: Arc<Active>, running: &Running, index: usize) {
+        let is_moot = lock(&running.failure).as_ref().is_some_and(|(failed, _)| *failed < index);
         if !is_moot && !self.stop.is_stopped() {
-            match self.output(&active, &stage.name, index, &stage.inputs[index]) {
-                Ok(output) => lock(&stage.outputs)[index] = Some(output),
+            match self.output(&active, &running.stage, index) {
+                Ok(output) => lock(&running.outputs)[index] = Some(output),
                 Err(Halt::Stopped) => {}
                 Err(Halt::Failed(error)) => {
-                    let mut failure = lock(&stage.failure);
+                    let mut failure = lock(&running.failure);
                     if failure.as_ref().is_none_or(|(failed, _)| index < *failed) {
                         *failure = Some((index, error));
                     }
@@ -279,25 +276,25 @@ impl<'a> Run<'a> {
             }
         }
         // The last one must see what all the others wrote.
-        if stage.remaining.fetch_sub(1, Ordering::AcqRel) > 1 {
+        if running.remaining.fetch_sub(1, Ordering::AcqRel) > 1 {
             return;
         }
-        if let Some((_, error)) = lock(&stage.failure).take() {
+        if let Some((_, error)) = lock(&running.failure).take() {
             return self.end(scope, active.position, Outcome::Failed(Arc::new(error)));
         }
-        let outputs = std::mem::take(&mut *lock(&stage.outputs));
+        let outputs = std::mem::take(&mut *lock(&running.outputs));
         // A block without output was not begun, or was left: the run was interrupted.
         let Some(outputs) = outputs.into_iter().collect::<Option<Vec<_>>>() else {
             return self.end(scope, active.position, Outcome::Interrupted);
         };
-        let step =
-            self.guarded(&active, Some(&stage.name), None, |job| job.reduce_owned(&stage.name, &stage.inputs, outputs));
-        self.advance(scope, active, step);
+        let stage = &running.stage;
+        let next = self.guarded(&active, Some(&stage.name), None, |job| job.reduce(stage, outputs));
+        self.advance(scope, active, next);
     }
 
-    fn output(&self, active: &Active, stage: &str, index: usize, input: &[u8]) -> Result<Vec<u8>, Halt<RunnerError>> {
+    fn output(&self, active: &Active, stage: &Stage, index: usize) -> Result<Vec<u8>, Halt<RunnerError>> {
         let owner = &self.plan.keys()[active.position];
-        let name = block_key(owner, stage, index, input);
+        let name = block_key(owner, &stage.name, index, &[stage.state.bytes(), &stage.inputs[index]]);
         let found = if self.settings.force { Lookup::Absent } else { self.cache.get(Kind::Block, &name) };
         let (output, cached) = match found {
             Lookup::Found(output) => {
@@ -311,9 +308,9 @@ impl<'a> Run<'a> {
                 let share = Share::default();
                 self.listener.block_runs(&self.id(active.position), index, &share);
                 let (last, refused) = (Cell::new(Instant::now()), RefCell::default());
-                let parts = KeptParts { run: self, owner, stage, index, input, last, refused };
-                let run = |job: &dyn Job| watch::with_share(&share, || job.block_in_parts(stage, input, &parts));
-                let output = self.guarded(active, Some(stage), Some(index), run)?;
+                let parts = KeptParts { run: self, owner, stage, index, last, refused };
+                let run = |job: &dyn Runnable| watch::with_share(&share, || job.block(stage, index, &parts));
+                let output = self.guarded(active, Some(&stage.name), Some(index), run)?;
                 if let Some(error) = parts.refused.take() {
                     return Err(Halt::Failed(error));
                 }
@@ -322,7 +319,7 @@ impl<'a> Run<'a> {
                 (output, false)
             }
         };
-        let (job, stage) = (self.id(active.position), stage.to_owned());
+        let (job, stage) = (self.id(active.position), stage.name.clone());
         self.listener.hear(&Event::BlockDone { job, stage, index, cached });
         Ok(output)
     }
@@ -389,7 +386,7 @@ impl<'a> Run<'a> {
         active: &Active,
         stage: Option<&str>,
         block: Option<usize>,
-        call: impl FnOnce(&dyn Job) -> Result<T, JobError>,
+        call: impl FnOnce(&dyn Runnable) -> Result<T, JobError>,
     ) -> Result<T, Halt<RunnerError>> {
         let begin = Instant::now();
         let result = caught(|| call(active.job.as_ref()));
@@ -407,9 +404,8 @@ impl<'a> Run<'a> {
 struct KeptParts<'r, 'a> {
     run: &'r Run<'a>,
     owner: &'r Key,
-    stage: &'r str,
+    stage: &'r Stage,
     index: usize,
-    input: &'r [u8],
     /// When it began, or kept a state.
     last: Cell<Instant>,
     /// Other bytes than an earlier run's.
@@ -418,7 +414,9 @@ struct KeptParts<'r, 'a> {
 
 impl KeptParts<'_, '_> {
     fn name(&self, part: u64) -> Key {
-        block_key(self.owner, &format!("{}, part {part}", self.stage), self.index, self.input)
+        let Stage { name, state, inputs, .. } = self.stage;
+        let known = [state.bytes(), &inputs[self.index]];
+        block_key(self.owner, &format!("{name}, part {part}"), self.index, &known)
     }
 }
 

@@ -1,0 +1,144 @@
+//! Jobs of any kind as the runner sees them: what crosses between stages as bytes.
+
+use std::any::Any;
+use std::fmt;
+use std::sync::Arc;
+
+use serde_json::Value;
+
+use super::stored::{self, Block, unreadable};
+use super::{Job, JobError, Parts, Step};
+
+/// What is known when a stage begins, as bytes and as read back from them.
+#[derive(Clone)]
+pub struct State {
+    bytes: Vec<u8>,
+    value: Arc<dyn Any + Send + Sync>,
+}
+
+impl State {
+    fn new<T: Block + Send + Sync + 'static>(state: T, stage: &str) -> Result<Self, JobError> {
+        let bytes = state.into_bytes()?;
+        // As another machine would read it, so that nothing lives in memory alone.
+        let value = Arc::new(T::from_bytes(&bytes, stage)?);
+        Ok(Self { bytes, value })
+    }
+
+    fn get<T: 'static>(&self, stage: &str) -> Result<&T, JobError> {
+        self.value.downcast_ref().ok_or_else(|| unreadable(stage, "its state is another job's"))
+    }
+
+    /// The stored form, part of each block's identity.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+impl fmt::Debug for State {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{} bytes", self.bytes.len())
+    }
+}
+
+/// Blocks that can run side by side, on any machine that has the job.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// Name, for people; part of each block's identity.
+    pub name: String,
+    /// What is known so far.
+    pub state: State,
+    /// What each block is to do.
+    pub inputs: Vec<Vec<u8>>,
+    /// Whether no other stage follows, as far as is known.
+    pub is_last: bool,
+}
+
+/// What follows a stage.
+#[derive(Clone, Debug)]
+pub enum Next {
+    /// Another stage.
+    Stage(Stage),
+    /// The result.
+    Done(Value),
+}
+
+/// A job of any kind. Every [`Job`] is one.
+pub trait Runnable: Send + Sync {
+    /// As [`Job::kind`].
+    fn kind(&self) -> &'static str;
+    /// As [`Job::algorithm_version`].
+    fn algorithm_version(&self) -> u32;
+    /// As [`Job::identity`].
+    fn identity(&self) -> Value;
+    /// As [`Job::memory_bytes`].
+    fn memory_bytes(&self) -> u64;
+    /// As [`Job::begin`].
+    ///
+    /// # Errors
+    /// What the job gives; a state or an input that cannot be written.
+    fn begin(&self) -> Result<Next, JobError>;
+    /// The stored result of a block of a stage, by its index.
+    ///
+    /// # Errors
+    /// What the job gives; bytes that cannot be read or written.
+    fn block(&self, stage: &Stage, index: usize, parts: &dyn Parts) -> Result<Vec<u8>, JobError>;
+    /// Takes the stored results of all blocks of a stage, in order, to what follows.
+    ///
+    /// # Errors
+    /// What the job gives; bytes that cannot be read or written.
+    fn reduce(&self, stage: &Stage, outputs: Vec<Vec<u8>>) -> Result<Next, JobError>;
+}
+
+impl<J: Job> Runnable for J {
+    fn kind(&self) -> &'static str {
+        Job::kind(self)
+    }
+
+    fn algorithm_version(&self) -> u32 {
+        Job::algorithm_version(self)
+    }
+
+    fn identity(&self) -> Value {
+        Job::identity(self)
+    }
+
+    fn memory_bytes(&self) -> u64 {
+        Job::memory_bytes(self)
+    }
+
+    fn begin(&self) -> Result<Next, JobError> {
+        next(self, Job::begin(self)?)
+    }
+
+    fn block(&self, stage: &Stage, index: usize, parts: &dyn Parts) -> Result<Vec<u8>, JobError> {
+        let input = stage.inputs.get(index).ok_or_else(|| unreadable(&stage.name, "there is no such block"))?;
+        let input = J::Input::from_bytes(input, &stage.name)?;
+        Job::block(self, stage.state.get(&stage.name)?, input, parts)?.into_bytes()
+    }
+
+    fn reduce(&self, stage: &Stage, outputs: Vec<Vec<u8>>) -> Result<Next, JobError> {
+        let name = &stage.name;
+        if outputs.len() != stage.inputs.len() {
+            return Err(unreadable(name, "it has not one result for each block"));
+        }
+        let state: &J::State = stage.state.get(name)?;
+        // Bytes go as they are read: long results are in memory once.
+        let read = |(input, output): (&Vec<u8>, Vec<u8>)| -> Result<_, JobError> {
+            Ok((J::Input::from_bytes(input, name)?, J::Partial::from_bytes(&output, name)?))
+        };
+        let blocks = stage.inputs.iter().zip(outputs).map(read).collect::<Result<_, _>>()?;
+        next(self, Job::reduce(self, state.clone(), blocks)?)
+    }
+}
+
+fn next<J: Job>(job: &J, step: Step<J>) -> Result<Next, JobError> {
+    Ok(match step {
+        Step::Done(output) => Next::Done(stored::result(&*output)?),
+        Step::Blocks { stage: name, state, inputs } => Next::Stage(Stage {
+            is_last: job.is_last(&state),
+            state: State::new(state, &name)?,
+            inputs: inputs.into_iter().map(Block::into_bytes).collect::<Result<_, _>>()?,
+            name,
+        }),
+    })
+}
