@@ -24,7 +24,7 @@ use build::Build;
 const NODES: usize = 500;
 
 fn problem(path: &Path) -> Option<Problem> {
-    let pass = bmv::study::load(path).ok()?;
+    let pass = bmv::job::load(path).ok()?;
     let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
     let sensors = sensor_places(pass.measurements.iter());
     let candidates = candidates(&pass.model, &[], &sensors, &catalogue);

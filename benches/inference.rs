@@ -30,7 +30,7 @@ mod network8_data;
 
 /// The likelihood of the monitor with all 43 phases: of these parameters, or of all uncertain ones.
 fn monitor(parameters: Option<&[&str]>) -> Option<Likelihood> {
-    let pass = bmv::study::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies/sxm/pass-3.json")).ok()?;
+    let pass = bmv::job::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies/sxm/pass-3.json")).ok()?;
     let chosen: Vec<usize> = (0..pass.priors.len())
         .filter(|&i| match parameters {
             Some(names) => names.contains(&pass.model.parameters[i].name.as_str()),

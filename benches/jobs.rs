@@ -7,13 +7,13 @@ use std::sync::Arc;
 
 use bmv::job::propagate::{Propagate, Sampling, Spec};
 use bmv::job::{Next, NoParts, Runnable};
-use bmv::study::{JobSpec, Pass};
+use bmv::study::Pass;
 use criterion::{Criterion, criterion_group, criterion_main};
 use rayon::prelude::*;
 
 /// A pass of this repository, loaded.
 fn load(pass: &str) -> Pass {
-    match bmv::study::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(pass)) {
+    match bmv::job::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(pass)) {
         Ok(pass) => pass,
         Err(_) => panic!("{pass} does not load"),
     }
@@ -21,10 +21,7 @@ fn load(pass: &str) -> Pass {
 
 /// The pass's first propagation with so many Monte Carlo samples of one case.
 fn propagation(pass: &Pass, samples: u64) -> Propagate {
-    let spec = pass.jobs.iter().find_map(|job| match &job.spec {
-        JobSpec::Propagate(spec) => Some(spec.clone()),
-        _ => None,
-    });
+    let spec = pass.jobs.iter().find_map(|job| job.spec.get::<bmv::job::propagate::Spec>().cloned());
     let spec = Spec { samples, sampling: Sampling::MonteCarlo, sweep: None, ..spec.unwrap() };
     Propagate::new(spec, Arc::new(pass.model.clone()), pass.priors.clone(), pass.seed, "bench").unwrap()
 }

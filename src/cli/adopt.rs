@@ -13,7 +13,7 @@ use crate::document::visible::shell_word;
 use crate::document::{Diagnostics, suggest};
 use crate::inference::measurement::Doubt;
 use crate::job::findings::{Finding, Findings};
-use crate::study::next_pass::{Asked, NextPass, destination, next_pass, probability_text, twin, write};
+use crate::job::next_pass::{Asked, NextPass, destination, next_pass, probability_text, twin, write};
 
 /// Diagnostics printed of one refusal.
 const MOST_DIAGNOSTICS: usize = 20;

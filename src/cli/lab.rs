@@ -65,7 +65,7 @@ impl LabVerb {
         let (shown_id, lab) = match &self.study {
             Some(study) => {
                 let path = super::studies::one_pass(study)?;
-                let pass = crate::study::load(&path).map_err(rendered)?;
+                let pass = crate::job::load(&path).map_err(rendered)?;
                 project = Project::of(&pass.folder);
                 if !pass.warnings.is_empty() {
                     tell(&pass.warnings.render(context.coloured, MOST_DIAGNOSTICS));

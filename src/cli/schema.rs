@@ -40,6 +40,6 @@ impl Schema {
 fn schema(format: &str) -> Option<Value> {
     match format {
         "results" => Some(report::results_schema()),
-        _ => crate::study::schema(format).ok(),
+        _ => crate::study::schema(format, &crate::job::kinds()).ok(),
     }
 }

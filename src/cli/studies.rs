@@ -11,11 +11,11 @@ use super::execute::Executed;
 use super::output::{self, escaped, tell};
 use super::status::Failure;
 use crate::document::{Diagnostic, Diagnostics};
-use crate::job::{JobError, Runnable, compare, predict, propagate, sensitivity};
+use crate::job::ready::{Deferred, Readiness};
+use crate::job::{self, JobError, Runnable, compare, predict, propagate, sensitivity};
 use crate::report::assemble::{FinishedJob, Surroundings, assemble};
 use crate::report::{History, JobEntry, JobResult, PassErrors, PassReport};
 use crate::runner::{Node, Outcome, Ready, RunnerError, Task};
-use crate::study::ready::{Deferred, Readiness};
 use crate::study::resolved::Upstream;
 use crate::study::{self, Pass, Project, Reader, discover};
 
@@ -57,7 +57,7 @@ pub struct RefusedJob {
 impl LoadedPass {
     /// Notes that a job cannot be made.
     fn refuse(&mut self, name: &str, diagnostics: Vec<Diagnostic>) {
-        let prefix = study::refusal_prefix(name);
+        let prefix = job::refusal_prefix(name);
         let plain = |message: &'_ String| message.strip_prefix(&prefix).unwrap_or(message).to_owned();
         let why: Vec<String> = diagnostics.iter().map(|diagnostic| plain(&diagnostic.message)).collect();
         self.not_run.push(format!("Job {name} has no result: {}.", why.join("; ")));
@@ -181,7 +181,7 @@ fn add_upstream(
             continue;
         }
         let mut further = Vec::new();
-        for (name, readiness) in study::ready(other) {
+        for (name, readiness) in job::ready(other) {
             if !wanted.contains(&&name) || is_there(nodes, &name) {
                 continue;
             }
@@ -219,7 +219,7 @@ fn take_orphans(nodes: &mut Vec<Node>) -> Vec<(String, String)> {
 /// # Errors
 /// What is wrong with the files, rendered at its place.
 pub fn load(paths: &[PathBuf], coloured: bool) -> Result<Loaded, Failure> {
-    load_with(&Reader::default(), paths, coloured)
+    load_with(&Reader::new(job::kinds()), paths, coloured)
 }
 
 fn load_with(reader: &Reader, paths: &[PathBuf], coloured: bool) -> Result<Loaded, Failure> {
@@ -242,7 +242,7 @@ fn load_with(reader: &Reader, paths: &[PathBuf], coloured: bool) -> Result<Loade
         };
         let pass = Arc::clone(&entry.pass);
         let mut own_needed = Vec::new();
-        for (name, readiness) in study::ready(&pass) {
+        for (name, readiness) in job::ready(&pass) {
             match &readiness {
                 Readiness::NotRun(reason) => {
                     entry.not_run.push(format!("Job {name} did not run: {reason}."));
@@ -269,7 +269,7 @@ fn load_with(reader: &Reader, paths: &[PathBuf], coloured: bool) -> Result<Loade
         let pass = Arc::clone(&entry.pass);
         let Some(job) = pass.jobs.iter().find(|job| id(&entry.shown, &job.name) == orphan) else { continue };
         // A comparison shows what there is to show.
-        if let Some(readiness) = study::delivered(&pass, job)
+        if let Some(readiness) = job::delivered(&pass, job)
             && let Some((node, _)) = node(&entry.shown, &pass, job.name.clone(), readiness)
         {
             all.nodes.push(node);
@@ -277,7 +277,7 @@ fn load_with(reader: &Reader, paths: &[PathBuf], coloured: bool) -> Result<Loade
         }
         entry.jobs.retain(|id| *id != orphan);
         let reason = format!("it builds on {}, which has no result", in_study(&missing));
-        let mut diagnostics = vec![study::refusal(job, reason)];
+        let mut diagnostics = vec![job::refusal(job, reason)];
         // Of a pass that was not asked for nothing else tells what is wrong.
         diagnostics.extend(refused.get(&missing).into_iter().flatten().cloned());
         entry.refuse(&job.name, diagnostics);
@@ -297,9 +297,8 @@ pub fn tell_notes(notes: &[String]) {
 /// A comparison of a pass as the runner is given it without its tuned state, and the calibration that it leaves out.
 pub fn delivered(pass: &LoadedPass, name: &str) -> Option<(Node, String)> {
     let job = pass.pass.jobs.iter().find(|job| job.name == name)?;
-    let study::JobSpec::Compare(spec) = &job.spec else { return None };
-    let calibration = spec.calibration.clone()?;
-    let (node, _) = node(&pass.shown, &pass.pass, job.name.clone(), study::delivered(&pass.pass, job)?)?;
+    let calibration = job.spec.comparison()?.calibration?.to_owned();
+    let (node, _) = node(&pass.shown, &pass.pass, job.name.clone(), job::delivered(&pass.pass, job)?)?;
     Some((node, calibration))
 }
 
@@ -327,7 +326,7 @@ pub fn parents(passes: &[LoadedPass]) -> Loaded {
         }
     }
     let mut all = Loaded::default();
-    let reader = Reader::default();
+    let reader = Reader::new(job::kinds());
     for path in wanted {
         // A parent may lack what its children add; its own report then tells what is wrong with it.
         let Ok(loaded) = load_with(&reader, &[path], false) else { continue };
@@ -389,7 +388,7 @@ pub fn one_pass(path: &Path) -> Result<PathBuf, Failure> {
 /// A pass that cannot be loaded, or that has no such job.
 pub fn job_of_kind(path: &Path, kind: &str, name: Option<&str>, coloured: bool) -> Result<String, Failure> {
     let shown = output::shown(path);
-    let loaded = passes(&Reader::default(), &[path.to_owned()], coloured)?;
+    let loaded = passes(&Reader::new(job::kinds()), &[path.to_owned()], coloured)?;
     let jobs = loaded.iter().flat_map(|(_, _, pass)| &pass.jobs).filter(|job| job.spec.kind() == kind);
     let jobs: Vec<&str> = jobs.map(|job| job.name.as_str()).collect();
     match (name, jobs.as_slice()) {

@@ -10,11 +10,12 @@ pub mod diagnose;
 mod fault;
 pub mod findings;
 pub mod goal;
-pub mod handed_on;
+pub mod kind;
 pub mod lab;
+pub mod next_pass;
 pub mod predict;
 pub mod propagate;
-pub mod requirement;
+pub mod ready;
 pub mod runnable;
 pub mod sensitivity;
 pub mod stored;
@@ -23,6 +24,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
+pub use kind::{kinds, load};
+pub use ready::{delivered, ready, refusal, refusal_prefix};
 pub use runnable::{Next, Runnable, Stage};
 use stored::Block;
 
@@ -56,6 +59,12 @@ pub enum JobError {
         /// What is wrong.
         reason: String,
     },
+}
+
+impl From<crate::study::handed_on::PosteriorError> for JobError {
+    fn from(error: crate::study::handed_on::PosteriorError) -> Self {
+        Self::Failed(error.to_string())
+    }
 }
 
 /// States that a block leaves on its way, so that one that was killed goes on from the last of them. They decide nothing: from

@@ -2,9 +2,9 @@
 
 use crate::diagnosis;
 use crate::inference::measurement::{Measurement, Rows, Sensor};
-use crate::job::requirement::{Environment, Requirement};
 use crate::job::{calibrate, compare, conventional, design, goal, predict, propagate, sensitivity};
 use crate::random::Distribution;
+use crate::study::requirement::{Environment, Requirement};
 use crate::thermal::{Model, Quantity};
 
 use crate::study::AdoptedEffect;

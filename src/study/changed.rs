@@ -7,6 +7,7 @@ use crate::document::source::{Place, Source, Span};
 
 use super::folder::{Folder, FolderError};
 use super::inherit::{folder_diagnostic_at, lineage};
+use super::job::Kinds;
 use super::reader::Reader;
 use super::resolved::Pass;
 
@@ -62,7 +63,7 @@ fn trees(pass: &Pass, diagnostics: &mut Diagnostics) -> Option<[Node; 2]> {
         let folder = Folder::open(&pass.folder)?;
         let bytes = folder.read(&pass.model_file)?;
         let model = json::parse_bytes(&folder.shown_name(&pass.model_file), &bytes, diagnostics);
-        let pass = lineage(&Reader::default(), &folder, &pass.file, diagnostics)?;
+        let pass = lineage(&Reader::new(Kinds::default()), &folder, &pass.file, diagnostics)?;
         Ok(model.zip(pass).map(|(model, pass)| [model, pass.merged]))
     };
     read(diagnostics).unwrap_or_else(|error| {

@@ -1,6 +1,7 @@
 //! How the passes of a study stand to one another: by which jobs each is judged, and in which order they are told.
 
-use super::resolved::{JobSpec, Pass};
+use super::job::{CALIBRATION, JobSpec};
+use super::resolved::Pass;
 
 /// The jobs by which a pass is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,14 +15,10 @@ pub struct JudgedBy<'p> {
 /// The jobs by which a pass is judged: its first comparison that shows a tuned state, else its first. `None` where the
 /// pass compares nothing.
 pub fn judged_by(pass: &Pass) -> Option<JudgedBy<'_>> {
-    let comparisons = || {
-        pass.jobs.iter().filter_map(|job| match &job.spec {
-            JobSpec::Compare(spec) => Some((job.name.as_str(), spec.calibration.as_deref())),
-            _ => None,
-        })
-    };
+    let comparisons =
+        || pass.jobs.iter().filter_map(|job| Some((job.name.as_str(), job.spec.comparison()?.calibration)));
     let (comparison, shown) = comparisons().find(|(_, shown)| shown.is_some()).or_else(|| comparisons().next())?;
-    let is_calibration = |spec: &JobSpec| matches!(spec, JobSpec::Calibrate(_));
+    let is_calibration = |spec: &JobSpec| spec.resolved().is_some() && spec.kind() == CALIBRATION;
     let first = || pass.jobs.iter().find(|job| is_calibration(&job.spec)).map(|job| job.name.as_str());
     Some(JudgedBy { comparison, calibration: shown.or_else(first) })
 }

@@ -13,6 +13,7 @@ use crate::document::json::{Entry, Node, Value};
 use crate::document::source::{Place, Source, Span};
 
 use super::folder::{Folder, FolderError};
+use super::job::Kinds;
 use super::reader::Reader;
 
 /// Sections whose entries are inherited by name.
@@ -108,7 +109,7 @@ pub(super) fn folder_diagnostic(error: &FolderError, node: &Node) -> Diagnostic 
 }
 
 /// What is wrong with a path, at its place.
-pub(super) fn folder_diagnostic_at(error: &FolderError, place: &Place) -> Diagnostic {
+pub fn folder_diagnostic_at(error: &FolderError, place: &Place) -> Diagnostic {
     match error {
         FolderError::NotPlain { .. } | FolderError::LeadsOut { .. } => {
             Diagnostic::error(&code::PATH_REFUSED, place, error.to_string())
@@ -219,7 +220,8 @@ mod tests {
     fn merged(files: &[(&str, &str)], name: &str) -> (serde_json::Value, Vec<String>) {
         let (_root, folder) = study(files);
         let mut diagnostics = Diagnostics::new();
-        let lineage = lineage(&Reader::default(), &folder, name, &mut diagnostics).expect("a file").expect("a tree");
+        let lineage =
+            lineage(&Reader::new(Kinds::default()), &folder, name, &mut diagnostics).expect("a file").expect("a tree");
         let messages = diagnostics.plain().into_iter().map(|plain| plain.message).collect();
         (lineage.merged.to_json(), messages)
     }

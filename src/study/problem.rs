@@ -1,28 +1,44 @@
-//! What of a pass is diagnosed: its model with all its measurements, and every effect of the catalogue at every place.
+//! What of a pass is diagnosed: its model with measurements, and every effect of the catalogue at every place.
 
 use std::sync::Arc;
 
 use crate::diagnosis::Problem;
 use crate::effect::candidates;
+use crate::inference::likelihood::InputError;
+use crate::inference::measurement::Measurement;
 use crate::thermal::Model;
 
-use super::ready::input_errors;
+use super::model::Prior;
 use super::resolve::adopt::sensor_places;
 use super::resolved::Pass;
 
 /// The problem of a pass over all its measurements.
 pub fn problem(pass: &Pass) -> Problem {
-    let sensors = sensor_places(pass.measurements.iter());
-    let problem = Problem {
+    let parameters = (0..pass.priors.len()).filter(|&index| !pass.priors[index].is_fixed()).collect();
+    problem_with(pass, pass.measurements.clone(), parameters).with_something_to_infer()
+}
+
+/// The problem of a pass over these of its measurements, with these of its parameters inferred.
+pub fn problem_with(pass: &Pass, measurements: Vec<Measurement>, parameters: Vec<usize>) -> Problem {
+    let sensors = sensor_places(measurements.iter());
+    Problem {
         candidates: candidates(&pass.model, &pass.groups, &sensors, &pass.catalogue),
         model: Arc::new(Model { keeps_signs: false, ..pass.model.clone() }),
         priors: pass.priors.clone(),
-        parameters: (0..pass.priors.len()).filter(|&index| !pass.priors[index].is_fixed()).collect(),
-        measurements: pass.measurements.clone(),
+        parameters,
+        measurements,
         input_errors: input_errors(pass),
         catalogue: Arc::clone(&pass.catalogue),
         joint: Vec::new(),
         most_steps: Vec::new(),
+    }
+}
+
+/// Own errors of the inputs; a prior from draws was refused when the pass was read.
+pub fn input_errors(pass: &Pass) -> Vec<InputError> {
+    let bias = |prior: &Option<Prior>| match prior {
+        Some(Prior::Distribution(distribution)) => Some(*distribution),
+        _ => None,
     };
-    problem.with_something_to_infer()
+    pass.input_errors.iter().map(|error| InputError { sigma: error.sigma, bias: bias(&error.bias) }).collect()
 }

@@ -1,13 +1,14 @@
 //! Criteria profiles, a JSON file each: those that come with the program, a study's own under `criteria/`, and those
 //! that a pass states.
 //!
-//! To add one to the program: a file in `src/job/criteria` and a line in the list below.
+//! To add one to the program: a file in `src/study/criteria` and a line in the list below.
 
 use crate::document::{
     Amount, Diagnostic, Diagnostics, EvidenceForm, MapEntry, Sense, Spanned, code, source_text, written_struct,
 };
+use serde::{Deserialize, Serialize};
+
 use crate::expression::Dimension;
-use crate::job::compare::Criteria;
 
 use super::folder::Folder;
 use super::inherit::unnamed_file_diagnostic;
@@ -23,11 +24,32 @@ pub const DEFAULT: &str = "smc-3k";
 
 /// Profiles that come with the program.
 const EMBEDDED: &[(&str, &str)] = &[
-    ("smc-3k", include_str!("../job/criteria/smc-3k.json")),
-    ("ecss", include_str!("../job/criteria/ecss.json")),
-    ("gsfc-5k", include_str!("../job/criteria/gsfc-5k.json")),
-    ("precision-1k", include_str!("../job/criteria/precision-1k.json")),
+    ("smc-3k", include_str!("criteria/smc-3k.json")),
+    ("ecss", include_str!("criteria/ecss.json")),
+    ("gsfc-5k", include_str!("criteria/gsfc-5k.json")),
+    ("precision-1k", include_str!("criteria/precision-1k.json")),
 ];
+
+/// What a profile demands; `None` where it demands nothing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Criteria {
+    /// Name of the profile.
+    pub name: String,
+    /// Title, for people.
+    pub title: String,
+    /// Largest deviation of one reading, K.
+    pub each_k: Option<f64>,
+    /// Largest magnitude of the mean deviation, K.
+    pub mean_k: Option<f64>,
+    /// Largest standard deviation, K.
+    pub sd_k: Option<f64>,
+    /// Share of readings that must keep `each_k`.
+    pub share: Option<f64>,
+    /// Drift below which a steady phase counts as stabilised, K/s.
+    pub stabilisation_k_per_s: Option<f64>,
+    /// Where it comes from.
+    pub source: String,
+}
 
 written_struct! {
     /// What measured minus predicted must keep.
@@ -149,7 +171,7 @@ mod tests {
         // 1 K in 5 h.
         let drift = smc.stabilisation_k_per_s.expect("a limit");
         assert!((drift - 1.0 / 18000.0).abs() < 1e-18, "{drift}");
-        let files = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/src/job/criteria")).expect("the folder");
+        let files = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/src/study/criteria")).expect("the folder");
         assert_eq!(files.count(), EMBEDDED.len(), "every file is in the list");
     }
 }

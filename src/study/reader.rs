@@ -8,6 +8,7 @@ use std::sync::Arc;
 use crate::document::{Diagnostics, Node, written};
 
 use super::folder::{Folder, FolderError};
+use super::job::Kinds;
 use super::ledger::Content;
 use super::resolve;
 use super::resolved::Pass;
@@ -27,13 +28,19 @@ pub(super) struct Parsed {
 }
 
 /// Reads passes and keeps what it has read.
-#[derive(Default)]
 pub struct Reader {
+    /// The kinds of job that passes may ask for.
+    pub(super) kinds: Kinds,
     passes: RefCell<HashMap<PathBuf, Loaded>>,
     trees: RefCell<HashMap<PathBuf, Parsed>>,
 }
 
 impl Reader {
+    /// A reader of passes with jobs of these kinds.
+    pub fn new(kinds: Kinds) -> Self {
+        Self { kinds, passes: RefCell::default(), trees: RefCell::default() }
+    }
+
     /// A pass with its parents, its model and its data.
     ///
     /// # Errors
@@ -69,12 +76,12 @@ impl Reader {
     }
 }
 
-/// Reads one pass with its parents, its model and its data.
+/// Reads one pass with its parents, its model and its data; its jobs are of these kinds.
 ///
 /// # Errors
 /// As [`Reader::load`].
-pub fn load(pass: &Path) -> Result<Pass, Diagnostics> {
-    match Reader::default().load(pass) {
+pub fn load(kinds: &Kinds, pass: &Path) -> Result<Pass, Diagnostics> {
+    match Reader::new(kinds.clone()).load(pass) {
         Ok(pass) => Ok(Arc::unwrap_or_clone(pass)),
         Err(diagnostics) => Err(Arc::unwrap_or_clone(diagnostics)),
     }

@@ -8,15 +8,15 @@ use crate::document::{Diagnostic, Diagnostics, Place};
 use crate::effect::{Catalogue, GroupPlace};
 use crate::inference::measurement::Measurement;
 use crate::inference::rows::UsedRow;
-use crate::job::handed_on::HandedOn;
-use crate::job::requirement::{Environment, Requirement};
-use crate::job::{calibrate, compare, conventional, design, diagnose, goal, propagate, sensitivity};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
+use super::handed_on::HandedOn;
+use super::job::NamedJob;
 use super::ledger::Content;
 use super::model::InputError;
 use super::pinned::Pinned;
+use super::requirement::{Environment, Requirement};
 
 /// A pass that can be run.
 #[derive(Clone, Debug)]
@@ -135,91 +135,6 @@ pub struct Refused {
     pub job: String,
     /// Why, at its place, with what to write instead.
     pub diagnostic: Diagnostic,
-}
-
-/// A prediction with the posterior of a calibration.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Prediction {
-    /// What is asked.
-    pub propagate: propagate::Spec,
-    /// The posterior.
-    pub posterior: HandedOnPrior,
-    /// The priors that the calibration began with: position in the model's list, prior (SI).
-    pub priors: Vec<(usize, Distribution)>,
-    /// Draws that stood in for some of them.
-    pub handed_on: Vec<HandedOnPrior>,
-    /// Errors of the model that are added to quantities.
-    pub discrepancy: Vec<goal::Discrepancy>,
-}
-
-/// A job with its name.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NamedJob {
-    /// Name.
-    pub name: String,
-    /// Where the study asks for it.
-    pub place: Place,
-    /// What is to be done.
-    pub spec: JobSpec,
-}
-
-/// What a job is to do.
-#[derive(Clone, Debug, PartialEq)]
-pub enum JobSpec {
-    /// Propagation.
-    Propagate(propagate::Spec),
-    /// Model against measurements.
-    Compare(compare::Spec),
-    /// Parameters from measurements.
-    Calibrate(calibrate::Spec),
-    /// Which physical effect is missing.
-    Diagnose(diagnose::Spec),
-    /// A calibration carried to environments.
-    Predict(Box<Prediction>),
-    /// Stacked worst cases with margins.
-    Conventional(conventional::Spec),
-    /// Which parameters matter.
-    Sensitivity(sensitivity::Spec),
-    /// Which parameter must be known how well.
-    Goal(goal::Spec),
-    /// The experiment that teaches most.
-    Design(design::Spec),
-    /// Waits for pinned data.
-    Waiting {
-        /// The kind.
-        kind: &'static str,
-        /// Measurements whose data are missing.
-        measurements: Vec<String>,
-        /// The command that brings them.
-        command: String,
-    },
-    /// This version does not run it.
-    NotYet {
-        /// The kind.
-        kind: &'static str,
-        /// The settings as written.
-        settings: serde_json::Value,
-        /// Why, in a line.
-        reason: String,
-    },
-}
-
-impl JobSpec {
-    /// The kind, as in the pass file.
-    pub fn kind(&self) -> &'static str {
-        match self {
-            Self::Propagate(_) => "propagate",
-            Self::Compare(_) => "compare",
-            Self::Calibrate(_) => "calibrate",
-            Self::Diagnose(_) => "diagnose",
-            Self::Predict(_) => "predict",
-            Self::Conventional(_) => "conventional",
-            Self::Sensitivity(_) => "sensitivity",
-            Self::Goal(_) => "goal",
-            Self::Design(_) => "design",
-            Self::Waiting { kind, .. } | Self::NotYet { kind, .. } => kind,
-        }
-    }
 }
 
 /// A sensor that is left out.

@@ -1,12 +1,13 @@
 //! Margin rules, a JSON file each: those that come with the program, and a study's own under `rules/`.
 //!
-//! To add one to the program: a file in `src/job/rules` and a line in the list below.
+//! To add one to the program: a file in `src/study/rules` and a line in the list below.
 
 use crate::document::{
     Amount, Diagnostic, Diagnostics, EvidenceForm, Sense, code, source_text, written_choice, written_struct,
 };
+use serde::{Deserialize, Serialize};
+
 use crate::expression::Dimension;
-use crate::job::conventional::{Margin, Rule};
 
 use super::folder::Folder;
 use super::inherit::unnamed_file_diagnostic;
@@ -19,12 +20,35 @@ pub const FOLDER: &str = "rules";
 
 /// Rules that come with the program, in the order in which they are shown.
 const EMBEDDED: &[(&str, &str)] = &[
-    ("none", include_str!("../job/rules/none.json")),
-    ("nasa-gsfc-5k", include_str!("../job/rules/nasa-gsfc-5k.json")),
-    ("military-11k", include_str!("../job/rules/military-11k.json")),
-    ("military-17k", include_str!("../job/rules/military-17k.json")),
-    ("heat-load-25", include_str!("../job/rules/heat-load-25.json")),
+    ("none", include_str!("rules/none.json")),
+    ("nasa-gsfc-5k", include_str!("rules/nasa-gsfc-5k.json")),
+    ("military-11k", include_str!("rules/military-11k.json")),
+    ("military-17k", include_str!("rules/military-17k.json")),
+    ("heat-load-25", include_str!("rules/heat-load-25.json")),
 ];
+
+/// What a rule adds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Margin {
+    /// The limit is moved towards the prediction by so many kelvins.
+    TemperatureK(f64),
+    /// The heat loads are multiplied by 1 + this share.
+    HeatLoad(f64),
+}
+
+/// A margin rule, from a data file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Rule {
+    /// Name.
+    pub name: String,
+    /// What it adds.
+    pub margin: Margin,
+    /// Title, for people.
+    pub title: String,
+    /// Where it comes from.
+    pub source: String,
+}
 
 written_struct! {
     /// A margin rule.
@@ -122,7 +146,7 @@ mod tests {
             ]
         );
         assert!(rules[1].0.source.contains("could not be opened"));
-        let files = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/src/job/rules")).expect("the folder");
+        let files = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/src/study/rules")).expect("the folder");
         assert_eq!(files.count(), EMBEDDED.len(), "every file is in the list");
     }
 

@@ -6,6 +6,7 @@ use thiserror::Error;
 use crate::document::Schemas;
 
 use super::inherit::NAMED;
+use super::job::Kinds;
 use super::model::ModelForm;
 use super::pass::PassForm;
 
@@ -20,14 +21,14 @@ pub struct UnknownSchema {
 /// The kinds of file with a schema.
 pub const KINDS: &[&str] = &["model", "pass", "effect", "rule", "criteria"];
 
-/// The JSON Schema of a kind of file.
+/// The JSON Schema of a kind of file; `jobs` are the kinds of job that a pass may ask for.
 ///
 /// # Errors
 /// A kind without a schema.
-pub fn schema(kind: &str) -> Result<Value, UnknownSchema> {
+pub fn schema(kind: &str, jobs: &Kinds) -> Result<Value, UnknownSchema> {
     match kind {
         "model" => Ok(Schemas::document::<ModelForm>("bmv model (bmv-network/1)")),
-        "pass" => Ok(removable(Schemas::document::<PassForm>("bmv pass (bmv-pass/1)"))),
+        "pass" => Ok(removable(Schemas::document_with::<PassForm>("bmv pass (bmv-pass/1)", |all| jobs.define(all)))),
         "effect" => Ok(crate::effect::catalogue::schema()),
         "rule" => Ok(Schemas::document::<super::rule::RuleForm>("bmv margin rule (bmv-rule/1)")),
         "criteria" => Ok(Schemas::document::<super::profile::ProfileForm>("bmv criteria profile (bmv-criteria/1)")),
@@ -54,12 +55,12 @@ mod tests {
     #[test]
     fn every_kind_has_a_schema_with_its_fields() {
         for kind in KINDS {
-            let schema = schema(kind).expect("a schema");
+            let schema = schema(kind, &Kinds::default()).expect("a schema");
             assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema", "{kind}");
             assert!(schema["$defs"].as_object().is_some_and(|definitions| !definitions.is_empty()), "{kind}");
         }
-        assert!(schema("house").is_err());
-        let pass = schema("pass").expect("a schema");
+        assert!(schema("house", &Kinds::default()).is_err());
+        let pass = schema("pass", &Kinds::default()).expect("a schema");
         let properties = &pass["$defs"]["PassForm"]["properties"];
         for section in NAMED {
             let entry = &properties[section]["anyOf"][0]["additionalProperties"]["anyOf"][1];

@@ -58,9 +58,9 @@ fn the_studies_of_the_pages_load_without_a_warning() {
         assert_eq!(passes.len(), count, "{page}");
         for pass in passes {
             assert_eq!(study.said(&pass), "", "{page}: {pass}");
-            let loaded = bmv::study::load(&study.path(&pass)).expect("loads");
-            for (name, readiness) in bmv::study::ready(&loaded) {
-                use bmv::study::ready::Readiness::{After, NotRun, Ready, Refused};
+            let loaded = bmv::job::load(&study.path(&pass)).expect("loads");
+            for (name, readiness) in bmv::job::ready(&loaded) {
+                use bmv::job::ready::Readiness::{After, NotRun, Ready, Refused};
                 match readiness {
                     Ready(_) | After(_) => {}
                     NotRun(reason) => panic!("{page}: {pass}: `{name}` does not run: {reason}"),

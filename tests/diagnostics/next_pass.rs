@@ -3,8 +3,8 @@
 use bmv::document::Diagnostics;
 use bmv::effect::{Bound, Candidate, Catalogue, GroupPlace, Site, candidates};
 use bmv::job::findings::Findings;
+use bmv::job::next_pass::{Asked, NextPass, destination, next_pass, write};
 use bmv::random::Distribution;
-use bmv::study::next_pass::{Asked, NextPass, destination, next_pass, write};
 use bmv::study::resolve::adopt::sensor_places;
 use serde_json::{Value, json};
 
@@ -113,7 +113,7 @@ fn every_effect_at_every_kind_of_place_is_written_and_read_again() {
         let next = next_pass(&pass, "missing", &findings, &asked, false, &study.path("pass-2.json"))
             .unwrap_or_else(|wrong| panic!("{}: {}", candidate.id, wrong.render(false, 9)));
         study.put("pass-2.json", &next.text);
-        let read = bmv::study::load(&study.path("pass-2.json"));
+        let read = bmv::job::load(&study.path("pass-2.json"));
         let read = read.unwrap_or_else(|wrong| panic!("{}: {}\n{}", candidate.id, wrong.render(false, 9), next.text));
         assert!(read.warnings.is_empty(), "{}: {}", candidate.id, read.warnings.render(false, 9));
         let [adopted] = read.adopted.as_slice() else { panic!("{}: one effect", candidate.id) };
@@ -277,8 +277,7 @@ fn every_knot_of_a_curve_has_the_size_that_was_fitted() {
     let found = findings("identified", vec![fitted], &[&curve.id]);
     let next = adopt(&study, &found, &[], false).unwrap_or_else(|said| panic!("{said}"));
     study.put("pass-2.json", &next.text);
-    let read =
-        bmv::study::load(&study.path("pass-2.json")).unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 9)));
+    let read = bmv::job::load(&study.path("pass-2.json")).unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 9)));
     let nominals: Vec<f64> =
         read.adopted[0].parameters.clone().map(|index| read.model.parameters[index].nominal).collect();
     assert_eq!(nominals[..2], [0.25, -0.5], "{}", next.text);
@@ -292,8 +291,7 @@ fn a_second_next_pass_goes_on_from_the_first() {
     let study = study();
     let found = findings("identified", vec![harness(None)], &["conductive-path:box:detector"]);
     study.put("pass-2.json", &adopt(&study, &found, &[], false).expect("adopted").text);
-    let pass =
-        bmv::study::load(&study.path("pass-2.json")).unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 9)));
+    let pass = bmv::job::load(&study.path("pass-2.json")).unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 9)));
     let effects = vec![other("heat-load:box", "node", None), harness(None)];
     let found = findings("identified", effects, &["heat-load:box", "conductive-path:box:detector"]);
     let asked = Asked::new("bmv adopt pass-2.json", &[]);
@@ -305,8 +303,7 @@ fn a_second_next_pass_goes_on_from_the_first() {
     let title = "Bench, pass 3: as delivered, with box-detector conductive path, box heat load and box-detector conductive path 2";
     assert_eq!((&written["title"], &written["parent"]), (&json!(title), &json!("pass-2.json")));
     study.put("pass-3.json", &next.text);
-    let third =
-        bmv::study::load(&study.path("pass-3.json")).unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 9)));
+    let third = bmv::job::load(&study.path("pass-3.json")).unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 9)));
     assert_eq!(third.adopted.len(), 3);
 }
 

@@ -55,7 +55,7 @@ fn a_path_brings_its_parameter_its_prior_and_its_heat() {
     let expected = 0.05 * (temperatures[3] - temperatures[0]);
     assert!((network.quantity(&workspace, through) - expected).abs() < 1e-9);
     // The jobs are made of the model with the effect.
-    let jobs = bmv::study::ready(&pass);
+    let jobs = bmv::job::ready(&pass);
     assert_eq!(jobs.len(), pass.jobs.len());
 }
 

@@ -1,7 +1,7 @@
 //! Posteriors and files of draws as priors, and predictions: what is refused, where, and what is not.
 
-use bmv::study::ready::Readiness;
-use bmv::study::{JobSpec, load, ready};
+use bmv::job::ready::Readiness;
+use bmv::job::{load, ready};
 
 use crate::diagnostics::pass_study::Study;
 
@@ -192,7 +192,7 @@ fn predictions_name_a_calibration() {
     assert!(text.contains("an object of names, each a number"), "{text}");
     let study = handed_on(r#""jobs": {"flight": {"predict": {"from": {"pass": "pass-1.json", "job": "tuned"}}}}"#);
     let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
-    let JobSpec::Predict(spec) = &pass.jobs[0].spec else { panic!("predict") };
+    let Some(spec) = pass.jobs[0].spec.get::<bmv::job::predict::Prediction>() else { panic!("predict") };
     assert_eq!(spec.posterior.draws.parameters, [0]);
     assert_eq!(spec.priors, [(0, bmv::random::Distribution::Uniform { lower: 0.2, upper: 1.4 })]);
 }

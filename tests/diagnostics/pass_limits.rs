@@ -1,6 +1,7 @@
 //! Files that are no harm: sizes, chains of passes, and what is said of many mistakes.
 
-use bmv::study::{Reader, load};
+use bmv::job::load;
+use bmv::study::Reader;
 
 use crate::diagnostics::pass_study::Study;
 
@@ -44,7 +45,7 @@ fn a_pass_that_several_build_upon_is_read_once() {
     // Reached along 46,368 ways, and each one's readings stand behind the prior once.
     let behind: Vec<usize> = pass.handed_on.iter().map(|own| own.behind.len()).collect();
     assert_eq!(behind, [23, 22]);
-    let reader = Reader::default();
+    let reader = Reader::new(bmv::job::kinds());
     let last = reader.load(&study.path("pass-24.json")).expect("loads");
     let before = reader.load(&study.path("pass-23.json")).expect("loads");
     let upstream = last.upstream.iter().find(|own| own.file == "pass-23.json").expect("used");
@@ -73,12 +74,12 @@ fn a_chain_of_posteriors_has_an_end_from_wherever_it_is_read() {
             true
         }
     };
-    assert!(!refused(&Reader::default(), 51));
-    assert!(refused(&Reader::default(), 52));
-    let upwards = Reader::default();
+    assert!(!refused(&Reader::new(bmv::job::kinds()), 51));
+    assert!(refused(&Reader::new(bmv::job::kinds()), 52));
+    let upwards = Reader::new(bmv::job::kinds());
     let ends: Vec<bool> = (1..=53).map(|pass| refused(&upwards, pass)).collect();
     assert_eq!(ends.iter().position(|refused| *refused), Some(51));
-    assert!(refused(&Reader::default(), 53));
+    assert!(refused(&Reader::new(bmv::job::kinds()), 53));
 }
 
 #[test]
@@ -111,7 +112,7 @@ fn a_link_to_the_schema_is_no_part_of_the_study() {
     study.edit("model.json", r#""../x.schema.json""#, "3");
     assert!(study.said("pass-1.json").contains("a number cannot stand here"));
     for kind in bmv::study::schema::KINDS {
-        let schema = bmv::study::schema(kind).expect("a schema");
+        let schema = bmv::study::schema(kind, &bmv::job::kinds()).expect("a schema");
         let name = schema["$ref"].as_str().and_then(|own| own.strip_prefix("#/$defs/")).expect("a reference");
         assert_eq!(schema["$defs"][name]["properties"]["$schema"]["type"], "string", "{kind}");
     }

@@ -2,11 +2,12 @@
 
 use bmv::inference::measurement::{Initial, Rows, Uncertain};
 use bmv::job::calibrate::Sampler;
-use bmv::job::conventional::Margin;
-use bmv::job::propagate::{Sampling, Variable};
+use bmv::job::propagate::Sampling;
+use bmv::job::ready::Readiness;
 use bmv::random::Distribution;
 use bmv::study::JobSpec;
-use bmv::study::ready::Readiness;
+use bmv::study::rule::Margin;
+use bmv::study::variable::Variable;
 
 use crate::diagnostics::pass_study::{BALANCE, PASS, RUN, Study, transient_pass};
 
@@ -47,20 +48,20 @@ fn jobs_have_their_defaults() {
         kinds,
         [("spread", "propagate"), ("match", "compare"), ("size", "conventional"), ("tuned", "calibrate")]
     );
-    let JobSpec::Propagate(spread) = &pass.jobs[0].spec else { panic!("propagate") };
+    let Some(spread) = pass.jobs[0].spec.get::<bmv::job::propagate::Spec>() else { panic!("propagate") };
     assert_eq!((spread.samples, spread.sampling, spread.failure_limit), (1024, Sampling::Sobol, 0.01));
     assert_eq!(spread.quantities, [pass.requirements[0].quantity]);
     assert_eq!(spread.environments[0].name, "hot");
-    let JobSpec::Compare(compare) = &pass.jobs[1].spec else { panic!("compare") };
+    let Some(compare) = pass.jobs[1].spec.get::<bmv::job::compare::Spec>() else { panic!("compare") };
     assert_eq!(
         (compare.data.as_slice(), compare.criteria.name.as_str(), compare.from.as_str()),
         (&[0][..], "smc-3k", "nominal")
     );
-    let JobSpec::Conventional(size) = &pass.jobs[2].spec else { panic!("conventional") };
+    let Some(size) = pass.jobs[2].spec.get::<bmv::job::conventional::Spec>() else { panic!("conventional") };
     assert_eq!((size.design.variable, size.design.values.as_slice()), (Variable::Parameter(1), &[0.01, 0.1][..]));
     assert_eq!(size.heat_loads, [Variable::Input(1)]);
     assert_eq!(size.rules.last().map(|rule| rule.margin), Some(Margin::HeatLoad(0.25)));
-    let JobSpec::Calibrate(tuned) = &pass.jobs[3].spec else { panic!("calibrate") };
+    let Some(tuned) = pass.jobs[3].spec.get::<bmv::job::calibrate::Spec>() else { panic!("calibrate") };
     assert_eq!(tuned.data, [0]);
     assert_eq!(tuned.parameters, [0], "A has no prior");
     assert_eq!((tuned.sampler, tuned.chains, tuned.warmup, tuned.draws), (Sampler::Nuts, 4, 500, 1000));
@@ -72,7 +73,7 @@ fn a_comparison_from_nominal_shows_no_calibration() {
     let study = Study::new();
     study.edit("pass-1.json", r#"{"compare": {}}"#, r#"{"compare": {"from": "nominal"}}"#);
     let pass = study.load();
-    let JobSpec::Compare(compare) = &pass.jobs[1].spec else { panic!("compare") };
+    let Some(compare) = pass.jobs[1].spec.get::<bmv::job::compare::Spec>() else { panic!("compare") };
     assert_eq!(compare.calibration, None);
 }
 
@@ -80,7 +81,7 @@ fn a_comparison_from_nominal_shows_no_calibration() {
 fn a_comparison_waits_for_its_calibration() {
     let study = Study::new();
     study.edit("pass-1.json", r#""panel": {"measures": "panel"}"#, r#""panel": {"measures": "panel", "sigma": 0.5}"#);
-    let jobs = bmv::study::ready(&study.load());
+    let jobs = bmv::job::ready(&study.load());
     let Readiness::After(waiting) = &jobs[1].1 else { panic!("after the calibration") };
     assert_eq!((waiting.from.len(), waiting.from[0].job.as_str()), (1, "tuned"));
     let result = |json| [std::sync::Arc::new(json)];
@@ -98,7 +99,7 @@ fn settings_of_jobs_are_taken_in_the_variables_own_unit() {
             "sweep": {"T_if": {"from": -10, "to": 30, "steps": 5}}, "joint": [["box", "leak"]]}"#,
     );
     let pass = study.load();
-    let JobSpec::Propagate(spec) = &pass.jobs[0].spec else { panic!("propagate") };
+    let Some(spec) = pass.jobs[0].spec.get::<bmv::job::propagate::Spec>() else { panic!("propagate") };
     let sweep = spec.sweep.as_ref().expect("a sweep");
     assert_eq!(sweep.values, [263.15, 273.15, 283.15, 293.15, 303.15]);
     assert_eq!((sweep.unit.as_str(), spec.samples), ("degC", 1000));
@@ -183,7 +184,7 @@ fn a_pass_inherits_and_changes_what_it_names() {
             "jobs": {"spread": {"propagate": {}}}}"#,
     );
     let first = study.load();
-    let second = bmv::study::load(&study.path("pass-2.json")).expect("loads");
+    let second = bmv::job::load(&study.path("pass-2.json")).expect("loads");
     assert_eq!(second.parents, ["pass-1.json"]);
     assert_eq!((second.seed, second.measurements.len()), (7, 1));
     let names: Vec<_> = second.jobs.iter().map(|job| job.name.as_str()).collect();
@@ -192,7 +193,7 @@ fn a_pass_inherits_and_changes_what_it_names() {
     assert_eq!(second.priors[0], Distribution::Uniform { lower: 0.4, upper: 1.2 });
     assert_ne!(first.definition_sha256, second.definition_sha256);
     // The model's one named quantity, as no requirement asks for others.
-    let JobSpec::Propagate(spec) = &second.jobs[0].spec else { panic!("propagate") };
+    let Some(spec) = second.jobs[0].spec.get::<bmv::job::propagate::Spec>() else { panic!("propagate") };
     assert_eq!((spec.quantities.as_slice(), spec.samples), (&[0][..], 4096));
     // White space is no part of the definition.
     study.put("pass-1.json", PASS.replace(": {", ":  {"));
@@ -214,7 +215,7 @@ fn missing_pinned_data_leave_their_jobs_waiting() {
     let JobSpec::Waiting { kind, measurements, command } = &pass.jobs[1].spec else { panic!("waits") };
     assert_eq!((*kind, measurements.as_slice()), ("compare", &["balance".to_owned()][..]));
     assert_eq!(command, &format!("bmv data get {}", study.path("").display().to_string().trim_end_matches('/')));
-    assert!(matches!(pass.jobs[0].spec, JobSpec::Propagate(_)), "the other jobs run");
+    assert!(pass.jobs[0].spec.get::<bmv::job::propagate::Spec>().is_some(), "the other jobs run");
 }
 
 #[test]
@@ -234,7 +235,7 @@ fn files_broken_off_anywhere_never_panic() {
     for (name, text) in [("pass-1.json", PASS), ("data/balance.csv", BALANCE)] {
         for end in 0..text.len() {
             study.put(name, &text.as_bytes()[..end]);
-            let result = bmv::study::load(&study.path("pass-1.json"));
+            let result = bmv::job::load(&study.path("pass-1.json"));
             // The files end in a brace and a line feed, or in an empty cell of a note.
             assert!(result.is_err() || end + 10 >= text.len() || name.ends_with("csv"), "{name} {end}");
         }
@@ -245,7 +246,7 @@ fn files_broken_off_anywhere_never_panic() {
     for (name, text) in [("pass-1.json", pass.as_str()), ("data/run.csv", RUN)] {
         for end in 0..text.len() {
             study.put(name, &text.as_bytes()[..end]);
-            if let Err(diagnostics) = bmv::study::load(&study.path("pass-1.json")) {
+            if let Err(diagnostics) = bmv::job::load(&study.path("pass-1.json")) {
                 assert!(!diagnostics.render(false, 5).is_empty());
             }
         }

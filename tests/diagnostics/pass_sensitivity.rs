@@ -1,7 +1,6 @@
 //! What is said of the settings of `sensitivity` and `goal`.
 
 use super::pass_study::Study;
-use bmv::study::JobSpec;
 
 /// What a pass is told whose job `spread` has other settings.
 fn said(job: &str) -> String {
@@ -20,11 +19,11 @@ fn settings_have_defaults_and_quantities_follow_the_requirements() {
         r#"{"goal": {"discrepancy": {"panel": {"value": 1.5, "unit": "K"}}}}"#,
     );
     let pass = study.load();
-    let JobSpec::Sensitivity(spec) = &pass.jobs[0].spec else { panic!("sensitivity") };
+    let Some(spec) = pass.jobs[0].spec.get::<bmv::job::sensitivity::Spec>() else { panic!("sensitivity") };
     assert_eq!((spec.samples, spec.scrambles, spec.trajectories, spec.methods.len()), (4096, 8, 64, 4));
     assert_eq!((spec.second_order, spec.precision, spec.environments.len()), (false, None, 1));
     assert_eq!(pass.model.quantities[spec.quantities[0]].name, "panel");
-    let JobSpec::Goal(spec) = &pass.jobs[2].spec else { panic!("goal") };
+    let Some(spec) = pass.jobs[2].spec.get::<bmv::job::goal::Spec>() else { panic!("goal") };
     assert_eq!((spec.samples, spec.discrepancy[0].sd, spec.requirements.len()), (4096, 1.5, 1));
     // The pass's one entry under `design`.
     assert_eq!(spec.design.as_ref().map(|design| design.values.as_slice()), Some([0.01, 0.1].as_slice()));

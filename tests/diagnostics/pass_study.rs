@@ -90,7 +90,7 @@ impl Study {
 
     /// The first pass, which must load.
     pub fn load(&self) -> bmv::study::Pass {
-        match bmv::study::load(&self.path("pass-1.json")) {
+        match bmv::job::load(&self.path("pass-1.json")) {
             Ok(pass) => pass,
             Err(diagnostics) => panic!("{}", diagnostics.render(false, 20)),
         }
@@ -98,7 +98,7 @@ impl Study {
 
     /// What is said of a pass, with the folder called `study`.
     pub fn said(&self, pass: &str) -> String {
-        let diagnostics = match bmv::study::load(&self.path(pass)) {
+        let diagnostics = match bmv::job::load(&self.path(pass)) {
             Ok(pass) => pass.warnings,
             Err(diagnostics) => diagnostics,
         };

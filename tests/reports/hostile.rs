@@ -2,7 +2,6 @@
 
 use bmv::job::calibrate::KeptDraws;
 use bmv::job::compare::Deviation;
-use bmv::job::handed_on::HandedOnSummary;
 use bmv::job::{predict, propagate};
 use bmv::report::plot::{
     Along, Axis, Bar, Chart, Diagram, HeatMap, History, Layer, Limit, Mark, NodeShape, Path, Shade, Source, Strip,
@@ -10,6 +9,7 @@ use bmv::report::plot::{
 };
 use bmv::report::plot::{bar_chart, heat_map, history, network, palette, residual_strips};
 use bmv::report::{JobResult, PassReport};
+use bmv::study::handed_on::HandedOnSummary;
 
 use super::calibration::calibrated;
 use super::diagnosis::diagnosed;

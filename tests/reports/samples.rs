@@ -4,14 +4,16 @@
 use bmv::expression::{Graph, Symbol};
 use bmv::inference::measurement::{Initial, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};
 use bmv::job::compare::{
-    self, Criteria, Deviation, HeatBalance, PhaseSummary, Row, SensorSummary, StabilisationCheck, Trend, Verdict,
+    self, Deviation, HeatBalance, PhaseSummary, Row, SensorSummary, StabilisationCheck, Trend, Verdict,
 };
-use bmv::job::conventional::{self, Basis, Margin, Rule, Size, WorstEnd};
+use bmv::job::conventional::{self, Basis, Size, WorstEnd};
 use bmv::job::propagate::{self, Case, Conditional, Distributed, Joint, Met, Probability, Quantile, Reached};
-use bmv::job::requirement::{Environment, Requirement};
 use bmv::math::functions::{exp, ln, sin};
 use bmv::random::Distribution;
 use bmv::report::{FileHash, JobEntry, JobResult, ParameterChange, PassReport};
+use bmv::study::profile::Criteria;
+use bmv::study::requirement::{Environment, Requirement};
+use bmv::study::rule::{Margin, Rule};
 use bmv::thermal::element::cooler::Drive;
 use bmv::thermal::element::{Conductor, Cooler, Element, ElementKind, Load, Radiation};
 use bmv::thermal::{Input, Limits, Model, Node, NodeKind, Parameter, Quantity, QuantityValue};

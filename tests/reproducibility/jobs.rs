@@ -8,13 +8,13 @@ use bmv::job::design::{self, Design};
 use bmv::job::goal::{self, Goal};
 use bmv::job::{JobError, Runnable};
 use bmv::runner::{Cache, Plan};
-use bmv::study::{JobSpec, Pass};
+use bmv::study::Pass;
 
 use super::toy::{node, run};
 
 fn radiator() -> Pass {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/radiator/pass-1.json");
-    let Ok(pass) = bmv::study::load(&file) else { panic!("the radiator loads") };
+    let Ok(pass) = bmv::job::load(&file) else { panic!("the radiator loads") };
     pass
 }
 
@@ -43,10 +43,7 @@ fn same(blocks: usize, job: &dyn Fn() -> Result<Arc<dyn Runnable>, JobError>) {
 #[test]
 fn a_design_with_its_search_and_its_greedy_choice() {
     let pass = radiator();
-    let spec = pass.jobs.iter().find_map(|job| match &job.spec {
-        JobSpec::Design(spec) => Some(spec.clone()),
-        _ => None,
-    });
+    let spec = pass.jobs.iter().find_map(|job| job.spec.get::<bmv::job::design::Spec>().cloned());
     let spec = design::Spec { outer: 256, inner: 64, draws: 16, search: 5, pick: 2, ..spec.unwrap() };
     // 20 candidates twice, 5 phases of the search, 25 pairs.
     same(65, &|| {
@@ -58,10 +55,7 @@ fn a_design_with_its_search_and_its_greedy_choice() {
 #[test]
 fn a_goal() {
     let pass = radiator();
-    let spec = pass.jobs.iter().find_map(|job| match &job.spec {
-        JobSpec::Goal(spec) => Some(spec.clone()),
-        _ => None,
-    });
+    let spec = pass.jobs.iter().find_map(|job| job.spec.get::<bmv::job::goal::Spec>().cloned());
     let spec = goal::Spec { samples: 1024, ..spec.unwrap() };
     same(64, &|| Ok(Arc::new(Goal::new(spec.clone(), Arc::new(pass.model.clone()), pass.priors.clone(), 7, "goal")?)));
 }

@@ -5,16 +5,12 @@ use std::sync::Arc;
 
 use bmv::job::propagate::{Propagate, Sampling, Spec};
 use bmv::job::{Job, NoParts, Step};
-use bmv::study::JobSpec;
 
 /// Temperatures of the radiator's nominal case, sample by sample, out of the blocks.
 fn samples(count: u64, sampling: Sampling) -> Vec<u64> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/radiator/pass-1.json");
-    let Ok(pass) = bmv::study::load(&file) else { panic!("the radiator loads") };
-    let spec = pass.jobs.iter().find_map(|job| match &job.spec {
-        JobSpec::Propagate(spec) => Some(spec.clone()),
-        _ => None,
-    });
+    let Ok(pass) = bmv::job::load(&file) else { panic!("the radiator loads") };
+    let spec = pass.jobs.iter().find_map(|job| job.spec.get::<bmv::job::propagate::Spec>().cloned());
     let mut spec = Spec { samples: count, sampling, sweep: None, ..spec.unwrap() };
     spec.quantities.truncate(1);
     let job = Propagate::new(spec, Arc::new(pass.model), pass.priors, pass.seed, "prior").unwrap();

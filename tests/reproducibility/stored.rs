@@ -3,8 +3,8 @@
 use std::fs;
 use std::sync::Arc;
 
+use bmv::job::ready::{Readiness, ready};
 use bmv::job::{JobError, Next, NoParts, Runnable};
-use bmv::study::ready::{Readiness, ready};
 use ciborium::Value as Tree;
 use serde_json::Value;
 
@@ -49,7 +49,7 @@ fn jobs() -> Vec<(String, Arc<dyn Runnable>)> {
     fs::write(folder.path().join("pass-1.json"), PASS).unwrap();
     let rows = "phase,Q,plate,lid\nP1,5,24.1,23.2\nP2,10,28.5,26.6\nP3,15,32.2,30.1\nP4,20,36.8,33.1\n";
     fs::write(folder.path().join("balance.csv"), rows).unwrap();
-    let pass = match bmv::study::load(&folder.path().join("pass-1.json")) {
+    let pass = match bmv::job::load(&folder.path().join("pass-1.json")) {
         Ok(pass) => pass,
         Err(diagnostics) => panic!("{}", diagnostics.render(false, 20)),
     };
@@ -58,7 +58,7 @@ fn jobs() -> Vec<(String, Arc<dyn Runnable>)> {
         // The comparison waits for the calibration; alone it is one of the delivered state.
         _ => {
             let named = pass.jobs.iter().find(|job| job.name == name).expect("a job");
-            match bmv::study::delivered(&pass, named) {
+            match bmv::job::delivered(&pass, named) {
                 Some(Readiness::Ready(job)) => (name, job),
                 _ => panic!("{name} is not ready"),
             }

@@ -5,9 +5,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use bmv::inference::rows::used_rows;
+use bmv::job::ready::Readiness;
 use bmv::job::{calibrate, predict, propagate};
-use bmv::study::ready::Readiness;
-use bmv::study::{load, ready};
+use bmv::job::{load, ready};
 use nalgebra::{DMatrix, DVector};
 use serde_json::Value;
 

@@ -103,7 +103,7 @@ fn loaded(case: &Case) -> Problem {
         std::fs::create_dir_all(path.parent().expect("a parent")).expect("made");
         std::fs::write(path, text).expect("written");
     }
-    let pass = bmv::study::load(&folder.path().join("pass-1.json"));
+    let pass = bmv::job::load(&folder.path().join("pass-1.json"));
     let pass = pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)));
     assert!(pass.warnings.is_empty(), "{}", pass.warnings.render(false, 20));
     bmv::study::problem(&pass)

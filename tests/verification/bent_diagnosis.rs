@@ -12,7 +12,7 @@ use bmv::random::StreamKey;
 #[test]
 fn what_a_bound_hides_is_found_where_the_parameters_were_believed_to_be() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/verification/two_paths/pass-1.json");
-    let pass = bmv::study::load(&file).unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)));
+    let pass = bmv::job::load(&file).unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)));
     let problem = bmv::study::problem(&pass);
     let diagnosis = Diagnosis::new(problem, Settings::default(), StreamKey::new(7, "test", "bent"));
     let output = diagnosis.run().expect("a diagnosis");

@@ -156,7 +156,7 @@ pub fn radiator() -> Model {
 /// Quantities: the nine temperatures, the current, heat out of the cold side.
 pub fn sxm() -> Model {
     let pass = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/verification/sxm/pass-1.json");
-    match bmv::study::load(&pass) {
+    match bmv::job::load(&pass) {
         Ok(pass) => pass.model,
         Err(_) => panic!("{} does not load", pass.display()),
     }

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use bmv::inference::measurement::{Initial, InputColumn, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};
-use bmv::job::compare::{Compare, Criteria, Output, Spec};
+use bmv::job::compare::{Compare, Output, Spec};
+use bmv::study::profile::Criteria;
 use bmv::thermal::Model;
 
 use super::build::Build;

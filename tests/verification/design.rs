@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use bmv::job::design::{Candidate, Design, Estimator, Output, Spec};
 use bmv::random::Distribution;
-use bmv::study::{JobSpec, Pass};
+use bmv::study::Pass;
 
 use super::radiator::run;
 
@@ -18,7 +18,7 @@ fn pass(model: &str, jobs: &str) -> Pass {
         r#"{{"format": "bmv-pass/1", "title": "t", "parent": null, "model": "model.json", "seed": 7, "jobs": {jobs}}}"#
     );
     std::fs::write(folder.path().join("pass-1.json"), text).unwrap();
-    match bmv::study::load(&folder.path().join("pass-1.json")) {
+    match bmv::job::load(&folder.path().join("pass-1.json")) {
         Ok(pass) => pass,
         Err(diagnostics) => panic!("{}", diagnostics.render(false, 20)),
     }
@@ -26,10 +26,7 @@ fn pass(model: &str, jobs: &str) -> Pass {
 
 /// Settings of the pass's design.
 pub fn settings(pass: &Pass) -> Spec {
-    let found = pass.jobs.iter().find_map(|job| match &job.spec {
-        JobSpec::Design(spec) => Some(spec.clone()),
-        _ => None,
-    });
+    let found = pass.jobs.iter().find_map(|job| job.spec.get::<bmv::job::design::Spec>().cloned());
     found.unwrap()
 }
 
@@ -453,7 +450,7 @@ fn what_cannot_be_done_is_refused_at_its_place() {
         );
         let file = folder.path().join("pass-1.json");
         std::fs::write(&file, text).unwrap();
-        let Err(diagnostics) = bmv::study::load(&file) else { panic!("{how} is taken") };
+        let Err(diagnostics) = bmv::job::load(&file) else { panic!("{how} is taken") };
         let shown = diagnostics.render(false, 20);
         assert!(shown.contains(code) && shown.contains(words) && shown.contains("pass-1.json:1:"), "{how}: {shown}");
     }
@@ -473,7 +470,7 @@ fn a_sensor_of_the_measurements_that_stands_twice_is_refused() {
             r#""jobs": {{ "next": {{"design": {{"learn": ["Gh"], "nuisance": [], "conditions": {{"V": [1, 2]}}{sensors}}}}},"#
         );
         std::fs::write(folder.path().join("pass-2.json"), text.replace(r#""jobs": {"#, &job)).unwrap();
-        bmv::study::load(&folder.path().join("pass-2.json"))
+        bmv::job::load(&folder.path().join("pass-2.json"))
     };
     let Ok(pass) = load("") else { panic!("the sensors of the pass") };
     assert_eq!(settings(&pass).sensors.len(), 5);
@@ -495,7 +492,7 @@ const COUPON: [[f64; 5]; 4] = [
 
 fn radiator() -> Pass {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/radiator/pass-1.json");
-    let Ok(pass) = bmv::study::load(&file) else { panic!("the radiator loads") };
+    let Ok(pass) = bmv::job::load(&file) else { panic!("the radiator loads") };
     pass
 }
 
@@ -563,7 +560,7 @@ const CHAMBER: [[f64; 5]; 3] =
 #[test]
 fn the_chamber_of_the_monitor_tells_more_with_the_cooler_at_work() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/sxm/pass-1.json");
-    let Ok(pass) = bmv::study::load(&file) else { panic!("the monitor loads") };
+    let Ok(pass) = bmv::job::load(&file) else { panic!("the monitor loads") };
     let how = Spec { outer: 1024, inner: 512, pick: 1, choose_sensors: None, ..settings(&pass) };
     let output = designed(&pass, how, &pass.priors);
     for (candidate, reference) in output.candidates.iter().zip(CHAMBER.as_flattened()) {

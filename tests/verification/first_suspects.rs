@@ -3,10 +3,10 @@
 
 use bmv::diagnosis::{Output, Verdict};
 use bmv::job::findings::Findings;
+use bmv::job::next_pass::{Asked, next_pass};
+use bmv::job::ready::Readiness;
 use bmv::random::StreamKey;
 use bmv::study::Pass;
-use bmv::study::next_pass::{Asked, next_pass};
-use bmv::study::ready::Readiness;
 
 use crate::serial;
 
@@ -74,11 +74,11 @@ impl Study {
     }
 
     fn load(&self, file: &str) -> Pass {
-        bmv::study::load(&self.0.path().join(file)).unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)))
+        bmv::job::load(&self.0.path().join(file)).unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)))
     }
 
     fn result(&self) -> serde_json::Value {
-        let (_, readiness) = bmv::study::ready(&self.load("pass-1.json")).into_iter().next().expect("a job");
+        let (_, readiness) = bmv::job::ready(&self.load("pass-1.json")).into_iter().next().expect("a job");
         let Readiness::Ready(job) = readiness else { panic!("ready") };
         serial::run(job.as_ref()).expect("a result")
     }
@@ -115,8 +115,8 @@ fn a_prior_that_excludes_the_truth_is_named_before_any_effect() {
     assert!((after.model.parameters[0].nominal - fitted.most_probable).abs() < 1e-3);
     let (low, high) = (after.priors[0].quantile(0.01), after.priors[0].quantile(0.99));
     assert!(0.0 < low && low < 0.35 && high > 0.55, "{low} {high}");
-    assert_eq!(bmv::study::next_pass::twin(&pass, &["prior-of:G"]), Some(path), "it is there already");
-    assert_eq!(bmv::study::next_pass::twin(&pass, &["prior-of:G_b"]), None);
+    assert_eq!(bmv::job::next_pass::twin(&pass, &["prior-of:G"]), Some(path), "it is there already");
+    assert_eq!(bmv::job::next_pass::twin(&pass, &["prior-of:G_b"]), None);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use bmv::job::propagate;
-use bmv::study::ready::Readiness;
+use bmv::job::ready::Readiness;
 
 use super::radiator::run;
 
@@ -34,8 +34,8 @@ fn moments_are_exact_within_their_standard_errors_in_all_samplings() {
     // Computed once with other software.
     assert!((mean - 126.3966285).abs() < 1e-7 && (sd - 67.24918143).abs() < 1e-7, "{mean} {sd}");
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/verification/flux/pass-1.json");
-    let Ok(pass) = bmv::study::load(&file) else { panic!("the study loads") };
-    let jobs = bmv::study::ready(&pass);
+    let Ok(pass) = bmv::job::load(&file) else { panic!("the study loads") };
+    let jobs = bmv::job::ready(&pass);
     // Largest errors of mean and standard deviation in standard errors of independent draws: 4 by chance alone. The mean
     // is nearly a sum of functions of one variable, whose error slices remove; the square is not. Sobol points do both.
     for (name, largest, largest_of_sd) in

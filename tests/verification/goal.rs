@@ -4,16 +4,13 @@ use std::sync::Arc;
 
 use bmv::job::goal::{Discrepancy, Goal, Next, Output, Spec};
 use bmv::random::Distribution;
-use bmv::study::{JobSpec, Pass};
+use bmv::study::Pass;
 
 use super::radiator::run;
 use super::sensitivity::load;
 
 fn spec(pass: &Pass) -> Spec {
-    let spec = pass.jobs.iter().find_map(|job| match &job.spec {
-        JobSpec::Goal(spec) => Some(spec.clone()),
-        _ => None,
-    });
+    let spec = pass.jobs.iter().find_map(|job| job.spec.get::<bmv::job::goal::Spec>().cloned());
     spec.expect("a goal job")
 }
 

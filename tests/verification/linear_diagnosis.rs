@@ -8,9 +8,9 @@ use std::sync::Arc;
 use bmv::diagnosis::fits::refit::Begin;
 use bmv::diagnosis::{Diagnosis, Problem, Settings, Verdict};
 use bmv::inference::measurement::Uncertain;
+use bmv::job::ready::Readiness;
 use bmv::math::functions::{exp, ln};
 use bmv::random::StreamKey;
-use bmv::study::ready::Readiness;
 use nalgebra::{DMatrix, DVector};
 
 use crate::serial;
@@ -118,7 +118,7 @@ fn problem_of(folder: &Path, readings_k: &DVector<f64>, kinds: &[&str]) -> Probl
     for (name, text) in [("model.json", MODEL), ("data.csv", &table), ("pass-1.json", &pass)] {
         std::fs::write(folder.join(name), text).expect("written");
     }
-    let pass = bmv::study::load(&folder.join("pass-1.json"));
+    let pass = bmv::job::load(&folder.join("pass-1.json"));
     let mut problem = bmv::study::problem(&pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20))));
     problem.candidates.retain(|own| kinds.contains(&own.effect.as_str()));
     problem
@@ -348,9 +348,9 @@ fn a_posterior_as_prior_gives_the_evidence_of_sequential_bayes() {
     let values: Vec<Vec<f64>> = draws.iter().map(|draw| draw.iter().copied().collect()).collect();
     let result = serde_json::json!({"converged": true, "order": ["P_A", "P_B"],
         "parameters": {"P_A": ess, "P_B": ess}, "draws": {"values": values}});
-    let pass = bmv::study::load(&folder.path().join("pass-2.json"));
+    let pass = bmv::job::load(&folder.path().join("pass-2.json"));
     let pass = pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)));
-    let (_, readiness) = bmv::study::ready(&pass).into_iter().next().expect("a job");
+    let (_, readiness) = bmv::job::ready(&pass).into_iter().next().expect("a job");
     let Readiness::After(waiting) = readiness else { panic!("after the calibration") };
     let job = waiting.prepare(&[Arc::new(result)]).expect("a density");
     assert_eq!(job.identity(), waiting.identity(), "known before the calibration ran");
@@ -403,8 +403,8 @@ fn draws_that_are_not_normal_are_refused_as_a_prior() {
     let ess = serde_json::json!({"ess_bulk": 2000.0, "ess_tail": 2000.0});
     let result = serde_json::json!({"converged": true, "order": ["P_A", "P_B"],
         "parameters": {"P_A": ess, "P_B": ess}, "draws": {"values": values}});
-    let pass = bmv::study::load(&folder.path().join("pass-2.json")).unwrap_or_else(|_| panic!("it loads"));
-    let (_, readiness) = bmv::study::ready(&pass).into_iter().next().expect("a job");
+    let pass = bmv::job::load(&folder.path().join("pass-2.json")).unwrap_or_else(|_| panic!("it loads"));
+    let (_, readiness) = bmv::job::ready(&pass).into_iter().next().expect("a job");
     let Readiness::After(waiting) = readiness else { panic!("after the calibration") };
     let Err(error) = waiting.prepare(&[Arc::new(result)]) else { panic!("it is taken") };
     assert!(error.to_string().contains("cannot be a prior here: a normal distribution of the scores"), "{error}");
@@ -476,9 +476,9 @@ fn diagnosed(table: &str, effect: (&str, &str), pass: &str) -> bmv::diagnosis::O
     for (name, text) in [("model.json", MODEL), ("data.csv", table), effect, ("pass-1.json", pass)] {
         std::fs::write(folder.path().join(name), text).expect("written");
     }
-    let pass = bmv::study::load(&folder.path().join("pass-1.json"));
+    let pass = bmv::job::load(&folder.path().join("pass-1.json"));
     let pass = pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)));
-    let (_, readiness) = bmv::study::ready(&pass).into_iter().next().expect("a job");
+    let (_, readiness) = bmv::job::ready(&pass).into_iter().next().expect("a job");
     let Readiness::Ready(job) = readiness else { panic!("ready") };
     serde_json::from_value(serial::run(job.as_ref()).expect("a result")).expect("a diagnosis")
 }

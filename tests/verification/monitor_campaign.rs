@@ -8,7 +8,7 @@ use std::sync::Arc;
 use bmv::job::conventional::{self, Basis, Conventional};
 use bmv::job::propagate::{self, Propagate};
 use bmv::random::{Distribution, StreamKey};
-use bmv::study::{JobSpec, Pass};
+use bmv::study::Pass;
 use bmv::thermal::{Network, Start};
 
 use super::radiator::{propagation, run};
@@ -27,7 +27,7 @@ fn folder() -> PathBuf {
 }
 
 pub fn study(pass: &str) -> Pass {
-    let Ok(pass) = bmv::study::load(&folder().join(pass)) else { panic!("{pass} loads") };
+    let Ok(pass) = bmv::job::load(&folder().join(pass)) else { panic!("{pass} loads") };
     assert!(pass.reconstructed.as_ref().is_some_and(|text| text.contains("reconstructed")));
     pass
 }
@@ -178,10 +178,7 @@ fn the_deck_may_be_as_warm_as_the_priors_allow() {
 #[test]
 fn margins_by_rule_seek_the_warmest_deck() {
     let pass = study("pass-1.json");
-    let spec = pass.jobs.iter().find_map(|job| match &job.spec {
-        JobSpec::Conventional(spec) => Some(spec.clone()),
-        _ => None,
-    });
+    let spec = pass.jobs.iter().find_map(|job| job.spec.get::<bmv::job::conventional::Spec>().cloned());
     let job = |priors, spec| {
         let job = Conventional::new(spec, Arc::new(pass.model.clone()), priors).unwrap();
         run::<conventional::Output>(&job)

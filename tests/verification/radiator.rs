@@ -8,11 +8,12 @@ use std::sync::Arc;
 use bmv::expression::Symbol;
 use bmv::job::conventional::Basis;
 use bmv::job::goal::Discrepancy;
-use bmv::job::propagate::{Propagate, Sampling, Spec, Sweep};
+use bmv::job::propagate::{Propagate, Sampling, Spec};
+use bmv::job::ready::Readiness;
 use bmv::job::{Runnable, conventional, propagate};
 use bmv::random::Distribution;
-use bmv::study::ready::Readiness;
-use bmv::study::{JobSpec, Pass};
+use bmv::study::Pass;
+use bmv::study::variable::Sweep;
 use bmv::thermal::{Network, Start};
 use serde::de::DeserializeOwned;
 
@@ -20,7 +21,7 @@ use crate::serial;
 
 fn radiator() -> Pass {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/radiator/pass-1.json");
-    let Ok(pass) = bmv::study::load(&file) else { panic!("the radiator loads") };
+    let Ok(pass) = bmv::job::load(&file) else { panic!("the radiator loads") };
     assert!(pass.reconstructed.as_ref().is_some_and(|text| text.contains("reconstructed")));
     pass
 }
@@ -32,10 +33,7 @@ pub fn run<T: DeserializeOwned>(job: &dyn Runnable) -> T {
 
 /// Settings of the pass's propagation.
 pub fn propagation(pass: &Pass) -> Spec {
-    let spec = pass.jobs.iter().find_map(|job| match &job.spec {
-        JobSpec::Propagate(spec) => Some(spec.clone()),
-        _ => None,
-    });
+    let spec = pass.jobs.iter().find_map(|job| job.spec.get::<bmv::job::propagate::Spec>().cloned());
     spec.unwrap()
 }
 
@@ -167,7 +165,7 @@ fn sizes_by_probability_before_and_after_a_measurement_of_the_emittance() {
 #[test]
 fn sizes_by_margin_rules() {
     let pass = radiator();
-    let jobs = bmv::study::ready(&pass);
+    let jobs = bmv::job::ready(&pass);
     let Some((_, Readiness::Ready(job))) = jobs.iter().find(|(name, _)| name == "margins") else { panic!("margins") };
     let result: conventional::Output = run(job.as_ref());
     let size = |rule: &str, basis: Basis| {

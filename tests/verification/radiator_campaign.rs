@@ -33,7 +33,7 @@ fn folder() -> PathBuf {
 }
 
 fn load(file: &Path) -> Pass {
-    match bmv::study::load(file) {
+    match bmv::job::load(file) {
         Ok(pass) => pass,
         Err(diagnostics) => panic!("{}", diagnostics.render(false, 20)),
     }

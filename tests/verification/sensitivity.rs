@@ -7,14 +7,14 @@ use std::sync::Arc;
 use bmv::job::sensitivity::{FailedSolve, Method, Output, Sensitivity, Spec, refusal};
 use bmv::random::Distribution;
 use bmv::statistics::sobol_indices::Estimate;
-use bmv::study::{JobSpec, Pass};
+use bmv::study::Pass;
 
 use super::radiator::run;
 use crate::serial;
 
 /// A pass of the repository.
 pub fn load(pass: &str) -> Pass {
-    match bmv::study::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join(pass)) {
+    match bmv::job::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join(pass)) {
         Ok(pass) => pass,
         Err(_) => panic!("{pass} does not load"),
     }
@@ -22,10 +22,7 @@ pub fn load(pass: &str) -> Pass {
 
 /// Settings of a pass's analysis.
 fn spec(pass: &Pass) -> Spec {
-    let spec = pass.jobs.iter().find_map(|job| match &job.spec {
-        JobSpec::Sensitivity(spec) => Some(spec.clone()),
-        _ => None,
-    });
+    let spec = pass.jobs.iter().find_map(|job| job.spec.get::<bmv::job::sensitivity::Spec>().cloned());
     spec.expect("a sensitivity job")
 }
 
@@ -159,7 +156,7 @@ fn failed_solves_leave_their_rows_out_and_are_bounded() {
     std::fs::write(folder.path().join("model.json"), model).unwrap();
     let text = r#"{"format": "bmv-pass/1", "jobs": {"effects": {"sensitivity": {"samples": 1024}}}}"#;
     std::fs::write(folder.path().join("pass-1.json"), text).unwrap();
-    let Ok(broken) = bmv::study::load(&folder.path().join("pass-1.json")) else { panic!("it loads") };
+    let Ok(broken) = bmv::job::load(&folder.path().join("pass-1.json")) else { panic!("it loads") };
     pass.model = broken.model.clone();
     let output = analysed(&pass, spec(&broken), pass.priors.clone(), 1);
     let case = &output.cases[0];

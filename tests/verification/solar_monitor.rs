@@ -10,7 +10,7 @@ use super::radiator::{propagation, run};
 #[test]
 fn prior_distributions_and_probabilities_by_deck_temperature() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/verification/sxm/pass-1.json");
-    let Ok(pass) = bmv::study::load(&file) else { panic!("the study loads") };
+    let Ok(pass) = bmv::job::load(&file) else { panic!("the study loads") };
     let job = Propagate::new(propagation(&pass), Arc::new(pass.model.clone()), pass.priors.clone(), pass.seed, "prior");
     let result: Output = run(&job.unwrap());
     let nominal = &result.cases[0];

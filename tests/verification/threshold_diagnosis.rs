@@ -38,7 +38,7 @@ fn problem(folder: &Path, table: &str, pass: &str) -> Problem {
     for (name, text) in [("model.json", MODEL), ("data.csv", table), ("pass-1.json", pass)] {
         std::fs::write(folder.join(name), text).expect("written");
     }
-    let pass = bmv::study::load(&folder.join("pass-1.json"));
+    let pass = bmv::job::load(&folder.join("pass-1.json"));
     let mut problem = bmv::study::problem(&pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20))));
     let rivals =
         ["conductance-step", "temperature-dependent-conductance", "heat-load", "heater-efficiency", "thermal-mass"];

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use bmv::inference::measurement::Rows;
+use bmv::job::ready::Readiness;
 use bmv::random::StreamKey;
-use bmv::study::ready::Readiness;
 
 use super::radiator::run;
 
@@ -42,7 +42,7 @@ fn study(slopes: &[f64]) -> tempfile::TempDir {
 }
 
 fn load(folder: &tempfile::TempDir) -> bmv::study::Pass {
-    let pass = bmv::study::load(&folder.path().join("pass-1.json"));
+    let pass = bmv::job::load(&folder.path().join("pass-1.json"));
     pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)))
 }
 
@@ -75,7 +75,7 @@ fn a_plateau_that_drifts_is_named_by_plan_compare_and_diagnose() {
         "{doubts:?}"
     );
     assert_eq!(pass.warnings.plain()[0].code, "not-stabilised");
-    for (name, readiness) in bmv::study::ready(&pass) {
+    for (name, readiness) in bmv::job::ready(&pass) {
         let Readiness::Ready(job) = readiness else { panic!("{name}") };
         let told: Vec<String> = if name == "delivered" {
             let output: bmv::job::compare::Output = run(job.as_ref());

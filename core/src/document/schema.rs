@@ -43,8 +43,14 @@ impl Schemas {
 
     /// The whole schema of a file, which may link to its schema.
     pub fn document<T: super::written::Written>(title: &str) -> Value {
+        Self::document_with::<T>(title, |_| {})
+    }
+
+    /// The same with definitions that the type refers to and does not know.
+    pub fn document_with<T: super::written::Written>(title: &str, define: impl FnOnce(&mut Self)) -> Value {
         let mut schemas = Self::new();
         let root = T::schema(&mut schemas);
+        define(&mut schemas);
         let name = root["$ref"].as_str().and_then(|reference| reference.strip_prefix("#/$defs/"));
         let definition = name.and_then(|name| schemas.definitions.get_mut(name));
         if let Some(properties) = definition.and_then(|own| own["properties"].as_object_mut()) {

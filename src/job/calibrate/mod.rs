@@ -7,8 +7,11 @@
 
 mod block;
 mod checks;
+mod form;
+mod kind;
 mod output;
 mod predictive;
+mod resolve;
 mod result;
 mod sampling;
 mod scores;
@@ -24,7 +27,6 @@ pub use output::{
     ParameterSummary, PhaseScore, PredictiveRow, Sampler, SensorPredictive, Spec, Spent, UsedData,
 };
 
-use super::handed_on::HandedOn;
 use super::{Done, Job, JobError, Parts, Step};
 use crate::inference::informed::Informed;
 use crate::inference::joint_prior::Fit;
@@ -33,8 +35,10 @@ use crate::inference::measurement::Measurement;
 use crate::inference::point_estimate::{self, PointSettings};
 use crate::inference::prediction::Predictor;
 use crate::random::{Distribution, StreamKey};
+use crate::study::handed_on::HandedOn;
 use crate::thermal::Model;
 use block::{Partial, State, Task};
+pub use kind::Kind;
 
 const ESTIMATE: &str = "estimate";
 const SAMPLE: &str = "sample";

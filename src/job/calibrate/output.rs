@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::inference::joint_prior::Fit;
-use crate::job::handed_on::HandedOnSummary;
 use crate::random::Distribution;
+use crate::study::handed_on::HandedOnSummary;
 
 /// How the posterior is sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]

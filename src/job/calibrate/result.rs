@@ -15,8 +15,8 @@ use crate::inference::rows::used_rows;
 use crate::inference::scatter;
 use crate::inference::smc::{self, Island};
 use crate::inference::target::{LeastSquares, Target};
-use crate::job::handed_on::HandedOn;
 use crate::job::{Done, JobError, Step};
+use crate::study::handed_on::HandedOn;
 
 /// Draws kept of all chains.
 const KEPT: usize = 1000;

@@ -1,13 +1,17 @@
 //! Model against measurements at given parameters: by sensor, by phase, against criteria, and in words.
 
 mod deviation;
+mod form;
+mod kind;
 mod output;
+mod resolve;
 mod stretch;
 mod trend;
 mod tuned;
 mod view;
 mod words;
 
+use crate::study::profile::Criteria;
 use std::sync::Arc;
 
 use serde_json::{Value, json};
@@ -19,14 +23,15 @@ use crate::inference::scatter;
 use crate::thermal::{Model, NodeKind};
 
 pub use output::{
-    Criteria, Deviation, FailedPhase, HeatBalance, Output, PhaseSummary, Row, SensorSummary, Spec, StabilisationCheck,
-    Trend, TunedSensor, TunedState, Verdict,
+    Deviation, FailedPhase, HeatBalance, Output, PhaseSummary, Row, SensorSummary, Spec, StabilisationCheck, Trend,
+    TunedSensor, TunedState, Verdict,
 };
 pub use tuned::Tuned;
 pub use view::view;
 
 use super::{Done, Job, JobError, Parts, Step};
 use deviation::{KELVIN, deviation, noise_rmse, of_one_unit};
+pub use kind::Kind;
 use stretch::{Stretch, stretches};
 
 /// A comparison, ready to run.

@@ -1,5 +1,6 @@
 //! Settings and result of a comparison.
 
+use crate::study::profile::Criteria;
 use serde::{Deserialize, Serialize};
 
 /// A number's summary of measured minus predicted over some readings, in the sensor's SI unit.
@@ -17,27 +18,6 @@ pub struct Deviation {
     pub max: f64,
     /// Share of readings within the profile's limit for one sensor.
     pub within_limit: f64,
-}
-
-/// What a profile demands; `None` where it demands nothing.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct Criteria {
-    /// Name of the profile.
-    pub name: String,
-    /// Title, for people.
-    pub title: String,
-    /// Largest deviation of one reading, K.
-    pub each_k: Option<f64>,
-    /// Largest magnitude of the mean deviation, K.
-    pub mean_k: Option<f64>,
-    /// Largest standard deviation, K.
-    pub sd_k: Option<f64>,
-    /// Share of readings that must keep `each_k`.
-    pub share: Option<f64>,
-    /// Drift below which a steady phase counts as stabilised, K/s.
-    pub stabilisation_k_per_s: Option<f64>,
-    /// Where it comes from.
-    pub source: String,
 }
 
 /// One criterion's outcome.

@@ -4,13 +4,14 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::deviation::deviation;
-use super::output::{Criteria, Deviation, Row, SensorSummary, TunedSensor, TunedState};
+use super::output::{Deviation, Row, SensorSummary, TunedSensor, TunedState};
 use crate::inference::measurement::{Measurement, Rows, Sensor, Uncertain};
 use crate::inference::prediction::Predictor;
 use crate::inference::unknown::settled;
 use crate::job::JobError;
 use crate::math::functions::exp;
 use crate::math::special::chi_square_quantile;
+use crate::study::profile::Criteria;
 use crate::thermal::Model;
 
 /// Correlation times beyond which readings count as independent: the correlation is e^-12 there.

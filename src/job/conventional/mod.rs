@@ -5,8 +5,12 @@
 //! the range's end, the rule passes: the smallest in a range that rises, the largest in one that falls. A heat-load
 //! margin changes the heat loads of the case, nominal or stacked, up or down, whichever is worse.
 
+mod form;
+mod kind;
 mod output;
+mod resolve;
 
+use crate::study::rule::{Margin, Rule};
 use std::sync::Arc;
 
 use serde_json::{Value, json};
@@ -15,12 +19,13 @@ use crate::math::root;
 use crate::random::Distribution;
 use crate::thermal::{Model, Network, Start, Workspace};
 
-pub use output::{Basis, Margin, Output, Rule, Size, Spec, WorstEnd};
+pub use output::{Basis, Output, Size, Spec, WorstEnd};
 
 use super::fault::listed;
-use super::propagate::Variable;
-use super::requirement::{Environment, Requirement};
 use super::{Done, Job, JobError, Parts, Step};
+use crate::study::requirement::{Environment, Requirement};
+use crate::study::variable::Variable;
+pub use kind::Kind;
 
 /// Design values tried to find where a rule begins to pass.
 const GRID: usize = 65;
@@ -335,7 +340,7 @@ impl Job for Conventional {
 mod tests {
     use super::*;
     use crate::expression::{Binary, Graph, Symbol};
-    use crate::job::propagate::Sweep;
+    use crate::study::variable::Sweep;
     use crate::thermal::{Parameter, Quantity, QuantityValue};
 
     /// An algebraic model of one quantity over parameters `load` (nominal 10) and `bend` (nominal 0), and a size.

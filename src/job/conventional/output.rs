@@ -1,9 +1,10 @@
 //! Settings and result of the conventional way.
 
+use crate::study::rule::Rule;
 use serde::{Deserialize, Serialize};
 
-use crate::job::propagate::Sweep;
-use crate::job::requirement::{Environment, Requirement};
+use crate::study::requirement::{Environment, Requirement};
+use crate::study::variable::Sweep;
 
 /// The parameters at which a rule looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -25,29 +26,6 @@ impl Basis {
     }
 }
 
-/// What a rule adds.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Margin {
-    /// The limit is moved towards the prediction by so many kelvins.
-    TemperatureK(f64),
-    /// The heat loads are multiplied by 1 + this share.
-    HeatLoad(f64),
-}
-
-/// A margin rule, from a data file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct Rule {
-    /// Name.
-    pub name: String,
-    /// What it adds.
-    pub margin: Margin,
-    /// Title, for people.
-    pub title: String,
-    /// Where it comes from.
-    pub source: String,
-}
-
 /// Resolved settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spec {
@@ -60,7 +38,7 @@ pub struct Spec {
     /// The design variable, with the range in which the size is sought (first and last value); rules pass towards its end.
     pub design: Sweep,
     /// Names of the parameters and inputs that are heat loads (for heat-load margins).
-    pub heat_loads: Vec<crate::job::propagate::Variable>,
+    pub heat_loads: Vec<crate::study::variable::Variable>,
 }
 
 /// What a rule leads to.

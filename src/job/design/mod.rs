@@ -9,9 +9,12 @@
 
 mod block;
 mod choice;
+mod form;
 mod information;
+mod kind;
 mod output;
 mod plant;
+mod resolve;
 mod samples;
 mod search;
 mod summary;
@@ -32,6 +35,7 @@ use crate::thermal::Model;
 use block::{Found, Information, Known, PredictHead, Purpose, Set, State, Task};
 use choice::Choice;
 use information::Question;
+pub use kind::Kind;
 use plant::{Outside, Place, Plant};
 use samples::{REPLICATES, Samples};
 

@@ -3,15 +3,20 @@
 //! Stages: `screen` (one block), then rounds of `refit N` (sets of effects, some a block) and `extend N` (one block),
 //! then `conclude` (one block).
 
+mod form;
+mod kind;
+mod resolve;
+
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::handed_on::HandedOn;
 use super::{Done, Job, JobError, Parts, Step};
 use crate::diagnosis::output::PriorOfDraws;
 use crate::diagnosis::{Diagnosis, Order, Output, Problem, Refit, Settings, State};
 use crate::random::StreamKey;
+use crate::study::handed_on::HandedOn;
 use crate::watch;
+pub use kind::Kind;
 
 const SCREEN: &str = "screen";
 const REFIT: &str = "refit";

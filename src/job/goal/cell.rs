@@ -5,9 +5,10 @@ use serde::{Deserialize, Serialize};
 use super::Goal;
 use super::knowledge::{Known, Sharpened};
 use crate::job::fault::listed;
-use crate::job::propagate::{Probability, Variable};
+use crate::job::propagate::Probability;
 use crate::math::special::normal_cdf;
 use crate::statistics::Interval;
+use crate::study::variable::Variable;
 use crate::thermal::{LANES, SampleBatch, Start};
 
 /// Confidence of intervals.

@@ -7,9 +7,12 @@
 
 mod advice;
 mod cell;
+mod form;
+mod kind;
 mod knowledge;
 mod output;
 mod prior;
+mod resolve;
 mod result;
 
 use std::sync::Arc;
@@ -22,11 +25,13 @@ use crate::thermal::{Model, Network, Start};
 
 pub use output::{Advice, Discrepancy, Driving, Knowledge, Leading, Level, Met, Next, Output, Spec, Target, Truths};
 
-use super::propagate::Variable;
 use super::{Done, Job, JobError, Parts, Step};
+use crate::study::variable::Variable;
 use cell::{Cell, Outcome, Role};
+pub use kind::Kind;
 use knowledge::{Known, error_for};
 use prior::Prior;
+pub use resolve::discrepancies;
 
 /// Most leading parameters that are sharpened together.
 const MOST_TOGETHER: usize = 3;

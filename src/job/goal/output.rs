@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::job::propagate::{Probability, Sweep};
-use crate::job::requirement::{Environment, Requirement};
+use crate::job::propagate::Probability;
 use crate::statistics::sobol_indices::Estimate;
+use crate::study::requirement::{Environment, Requirement};
+use crate::study::variable::Sweep;
 
 /// What is known of the model's discrepancy in a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

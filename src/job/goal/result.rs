@@ -74,8 +74,8 @@ impl Goal {
         let (failed, solves) = self.counts(state);
         let design = self.spec.design.as_ref();
         let design_nominal = design.map(|design| match design.variable {
-            crate::job::propagate::Variable::Parameter(index) => self.nominal[index],
-            crate::job::propagate::Variable::Input(index) => {
+            crate::study::variable::Variable::Parameter(index) => self.nominal[index],
+            crate::study::variable::Variable::Input(index) => {
                 self.spec.environments.first().map_or(0.0, |environment| environment.inputs[index])
             }
         });

@@ -10,12 +10,16 @@
 //! anyway; what the number of draws leaves open stands in the intervals instead (`statistics::clusters`).
 
 mod block;
+mod form;
+mod kind;
 mod main_effects;
 mod output;
 pub(super) mod reached;
+mod resolve;
 mod summary;
 mod view;
 
+use crate::study::variable::Variable;
 use std::sync::Arc;
 
 use serde_json::{Value, json};
@@ -27,16 +31,19 @@ use crate::thermal::{LANES, Model, Network, SampleBatch, Start};
 
 pub use output::{
     AddedDiscrepancy, Case, Conditional, Distributed, FailedSample, Joint, MainEffect, Met, Output, Probability,
-    Quantile, Reached, Sampling, Spec, Sweep, Variable,
+    Quantile, Reached, Sampling, Spec,
 };
 pub use view::view;
 
 use super::fault::listed;
 use super::goal::Discrepancy;
-use super::handed_on::HandedOn;
-use super::requirement::Environment;
 use super::{Done, Job, JobError, Parts, Step};
+use crate::study::handed_on::HandedOn;
+use crate::study::requirement::Environment;
 pub use block::{BlockInput, BlockOutput};
+pub use form::{PropagateForm, SamplingForm};
+pub use kind::Kind;
+pub use resolve::resolve;
 
 /// Samples in a block; part of the job's identity.
 const BLOCK: u64 = 8192;

@@ -1,10 +1,11 @@
 //! Settings and result of a propagation.
 
+use crate::study::variable::Sweep;
 use serde::{Deserialize, Serialize};
 
-use crate::job::handed_on::HandedOnSummary;
-use crate::job::requirement::{Environment, Requirement};
 use crate::statistics::sobol_indices::Estimate;
+use crate::study::handed_on::HandedOnSummary;
+use crate::study::requirement::{Environment, Requirement};
 
 /// How the priors are sampled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -17,29 +18,6 @@ pub enum Sampling {
     /// Scrambled Sobol points.
     #[default]
     Sobol,
-}
-
-/// What a design variable is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Variable {
-    /// Index of a parameter.
-    Parameter(usize),
-    /// Index of an input.
-    Input(usize),
-}
-
-/// Values that a design variable takes one after the other.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Sweep {
-    /// Name of the parameter or input.
-    pub name: String,
-    /// Unit as the study writes it, for people.
-    pub unit: String,
-    /// Which one.
-    pub variable: Variable,
-    /// Values, SI, increasing.
-    pub values: Vec<f64>,
 }
 
 /// Resolved settings.

@@ -7,8 +7,11 @@
 
 mod block;
 mod evaluate;
+mod form;
+mod kind;
 mod one_at_a_time;
 mod output;
+mod resolve;
 mod sobol;
 mod summary;
 mod view;
@@ -30,6 +33,7 @@ pub use view::view;
 use super::fault::listed;
 use super::{Done, Job, JobError, Parts, Step};
 use block::{BlockInput, Found, Work};
+pub use kind::Kind;
 
 /// Solves of a block of rows, about; part of the identity.
 const BLOCK_SOLVES: u64 = 1 << 15;

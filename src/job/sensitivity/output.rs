@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::job::requirement::Environment;
 use crate::statistics::elementary_effects::ElementaryEffect;
 use crate::statistics::sobol_indices::{Estimate, Place};
+use crate::study::requirement::Environment;
 
 /// A way to tell which parameters matter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]

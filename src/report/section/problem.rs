@@ -172,7 +172,7 @@ fn inputs(report: &PassReport<'_>) -> Vec<Block> {
 
 fn environments(report: &PassReport<'_>) -> Vec<Block> {
     // One environment at nominal inputs says nothing beyond the table of inputs.
-    let is_nominal = |e: &crate::job::requirement::Environment| {
+    let is_nominal = |e: &crate::study::requirement::Environment| {
         e.inputs.iter().zip(&report.model.inputs).all(|(value, input)| *value == input.nominal)
     };
     if report.model.inputs.is_empty() || report.environments.iter().all(is_nominal) {

@@ -1,11 +1,12 @@
 //! Sizes: the probabilistic one beside those of the conventional rules.
 
-use crate::job::conventional::{Basis, Margin, Output, Size};
+use crate::job::conventional::{Basis, Output, Size};
 use crate::job::propagate::Reached;
 use crate::report::number::{self, NONE, Shown, percent, significant};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text};
 use crate::report::plot::{Axis, Bar, bar_chart, palette};
 use crate::report::view::PassReport;
+use crate::study::rule::Margin;
 
 use super::propagation::curve;
 

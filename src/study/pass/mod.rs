@@ -1,17 +1,17 @@
 //! A pass as written: `pass-N.json`, format `bmv-pass/1`.
 
 pub mod adopt;
-pub mod design;
-pub mod job;
 pub mod measurement;
 pub mod uncertain;
+pub mod variable;
 
 use crate::document::{Amount, Map, Spanned, written_struct};
 
 use adopt::Adopted;
-use job::{JobForm, RangeForm};
 use measurement::MeasurementForm;
+use variable::RangeForm;
 
+use super::job::JobNode;
 use super::model::{PriorForm, QuantityOrName};
 use super::profile::ProfileForm;
 
@@ -44,7 +44,7 @@ written_struct! {
         /// What was measured.
         default(Map::default()) measurements: Map<MeasurementForm>,
         /// What is computed; not inherited.
-        default(Map::default()) jobs: Map<JobForm>,
+        default(Map::default()) jobs: Map<JobNode>,
         /// Quantities beside those of the model.
         default(Map::default()) quantities: Map<QuantityOrName>,
         /// Criteria profiles of the study's own, for `compare`.

@@ -4,7 +4,6 @@ use crate::document::{Diagnostics, Map, MapEntry, Place, code};
 use crate::effect::{Applied, Bound, Catalogue, Effect, Instance, PlaceKind, SensorChange, SensorPlace, apply};
 use crate::expression::{Dimension, Unit};
 use crate::inference::measurement::{Measurement, Rows};
-use crate::job::requirement::Environment;
 use crate::random::Distribution;
 use crate::study::folder::Folder;
 use crate::study::inherit::unnamed_file_diagnostic;
@@ -12,6 +11,7 @@ use crate::study::model::Scale;
 use crate::study::pass::PassForm;
 use crate::study::pass::adopt::{Adopted, EffectUse};
 use crate::study::pass::measurement::SensorForm;
+use crate::study::requirement::Environment;
 use crate::study::resolved::AdoptedEffect;
 use crate::thermal::Input;
 

@@ -1,19 +1,19 @@
 //! What jobs choose by name: uncertain parameters, measurements.
 
-use crate::document::{Diagnostic, MapEntry, Spanned, code};
+use crate::document::{Diagnostic, Spanned, code};
 use crate::random::Distribution;
-use crate::study::pass::job::JobForm;
+use crate::study::job::Entry;
 
-use super::jobs::{Offered, measurement, push_new};
 use super::scope::{Scope, unknown};
+use super::settings::{Offered, measurement, push_new};
 
 /// Positions of the parameters that are not fixed.
-pub(super) fn uncertain(priors: &[Distribution]) -> Vec<usize> {
+pub fn uncertain(priors: &[Distribution]) -> Vec<usize> {
     (0..priors.len()).filter(|&index| !priors[index].is_fixed()).collect()
 }
 
 /// Positions of the named parameters, each of which must have a prior that is not fixed.
-pub(super) fn parameters(scope: &mut Scope, names: &[Spanned<String>], priors: &[Distribution]) -> Vec<usize> {
+pub fn parameters(scope: &mut Scope, names: &[Spanned<String>], priors: &[Distribution]) -> Vec<usize> {
     let mut chosen = Vec::new();
     for name in names {
         match scope.resolved.parameter(&name.value) {
@@ -34,7 +34,7 @@ pub(super) fn parameters(scope: &mut Scope, names: &[Spanned<String>], priors: &
 }
 
 /// The named parameters; all that are not fixed where none are named.
-pub(super) fn parameters_or_all(
+pub fn parameters_or_all(
     scope: &mut Scope,
     names: Option<&Vec<Spanned<String>>>,
     priors: &[Distribution],
@@ -46,9 +46,9 @@ pub(super) fn parameters_or_all(
 }
 
 /// Positions of the named measurements, all of the pass where none are named, and names of those whose data are missing.
-pub(super) fn data(
+pub fn data(
     scope: &mut Scope,
-    entry: &MapEntry<JobForm>,
+    entry: &Entry,
     written: Option<&Vec<Spanned<String>>>,
     purpose: &str,
     offered: &Offered,

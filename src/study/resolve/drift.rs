@@ -2,8 +2,8 @@
 
 use crate::document::{Diagnostic, code, counted};
 use crate::inference::measurement::{Doubt, Measurement, Rows};
+use crate::study::job::NamedJob;
 use crate::study::pass::PassForm;
-use crate::study::resolved::{JobSpec, NamedJob};
 
 use super::plausible::short;
 use super::scope::Scope;
@@ -16,10 +16,8 @@ const HOUR_S: f64 = 3600.0;
 /// Tells which phases that are fitted or compared drift, by the strictest stabilisation of the comparisons with them.
 pub(super) fn doubts(scope: &mut Scope, form: &PassForm, jobs: &[NamedJob], measurements: &mut [Measurement]) {
     for (index, measurement) in measurements.iter_mut().enumerate() {
-        let limits = jobs.iter().filter_map(|job| match &job.spec {
-            JobSpec::Compare(spec) if spec.data.contains(&index) => spec.criteria.stabilisation_k_per_s,
-            _ => None,
-        });
+        let comparisons = jobs.iter().filter_map(|job| job.spec.comparison());
+        let limits = comparisons.filter(|own| own.data.contains(&index)).filter_map(|own| own.stabilisation_k_per_s);
         let Some(limit) = limits.reduce(f64::min) else { continue };
         let sensors = measurement.sensors_in_kelvin(&scope.resolved.model);
         let Rows::Steady(phases) = &measurement.rows else { continue };

@@ -5,15 +5,15 @@ use std::sync::Arc;
 
 use crate::document::{Diagnostic, Place, Prior, Sense, Spanned, code, counted, suggest};
 use crate::inference::rows::used_rows;
-use crate::job::calibrate;
-use crate::job::handed_on::HandedOn;
 use crate::math::functions::{exp, ln};
 use crate::random::Distribution;
 use crate::statistics::moments::Moments;
+use crate::study::blocked::blocked;
+use crate::study::handed_on::HandedOn;
 use crate::study::inherit::{folder_diagnostic_at, plain_name};
+use crate::study::job::{CALIBRATION, Inference, JobSpec};
 use crate::study::reader::Reader;
-use crate::study::ready::blocked;
-use crate::study::resolved::{DataBehind, HandedOnPrior, JobSpec, Pass, Upstream};
+use crate::study::resolved::{DataBehind, HandedOnPrior, Pass, Upstream};
 use crate::study::table::Cells;
 
 use super::data::{self, Wanted};
@@ -23,7 +23,7 @@ use super::scope::{Scope, unit_of};
 const MOST_HANDED_ON: usize = 50;
 
 /// The passes whose calibrations a pass uses.
-pub(super) struct Upstreams<'a> {
+pub struct Upstreams<'a> {
     reader: &'a Reader,
     /// Files of the passes that are being read, each because the one before uses it; the last is the pass itself.
     chain: &'a [String],
@@ -89,22 +89,17 @@ impl<'a> Upstreams<'a> {
 }
 
 /// The settings of a calibration of a pass; reported where there is none. `None` within where it waits for data.
-pub(super) fn calibration<'p>(
-    scope: &mut Scope,
-    pass: &'p Pass,
-    job: &str,
-    place: &Place,
-) -> Option<Option<&'p calibrate::Spec>> {
+pub fn calibration<'p>(scope: &mut Scope, pass: &'p Pass, job: &str, place: &Place) -> Option<Option<Inference<'p>>> {
     match pass.jobs.iter().find(|own| own.name == job).map(|own| &own.spec) {
-        Some(JobSpec::Calibrate(spec)) => Some(Some(spec)),
-        Some(JobSpec::Waiting { kind: "calibrate", .. }) => Some(None),
+        Some(JobSpec::Resolved(spec)) if spec.kind() == CALIBRATION => Some(spec.inference()),
+        Some(other) if other.kind() == CALIBRATION => Some(None),
         Some(other) => {
             let message = format!("`{job}` of `{}` is a `{}` job", pass.file, other.kind());
             scope.error(&code::POSTERIOR, place, message, "a `calibrate` job");
             None
         }
         None => {
-            let calibrations = pass.jobs.iter().filter(|own| own.spec.kind() == "calibrate");
+            let calibrations = pass.jobs.iter().filter(|own| own.spec.kind() == CALIBRATION);
             let known: Vec<&str> = calibrations.map(|own| own.name.as_str()).collect();
             scope.unknown(&code::POSTERIOR, &format!("calibration of `{}`", pass.file), job, place, &known);
             None
@@ -113,7 +108,7 @@ pub(super) fn calibration<'p>(
 }
 
 /// The readings behind a calibration: its own, and those behind its priors, each measurement of a calibration once.
-pub(super) fn behind(pass: &Pass, job: &str, spec: &calibrate::Spec) -> Vec<DataBehind> {
+pub fn behind(pass: &Pass, job: &str, spec: Inference<'_>) -> Vec<DataBehind> {
     let calibration = Upstream { file: pass.file.clone(), job: job.to_owned() };
     let own = spec.data.iter().map(|&index| DataBehind {
         calibration: calibration.clone(),
@@ -128,7 +123,7 @@ pub(super) fn behind(pass: &Pass, job: &str, spec: &calibrate::Spec) -> Vec<Data
 }
 
 /// The draws of a calibration, no parameter chosen yet.
-pub(super) fn of_calibration(pass: &Pass, job: &str, place: &Place, spec: Option<&calibrate::Spec>) -> HandedOnPrior {
+pub fn of_calibration(pass: &Pass, job: &str, place: &Place, spec: Option<Inference<'_>>) -> HandedOnPrior {
     HandedOnPrior {
         draws: HandedOn {
             source: format!("`{job}` of `{}`", pass.file),
@@ -147,7 +142,7 @@ pub(super) fn of_calibration(pass: &Pass, job: &str, place: &Place, spec: Option
 }
 
 /// Looks up all draws that stand in for priors; `priors` gets the original priors in their place.
-pub(super) fn resolve(scope: &mut Scope, upstreams: &mut Upstreams, priors: &mut [Distribution]) -> Vec<HandedOnPrior> {
+pub fn resolve(scope: &mut Scope, upstreams: &mut Upstreams, priors: &mut [Distribution]) -> Vec<HandedOnPrior> {
     let mut found: Vec<HandedOnPrior> = Vec::new();
     let mut files: Vec<(String, Place, Vec<usize>)> = Vec::new();
     for index in 0..priors.len() {
@@ -183,7 +178,7 @@ fn posterior(
     let inferred = |position: &usize| spec.is_none_or(|spec| spec.parameters.contains(position));
     let Some(position) = position.filter(inferred) else {
         let message = format!("`{job}` of `{}` did not infer `{name}`", pass.file);
-        let all = spec.map(|spec| spec.parameters.as_slice()).unwrap_or_default();
+        let all = spec.map(|spec| spec.parameters).unwrap_or_default();
         let known: Vec<&str> = all.iter().map(|&own| pass.model.parameters[own].name.as_str()).collect();
         let expected = format!("it inferred {}", suggest::listed(known.iter().copied(), 12));
         let help = format!("give `{name}` a distribution, or name a calibration that inferred it");

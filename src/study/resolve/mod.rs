@@ -3,26 +3,21 @@
 pub mod adopt;
 mod adopt_parameter;
 mod adopt_place;
-mod calibrate;
 pub mod changes;
-mod chosen;
+pub mod chosen;
 pub mod data;
-mod design;
-mod diagnose;
+pub mod design_variable;
 mod drift;
-mod goal;
-mod handed_on;
+pub mod handed_on;
 mod influence;
 mod initial;
-pub mod jobs;
 pub mod measurement;
 mod noise;
 mod physical;
 mod plausible;
-mod predict;
 pub mod requirement;
 pub mod scope;
-mod sensitivity;
+pub mod settings;
 pub mod steady;
 pub mod transient;
 mod used_twice;
@@ -40,6 +35,7 @@ use crate::thermal::Quantity;
 
 use super::folder::{Folder, FolderError};
 use super::inherit::{Lineage, folder_diagnostic_at, lineage};
+use super::job::Kinds;
 use super::model::name::check_label;
 use super::model::{self, Group, QuantityForm, QuantityOrName, ResolvedModel};
 use super::pass::measurement::MeasurementForm;
@@ -51,9 +47,9 @@ use super::{profile, rule};
 
 pub use adopt::sensor_places;
 use handed_on::Upstreams;
-use jobs::Offered;
 use measurement::Outcome;
 use scope::{Scope, unit_of};
+use settings::Offered;
 
 /// The model's file where no pass names one.
 const MODEL: &str = "model.json";
@@ -102,7 +98,7 @@ pub fn effects(study: Option<&Path>) -> Result<Catalogue, Diagnostics> {
 /// What is wrong with the pass as written; its model and its data are not read.
 pub fn pinned(pass: &Path) -> Result<(Folder, Vec<Pinned>), Diagnostics> {
     let mut diagnostics = Diagnostics::new();
-    let written = written(&Reader::default(), pass, &mut diagnostics);
+    let written = written(&Reader::new(Kinds::default()), pass, &mut diagnostics);
     let form = written.as_ref().and_then(|(_, lineage)| PassForm::read(&lineage.merged, &mut diagnostics));
     let mut list = Vec::new();
     for entry in form.iter().flat_map(|form| form.measurements.iter()) {
@@ -290,12 +286,13 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
         catalogue: &catalogue,
         command: command(folder.shown()),
     };
-    let mut jobs = jobs::jobs(&mut scope, &form.jobs, &offered, &mut upstreams);
-    used_twice::check(&mut scope, &jobs, &form.jobs, &measurements, &handed_on);
+    let kinds = &files.reader.kinds;
+    let forms = kinds.read(&form.jobs, scope.diagnostics);
+    let mut jobs = kinds.resolve(&mut scope, &forms, &offered, &mut upstreams);
+    used_twice::check(&mut scope, &jobs, &forms, &measurements, &handed_on);
     let refused = noise::refused(&scope, &jobs, form, &measurements);
     let measured = form.measurements.iter().next().map(|entry| &entry.name_place);
-    jobs.extend(jobs::implied_comparison(&jobs, &offered, measured));
-    calibrate::show_in_comparisons(&mut jobs, &form.jobs);
+    kinds.complete(&mut jobs, &forms, &offered, measured);
     physical::check(&mut scope, form, &priors, &environments, &measurements);
     if !scope.diagnostics.has_errors() {
         // What is wrong comes first.

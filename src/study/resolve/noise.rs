@@ -3,8 +3,9 @@
 use crate::document::{Diagnostic, code};
 use crate::inference::measurement::Measurement;
 use crate::inference::rows::used_rows;
+use crate::study::job::NamedJob;
 use crate::study::pass::PassForm;
-use crate::study::resolved::{JobSpec, NamedJob, Refused};
+use crate::study::resolved::Refused;
 
 use super::scope::Scope;
 
@@ -12,13 +13,9 @@ use super::scope::Scope;
 pub(super) fn refused(scope: &Scope, jobs: &[NamedJob], form: &PassForm, measurements: &[Measurement]) -> Vec<Refused> {
     let mut refused = Vec::new();
     for job in jobs {
-        let data = match &job.spec {
-            JobSpec::Calibrate(spec) => &spec.data,
-            JobSpec::Diagnose(spec) => &spec.data,
-            _ => continue,
-        };
+        let Some(inference) = job.spec.inference() else { continue };
         // A measurement with an error of its own is not among them.
-        for measurement in data.iter().filter_map(|&index| measurements.get(index)) {
+        for measurement in inference.data.iter().filter_map(|&index| measurements.get(index)) {
             let rows = used_rows(measurement);
             for sensor in measurement.sensors.iter().filter(|sensor| sensor.sigma.is_none()) {
                 // Nothing is asked of a sensor without a reading to fit.

@@ -9,10 +9,10 @@
 use crate::document::{Diagnostic, Place, code};
 use crate::expression::{ExprId, Symbol};
 use crate::inference::measurement::{Measurement, Rows};
-use crate::job::requirement::Environment;
 use crate::random::Distribution;
 use crate::study::model::element::Kind;
 use crate::study::pass::PassForm;
+use crate::study::requirement::Environment;
 use crate::thermal::element::{ElementKind, Law};
 use crate::thermal::{Model, NodeKind};
 

@@ -1,8 +1,8 @@
 //! Requirements and environments.
 
 use crate::document::{Amount, Map, code};
-use crate::job::requirement::{Environment, Requirement};
 use crate::study::pass::RequirementForm;
+use crate::study::requirement::{Environment, Requirement};
 
 use super::scope::Scope;
 

@@ -4,10 +4,10 @@ use crate::document::quantity::report_dimension;
 use crate::document::{Amount, Diagnostic, Diagnostics, Place, Sense, Spanned, WrittenUnit, code, suggest};
 use crate::expression::{Dimension, Symbol, Unit};
 use crate::inference::measurement::Uncertain;
-use crate::job::propagate::Variable;
 use crate::study::folder::Folder;
 use crate::study::model::{Prior, ResolvedModel, Scale};
 use crate::study::pass::uncertain::UncertainForm;
+use crate::study::variable::Variable;
 use crate::thermal::{Quantity, QuantityValue};
 
 /// The model that is being completed, the folder, and where findings go.

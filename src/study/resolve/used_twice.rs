@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use crate::document::{Diagnostic, Map, MapEntry, code, suggest};
+use crate::document::{Diagnostic, code, suggest};
 use crate::inference::measurement::{Measurement, Rows};
 use crate::inference::rows::used_rows;
-use crate::study::pass::job::JobForm;
-use crate::study::resolved::{HandedOnPrior, JobSpec, NamedJob};
+use crate::study::job::{Entry, Forms, Inference, NamedJob};
+use crate::study::resolved::HandedOnPrior;
 
 use super::scope::Scope;
 
@@ -17,30 +17,27 @@ const NAMED: usize = 12;
 pub(super) fn check(
     scope: &mut Scope,
     jobs: &[NamedJob],
-    forms: &Map<JobForm>,
+    forms: &Forms,
     measurements: &[Measurement],
     handed_on: &[HandedOnPrior],
 ) {
     if handed_on.is_empty() {
         return;
     }
-    for entry in forms {
-        let (does, data, parameters) = match jobs.iter().find(|job| job.name == entry.name).map(|job| &job.spec) {
-            Some(JobSpec::Calibrate(spec)) => ("calibrates", &spec.data, &spec.parameters),
-            Some(JobSpec::Diagnose(spec)) => ("diagnoses", &spec.data, &spec.parameters),
-            _ => continue,
-        };
+    for entry in forms.entries() {
+        let named = jobs.iter().find(|job| job.name == entry.name);
+        let Some(Inference { verb, data, parameters }) = named.and_then(|job| job.spec.inference()) else { continue };
         // A measurement with an error of its own is not among them.
         let data: Vec<&Measurement> = data.iter().filter_map(|&index| measurements.get(index)).collect();
         let used = |own: &&HandedOnPrior| own.draws.parameters.iter().any(|p| parameters.contains(p));
-        job(scope, entry, does, &data, handed_on.iter().filter(used));
+        job(scope, entry, verb, &data, handed_on.iter().filter(used));
     }
 }
 
 fn job<'h>(
     scope: &mut Scope,
-    entry: &MapEntry<JobForm>,
-    does: &str,
+    entry: &Entry,
+    verb: &str,
     data: &[&Measurement],
     handed_on: impl Iterator<Item = &'h HandedOnPrior>,
 ) {
@@ -61,7 +58,7 @@ fn job<'h>(
                 let (job, file) = (&behind.calibration.job, &behind.calibration.file);
                 let parameters = suggest::listed(own.draws.names.iter().map(String::as_str), NAMED);
                 let message = format!(
-                    "`{}` {does} on readings that stand behind its prior: `{job}` of `{file}` was fitted to {} of `{}`",
+                    "`{}` {verb} on readings that stand behind its prior: `{job}` of `{file}` was fitted to {} of `{}`",
                     entry.name,
                     rows(&twice, steady),
                     measurement.name

@@ -4,11 +4,34 @@
 //! Both are propagations with the same points, so that their difference is not blurred by sampling: parameters that the
 //! calibration did not infer keep their priors, and have the same values in both.
 
+mod form;
+mod kind;
+mod resolve;
+
+use super::goal::Discrepancy;
+use crate::random::Distribution;
+use crate::study::resolved::HandedOnPrior;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::propagate::{self, BlockInput, BlockOutput, Propagate};
 use super::{Done, Job, JobError, Parts, Step};
+pub use kind::Kind;
+
+/// Settings with everything looked up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prediction {
+    /// What is asked.
+    pub propagate: propagate::Spec,
+    /// The posterior.
+    pub posterior: HandedOnPrior,
+    /// The priors that the calibration began with: position in the model's list, prior (SI).
+    pub priors: Vec<(usize, Distribution)>,
+    /// Draws that stood in for some of them.
+    pub handed_on: Vec<HandedOnPrior>,
+    /// Errors of the model that are added to quantities.
+    pub discrepancy: Vec<Discrepancy>,
+}
 
 /// A prediction, ready to run.
 #[derive(Debug)]

@@ -1,12 +1,10 @@
 //! Sensitivity analyses: settings with their defaults, names looked up.
 
+use super::form::{MethodForm, SensitivityForm};
+use super::{Method, Spec};
 use crate::document::{Spanned, code};
-use crate::job::propagate::Sampling;
-use crate::job::sensitivity::{Method, Spec};
-use crate::study::pass::job::{MethodForm, SensitivityForm};
-
-use super::jobs::{Offered, environments, failure_limit, quantities, samples};
-use super::scope::Scope;
+use crate::study::resolve::scope::Scope;
+use crate::study::resolve::settings::{Offered, environments, failure_limit, number, quantities, samples};
 
 /// Scrambles where a job says nothing.
 const SCRAMBLES: u64 = 8;
@@ -18,7 +16,7 @@ const TRAJECTORIES: u64 = 64;
 const MOST_TRAJECTORIES: u64 = 1 << 20;
 
 /// Resolves the settings of a sensitivity analysis.
-pub(super) fn sensitivity(scope: &mut Scope, form: &SensitivityForm, offered: &Offered) -> Option<Spec> {
+pub(super) fn resolve(scope: &mut Scope, form: &SensitivityForm, offered: &Offered) -> Option<Spec> {
     let before = scope.diagnostics.errors();
     let environments = environments(scope, form.environments.as_ref(), offered);
     // What is asked for by name is all that is asked for.
@@ -42,9 +40,9 @@ pub(super) fn sensitivity(scope: &mut Scope, form: &SensitivityForm, offered: &O
             methods
         }
     };
-    let samples = samples(scope, form.samples.as_ref(), Sampling::Sobol);
-    let scrambles = whole(scope, form.scrambles.as_ref(), SCRAMBLES, MOST_SCRAMBLES, "scrambles");
-    let trajectories = whole(scope, form.trajectories.as_ref(), TRAJECTORIES, MOST_TRAJECTORIES, "trajectories");
+    let samples = samples(scope, form.samples.as_ref(), true);
+    let scrambles = number(scope, form.scrambles.as_ref(), SCRAMBLES, 2, MOST_SCRAMBLES, "scrambles");
+    let trajectories = number(scope, form.trajectories.as_ref(), TRAJECTORIES, 2, MOST_TRAJECTORIES, "trajectories");
     if let Some(Spanned { value, place }) = &form.precision
         && !(*value > 0.0 && *value <= 1.0)
     {
@@ -64,14 +62,4 @@ pub(super) fn sensitivity(scope: &mut Scope, form: &SensitivityForm, offered: &O
         failure_limit,
     };
     (scope.diagnostics.errors() == before).then_some(spec)
-}
-
-/// A whole number of at least 2.
-fn whole(scope: &mut Scope, written: Option<&Spanned<u64>>, default: u64, most: u64, what: &str) -> u64 {
-    let Some(Spanned { value, place }) = written else { return default };
-    if !(2..=most).contains(value) {
-        let expected = format!("an integer from 2 to {most}");
-        scope.error(&code::JOB_SETTING, place, format!("{value} {what}"), &expected);
-    }
-    *value
 }

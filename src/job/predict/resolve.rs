@@ -1,16 +1,18 @@
 //! Predictions: whose posterior is carried, to what.
 
+use super::form::PredictForm;
+use super::{Kind, Prediction};
 use crate::document::prior::PosteriorForm;
-use crate::document::{Map, MapEntry, NameOr, Place, code};
-use crate::job::calibrate;
+use crate::document::{NameOr, Place, code};
+use crate::job::goal::discrepancies;
+use crate::job::kind::JobKind;
+use crate::job::propagate::{self, PropagateForm};
 use crate::random::Distribution;
-use crate::study::pass::job::{JobForm, PredictForm, PropagateForm};
-use crate::study::resolved::{HandedOnPrior, JobSpec, NamedJob, Prediction, Upstream};
-
-use super::goal::discrepancies;
-use super::handed_on::{self, Upstreams};
-use super::jobs::{Offered, propagate};
-use super::scope::Scope;
+use crate::study::handed_on::HandedOn;
+use crate::study::job::{Asked, CALIBRATION, Entry, Forms, Inference, JobSpec};
+use crate::study::resolve::handed_on;
+use crate::study::resolve::scope::Scope;
+use crate::study::resolved::{HandedOnPrior, Upstream};
 
 /// What of the calibration's pass a prediction needs.
 struct Source<'p> {
@@ -18,20 +20,14 @@ struct Source<'p> {
     priors: &'p [Distribution],
     handed_on: &'p [HandedOnPrior],
     posterior: HandedOnPrior,
-    spec: &'p calibrate::Spec,
+    inference: Inference<'p>,
 }
 
-/// Resolves the settings of a prediction; `jobs` are those of the pass that are resolved already.
-pub(super) fn predict(
-    scope: &mut Scope,
-    entry: &MapEntry<JobForm>,
-    form: &PredictForm,
-    offered: &Offered,
-    upstreams: &mut Upstreams,
-    (jobs, forms): (&[NamedJob], &Map<JobForm>),
-) -> Option<JobSpec> {
+/// Resolves the settings of a prediction.
+pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &PredictForm, asked: &mut Asked) -> Option<JobSpec> {
+    let offered = asked.offered;
     let before = scope.diagnostics.errors();
-    let asked = PropagateForm {
+    let written = PropagateForm {
         quantities: form.quantities.clone(),
         samples: form.samples.clone(),
         sampling: form.sampling,
@@ -41,7 +37,7 @@ pub(super) fn predict(
         joint: form.joint.clone(),
         failure_limit: form.failure_limit.clone(),
     };
-    let spec = propagate(scope, &asked, offered);
+    let spec = propagate::resolve(scope, &written, offered);
     let discrepancy = form.with.as_ref().map_or_else(Vec::new, |with| discrepancies(scope, &with.discrepancy));
     if let (Some(spec), Some(with)) = (&spec, &form.with) {
         for (own, written) in discrepancy.iter().zip(&with.discrepancy) {
@@ -56,20 +52,19 @@ pub(super) fn predict(
     let source = match &form.from {
         Some(NameOr::Other(from)) => {
             let PosteriorForm { pass: file, job } = &from.value;
-            pass = upstreams.pass(scope, &file.value, &file.place)?;
+            pass = asked.upstreams.pass(scope, &file.value, &file.place)?;
             let found = handed_on::calibration(scope, &pass, &job.value, &job.place)?;
             let posterior = handed_on::of_calibration(&pass, &job.value, &from.place, found);
             let Some(found) = found else {
                 let reason = posterior.blocked.map(|blocked| blocked.reason).unwrap_or_default();
-                let settings = serde_json::json!({ "from": { "pass": pass.file, "job": job.value } });
-                return Some(JobSpec::NotYet { kind: "predict", settings, reason });
+                return Some(JobSpec::NotYet { kind: Kind::NAME, reason });
             };
             Source {
                 parameters: pass.model.parameters.iter().map(|parameter| parameter.name.clone()).collect(),
                 priors: &pass.priors,
                 handed_on: &pass.handed_on,
                 posterior,
-                spec: found,
+                inference: found,
             }
         }
         own => {
@@ -77,18 +72,19 @@ pub(super) fn predict(
                 Some(NameOr::Name(name)) => Some((name.value.as_str(), &name.place)),
                 _ => None,
             };
-            let (job, place) = own_calibration(scope, entry, written, forms)?;
-            match jobs.iter().find(|known| known.name == job).map(|known| &known.spec) {
-                Some(JobSpec::Calibrate(found)) => Source {
+            let (job, place) = own_calibration(scope, entry, written, asked.forms)?;
+            let spec = asked.jobs.iter().find(|known| known.name == job).map(|known| &known.spec);
+            match (spec, spec.and_then(JobSpec::inference)) {
+                (_, Some(found)) => Source {
                     parameters: scope.resolved.model.parameters.iter().map(|own| own.name.clone()).collect(),
                     priors: offered.priors,
                     handed_on: offered.handed_on,
                     posterior: of_this_pass(offered.file, &job, &place),
-                    spec: found,
+                    inference: found,
                 },
-                Some(JobSpec::Waiting { measurements, command, .. }) => {
+                (Some(JobSpec::Waiting { measurements, command, .. }), None) => {
                     let (measurements, command) = (measurements.clone(), command.clone());
-                    return Some(JobSpec::Waiting { kind: "predict", measurements, command });
+                    return Some(JobSpec::Waiting { kind: Kind::NAME, measurements, command });
                 }
                 // Its settings are wrong, which has been reported.
                 _ => return None,
@@ -96,12 +92,12 @@ pub(super) fn predict(
         }
     };
     let prediction = Prediction { discrepancy, ..assemble(scope, source, spec?) };
-    (scope.diagnostics.errors() == before).then(|| JobSpec::Predict(Box::new(prediction)))
+    (scope.diagnostics.errors() == before).then(|| JobSpec::of(prediction))
 }
 
 fn of_this_pass(file: &str, job: &str, place: &Place) -> HandedOnPrior {
     HandedOnPrior {
-        draws: crate::job::handed_on::HandedOn {
+        draws: HandedOn {
             source: format!("`{job}`"),
             parameters: Vec::new(),
             names: Vec::new(),
@@ -120,18 +116,17 @@ fn of_this_pass(file: &str, job: &str, place: &Place) -> HandedOnPrior {
 /// The calibration of this pass that is meant, and where it is asked for.
 fn own_calibration(
     scope: &mut Scope,
-    entry: &MapEntry<JobForm>,
+    entry: &Entry,
     written: Option<(&str, &Place)>,
-    forms: &Map<JobForm>,
+    forms: &Forms,
 ) -> Option<(String, Place)> {
-    let calibrations: Vec<&str> =
-        (forms.iter()).filter(|job| matches!(job.value, JobForm::Calibrate(_))).map(|job| job.name.as_str()).collect();
+    let calibrations = forms.of_kind(CALIBRATION);
     match written {
         Some((name, place)) if calibrations.contains(&name) => Some((name.to_owned(), place.clone())),
         Some((name, place)) => {
-            match forms.get(name) {
+            match forms.kind(name) {
                 Some(other) => {
-                    let message = format!("`{name}` is a `{}` job", other.value.kind());
+                    let message = format!("`{name}` is a `{other}` job");
                     scope.error(&code::PREDICTION, place, message, "a `calibrate` job");
                 }
                 None => scope.unknown(&code::PREDICTION, "calibration", name, place, &calibrations),
@@ -157,11 +152,11 @@ fn own_calibration(
 
 /// Finds the calibration's parameters in this model. Those that it lacks, such as an effect that was not adopted here, are
 /// averaged over.
-fn assemble(scope: &Scope, source: Source<'_>, propagate: crate::job::propagate::Spec) -> Prediction {
+fn assemble(scope: &Scope, source: Source<'_>, propagate: propagate::Spec) -> Prediction {
     let here = |position: usize| scope.resolved.parameter(&source.parameters[position]);
     let mut posterior = source.posterior;
     let mut priors = Vec::new();
-    for &position in &source.spec.parameters {
+    for &position in source.inference.parameters {
         if let Some(index) = here(position) {
             posterior.draws.parameters.push(index);
             posterior.draws.names.push(source.parameters[position].clone());
@@ -173,7 +168,7 @@ fn assemble(scope: &Scope, source: Source<'_>, propagate: crate::job::propagate:
         let kept: Vec<usize> = (0..own.draws.parameters.len())
             .filter(|&place| {
                 let position = own.draws.parameters[place];
-                source.spec.parameters.contains(&position) && here(position).is_some()
+                source.inference.parameters.contains(&position) && here(position).is_some()
             })
             .collect();
         if kept.is_empty() {

@@ -8,7 +8,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::JobError;
+use thiserror::Error;
+
 use crate::inference::joint_prior::{JointPrior, JointPriorError};
 use crate::random::Distribution;
 use crate::statistics::moments::Moments;
@@ -16,6 +17,11 @@ use crate::statistics::quantile::{quantile_sorted, sorted};
 
 /// Probability beyond three standard deviations of a normal distribution, on one side.
 const THREE_SIGMA: f64 = 0.001_349_898_031_630_094_5;
+
+/// Why a calibration's result gives no draws.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("{0}")]
+pub struct PosteriorError(String);
 
 /// Draws that stand in for priors.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,8 +82,8 @@ impl HandedOn {
     ///
     /// # Errors
     /// A result without draws of these parameters.
-    pub fn filled(&self, result: &Value) -> Result<Self, JobError> {
-        let failed = |reason: String| JobError::Failed(format!("the posterior of {}: {reason}", self.source));
+    pub fn filled(&self, result: &Value) -> Result<Self, PosteriorError> {
+        let failed = |reason: String| PosteriorError(format!("the posterior of {}: {reason}", self.source));
         let found = Calibrated::deserialize(result).map_err(|error| failed(error.to_string()))?;
         let mut columns = Vec::new();
         let mut effective = found.draws.values.len() as f64;

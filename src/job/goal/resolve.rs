@@ -1,19 +1,19 @@
 //! Goal setting: settings with their defaults, names looked up.
 
-use crate::document::{Amount, Map, MapEntry, Sense, Spanned, code, counted};
-use crate::job::goal::{Discrepancy, Spec};
-use crate::job::propagate::Sampling;
-use crate::study::pass::job::{GoalForm, JobForm};
-
-use super::chosen::parameters;
-use super::jobs::{Offered, design_variable, environments, failure_limit, requirements, samples};
-use super::scope::{Scope, unit_of};
+use super::form::GoalForm;
+use super::{Discrepancy, Spec};
+use crate::document::{Amount, Map, Sense, Spanned, code, counted};
+use crate::study::job::Entry;
+use crate::study::resolve::chosen::parameters;
+use crate::study::resolve::design_variable::design_variable;
+use crate::study::resolve::scope::{Scope, unit_of};
+use crate::study::resolve::settings::{Offered, environments, failure_limit, requirements, samples};
 
 /// Fewest samples: with fewer no main effect can be told, and so no parameter that leads.
 const FEWEST_SAMPLES: u64 = 1024;
 
 /// Resolves the settings of goal setting.
-pub(super) fn goal(scope: &mut Scope, entry: &MapEntry<JobForm>, form: &GoalForm, offered: &Offered) -> Option<Spec> {
+pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &GoalForm, offered: &Offered) -> Option<Spec> {
     let before = scope.diagnostics.errors();
     let requirements = requirements(scope, form.requirements.as_ref(), offered);
     if requirements.is_empty() && !scope.diagnostics.has_errors() {
@@ -24,7 +24,7 @@ pub(super) fn goal(scope: &mut Scope, entry: &MapEntry<JobForm>, form: &GoalForm
     let parameters = parameters(scope, form.parameters.as_deref().unwrap_or_default(), offered.priors);
     let names_one = form.design_variable.is_some() || offered.design.iter().count() == 1;
     let design = if names_one { design_variable(scope, entry, form.design_variable.as_ref(), offered) } else { None };
-    let samples = samples(scope, form.samples.as_ref(), Sampling::Sobol);
+    let samples = samples(scope, form.samples.as_ref(), true);
     if let Some(written) = form.samples.as_ref().filter(|written| written.value < FEWEST_SAMPLES) {
         let message = format!("{}: too few to tell main effects", counted(written.value, "sample"));
         scope.error(&code::JOB_SETTING, &written.place, message, "an integer from 1024 on");
@@ -36,7 +36,7 @@ pub(super) fn goal(scope: &mut Scope, entry: &MapEntry<JobForm>, form: &GoalForm
 }
 
 /// Standard deviations of the model's errors, by quantity.
-pub(super) fn discrepancies(scope: &mut Scope, written: &Map<Amount>) -> Vec<Discrepancy> {
+pub fn discrepancies(scope: &mut Scope, written: &Map<Amount>) -> Vec<Discrepancy> {
     let mut discrepancy = Vec::new();
     for known in written {
         let name = Spanned { value: known.name.clone(), place: known.name_place.clone() };

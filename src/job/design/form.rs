@@ -2,12 +2,12 @@
 
 use serde_json::json;
 
-use super::job::SweepForm;
-use super::measurement::SensorForm;
 use crate::document::written::wrong_type;
 use crate::document::{
     Amount, Diagnostics, Map, Node, Schemas, Spanned, Value, Written, written_struct, written_words,
 };
+use crate::study::pass::measurement::SensorForm;
+use crate::study::pass::variable::SweepForm;
 
 written_struct! {
     /// Settings of `design`.

@@ -23,12 +23,12 @@ use crate::document::{Diagnostic, Diagnostics, code, suggest};
 use crate::effect::Catalogue;
 use crate::job::findings::{Finding, Findings};
 
-use super::discover::number;
-use super::folder::Folder;
-use super::inherit::folder_diagnostic_at;
-use super::pass::FORMAT;
-use super::resolve::effects;
-use super::resolved::{JobSpec, Pass};
+use crate::study::discover::number;
+use crate::study::folder::Folder;
+use crate::study::inherit::folder_diagnostic_at;
+use crate::study::pass::FORMAT;
+use crate::study::resolve::effects;
+use crate::study::resolved::Pass;
 use choose::Chosen;
 use text::Item;
 
@@ -235,10 +235,8 @@ fn jobs(own: Option<&Node>, parameters: &[&str], extended: &mut Vec<String>) -> 
 /// Adds the jobs by which a pass's error is told, as far as the parent has none of the kind: a calibration and a comparison,
 /// on the data of the diagnosis.
 fn add_judges(pass: &Pass, diagnosis: &str, jobs: &mut Vec<(String, Item)>) -> Vec<(String, &'static str)> {
-    let data = pass.jobs.iter().find(|job| job.name == diagnosis).and_then(|job| match &job.spec {
-        JobSpec::Diagnose(spec) => Some(&spec.data),
-        _ => None,
-    });
+    let own = pass.jobs.iter().find(|job| job.name == diagnosis);
+    let data = own.and_then(|job| job.spec.inference()).map(|inference| inference.data);
     let names = data.into_iter().flatten().filter_map(|&position| pass.measurements.get(position));
     let data = Item::one("data", Item::List(names.map(|measurement| Item::text(&measurement.name)).collect()));
     let mut added = Vec::new();

@@ -1,13 +1,12 @@
-//! Calibrations: settings with their defaults, names looked up; and which comparisons show their result.
+//! Calibrations: settings with their defaults, names looked up.
 
-use crate::document::{Map, MapEntry, Spanned, code};
-use crate::job::calibrate::{Sampler, Spec};
-use crate::study::pass::job::{CalibrateForm, JobForm, SamplerForm};
-use crate::study::resolved::{JobSpec, NamedJob};
-
-use super::chosen::{data, parameters_or_all};
-use super::jobs::Offered;
-use super::scope::Scope;
+use super::form::{CalibrateForm, SamplerForm};
+use super::{Sampler, Spec};
+use crate::document::{Spanned, code};
+use crate::study::job::{Entry, JobSpec};
+use crate::study::resolve::chosen::{data, parameters_or_all};
+use crate::study::resolve::scope::Scope;
+use crate::study::resolve::settings::{Offered, number};
 
 /// Chains where a job says nothing.
 const CHAINS: u64 = 4;
@@ -17,12 +16,7 @@ const MOST_CHAINS: u64 = 64;
 const MOST_DRAWS: u64 = 1_000_000;
 
 /// Resolves the settings of a calibration.
-pub(super) fn calibrate(
-    scope: &mut Scope,
-    entry: &MapEntry<JobForm>,
-    form: &CalibrateForm,
-    offered: &Offered,
-) -> Option<JobSpec> {
+pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &CalibrateForm, offered: &Offered) -> Option<JobSpec> {
     let before = scope.diagnostics.errors();
     let (data, missing) = data(scope, entry, form.data.as_ref(), "calibrate on", offered);
     let parameters = parameters_or_all(scope, form.parameters.as_ref(), offered.priors);
@@ -48,7 +42,7 @@ pub(super) fn calibrate(
         let command = offered.command.clone();
         return Some(JobSpec::Waiting { kind: "calibrate", measurements: missing, command });
     }
-    Some(JobSpec::Calibrate(Spec { data, parameters, sampler, chains, warmup, draws, acceptance }))
+    Some(JobSpec::of(Spec { data, parameters, sampler, chains, warmup, draws, acceptance }))
 }
 
 /// The acceptance that trajectories aim at.
@@ -61,40 +55,4 @@ fn acceptance(scope: &mut Scope, written: &Spanned<f64>, sampler: Sampler) -> f6
         scope.error(&code::JOB_SETTING, &written.place, message, "a number from 0.5 to 0.999");
     }
     written.value
-}
-
-pub(super) fn number(
-    scope: &mut Scope,
-    written: Option<&Spanned<u64>>,
-    default: u64,
-    least: u64,
-    most: u64,
-    what: &str,
-) -> u64 {
-    let Some(Spanned { value, place }) = written else { return default };
-    if !(least..=most).contains(value) {
-        let expected = format!("an integer from {least} to {most}");
-        scope.error(&code::JOB_SETTING, place, format!("{value} {what}"), &expected);
-    }
-    *value
-}
-
-/// Lets comparisons that say nothing of `from` show the first calibration whose data they all have.
-pub(super) fn show_in_comparisons(jobs: &mut [NamedJob], forms: &Map<JobForm>) {
-    let calibrations: Vec<(String, Vec<usize>)> = jobs
-        .iter()
-        .filter_map(|job| match &job.spec {
-            JobSpec::Calibrate(spec) => Some((job.name.clone(), spec.data.clone())),
-            _ => None,
-        })
-        .collect();
-    for job in jobs {
-        let JobSpec::Compare(spec) = &mut job.spec else { continue };
-        let form = forms.get(&job.name).map(|entry| &entry.value);
-        let says = matches!(form, Some(JobForm::Compare(form)) if form.from.is_some());
-        if !says {
-            let found = calibrations.iter().find(|(_, data)| data.iter().all(|index| spec.data.contains(index)));
-            spec.calibration = found.map(|(name, _)| name.clone());
-        }
-    }
 }

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use crate::diagnosis::PRIOR_OF;
 use crate::document::{Diagnostic, Diagnostics, Place, code};
+use crate::job::load;
+use crate::study::Pass;
 use crate::study::discover::{number, passes};
 use crate::study::file::{self, Existing};
-use crate::study::{Pass, load};
 
 /// The file of the next pass: `out`, or the first free `pass-N.json` behind the pass's own number.
 ///

@@ -1,27 +1,20 @@
 //! Diagnoses: settings with their defaults, names looked up.
 
+use super::Spec;
+use super::form::DiagnoseForm;
 use crate::diagnosis::{PRIOR_OF, Settings};
-use crate::document::{MapEntry, Spanned, code};
-use crate::job::diagnose::Spec;
-use crate::study::pass::job::{DiagnoseForm, JobForm};
-use crate::study::resolved::JobSpec;
-
-use super::adopt::own_file;
-use super::calibrate::number;
-use super::chosen::{data, parameters_or_all};
-use super::jobs::Offered;
-use super::scope::Scope;
+use crate::document::{Spanned, code};
+use crate::study::job::{Entry, JobSpec};
+use crate::study::resolve::adopt::own_file;
+use crate::study::resolve::chosen::{data, parameters_or_all};
+use crate::study::resolve::scope::Scope;
+use crate::study::resolve::settings::{Offered, number};
 
 /// Most effects at once that can be asked for.
 const MOST: u64 = 6;
 
 /// Resolves the settings of a diagnosis.
-pub(super) fn diagnose(
-    scope: &mut Scope,
-    entry: &MapEntry<JobForm>,
-    form: &DiagnoseForm,
-    offered: &Offered,
-) -> Option<JobSpec> {
+pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DiagnoseForm, offered: &Offered) -> Option<JobSpec> {
     let before = scope.diagnostics.errors();
     let (data, missing) = data(scope, entry, form.data.as_ref(), "diagnose", offered);
     let parameters = parameters_or_all(scope, form.parameters.as_ref(), offered.priors);
@@ -53,7 +46,7 @@ pub(super) fn diagnose(
         let command = offered.command.clone();
         return Some(JobSpec::Waiting { kind: "diagnose", measurements: missing, command });
     }
-    Some(JobSpec::Diagnose(Spec { data, parameters, effects, settings: Settings { most, false_alarm } }))
+    Some(JobSpec::of(Spec { data, parameters, effects, settings: Settings { most, false_alarm } }))
 }
 
 fn check<'a>(scope: &mut Scope, names: impl Iterator<Item = &'a Spanned<String>>, offered: &Offered) {

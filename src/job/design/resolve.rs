@@ -1,17 +1,18 @@
 //! Designs of experiments: conditions, sensors and parameters looked up, settings with their defaults.
 
+use super::form::{ConditionsForm, DesignForm, EstimatorForm, LimitsForm, SensorsForm};
+use super::{DesignSensor, ErringInput, Estimator, Phase, Spec, Varied};
 use crate::document::prior::Prior;
 use crate::document::{Diagnostic, Map, MapEntry, Place, Sense, Spanned, code, counted};
 use crate::inference::measurement::{Sensor, Uncertain};
-use crate::job::design::{DesignSensor, ErringInput, Estimator, Phase, Spec, Varied};
 use crate::random::Distribution;
-use crate::study::pass::design::{ConditionsForm, DesignForm, EstimatorForm, LimitsForm, SensorsForm};
-use crate::study::pass::job::{JobForm, SweepForm};
+use crate::study::job::Entry;
 use crate::study::pass::measurement::SensorForm;
-
-use super::chosen::{parameters, uncertain};
-use super::jobs::{Offered, environments, push_new, spaced};
-use super::scope::Scope;
+use crate::study::pass::variable::SweepForm;
+use crate::study::resolve::chosen::{parameters, uncertain};
+use crate::study::resolve::design_variable::spaced;
+use crate::study::resolve::scope::Scope;
+use crate::study::resolve::settings::{Offered, environments, push_new};
 
 /// Outer samples, inner samples, and draws where a job says nothing.
 const OUTER: u64 = 4096;
@@ -29,12 +30,7 @@ const MOST_SEARCHED: u64 = 200;
 const MOST_PHASES: u64 = 20;
 
 /// Resolves the settings of a design.
-pub(super) fn design(
-    scope: &mut Scope,
-    entry: &MapEntry<JobForm>,
-    form: &DesignForm,
-    offered: &Offered,
-) -> Option<Spec> {
+pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DesignForm, offered: &Offered) -> Option<Spec> {
     let before = scope.diagnostics.errors();
     let all = uncertain(offered.priors).into_iter();
     let learn = match &form.learn {
@@ -295,7 +291,7 @@ fn within(scope: &mut Scope, input: usize, value: f64, offered: &Offered, place:
 
 fn sensors(
     scope: &mut Scope,
-    entry: &MapEntry<JobForm>,
+    entry: &Entry,
     form: Option<&Spanned<SensorsForm>>,
     offered: &Offered,
 ) -> Vec<DesignSensor> {

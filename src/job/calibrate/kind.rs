@@ -1,0 +1,72 @@
+//! The kind `calibrate`: what a study and the registry ask of it.
+
+use std::sync::Arc;
+
+use serde_json::Value;
+
+use super::form::CalibrateForm;
+use super::{Calibrate, Inputs, Output, Spec, resolve};
+use crate::job::JobError;
+use crate::job::Runnable;
+use crate::job::kind::JobKind;
+use crate::job::ready::{Readiness, Shared};
+use crate::job::ready::{after, filled, unfilled};
+use crate::study::blocked::draws_among;
+use crate::study::job::Inference;
+use crate::study::job::{Asked, Entry, JobSpec};
+use crate::study::problem::input_errors;
+use crate::study::resolve::scope::Scope;
+use crate::study::resolved::Blocked;
+use crate::study::resolved::HandedOnPrior;
+use crate::study::{self, Pass};
+
+/// The kind `calibrate`.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind;
+
+impl JobKind for Kind {
+    const NAME: &'static str = "calibrate";
+    const ABOUT: &'static str = "Parameters from measurements.";
+    type Form = CalibrateForm;
+    type Spec = Spec;
+    type Output = Output;
+
+    fn resolve(form: &CalibrateForm, scope: &mut Scope, entry: &Entry, asked: &mut Asked) -> Option<JobSpec> {
+        resolve::resolve(scope, entry, form, asked.offered)
+    }
+
+    fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {
+        let draws = draws_among(shared.pass, &spec.parameters);
+        let inputs = Inputs {
+            model: Arc::clone(&shared.model),
+            priors: shared.pass.priors.clone(),
+            measurements: Arc::clone(&shared.measurements),
+            input_errors: input_errors(shared.pass),
+        };
+        let known = Calibrate::new(spec.clone(), inputs.clone(), shared.pass.seed, name)?;
+        if draws.is_empty() {
+            return Ok(Readiness::Ready(Arc::new(known)));
+        }
+        let known = known.with_handed_on(unfilled(&draws).into_iter().map(|own| own.with_no_draws()).collect())?;
+        let (own, spec, seed, name) = (draws.clone(), spec.clone(), shared.pass.seed, name.to_owned());
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
+            let job = Calibrate::new(spec.clone(), inputs.clone(), seed, &name)?;
+            Ok(Arc::new(job.with_handed_on(filled(&own, &mut results.iter())?)?))
+        };
+        after(&[&draws], Arc::new(known), Box::new(prepare))
+    }
+}
+
+impl study::job::Spec for Spec {
+    fn kind(&self) -> &'static str {
+        Kind::NAME
+    }
+
+    fn inference(&self) -> Option<Inference<'_>> {
+        Some(Inference { verb: "calibrates", data: &self.data, parameters: &self.parameters })
+    }
+
+    fn blocked(&self, pass: &Pass) -> Option<Blocked> {
+        draws_among(pass, &self.parameters).iter().find_map(HandedOnPrior::blocks)
+    }
+}

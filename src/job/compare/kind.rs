@@ -1,0 +1,89 @@
+//! The kind `compare`: what a study and the registry ask of it.
+
+use std::sync::Arc;
+
+use serde_json::Value;
+
+use super::form::CompareForm;
+use super::{Compare, Output, Spec, Tuned, resolve, view};
+use crate::document::Place;
+use crate::job::JobError;
+use crate::job::Runnable;
+use crate::job::kind::JobKind;
+use crate::job::ready::{Readiness, Shared};
+use crate::study::blocked::blocked;
+use crate::study::job::{Asked, Entry, JobSpec};
+use crate::study::job::{Comparison, Forms, NamedJob};
+use crate::study::resolve::scope::Scope;
+use crate::study::resolve::settings::Offered;
+use crate::study::resolved::Blocked;
+use crate::study::resolved::Upstream;
+use crate::study::{self, Pass};
+
+/// The kind `compare`.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind;
+
+impl JobKind for Kind {
+    const NAME: &'static str = "compare";
+    const ABOUT: &'static str = "Model against measurements.";
+    type Form = CompareForm;
+    type Spec = Spec;
+    type Output = Output;
+
+    fn resolve(form: &CompareForm, scope: &mut Scope, entry: &Entry, asked: &mut Asked) -> Option<JobSpec> {
+        resolve::resolve(scope, entry, form, asked.forms, asked.offered)
+    }
+
+    fn complete(jobs: &mut Vec<NamedJob>, forms: &Forms, offered: &Offered, measured: Option<&Place>) {
+        jobs.extend(resolve::implied(jobs, offered, measured));
+        resolve::show_calibrations(jobs, forms);
+    }
+
+    fn document(output: &Output, with_rows: bool) -> Result<Value, JobError> {
+        Ok(view(output, with_rows))
+    }
+
+    fn without_rows(output: &Output) -> Option<Output> {
+        Some(Output { rows: Vec::new(), ..output.clone() })
+    }
+
+    fn ready(spec: &Spec, shared: &Shared, _name: &str) -> Result<Readiness, JobError> {
+        let nominal: Vec<f64> = shared.pass.model.parameters.iter().map(|parameter| parameter.nominal).collect();
+        let shown = spec.calibration.clone().filter(|name| !shared.refused.contains(name));
+        let spec = Spec { calibration: shown.clone(), ..spec.clone() };
+        let (model, measurements) = (Arc::clone(&shared.model), Arc::clone(&shared.measurements));
+        let make = move || Compare::new(spec.clone(), Arc::clone(&model), Arc::clone(&measurements), nominal.clone());
+        let known: Arc<dyn Runnable> = Arc::new(make()?);
+        let Some(name) = shown else { return Ok(Readiness::Ready(known)) };
+        let from = vec![Upstream { file: shared.pass.file.clone(), job: name.clone() }];
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
+            let result = results.first().ok_or_else(|| JobError::Failed("a result is not there".to_owned()))?;
+            Ok(Arc::new(make()?.with_tuned(Tuned::from_result(&name, result)?)))
+        };
+        Ok(Readiness::after(from, known, Box::new(prepare)))
+    }
+}
+
+impl study::job::Spec for Spec {
+    fn kind(&self) -> &'static str {
+        Kind::NAME
+    }
+
+    fn comparison(&self) -> Option<Comparison<'_>> {
+        Some(Comparison {
+            data: &self.data,
+            stabilisation_k_per_s: self.criteria.stabilisation_k_per_s,
+            calibration: self.calibration.as_deref(),
+        })
+    }
+
+    fn blocked(&self, pass: &Pass) -> Option<Blocked> {
+        // A sensor without noise keeps a calibration from running, not the comparison that would show it.
+        let is_refused = |name: &&String| pass.refused.iter().any(|refused| refused.job == **name);
+        let calibration = self.calibration.as_ref().filter(|name| !is_refused(name))?;
+        let runs = pass.jobs.iter().any(|other| other.name == *calibration && other.spec.resolved().is_some());
+        let own = if runs { blocked(pass, calibration)? } else { Blocked::waits(String::new()) };
+        Some(Blocked { reason: format!("it shows the tuned state of `{calibration}`, which does not run"), ..own })
+    }
+}

@@ -1,0 +1,68 @@
+//! The kind `conventional`: what a study and the registry ask of it.
+
+use std::sync::Arc;
+
+use serde_json::Value;
+
+use super::form::ConventionalForm;
+use super::{Conventional, Output, Spec, resolve};
+use crate::job::JobError;
+use crate::job::Runnable;
+use crate::job::kind::JobKind;
+use crate::job::ready::{Readiness, Shared};
+use crate::job::ready::{after, filled};
+use crate::study::handed_on::HandedOn;
+use crate::study::job::{Asked, Entry, JobSpec};
+use crate::study::resolve::scope::Scope;
+use crate::study::resolved::Blocked;
+use crate::study::resolved::HandedOnPrior;
+use crate::study::{self, Pass};
+
+/// The kind `conventional`.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind;
+
+impl JobKind for Kind {
+    const NAME: &'static str = "conventional";
+    const ABOUT: &'static str = "Stacked worst cases with margins by rule.";
+    type Form = ConventionalForm;
+    type Spec = Spec;
+    type Output = Output;
+
+    fn resolve(form: &ConventionalForm, scope: &mut Scope, entry: &Entry, asked: &mut Asked) -> Option<JobSpec> {
+        resolve::resolve(scope, entry, form, asked.offered).map(JobSpec::of)
+    }
+
+    fn ready(spec: &Spec, shared: &Shared, _name: &str) -> Result<Readiness, JobError> {
+        // Worst cases are stacked from the ends of the draws' intervals of three standard deviations.
+        let draws = shared.pass.handed_on.clone();
+        let (spec, model, priors) = (spec.clone(), Arc::clone(&shared.model), shared.pass.priors.clone());
+        let make = move |draws: &[HandedOn]| {
+            let mut priors = priors.clone();
+            for own in draws.iter().filter(|own| !own.draws.is_empty()) {
+                for (place, &parameter) in own.parameters.iter().enumerate() {
+                    priors[parameter] = own.interval(place);
+                }
+            }
+            Conventional::new(spec.clone(), Arc::clone(&model), priors)
+        };
+        let known: Arc<dyn Runnable> = Arc::new(make(&[])?);
+        // The job itself knows intervals only: whose they are must be told.
+        let beside: Value = draws.iter().map(|own| own.draws.identity()).collect();
+        let own = draws.clone();
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
+            Ok(Arc::new(make(&filled(&own, &mut results.iter())?)?))
+        };
+        Ok(after(&[&draws], known, Box::new(prepare))?.beside(beside))
+    }
+}
+
+impl study::job::Spec for Spec {
+    fn kind(&self) -> &'static str {
+        Kind::NAME
+    }
+
+    fn blocked(&self, pass: &Pass) -> Option<Blocked> {
+        pass.handed_on.iter().find_map(HandedOnPrior::blocks)
+    }
+}

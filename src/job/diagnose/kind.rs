@@ -1,0 +1,81 @@
+//! The kind `diagnose`: what a study and the registry ask of it.
+
+use std::sync::Arc;
+
+use serde_json::Value;
+
+use super::form::DiagnoseForm;
+use super::{Diagnose, Spec, resolve};
+use crate::diagnosis::{Output, PRIOR_OF, Problem};
+use crate::job::JobError;
+use crate::job::Runnable;
+use crate::job::kind::JobKind;
+use crate::job::ready::{Readiness, Shared};
+use crate::job::ready::{after, filled, unfilled};
+use crate::study::blocked::draws_among;
+use crate::study::job::Inference;
+use crate::study::job::{Asked, Entry, JobSpec};
+use crate::study::problem::problem_with;
+use crate::study::resolve::scope::Scope;
+use crate::study::resolved::Blocked;
+use crate::study::resolved::HandedOnPrior;
+use crate::study::{self, Pass};
+
+/// The kind `diagnose`.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind;
+
+impl JobKind for Kind {
+    const NAME: &'static str = "diagnose";
+    const ABOUT: &'static str = "Which physical effect is missing.";
+    type Form = DiagnoseForm;
+    type Spec = Spec;
+    type Output = Output;
+
+    fn resolve(form: &DiagnoseForm, scope: &mut Scope, entry: &Entry, asked: &mut Asked) -> Option<JobSpec> {
+        resolve::resolve(scope, entry, form, asked.offered)
+    }
+
+    fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {
+        let problem = problem(spec, shared);
+        let draws = draws_among(shared.pass, &spec.parameters);
+        let known = Diagnose::new(spec.clone(), problem.clone(), shared.pass.seed, name)?;
+        if draws.is_empty() {
+            return Ok(Readiness::Ready(Arc::new(known)));
+        }
+        let known = known.with_handed_on(unfilled(&draws).into_iter().map(|own| own.with_no_draws()).collect())?;
+        let (own, spec, seed, name) = (draws.clone(), spec.clone(), shared.pass.seed, name.to_owned());
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
+            let job = Diagnose::new(spec.clone(), problem.clone(), seed, &name)?;
+            Ok(Arc::new(job.with_handed_on(filled(&own, &mut results.iter())?)?))
+        };
+        after(&[&draws], Arc::new(known), Box::new(prepare))
+    }
+}
+
+impl study::job::Spec for Spec {
+    fn kind(&self) -> &'static str {
+        Kind::NAME
+    }
+
+    fn inference(&self) -> Option<Inference<'_>> {
+        Some(Inference { verb: "diagnoses", data: &self.data, parameters: &self.parameters })
+    }
+
+    fn blocked(&self, pass: &Pass) -> Option<Blocked> {
+        draws_among(pass, &self.parameters).iter().find_map(HandedOnPrior::blocks)
+    }
+}
+
+/// What is diagnosed.
+fn problem(spec: &Spec, shared: &Shared) -> Problem {
+    let measurements = spec.data.iter().map(|&index| shared.measurements[index].clone()).collect();
+    let mut problem = problem_with(shared.pass, measurements, spec.parameters.clone());
+    problem.candidates.retain(|candidate| spec.effects.contains(&candidate.effect));
+    if !spec.effects.iter().any(|name| name == PRIOR_OF) {
+        return problem;
+    }
+    // Those of adopted effects stand behind the model's own.
+    let adopted = shared.pass.adopted.iter().map(|adopted| adopted.parameters.start).min();
+    problem.with_priors_in_question(adopted.unwrap_or(usize::MAX))
+}

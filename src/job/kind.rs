@@ -1,0 +1,237 @@
+//! The registry of job kinds: the form of their settings, how these are looked up, what runs, the result. A kind is a line in
+//! [`KINDS`].
+
+use std::any::Any;
+use std::fmt;
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize as _, Serialize};
+use serde_json::Value;
+
+use super::ready::{Readiness, Shared};
+use super::{JobError, calibrate, compare, conventional, design, diagnose, goal, predict, propagate, sensitivity};
+use crate::document::{Diagnostics, Node, Place, Schemas, Written};
+use crate::study::Pass;
+use crate::study::job::{self as study_job, Asked, Entry, Forms, JobSpec, Kinds, NamedJob, Spec};
+use crate::study::resolve::scope::Scope;
+use crate::study::resolve::settings::Offered;
+
+/// A job kind; the type that implements it holds nothing.
+pub trait JobKind: Sync + 'static {
+    /// The kind, as in the pass file.
+    const NAME: &'static str;
+    /// What it is for, for the schema of a pass.
+    const ABOUT: &'static str;
+    /// Whether its jobs are resolved after the others of the pass, whose settings they use.
+    const IS_AFTER_OTHERS: bool = false;
+    /// Settings as written.
+    type Form: Written + 'static;
+    /// Settings with everything looked up.
+    type Spec: Spec;
+    /// Result.
+    type Output: Clone + fmt::Debug + Serialize + DeserializeOwned + JsonSchema + Send + Sync + 'static;
+
+    /// Looks up the names and fills in the defaults; `None` where something is wrong, which is reported.
+    fn resolve(form: &Self::Form, scope: &mut Scope, entry: &Entry, asked: &mut Asked) -> Option<JobSpec>;
+
+    /// Called when all jobs of a pass are resolved: changes them, or adds some.
+    fn complete(_jobs: &mut Vec<NamedJob>, _forms: &Forms, _offered: &Offered, _measured: Option<&Place>) {}
+
+    /// The job as it can run, or what it waits for.
+    ///
+    /// # Errors
+    /// A definition of which no job can be made.
+    fn ready(spec: &Self::Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError>;
+
+    /// The result for other programs; `with_rows` keeps single readings.
+    ///
+    /// # Errors
+    /// A result that cannot be written as JSON.
+    fn document(output: &Self::Output, _with_rows: bool) -> Result<Value, JobError> {
+        serde_json::to_value(output).map_err(|error| JobError::Failed(error.to_string()))
+    }
+
+    /// The result without its single readings, where it has some.
+    fn without_rows(_output: &Self::Output) -> Option<Self::Output> {
+        None
+    }
+}
+
+/// A kind of the registry.
+pub trait ErasedKind: study_job::Kind {
+    /// JSON Schema of the result.
+    fn output_schema(&self) -> Value;
+    /// Reads a stored result.
+    ///
+    /// # Errors
+    /// A result that does not have the form that this version writes.
+    fn output(&self, result: &Value) -> Result<Arc<dyn AnyOutput>, serde_json::Error>;
+    /// See [`JobKind::ready`]; `None` where the settings are of another kind.
+    ///
+    /// # Errors
+    /// A definition of which no job can be made.
+    fn ready(&self, spec: &JobSpec, shared: &Shared, name: &str) -> Result<Option<Readiness>, JobError>;
+}
+
+impl<K: JobKind> study_job::Kind for K {
+    fn name(&self) -> &'static str {
+        K::NAME
+    }
+
+    fn about(&self) -> &'static str {
+        K::ABOUT
+    }
+
+    fn schema(&self, schemas: &mut Schemas) -> Value {
+        K::Form::schema(schemas)
+    }
+
+    fn read(&self, settings: &Node, diagnostics: &mut Diagnostics) -> Option<Box<dyn study_job::Form>> {
+        K::Form::read(settings, diagnostics).map(|form| Box::new(FormOf::<K>(form)) as Box<dyn study_job::Form>)
+    }
+
+    fn is_after_others(&self) -> bool {
+        K::IS_AFTER_OTHERS
+    }
+
+    fn complete(&self, jobs: &mut Vec<NamedJob>, forms: &Forms, offered: &Offered, measured: Option<&Place>) {
+        K::complete(jobs, forms, offered, measured);
+    }
+}
+
+impl<K: JobKind> ErasedKind for K {
+    fn output_schema(&self) -> Value {
+        schemars::schema_for!(K::Output).to_value()
+    }
+
+    fn output(&self, result: &Value) -> Result<Arc<dyn AnyOutput>, serde_json::Error> {
+        K::Output::deserialize(result).map(output::<K>)
+    }
+
+    fn ready(&self, spec: &JobSpec, shared: &Shared, name: &str) -> Result<Option<Readiness>, JobError> {
+        spec.get::<K::Spec>().map(|spec| K::ready(spec, shared, name)).transpose()
+    }
+}
+
+/// Settings as written that know their kind.
+pub struct FormOf<K: JobKind>(pub K::Form);
+
+impl<K: JobKind> study_job::Form for FormOf<K> {
+    fn resolve(&self, scope: &mut Scope, entry: &Entry, asked: &mut Asked) -> Option<JobSpec> {
+        K::resolve(&self.0, scope, entry, asked)
+    }
+}
+
+/// A result of whichever kind.
+pub trait AnyOutput: fmt::Debug + Send + Sync {
+    /// The kind, as in the pass file.
+    fn kind(&self) -> &'static str;
+    /// The kind's `Output`.
+    fn as_any(&self) -> &dyn Any;
+    /// As it stands in `results.json`.
+    ///
+    /// # Errors
+    /// A result that cannot be written as JSON.
+    fn to_json(&self) -> Result<Value, serde_json::Error>;
+    /// See [`JobKind::document`].
+    ///
+    /// # Errors
+    /// A result that cannot be written as JSON.
+    fn document(&self, with_rows: bool) -> Result<Value, JobError>;
+    /// See [`JobKind::without_rows`].
+    fn without_rows(&self) -> Option<Arc<dyn AnyOutput>>;
+}
+
+/// A result that knows its kind.
+struct OutputOf<K: JobKind>(K::Output);
+
+impl<K: JobKind> fmt::Debug for OutputOf<K> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(formatter)
+    }
+}
+
+impl<K: JobKind> AnyOutput for OutputOf<K> {
+    fn kind(&self) -> &'static str {
+        K::NAME
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        &self.0
+    }
+
+    fn to_json(&self) -> Result<Value, serde_json::Error> {
+        serde_json::to_value(&self.0)
+    }
+
+    fn document(&self, with_rows: bool) -> Result<Value, JobError> {
+        K::document(&self.0, with_rows)
+    }
+
+    fn without_rows(&self) -> Option<Arc<dyn AnyOutput>> {
+        K::without_rows(&self.0).map(output::<K>)
+    }
+}
+
+/// A result of a kind as one of whichever.
+pub fn output<K: JobKind>(output: K::Output) -> Arc<dyn AnyOutput> {
+    Arc::new(OutputOf::<K>(output))
+}
+
+/// All kinds that run.
+pub static KINDS: &[&dyn ErasedKind] = &[
+    &propagate::Kind,
+    &sensitivity::Kind,
+    &goal::Kind,
+    &design::Kind,
+    &calibrate::Kind,
+    &compare::Kind,
+    &diagnose::Kind,
+    &predict::Kind,
+    &conventional::Kind,
+];
+
+/// The kind of this name.
+pub fn find(name: &str) -> Option<&'static dyn ErasedKind> {
+    KINDS.iter().copied().find(|kind| kind.name() == name)
+}
+
+/// The kinds as a study asks for them.
+pub fn kinds() -> Kinds {
+    Kinds::new(KINDS.iter().map(|&kind| kind as &dyn study_job::Kind))
+}
+
+/// Reads one pass with its parents, its model and its data.
+///
+/// # Errors
+/// All that is wrong with the files; warnings stand among them.
+pub fn load(pass: &std::path::Path) -> Result<Pass, Diagnostics> {
+    crate::study::load(&kinds(), pass)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_stands_once_and_is_found_by_its_name() {
+        for (position, kind) in KINDS.iter().enumerate() {
+            assert!(KINDS[..position].iter().all(|other| other.name() != kind.name()), "{} stands twice", kind.name());
+            assert_eq!(find(kind.name()).map(|found| found.name()), Some(kind.name()));
+        }
+        assert!(find("discrepancy").is_none());
+    }
+
+    #[test]
+    fn a_result_is_read_as_its_kind_alone() {
+        let written = design::Output { estimator: "own".to_owned(), ..design::Output::default() };
+        let value = serde_json::to_value(&written).expect("JSON");
+        let read = find("design").expect("a kind").output(&value).expect("a result");
+        assert_eq!(read.as_any().downcast_ref::<design::Output>(), Some(&written));
+        assert!(read.as_any().downcast_ref::<goal::Output>().is_none());
+        assert_eq!((read.kind(), read.to_json().expect("JSON")), ("design", value));
+        assert!(find("goal").expect("a kind").output(&Value::Null).is_err());
+    }
+}

@@ -1,0 +1,97 @@
+//! The kind `predict`: what a study and the registry ask of it.
+
+use std::sync::Arc;
+
+use serde_json::Value;
+
+use super::form::PredictForm;
+use super::{Output, Predict, Prediction, resolve, view};
+use crate::job::JobError;
+use crate::job::Runnable;
+use crate::job::kind::JobKind;
+use crate::job::ready::{Readiness, Shared};
+use crate::job::ready::{after, filled, unfilled};
+use crate::study::blocked::blocked;
+use crate::study::handed_on::HandedOn;
+use crate::study::job::{Asked, Entry, JobSpec};
+use crate::study::resolve::scope::Scope;
+use crate::study::resolved::Blocked;
+use crate::study::resolved::HandedOnPrior;
+use crate::study::{self, Pass};
+
+/// The kind `predict`.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind;
+
+impl JobKind for Kind {
+    const NAME: &'static str = "predict";
+    const ABOUT: &'static str = "Flight prediction.";
+    const IS_AFTER_OTHERS: bool = true;
+    type Form = PredictForm;
+    type Spec = Prediction;
+    type Output = Output;
+
+    fn resolve(form: &PredictForm, scope: &mut Scope, entry: &Entry, asked: &mut Asked) -> Option<JobSpec> {
+        resolve::resolve(scope, entry, form, asked)
+    }
+
+    fn document(output: &Output, _with_rows: bool) -> Result<Value, JobError> {
+        Ok(view(output))
+    }
+
+    fn ready(spec: &Prediction, shared: &Shared, name: &str) -> Result<Readiness, JobError> {
+        let mut priors = shared.pass.priors.clone();
+        for &(index, prior) in &spec.priors {
+            priors[index] = prior;
+        }
+        let plain = shared.propagation(name, &spec.propagate, &priors);
+        let (discrepancy, seed, named) = (spec.discrepancy.clone(), shared.pass.seed, name.to_owned());
+        let make = move || plain()?.with_discrepancy(discrepancy.clone(), seed, &named);
+        let (own, before, rest) = (vec![spec.posterior.clone()], spec.handed_on.clone(), rest(shared.pass, spec));
+        let join = |first: Vec<HandedOn>, rest: &[HandedOn]| first.into_iter().chain(rest.iter().cloned()).collect();
+        let others = unfilled(&rest);
+        let prior = make()?.with_handed_on(join(unfilled(&before), &others));
+        let known = Predict::new(prior, make()?.with_handed_on(join(unfilled(&own), &others)));
+        let draws = [own.clone(), before.clone(), rest.clone()];
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
+            let mut results = results.iter();
+            let own = filled(&own, &mut results)?;
+            let before = filled(&before, &mut results)?;
+            let others = filled(&rest, &mut results)?;
+            let prior = make()?.with_handed_on(join(before, &others));
+            Ok(Arc::new(Predict::new(prior, make()?.with_handed_on(join(own, &others)))))
+        };
+        after(&[&draws[0], &draws[1], &draws[2]], Arc::new(known), Box::new(prepare))
+    }
+}
+
+impl study::job::Spec for Prediction {
+    fn kind(&self) -> &'static str {
+        Kind::NAME
+    }
+
+    fn blocked(&self, pass: &Pass) -> Option<Blocked> {
+        let own = match &self.posterior.from {
+            Some(from) if from.file == pass.file => {
+                blocked(pass, &from.job).map(|own| own.after(&self.posterior.draws.source))
+            }
+            _ => self.posterior.blocks(),
+        };
+        let others = rest(pass, self);
+        own.or_else(|| others.iter().chain(&self.handed_on).find_map(HandedOnPrior::blocks))
+    }
+}
+
+/// Draws that stand in for priors of the parameters that a prediction's calibration did not infer.
+fn rest(pass: &Pass, spec: &Prediction) -> Vec<HandedOnPrior> {
+    let mut rest = Vec::new();
+    for own in &pass.handed_on {
+        let kept: Vec<usize> = (0..own.draws.parameters.len())
+            .filter(|&place| !spec.posterior.draws.parameters.contains(&own.draws.parameters[place]))
+            .collect();
+        if !kept.is_empty() {
+            rest.push(HandedOnPrior { draws: own.draws.with(&kept), ..own.clone() });
+        }
+    }
+    rest
+}

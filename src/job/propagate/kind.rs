@@ -1,0 +1,62 @@
+//! The kind `propagate`: what a study and the registry ask of it.
+
+use std::sync::Arc;
+
+use serde_json::Value;
+
+use super::form::PropagateForm;
+use super::{Output, Spec, resolve, view};
+use crate::job::JobError;
+use crate::job::Runnable;
+use crate::job::kind::JobKind;
+use crate::job::ready::{Readiness, Shared};
+use crate::job::ready::{after, filled, unfilled};
+use crate::study::job::{Asked, Entry, JobSpec};
+use crate::study::resolve::scope::Scope;
+use crate::study::resolved::Blocked;
+use crate::study::resolved::HandedOnPrior;
+use crate::study::{self, Pass};
+
+/// The kind `propagate`.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind;
+
+impl JobKind for Kind {
+    const NAME: &'static str = "propagate";
+    const ABOUT: &'static str = "Propagation of the parameters' uncertainty.";
+    type Form = PropagateForm;
+    type Spec = Spec;
+    type Output = Output;
+
+    fn resolve(form: &PropagateForm, scope: &mut Scope, _entry: &Entry, asked: &mut Asked) -> Option<JobSpec> {
+        resolve(scope, form, asked.offered).map(JobSpec::of)
+    }
+
+    fn document(output: &Output, _with_rows: bool) -> Result<Value, JobError> {
+        Ok(view(output))
+    }
+
+    fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {
+        let draws = shared.pass.handed_on.clone();
+        let make = shared.propagation(name, spec, &shared.pass.priors);
+        let known = make()?.with_handed_on(unfilled(&draws));
+        if draws.is_empty() {
+            return Ok(Readiness::Ready(Arc::new(known)));
+        }
+        let own = draws.clone();
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
+            Ok(Arc::new(make()?.with_handed_on(filled(&own, &mut results.iter())?)))
+        };
+        after(&[&draws], Arc::new(known), Box::new(prepare))
+    }
+}
+
+impl study::job::Spec for Spec {
+    fn kind(&self) -> &'static str {
+        Kind::NAME
+    }
+
+    fn blocked(&self, pass: &Pass) -> Option<Blocked> {
+        pass.handed_on.iter().find_map(HandedOnPrior::blocks)
+    }
+}

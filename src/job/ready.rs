@@ -1,0 +1,194 @@
+//! From a pass's resolved jobs to jobs that can run.
+
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+
+use super::propagate::{self, Propagate};
+use super::{JobError, Runnable, compare, kind};
+use crate::document::{Diagnostic, code};
+use crate::inference::measurement::Measurement;
+use crate::random::Distribution;
+use crate::study::Pass;
+use crate::study::blocked::blocked;
+use crate::study::handed_on::HandedOn;
+use crate::study::job::{CALIBRATION, NamedJob};
+use crate::study::resolved::{Blocked, HandedOnPrior, Upstream};
+use crate::thermal::Model;
+
+/// A pass's job: ready, or why it does not run now.
+pub enum Readiness {
+    /// It can run.
+    Ready(Arc<dyn Runnable>),
+    /// It can run when calibrations of the study have their results.
+    After(Box<Deferred>),
+    /// It does not run now; the reason in a line.
+    NotRun(String),
+    /// It cannot be made from its definition; what is wrong, at its place.
+    Refused(Vec<Diagnostic>),
+}
+
+/// Makes a job from the results that it waits for.
+pub type Prepare = Box<dyn Fn(&[Arc<Value>]) -> Result<Arc<dyn Runnable>, JobError> + Send + Sync>;
+
+/// A job that waits for calibrations.
+pub struct Deferred {
+    /// The calibrations.
+    pub from: Vec<Upstream>,
+    /// The job as far as it is known before.
+    known: Arc<dyn Runnable>,
+    /// What decides the result beside the job's own identity and the calibrations.
+    beside: Option<Value>,
+    prepare: Prepare,
+}
+
+impl Deferred {
+    /// The job as far as it is known before: kind and version.
+    pub fn job(&self) -> &dyn Runnable {
+        self.known.as_ref()
+    }
+
+    /// Everything that decides the result, beside the calibrations.
+    pub fn identity(&self) -> Value {
+        match &self.beside {
+            None => self.known.identity(),
+            Some(beside) => json!({ "job": self.known.identity(), "handed_on": beside }),
+        }
+    }
+
+    /// Makes the job ready; `results` are those of [`Deferred::from`], in that order.
+    ///
+    /// # Errors
+    /// Results that do not have what the job needs, draws that no density describes.
+    pub fn prepare(&self, results: &[Arc<Value>]) -> Result<Arc<dyn Runnable>, JobError> {
+        (self.prepare)(results)
+    }
+}
+
+impl Readiness {
+    /// A job that waits for the results of these calibrations; `known` is it as far as it is known before.
+    pub fn after(from: Vec<Upstream>, known: Arc<dyn Runnable>, prepare: Prepare) -> Self {
+        Self::After(Box::new(Deferred { from, known, beside: None, prepare }))
+    }
+
+    /// The same with what decides the result beside the job's own identity and the calibrations.
+    pub fn beside(mut self, beside: Value) -> Self {
+        if let Self::After(deferred) = &mut self {
+            deferred.beside = Some(beside);
+        }
+        self
+    }
+}
+
+/// What the jobs of a pass share.
+pub struct Shared<'p> {
+    /// The pass.
+    pub pass: &'p Pass,
+    /// Its model.
+    pub model: Arc<Model>,
+    /// Its measurements.
+    pub measurements: Arc<Vec<Measurement>>,
+    /// Calibrations that cannot be made.
+    pub refused: Vec<String>,
+}
+
+/// The jobs of a pass in order, each by its name. One that cannot be made from its definition (a network without a path
+/// to a boundary, a nominal case that does not solve) keeps none of the others.
+pub fn ready(pass: &Pass) -> Vec<(String, Readiness)> {
+    let mut shared = Shared::new(pass, pass.refused.iter().map(|refused| refused.job.clone()).collect());
+    // Comparisons show the delivered state where the tuned one cannot be had: so calibrations come first.
+    let calibrations = pass.jobs.iter().filter(|named| named.spec.kind() == CALIBRATION);
+    let mut made: Vec<(&str, Readiness)> =
+        calibrations.map(|named| (named.name.as_str(), shared.readiness(named))).collect();
+    let cannot = made.iter().filter(|(_, readiness)| matches!(readiness, Readiness::Refused(_)));
+    shared.refused.extend(cannot.map(|(name, _)| (*name).to_owned()));
+    let mut take = |named: &NamedJob| {
+        let known = made.iter().position(|(name, _)| *name == named.name);
+        known.map_or_else(|| shared.readiness(named), |known| made.swap_remove(known).1)
+    };
+    pass.jobs.iter().map(|named| (named.name.clone(), take(named))).collect()
+}
+
+/// A comparison of a pass without the tuned state; `None` for other jobs.
+pub fn delivered(pass: &Pass, named: &NamedJob) -> Option<Readiness> {
+    let spec: &compare::Spec = named.spec.get()?;
+    let shared = Shared::new(pass, spec.calibration.iter().cloned().collect());
+    shared.made(named).ok()
+}
+
+/// What is wrong with the definition of a job, in general: at its name.
+pub fn refusal(named: &NamedJob, reason: impl std::fmt::Display) -> Diagnostic {
+    let message = format!("{}{reason}", refusal_prefix(&named.name));
+    Diagnostic::error(&code::JOB_REFUSED, &named.place, message)
+}
+
+/// What stands before the reason in the message of a [`refusal`].
+pub fn refusal_prefix(name: &str) -> String {
+    format!("job `{name}` cannot be made: ")
+}
+
+/// The draws, those of calibrations from their results; takes as many results as there are calibrations.
+///
+/// # Errors
+/// A result that is not there or has no such draws.
+pub fn filled(
+    draws: &[HandedOnPrior],
+    results: &mut std::slice::Iter<'_, Arc<Value>>,
+) -> Result<Vec<HandedOn>, JobError> {
+    let missing = || JobError::Failed("a result is not there".to_owned());
+    let fill = |own: &HandedOnPrior| match own.from {
+        None => Ok(own.draws.clone()),
+        Some(_) => Ok(own.draws.filled(results.next().ok_or_else(missing)?)?),
+    };
+    draws.iter().map(fill).collect()
+}
+
+/// The draws as far as they are known before.
+pub fn unfilled(draws: &[HandedOnPrior]) -> Vec<HandedOn> {
+    draws.iter().map(|own| own.draws.clone()).collect()
+}
+
+/// A job that waits for the calibrations behind these draws; ready at once where they are of none.
+///
+/// # Errors
+/// What `prepare` gives.
+pub fn after(draws: &[&[HandedOnPrior]], known: Arc<dyn Runnable>, prepare: Prepare) -> Result<Readiness, JobError> {
+    let from: Vec<Upstream> = draws.iter().flat_map(|list| list.iter()).filter_map(|own| own.from.clone()).collect();
+    if from.is_empty() { prepare(&[]).map(Readiness::Ready) } else { Ok(Readiness::after(from, known, prepare)) }
+}
+
+impl<'p> Shared<'p> {
+    fn new(pass: &'p Pass, refused: Vec<String>) -> Self {
+        let (model, measurements) = (Arc::new(pass.model.clone()), Arc::new(pass.measurements.clone()));
+        Self { pass, model, measurements, refused }
+    }
+
+    fn readiness(&self, named: &NamedJob) -> Readiness {
+        let own = self.pass.refused.iter().filter(|refused| refused.job == named.name);
+        let own: Vec<Diagnostic> = own.map(|refused| refused.diagnostic.clone()).collect();
+        match blocked(self.pass, &named.name) {
+            Some(_) if !own.is_empty() => Readiness::Refused(own),
+            Some(Blocked { reason, is_wrong: false }) => Readiness::NotRun(reason),
+            Some(Blocked { reason, is_wrong: true }) => Readiness::Refused(vec![refusal(named, reason)]),
+            None => self.made(named).unwrap_or_else(|error| Readiness::Refused(vec![refusal(named, error)])),
+        }
+    }
+
+    fn made(&self, named: &NamedJob) -> Result<Readiness, JobError> {
+        let made = kind::find(named.spec.kind()).map(|kind| kind.ready(&named.spec, self, &named.name)).transpose()?;
+        // What waits for something is blocked, with the reason.
+        Ok(made.flatten().unwrap_or_else(|| Readiness::NotRun(String::new())))
+    }
+
+    /// A propagation with these priors, draws not yet in their place.
+    pub fn propagation(
+        &self,
+        name: &str,
+        spec: &propagate::Spec,
+        priors: &[Distribution],
+    ) -> impl Fn() -> Result<Propagate, JobError> + Send + Sync + use<> {
+        let (spec, model, priors) = (spec.clone(), Arc::clone(&self.model), priors.to_vec());
+        let (seed, name) = (self.pass.seed, name.to_owned());
+        move || Propagate::new(spec.clone(), Arc::clone(&model), priors.clone(), seed, &name)
+    }
+}
