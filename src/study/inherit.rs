@@ -13,7 +13,6 @@ use crate::document::json::{Entry, Node, Value};
 use crate::document::source::{Place, Source, Span};
 
 use super::folder::{Folder, FolderError};
-use super::job::Kinds;
 use super::reader::Reader;
 
 /// Sections whose entries are inherited by name.
@@ -221,7 +220,7 @@ mod tests {
         let (_root, folder) = study(files);
         let mut diagnostics = Diagnostics::new();
         let lineage =
-            lineage(&Reader::new(Kinds::default()), &folder, name, &mut diagnostics).expect("a file").expect("a tree");
+            lineage(&Reader::new(crate::study::job::Kinds::default()), &folder, name, &mut diagnostics).expect("a file").expect("a tree");
         let messages = diagnostics.plain().into_iter().map(|plain| plain.message).collect();
         (lineage.merged.to_json(), messages)
     }
