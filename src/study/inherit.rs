@@ -219,8 +219,9 @@ mod tests {
     fn merged(files: &[(&str, &str)], name: &str) -> (serde_json::Value, Vec<String>) {
         let (_root, folder) = study(files);
         let mut diagnostics = Diagnostics::new();
-        let lineage =
-            lineage(&Reader::new(crate::study::job::Kinds::default()), &folder, name, &mut diagnostics).expect("a file").expect("a tree");
+        let lineage = lineage(&Reader::new(crate::study::job::Kinds::default()), &folder, name, &mut diagnostics)
+            .expect("a file")
+            .expect("a tree");
         let messages = diagnostics.plain().into_iter().map(|plain| plain.message).collect();
         (lineage.merged.to_json(), messages)
     }

@@ -1,6 +1,7 @@
 //! Settings of `calibrate` as written.
 
-use crate::document::{Spanned, written_struct, written_words};
+use super::Sampler;
+use crate::document::{Spanned, written_struct};
 
 written_struct! {
     /// Settings of `calibrate`.
@@ -10,7 +11,7 @@ written_struct! {
         /// Parameters; all whose prior is not fixed where they are left out.
         optional parameters: Vec<Spanned<String>>,
         /// How the posterior is sampled, `nuts` where it is left out.
-        optional sampler: SamplerForm,
+        optional sampler: Sampler,
         /// Number of chains (of islands for `smc`), 4 where it is left out.
         optional chains: Spanned<u64>,
         /// Steps of a chain that adapt and are dropped: 500 for `nuts`, 5000 for `adaptive-metropolis`.
@@ -20,17 +21,5 @@ written_struct! {
         /// Mean acceptance that the steps of `nuts` are adapted to, 0.8 where it is left out; 0.95 takes shorter steps, for
         /// posteriors in which trajectories diverge.
         optional acceptance: Spanned<f64>,
-    }
-}
-
-written_words! {
-    /// How a posterior is sampled.
-    pub enum SamplerForm: "a sampler" {
-        /// The No-U-Turn sampler.
-        "nuts" => Nuts,
-        /// Adaptive Metropolis.
-        "adaptive-metropolis" => AdaptiveMetropolis,
-        /// Sequential Monte Carlo.
-        "smc" => Smc,
     }
 }

@@ -13,6 +13,7 @@ mod output;
 mod predictive;
 mod resolve;
 mod result;
+mod sampler;
 mod sampling;
 mod scores;
 mod summary;
@@ -24,7 +25,7 @@ use serde_json::{Value, json};
 
 pub use output::{
     Coverage, CrossValidation, Evidence, HandedOnPrior, HeldOutScore, KeptDraws, MostProbable, Output,
-    ParameterSummary, PhaseScore, PredictiveRow, Sampler, SensorPredictive, Spec, Spent, UsedData,
+    ParameterSummary, PhaseScore, PredictiveRow, SensorPredictive, Spec, Spent, UsedData,
 };
 
 use super::{Done, Job, JobError, Parts, Step};
@@ -39,6 +40,7 @@ use crate::study::handed_on::HandedOn;
 use crate::thermal::Model;
 use block::{Partial, State, Task};
 pub use kind::Kind;
+pub use sampler::Sampler;
 
 const ESTIMATE: &str = "estimate";
 const SAMPLE: &str = "sample";

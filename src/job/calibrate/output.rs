@@ -4,41 +4,11 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::sampler::Sampler;
+
 use crate::inference::joint_prior::Fit;
 use crate::random::Distribution;
 use crate::study::handed_on::HandedOnSummary;
-
-/// How the posterior is sampled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Sampler {
-    /// The No-U-Turn sampler.
-    Nuts,
-    /// Adaptive Metropolis with a second, smaller proposal.
-    AdaptiveMetropolis,
-    /// Sequential Monte Carlo; its islands are the chains.
-    Smc,
-}
-
-impl Sampler {
-    /// The name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Nuts => "nuts",
-            Self::AdaptiveMetropolis => "adaptive-metropolis",
-            Self::Smc => "smc",
-        }
-    }
-
-    /// Steps that adapt and are dropped, and draws of a chain, where nothing is said.
-    pub fn defaults(self) -> (u64, u64) {
-        match self {
-            Self::Nuts => (500, 1000),
-            Self::AdaptiveMetropolis => (5000, 5000),
-            Self::Smc => (0, 1000),
-        }
-    }
-}
 
 /// Resolved settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

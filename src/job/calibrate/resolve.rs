@@ -1,6 +1,6 @@
 //! Calibrations: settings with their defaults, names looked up.
 
-use super::form::{CalibrateForm, SamplerForm};
+use super::form::CalibrateForm;
 use super::{Sampler, Spec};
 use crate::document::{Spanned, code};
 use crate::study::job::{Entry, JobSpec};
@@ -20,19 +20,15 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &CalibrateForm, of
     let before = scope.diagnostics.errors();
     let (data, missing) = data(scope, entry, form.data.as_ref(), "calibrate on", offered);
     let parameters = parameters_or_all(scope, form.parameters.as_ref(), offered.priors);
-    let sampler = match form.sampler {
-        None | Some(SamplerForm::Nuts) => Sampler::Nuts,
-        Some(SamplerForm::AdaptiveMetropolis) => Sampler::AdaptiveMetropolis,
-        Some(SamplerForm::Smc) => Sampler::Smc,
-    };
+    let sampler = form.sampler.unwrap_or(Sampler::Nuts);
+    let method = sampler.method();
     let (warmup, draws) = sampler.defaults();
-    if let (Sampler::Smc, Some(warmup)) = (sampler, &form.warmup) {
-        let message = "`smc` has no warm-up".to_owned();
+    if let (false, Some(warmup)) = (method.has_warm_up(), &form.warmup) {
+        let message = format!("`{}` has no warm-up", sampler.name());
         scope.error(&code::JOB_SETTING, &warmup.place, message, "leave it out");
     }
     let chains = number(scope, form.chains.as_ref(), CHAINS, 2, MOST_CHAINS, "chains");
-    let least = if sampler == Sampler::Smc { 16 } else { 4 };
-    let draws = number(scope, form.draws.as_ref(), draws, least, MOST_DRAWS, "draws of a chain");
+    let draws = number(scope, form.draws.as_ref(), draws, method.least_draws(), MOST_DRAWS, "draws of a chain");
     let warmup = number(scope, form.warmup.as_ref(), warmup, 0, MOST_DRAWS, "steps of warm-up");
     let acceptance = form.acceptance.as_ref().map(|written| acceptance(scope, written, sampler));
     if scope.diagnostics.errors() > before {
@@ -47,7 +43,7 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &CalibrateForm, of
 
 /// The acceptance that trajectories aim at.
 fn acceptance(scope: &mut Scope, written: &Spanned<f64>, sampler: Sampler) -> f64 {
-    if sampler != Sampler::Nuts {
+    if !sampler.method().has_acceptance() {
         let message = format!("`{}` aims at no acceptance", sampler.name());
         scope.error(&code::JOB_SETTING, &written.place, message, "leave it out");
     } else if !(0.5..=0.999).contains(&written.value) {

@@ -3,7 +3,7 @@
 use super::block::Partial;
 use super::output::{Evidence, HandedOnPrior, MostProbable, Output, ParameterSummary, Spent, UsedData};
 use super::summary::Weighted;
-use super::{Calibrate, Sampler, words};
+use super::{Calibrate, words};
 use crate::document::counted;
 use crate::expression::Unit;
 use crate::inference::chains::{Chain, Chains};
@@ -50,7 +50,7 @@ impl Calibrate {
             pareto_k: None,
             laplace: estimate.log_evidence,
         };
-        let chains = if self.spec.sampler == Sampler::Smc {
+        let chains = if self.spec.sampler.method().has_islands() {
             let result = smc::combine(&names, islands);
             if !result.finished {
                 objections.push("an island did not reach the posterior within its stages".to_owned());
