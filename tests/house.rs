@@ -94,3 +94,85 @@ fn files_are_touched_by_studies_the_runner_reports_and_the_command_line() {
         .collect();
     assert!(users.is_empty(), "{users:?}");
 }
+
+/// Job kinds with the section of the report on each.
+const KINDS: &[(&str, &str)] = &[
+    ("propagate", "propagation"),
+    ("sensitivity", "sensitivity"),
+    ("goal", "goal"),
+    ("design", "design"),
+    ("calibrate", "calibration"),
+    ("compare", "comparison"),
+    ("diagnose", "diagnosis"),
+    ("predict", "prediction"),
+    ("conventional", "sizing"),
+];
+
+/// Files that name a kind's module without being its section, with the reason.
+const NAMED_ELSEWHERE: &[(&str, &[&str], &str)] = &[
+    ("report/section/summary.rs", &["*"], "the first screen weighs the results of all kinds against one another"),
+    ("report/section/summary/missing.rs", &["diagnose"], "the same, of a diagnosis"),
+    ("report/section/prediction", &["propagate"], "a prediction is two propagations"),
+    ("report/section/sizing.rs", &["propagate"], "sizes by rule stand beside the probabilistic one"),
+    ("report/section/calibration.rs", &["compare"], "what tuning achieved is measured by a comparison"),
+    ("report/view.rs", &["compare"], "whether rows of a comparison are steady phases"),
+    ("report/history.rs", &["calibrate", "compare"], "these two tell the error of a pass"),
+    ("cli/compare.rs", &["compare"], "the verb for this kind"),
+    ("cli/diagnose.rs", &["diagnose"], "the verb for this kind"),
+    ("cli/adopt.rs", &["diagnose"], "adopts what a diagnosis found"),
+    ("cli/lab.rs", &["diagnose"], "tries the diagnosis on cases whose truth is known"),
+];
+
+/// The words of a text.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').filter(|word| !word.is_empty())
+}
+
+/// The kinds whose modules a text names: `job::KIND`, or among others in `job::{...}`; the diagnosis is a room too.
+fn kinds_named(text: &str) -> Vec<&'static str> {
+    let mut named = Vec::new();
+    for rest in text.split("job::").skip(1) {
+        let list = match rest.strip_prefix('{') {
+            Some(list) => list.split(';').next().unwrap_or_default(),
+            None => words(rest).next().unwrap_or_default(),
+        };
+        named.extend(KINDS.iter().map(|(kind, _)| *kind).filter(|kind| words(list).any(|word| word == *kind)));
+    }
+    named.extend(text.contains("crate::diagnosis::").then_some("diagnose"));
+    named.sort_unstable();
+    named.dedup();
+    named
+}
+
+#[test]
+fn a_job_kind_is_named_in_its_section_and_in_the_registry_alone() {
+    let (mut wrong, mut seen, mut used) = (Vec::new(), 0, vec![false; NAMED_ELSEWHERE.len()]);
+    for (path, room, text) in sources() {
+        if !["report", "cli"].contains(&room.as_str()) {
+            continue;
+        }
+        let path = path.display().to_string();
+        let path = path.trim_start_matches("src/");
+        for kind in kinds_named(program(&text)) {
+            seen += 1;
+            let is_section = KINDS.iter().any(|(own, section)| {
+                let file = format!("report/section/{section}");
+                *own == kind && path.strip_prefix(&file).is_some_and(|rest| rest.starts_with(['.', '/']))
+            });
+            let is_elsewhere = NAMED_ELSEWHERE.iter().zip(&mut used).any(|((file, kinds, _), used)| {
+                let is_it = path.starts_with(file) && kinds.iter().any(|own| *own == kind || *own == "*");
+                *used |= is_it;
+                is_it
+            });
+            if !is_section && !is_elsewhere {
+                wrong.push(format!("{path} names the kind {kind}"));
+            }
+        }
+        let arms = KINDS.iter().map(|(kind, _)| format!("\"{kind}\" =>")).filter(|arm| text.contains(arm));
+        wrong.extend(arms.map(|arm| format!("{path} matches {arm}")));
+    }
+    assert!(seen > 25, "the test reads the sources (saw {seen} uses)");
+    let unused = NAMED_ELSEWHERE.iter().zip(&used).filter(|(_, used)| !**used);
+    wrong.extend(unused.map(|((file, ..), _)| format!("{file} needs no exception any more")));
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

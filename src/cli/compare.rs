@@ -10,8 +10,9 @@ use super::output::{escaped, print, print_json, tell};
 use super::status::{Failure, Status};
 use super::studies::Loaded;
 use super::{Context, studies};
-use crate::report::section::{READINGS, RESULTS, TUNED};
-use crate::report::{JobResult, terminal};
+use crate::job::compare::Kind;
+use crate::report::section::{READINGS, TUNED, results};
+use crate::report::{JobEntry, terminal};
 
 /// Arguments of `bmv compare`.
 #[derive(Debug, clap::Args)]
@@ -60,8 +61,9 @@ impl Compare {
             }
             let mut report = studies::view(pass, &executed)?;
             if self.json {
-                let is_nominal = |result: &JobResult| matches!(result, JobResult::Compare(o) if o.state == "nominal");
-                let first = report.results.iter().find(|job| is_nominal(&job.result)).or(report.results.first());
+                let is_nominal =
+                    |job: &&JobEntry| job.output_of::<Kind>().is_some_and(|output| output.state == "nominal");
+                let first = report.results.iter().find(is_nominal).or(report.results.first());
                 if let Some(job) = first {
                     print_json(&studies::document(job, self.rows != Some(Rows::None))?)?;
                 }
@@ -70,7 +72,7 @@ impl Compare {
             let readings = (self.rows == Some(Rows::All)).then(|| READINGS(&report)).flatten();
             studies::without_rows(&mut report);
             let sections: Vec<_> =
-                RESULTS.iter().chain([&TUNED]).filter_map(|build| build(&report)).chain(readings).collect();
+                results().chain([TUNED]).filter_map(|build| build(&report)).chain(readings).collect();
             print(&terminal::render(&sections, context.layout))?;
         }
         let shown = escaped(&self.pass.display().to_string());

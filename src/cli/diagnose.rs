@@ -10,8 +10,9 @@ use super::{Context, studies};
 use crate::diagnosis::Output;
 use crate::document::visible::shell_word;
 use crate::inference::measurement::Doubt;
+use crate::job::diagnose;
 use crate::report::section::DIAGNOSIS;
-use crate::report::{JobResult, terminal};
+use crate::report::terminal;
 
 /// Arguments of `bmv diagnose`.
 #[derive(Debug, clap::Args)]
@@ -57,7 +58,7 @@ impl Diagnose {
             }
             let report = studies::view(pass, &executed)?;
             if self.json {
-                let found = report.results.iter().find(|job| matches!(job.result, JobResult::Diagnose(_)));
+                let found = report.results.iter().find(|job| job.output_of::<diagnose::Kind>().is_some());
                 if let Some(job) = found {
                     print_json(&studies::document(job, true)?)?;
                 }
@@ -65,8 +66,8 @@ impl Diagnose {
             }
             let sections: Vec<_> = DIAGNOSIS(&report).into_iter().collect();
             print(&terminal::render(&sections, context.layout))?;
-            let jobs = report.diagnoses().count();
-            for (name, output) in report.diagnoses() {
+            let jobs = report.outputs::<diagnose::Kind>().count();
+            for (name, output) in report.outputs::<diagnose::Kind>() {
                 let of_job = if jobs > 1 { format!(" --job {}", shell_word(name)) } else { String::new() };
                 if let Some(line) = next(output, &format!("bmv adopt {}{of_job}", shell_word(&pass.shown))) {
                     tell(&escaped(&line));

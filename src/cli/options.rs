@@ -107,7 +107,7 @@ impl RequireOption {
             let shown = escaped(&pass.shown);
             let report = studies::view(pass, executed)?;
             for job in &report.results {
-                for standing in required::standings(&job.result) {
+                for standing in required::standings(job) {
                     judged += 1;
                     if !standing.is_met {
                         is_met = false;

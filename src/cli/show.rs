@@ -10,7 +10,7 @@ use super::output::{escaped, print, print_json, tell};
 use super::status::{Failure, Status};
 use super::studies::Loaded;
 use super::{Context, studies};
-use crate::report::section::{CALIBRATION, RESULTS, SUMMARY};
+use crate::report::section::{CALIBRATION, SUMMARY, results};
 use crate::report::terminal;
 
 /// Arguments of `bmv show`.
@@ -59,8 +59,8 @@ impl Show {
                 continue;
             }
             studies::without_rows(&mut report);
-            let summary = self.job.is_none().then_some(&SUMMARY).filter(|_| !report.results.is_empty());
-            let sections = summary.into_iter().chain(RESULTS).chain([&CALIBRATION]);
+            let summary = self.job.is_none().then_some(SUMMARY).filter(|_| !report.results.is_empty());
+            let sections = summary.into_iter().chain(results()).chain([CALIBRATION]);
             let sections: Vec<_> = sections.filter_map(|build| build(&report)).collect();
             print(&terminal::render(&sections, context.layout))?;
             if !report.results.is_empty() {

@@ -12,9 +12,9 @@ use super::output::{self, escaped, tell};
 use super::status::Failure;
 use crate::document::{Diagnostic, Diagnostics};
 use crate::job::ready::{Deferred, Readiness};
-use crate::job::{self, JobError, Runnable, compare, predict, propagate, sensitivity};
+use crate::job::{self, JobError, Runnable};
 use crate::report::assemble::{FinishedJob, Surroundings, assemble};
-use crate::report::{History, JobEntry, JobResult, PassErrors, PassReport};
+use crate::report::{History, JobEntry, PassErrors, PassReport};
 use crate::runner::{Node, Outcome, Ready, RunnerError, Task};
 use crate::study::resolved::Upstream;
 use crate::study::{self, Pass, Project, Reader, discover};
@@ -480,39 +480,19 @@ pub(super) fn view_in<'p>(
         .map_err(|error| Failure::job(format!("{}: {error}", escaped(&pass.shown))))
 }
 
-/// Takes the single readings out of comparisons; a terminal shows their statistics.
+/// Takes the single readings out of results; a terminal shows their statistics.
 pub fn without_rows(report: &mut PassReport<'_>) {
     for job in &mut report.results {
-        if let JobResult::Compare(output) = &mut job.result {
-            output.rows.clear();
+        if let Some(output) = job.output.without_rows() {
+            job.output = output;
         }
     }
 }
 
-/// A job's result for other programs; `with_rows` keeps the single readings of a comparison.
+/// A job's result for other programs; `with_rows` keeps the single readings.
 ///
 /// # Errors
 /// A result that cannot be written as JSON.
 pub fn document(job: &JobEntry, with_rows: bool) -> Result<Value, Failure> {
-    match &job.result {
-        JobResult::Propagate(output) => Ok(propagate::view(output)),
-        JobResult::Predict(output) => Ok(predict::view(output)),
-        JobResult::Compare(output) => Ok(compare::view(output, with_rows)),
-        JobResult::Calibrate(output) => {
-            serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
-        }
-        JobResult::Diagnose(output) => {
-            serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
-        }
-        JobResult::Sensitivity(output) => Ok(sensitivity::view(output)),
-        JobResult::Goal(output) => {
-            serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
-        }
-        JobResult::Design(output) => {
-            serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
-        }
-        JobResult::Conventional(output) => {
-            serde_json::to_value(output).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
-        }
-    }
+    job.output.document(with_rows).map_err(|error| Failure::job(format!("{}: {error}", job.name)))
 }

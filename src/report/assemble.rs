@@ -4,12 +4,13 @@ use serde_json::Value;
 use thiserror::Error;
 
 use crate::inference::measurement::Doubt;
+use crate::job::kind;
 use crate::study::Pass;
 
 use super::history::History;
 use super::number::Shown;
 use super::section::problem::prior_words;
-use super::view::{FileHash, JobEntry, JobResult, ParameterChange, PassReport};
+use super::view::{FileHash, JobEntry, ParameterChange, PassReport};
 
 /// A result that does not have the form that this version writes.
 #[derive(Debug, Error)]
@@ -51,22 +52,6 @@ pub struct Surroundings {
     pub history: Option<History>,
 }
 
-fn result(job: &FinishedJob<'_>) -> Result<Option<JobResult>, ResultError> {
-    let parsed = match job.kind {
-        "propagate" => serde_json::from_value(job.result.clone()).map(JobResult::Propagate),
-        "predict" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Predict(Box::new(output))),
-        "conventional" => serde_json::from_value(job.result.clone()).map(JobResult::Conventional),
-        "compare" => serde_json::from_value(job.result.clone()).map(JobResult::Compare),
-        "diagnose" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Diagnose(Box::new(output))),
-        "calibrate" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Calibrate(Box::new(output))),
-        "sensitivity" => serde_json::from_value(job.result.clone()).map(JobResult::Sensitivity),
-        "goal" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Goal(Box::new(output))),
-        "design" => serde_json::from_value(job.result.clone()).map(|output| JobResult::Design(Box::new(output))),
-        _ => return Ok(None),
-    };
-    parsed.map(Some).map_err(|source| ResultError { job: job.name.to_owned(), source })
-}
-
 /// A parameter before (0) or after (1) a change, in words and in its own unit.
 fn state(change: &crate::study::ParameterChange, which: usize) -> String {
     let shown = Shown::written(&change.unit);
@@ -88,14 +73,9 @@ pub fn assemble<'p>(
 ) -> Result<PassReport<'p>, ResultError> {
     let mut results = Vec::new();
     for job in finished {
-        if let Some(result) = result(job)? {
-            results.push(JobEntry {
-                name: job.name.to_owned(),
-                kind: job.kind.to_owned(),
-                key: job.key.to_owned(),
-                result,
-            });
-        }
+        let Some(kind) = kind::find(job.kind) else { continue };
+        let output = kind.output(job.result).map_err(|source| ResultError { job: job.name.to_owned(), source })?;
+        results.push(JobEntry { name: job.name.to_owned(), key: job.key.to_owned(), output });
     }
     let names = pass.model.parameters.iter().map(|parameter| parameter.name.clone());
     Ok(PassReport {

@@ -19,13 +19,14 @@ pub mod terminal;
 pub mod view;
 mod write;
 
-use serde::Serialize;
 use serde_json::{Map, Value, json};
 use thiserror::Error;
 
+use crate::job::kind::KINDS;
+
 pub use history::{History, PassErrors};
 use page::{Page, Text};
-pub use view::{FileHash, JobEntry, JobResult, ParameterChange, PassReport, Prior};
+pub use view::{FileHash, JobEntry, ParameterChange, PassReport, Prior};
 pub use write::{WriteError, write};
 
 /// A rendered report.
@@ -78,44 +79,21 @@ pub fn page(report: &PassReport<'_>) -> Page {
         subtitle,
         footer: Text::new(format!("Made by bmv, numeric engine {}. ", report.engine_version))
             .plain("The same files give the same bytes; the section on provenance has every hash."),
-        sections: section::SECTIONS.iter().filter_map(|build| build(report)).collect(),
+        sections: section::SECTIONS.iter().filter_map(|section| (section.build)(report)).collect(),
     }
 }
 
 /// JSON Schema of the results of each kind of job, as they stand in `results.json` under `jobs.NAME.output`.
 pub fn results_schema() -> Value {
-    json!({
-        "propagate": schemars::schema_for!(crate::job::propagate::Output),
-        "predict": schemars::schema_for!(crate::job::predict::Output),
-        "conventional": schemars::schema_for!(crate::job::conventional::Output),
-        "compare": schemars::schema_for!(crate::job::compare::Output),
-        "sensitivity": schemars::schema_for!(crate::job::sensitivity::Output),
-        "goal": schemars::schema_for!(crate::job::goal::Output),
-        "calibrate": schemars::schema_for!(crate::job::calibrate::Output),
-        "diagnose": schemars::schema_for!(crate::diagnosis::Output),
-        "design": schemars::schema_for!(crate::job::design::Output),
-    })
+    KINDS.iter().map(|kind| (kind.name().to_owned(), kind.output_schema())).collect::<Map<_, _>>().into()
 }
 
 /// All outputs as one JSON document in SI units, jobs by name; a number that is not finite is `null`.
 fn results_json(report: &PassReport<'_>) -> Result<String, serde_json::Error> {
-    fn value(output: &impl Serialize) -> Result<Value, serde_json::Error> {
-        serde_json::to_value(output)
-    }
     let mut jobs = Map::new();
     for job in &report.results {
-        let output = match &job.result {
-            JobResult::Propagate(output) => value(output)?,
-            JobResult::Predict(output) => value(output)?,
-            JobResult::Conventional(output) => value(output)?,
-            JobResult::Compare(output) => value(output)?,
-            JobResult::Calibrate(output) => value(output)?,
-            JobResult::Diagnose(output) => value(output)?,
-            JobResult::Sensitivity(output) => value(output)?,
-            JobResult::Goal(output) => value(output)?,
-            JobResult::Design(output) => value(output)?,
-        };
-        jobs.insert(job.name.clone(), json!({ "kind": job.kind, "key": job.key, "output": output }));
+        let output = job.output.to_json()?;
+        jobs.insert(job.name.clone(), json!({ "kind": job.output.kind(), "key": job.key, "output": output }));
     }
     let whole = json!({
         "format": "bmv-results/1",

@@ -1,8 +1,10 @@
 //! What a report is made of: definitions and outputs of one pass, already computed.
 
-use crate::diagnosis;
+use std::sync::Arc;
+
 use crate::inference::measurement::{Measurement, Rows, Sensor};
-use crate::job::{calibrate, compare, conventional, design, goal, predict, propagate, sensitivity};
+use crate::job::compare;
+use crate::job::kind::{AnyOutput, JobKind};
 use crate::random::Distribution;
 use crate::study::requirement::{Environment, Requirement};
 use crate::thermal::{Model, Quantity};
@@ -39,41 +41,22 @@ pub struct FileHash {
     pub role: String,
 }
 
-/// A job's output.
-#[expect(clippy::large_enum_variant, reason = "a report holds a handful of them")]
-#[derive(Clone, Debug, PartialEq)]
-pub enum JobResult {
-    /// Uncertainty propagation.
-    Propagate(propagate::Output),
-    /// A calibration carried to environments.
-    Predict(Box<predict::Output>),
-    /// The conventional way.
-    Conventional(conventional::Output),
-    /// Model against measurements.
-    Compare(compare::Output),
-    /// Parameters from measurements.
-    Calibrate(Box<calibrate::Output>),
-    /// Which physics is missing.
-    Diagnose(Box<diagnosis::Output>),
-    /// Which parameters matter.
-    Sensitivity(sensitivity::Output),
-    /// Which parameter must be known how well.
-    Goal(Box<goal::Output>),
-    /// The experiment that teaches most.
-    Design(Box<design::Output>),
-}
-
 /// A job with its output.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct JobEntry {
     /// Name in the pass.
     pub name: String,
-    /// Kind.
-    pub kind: String,
     /// Hash of everything that decides the result.
     pub key: String,
-    /// Output.
-    pub result: JobResult,
+    /// Output, which knows its kind.
+    pub output: Arc<dyn AnyOutput>,
+}
+
+impl JobEntry {
+    /// The output, if the job is of this kind.
+    pub fn output_of<K: JobKind>(&self) -> Option<&K::Output> {
+        self.output.as_any().downcast_ref().filter(|_| self.output.kind() == K::NAME)
+    }
 }
 
 /// Everything that a report is made of.
@@ -120,76 +103,9 @@ pub struct PassReport<'a> {
 }
 
 impl PassReport<'_> {
-    /// Propagations with their jobs' names.
-    pub fn propagations(&self) -> impl Iterator<Item = (&str, &propagate::Output)> {
-        self.results.iter().filter_map(|job| match &job.result {
-            JobResult::Propagate(output) => Some((job.name.as_str(), output)),
-            _ => None,
-        })
-    }
-
-    /// Predictions with their jobs' names.
-    pub fn predictions(&self) -> impl Iterator<Item = (&str, &predict::Output)> {
-        self.results.iter().filter_map(|job| match &job.result {
-            JobResult::Predict(output) => Some((job.name.as_str(), &**output)),
-            _ => None,
-        })
-    }
-
-    /// Conventional analyses with their jobs' names.
-    pub fn conventionals(&self) -> impl Iterator<Item = (&str, &conventional::Output)> {
-        self.results.iter().filter_map(|job| match &job.result {
-            JobResult::Conventional(output) => Some((job.name.as_str(), output)),
-            _ => None,
-        })
-    }
-
-    /// Comparisons with their jobs' names.
-    pub fn comparisons(&self) -> impl Iterator<Item = (&str, &compare::Output)> {
-        self.results.iter().filter_map(|job| match &job.result {
-            JobResult::Compare(output) => Some((job.name.as_str(), output)),
-            _ => None,
-        })
-    }
-
-    /// Calibrations with their jobs' names.
-    pub fn calibrations(&self) -> impl Iterator<Item = (&str, &calibrate::Output)> {
-        self.results.iter().filter_map(|job| match &job.result {
-            JobResult::Calibrate(output) => Some((job.name.as_str(), &**output)),
-            _ => None,
-        })
-    }
-
-    /// Diagnoses with their jobs' names.
-    pub fn diagnoses(&self) -> impl Iterator<Item = (&str, &diagnosis::Output)> {
-        self.results.iter().filter_map(|job| match &job.result {
-            JobResult::Diagnose(output) => Some((job.name.as_str(), &**output)),
-            _ => None,
-        })
-    }
-
-    /// Sensitivity analyses with their jobs' names.
-    pub fn sensitivities(&self) -> impl Iterator<Item = (&str, &sensitivity::Output)> {
-        self.results.iter().filter_map(|job| match &job.result {
-            JobResult::Sensitivity(output) => Some((job.name.as_str(), output)),
-            _ => None,
-        })
-    }
-
-    /// Goal settings with their jobs' names.
-    pub fn goals(&self) -> impl Iterator<Item = (&str, &goal::Output)> {
-        self.results.iter().filter_map(|job| match &job.result {
-            JobResult::Goal(output) => Some((job.name.as_str(), &**output)),
-            _ => None,
-        })
-    }
-
-    /// Designs of experiments with their jobs' names.
-    pub fn designs(&self) -> impl Iterator<Item = (&str, &design::Output)> {
-        self.results.iter().filter_map(|job| match &job.result {
-            JobResult::Design(output) => Some((job.name.as_str(), &**output)),
-            _ => None,
-        })
+    /// Outputs of a kind with their jobs' names.
+    pub fn outputs<K: JobKind>(&self) -> impl Iterator<Item = (&str, &K::Output)> {
+        self.results.iter().filter_map(|job| Some((job.name.as_str(), job.output_of::<K>()?)))
     }
 
     /// The measured quantity of a sensor.

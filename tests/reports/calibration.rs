@@ -1,11 +1,10 @@
 //! The section on calibration.
 
-use bmv::job::calibrate::Output;
-use bmv::report::{JobEntry, JobResult};
+use bmv::job::calibrate::{Kind, Output};
 use serde_json::json;
 
 use super::rendering::{assert_well_formed, rendered};
-use super::samples::{Sample, transient};
+use super::samples::{Sample, entry, transient};
 
 fn output(converged: bool) -> Output {
     let summary = |unit: &str, mean: f64, rhat: f64| {
@@ -49,8 +48,7 @@ pub fn calibrated() -> Sample {
 
 fn with(output: Output) -> Sample {
     let mut sample = transient();
-    let result = JobResult::Calibrate(Box::new(output));
-    sample.results.push(JobEntry { name: "tuned".into(), kind: "calibrate".into(), key: "0".repeat(64), result });
+    sample.results.push(entry::<Kind>("tuned", "00", output));
     sample
 }
 

@@ -1,11 +1,11 @@
 //! What reports say of a diagnosis: on the first screen and in its own section.
 
 use bmv::diagnosis::Output;
-use bmv::report::{JobEntry, JobResult};
+use bmv::job::diagnose::Kind;
 use serde_json::{Value, json};
 
 use super::rendering::{assert_well_formed, rendered};
-use super::samples::{Sample, steady};
+use super::samples::{Sample, edit, entry, steady};
 
 fn effect(id: &str, probability: f64, group: Option<u64>) -> Value {
     let parts: Vec<&str> = id.split(':').collect();
@@ -52,8 +52,7 @@ pub fn output(verdict: &str) -> Output {
 /// A steady sample with a diagnosis of this verdict.
 pub fn diagnosed(verdict: &str) -> Sample {
     let mut sample = steady();
-    let result = JobResult::Diagnose(Box::new(output(verdict)));
-    sample.results.push(JobEntry { name: "missing".into(), kind: "diagnose".into(), key: "1".repeat(64), result });
+    sample.results.push(entry::<Kind>("missing", "11", output(verdict)));
     sample
 }
 
@@ -122,12 +121,12 @@ fn an_adequate_model_comes_with_what_would_have_shown() {
 #[test]
 fn effects_that_change_nothing_are_counted_and_not_listed() {
     let mut sample = diagnosed("adequate");
-    let Some(JobResult::Diagnose(output)) = sample.results.last_mut().map(|job| &mut job.result) else {
-        panic!("a diagnosis")
-    };
-    for effect in output.effects.iter_mut().filter(|effect| effect.id.starts_with("heat-load")) {
-        effect.changes_nothing = true;
-    }
+    let is_one = edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+        for effect in output.effects.iter_mut().filter(|effect| effect.id.starts_with("heat-load")) {
+            effect.changes_nothing = true;
+        }
+    });
+    assert!(is_one, "a diagnosis");
     let report = rendered(&sample);
     let markdown = report.markdown.replace('\u{A0}', " ");
     let own = markdown.split(". What is missing").nth(1).expect("a section");
@@ -142,12 +141,12 @@ fn a_doubtful_start_stands_before_any_verdict() {
     for verdict in ["identified", "ambiguous", "unexplained", "adequate"] {
         let mut sample = diagnosed(verdict);
         let job = sample.results.last_mut().expect("a diagnosis");
-        let JobResult::Diagnose(output) = &mut job.result else { panic!("a diagnosis") };
-        output.doubts = vec![bmv::inference::measurement::Doubt {
+        let doubts = vec![bmv::inference::measurement::Doubt {
             code: "start-apart".into(),
             message: "the first readings of run lie apart from its start temperatures: board 12.73 K above".into(),
             repair: Some(r#""initial": {"measured": {}} starts at the first readings"#.into()),
         }];
+        assert!(edit::<Kind>(job, |output| output.doubts = doubts), "a diagnosis");
         let lines = bmv::report::headline::headlines(job);
         assert!(lines[0].contains("board 12.73 K above. Repair: \"initial\": {\"measured\": {}}"), "{lines:?}");
         let report = rendered(&sample);
@@ -161,21 +160,21 @@ fn a_doubtful_start_stands_before_any_verdict() {
 #[test]
 fn one_held_out_block_has_no_standard_error_and_no_p_is_0() {
     let mut sample = diagnosed("identified");
-    let Some(JobResult::Diagnose(output)) = sample.results.last_mut().map(|job| &mut job.result) else {
-        panic!("a diagnosis")
-    };
-    output.held_out_test = Some(bmv::diagnosis::output::HeldOutTest {
-        gain: 155.0,
-        se: None,
-        blocks: 1,
-        chi_square: None,
-        readings: 3,
-        p: None,
-        veto: false,
+    let is_one = edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+        output.held_out_test = Some(bmv::diagnosis::output::HeldOutTest {
+            gain: 155.0,
+            se: None,
+            blocks: 1,
+            chi_square: None,
+            readings: 3,
+            p: None,
+            veto: false,
+        });
+        output.misfit.family_wise_p = 0.0;
+        output.misfit.tests[0].p = 0.0;
+        output.looked_at = [1, 0, 1];
     });
-    output.misfit.family_wise_p = 0.0;
-    output.misfit.tests[0].p = 0.0;
-    output.looked_at = [1, 0, 1];
+    assert!(is_one, "a diagnosis");
     let markdown = rendered(&sample).markdown.replace('\u{A0}', " ");
     let own = markdown.split(". What is missing").nth(1).expect("a section");
     has(

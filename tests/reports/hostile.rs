@@ -2,19 +2,19 @@
 
 use bmv::job::calibrate::KeptDraws;
 use bmv::job::compare::Deviation;
-use bmv::job::{predict, propagate};
+use bmv::job::{calibrate, compare, conventional, design, diagnose, goal, kind, predict, propagate, sensitivity};
+use bmv::report::PassReport;
 use bmv::report::plot::{
     Along, Axis, Bar, Chart, Diagram, HeatMap, History, Layer, Limit, Mark, NodeShape, Path, Shade, Source, Strip,
     Stroke,
 };
 use bmv::report::plot::{bar_chart, heat_map, history, network, palette, residual_strips};
-use bmv::report::{JobResult, PassReport};
 use bmv::study::handed_on::HandedOnSummary;
 
 use super::calibration::calibrated;
 use super::diagnosis::diagnosed;
 use super::rendering::{assert_well_formed, rendered};
-use super::samples::{Sample, radiator, steady, transient};
+use super::samples::{Sample, edit, radiator, steady, transient};
 use super::sensitivity::with;
 
 const HOSTILE: &str = "<img src=x onerror=alert(1)>|`a`[b](javascript:c)\"'&\\";
@@ -23,7 +23,7 @@ const HOSTILE: &str = "<img src=x onerror=alert(1)>|`a`[b](javascript:c)\"'&\\";
 fn predicted() -> Sample {
     let mut sample = radiator();
     for job in &mut sample.results {
-        if let JobResult::Propagate(output) = &job.result {
+        if let Some(output) = job.output_of::<propagate::Kind>() {
             let handed_on = HandedOnSummary {
                 source: "`tuned` of `pass-1.json`".into(),
                 parameters: vec!["eps".into()],
@@ -33,7 +33,7 @@ fn predicted() -> Sample {
             };
             let posterior = propagate::Output { handed_on: vec![handed_on], ..output.clone() };
             let output = predict::Output { converged: false, prior: output.clone(), posterior };
-            job.result = JobResult::Predict(Box::new(output));
+            job.output = kind::output::<predict::Kind>(output);
         }
     }
     sample
@@ -66,106 +66,104 @@ fn poisoned(mut sample: Sample) -> Sample {
     }
     for job in &mut sample.results {
         job.name = name();
-        match &mut job.result {
-            JobResult::Compare(output) => {
-                output.fails.push(name());
-                output.criteria.title = name();
-                output.criteria.source = name();
-                for row in &mut output.rows {
-                    row.sensor = format!("{HOSTILE}{}", row.sensor);
-                    row.phase = row.phase.take().map(|p| p + HOSTILE);
-                }
-                for verdict in &mut output.verdicts {
-                    verdict.criterion = name();
+        edit::<compare::Kind>(job, |output| {
+            output.fails.push(name());
+            output.criteria.title = name();
+            output.criteria.source = name();
+            for row in &mut output.rows {
+                row.sensor = format!("{HOSTILE}{}", row.sensor);
+                row.phase = row.phase.take().map(|p| p + HOSTILE);
+            }
+            for verdict in &mut output.verdicts {
+                verdict.criterion = name();
+            }
+        });
+        edit::<propagate::Kind>(job, |output| {
+            output.design_variable = Some(name());
+            for case in &mut output.cases {
+                case.environment = name();
+                for q in &mut case.quantities {
+                    q.name = name();
                 }
             }
-            JobResult::Propagate(output) => {
-                output.design_variable = Some(name());
-                for case in &mut output.cases {
-                    case.environment = name();
-                    for q in &mut case.quantities {
-                        q.name = name();
-                    }
-                }
+        });
+        edit::<predict::Kind>(job, |output| {
+            output.posterior.design_variable = Some(name());
+            output.posterior.handed_on[0].source = name();
+            output.posterior.handed_on[0].parameters = vec![name()];
+            for case in output.posterior.cases.iter_mut().chain(&mut output.prior.cases) {
+                case.environment = name();
+                case.quantities.iter_mut().for_each(|q| q.name = name());
             }
-            JobResult::Predict(output) => {
-                output.posterior.design_variable = Some(name());
-                output.posterior.handed_on[0].source = name();
-                output.posterior.handed_on[0].parameters = vec![name()];
-                for case in output.posterior.cases.iter_mut().chain(&mut output.prior.cases) {
-                    case.environment = name();
-                    case.quantities.iter_mut().for_each(|q| q.name = name());
-                }
+        });
+        edit::<conventional::Kind>(job, |output| {
+            output.design_variable = name();
+            for size in &mut output.sizes {
+                size.rule.title = name();
+                size.requirement = name();
             }
-            JobResult::Conventional(output) => {
-                output.design_variable = name();
-                for size in &mut output.sizes {
-                    size.rule.title = name();
-                    size.requirement = name();
-                }
+        });
+        edit::<design::Kind>(job, |output| {
+            output.learn = vec![name()];
+            output.nuisance = vec![name()];
+            output.findings.push(name());
+            for sensor in &mut output.sensors {
+                sensor.name = name();
             }
-            JobResult::Design(output) => {
-                output.learn = vec![name()];
-                output.nuisance = vec![name()];
-                output.findings.push(name());
-                for sensor in &mut output.sensors {
-                    sensor.name = name();
-                }
+        });
+        edit::<calibrate::Kind>(job, |output| {
+            output.sampler = name();
+            output.objections.push(name());
+            output.findings.push(name());
+            for check in &mut output.predictive {
+                check.sensor = name();
             }
-            JobResult::Calibrate(output) => {
-                output.sampler = name();
-                output.objections.push(name());
-                output.findings.push(name());
-                for check in &mut output.predictive {
-                    check.sensor = name();
-                }
+        });
+        edit::<diagnose::Kind>(job, |output| {
+            output.words.push(name());
+            output.warnings.push(name());
+            for effect in &mut output.effects {
+                effect.id = name();
+                effect.effect = name();
+                effect.title = name();
+                effect.place = vec![name(), name()];
+                effect.input = Some(name());
+                effect.confused_with = vec![name()];
+                effect.amplitudes = effect.amplitudes.values().map(|amount| (name(), amount.clone())).collect();
             }
-            JobResult::Diagnose(output) => {
-                output.words.push(name());
-                output.warnings.push(name());
-                for effect in &mut output.effects {
-                    effect.id = name();
-                    effect.effect = name();
-                    effect.title = name();
-                    effect.place = vec![name(), name()];
-                    effect.input = Some(name());
-                    effect.confused_with = vec![name()];
-                    effect.amplitudes = effect.amplitudes.values().map(|amount| (name(), amount.clone())).collect();
-                }
-                output.selected = output.selected.iter().map(|_| name()).collect();
-                for model in &mut output.models {
-                    model.effects = model.effects.iter().map(|_| name()).collect();
-                }
-                for heat in &mut output.heat {
-                    heat.node = name();
-                    heat.phase = Some(name());
-                }
-                for test in &mut output.misfit.tests {
-                    test.at = name();
-                }
-                if let Some(experiment) = &mut output.separating_experiment {
-                    experiment.between = vec![name(), name()];
-                    experiment.conditions =
-                        experiment.conditions.values().map(|setting| (name(), setting.clone())).collect();
-                    experiment.predictions =
-                        experiment.predictions.values().map(|readings| (name(), readings.clone())).collect();
-                }
+            output.selected = output.selected.iter().map(|_| name()).collect();
+            for model in &mut output.models {
+                model.effects = model.effects.iter().map(|_| name()).collect();
             }
-            JobResult::Sensitivity(output) => {
-                output.parameters.iter_mut().for_each(|parameter| parameter.name = name());
-                for case in &mut output.cases {
-                    case.environment = name();
-                    case.quantities.iter_mut().for_each(|quantity| quantity.name = name());
-                    case.failures.iter_mut().for_each(|failure| failure.reason = name());
-                }
+            for heat in &mut output.heat {
+                heat.node = name();
+                heat.phase = Some(name());
             }
-            JobResult::Goal(output) => {
-                output.design_variable = Some(name());
-                output.advice.reasons.push(name());
-                output.leading.iter_mut().for_each(|leading| leading.parameter = name());
-                output.knowledge.iter_mut().for_each(|knowledge| knowledge.parameters = vec![name()]);
+            for test in &mut output.misfit.tests {
+                test.at = name();
             }
-        }
+            if let Some(experiment) = &mut output.separating_experiment {
+                experiment.between = vec![name(), name()];
+                experiment.conditions =
+                    experiment.conditions.values().map(|setting| (name(), setting.clone())).collect();
+                experiment.predictions =
+                    experiment.predictions.values().map(|readings| (name(), readings.clone())).collect();
+            }
+        });
+        edit::<sensitivity::Kind>(job, |output| {
+            output.parameters.iter_mut().for_each(|parameter| parameter.name = name());
+            for case in &mut output.cases {
+                case.environment = name();
+                case.quantities.iter_mut().for_each(|quantity| quantity.name = name());
+                case.failures.iter_mut().for_each(|failure| failure.reason = name());
+            }
+        });
+        edit::<goal::Kind>(job, |output| {
+            output.design_variable = Some(name());
+            output.advice.reasons.push(name());
+            output.leading.iter_mut().for_each(|leading| leading.parameter = name());
+            output.knowledge.iter_mut().for_each(|knowledge| knowledge.parameters = vec![name()]);
+        });
     }
     sample
 }
@@ -265,90 +263,88 @@ fn pages_without_results_are_pages() {
 fn empty_and_broken_outputs_are_reported_not_fatal() {
     for mut sample in [radiator(), transient(), steady(), calibrated(), predicted(), with(true)] {
         for job in &mut sample.results {
-            match &mut job.result {
-                JobResult::Compare(output) => {
-                    for row in &mut output.rows {
-                        row.predicted = f64::NAN;
-                    }
-                    output.train = Deviation { rmse: f64::NAN, ..Deviation::default() };
-                    output.chi2_per_reading = Some(f64::INFINITY);
+            edit::<compare::Kind>(job, |output| {
+                for row in &mut output.rows {
+                    row.predicted = f64::NAN;
                 }
-                JobResult::Propagate(output) => {
-                    for q in output.cases.iter_mut().flat_map(|c| &mut c.quantities) {
-                        q.mean = f64::NAN;
-                        q.histogram_counts.clear();
-                        q.cdf = vec![1.0];
-                        q.quantiles.clear();
-                    }
-                    output.reached[0].design_value = None;
+                output.train = Deviation { rmse: f64::NAN, ..Deviation::default() };
+                output.chi2_per_reading = Some(f64::INFINITY);
+            });
+            edit::<propagate::Kind>(job, |output| {
+                for q in output.cases.iter_mut().flat_map(|c| &mut c.quantities) {
+                    q.mean = f64::NAN;
+                    q.histogram_counts.clear();
+                    q.cdf = vec![1.0];
+                    q.quantiles.clear();
                 }
-                JobResult::Predict(output) => {
-                    output.prior.cases.clear();
-                    output.posterior.cases.truncate(3);
-                    output.posterior.reached.clear();
-                    for q in output.posterior.cases.iter_mut().flat_map(|c| &mut c.quantities) {
-                        q.mean = f64::NAN;
-                        q.quantiles.clear();
-                    }
+                output.reached[0].design_value = None;
+            });
+            edit::<predict::Kind>(job, |output| {
+                output.prior.cases.clear();
+                output.posterior.cases.truncate(3);
+                output.posterior.reached.clear();
+                for q in output.posterior.cases.iter_mut().flat_map(|c| &mut c.quantities) {
+                    q.mean = f64::NAN;
+                    q.quantiles.clear();
                 }
-                JobResult::Conventional(output) => {
-                    for size in &mut output.sizes {
-                        size.size = None;
-                        size.margin = f64::NAN;
-                    }
+            });
+            edit::<conventional::Kind>(job, |output| {
+                for size in &mut output.sizes {
+                    size.size = None;
+                    size.margin = f64::NAN;
                 }
-                JobResult::Design(output) => {
-                    output.candidates.clear();
-                    output.correlations.clear();
+            });
+            edit::<design::Kind>(job, |output| {
+                output.candidates.clear();
+                output.correlations.clear();
+            });
+            edit::<calibrate::Kind>(job, |output| {
+                output.draws = KeptDraws::default();
+                output.correlations.clear();
+                for own in output.parameters.values_mut() {
+                    own.mean = f64::NAN;
+                    own.rhat = None;
                 }
-                JobResult::Calibrate(output) => {
-                    output.draws = KeptDraws::default();
-                    output.correlations.clear();
-                    for own in output.parameters.values_mut() {
-                        own.mean = f64::NAN;
-                        own.rhat = None;
-                    }
+            });
+            edit::<diagnose::Kind>(job, |output| {
+                output.misfit.family_wise_p = f64::NAN;
+                for effect in &mut output.effects {
+                    effect.probability = f64::NAN;
+                    effect.amplitudes.clear();
                 }
-                JobResult::Diagnose(output) => {
-                    output.misfit.family_wise_p = f64::NAN;
-                    for effect in &mut output.effects {
-                        effect.probability = f64::NAN;
-                        effect.amplitudes.clear();
-                    }
-                    for heat in &mut output.heat {
-                        heat.watts = f64::NAN;
-                    }
+                for heat in &mut output.heat {
+                    heat.watts = f64::NAN;
                 }
-                JobResult::Sensitivity(output) => {
-                    for quantity in output.cases.iter_mut().flat_map(|c| &mut c.quantities) {
-                        quantity.local.iter_mut().for_each(|local| local.scaled_by_sd = None);
-                        quantity.morris.clear();
-                        quantity.scatter = None;
-                        for index in quantity.sobol.iter_mut().flat_map(|sobol| &mut sobol.total) {
-                            index.estimate.value = f64::NAN;
-                        }
+            });
+            edit::<sensitivity::Kind>(job, |output| {
+                for quantity in output.cases.iter_mut().flat_map(|c| &mut c.quantities) {
+                    quantity.local.iter_mut().for_each(|local| local.scaled_by_sd = None);
+                    quantity.morris.clear();
+                    quantity.scatter = None;
+                    for index in quantity.sobol.iter_mut().flat_map(|sobol| &mut sobol.total) {
+                        index.estimate.value = f64::NAN;
                     }
                 }
-                JobResult::Goal(output) => {
-                    output.knowledge.clear();
-                    output.target = None;
-                    output.truths = None;
-                    output.leading.clear();
-                }
-            }
+            });
+            edit::<goal::Kind>(job, |output| {
+                output.knowledge.clear();
+                output.target = None;
+                output.truths = None;
+                output.leading.clear();
+            });
         }
         for (_, svg) in rendered(&sample).figures {
             assert_well_formed(&svg);
         }
         for job in &mut sample.results {
-            if let JobResult::Compare(output) = &mut job.result {
+            edit::<compare::Kind>(job, |output| {
                 output.rows.clear();
                 output.sensors.clear();
                 output.phases.clear();
-            }
-            if let JobResult::Propagate(output) = &mut job.result {
+            });
+            edit::<propagate::Kind>(job, |output| {
                 output.cases.clear();
-            }
+            });
         }
         assert!(!rendered(&sample).html.is_empty());
     }

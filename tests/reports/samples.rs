@@ -7,10 +7,11 @@ use bmv::job::compare::{
     self, Deviation, HeatBalance, PhaseSummary, Row, SensorSummary, StabilisationCheck, Trend, Verdict,
 };
 use bmv::job::conventional::{self, Basis, Size, WorstEnd};
+use bmv::job::kind::{self, JobKind};
 use bmv::job::propagate::{self, Case, Conditional, Distributed, Joint, Met, Probability, Quantile, Reached};
 use bmv::math::functions::{exp, ln, sin};
 use bmv::random::Distribution;
-use bmv::report::{FileHash, JobEntry, JobResult, ParameterChange, PassReport};
+use bmv::report::{FileHash, JobEntry, ParameterChange, PassReport};
 use bmv::study::profile::Criteria;
 use bmv::study::requirement::{Environment, Requirement};
 use bmv::study::rule::{Margin, Rule};
@@ -264,18 +265,8 @@ pub fn radiator() -> Sample {
         }],
         environments: vec![Environment { name: "hot".into(), inputs: vec![] }],
         results: vec![
-            JobEntry {
-                name: "uncertainty".into(),
-                kind: "propagate".into(),
-                key: "12".repeat(32),
-                result: JobResult::Propagate(propagate),
-            },
-            JobEntry {
-                name: "margins".into(),
-                kind: "conventional".into(),
-                key: "34".repeat(32),
-                result: JobResult::Conventional(conventional),
-            },
+            entry::<propagate::Kind>("uncertainty", "12", propagate),
+            entry::<conventional::Kind>("margins", "34", conventional),
         ],
         title: "Passive radiator, pass 1".into(),
         reconstructed: Some(
@@ -474,6 +465,19 @@ fn sensor(name: &str, quantity: usize, sigma: f64) -> Sensor {
     }
 }
 
+/// A job with its output; its key is two digits repeated.
+pub fn entry<K: JobKind>(name: &str, digits: &str, output: K::Output) -> JobEntry {
+    JobEntry { name: name.into(), key: digits.repeat(32), output: kind::output::<K>(output) }
+}
+
+/// Changes the output of a job, if that is of this kind; whether it is.
+pub fn edit<K: JobKind>(job: &mut JobEntry, change: impl FnOnce(&mut K::Output)) -> bool {
+    let Some(mut output) = job.output_of::<K>().cloned() else { return false };
+    change(&mut output);
+    job.output = kind::output::<K>(output);
+    true
+}
+
 fn compare_sample(title: &str, model: Model, measurement: Measurement, output: compare::Output) -> Sample {
     Sample {
         model,
@@ -481,12 +485,7 @@ fn compare_sample(title: &str, model: Model, measurement: Measurement, output: c
         priors: vec![("G_bi".into(), Distribution::Uniform { lower: 0.4, upper: 1.2 })],
         requirements: vec![],
         environments: vec![],
-        results: vec![JobEntry {
-            name: "as delivered".into(),
-            kind: "compare".into(),
-            key: "56".repeat(32),
-            result: JobResult::Compare(output),
-        }],
+        results: vec![entry::<compare::Kind>("as delivered", "56", output)],
         title: title.into(),
         reconstructed: None,
     }

@@ -1,11 +1,10 @@
 //! The sections on sensitivity and goal setting.
 
 use bmv::job::{goal, sensitivity};
-use bmv::report::{JobEntry, JobResult};
 use serde_json::{Value, json};
 
 use super::rendering::{assert_well_formed, rendered};
-use super::samples::{Sample, radiator};
+use super::samples::{Sample, entry, radiator};
 
 fn index(value: f64, reach: f64, bounds: Value) -> Value {
     json!({"value": value, "lower": value - reach, "upper": value + reach, "bounds": bounds})
@@ -67,12 +66,8 @@ fn goals() -> goal::Output {
 /// A sample with both jobs.
 pub fn with(failed: bool) -> Sample {
     let mut sample = radiator();
-    for (name, kind, result) in [
-        ("effects", "sensitivity", JobResult::Sensitivity(effects(failed))),
-        ("aim", "goal", JobResult::Goal(Box::new(goals()))),
-    ] {
-        sample.results.push(JobEntry { name: name.into(), kind: kind.into(), key: "0".repeat(64), result });
-    }
+    sample.results.push(entry::<sensitivity::Kind>("effects", "00", effects(failed)));
+    sample.results.push(entry::<goal::Kind>("aim", "00", goals()));
     sample
 }
 

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use bmv::job::sensitivity::{FailedSolve, Method, Output, Sensitivity, Spec, refusal};
+use bmv::job::sensitivity::{FailedSolve, Method, Output, Sensitivity, Spec};
 use bmv::random::Distribution;
 use bmv::statistics::sobol_indices::Estimate;
 use bmv::study::Pass;
@@ -238,13 +238,6 @@ fn monitor_is_led_by_the_housing_joint() {
 #[ignore = "a million solves; nightly"]
 fn monitor_is_led_by_the_housing_joint_to_a_hundredth() {
     monitor(1 << 14);
-}
-
-#[test]
-fn correlated_inputs_are_refused() {
-    assert_eq!(refusal(&[]), None);
-    let text = refusal(&["Gh".to_owned(), "Gb".to_owned()]).expect("a reason");
-    assert!(text.contains("`Gh`, `Gb`") && text.contains("correlated"), "{text}");
 }
 
 #[test]

@@ -3,7 +3,8 @@
 use super::block::{Partial, Predicted, State, Task};
 use super::output::{CrossValidation, Output};
 use super::predictive::{self, Draws, InputSpread};
-use super::{Calibrate, PREDICT, scores};
+use super::run::PREDICT;
+use super::{Calibrate, scores};
 use crate::inference::measurement::{Measurement, Rows};
 use crate::inference::psis::{self, LeaveOneOut};
 use crate::inference::target::{LeastSquares, Target};

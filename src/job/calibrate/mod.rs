@@ -8,205 +8,90 @@
 mod block;
 mod checks;
 mod form;
-mod kind;
 mod output;
 mod predictive;
 mod resolve;
 mod result;
+mod run;
 mod sampler;
 mod sampling;
 mod scores;
 mod summary;
 mod words;
 
-use std::sync::Arc;
-
-use serde_json::{Value, json};
-
 pub use output::{
     Coverage, CrossValidation, Evidence, HandedOnPrior, HeldOutScore, KeptDraws, MostProbable, Output,
     ParameterSummary, PhaseScore, PredictiveRow, SensorPredictive, Spec, Spent, UsedData,
 };
-
-use super::{Done, Job, JobError, Parts, Step};
-use crate::inference::informed::Informed;
-use crate::inference::joint_prior::Fit;
-use crate::inference::likelihood::{Definition, InputError, Likelihood};
-use crate::inference::measurement::Measurement;
-use crate::inference::point_estimate::{self, PointSettings};
-use crate::inference::prediction::Predictor;
-use crate::random::{Distribution, StreamKey};
-use crate::study::handed_on::HandedOn;
-use crate::thermal::Model;
-use block::{Partial, State, Task};
-pub use kind::Kind;
+pub use run::{Calibrate, Inputs};
 pub use sampler::Sampler;
 
-const ESTIMATE: &str = "estimate";
-const SAMPLE: &str = "sample";
-const PREDICT: &str = "predict";
+use std::sync::Arc;
 
-/// What a calibration is made of.
-#[derive(Clone, Debug)]
-pub struct Inputs {
-    /// The model.
-    pub model: Arc<Model>,
-    /// Priors of its parameters, SI.
-    pub priors: Vec<Distribution>,
-    /// The pass's measurements.
-    pub measurements: Arc<Vec<Measurement>>,
-    /// Own errors of the inputs.
-    pub input_errors: Vec<InputError>,
-}
+use serde_json::Value;
 
-/// A calibration, ready to run.
-#[derive(Debug)]
-pub struct Calibrate {
-    spec: Spec,
-    inputs: Inputs,
-    /// The likelihood with priors that may be posteriors handed on.
-    target: Informed<Likelihood>,
-    handed_on: Vec<HandedOn>,
-    /// How well a density describes the draws of each posterior handed on.
-    fits: Vec<(String, Fit)>,
-    predictor: Predictor,
-    key: StreamKey,
-    name: String,
-    seed: u64,
-}
+use crate::job::JobError;
+use crate::job::Runnable;
+use crate::job::kind::JobKind;
+use crate::job::ready::{Readiness, Shared};
+use crate::job::ready::{after, filled, unfilled};
+use crate::study::blocked::draws_among;
+use crate::study::job::Inference;
+use crate::study::job::{Asked, Entry, JobSpec};
+use crate::study::problem::input_errors;
+use crate::study::resolve::scope::Scope;
+use crate::study::resolved;
+use crate::study::resolved::Blocked;
+use crate::study::{self, Pass};
+use form::CalibrateForm;
 
-impl Calibrate {
-    /// Prepares the job; `name` is its name in the pass, which its random streams are keyed by.
-    ///
-    /// # Errors
-    /// What no likelihood can be made of: no reading, no noise, nothing to infer, a network that does not compile.
-    pub fn new(spec: Spec, inputs: Inputs, seed: u64, name: &str) -> Result<Self, JobError> {
-        let failed = |reason: String| JobError::Failed(reason);
-        let measurements: Vec<&Measurement> = spec.data.iter().map(|&index| &inputs.measurements[index]).collect();
-        let likelihood = Likelihood::new(&Definition {
-            model: &inputs.model,
-            priors: &inputs.priors,
-            parameters: &spec.parameters,
-            measurements: &measurements,
-            input_errors: &inputs.input_errors,
-        })
-        .map_err(|e| failed(e.to_string()))?;
-        let predictor = Predictor::new(&inputs.model, &[]).map_err(|e| failed(e.to_string()))?;
-        let key = StreamKey::new(seed, name, "calibrate");
-        let target = Informed::new(likelihood, Vec::new());
-        let (handed_on, fits, name) = (Vec::new(), Vec::new(), name.to_owned());
-        Ok(Self { spec, inputs, target, handed_on, fits, predictor, key, name, seed })
-    }
+/// The kind `calibrate`.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind;
 
-    /// The same with posteriors in place of the priors of some parameters. Those without draws yet count for the job's
-    /// identity alone. Of a posterior of more parameters than are chosen here, the others are averaged over.
-    ///
-    /// # Errors
-    /// Draws that no density describes, with what deviates.
-    pub fn with_handed_on(self, handed_on: Vec<HandedOn>) -> Result<Self, JobError> {
-        let (mut joint, mut fits) = (Vec::new(), Vec::new());
-        for own in handed_on.iter().filter(|own| !own.draws.is_empty()) {
-            let density =
-                own.density(&self.target.target().unknowns().model, &self.inputs.priors).map_err(|error| {
-                    JobError::Failed(format!("the posterior of {} cannot be a prior here: {error}", own.source))
-                })?;
-            if let Some(density) = density {
-                fits.push((own.source.clone(), density.fit().clone()));
-                joint.push(density);
-            }
-        }
-        let target = Informed::new(self.target.target().clone(), joint);
-        Ok(Self { target, handed_on, fits, ..self })
-    }
-
-    fn likelihood(&self) -> &Likelihood {
-        self.target.target()
-    }
-
-    fn measurements(&self) -> Vec<&Measurement> {
-        self.spec.data.iter().map(|&index| &self.inputs.measurements[index]).collect()
-    }
-
-    fn stream(&self, purpose: &str) -> StreamKey {
-        StreamKey::new(self.seed, &self.name, purpose)
-    }
-}
-
-impl Job for Calibrate {
-    type State = State;
-    type Input = Task;
-    type Partial = Partial;
+impl JobKind for Kind {
+    const NAME: &'static str = "calibrate";
+    const ABOUT: &'static str = "Parameters from measurements.";
+    type Form = CalibrateForm;
+    type Spec = Spec;
     type Output = Output;
 
+    fn resolve(form: &CalibrateForm, scope: &mut Scope, entry: &Entry, asked: &mut Asked) -> Option<JobSpec> {
+        resolve::resolve(scope, entry, form, asked.offered)
+    }
+
+    fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {
+        let draws = draws_among(shared.pass, &spec.parameters);
+        let inputs = Inputs {
+            model: Arc::clone(&shared.model),
+            priors: shared.pass.priors.clone(),
+            measurements: Arc::clone(&shared.measurements),
+            input_errors: input_errors(shared.pass),
+        };
+        let known = Calibrate::new(spec.clone(), inputs.clone(), shared.pass.seed, name)?;
+        if draws.is_empty() {
+            return Ok(Readiness::Ready(Arc::new(known)));
+        }
+        let known = known.with_handed_on(unfilled(&draws).into_iter().map(|own| own.with_no_draws()).collect())?;
+        let (own, spec, seed, name) = (draws.clone(), spec.clone(), shared.pass.seed, name.to_owned());
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
+            let job = Calibrate::new(spec.clone(), inputs.clone(), seed, &name)?;
+            Ok(Arc::new(job.with_handed_on(filled(&own, &mut results.iter())?)?))
+        };
+        after(&[&draws], Arc::new(known), Box::new(prepare))
+    }
+}
+
+impl study::job::Spec for Spec {
     fn kind(&self) -> &'static str {
-        "calibrate"
+        Kind::NAME
     }
 
-    fn algorithm_version(&self) -> u32 {
-        8
+    fn inference(&self) -> Option<Inference<'_>> {
+        Some(Inference { verb: "calibrates", data: &self.data, parameters: &self.parameters })
     }
 
-    fn identity(&self) -> Value {
-        let data: Vec<Value> = self.measurements().iter().map(|measurement| measurement.identity()).collect();
-        let mut identity = json!({
-            "parameters": self.spec.parameters,
-            "sampler": self.spec.sampler,
-            "chains": self.spec.chains,
-            "warmup": self.spec.warmup,
-            "draws": self.spec.draws,
-            "model": self.inputs.model.identity(),
-            "priors": self.inputs.priors,
-            "input_errors": self.inputs.input_errors,
-            "data": data,
-        });
-        if let Some(acceptance) = self.spec.acceptance {
-            identity["acceptance"] = json!(acceptance);
-        }
-        if !self.handed_on.is_empty() {
-            identity["handed_on"] = self.handed_on.iter().map(HandedOn::identity).collect();
-        }
-        identity
-    }
-
-    fn begin(&self) -> Result<Step<Self>, JobError> {
-        if let Some(own) = self.handed_on.iter().find(|own| own.draws.is_empty()) {
-            return Err(JobError::Failed(format!("the posterior of {} has no draws", own.source)));
-        }
-        Ok(Step::Blocks { stage: ESTIMATE.to_owned(), state: State::Nothing, inputs: vec![Task::Estimate] })
-    }
-
-    fn block(&self, state: &State, task: Task, parts: &dyn Parts) -> Result<Partial, JobError> {
-        match (state, task) {
-            (State::Sample(estimate), task) => self.sample(estimate, task, parts),
-            (_, Task::Predict { prior, draws }) => Ok(Partial::Predicted(self.predict(prior, &draws))),
-            _ => {
-                let key = self.stream("calibrate estimate");
-                let settings = PointSettings::default();
-                let found = point_estimate::estimate(&self.target, &settings, &key, &[]);
-                Ok(Partial::Estimate(Box::new(found.map_err(|e| JobError::Failed(e.to_string()))?)))
-            }
-        }
-    }
-
-    fn memory_bytes(&self) -> u64 {
-        // Draws with their likelihoods, as bytes, as chains, and as columns of parameters.
-        let numbers = self.spec.chains.saturating_mul(self.spec.draws);
-        let width = self.likelihood().unknowns().names.len() as u64 + 1;
-        numbers.saturating_mul(3 * width).saturating_mul(size_of::<f64>() as u64)
-    }
-
-    fn is_last(&self, state: &State) -> bool {
-        matches!(state, State::Predict(_))
-    }
-
-    fn reduce(&self, state: State, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
-        match state {
-            State::Nothing => match blocks.into_iter().next() {
-                Some((_, Partial::Estimate(estimate))) => self.after_estimate(estimate),
-                _ => Err(JobError::Failed("the most probable point is not there".to_owned())),
-            },
-            State::Sample(estimate) => self.after_samples(&estimate, blocks),
-            State::Predict(output) => Ok(self.finish(output, blocks)),
-        }
+    fn blocked(&self, pass: &Pass) -> Option<Blocked> {
+        draws_among(pass, &self.parameters).iter().find_map(resolved::HandedOnPrior::blocks)
     }
 }

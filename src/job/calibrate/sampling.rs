@@ -1,8 +1,9 @@
 //! Where chains start, and what runs them: chains, islands of particles, the evidence.
 
+use super::Calibrate;
 use super::block::{Partial, State, Task};
+use super::run::SAMPLE;
 use super::sampler::Run;
-use super::{Calibrate, SAMPLE};
 use crate::inference::importance::{self, ImportanceEstimate, ImportanceSettings};
 use crate::inference::point_estimate::PointEstimate;
 use crate::inference::posterior::Posterior;

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::deviation::deviation;
-use super::noise_rmse;
+use super::deviation::noise_rmse;
 use super::output::{Deviation, Output, SensorSummary};
 
 /// The document of `compare --json`: everything in SI, deviations are measured minus predicted.
@@ -163,7 +163,8 @@ fn both(train: &Deviation, held_out: &Deviation) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::job::compare::{Criteria, Row};
+    use crate::job::compare::Row;
+    use crate::study::profile::Criteria;
 
     fn row(measurement: &str, deviation: f64, held_out: bool) -> Row {
         Row {

@@ -5,9 +5,10 @@
 //! sampling puts its draws where the likelihood is, and fails where the posterior is far from normal. Laplace's
 //! approximation has no diagnostics: it shows numbers where the others have none, and names no best candidate.
 
+use super::Design;
 use super::block::State;
 use super::output::{Candidate, Estimator};
-use super::{Asked, Design};
+use super::run::SetFound;
 use crate::inference::information::estimate::{Estimate, Replicate, Trust};
 
 /// What follows from the candidates' estimates.
@@ -126,7 +127,7 @@ impl Design {
 
     /// Whether the sets of a greedy choice are estimated once more by importance sampling, as nested Monte Carlo is not good
     /// for them: a set of readings is sharper than one alone.
-    pub(super) fn again(&self, state: &mut State, sets: &[Asked]) -> bool {
+    pub(super) fn again(&self, state: &mut State, sets: &[SetFound]) -> bool {
         let is_open = self.spec.estimator == Estimator::Automatic
             && state.estimator == Estimator::Nested
             && state.tried.is_empty();

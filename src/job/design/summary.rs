@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::Design;
 use super::block::PredictHead;
 use super::block::{Purpose, State};
 use super::information::whitened_rows;
@@ -9,8 +10,8 @@ use super::output::{
     Axis, Best, Candidate, Estimator, Observed, Output, Partial, Phase, Pick, Redundant, UsedSensor, Violation,
 };
 use super::plant::{Place, Whitening};
+use super::run::SetFound;
 use super::samples::REPLICATES;
-use super::{Asked, Design};
 use crate::document::counted;
 use crate::inference::information::estimate::{Estimate, Replicate, Trust, difference};
 use crate::inference::information::linear;
@@ -229,7 +230,7 @@ impl Design {
     }
 
     /// Adds the set that tells most to the greedy choice, which ends where no estimate of the sets can be trusted.
-    pub(super) fn add_pick(&self, state: &mut State, sets: &[Asked]) {
+    pub(super) fn add_pick(&self, state: &mut State, sets: &[SetFound]) {
         let is_of_sensors = sets.first().is_some_and(|(set, _)| set.purpose == Purpose::Sensor);
         let replicates: Vec<&[Replicate]> = sets.iter().map(|(_, own)| own.as_slice()).collect();
         if self.trust_in(state.estimator, &replicates) == Trust::No {

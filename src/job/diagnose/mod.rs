@@ -4,240 +4,86 @@
 //! then `conclude` (one block).
 
 mod form;
-mod kind;
 mod resolve;
+mod run;
 
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+pub use run::{Diagnose, Spec};
 
-use super::{Done, Job, JobError, Parts, Step};
-use crate::diagnosis::output::PriorOfDraws;
-use crate::diagnosis::{Diagnosis, Order, Output, Problem, Refit, Settings, State};
-use crate::random::StreamKey;
-use crate::study::handed_on::HandedOn;
-use crate::watch;
-pub use kind::Kind;
+use std::sync::Arc;
 
-const SCREEN: &str = "screen";
-const REFIT: &str = "refit";
-const EXTEND: &str = "extend";
-const CONCLUDE: &str = "conclude";
-/// Sets of a block.
-const BLOCK: usize = 4;
+use serde_json::Value;
 
-/// What is asked.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Spec {
-    /// Positions of the measurements.
-    pub data: Vec<usize>,
-    /// Positions of the parameters that are inferred.
-    pub parameters: Vec<usize>,
-    /// Names of the effects that are considered.
-    pub effects: Vec<String>,
-    /// Settings of the diagnosis.
-    pub settings: Settings,
-}
+use crate::diagnosis::{Output, PRIOR_OF, Problem};
+use crate::job::JobError;
+use crate::job::Runnable;
+use crate::job::kind::JobKind;
+use crate::job::ready::{Readiness, Shared};
+use crate::job::ready::{after, filled, unfilled};
+use crate::study::blocked::draws_among;
+use crate::study::job::Inference;
+use crate::study::job::{Asked, Entry, JobSpec};
+use crate::study::problem::problem_with;
+use crate::study::resolve::scope::Scope;
+use crate::study::resolved::Blocked;
+use crate::study::resolved::HandedOnPrior;
+use crate::study::{self, Pass};
+use form::DiagnoseForm;
 
-/// A diagnosis, ready to run.
-#[derive(Debug)]
-pub struct Diagnose {
-    spec: Spec,
-    diagnosis: Diagnosis,
-    handed_on: Vec<HandedOn>,
-    /// Posteriors that are priors, with how well a density describes them.
-    priors: Vec<PriorOfDraws>,
-}
+/// The kind `diagnose`.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind;
 
-/// What is known when a stage begins.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub enum Known {
-    /// Nothing: the effects are to be screened.
-    Nothing,
-    /// Sets of effects are to be fitted.
-    Refit(Box<State>),
-    /// More sets are to be sought.
-    Extend(Box<State>),
-    /// Everything is fitted.
-    Conclude(Box<State>),
-}
-
-/// What a block found.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub enum Partial {
-    /// After the screening, and after further sets were sought.
-    State(Box<State>),
-    /// Of each set.
-    Refits(Vec<Result<Refit, String>>),
-    /// The diagnosis.
-    Output(Box<Output>),
-}
-
-impl Diagnose {
-    /// Prepares the job; `name` is its name in the pass, which its random streams are keyed by.
-    ///
-    /// # Errors
-    /// A believed model that no likelihood can be made of.
-    pub fn new(spec: Spec, problem: Problem, seed: u64, name: &str) -> Result<Self, JobError> {
-        let problem = problem.with_something_to_infer();
-        problem.hypothesis(&[], 1.0).and_then(|believed| believed.likelihood(&problem)).map_err(failed)?;
-        let key = StreamKey::new(seed, name, "diagnose");
-        let diagnosis = Diagnosis::new(problem, spec.settings.clone(), key);
-        Ok(Self { diagnosis, spec, handed_on: Vec::new(), priors: Vec::new() })
-    }
-
-    /// The same with posteriors in place of the priors of some parameters. Those without draws yet count for the job's
-    /// identity alone. Of a posterior of more parameters than are inferred here, the others are averaged over.
-    ///
-    /// # Errors
-    /// Draws that no density describes, with what deviates.
-    pub fn with_handed_on(self, handed_on: Vec<HandedOn>) -> Result<Self, JobError> {
-        let problem = self.diagnosis.problem();
-        let (mut joint, mut priors) = (Vec::new(), Vec::new());
-        for own in handed_on.iter().filter(|own| !own.draws.is_empty()) {
-            let density = own.density(&problem.parameters, &problem.priors).map_err(|error| {
-                JobError::Failed(format!("the posterior of {} cannot be a prior here: {error}", own.source))
-            })?;
-            let Some(density) = density else { continue };
-            let name = |&place: &usize| problem.model.parameters[problem.parameters[place]].name.clone();
-            priors.push(PriorOfDraws {
-                source: own.source.clone(),
-                parameters: density.places().iter().map(name).collect(),
-                draws: own.draws.len() as u64,
-                effective: own.effective,
-                converged: own.converged,
-                fit: density.fit().clone(),
-            });
-            joint.push(density);
-        }
-        let diagnosis = self.diagnosis.with_joint_priors(joint);
-        Ok(Self { diagnosis, handed_on, priors, ..self })
-    }
-
-    /// What is told of the priors beside the diagnosis.
-    fn finish(&self, mut output: Output) -> Output {
-        for own in &self.priors {
-            output.warnings.extend(own.fit.doubts.iter().map(|doubt| {
-                format!(
-                    "as a prior, the posterior of {} is described roughly by a normal distribution: {doubt}",
-                    own.source
-                )
-            }));
-            if !own.converged {
-                output.converged = Some(false);
-                output
-                    .warnings
-                    .push(format!("the prior is the posterior of {}, whose chains did not converge", own.source));
-            }
-        }
-        output.handed_on.clone_from(&self.priors);
-        output
-    }
-
-    fn next(&self, state: Box<State>) -> Step<Self> {
-        let orders = self.diagnosis.orders(&state);
-        if orders.is_empty() {
-            return Step::Blocks {
-                stage: CONCLUDE.to_owned(),
-                state: Known::Conclude(state),
-                inputs: vec![Vec::new()],
-            };
-        }
-        let inputs = orders.chunks(BLOCK).map(<[Order]>::to_vec).collect();
-        Step::Blocks { stage: format!("{REFIT} {}", state.rounds), state: Known::Refit(state), inputs }
-    }
-}
-
-/// Calls what fits many models: how far each fit has come says nothing of the block.
-fn quietly<T>(call: impl FnOnce() -> T) -> T {
-    watch::with_share(&watch::Share::default(), call)
-}
-
-fn failed(reason: impl std::fmt::Display) -> JobError {
-    JobError::Failed(reason.to_string())
-}
-
-impl Job for Diagnose {
-    type State = Known;
-    /// Sets to fit; none in the other stages.
-    type Input = Vec<Order>;
-    type Partial = Partial;
+impl JobKind for Kind {
+    const NAME: &'static str = "diagnose";
+    const ABOUT: &'static str = "Which physical effect is missing.";
+    type Form = DiagnoseForm;
+    type Spec = Spec;
     type Output = Output;
 
+    fn resolve(form: &DiagnoseForm, scope: &mut Scope, entry: &Entry, asked: &mut Asked) -> Option<JobSpec> {
+        resolve::resolve(scope, entry, form, asked.offered)
+    }
+
+    fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {
+        let problem = problem(spec, shared);
+        let draws = draws_among(shared.pass, &spec.parameters);
+        let known = Diagnose::new(spec.clone(), problem.clone(), shared.pass.seed, name)?;
+        if draws.is_empty() {
+            return Ok(Readiness::Ready(Arc::new(known)));
+        }
+        let known = known.with_handed_on(unfilled(&draws).into_iter().map(|own| own.with_no_draws()).collect())?;
+        let (own, spec, seed, name) = (draws.clone(), spec.clone(), shared.pass.seed, name.to_owned());
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
+            let job = Diagnose::new(spec.clone(), problem.clone(), seed, &name)?;
+            Ok(Arc::new(job.with_handed_on(filled(&own, &mut results.iter())?)?))
+        };
+        after(&[&draws], Arc::new(known), Box::new(prepare))
+    }
+}
+
+impl study::job::Spec for Spec {
     fn kind(&self) -> &'static str {
-        "diagnose"
+        Kind::NAME
     }
 
-    fn algorithm_version(&self) -> u32 {
-        12
+    fn inference(&self) -> Option<Inference<'_>> {
+        Some(Inference { verb: "diagnoses", data: &self.data, parameters: &self.parameters })
     }
 
-    fn identity(&self) -> Value {
-        let problem = self.diagnosis.problem();
-        let data: Vec<Value> = problem.measurements.iter().map(|measurement| measurement.identity()).collect();
-        let effects: Vec<Value> = (self.spec.effects.iter())
-            .filter_map(|name| problem.catalogue.get(name))
-            .map(|effect| json!({ "name": effect.name, "file": effect.json }))
-            .collect();
-        let candidates: Vec<&str> = problem.candidates.iter().map(|candidate| candidate.id.as_str()).collect();
-        let mut identity = json!({
-            "parameters": self.spec.parameters,
-            "settings": self.spec.settings,
-            "effects": effects,
-            "candidates": candidates,
-            "model": problem.model.identity(),
-            "priors": problem.priors,
-            "input_errors": problem.input_errors,
-            "data": data,
-        });
-        if !self.handed_on.is_empty() {
-            identity["handed_on"] = self.handed_on.iter().map(HandedOn::identity).collect();
-        }
-        identity
+    fn blocked(&self, pass: &Pass) -> Option<Blocked> {
+        draws_among(pass, &self.parameters).iter().find_map(HandedOnPrior::blocks)
     }
+}
 
-    fn begin(&self) -> Result<Step<Self>, JobError> {
-        if let Some(own) = self.handed_on.iter().find(|own| own.draws.is_empty()) {
-            return Err(JobError::Failed(format!("the posterior of {} has no draws", own.source)));
-        }
-        Ok(Step::Blocks { stage: SCREEN.to_owned(), state: Known::Nothing, inputs: vec![Vec::new()] })
+/// What is diagnosed.
+fn problem(spec: &Spec, shared: &Shared) -> Problem {
+    let measurements = spec.data.iter().map(|&index| shared.measurements[index].clone()).collect();
+    let mut problem = problem_with(shared.pass, measurements, spec.parameters.clone());
+    problem.candidates.retain(|candidate| spec.effects.contains(&candidate.effect));
+    if !spec.effects.iter().any(|name| name == PRIOR_OF) {
+        return problem;
     }
-
-    fn block(&self, known: &Known, orders: Vec<Order>, _parts: &dyn Parts) -> Result<Partial, JobError> {
-        Ok(match known {
-            Known::Nothing => Partial::State(Box::new(quietly(|| self.diagnosis.screen()).map_err(failed)?)),
-            Known::Refit(state) => {
-                let mut refits = Vec::with_capacity(orders.len());
-                for (done, order) in orders.iter().enumerate() {
-                    watch::at(done as u64, orders.len() as u64);
-                    refits.push(quietly(|| self.diagnosis.refit(state, order)));
-                }
-                Partial::Refits(refits)
-            }
-            Known::Extend(state) => Partial::State(Box::new(quietly(|| self.diagnosis.extend(State::clone(state))))),
-            Known::Conclude(state) => Partial::Output(Box::new(quietly(|| self.diagnosis.conclude(state)))),
-        })
-    }
-
-    fn is_last(&self, known: &Known) -> bool {
-        matches!(known, Known::Conclude(_))
-    }
-
-    fn reduce(&self, known: Known, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
-        let mut refits = Vec::new();
-        for (_, partial) in blocks {
-            match partial {
-                Partial::State(state) => return Ok(self.next(state)),
-                Partial::Output(output) => return Ok(Step::Done(Box::new(self.finish(*output)))),
-                Partial::Refits(found) => refits.extend(found),
-            }
-        }
-        match known {
-            Known::Refit(mut state) if refits.len() == state.pending.len() => {
-                state.take(refits);
-                let stage = format!("{EXTEND} {}", state.rounds);
-                Ok(Step::Blocks { stage, state: Known::Extend(state), inputs: vec![Vec::new()] })
-            }
-            _ => Err(JobError::Failed("there is not one fit for each set".to_owned())),
-        }
-    }
+    // Those of adopted effects stand behind the model's own.
+    let adopted = shared.pass.adopted.iter().map(|adopted| adopted.parameters.start).min();
+    problem.with_priors_in_question(adopted.unwrap_or(usize::MAX))
 }

@@ -1,7 +1,7 @@
 //! Diagnoses: settings with their defaults, names looked up.
 
-use super::Spec;
 use super::form::DiagnoseForm;
+use super::run::Spec;
 use crate::diagnosis::{PRIOR_OF, Settings};
 use crate::document::{Spanned, code};
 use crate::study::job::{Entry, JobSpec};

@@ -1,8 +1,11 @@
 //! All that was found, to the result.
 
+use super::Goal;
 use super::cell::{Outcome, Role};
 use super::output::{Knowledge, Level, Output, Target, Truths};
-use super::{DESIGN_RATIOS, Goal, RATIOS, State};
+use super::run::DESIGN_RATIOS;
+use super::run::RATIOS;
+use super::run::State;
 use crate::job::propagate::Probability;
 use crate::job::propagate::reached::crossing;
 use crate::statistics::Interval;

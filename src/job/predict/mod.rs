@@ -5,126 +5,102 @@
 //! calibration did not infer keep their priors, and have the same values in both.
 
 mod form;
-mod kind;
 mod resolve;
+mod run;
 
-use super::goal::Discrepancy;
-use crate::random::Distribution;
+pub use run::{Output, Predict, Prediction, view};
+
+use std::sync::Arc;
+
+use serde_json::Value;
+
+use crate::job::JobError;
+use crate::job::Runnable;
+use crate::job::kind::JobKind;
+use crate::job::ready::{Readiness, Shared};
+use crate::job::ready::{after, filled, unfilled};
+use crate::study::blocked::blocked;
+use crate::study::handed_on::HandedOn;
+use crate::study::job::{Asked, Entry, JobSpec};
+use crate::study::resolve::scope::Scope;
+use crate::study::resolved::Blocked;
 use crate::study::resolved::HandedOnPrior;
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use crate::study::{self, Pass};
+use form::PredictForm;
 
-use super::propagate::{self, BlockInput, BlockOutput, Propagate};
-use super::{Done, Job, JobError, Parts, Step};
-pub use kind::Kind;
+/// The kind `predict`.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind;
 
-/// Settings with everything looked up.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Prediction {
-    /// What is asked.
-    pub propagate: propagate::Spec,
-    /// The posterior.
-    pub posterior: HandedOnPrior,
-    /// The priors that the calibration began with: position in the model's list, prior (SI).
-    pub priors: Vec<(usize, Distribution)>,
-    /// Draws that stood in for some of them.
-    pub handed_on: Vec<HandedOnPrior>,
-    /// Errors of the model that are added to quantities.
-    pub discrepancy: Vec<Discrepancy>,
-}
-
-/// A prediction, ready to run.
-#[derive(Debug)]
-pub struct Predict {
-    prior: Propagate,
-    posterior: Propagate,
-}
-
-/// Result.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct Output {
-    /// Whether the chains behind the posterior converged.
-    pub converged: bool,
-    /// With the posterior.
-    pub posterior: propagate::Output,
-    /// With the priors that the calibration began with.
-    pub prior: propagate::Output,
-}
-
-impl Predict {
-    /// A step of the propagation with the posterior, where the result with the priors is known, else of the one with them.
-    fn step(&self, prior: Option<propagate::Output>, own: Step<Propagate>) -> Result<Step<Self>, JobError> {
-        match (own, prior) {
-            (Step::Blocks { stage, state: (), inputs }, prior) => {
-                let of = if prior.is_some() { "posterior" } else { "prior" };
-                Ok(Step::Blocks { stage: format!("{of} {stage}"), state: prior, inputs })
-            }
-            (Step::Done(prior), None) => self.step(Some(*prior), self.posterior.begin()?),
-            (Step::Done(posterior), Some(prior)) => {
-                let converged = posterior.converged.unwrap_or(true);
-                Ok(Step::Done(Box::new(Output { converged, posterior: *posterior, prior })))
-            }
-        }
-    }
-
-    /// The propagation with the priors that the calibration began with, and that with its posterior.
-    pub fn new(prior: Propagate, posterior: Propagate) -> Self {
-        Self { prior, posterior }
-    }
-}
-
-/// The document of `show --json`: that of the propagation with the posterior, and under `prior` the same with the priors.
-pub fn view(output: &Output) -> Value {
-    let mut document = propagate::view(&output.posterior);
-    document["converged"] = json!(output.converged);
-    document["prior"] = propagate::view(&output.prior);
-    document
-}
-
-impl Job for Predict {
-    /// The result with the priors, once it is known.
-    type State = Option<propagate::Output>;
-    type Input = BlockInput;
-    type Partial = BlockOutput;
+impl JobKind for Kind {
+    const NAME: &'static str = "predict";
+    const ABOUT: &'static str = "Flight prediction.";
+    const IS_AFTER_OTHERS: bool = true;
+    type Form = PredictForm;
+    type Spec = Prediction;
     type Output = Output;
 
+    fn resolve(form: &PredictForm, scope: &mut Scope, entry: &Entry, asked: &mut Asked) -> Option<JobSpec> {
+        resolve::resolve(scope, entry, form, asked)
+    }
+
+    fn document(output: &Output, _with_rows: bool) -> Result<Value, JobError> {
+        Ok(view(output))
+    }
+
+    fn ready(spec: &Prediction, shared: &Shared, name: &str) -> Result<Readiness, JobError> {
+        let mut priors = shared.pass.priors.clone();
+        for &(index, prior) in &spec.priors {
+            priors[index] = prior;
+        }
+        let plain = shared.propagation(name, &spec.propagate, &priors);
+        let (discrepancy, seed, named) = (spec.discrepancy.clone(), shared.pass.seed, name.to_owned());
+        let make = move || plain()?.with_discrepancy(discrepancy.clone(), seed, &named);
+        let (own, before, rest) = (vec![spec.posterior.clone()], spec.handed_on.clone(), rest(shared.pass, spec));
+        let join = |first: Vec<HandedOn>, rest: &[HandedOn]| first.into_iter().chain(rest.iter().cloned()).collect();
+        let others = unfilled(&rest);
+        let prior = make()?.with_handed_on(join(unfilled(&before), &others));
+        let known = Predict::new(prior, make()?.with_handed_on(join(unfilled(&own), &others)));
+        let draws = [own.clone(), before.clone(), rest.clone()];
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
+            let mut results = results.iter();
+            let own = filled(&own, &mut results)?;
+            let before = filled(&before, &mut results)?;
+            let others = filled(&rest, &mut results)?;
+            let prior = make()?.with_handed_on(join(before, &others));
+            Ok(Arc::new(Predict::new(prior, make()?.with_handed_on(join(own, &others)))))
+        };
+        after(&[&draws[0], &draws[1], &draws[2]], Arc::new(known), Box::new(prepare))
+    }
+}
+
+impl study::job::Spec for Prediction {
     fn kind(&self) -> &'static str {
-        "predict"
+        Kind::NAME
     }
 
-    fn algorithm_version(&self) -> u32 {
-        // A change of the propagation changes this result too.
-        100 * self.posterior.algorithm_version() + 1
+    fn blocked(&self, pass: &Pass) -> Option<Blocked> {
+        let own = match &self.posterior.from {
+            Some(from) if from.file == pass.file => {
+                blocked(pass, &from.job).map(|own| own.after(&self.posterior.draws.source))
+            }
+            _ => self.posterior.blocks(),
+        };
+        let others = rest(pass, self);
+        own.or_else(|| others.iter().chain(&self.handed_on).find_map(HandedOnPrior::blocks))
     }
+}
 
-    fn identity(&self) -> Value {
-        json!({ "prior": self.prior.identity(), "posterior": self.posterior.identity() })
+/// Draws that stand in for priors of the parameters that a prediction's calibration did not infer.
+fn rest(pass: &Pass, spec: &Prediction) -> Vec<HandedOnPrior> {
+    let mut rest = Vec::new();
+    for own in &pass.handed_on {
+        let kept: Vec<usize> = (0..own.draws.parameters.len())
+            .filter(|&place| !spec.posterior.draws.parameters.contains(&own.draws.parameters[place]))
+            .collect();
+        if !kept.is_empty() {
+            rest.push(HandedOnPrior { draws: own.draws.with(&kept), ..own.clone() });
+        }
     }
-
-    fn begin(&self) -> Result<Step<Self>, JobError> {
-        self.step(None, self.prior.begin()?)
-    }
-
-    fn block(
-        &self,
-        state: &Option<propagate::Output>,
-        input: BlockInput,
-        parts: &dyn Parts,
-    ) -> Result<BlockOutput, JobError> {
-        if state.is_some() { &self.posterior } else { &self.prior }.block(&(), input, parts)
-    }
-
-    fn memory_bytes(&self) -> u64 {
-        // One after the other.
-        Job::memory_bytes(&self.prior).max(Job::memory_bytes(&self.posterior))
-    }
-
-    fn is_last(&self, state: &Option<propagate::Output>) -> bool {
-        state.is_some()
-    }
-
-    fn reduce(&self, state: Option<propagate::Output>, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
-        let own = if state.is_some() { &self.posterior } else { &self.prior };
-        self.step(state, own.reduce((), blocks)?)
-    }
+    rest
 }

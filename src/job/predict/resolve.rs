@@ -1,7 +1,8 @@
 //! Predictions: whose posterior is carried, to what.
 
+use super::Kind;
 use super::form::PredictForm;
-use super::{Kind, Prediction};
+use super::run::Prediction;
 use crate::document::prior::PosteriorForm;
 use crate::document::{NameOr, Place, code};
 use crate::job::goal::discrepancies;

@@ -11,500 +11,79 @@
 
 mod block;
 mod form;
-mod kind;
 mod main_effects;
 mod output;
 pub(super) mod reached;
 mod resolve;
+mod run;
 mod summary;
 mod view;
 
-use crate::study::variable::Variable;
-use std::sync::Arc;
-
-use serde_json::{Value, json};
-
-use crate::math::special::normal_quantile;
-use crate::random::{Distribution, PointKind, Points, StreamKey};
-use crate::statistics::clusters::Clusters;
-use crate::thermal::{LANES, Model, Network, SampleBatch, Start};
-
+pub use block::{BlockInput, BlockOutput};
+pub use form::{PropagateForm, SamplingForm};
 pub use output::{
     AddedDiscrepancy, Case, Conditional, Distributed, FailedSample, Joint, MainEffect, Met, Output, Probability,
     Quantile, Reached, Sampling, Spec,
 };
+pub use resolve::resolve;
+pub use run::Propagate;
 pub use view::view;
 
-use super::fault::listed;
-use super::goal::Discrepancy;
-use super::{Done, Job, JobError, Parts, Step};
-use crate::study::handed_on::HandedOn;
-use crate::study::requirement::Environment;
-pub use block::{BlockInput, BlockOutput};
-pub use form::{PropagateForm, SamplingForm};
-pub use kind::Kind;
-pub use resolve::resolve;
+use std::sync::Arc;
 
-/// Samples in a block; part of the job's identity.
-const BLOCK: u64 = 8192;
-/// Batches whose points are drawn at once.
-const BATCHES_DRAWN: usize = 32;
-/// Failed samples kept with their inputs, a block and a case.
-const FAILURES_KEPT: usize = 20;
-/// Name of the only stage.
-const STAGE: &str = "samples";
+use serde_json::Value;
 
-/// A propagation, ready to run.
-#[derive(Debug)]
-pub struct Propagate {
-    spec: Spec,
-    model: Arc<Model>,
-    priors: Vec<Distribution>,
-    network: Network,
-    points: Points,
-    /// Parameters that are not fixed, in order: one coordinate of the points each.
-    uncertain: Vec<usize>,
-    /// Where every solve starts, by case, so that no result depends on the order of samples.
-    starts: Vec<Vec<f64>>,
-    /// Quantities of the nominal parameters, by case.
-    nominal: Vec<Vec<f64>>,
-    handed_on: Vec<HandedOn>,
-    /// What is added to quantities, and a coordinate each of points of their own, which pick the errors.
-    discrepancy: Option<(Vec<Discrepancy>, Points)>,
-}
+use crate::job::JobError;
+use crate::job::Runnable;
+use crate::job::kind::JobKind;
+use crate::job::ready::{Readiness, Shared};
+use crate::job::ready::{after, filled, unfilled};
+use crate::study::job::{Asked, Entry, JobSpec};
+use crate::study::resolve::scope::Scope;
+use crate::study::resolved::Blocked;
+use crate::study::resolved::HandedOnPrior;
+use crate::study::{self, Pass};
 
-impl Propagate {
-    /// Prepares the job: compiles the network, lays out the points and solves the nominal cases.
-    ///
-    /// `priors` has one entry a parameter of the model; `name` is the job's name, which its random stream is keyed by.
-    ///
-    /// # Errors
-    /// A network that cannot be compiled or has no steady state, settings that fit no point set.
-    pub fn new(
-        spec: Spec,
-        model: Arc<Model>,
-        priors: Vec<Distribution>,
-        seed: u64,
-        name: &str,
-    ) -> Result<Self, JobError> {
-        let failed = |reason: String| JobError::Failed(reason);
-        let network = Network::compile(&model, &[]).map_err(|e| failed(e.to_string()))?;
-        let uncertain: Vec<usize> = (0..priors.len()).filter(|&i| !priors[i].is_fixed()).collect();
-        if uncertain.is_empty() {
-            return Err(failed("every parameter is fixed: give at least one a prior to propagate".to_owned()));
-        }
-        let set = match spec.sampling {
-            Sampling::MonteCarlo => PointKind::MonteCarlo,
-            Sampling::LatinHypercube => PointKind::LatinHypercube,
-            Sampling::Sobol => PointKind::Sobol,
-        };
-        let key = StreamKey::new(seed, name, "propagate");
-        let points = Points::new(set, key, usize::try_from(spec.samples).unwrap_or(usize::MAX), uncertain.len())
-            .map_err(|e| failed(e.to_string()))?;
-        let mut job = Self {
-            spec,
-            model,
-            priors,
-            network,
-            points,
-            uncertain,
-            starts: Vec::new(),
-            nominal: Vec::new(),
-            handed_on: Vec::new(),
-            discrepancy: None,
-        };
-        let mut workspace = job.network.workspace();
-        for case in 0..job.cases() {
-            let (parameters, inputs) = job.nominal_case(case);
-            job.network.set_parameters(&mut workspace, &parameters);
-            job.network.set_inputs(&mut workspace, &inputs);
-            job.network.solve_steady(&mut workspace, Start::Default).map_err(|e| {
-                failed(format!("environment `{}` at nominal parameters: {e}", job.environment(case).name))
-            })?;
-            job.starts.push(workspace.temperatures().to_vec());
-            let values: Vec<f64> = job.spec.quantities.iter().map(|&q| job.network.quantity(&workspace, q)).collect();
-            let quantities = job.spec.quantities.iter().map(|&q| &job.model.quantities[q]);
-            if let Some(fault) = quantities.zip(&values).find_map(|(quantity, &value)| quantity.fault(value)) {
-                return Err(failed(format!(
-                    "{fault} in environment `{}` at nominal parameters: {}",
-                    job.environment(case).name,
-                    listed(&job.named(parameters))
-                )));
-            }
-            job.nominal.push(values);
-        }
-        Ok(job)
-    }
+/// The kind `propagate`.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind;
 
-    /// The same with draws in place of the priors of some parameters; posteriors without draws yet may stand among them, for
-    /// the job's identity.
-    pub fn with_handed_on(self, handed_on: Vec<HandedOn>) -> Self {
-        Self { handed_on, ..self }
-    }
-
-    /// The same with an error of the model added to quantities: normal, independent from quantity to quantity and of the
-    /// parameters, the same in all cases of a sample. Its points are independent draws, since a second Sobol sequence would
-    /// not be independent of the first. `seed` and `name` as in [`Propagate::new`].
-    ///
-    /// # Errors
-    /// Settings that fit no point set.
-    pub fn with_discrepancy(self, discrepancy: Vec<Discrepancy>, seed: u64, name: &str) -> Result<Self, JobError> {
-        if discrepancy.is_empty() {
-            return Ok(self);
-        }
-        let samples = usize::try_from(self.spec.samples).unwrap_or(usize::MAX);
-        let key = StreamKey::new(seed, name, "discrepancy");
-        let points = Points::new(PointKind::MonteCarlo, key, samples, discrepancy.len())
-            .map_err(|error| JobError::Failed(error.to_string()))?;
-        Ok(Self { discrepancy: Some((discrepancy, points)), ..self })
-    }
-
-    /// Adds the model's errors to the values of a block (`quantities x count`).
-    fn add_discrepancy(&self, first: usize, count: usize, values: &mut [f64]) {
-        let Some((discrepancy, points)) = &self.discrepancy else { return };
-        let width = discrepancy.len();
-        let mut rows = vec![0.5; width * count];
-        points.fill_rows(first, &mut rows);
-        for (column, own) in discrepancy.iter().enumerate() {
-            for position in (0..self.spec.quantities.len()).filter(|&p| self.spec.quantities[p] == own.quantity) {
-                let values = &mut values[position * count..(position + 1) * count];
-                for (value, row) in values.iter_mut().zip(rows.chunks_exact(width)) {
-                    *value += own.sd * normal_quantile(row[column]);
-                }
-            }
-        }
-    }
-
-    /// Coordinate of the points that picks the draw of a posterior; `None` where all its parameters are fixed.
-    fn leader(&self, own: &HandedOn) -> Option<usize> {
-        self.uncertain.iter().position(|parameter| own.parameters.contains(parameter))
-    }
-
-    fn is_handed_on(&self, parameter: usize) -> bool {
-        self.handed_on.iter().any(|own| own.parameters.contains(&parameter))
-    }
-
-    /// The samples by the draws that they were computed from, for each posterior.
-    fn clusters(&self) -> Vec<Clusters> {
-        let samples = usize::try_from(self.spec.samples).unwrap_or(usize::MAX);
-        let width = self.uncertain.len();
-        let mut clusters: Vec<Clusters> = (self.handed_on.iter())
-            .map(|own| Clusters { of: Vec::with_capacity(samples), count: own.draws.len(), effective: own.effective })
-            .collect();
-        let mut rows = vec![0.5; width * LANES * BATCHES_DRAWN];
-        for first in (0..samples).step_by(LANES * BATCHES_DRAWN) {
-            let count = (LANES * BATCHES_DRAWN).min(samples - first);
-            self.points.fill_rows(first, &mut rows[..width * count]);
-            for (own, clusters) in self.handed_on.iter().zip(&mut clusters) {
-                let leader = self.leader(own).unwrap_or(0);
-                clusters.of.extend(rows[..width * count].chunks_exact(width).map(|row| own.position(row[leader])));
-            }
-        }
-        clusters
-    }
-
-    /// Number of cases: for each environment the nominal design value, then the sweep.
-    fn cases(&self) -> usize {
-        self.spec.environments.len() * self.designs()
-    }
-
-    fn designs(&self) -> usize {
-        1 + self.spec.sweep.as_ref().map_or(0, |sweep| sweep.values.len())
-    }
-
-    fn environment(&self, case: usize) -> &Environment {
-        &self.spec.environments[case / self.designs()]
-    }
-
-    /// The design variable and its value in a case; `None` for the nominal design.
-    fn design(&self, case: usize) -> Option<(Variable, f64)> {
-        let position = (case % self.designs()).checked_sub(1)?;
-        let sweep = self.spec.sweep.as_ref()?;
-        Some((sweep.variable, sweep.values[position]))
-    }
-
-    /// Nominal parameters and the inputs of a case, with its design value in place.
-    fn nominal_case(&self, case: usize) -> (Vec<f64>, Vec<f64>) {
-        let mut parameters: Vec<f64> = self.model.parameters.iter().map(|p| p.nominal).collect();
-        for (value, prior) in parameters.iter_mut().zip(&self.priors) {
-            if let Distribution::Fixed(fixed) = prior {
-                *value = *fixed;
-            }
-        }
-        let mut inputs = self.environment(case).inputs.clone();
-        match self.design(case) {
-            Some((Variable::Parameter(index), value)) => parameters[index] = value,
-            Some((Variable::Input(index), value)) => inputs[index] = value,
-            None => {}
-        }
-        (parameters, inputs)
-    }
-
-    /// Runs the samples of a block.
-    fn run(&self, block: BlockInput) -> BlockOutput {
-        let quantities = self.spec.quantities.len();
-        let count = usize::try_from(block.count).unwrap_or(usize::MAX);
-        let first = usize::try_from(block.first).unwrap_or(usize::MAX);
-        let mut output = BlockOutput { values: vec![f64::NAN; quantities * count], failures: Vec::new(), failed: 0 };
-        let (nominal, inputs) = self.nominal_case(block.case);
-        let swept = match self.design(block.case) {
-            Some((Variable::Parameter(index), _)) => Some(index),
-            _ => None,
-        };
-        let start = Start::Temperatures(&self.starts[block.case]);
-        let mut batch: SampleBatch = self.network.sample_batch();
-        for lane in 0..LANES {
-            batch.set_parameters(&self.network, lane, &nominal);
-            batch.set_inputs(&self.network, lane, &inputs);
-        }
-        let width = self.uncertain.len();
-        // Lanes beyond the last sample keep a middle value and are not read.
-        let mut rows = vec![0.5; width * LANES * BATCHES_DRAWN];
-        let (mut done, mut drawn) = (0, 0);
-        while done < count {
-            let lanes = LANES.min(count - done);
-            if done == drawn {
-                drawn = count.min(done + LANES * BATCHES_DRAWN);
-                self.points.fill_rows(first + done, &mut rows[..width * (drawn - done)]);
-            }
-            let row = done % (LANES * BATCHES_DRAWN);
-            for (position, &parameter) in self.uncertain.iter().enumerate() {
-                if swept != Some(parameter) && !self.is_handed_on(parameter) {
-                    let mut values: [f64; LANES] = std::array::from_fn(|lane| rows[(row + lane) * width + position]);
-                    self.priors[parameter].quantiles(&mut values);
-                    batch.set_parameter_lanes(parameter, values);
-                }
-            }
-            for (own, leader) in self.handed_on.iter().filter_map(|own| Some((own, self.leader(own)?))) {
-                let draws: [&[f64]; LANES] =
-                    std::array::from_fn(|lane| own.draws[own.position(rows[(row + lane) * width + leader])].as_slice());
-                for (column, &parameter) in own.parameters.iter().enumerate() {
-                    if swept != Some(parameter) {
-                        batch.set_parameter_lanes(parameter, draws.map(|draw| draw[column]));
-                    }
-                }
-            }
-            self.network.solve_samples(&mut batch, start);
-            for lane in 0..lanes {
-                let fault = match batch.outcome(lane) {
-                    Err(error) => Some(error.to_string()),
-                    Ok(_) => self.spec.quantities.iter().find_map(|&quantity| {
-                        self.model.quantities[quantity].fault(batch.quantity(&self.network, lane, quantity))
-                    }),
-                };
-                if let Some(reason) = fault {
-                    output.failed += 1;
-                    if output.failures.len() < FAILURES_KEPT {
-                        let index = block.first + (done + lane) as u64;
-                        let parameters = self.sample(block.case, index);
-                        output.failures.push(FailedSample { index, parameters, reason });
-                    }
-                    continue;
-                }
-                for (position, &quantity) in self.spec.quantities.iter().enumerate() {
-                    output.values[position * count + done + lane] = batch.quantity(&self.network, lane, quantity);
-                }
-            }
-            done += lanes;
-        }
-        self.add_discrepancy(first, count, &mut output.values);
-        output
-    }
-
-    /// The parameters of one sample, by name.
-    fn sample(&self, case: usize, index: u64) -> Vec<(String, f64)> {
-        let (mut parameters, _) = self.nominal_case(case);
-        let mut row = vec![0.5; self.uncertain.len()];
-        self.points.fill_row(index as usize, &mut row);
-        let swept = self.design(case).map(|(variable, _)| variable);
-        for (&parameter, &u) in self.uncertain.iter().zip(&row) {
-            if swept != Some(Variable::Parameter(parameter)) {
-                parameters[parameter] = self.priors[parameter].quantile(u);
-            }
-        }
-        for (own, leader) in self.handed_on.iter().filter_map(|own| Some((own, self.leader(own)?))) {
-            let draw = &own.draws[own.position(row[leader])];
-            for (&parameter, &value) in own.parameters.iter().zip(draw) {
-                if swept != Some(Variable::Parameter(parameter)) {
-                    parameters[parameter] = value;
-                }
-            }
-        }
-        self.named(parameters)
-    }
-
-    /// All parameters by name.
-    fn named(&self, parameters: Vec<f64>) -> Vec<(String, f64)> {
-        self.model.parameters.iter().map(|p| p.name.clone()).zip(parameters).collect()
-    }
-}
-
-impl Job for Propagate {
-    type State = ();
-    type Input = BlockInput;
-    type Partial = BlockOutput;
+impl JobKind for Kind {
+    const NAME: &'static str = "propagate";
+    const ABOUT: &'static str = "Propagation of the parameters' uncertainty.";
+    type Form = PropagateForm;
+    type Spec = Spec;
     type Output = Output;
 
-    fn kind(&self) -> &'static str {
-        "propagate"
+    fn resolve(form: &PropagateForm, scope: &mut Scope, _entry: &Entry, asked: &mut Asked) -> Option<JobSpec> {
+        resolve(scope, form, asked.offered).map(JobSpec::of)
     }
 
-    fn algorithm_version(&self) -> u32 {
-        4
+    fn document(output: &Output, _with_rows: bool) -> Result<Value, JobError> {
+        Ok(view(output))
     }
 
-    fn identity(&self) -> Value {
-        let mut identity = json!({
-            "settings": self.spec,
-            "block": BLOCK,
-            "model": self.model.identity(),
-            "priors": self.priors,
-        });
-        if !self.handed_on.is_empty() {
-            identity["handed_on"] = self.handed_on.iter().map(HandedOn::identity).collect();
+    fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {
+        let draws = shared.pass.handed_on.clone();
+        let make = shared.propagation(name, spec, &shared.pass.priors);
+        let known = make()?.with_handed_on(unfilled(&draws));
+        if draws.is_empty() {
+            return Ok(Readiness::Ready(Arc::new(known)));
         }
-        if let Some((discrepancy, _)) = &self.discrepancy {
-            identity["discrepancy"] = json!(discrepancy);
-        }
-        identity
-    }
-
-    fn begin(&self) -> Result<Step<Self>, JobError> {
-        if let Some(own) = self.handed_on.iter().find(|own| own.draws.is_empty()) {
-            return Err(JobError::Failed(format!("the posterior of {} has no draws", own.source)));
-        }
-        let mut inputs = Vec::new();
-        for case in 0..self.cases() {
-            let mut first = 0;
-            while first < self.spec.samples {
-                let count = BLOCK.min(self.spec.samples - first);
-                inputs.push(BlockInput { case, first, count });
-                first += count;
-            }
-        }
-        Ok(Step::Blocks { stage: STAGE.to_owned(), state: (), inputs })
-    }
-
-    fn block(&self, (): &(), input: BlockInput, _parts: &dyn Parts) -> Result<BlockOutput, JobError> {
-        Ok(self.run(input))
-    }
-
-    fn memory_bytes(&self) -> u64 {
-        // The blocks' values of all cases, the values of one case by quantity, and a sorted copy of one.
-        let (quantities, cases) = (self.spec.quantities.len() as u64, self.cases() as u64);
-        let columns = quantities.saturating_mul(cases).saturating_add(quantities + 2);
-        columns.saturating_mul(self.spec.samples).saturating_mul(size_of::<f64>() as u64)
-    }
-
-    fn is_last(&self, (): &()) -> bool {
-        true
-    }
-
-    fn reduce(&self, (): (), blocks: Done<Self>) -> Result<Step<Self>, JobError> {
-        let per_case = usize::try_from(self.spec.samples.div_ceil(BLOCK)).unwrap_or(usize::MAX);
-        let mut cases = Vec::new();
-        let clusters = self.clusters();
-        let mut blocks = blocks.into_iter().map(|(_, block)| block).peekable();
-        let mut case = 0;
-        while blocks.peek().is_some() {
-            let samples = usize::try_from(self.spec.samples).unwrap_or(usize::MAX);
-            let mut values: Vec<Vec<f64>> = vec![Vec::new(); self.spec.quantities.len()];
-            values.iter_mut().for_each(|column| column.reserve_exact(samples));
-            let mut failures = Vec::new();
-            let mut failed = 0;
-            for block in blocks.by_ref().take(per_case.max(1)) {
-                let count = block.values.len() / values.len().max(1);
-                for (position, column) in values.iter_mut().enumerate() {
-                    column.extend(&block.values[position * count..(position + 1) * count]);
-                }
-                failed += block.failed;
-                failures.extend(block.failures);
-            }
-            failures.truncate(FAILURES_KEPT);
-            let share = failed as f64 / self.spec.samples.max(1) as f64;
-            let is_too_few = failed + 2 > self.spec.samples;
-            if share > self.spec.failure_limit || is_too_few {
-                // One solution alone has no distribution, whatever the study tolerates.
-                let why = if is_too_few {
-                    "fewer than two are left".to_owned()
-                } else {
-                    format!("more than the limit of {} %", 100.0 * self.spec.failure_limit)
-                };
-                let told = |f: &FailedSample| format!("; sample {}: {} ({})", f.index, f.reason, listed(&f.parameters));
-                let example = failures.first().map_or(String::new(), told);
-                return Err(JobError::Failed(format!(
-                    "{failed} of {} samples failed, {why}{example}",
-                    self.spec.samples
-                )));
-            }
-            let mut summary = summary::case(
-                &self.spec,
-                &self.model,
-                self.case_name(case),
-                &values,
-                &clusters,
-                &self.nominal[case],
-                failed,
-                failures,
-            );
-            // Parameters that share draws have no effects of their own.
-            if self.design(case).is_none() && self.handed_on.is_empty() {
-                summary.main_effects = self.main_effects(&values);
-            }
-            cases.push(summary);
-            case += 1;
-        }
-        let reached = self.reached(&cases);
-        let output = Output {
-            samples: self.spec.samples,
-            sampling: match self.spec.sampling {
-                Sampling::MonteCarlo => "monte-carlo",
-                Sampling::LatinHypercube => "latin-hypercube",
-                Sampling::Sobol => "sobol",
-            }
-            .to_owned(),
-            design_variable: self.spec.sweep.as_ref().map(|sweep| sweep.name.clone()),
-            design_unit: self.spec.sweep.as_ref().map(|sweep| sweep.unit.clone()).unwrap_or_default(),
-            cases,
-            reached,
-            handed_on: self.handed_on.iter().map(HandedOn::summary).collect(),
-            discrepancy: self.added(),
-            converged: (!self.handed_on.is_empty()).then(|| self.handed_on.iter().all(|own| own.converged)),
+        let own = draws.clone();
+        let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
+            Ok(Arc::new(make()?.with_handed_on(filled(&own, &mut results.iter())?)))
         };
-        Ok(Step::Done(Box::new(output)))
+        after(&[&draws], Arc::new(known), Box::new(prepare))
     }
 }
 
-impl Propagate {
-    /// The model's errors by name.
-    fn added(&self) -> Vec<AddedDiscrepancy> {
-        let known = self.discrepancy.iter().flat_map(|(discrepancy, _)| discrepancy);
-        let named = known.map(|own| {
-            let quantity = &self.model.quantities[own.quantity];
-            AddedDiscrepancy { quantity: quantity.name.clone(), sd: own.sd, unit: quantity.unit.clone() }
-        });
-        named.collect()
+impl study::job::Spec for Spec {
+    fn kind(&self) -> &'static str {
+        Kind::NAME
     }
 
-    fn case_name(&self, case: usize) -> (String, Option<f64>) {
-        (self.environment(case).name.clone(), self.design(case).map(|(_, value)| value))
-    }
-
-    /// Where each requirement reaches its probability, by environment.
-    fn reached(&self, cases: &[Case]) -> Vec<Reached> {
-        let mut found = Vec::new();
-        if self.spec.sweep.is_none() {
-            return found;
-        }
-        for environment in cases.chunks(self.designs()) {
-            let swept = &environment[1..];
-            let outcomes = swept.first().map_or(0, |case| case.requirements.len());
-            for position in 0..outcomes {
-                let points: Vec<(f64, &Met)> =
-                    swept.iter().filter_map(|case| case.design_value.zip(case.requirements.get(position))).collect();
-                found.extend(reached::reached(&environment[0].environment, &points, self.spec.samples));
-            }
-        }
-        found
+    fn blocked(&self, pass: &Pass) -> Option<Blocked> {
+        pass.handed_on.iter().find_map(HandedOnPrior::blocks)
     }
 }

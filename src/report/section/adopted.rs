@@ -4,10 +4,14 @@ use crate::report::number::Shown;
 use crate::report::page::{Block, Cell, Column, Section, Table};
 use crate::report::view::PassReport;
 
+use super::Entry;
 use super::problem::prior_words;
 
+/// The section.
+pub(super) const SECTION: Entry = Entry::plain(build);
+
 /// The section on adopted effects; none where the pass adopts none.
-pub fn build(report: &PassReport<'_>) -> Option<Section> {
+fn build(report: &PassReport<'_>) -> Option<Section> {
     if report.adopted.is_empty() {
         return None;
     }

@@ -1,14 +1,16 @@
 //! Calibration: whether it can be believed, what the parameters became, what the fit leaves.
 
+mod brief;
 mod figures;
 
 use crate::document::{counted, p_value};
-use crate::job::calibrate::{Output, ParameterSummary, PhaseScore};
+use crate::job::calibrate::{Kind, Output, ParameterSummary, PhaseScore};
 use crate::job::compare;
 use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, typeset};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
 use crate::report::view::PassReport;
 
+use super::Entry;
 use super::problem::prior_words;
 
 /// Chains agree below it.
@@ -16,8 +18,11 @@ const MOST_RHAT: f64 = 1.01;
 /// Fewer effective draws are too few.
 const LEAST_EFFECTIVE: f64 = 400.0;
 
+/// The section, and its kind's results in brief.
+pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Calibration).apart();
+
 /// The section on calibrations; not without one.
-pub fn build(report: &PassReport<'_>) -> Option<Section> {
+fn build(report: &PassReport<'_>) -> Option<Section> {
     let checks = |name: &str, output: &Output| {
         let mut blocks = vec![coverage(output)];
         blocks.extend(scores(output));
@@ -30,7 +35,7 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
 /// What tuning achieved in the comparisons, without the calibrations themselves.
 pub fn achieved_alone(report: &PassReport<'_>) -> Option<Section> {
     let of = |comparison: &compare::Output| achieved(&comparison.tuned.as_ref()?.job, comparison);
-    let blocks: Vec<Block> = report.comparisons().filter_map(|(_, comparison)| of(comparison)).collect();
+    let blocks: Vec<Block> = report.outputs::<compare::Kind>().filter_map(|(_, comparison)| of(comparison)).collect();
     (!blocks.is_empty()).then(|| Section { id: "tuned", title: "After tuning".into(), blocks })
 }
 
@@ -47,14 +52,14 @@ fn of_each(
     checks: impl Fn(&str, &Output) -> Vec<Block>,
 ) -> Option<Section> {
     let mut blocks = Vec::new();
-    let jobs = report.calibrations().count();
-    for (name, output) in report.calibrations() {
+    let jobs = report.outputs::<Kind>().count();
+    for (name, output) in report.outputs::<Kind>() {
         if jobs > 1 {
             blocks.push(Block::Heading(format!("Job {name}")));
         }
         blocks.extend(verdict(output));
         blocks.extend(found(output));
-        blocks.extend(report.comparisons().filter_map(|(_, comparison)| achieved(name, comparison)));
+        blocks.extend(report.outputs::<compare::Kind>().filter_map(|(_, comparison)| achieved(name, comparison)));
         blocks.extend(checks(name, output));
         blocks.push(Block::paragraph(method(output)));
     }

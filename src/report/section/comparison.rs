@@ -1,22 +1,28 @@
 //! Model against measurements: criteria, sensors, phases, residuals in time, trends, heat balance, steadiness.
 
+mod brief;
 mod figures;
 
-use crate::job::compare::{Deviation, Output, SensorSummary};
+use crate::job::compare::{Deviation, Kind, Output, SensorSummary};
 use crate::report::number::{NONE, Shown, fixed, percent, signed, significant, with_error};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
 use crate::report::view::PassReport;
+
+use super::Entry;
 
 pub(super) use figures::{Shows, phase_map, time_history};
 
 /// Readings up to which the table of all of them is part of the report.
 const MOST_ROWS: usize = 300;
 
+/// The section, and its kind's results in brief.
+pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Comparison);
+
 /// The section on the comparison; not without such a job.
-pub fn build(report: &PassReport<'_>) -> Option<Section> {
+fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
-    let jobs = report.comparisons().count();
-    for (name, output) in report.comparisons() {
+    let jobs = report.outputs::<Kind>().count();
+    for (name, output) in report.outputs::<Kind>() {
         if jobs > 1 {
             blocks.push(Block::Heading(format!("Job {name}")));
         }
@@ -58,7 +64,7 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
 
 /// The readings alone, all of them; not without such a job.
 pub fn readings_alone(report: &PassReport<'_>) -> Option<Section> {
-    let blocks: Vec<Block> = report.comparisons().filter_map(|(_, output)| readings(report, output)).collect();
+    let blocks: Vec<Block> = report.outputs::<Kind>().filter_map(|(_, output)| readings(report, output)).collect();
     (!blocks.is_empty()).then(|| Section { id: "readings", title: "Readings".into(), blocks })
 }
 

@@ -5,8 +5,13 @@ use crate::report::number::{NONE, Shown, fixed, significant};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text};
 use crate::report::view::PassReport;
 
+use super::Entry;
+
+/// The section.
+pub(super) const SECTION: Entry = Entry::plain(build);
+
 /// The section on the data; not without measurements.
-pub fn build(report: &PassReport<'_>) -> Option<Section> {
+fn build(report: &PassReport<'_>) -> Option<Section> {
     if report.measurements.is_empty() {
         return None;
     }

@@ -1,11 +1,15 @@
 //! The experiment that teaches most: candidates, the best, limits, sensors.
 
-use crate::job::design::{Candidate, Output, Pick};
+mod brief;
+
+use crate::job::design::{Candidate, Kind, Output, Pick};
 use crate::math::functions::exp;
 use crate::report::number::{self, NONE, Shown, fixed, percent, significant, typeset, with_error};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
 use crate::report::plot::{Axis, Bar, Chart, HeatMap, Layer, Mark, Stroke, bar_chart, heat_map, palette};
 use crate::report::view::PassReport;
+
+use super::Entry;
 
 /// Candidates of the table that stand open.
 const OPEN_ROWS: usize = 10;
@@ -14,11 +18,14 @@ const MOST_BARS: usize = 15;
 /// Most columns of a heat map that stay legible.
 const MOST_COLUMNS: usize = 16;
 
+/// The section, and its kind's results in brief.
+pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Design);
+
 /// The section on designs of experiments; not without one.
-pub fn build(report: &PassReport<'_>) -> Option<Section> {
+fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
-    let jobs = report.designs().count();
-    for (name, output) in report.designs() {
+    let jobs = report.outputs::<Kind>().count();
+    for (name, output) in report.outputs::<Kind>() {
         if jobs > 1 {
             blocks.push(Block::Heading(format!("Job {name}")));
         }

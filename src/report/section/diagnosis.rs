@@ -1,5 +1,6 @@
 //! Diagnosis: what physics is missing, how surely, what it does to the error, what else it could be.
 
+mod brief;
 mod detectable;
 mod figures;
 mod heat;
@@ -7,9 +8,12 @@ mod heat;
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{Amount, EffectResult, Output, RmseChange};
 use crate::document::{counted, p_stated, p_value};
+use crate::job::diagnose::Kind;
 use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, typeset, with_error, with_unit};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
 use crate::report::view::PassReport;
+
+use super::Entry;
 
 /// Warnings that are printed.
 const MOST_WARNINGS: usize = 2;
@@ -22,11 +26,14 @@ const WORTH_A_LINE: f64 = 1e-3;
 /// Sensors that the table of a separating experiment names.
 const MOST_SENSORS: usize = 4;
 
+/// The section, and its kind's results in brief.
+pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Diagnosis);
+
 /// The section on diagnoses; not without one.
-pub fn build(report: &PassReport<'_>) -> Option<Section> {
+pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
-    let jobs = report.diagnoses().count();
-    for (name, output) in report.diagnoses() {
+    let jobs = report.outputs::<Kind>().count();
+    for (name, output) in report.outputs::<Kind>() {
         if jobs > 1 {
             blocks.push(Block::Heading(format!("Job {name}")));
         }

@@ -1,21 +1,27 @@
 //! Goal setting: how well the leading parameters must be known, what design is then within reach, and what to do next.
 
-use crate::job::goal::{Knowledge, Next, Output};
+mod brief;
+
+use crate::job::goal::{Kind, Knowledge, Next, Output};
 use crate::report::number::{self, NONE, Shown, percent, significant};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Statement, Status, Table, Text};
 use crate::report::plot::{Along, Axis, Chart, Layer, Limit, Mark, Stroke, palette};
 use crate::report::view::PassReport;
 
+use super::Entry;
 use super::propagation::probability_text;
 use super::sensitivity::estimate_text;
 
 /// Parameters in the table of main effects.
 const MOST_LEADING: usize = 8;
 
+/// The section, and its kind's results in brief.
+pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Goal);
+
 /// The section on goal setting; not without such a job.
-pub fn build(report: &PassReport<'_>) -> Option<Section> {
+fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
-    for (name, output) in report.goals() {
+    for (name, output) in report.outputs::<Kind>() {
         blocks.push(Block::Paragraph(introduction(name, output)));
         blocks.push(Block::Statements(statements(output)));
         blocks.push(Block::List(reasons(output).into_iter().map(Text::from).collect()));

@@ -5,9 +5,15 @@ use crate::report::number::{NONE, fixed, percent, signed};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
 use crate::report::plot::{PassCurves, pass_curves};
 use crate::report::view::PassReport;
+use crate::study::job::CALIBRATION;
+
+use super::Entry;
+
+/// The section.
+pub(super) const SECTION: Entry = Entry::plain(build);
 
 /// The section on the passes; not where fewer than two of them have measurements.
-pub fn build(report: &PassReport<'_>) -> Option<Section> {
+fn build(report: &PassReport<'_>) -> Option<Section> {
     let history = report.history.as_ref()?;
     if history.measured().len() < 2 { None } else { section(history) }
 }
@@ -52,9 +58,10 @@ pub fn section(history: &History) -> Option<Section> {
 /// Which jobs a pass lacks, what is not known without them, and what to write.
 pub fn missing_jobs(pass: &PassErrors) -> Vec<Text> {
     let words = |kind: &&str| {
-        let (unknown, example) = match *kind {
-            "calibrate" => ("its tuned error and its evidence are not known", r#""tuned": {"calibrate": {}}"#),
-            _ => ("its error is not known", r#""delivered": {"compare": {}}"#),
+        let (unknown, example) = if *kind == CALIBRATION {
+            ("its tuned error and its evidence are not known", r#""tuned": {"calibrate": {}}"#)
+        } else {
+            ("its error is not known", r#""delivered": {"compare": {}}"#)
         };
         Text::default()
             .code(&pass.pass)

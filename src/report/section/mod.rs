@@ -1,22 +1,26 @@
 //! Sections, a section a file. A section looks at the whole report and builds itself, or `None` where it has
-//! nothing to say. To add one, write its file and put its `build` into [`SECTIONS`].
+//! nothing to say; one that shows results of a job kind also tells them in brief. To add one, write its file and put
+//! its `SECTION` into [`SECTIONS`].
 
 mod adopted;
+pub mod brief;
 mod calibration;
 mod comparison;
 mod data;
-pub mod design;
+mod design;
 mod diagnosis;
-pub mod goal;
+mod goal;
 mod history;
 mod network;
 mod prediction;
 pub mod problem;
-pub mod propagation;
+mod propagation;
 mod provenance;
-pub mod sensitivity;
+mod sensitivity;
 mod sizing;
 mod summary;
+
+use brief::ErasedBrief;
 
 use super::history::History;
 use super::page::{Section, Text};
@@ -25,17 +29,43 @@ use super::view::PassReport;
 /// Builds a section, where it applies.
 pub type Build = fn(&PassReport<'_>) -> Option<Section>;
 
+/// A section, as its file gives it.
+#[derive(Clone, Copy)]
+pub struct Entry {
+    /// Builds it.
+    pub build: Build,
+    /// Results of its kind in brief, where it shows those of a kind.
+    pub brief: Option<&'static dyn ErasedBrief>,
+    /// Whether a terminal shows it with the results of jobs.
+    is_shown: bool,
+}
+
+impl Entry {
+    /// A section that shows no results of its own.
+    const fn plain(build: Build) -> Self {
+        Self { build, brief: None, is_shown: false }
+    }
+
+    /// A section on results of a kind.
+    const fn of_kind(build: Build, brief: &'static dyn ErasedBrief) -> Self {
+        Self { build, brief: Some(brief), is_shown: true }
+    }
+
+    /// The same for one that a terminal shows by itself, in another form.
+    const fn apart(self) -> Self {
+        Self { is_shown: false, ..self }
+    }
+}
+
 /// The sections that show results of jobs, in the order of the report.
-pub const RESULTS: &[Build] = &[
-    propagation::build,
-    sensitivity::build,
-    goal::build,
-    sizing::build,
-    design::build,
-    comparison::build,
-    diagnosis::build,
-    prediction::build,
-];
+pub fn results() -> impl Iterator<Item = Build> {
+    SECTIONS.iter().filter(|section| section.is_shown).map(|section| section.build)
+}
+
+/// What the sections know in brief of results, whatever their kind.
+pub fn briefs() -> impl Iterator<Item = &'static dyn ErasedBrief> {
+    SECTIONS.iter().filter_map(|section| section.brief)
+}
 
 /// The summary alone.
 pub const SUMMARY: Build = summary::build;
@@ -63,21 +93,21 @@ pub fn missing_jobs(history: &History) -> Vec<Text> {
 }
 
 /// The sections in the order of the report.
-pub const SECTIONS: &[Build] = &[
-    summary::build,
-    problem::build,
-    adopted::build,
-    network::build,
-    propagation::build,
-    sensitivity::build,
-    goal::build,
-    sizing::build,
-    design::build,
-    comparison::build,
-    calibration::build,
-    diagnosis::build,
-    history::build,
-    prediction::build,
-    data::build,
-    provenance::build,
+pub static SECTIONS: &[Entry] = &[
+    summary::SECTION,
+    problem::SECTION,
+    adopted::SECTION,
+    network::SECTION,
+    propagation::SECTION,
+    sensitivity::SECTION,
+    goal::SECTION,
+    sizing::SECTION,
+    design::SECTION,
+    comparison::SECTION,
+    calibration::SECTION,
+    diagnosis::SECTION,
+    history::SECTION,
+    prediction::SECTION,
+    data::SECTION,
+    provenance::SECTION,
 ];

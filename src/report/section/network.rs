@@ -12,8 +12,13 @@ use crate::thermal::element::cooler::Drive;
 use crate::thermal::element::{Element, ElementKind, HeaterControl};
 use crate::thermal::{Model, NodeKind};
 
+use super::Entry;
+
+/// The section.
+pub(super) const SECTION: Entry = Entry::plain(build);
+
 /// The section on the model; not for a model without nodes.
-pub fn build(report: &PassReport<'_>) -> Option<Section> {
+fn build(report: &PassReport<'_>) -> Option<Section> {
     let model = report.model;
     if model.nodes.is_empty() {
         return None;

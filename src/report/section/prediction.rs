@@ -1,13 +1,16 @@
 //! Predictions after calibration: the posterior carried to environments, beside the same with the priors.
 
+mod brief;
+
 use crate::document::counted;
-use crate::job::predict::Output;
+use crate::job::predict::{Kind, Output};
 use crate::job::propagate::{self, Met};
 use crate::report::number::{self, NONE, Shown, significant, with_error};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
 use crate::report::plot::{Along, Axis, Chart, Layer, Limit, Mark, Stroke, palette};
 use crate::report::view::PassReport;
 
+use super::Entry;
 use super::problem::limits;
 use super::propagation::{
     cumulative, curve, environments, failures, histogram, joint, nominal_cases, probability_text, quantile, standing,
@@ -16,10 +19,13 @@ use super::propagation::{
 /// Name under which all requirements stand together.
 const ALL: &str = "all";
 
+/// The section, and its kind's results in brief.
+pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Prediction);
+
 /// The section on predictions; not without such a job.
-pub fn build(report: &PassReport<'_>) -> Option<Section> {
+fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
-    for (name, output) in report.predictions() {
+    for (name, output) in report.outputs::<Kind>() {
         blocks.push(Block::Paragraph(opening(name, output)));
         if !output.converged {
             let text = "The chains behind the posterior did not converge: nothing here is to be trusted.";

@@ -5,8 +5,13 @@ use crate::report::number::{NONE, Shown, as_given, probability};
 use crate::report::page::{Block, Cell, Column, Section, Table, Text};
 use crate::report::view::PassReport;
 
+use super::Entry;
+
+/// The section.
+pub(super) const SECTION: Entry = Entry::plain(build);
+
 /// The section on the problem; always there.
-pub fn build(report: &PassReport<'_>) -> Option<Section> {
+fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
     for paragraph in report.description.split("\n\n").map(str::trim).filter(|p| !p.is_empty()) {
         blocks.push(Block::paragraph(paragraph));

@@ -1,13 +1,15 @@
 //! Uncertainty propagation: distributions of the quantities, probability that the requirements are met.
 
+pub(super) mod brief;
+
 use crate::document::counted;
-use crate::job::propagate::{Case, Distributed, Joint, Met, Output, Probability};
+use crate::job::propagate::{Case, Distributed, Joint, Kind, Met, Output, Probability};
 use crate::report::number::{self, Shown, fixed, percent, significant, with_error};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
 use crate::report::plot::{Along, Axis, Chart, Layer, Limit, Mark, Stroke, palette};
-use crate::report::required::outcome;
 use crate::report::view::PassReport;
 
+use super::Entry;
 use super::problem::limits;
 
 /// Figures of distributions that stand open; the others are folded away.
@@ -15,10 +17,13 @@ const OPEN_FIGURES: usize = 2;
 /// Parameters told of each quantity.
 const MOST_MAIN_EFFECTS: usize = 4;
 
+/// The section, and its kind's results in brief.
+pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Propagation);
+
 /// The section on propagation; not without such a job.
-pub fn build(report: &PassReport<'_>) -> Option<Section> {
+fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
-    for (name, output) in report.propagations() {
+    for (name, output) in report.outputs::<Kind>() {
         blocks.push(Block::Paragraph(Text::new("Job ").code(name).plain(format!(
             ": {} a case, drawn by {}.",
             counted(output.samples, "sample"),
@@ -111,6 +116,15 @@ pub fn standing(met: &Met) -> Status {
         Status::Fail
     } else {
         Status::Caution
+    }
+}
+
+/// How a requirement stands, in words.
+fn outcome(met: &Met) -> &'static str {
+    match standing(met) {
+        Status::Ok => "met",
+        Status::Caution => "undecided with these samples",
+        Status::Fail => "not met",
     }
 }
 

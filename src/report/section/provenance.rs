@@ -3,8 +3,13 @@
 use crate::report::page::{Block, Cell, Column, Section, Table, Text};
 use crate::report::view::PassReport;
 
+use super::Entry;
+
+/// The section.
+pub(super) const SECTION: Entry = Entry::plain(build);
+
 /// The section on provenance; always there.
-pub fn build(report: &PassReport<'_>) -> Option<Section> {
+fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = vec![
         Block::Definitions(vec![
             ("Made again by".into(), Text::default().code(&report.command)),
@@ -20,7 +25,7 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         let rows = report
             .results
             .iter()
-            .map(|job| vec![Cell::code(&job.name), job.kind.clone().into(), Cell::code(&job.key)])
+            .map(|job| vec![Cell::code(&job.name), job.output.kind().into(), Cell::code(&job.key)])
             .collect();
         blocks.push(Block::Table(Table {
             caption: "Jobs.".into(),

@@ -1,12 +1,16 @@
 //! Which parameters matter: shares of the variance with their intervals, elementary effects, derivatives.
 
+mod brief;
+
 use crate::document::counted;
-use crate::job::sensitivity::{Case, Method, OfQuantity, Output, Parameter, Sobol};
+use crate::job::sensitivity::{Case, Kind, Method, OfQuantity, Output, Parameter, Sobol};
 use crate::report::number::{self, NONE, Shown, fixed, percent, significant};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
 use crate::report::plot::{Axis, Bar, Chart, Layer, Mark, bar_chart, palette};
 use crate::report::view::PassReport;
 use crate::statistics::sobol_indices::{Estimate, Place};
+
+use super::Entry;
 
 /// Parameters in a figure.
 const MOST_BARS: usize = 8;
@@ -15,10 +19,13 @@ const MOST_FAILURES: usize = 20;
 /// Pairs in the table of second-order effects.
 const MOST_PAIRS: usize = 12;
 
+/// The section, and its kind's results in brief.
+pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Sensitivity);
+
 /// The section on sensitivity; not without such a job.
-pub fn build(report: &PassReport<'_>) -> Option<Section> {
+fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
-    for (name, output) in report.sensitivities() {
+    for (name, output) in report.outputs::<Kind>() {
         blocks.push(Block::Paragraph(introduction(name, output)));
         blocks.extend(precision(output));
         let mut is_first = true;

@@ -1,22 +1,28 @@
 //! Sizes: the probabilistic one beside those of the conventional rules.
 
-use crate::job::conventional::{Basis, Output, Size};
-use crate::job::propagate::Reached;
+mod brief;
+
+use crate::job::conventional::{Basis, Kind, Output, Size};
+use crate::job::propagate::{self, Reached};
 use crate::report::number::{self, NONE, Shown, percent, significant};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text};
 use crate::report::plot::{Axis, Bar, bar_chart, palette};
 use crate::report::view::PassReport;
 use crate::study::rule::Margin;
 
+use super::Entry;
 use super::propagation::curve;
 
 /// Name under which the outcome of all requirements together stands.
 const ALL: &str = "all";
 
+/// The section, and its kind's results in brief.
+pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Sizing);
+
 /// The section on sizes; not without a conventional analysis.
-pub fn build(report: &PassReport<'_>) -> Option<Section> {
+fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
-    for (name, output) in report.conventionals() {
+    for (name, output) in report.outputs::<Kind>() {
         for pair in pairs(output) {
             if pairs(output).len() > 1 {
                 let what = if pair.1 == ALL { "all requirements together" } else { pair.1 };
@@ -92,7 +98,7 @@ pub(super) fn probabilistic<'a>(
     (environment, requirement): (&str, &str),
 ) -> Option<&'a Reached> {
     report
-        .propagations()
+        .outputs::<propagate::Kind>()
         .filter(|(_, output)| output.design_variable.as_deref() == Some(design))
         .flat_map(|(_, output)| &output.reached)
         .find(|r| r.environment == environment && r.requirement == requirement)
@@ -116,16 +122,17 @@ fn probability_at(
     (environment, requirement): (&str, &str),
     size: f64,
 ) -> Option<f64> {
-    report.propagations().filter(|(_, output)| output.design_variable.as_deref() == Some(design)).find_map(
-        |(_, output)| {
+    report
+        .outputs::<propagate::Kind>()
+        .filter(|(_, output)| output.design_variable.as_deref() == Some(design))
+        .find_map(|(_, output)| {
             let points = curve(output, environment, requirement);
             points.windows(2).find(|w| size >= w[0].0 && size <= w[1].0).map(|w| {
                 let width = w[1].0 - w[0].0;
                 let share = if width > 0.0 { (size - w[0].0) / width } else { 0.0 };
                 w[0].1.value + share * (w[1].1.value - w[0].1.value)
             })
-        },
-    )
+        })
 }
 
 /// Bars of all sizes for a pair.
@@ -182,8 +189,9 @@ fn sizes(report: &PassReport<'_>, output: &Output, pair: (&str, &str)) -> Block 
     let design = Shown::written(&output.design_unit);
     let shown = Shown::quantity(&output.unit, output.is_temperature);
     let reached = probabilistic(report, &output.design_variable, pair);
-    let is_swept =
-        report.propagations().any(|(_, swept)| swept.design_variable.as_ref() == Some(&output.design_variable));
+    let is_swept = report
+        .outputs::<propagate::Kind>()
+        .any(|(_, swept)| swept.design_variable.as_ref() == Some(&output.design_variable));
     let mut rows = Vec::new();
     if let Some(reached) = reached {
         rows.push(vec![

@@ -6,25 +6,28 @@ mod missing;
 
 use crate::document::counted;
 use crate::job::compare::{Deviation, Output, SensorSummary};
-use crate::job::{conventional, predict, propagate};
+use crate::job::{calibrate, compare, conventional, diagnose, predict, propagate};
 use crate::report::number::{self, Shown, fixed, signed};
 use crate::report::page::{Block, Figure, Section, Statement, Status, Text, Tone};
 use crate::report::view::PassReport;
 
-use super::{comparison, diagnosis, prediction, propagation, sizing};
+use super::{Entry, comparison, diagnosis, prediction, propagation, sizing};
 
 /// Statements on the first screen.
 const MOST_STATEMENTS: usize = 6;
 /// The same where a diagnosis or the passes before have their say.
 const MOST_WITH_DIAGNOSIS: usize = 9;
 
+/// The section.
+pub(super) const SECTION: Entry = Entry::plain(build);
+
 /// The summary; always there.
-pub fn build(report: &PassReport<'_>) -> Option<Section> {
+pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
     let mut statements = Vec::new();
     let mut verdicts = Vec::new();
     // What a calibrated model is for goes before how well it fits.
-    for (_, output) in report.predictions() {
+    for (_, output) in report.outputs::<predict::Kind>() {
         let (about_requirements, _) = of_propagation(report, &output.posterior);
         statements.extend(about_requirements.into_iter().map(|own| Statement {
             label: own.label.replacen("Probability,", "Probability after calibration,", 1),
@@ -33,14 +36,14 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
         statements.extend(of_prediction(output));
     }
     let mut details = Vec::new();
-    for (_, output) in report.comparisons() {
+    for (_, output) in report.outputs::<compare::Kind>() {
         let (foremost, more) = of_comparison(report, output);
         statements.extend(foremost);
         details.extend(more);
         verdicts.push(verdict_of_comparison(output));
     }
     statements.extend(missing::of_history(report));
-    for (position, (name, output)) in report.diagnoses().enumerate() {
+    for (position, (name, output)) in report.outputs::<diagnose::Kind>().enumerate() {
         if position == 0 {
             statements.extend(missing::of_diagnosis(output));
         } else {
@@ -51,29 +54,32 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
     statements.extend(details);
     // What a requirement or a size says goes before what a distribution says, where there is no room for all.
     let mut distributions = Vec::new();
-    for (_, output) in report.propagations() {
+    for (_, output) in report.outputs::<propagate::Kind>() {
         let (about_requirements, about_quantities) = of_propagation(report, output);
         statements.extend(about_requirements);
         distributions.extend(about_quantities);
     }
-    for (_, output) in report.conventionals() {
+    for (_, output) in report.outputs::<conventional::Kind>() {
         statements.extend(of_sizes(report, output));
     }
     statements.extend(distributions);
-    let has_more = report.diagnoses().next().is_some() || report.history.is_some();
+    let has_more = report.outputs::<diagnose::Kind>().next().is_some() || report.history.is_some();
     statements.truncate(if has_more { MOST_WITH_DIAGNOSIS } else { MOST_STATEMENTS });
     if !statements.is_empty() {
         blocks.push(Block::Statements(statements));
     }
     // What is missing is the verdict; how the delivered model failed is then a note.
-    let judged = report.diagnoses().map(|(_, output)| Block::callout(Tone::Verdict, diagnosis::verdict(output))).next();
+    let judged = report
+        .outputs::<diagnose::Kind>()
+        .map(|(_, output)| Block::callout(Tone::Verdict, diagnosis::verdict(output)))
+        .next();
     let tone = if judged.is_some() { Tone::Note } else { Tone::Verdict };
     blocks.extend(judged);
     blocks.extend(verdicts.into_iter().flatten().map(|text| Block::callout(tone, text)));
     if let Some(note) = &report.reconstructed {
         blocks.push(Block::callout(Tone::Reconstructed, note.clone()));
     }
-    for (name, _) in report.calibrations().filter(|(_, output)| !output.converged) {
+    for (name, _) in report.outputs::<calibrate::Kind>().filter(|(_, output)| !output.converged) {
         let text = Text::new("The calibration ")
             .code(name)
             .plain(" did not converge: tuned numbers are not to be relied upon.");
@@ -92,7 +98,7 @@ pub fn build(report: &PassReport<'_>) -> Option<Section> {
 
 /// The picture of the first screen; the section that it belongs to leaves it out.
 pub(super) fn main_picture(report: &PassReport<'_>) -> Option<Figure> {
-    if let Some((job, output)) = report.comparisons().find(|(_, o)| !o.rows.is_empty()) {
+    if let Some((job, output)) = report.outputs::<compare::Kind>().find(|(_, o)| !o.rows.is_empty()) {
         let shows = comparison::Shows::of(output);
         let worst = worst_sensor(output);
         let measurement = worst.map_or(output.rows[0].measurement.as_str(), |s| s.measurement.as_str());
@@ -103,14 +109,16 @@ pub(super) fn main_picture(report: &PassReport<'_>) -> Option<Figure> {
         return Some(comparison::time_history(report, job, output, measurement, sensor, shows));
     }
     if let Some((job, output, pair)) =
-        report.conventionals().find_map(|(job, o)| Some((job, o, *sizing::pairs(o).first()?)))
+        report.outputs::<conventional::Kind>().find_map(|(job, o)| Some((job, o, *sizing::pairs(o).first()?)))
     {
         return Some(sizing::figure(report, job, output, pair));
     }
-    if let Some(figure) = report.predictions().find_map(|(job, own)| prediction::figures(own, job).into_iter().next()) {
+    if let Some(figure) =
+        report.outputs::<predict::Kind>().find_map(|(job, own)| prediction::figures(own, job).into_iter().next())
+    {
         return Some(figure);
     }
-    let (job, output) = report.propagations().next()?;
+    let (job, output) = report.outputs::<propagate::Kind>().next()?;
     propagation::probability_figures(output, job).into_iter().next().or_else(|| {
         let case = propagation::nominal_cases(output).next()?;
         Some(propagation::histogram(case, case.quantities.first()?, job))

@@ -1,0 +1,417 @@
+//! The conventional way: nominal and stacked worst-case analysis with margins by rule, and the size each leads to.
+//!
+//! The stack takes for each uncertain parameter the end of its prior that is worse for the requirement when tried
+//! alone, the others nominal; priors without bounds are cut at 3 sigma. A size is the design value from which on, towards
+//! the range's end, the rule passes: the smallest in a range that rises, the largest in one that falls. A heat-load
+//! margin changes the heat loads of the case, nominal or stacked, up or down, whichever is worse.
+
+use super::{Basis, Output, Size, Spec, WorstEnd};
+use crate::study::rule::{Margin, Rule};
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+
+use crate::math::root;
+use crate::random::Distribution;
+use crate::thermal::{Model, Network, Start, Workspace};
+
+use crate::job::fault::listed;
+use crate::job::{Done, Job, JobError, Parts, Step};
+use crate::study::requirement::{Environment, Requirement};
+use crate::study::variable::Variable;
+
+/// Design values tried to find where a rule begins to pass.
+pub(super) const GRID: usize = 65;
+/// Relative precision of a size.
+pub(super) const PRECISION: f64 = 1e-10;
+/// Most steps to find a size.
+pub(super) const ROOT_ITERATIONS: usize = 100;
+/// Share of a prior without bounds that lies beyond each of its ends: 3 sigma of a normal.
+pub(super) const BEYOND: f64 = 1.349_898_031_630_094_6e-3;
+
+/// A conventional analysis, ready to run.
+#[derive(Debug)]
+pub struct Conventional {
+    pub(super) spec: Spec,
+    pub(super) model: Arc<Model>,
+    pub(super) priors: Vec<Distribution>,
+    pub(super) network: Network,
+}
+
+/// Parameters and inputs at which the model is asked.
+#[derive(Clone, Debug)]
+pub(super) struct Point {
+    parameters: Vec<f64>,
+    inputs: Vec<f64>,
+}
+
+impl Point {
+    pub(super) fn get(&self, variable: Variable) -> f64 {
+        match variable {
+            Variable::Parameter(index) => self.parameters[index],
+            Variable::Input(index) => self.inputs[index],
+        }
+    }
+
+    pub(super) fn set(&mut self, variable: Variable, value: f64) {
+        match variable {
+            Variable::Parameter(index) => self.parameters[index] = value,
+            Variable::Input(index) => self.inputs[index] = value,
+        }
+    }
+}
+
+/// How far a value is inside a requirement, in the quantity's unit: negative where it fails.
+pub(super) fn inside(requirement: &Requirement, value: f64) -> f64 {
+    let below = requirement.below.map_or(f64::INFINITY, |limit| limit - value);
+    let above = requirement.above.map_or(f64::INFINITY, |limit| value - limit);
+    below.min(above)
+}
+
+/// The ends of a prior that a worst case looks at: its bounds where it has them, else 3 sigma.
+pub(super) fn ends(prior: &Distribution) -> [f64; 2] {
+    let (lower, upper) = prior.support();
+    let open_below = match prior {
+        Distribution::LogNormal { .. } => true,
+        Distribution::Normal { lower, .. } => lower.is_none(),
+        _ => false,
+    };
+    [
+        if open_below { prior.quantile(BEYOND) } else { lower },
+        if upper.is_finite() { upper } else { prior.quantile(1.0 - BEYOND) },
+    ]
+}
+
+impl Conventional {
+    /// Prepares the job. `priors` has one entry a parameter of the model.
+    ///
+    /// # Errors
+    /// A network that cannot be compiled.
+    pub fn new(spec: Spec, model: Arc<Model>, priors: Vec<Distribution>) -> Result<Self, JobError> {
+        let network = Network::compile(&model, &[]).map_err(|e| JobError::Failed(e.to_string()))?;
+        Ok(Self { spec, model, priors, network })
+    }
+
+    pub(super) fn nominal(&self, environment: &Environment) -> Point {
+        let parameters = self
+            .model
+            .parameters
+            .iter()
+            .zip(&self.priors)
+            .map(|(parameter, prior)| if let Distribution::Fixed(value) = prior { *value } else { parameter.nominal })
+            .collect();
+        Point { parameters, inputs: environment.inputs.clone() }
+    }
+
+    /// Where the search for a size starts, and the end towards which rules pass.
+    pub(super) fn design_range(&self) -> Result<(f64, f64), JobError> {
+        let values = &self.spec.design.values;
+        let ends = values.first().copied().zip(values.last().copied());
+        ends.ok_or_else(|| JobError::Failed("the design variable has no range".to_owned()))
+    }
+
+    /// The quantity of a requirement at a point.
+    pub(super) fn ask(
+        &self,
+        workspace: &mut Workspace,
+        point: &Point,
+        requirement: &Requirement,
+    ) -> Result<f64, JobError> {
+        self.network.set_parameters(workspace, &point.parameters);
+        self.network.set_inputs(workspace, &point.inputs);
+        self.network
+            .solve_steady(workspace, Start::Default)
+            .map_err(|e| JobError::Failed(format!("requirement `{}`: {e}", requirement.name)))?;
+        let value = self.network.quantity(workspace, requirement.quantity);
+        match self.model.quantities[requirement.quantity].fault(value) {
+            None => Ok(value),
+            Some(fault) => {
+                let names = self.model.parameters.iter().map(|parameter| parameter.name.clone());
+                let point: Vec<(String, f64)> = names.zip(point.parameters.iter().copied()).collect();
+                Err(JobError::Failed(format!("requirement `{}`: {fault} at {}", requirement.name, listed(&point))))
+            }
+        }
+    }
+
+    /// The worse end of each uncertain parameter, and the point where all are at it.
+    pub(super) fn stack(
+        &self,
+        workspace: &mut Workspace,
+        nominal: &Point,
+        requirement: &Requirement,
+    ) -> Result<(Point, Vec<WorstEnd>), JobError> {
+        let reference = self.ask(workspace, nominal, requirement)?;
+        let mut stacked = nominal.clone();
+        let mut worst_ends = Vec::new();
+        for (index, prior) in self.priors.iter().enumerate() {
+            if prior.is_fixed() || self.spec.design.variable == Variable::Parameter(index) {
+                continue;
+            }
+            // Nominal stays where it is worse than both ends.
+            let mut worst = (nominal.parameters[index], reference);
+            for end in ends(prior) {
+                let mut point = nominal.clone();
+                point.parameters[index] = end;
+                let value = self.ask(workspace, &point, requirement)?;
+                if inside(requirement, value) < inside(requirement, worst.1) {
+                    worst = (end, value);
+                }
+            }
+            let (end, value) = worst;
+            stacked.parameters[index] = end;
+            let parameter = &self.model.parameters[index];
+            worst_ends.push(WorstEnd {
+                requirement: requirement.name.clone(),
+                parameter: parameter.name.clone(),
+                unit: parameter.unit.clone(),
+                nominal: nominal.parameters[index],
+                worst: end,
+                effect: value - reference,
+            });
+        }
+        worst_ends.sort_by(|a, b| b.effect.abs().total_cmp(&a.effect.abs()));
+        Ok((stacked, worst_ends))
+    }
+
+    /// A point with its heat loads changed by a share, up or down, whichever is worse for the requirement: more heat
+    /// is no margin for a limit against cold.
+    pub(super) fn loaded(
+        &self,
+        workspace: &mut Workspace,
+        point: &Point,
+        requirement: &Requirement,
+        share: f64,
+    ) -> Result<Point, JobError> {
+        let scaled = |factor: f64| {
+            let mut scaled = point.clone();
+            for &load in &self.spec.heat_loads {
+                scaled.set(load, point.get(load) * factor);
+            }
+            scaled
+        };
+        let (more, less) = (scaled(1.0 + share), scaled(1.0 - share));
+        let margin_more = inside(requirement, self.ask(workspace, &more, requirement)?);
+        let margin_less = inside(requirement, self.ask(workspace, &less, requirement)?);
+        Ok(if margin_less < margin_more { less } else { more })
+    }
+
+    /// What a rule leads to at a basis' point.
+    pub(super) fn size(
+        &self,
+        workspace: &mut Workspace,
+        rule: &Rule,
+        basis: Basis,
+        point: &Point,
+        (environment, requirement): (&Environment, &Requirement),
+    ) -> Result<Size, JobError> {
+        let (point, demanded) = match rule.margin {
+            Margin::TemperatureK(margin) => (point.clone(), margin),
+            Margin::HeatLoad(share) => (self.loaded(workspace, point, requirement, share)?, 0.0),
+        };
+        let prediction = self.ask(workspace, &point, requirement)?;
+        let left = inside(requirement, prediction) - demanded;
+        let design = self.spec.design.variable;
+        let mut margin_at = |value: f64| -> Result<f64, JobError> {
+            let mut at = point.clone();
+            at.set(design, value);
+            Ok(inside(requirement, self.ask(workspace, &at, requirement)?) - demanded)
+        };
+        let (from, to) = self.design_range()?;
+        let grid: Vec<f64> = (0..GRID).map(|i| from + (to - from) * i as f64 / (GRID - 1) as f64).collect();
+        let mut margins = Vec::with_capacity(GRID);
+        for &value in &grid {
+            margins.push(margin_at(value)?);
+        }
+        let size = match margins.iter().rposition(|&m| m < 0.0) {
+            None => Some(from),
+            Some(index) if index + 1 == GRID => None,
+            Some(index) => {
+                let mut broken = None;
+                let found = root::brent(
+                    |value| {
+                        margin_at(value).unwrap_or_else(|error| {
+                            broken = Some(error);
+                            f64::NAN
+                        })
+                    },
+                    grid[index],
+                    grid[index + 1],
+                    PRECISION * to.abs().max(from.abs()),
+                    ROOT_ITERATIONS,
+                );
+                if let Some(error) = broken {
+                    return Err(error);
+                }
+                Some(found.map_err(|e| JobError::Failed(format!("rule `{}`: {e}", rule.name)))?)
+            }
+        };
+        Ok(Size {
+            rule: rule.clone(),
+            basis,
+            environment: environment.name.clone(),
+            requirement: requirement.name.clone(),
+            size,
+            prediction,
+            margin: left,
+            passes: left >= 0.0,
+        })
+    }
+
+    pub(super) fn run(&self) -> Result<Output, JobError> {
+        let mut workspace = self.network.workspace();
+        let mut sizes = Vec::new();
+        let mut worst_case = Vec::new();
+        for environment in &self.spec.environments {
+            for requirement in &self.spec.requirements {
+                let nominal = self.nominal(environment);
+                let (stacked, ends) = self.stack(&mut workspace, &nominal, requirement)?;
+                for (basis, point) in [(Basis::Nominal, &nominal), (Basis::StackedWorstCase, &stacked)] {
+                    for rule in &self.spec.rules {
+                        sizes.push(self.size(&mut workspace, rule, basis, point, (environment, requirement))?);
+                    }
+                }
+                worst_case.extend(ends);
+            }
+        }
+        let quantity = self.spec.requirements.first().map(|r| &self.model.quantities[r.quantity]);
+        let (from, to) = self.design_range()?;
+        let design_nominal = match self.spec.design.variable {
+            Variable::Parameter(index) => self.model.parameters[index].nominal,
+            Variable::Input(index) => self.model.inputs[index].nominal,
+        };
+        Ok(Output {
+            design_variable: self.spec.design.name.clone(),
+            design_unit: self.spec.design.unit.clone(),
+            design_nominal,
+            design_range: [from, to],
+            unit: quantity.map(|q| q.unit.clone()).unwrap_or_default(),
+            is_temperature: quantity.is_some_and(|q| q.is_temperature),
+            limits: self
+                .spec
+                .requirements
+                .iter()
+                .filter_map(|r| r.below.or(r.above).map(|limit| (r.name.clone(), limit)))
+                .collect(),
+            sizes,
+            worst_case,
+        })
+    }
+}
+
+impl Job for Conventional {
+    type State = ();
+    type Input = ();
+    type Partial = Output;
+    type Output = Output;
+
+    fn kind(&self) -> &'static str {
+        "conventional"
+    }
+
+    fn algorithm_version(&self) -> u32 {
+        4
+    }
+
+    fn identity(&self) -> Value {
+        json!({"settings": self.spec, "model": self.model.identity(), "priors": self.priors})
+    }
+
+    fn begin(&self) -> Result<Step<Self>, JobError> {
+        Ok(Step::Blocks { stage: "sizes".to_owned(), state: (), inputs: vec![()] })
+    }
+
+    fn block(&self, (): &(), (): (), _parts: &dyn Parts) -> Result<Output, JobError> {
+        self.run()
+    }
+
+    fn is_last(&self, (): &()) -> bool {
+        true
+    }
+
+    fn reduce(&self, (): (), blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        let found = blocks.into_iter().next().map(|(_, output)| Step::Done(Box::new(output)));
+        found.ok_or_else(|| JobError::Failed("there are no sizes".to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expression::{Binary, Graph, Symbol};
+    use crate::study::variable::Sweep;
+    use crate::thermal::{Parameter, Quantity, QuantityValue};
+
+    /// An algebraic model of one quantity over parameters `load` (nominal 10) and `bend` (nominal 0), and a size.
+    fn job(quantity: impl Fn(&mut Graph, [crate::expression::ExprId; 3]) -> crate::expression::ExprId) -> Conventional {
+        let mut model = Model::default();
+        let symbols = [0, 1, 2].map(|i| model.graph.symbol(Symbol::Parameter(i)));
+        let value = quantity(&mut model.graph, symbols);
+        for (name, nominal) in [("load", 10.0), ("bend", 0.0), ("size", 1.0)] {
+            model.parameters.push(Parameter {
+                name: name.into(),
+                unit: "1".into(),
+                nominal,
+                description: String::new(),
+                source: String::new(),
+            });
+        }
+        model.quantities.push(Quantity {
+            name: "q".into(),
+            unit: "K".into(),
+            is_temperature: false,
+            value: QuantityValue::Instant(value),
+        });
+        let spec = Spec {
+            rules: Vec::new(),
+            environments: Vec::new(),
+            requirements: Vec::new(),
+            design: Sweep {
+                name: "size".into(),
+                unit: "1".into(),
+                variable: Variable::Parameter(2),
+                values: vec![0.1, 10.0],
+            },
+            heat_loads: vec![Variable::Parameter(0)],
+        };
+        let priors = vec![
+            Distribution::Uniform { lower: 9.0, upper: 11.0 },
+            Distribution::Uniform { lower: -1.0, upper: 1.0 },
+            Distribution::Fixed(1.0),
+        ];
+        Conventional::new(spec, Arc::new(model), priors).expect("a job")
+    }
+
+    fn requirement(below: Option<f64>, above: Option<f64>) -> Requirement {
+        Requirement { name: "r".into(), quantity: 0, below, above, probability: 0.99 }
+    }
+
+    fn nominal() -> Point {
+        Point { parameters: vec![10.0, 0.0, 1.0], inputs: Vec::new() }
+    }
+
+    #[test]
+    fn a_heat_load_margin_is_less_heat_for_a_limit_against_cold() {
+        let job = job(|graph, [load, _, size]| graph.divide(load, size));
+        let mut workspace = job.network.workspace();
+        let mut at = |r: Requirement| job.loaded(&mut workspace, &nominal(), &r, 0.25).expect("a point").parameters[0];
+        assert_eq!(at(requirement(Some(20.0), None)), 12.5);
+        assert_eq!(at(requirement(None, Some(5.0))), 7.5);
+    }
+
+    #[test]
+    fn nominal_is_the_worst_where_both_ends_are_milder() {
+        // q = load - 4 bend^2: either end of `bend` lowers it.
+        let job = job(|graph, [load, bend, _]| {
+            let (two, four) = (graph.number(2.0), graph.number(4.0));
+            let square = graph.binary(Binary::Power, bend, two);
+            let drop = graph.multiply(four, square);
+            graph.subtract(load, drop)
+        });
+        let mut workspace = job.network.workspace();
+        let (hot, _) = job.stack(&mut workspace, &nominal(), &requirement(Some(20.0), None)).expect("a stack");
+        assert_eq!(hot.parameters, [11.0, 0.0, 1.0]);
+        let (cold, ends) = job.stack(&mut workspace, &nominal(), &requirement(None, Some(5.0))).expect("a stack");
+        assert_eq!(cold.parameters[0], 9.0);
+        assert_eq!(ends[0].effect, -4.0);
+    }
+}

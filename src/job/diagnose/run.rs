@@ -1,0 +1,238 @@
+//! Which physics the model is missing: the diagnosis (`crate::diagnosis`) as stages of blocks.
+//!
+//! Stages: `screen` (one block), then rounds of `refit N` (sets of effects, some a block) and `extend N` (one block),
+//! then `conclude` (one block).
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::diagnosis::output::PriorOfDraws;
+use crate::diagnosis::{Diagnosis, Order, Output, Problem, Refit, Settings, State};
+use crate::job::{Done, Job, JobError, Parts, Step};
+use crate::random::StreamKey;
+use crate::study::handed_on::HandedOn;
+use crate::watch;
+
+pub(super) const SCREEN: &str = "screen";
+pub(super) const REFIT: &str = "refit";
+pub(super) const EXTEND: &str = "extend";
+pub(super) const CONCLUDE: &str = "conclude";
+/// Sets of a block.
+pub(super) const BLOCK: usize = 4;
+
+/// What is asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spec {
+    /// Positions of the measurements.
+    pub data: Vec<usize>,
+    /// Positions of the parameters that are inferred.
+    pub parameters: Vec<usize>,
+    /// Names of the effects that are considered.
+    pub effects: Vec<String>,
+    /// Settings of the diagnosis.
+    pub settings: Settings,
+}
+
+/// A diagnosis, ready to run.
+#[derive(Debug)]
+pub struct Diagnose {
+    pub(super) spec: Spec,
+    pub(super) diagnosis: Diagnosis,
+    pub(super) handed_on: Vec<HandedOn>,
+    /// Posteriors that are priors, with how well a density describes them.
+    pub(super) priors: Vec<PriorOfDraws>,
+}
+
+/// What is known when a stage begins.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum Known {
+    /// Nothing: the effects are to be screened.
+    Nothing,
+    /// Sets of effects are to be fitted.
+    Refit(Box<State>),
+    /// More sets are to be sought.
+    Extend(Box<State>),
+    /// Everything is fitted.
+    Conclude(Box<State>),
+}
+
+/// What a block found.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum Partial {
+    /// After the screening, and after further sets were sought.
+    State(Box<State>),
+    /// Of each set.
+    Refits(Vec<Result<Refit, String>>),
+    /// The diagnosis.
+    Output(Box<Output>),
+}
+
+impl Diagnose {
+    /// Prepares the job; `name` is its name in the pass, which its random streams are keyed by.
+    ///
+    /// # Errors
+    /// A believed model that no likelihood can be made of.
+    pub fn new(spec: Spec, problem: Problem, seed: u64, name: &str) -> Result<Self, JobError> {
+        let problem = problem.with_something_to_infer();
+        problem.hypothesis(&[], 1.0).and_then(|believed| believed.likelihood(&problem)).map_err(failed)?;
+        let key = StreamKey::new(seed, name, "diagnose");
+        let diagnosis = Diagnosis::new(problem, spec.settings.clone(), key);
+        Ok(Self { diagnosis, spec, handed_on: Vec::new(), priors: Vec::new() })
+    }
+
+    /// The same with posteriors in place of the priors of some parameters. Those without draws yet count for the job's
+    /// identity alone. Of a posterior of more parameters than are inferred here, the others are averaged over.
+    ///
+    /// # Errors
+    /// Draws that no density describes, with what deviates.
+    pub fn with_handed_on(self, handed_on: Vec<HandedOn>) -> Result<Self, JobError> {
+        let problem = self.diagnosis.problem();
+        let (mut joint, mut priors) = (Vec::new(), Vec::new());
+        for own in handed_on.iter().filter(|own| !own.draws.is_empty()) {
+            let density = own.density(&problem.parameters, &problem.priors).map_err(|error| {
+                JobError::Failed(format!("the posterior of {} cannot be a prior here: {error}", own.source))
+            })?;
+            let Some(density) = density else { continue };
+            let name = |&place: &usize| problem.model.parameters[problem.parameters[place]].name.clone();
+            priors.push(PriorOfDraws {
+                source: own.source.clone(),
+                parameters: density.places().iter().map(name).collect(),
+                draws: own.draws.len() as u64,
+                effective: own.effective,
+                converged: own.converged,
+                fit: density.fit().clone(),
+            });
+            joint.push(density);
+        }
+        let diagnosis = self.diagnosis.with_joint_priors(joint);
+        Ok(Self { diagnosis, handed_on, priors, ..self })
+    }
+
+    /// What is told of the priors beside the diagnosis.
+    pub(super) fn finish(&self, mut output: Output) -> Output {
+        for own in &self.priors {
+            output.warnings.extend(own.fit.doubts.iter().map(|doubt| {
+                format!(
+                    "as a prior, the posterior of {} is described roughly by a normal distribution: {doubt}",
+                    own.source
+                )
+            }));
+            if !own.converged {
+                output.converged = Some(false);
+                output
+                    .warnings
+                    .push(format!("the prior is the posterior of {}, whose chains did not converge", own.source));
+            }
+        }
+        output.handed_on.clone_from(&self.priors);
+        output
+    }
+
+    pub(super) fn next(&self, state: Box<State>) -> Step<Self> {
+        let orders = self.diagnosis.orders(&state);
+        if orders.is_empty() {
+            return Step::Blocks {
+                stage: CONCLUDE.to_owned(),
+                state: Known::Conclude(state),
+                inputs: vec![Vec::new()],
+            };
+        }
+        let inputs = orders.chunks(BLOCK).map(<[Order]>::to_vec).collect();
+        Step::Blocks { stage: format!("{REFIT} {}", state.rounds), state: Known::Refit(state), inputs }
+    }
+}
+
+/// Calls what fits many models: how far each fit has come says nothing of the block.
+pub(super) fn quietly<T>(call: impl FnOnce() -> T) -> T {
+    watch::with_share(&watch::Share::default(), call)
+}
+
+pub(super) fn failed(reason: impl std::fmt::Display) -> JobError {
+    JobError::Failed(reason.to_string())
+}
+
+impl Job for Diagnose {
+    type State = Known;
+    /// Sets to fit; none in the other stages.
+    type Input = Vec<Order>;
+    type Partial = Partial;
+    type Output = Output;
+
+    fn kind(&self) -> &'static str {
+        "diagnose"
+    }
+
+    fn algorithm_version(&self) -> u32 {
+        12
+    }
+
+    fn identity(&self) -> Value {
+        let problem = self.diagnosis.problem();
+        let data: Vec<Value> = problem.measurements.iter().map(|measurement| measurement.identity()).collect();
+        let effects: Vec<Value> = (self.spec.effects.iter())
+            .filter_map(|name| problem.catalogue.get(name))
+            .map(|effect| json!({ "name": effect.name, "file": effect.json }))
+            .collect();
+        let candidates: Vec<&str> = problem.candidates.iter().map(|candidate| candidate.id.as_str()).collect();
+        let mut identity = json!({
+            "parameters": self.spec.parameters,
+            "settings": self.spec.settings,
+            "effects": effects,
+            "candidates": candidates,
+            "model": problem.model.identity(),
+            "priors": problem.priors,
+            "input_errors": problem.input_errors,
+            "data": data,
+        });
+        if !self.handed_on.is_empty() {
+            identity["handed_on"] = self.handed_on.iter().map(HandedOn::identity).collect();
+        }
+        identity
+    }
+
+    fn begin(&self) -> Result<Step<Self>, JobError> {
+        if let Some(own) = self.handed_on.iter().find(|own| own.draws.is_empty()) {
+            return Err(JobError::Failed(format!("the posterior of {} has no draws", own.source)));
+        }
+        Ok(Step::Blocks { stage: SCREEN.to_owned(), state: Known::Nothing, inputs: vec![Vec::new()] })
+    }
+
+    fn block(&self, known: &Known, orders: Vec<Order>, _parts: &dyn Parts) -> Result<Partial, JobError> {
+        Ok(match known {
+            Known::Nothing => Partial::State(Box::new(quietly(|| self.diagnosis.screen()).map_err(failed)?)),
+            Known::Refit(state) => {
+                let mut refits = Vec::with_capacity(orders.len());
+                for (done, order) in orders.iter().enumerate() {
+                    watch::at(done as u64, orders.len() as u64);
+                    refits.push(quietly(|| self.diagnosis.refit(state, order)));
+                }
+                Partial::Refits(refits)
+            }
+            Known::Extend(state) => Partial::State(Box::new(quietly(|| self.diagnosis.extend(State::clone(state))))),
+            Known::Conclude(state) => Partial::Output(Box::new(quietly(|| self.diagnosis.conclude(state)))),
+        })
+    }
+
+    fn is_last(&self, known: &Known) -> bool {
+        matches!(known, Known::Conclude(_))
+    }
+
+    fn reduce(&self, known: Known, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        let mut refits = Vec::new();
+        for (_, partial) in blocks {
+            match partial {
+                Partial::State(state) => return Ok(self.next(state)),
+                Partial::Output(output) => return Ok(Step::Done(Box::new(self.finish(*output)))),
+                Partial::Refits(found) => refits.extend(found),
+            }
+        }
+        match known {
+            Known::Refit(mut state) if refits.len() == state.pending.len() => {
+                state.take(refits);
+                let stage = format!("{EXTEND} {}", state.rounds);
+                Ok(Step::Blocks { stage, state: Known::Extend(state), inputs: vec![Vec::new()] })
+            }
+            _ => Err(JobError::Failed("there is not one fit for each set".to_owned())),
+        }
+    }
+}
