@@ -176,3 +176,46 @@ fn a_job_kind_is_named_in_its_section_and_in_the_registry_alone() {
     wrong.extend(unused.map(|((file, ..), _)| format!("{file} needs no exception any more")));
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// Element kinds: type, file of its physics and of its form.
+const ELEMENTS: &[(&str, &str)] = &[
+    ("Conductor", "conductor.rs"),
+    ("Radiation", "radiation.rs"),
+    ("Load", "load.rs"),
+    ("Flow", "flow.rs"),
+    ("Cooler", "cooler.rs"),
+    ("Heater", "heater.rs"),
+];
+
+/// Folders and files that make elements of some kind, or change those of one, with the reason.
+const MAKE_ELEMENTS: &[(&str, &str)] = &[
+    ("core/src/thermal/element/mod.rs", "the list of kinds"),
+    ("core/src/effect/apply/", "an effect adds paths and loads, cuts a conductor, changes a cooler"),
+    ("core/src/diagnosis/laboratory/", "draws networks, and hides what the model lacks"),
+    ("core/src/diagnosis/heat/sources.rs", "asks what heat a load in a node would have to bring"),
+];
+
+#[test]
+fn an_element_kind_is_named_in_its_own_files_and_where_elements_are_made() {
+    let (mut wrong, mut own) = (Vec::new(), 0);
+    for (path, _, text) in sources() {
+        let path = path.display().to_string();
+        let program = program(&text);
+        for (kind, file) in ELEMENTS {
+            let name = format!("ElementKind::{kind}");
+            if !program.contains(&name) {
+                continue;
+            }
+            let is_own = path.ends_with(&format!("/element/{file}"));
+            own += usize::from(is_own);
+            if !is_own && !MAKE_ELEMENTS.iter().any(|(other, _)| path.starts_with(other)) {
+                wrong.push(format!("{path} names {name}"));
+            }
+        }
+        // A pattern over several kinds is a decision that a new kind would miss.
+        let arms = ELEMENTS.iter().filter(|(kind, _)| program.contains(&format!("ElementKind::{kind}(_) |")));
+        wrong.extend(arms.map(|(kind, _)| format!("{path} decides by the kind {kind}")));
+    }
+    assert!(own >= ELEMENTS.len(), "the test reads the sources (saw {own} forms)");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

@@ -1,6 +1,7 @@
 //! Elements against closed forms: coolers, a fin, a proportional heater.
 
 use bmv::expression::ExprId;
+use bmv::thermal::element::Physics;
 use bmv::thermal::element::{
     ElementKind, Heater, HeaterControl,
     cooler::{Cooler, Drive},
@@ -32,7 +33,7 @@ fn cooled(stages: usize, by_current: bool, drive: f64, load_w: f64) -> Build {
         conductance: b.n(3.8e-4),
         lead_resistance: b.n(0.35),
     };
-    let contribution = cooler.contribution(b.graph());
+    let contribution = cooler.contribution(b.graph(), &mut Vec::new(), false);
     b.element("tec", ElementKind::Cooler(cooler));
     b.quantity("pumped", contribution.through.unwrap());
     b.quantity("current", contribution.current.unwrap());

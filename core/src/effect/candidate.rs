@@ -147,7 +147,7 @@ fn spots(effect: &Effect, model: &Model, groups: &[GroupPlace], sensors: &[Senso
             }
             _ => {
                 for (index, element) in model.elements.iter().enumerate().filter(|(_, e)| kind.is_element(e)) {
-                    put(vec![element.name.clone()], Site::Elements(vec![index]), ends_of(model, index));
+                    put(vec![element.name.clone()], Site::Elements(vec![index]), element.nodes());
                 }
             }
         }
@@ -162,19 +162,6 @@ fn spots(effect: &Effect, model: &Model, groups: &[GroupPlace], sensors: &[Senso
         }));
     }
     spots
-}
-
-/// Nodes of a conductor or radiation.
-fn ends_of(model: &Model, element: usize) -> Vec<usize> {
-    use crate::thermal::element::ElementKind;
-    match &model.elements[element].kind {
-        ElementKind::Conductor(element) => element.between.to_vec(),
-        ElementKind::Radiation(element) => element.between.to_vec(),
-        ElementKind::Load(element) => vec![element.into],
-        ElementKind::Heater(element) => vec![element.into],
-        ElementKind::Flow(element) => element.between.to_vec(),
-        ElementKind::Cooler(element) => element.nodes.clone(),
-    }
 }
 
 fn is_temperature_of(model: &Model, sensor: &SensorPlace, node: usize) -> bool {

@@ -1,7 +1,7 @@
 //! Where an effect acts: kinds of place, and places of a model.
 
 use crate::expression::{Dimension, Symbol, Unit};
-use crate::thermal::element::{Element, ElementKind};
+use crate::thermal::element::Element;
 use crate::thermal::{Model, NodeKind};
 
 /// Kinds of place.
@@ -85,14 +85,7 @@ impl PlaceKind {
 
     /// Whether an element is a place of this kind.
     pub fn is_element(self, element: &Element) -> bool {
-        matches!(
-            (self, &element.kind),
-            (Self::Conductor, ElementKind::Conductor(_))
-                | (Self::Radiation, ElementKind::Radiation(_))
-                | (Self::Load, ElementKind::Load(_))
-                | (Self::Heater, ElementKind::Heater(_))
-                | (Self::Cooler, ElementKind::Cooler(_))
-        )
+        self.word() == element.physics().kind()
     }
 
     /// Whether a node is a place of this kind.

@@ -51,7 +51,7 @@ impl Predictor {
     /// # Errors
     /// What is wrong with the network.
     pub fn new(model: &Model, differentiate: &[Symbol]) -> Result<Self, NetworkError> {
-        let switched = model.elements.iter().any(|element| element.is_switched());
+        let switched = model.elements.iter().any(|element| element.physics().is_switched());
         Ok(Self {
             network: Network::compile(model, differentiate)?,
             quantities: model.quantities.clone(),

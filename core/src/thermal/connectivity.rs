@@ -1,8 +1,5 @@
 //! Which nodes hang together: a steady network needs from every node a path to something that fixes its temperature.
 
-use crate::expression::Dependence;
-
-use super::element::ElementKind;
 use super::model::{Model, NodeKind};
 
 /// Names of the nodes of the first group that has no path (conductors, radiations, flows, coolers) to a boundary and
@@ -19,15 +16,10 @@ pub fn island_beside(model: &Model, held: &[bool]) -> Option<Vec<String>> {
         .map(|(index, node)| is_held(index) || matches!(node.kind, NodeKind::Boundary { .. }))
         .collect();
     for element in &model.elements {
-        join(&mut group, &mut anchored, joined(&element.kind));
-        match &element.kind {
-            ElementKind::Conductor(_) | ElementKind::Radiation(_) | ElementKind::Flow(_) | ElementKind::Cooler(_) => {}
-            ElementKind::Load(e) => {
-                if model.graph.dependence(e.power).intersects(Dependence::NODE) {
-                    anchor(&mut group, &mut anchored, e.into);
-                }
-            }
-            ElementKind::Heater(e) => anchor(&mut group, &mut anchored, e.into),
+        let physics = element.physics();
+        join(&mut group, &mut anchored, physics.joined());
+        if let Some(node) = physics.anchored(&model.graph) {
+            anchor(&mut group, &mut anchored, node);
         }
     }
     let lost = (0..model.nodes.len()).find(|&node| {
@@ -37,17 +29,6 @@ pub fn island_beside(model: &Model, held: &[bool]) -> Option<Vec<String>> {
     let lost = root(&mut group, lost);
     let members = (0..model.nodes.len()).filter(|&node| root(&mut group, node) == lost);
     Some(members.map(|node| model.nodes[node].name.clone()).collect())
-}
-
-/// The nodes that an element joins, each with the next.
-pub fn joined(element: &ElementKind) -> &[usize] {
-    match element {
-        ElementKind::Conductor(e) => &e.between,
-        ElementKind::Radiation(e) => &e.between,
-        ElementKind::Flow(e) => &e.between,
-        ElementKind::Cooler(e) => &e.nodes,
-        ElementKind::Load(_) | ElementKind::Heater(_) => &[],
-    }
 }
 
 fn root(group: &mut [usize], mut node: usize) -> usize {

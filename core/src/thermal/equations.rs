@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use crate::expression::{Dependence, ExprId, Graph, Program, Register, Segment, Symbol, Term};
 
 use super::element::heater::Switch;
-use super::element::{Contribution, ElementKind, Law};
+use super::element::{Contribution, Law};
 use super::model::{Model, NodeKind};
 use super::network::NetworkError;
 
@@ -327,7 +327,7 @@ impl Equations {
             model.keeps_signs && graph.constant(law.value).is_none() && graph.dependence(law.value).within(given)
         };
         let laws: Vec<(String, Law)> = (model.elements.iter())
-            .flat_map(|element| element.laws().into_iter().map(|law| (element.name.clone(), law)))
+            .flat_map(|element| element.physics().laws().into_iter().map(|law| (element.name.clone(), law)))
             .filter(|(_, law)| is_kept(law))
             .collect();
 
@@ -518,14 +518,9 @@ fn expressions(model: &Model, graph: &mut Graph, switched: bool) -> Result<Forms
     let mut contributions = Vec::with_capacity(model.elements.len());
     let mut steady_duties = HashMap::new();
     for element in &model.elements {
-        if let ElementKind::Cooler(cooler) = &element.kind
-            && (cooler.couples.is_empty() || cooler.nodes.len() != cooler.couples.len() + 1)
-        {
-            return Err(NetworkError::CoolerStages {
-                element: element.name.clone(),
-                nodes: cooler.nodes.len(),
-                stages: cooler.couples.len(),
-            });
+        if let Some(reason) = element.physics().fault() {
+            let (kind, element) = (element.physics().kind(), element.name.clone());
+            return Err(NetworkError::Malformed { kind, element, reason });
         }
         let contribution = element.contribution(graph, &mut switches, switched);
         if switches.len() > mode_names.len() {

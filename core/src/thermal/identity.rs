@@ -10,8 +10,6 @@ use serde_json::{Value, json};
 
 use crate::expression::{ExprId, Graph, Term};
 
-use super::element::cooler::Drive;
-use super::element::{ElementKind, HeaterControl};
 use super::model::{Model, NodeKind, QuantityValue};
 
 /// The terms used so far, numbered.
@@ -76,48 +74,8 @@ impl Model {
                 }
             })
             .collect();
-        let elements: Vec<Value> = self
-            .elements
-            .iter()
-            .map(|element| {
-                let body = match &element.kind {
-                    ElementKind::Conductor(e) => {
-                        json!({"conductor": {"between": e.between, "conductance": terms.number(e.conductance)}})
-                    }
-                    ElementKind::Radiation(e) => {
-                        json!({"radiation": {"between": e.between, "exchange_area": terms.number(e.exchange_area)}})
-                    }
-                    ElementKind::Load(e) => json!({"load": {"into": e.into, "power": terms.number(e.power)}}),
-                    ElementKind::Flow(e) => json!({"flow": {"between": e.between, "heat": terms.number(e.heat)}}),
-                    ElementKind::Cooler(e) => json!({"cooler": {
-                        "nodes": e.nodes,
-                        "couples": e.couples.iter().map(|&c| terms.number(c)).collect::<Vec<_>>(),
-                        "drive": match e.drive {
-                            Drive::Voltage(v) => json!({"voltage": terms.number(v)}),
-                            Drive::Current(i) => json!({"current": terms.number(i)}),
-                        },
-                        "seebeck": terms.number(e.seebeck),
-                        "resistance": terms.number(e.resistance),
-                        "conductance": terms.number(e.conductance),
-                        "lead_resistance": terms.number(e.lead_resistance),
-                    }}),
-                    ElementKind::Heater(e) => json!({"heater": {
-                        "into": e.into,
-                        "senses": e.senses,
-                        "power": terms.number(e.power),
-                        "control": match e.control {
-                            HeaterControl::Thermostat { on, off } => {
-                                json!({"thermostat": [terms.number(on), terms.number(off)]})
-                            }
-                            HeaterControl::Proportional { set_point, band } => {
-                                json!({"proportional": [terms.number(set_point), terms.number(band)]})
-                            }
-                        },
-                    }}),
-                };
-                json!({"name": element.name, "element": body})
-            })
-            .collect();
+        let elements: Vec<Value> =
+            self.elements.iter().map(|element| element.identity(&mut |id| terms.number(id))).collect();
         let quantities: Vec<Value> = self
             .quantities
             .iter()

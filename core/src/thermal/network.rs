@@ -37,15 +37,15 @@ pub enum NetworkError {
         /// The other node.
         other: String,
     },
-    /// A cooler with a wrong number of nodes.
-    #[error("cooler `{element}`: {nodes} nodes for {stages} stages, expected one node more than stages")]
-    CoolerStages {
-        /// The cooler.
+    /// An element that is not made as its kind must be.
+    #[error("{kind} `{element}` {reason}")]
+    Malformed {
+        /// The kind.
+        kind: &'static str,
+        /// The element.
         element: String,
-        /// Number of nodes.
-        nodes: usize,
-        /// Number of stages.
-        stages: usize,
+        /// What is wrong with it.
+        reason: String,
     },
     /// An element that names a node that does not exist.
     #[error("element `{element}`: node {node} of {nodes} does not exist")]
@@ -127,7 +127,7 @@ impl Network {
     /// [`NetworkError`] names what is wrong with the model.
     pub fn compile(model: &Model, differentiate: &[Symbol]) -> Result<Self, NetworkError> {
         let steady = Equations::compile(model, differentiate, false)?;
-        let switched = model.elements.iter().any(super::element::Element::is_switched);
+        let switched = model.elements.iter().any(|element| element.physics().is_switched());
         let switched = if switched { Some(Equations::compile(model, differentiate, true)?) } else { None };
         let linear = Linear::new(&steady)?;
         let switched_linear = switched.as_ref().map(Linear::new).transpose()?;

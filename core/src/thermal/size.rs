@@ -1,11 +1,11 @@
 //! How large the hardware of a model is: what its nodes store and exchange, in orders of magnitude.
 
-use super::element::{Element, ElementKind, STEFAN_BOLTZMANN};
+use super::element::Element;
 use super::model::{Model, NodeKind};
 use crate::expression::Symbol;
 
 /// Temperature at which a model is measured, K.
-const AT_K: f64 = 293.0;
+pub(super) const AT_K: f64 = 293.0;
 
 /// Medians over the nodes at nominal parameters and inputs and room temperature; 0 where there is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -33,21 +33,9 @@ impl Size {
             NodeKind::Arithmetic | NodeKind::Boundary { .. } => None,
         });
         let mut met = vec![0.0; model.nodes.len()];
-        let conductance = |element: &Element| -> Option<([usize; 2], f64)> {
-            match &element.kind {
-                ElementKind::Conductor(own) => Some((own.between, model.graph.evaluate(own.conductance, &at(None)))),
-                ElementKind::Radiation(own) => {
-                    let area = model.graph.evaluate(own.exchange_area, &at(None));
-                    Some((own.between, 4.0 * STEFAN_BOLTZMANN * area * AT_K * AT_K * AT_K))
-                }
-                ElementKind::Flow(own) => {
-                    let heat = |warm| model.graph.evaluate(own.heat, &at(warm));
-                    Some((own.between, (heat(Some(own.between[0])) - heat(None)).abs()))
-                }
-                ElementKind::Load(_) | ElementKind::Cooler(_) | ElementKind::Heater(_) => None,
-            }
-        };
-        for (between, conductance) in model.elements.iter().filter_map(conductance) {
+        let at_nodes = |id, warm| model.graph.evaluate(id, &at(warm));
+        let paths = model.elements.iter().map(Element::physics);
+        for (between, conductance) in paths.filter_map(|own| Some((own.between()?, own.conductance(&at_nodes)?))) {
             for node in between.into_iter().filter(|_| conductance.is_finite()) {
                 met[node] += conductance;
             }

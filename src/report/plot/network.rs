@@ -4,6 +4,8 @@ use super::canvas::{Anchor, Canvas, Drawing, Lettering, SMALL, TEXT, WIDTH, draw
 use super::layout::{positions, push_apart};
 use super::palette::{AMBER, BLUE, Colour, GREEN, INK, MUTED, PAPER, PURPLE, VERMILION};
 
+pub use crate::thermal::element::{Path, Source};
+
 /// What a node is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeShape {
@@ -13,28 +15,6 @@ pub enum NodeShape {
     Arithmetic,
     /// Has a given temperature.
     Boundary,
-}
-
-/// What a path between two nodes is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Path {
-    /// Linear conductor.
-    Conductor,
-    /// Radiative exchange.
-    Radiation,
-    /// Any heat flow.
-    Flow,
-    /// Cooler, from the cold to the hot side.
-    Cooler,
-}
-
-/// What brings heat to a node.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
-    /// A load.
-    Load,
-    /// A controlled heater.
-    Heater,
 }
 
 /// The shape of a network.

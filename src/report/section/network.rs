@@ -6,10 +6,9 @@ use crate::document::counted;
 use crate::expression::{Dependence, ExprId, Symbol};
 use crate::report::number::{NONE, Shown, as_given, with_unit};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Table, Text};
-use crate::report::plot::{Diagram, NodeShape, Path, Source, network};
+use crate::report::plot::{Diagram, NodeShape, network};
 use crate::report::view::PassReport;
-use crate::thermal::element::cooler::Drive;
-use crate::thermal::element::{Element, ElementKind, HeaterControl};
+use crate::thermal::element::Drawing;
 use crate::thermal::{Model, NodeKind};
 
 use super::Entry;
@@ -58,19 +57,17 @@ fn diagram(model: &Model) -> Diagram {
         };
         (node.name.clone(), shape)
     }));
-    for Element { name, kind } in &model.elements {
-        let mut path = |kind, [a, b]: [usize; 2]| out.paths.push((name.clone(), kind, a, b));
-        match kind {
-            ElementKind::Conductor(element) => path(Path::Conductor, element.between),
-            ElementKind::Radiation(element) => path(Path::Radiation, element.between),
-            ElementKind::Flow(element) => path(Path::Flow, element.between),
-            ElementKind::Cooler(element) => {
-                for stage in element.nodes.windows(2) {
-                    path(Path::Cooler, [stage[0], stage[1]]);
+    for element in &model.elements {
+        let physics = element.physics();
+        match physics.drawing() {
+            Drawing::Path(path) => {
+                for pair in physics.joined().windows(2) {
+                    out.paths.push((element.name.clone(), path, pair[0], pair[1]));
                 }
             }
-            ElementKind::Load(element) => out.sources.push((name.clone(), Source::Load, element.into)),
-            ElementKind::Heater(element) => out.sources.push((name.clone(), Source::Heater, element.into)),
+            Drawing::Source(source) => {
+                out.sources.extend(physics.heated().map(|node| (element.name.clone(), source, node)));
+            }
         }
     }
     out
@@ -169,39 +166,14 @@ fn nodes(model: &Model) -> Block {
 
 fn elements(model: &Model) -> Block {
     let mut rows = Vec::new();
-    for Element { name, kind } in &model.elements {
-        let between = |[a, b]: [usize; 2]| format!("{} \u{2192} {}", name_of(model, a), name_of(model, b));
-        let (word, ends, id, unit, others) = match kind {
-            ElementKind::Conductor(e) => ("conduction", between(e.between), e.conductance, "W/K", vec![]),
-            ElementKind::Radiation(e) => ("radiation", between(e.between), e.exchange_area, "m2", vec![]),
-            ElementKind::Flow(e) => ("heat flow", between(e.between), e.heat, "W", vec![]),
-            ElementKind::Load(e) => ("heat load", format!("into {}", name_of(model, e.into)), e.power, "W", vec![]),
-            ElementKind::Heater(e) => {
-                let others = match e.control {
-                    HeaterControl::Thermostat { on, off } => vec![on, off],
-                    HeaterControl::Proportional { set_point, band } => vec![set_point, band],
-                };
-                let ends = format!("into {}, senses {}", name_of(model, e.into), name_of(model, e.senses));
-                ("heater", ends, e.power, "W", others)
-            }
-            ElementKind::Cooler(e) => {
-                let names: Vec<&str> = e.nodes.iter().map(|&n| name_of(model, n)).collect();
-                let (drive, unit) = match e.drive {
-                    Drive::Voltage(id) => (id, "V"),
-                    Drive::Current(id) => (id, "A"),
-                };
-                let mut others = vec![e.seebeck, e.resistance, e.conductance, e.lead_resistance];
-                others.extend(&e.couples);
-                ("cooler", names.join(" \u{2192} "), drive, unit, others)
-            }
-        };
-        let mut ids = vec![id];
-        ids.extend(others);
+    for element in &model.elements {
+        let own = element.physics().description(&|node| name_of(model, node).to_owned());
+        let ids: Vec<ExprId> = std::iter::once(own.value).chain(own.others).collect();
         rows.push(vec![
-            Cell::code(name),
-            word.into(),
-            ends.into(),
-            value_cell(model, id, &Shown::si(unit)),
+            Cell::code(&element.name),
+            own.what.into(),
+            own.ends.into(),
+            value_cell(model, own.value, &Shown::si(own.unit)),
             depends(model, &ids).into(),
         ]);
     }

@@ -1,7 +1,8 @@
 //! The model as written.
 
-use crate::document::{Amount, Map, OneOrMany, PriorForm, Scalar, Spanned, WrittenUnit, written_struct};
+use crate::document::{Amount, Map, PriorForm, Scalar, Spanned, WrittenUnit, written_struct};
 
+use super::element::{ConductorForm, CoolerForm, FlowForm, HeaterForm, LoadForm, RadiationForm};
 use super::group::GroupForm;
 use super::quantity::QuantityOrName;
 
@@ -138,131 +139,5 @@ written_struct! {
         optional yellow: Spanned<[Amount; 2]>,
         /// Limits that must not be exceeded.
         optional red: Spanned<[Amount; 2]>,
-    }
-}
-
-written_struct! {
-    /// A linear conductor.
-    pub struct ConductorForm: "a conductor" {
-        /// The two nodes.
-        required between: [Spanned<String>; 2],
-        /// Conductance, W/K; may depend on `Ta`, `Tb`, `Tm`.
-        required conductance: Scalar,
-        /// Description, for the report.
-        optional description: String,
-        /// Where the value comes from.
-        optional source: String,
-    }
-}
-
-written_struct! {
-    /// Radiative exchange.
-    pub struct RadiationForm: "a radiation" {
-        /// The two nodes.
-        required between: [Spanned<String>; 2],
-        /// Area x emittance x exchange factor, m2; sigma not included.
-        required exchange_area: Scalar,
-        /// Description, for the report.
-        optional description: String,
-        /// Where the value comes from.
-        optional source: String,
-    }
-}
-
-written_struct! {
-    /// Heat into a node.
-    pub struct LoadForm: "a load" {
-        /// The node.
-        required into: Spanned<String>,
-        /// Power, W; may depend on the node's `T`.
-        required power: Scalar,
-        /// Description, for the report.
-        optional description: String,
-        /// Where the value comes from.
-        optional source: String,
-    }
-}
-
-written_struct! {
-    /// Any heat flow between two nodes.
-    pub struct FlowForm: "a flow" {
-        /// The two nodes.
-        required between: [Spanned<String>; 2],
-        /// Heat from the first to the second, W; of `Ta`, `Tb`, `Tm`.
-        required heat: Scalar,
-        /// Description, for the report.
-        optional description: String,
-        /// Where the value comes from.
-        optional source: String,
-    }
-}
-
-written_struct! {
-    /// A thermoelectric cooler of one or more stages; values are of one couple.
-    pub struct CoolerForm: "a cooler" {
-        /// The node that is cooled.
-        required cold: Spanned<String>,
-        /// Nodes between the stages, from cold to hot.
-        default(Vec::new()) interstage: Vec<Spanned<String>>,
-        /// The node that takes the heat.
-        required hot: Spanned<String>,
-        /// Voltage over cooler and leads, V; either this or `current`.
-        optional voltage: Scalar,
-        /// Current, A.
-        optional current: Scalar,
-        /// Seebeck coefficient of a couple, V/K; may depend on `Tm` of cold and hot side.
-        required seebeck: Scalar,
-        /// Resistance of a couple, ohm.
-        required resistance: Scalar,
-        /// Conductance of a couple, W/K.
-        required conductance: Scalar,
-        /// Number of couples of each stage, from cold to hot.
-        required couples: Spanned<OneOrMany<Scalar>>,
-        /// Resistance of the leads, ohm, dissipated outside.
-        optional lead_resistance: Scalar,
-        /// Description, for the report.
-        optional description: String,
-        /// Where the values come from.
-        optional source: String,
-    }
-}
-
-written_struct! {
-    /// A controlled heater: with exactly one of `thermostat` and `proportional`.
-    pub struct HeaterForm: "a heater" {
-        /// The node that is heated.
-        required into: Spanned<String>,
-        /// The node that the controller senses; the heated one where it is left out.
-        optional senses: Spanned<String>,
-        /// Power when fully on, W.
-        required power: Scalar,
-        /// Two-point control.
-        optional thermostat: ThermostatForm,
-        /// Proportional control.
-        optional proportional: ProportionalForm,
-        /// Description, for the report.
-        optional description: String,
-        /// Where the values come from.
-        optional source: String,
-    }
-}
-
-written_struct! {
-    /// Two-point control.
-    pub struct ThermostatForm: "a thermostat" {
-        /// Switches on below, K.
-        required on_below: Scalar,
-        /// Switches off above, K.
-        required off_above: Scalar,
-    }
-}
-
-written_struct! {
-    /// Proportional control: duty 1 half a band below the set point, 0 half a band above.
-    pub struct ProportionalForm: "a proportional control" {
-        /// Middle of the band, K.
-        required set_point: Scalar,
-        /// Width of the band, K.
-        required band: Scalar,
     }
 }

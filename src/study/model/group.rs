@@ -4,7 +4,6 @@ use crate::document::Diagnostic;
 use crate::document::{Diagnostics, Map, Spanned, code, written_choice};
 use crate::effect::{SensorPlace, Site};
 
-use super::element::Kind;
 use super::name;
 use super::resolve::ResolvedModel;
 
@@ -85,15 +84,15 @@ pub(super) fn resolve(form: &Map<GroupForm>, model: &ResolvedModel, diagnostics:
                 (members.len(), Members::Nodes(members))
             }
             GroupForm::Conductors(names) => {
-                let found = elements(names, Kind::Conductor, model, diagnostics);
+                let found = elements(names, "conductor", model, diagnostics);
                 (found.len(), Members::Conductors(found))
             }
             GroupForm::Radiations(names) => {
-                let found = elements(names, Kind::Radiation, model, diagnostics);
+                let found = elements(names, "radiation", model, diagnostics);
                 (found.len(), Members::Radiations(found))
             }
             GroupForm::Loads(names) => {
-                let found = elements(names, Kind::Load, model, diagnostics);
+                let found = elements(names, "load", model, diagnostics);
                 (found.len(), Members::Loads(found))
             }
             GroupForm::Sensors(names) => (names.len(), Members::Sensors(names.clone())),
@@ -115,10 +114,10 @@ pub(super) fn resolve(form: &Map<GroupForm>, model: &ResolvedModel, diagnostics:
 }
 
 /// Indices of named elements of a kind, each once.
-fn elements(names: &[Spanned<String>], kind: Kind, model: &ResolvedModel, diagnostics: &mut Diagnostics) -> Vec<usize> {
+fn elements(names: &[Spanned<String>], kind: &str, model: &ResolvedModel, diagnostics: &mut Diagnostics) -> Vec<usize> {
     let mut found = Vec::new();
     for name in names {
-        let Some(index) = model.find_element(&name.value, &[kind], &name.place, diagnostics) else { continue };
+        let Some(index) = model.find_element(&name.value, Some(kind), &name.place, diagnostics) else { continue };
         if found.contains(&index) {
             diagnostics.push(Diagnostic::error(
                 &code::DUPLICATE_NAME,

@@ -7,7 +7,6 @@ use crate::document::{
 use crate::expression::{Dependence, Dimension, ExprId};
 use crate::thermal::{Quantity, QuantityValue};
 
-use super::element::Kind;
 use super::name;
 use super::resolve::ResolvedModel;
 
@@ -200,17 +199,17 @@ fn unnamed(
             Some(Unnamed::instant(id, first.dimension, first.absolute && !second.absolute))
         }
         QuantityForm::Heat(name) => {
-            let element = model.find_element(&name.value, Kind::ALL, &name.place, diagnostics)?;
+            let element = model.find_element(&name.value, None, &name.place, diagnostics)?;
             let id = model.contribution(element).through?;
             Some(Unnamed::instant(id, Dimension::POWER, false))
         }
         QuantityForm::Current(name) => {
-            let element = model.find_element(&name.value, &[Kind::Cooler], &name.place, diagnostics)?;
+            let element = model.find_element(&name.value, Some("cooler"), &name.place, diagnostics)?;
             let id = model.contribution(element).current?;
             Some(Unnamed::instant(id, Dimension::CURRENT, false))
         }
         QuantityForm::Duty(name) => {
-            let element = model.find_element(&name.value, &[Kind::Heater], &name.place, diagnostics)?;
+            let element = model.find_element(&name.value, Some("heater"), &name.place, diagnostics)?;
             let id = model.contribution(element).duty?;
             Some(Unnamed::instant(id, Dimension::NONE, false))
         }

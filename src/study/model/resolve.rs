@@ -9,10 +9,10 @@ use crate::document::{
 };
 use crate::expression::{Dependence, Dimension, Names, Symbol, Table, Unit};
 use crate::random::Distribution;
-use crate::thermal::element::{Contribution, heater::Switch};
+use crate::thermal::element::{Contribution, Element, Switch};
 use crate::thermal::{Input, Limits, Model, Node, NodeKind, Parameter};
 
-use super::element::{self, Kind};
+use super::element;
 use super::form::{InputForm, LimitsForm, ModelForm, NodeForm, ParameterForm, TableForm};
 use super::group::{self, Group};
 use super::name;
@@ -141,15 +141,17 @@ impl ResolvedModel {
         found
     }
 
-    /// Index of an element of one of some kinds; an unknown one, or two of one name, are reported at `place`.
+    /// Index of an element of a kind, by the kind's word, or of any; an unknown one, or two of one name, are reported at
+    /// `place`.
     pub fn find_element(
         &self,
         name: &str,
-        kinds: &[Kind],
+        kind: Option<&str>,
         place: &Place,
         diagnostics: &mut Diagnostics,
     ) -> Option<usize> {
-        let fits = |index: usize| kinds.contains(&Kind::of(&self.model.elements[index]));
+        let is_of_kind = |element: &Element| kind.is_none_or(|kind| element.physics().kind() == kind);
+        let fits = |index: usize| is_of_kind(&self.model.elements[index]);
         let found: Vec<usize> = match self.elements.get(name) {
             Some(indices) => indices.iter().copied().filter(|&i| fits(i)).collect(),
             None => Vec::new(),
@@ -157,14 +159,12 @@ impl ResolvedModel {
         match found.as_slice() {
             [one] => Some(*one),
             [] => {
-                let what = if let [kind] = kinds { kind.word() } else { "element" };
-                let known =
-                    self.model.elements.iter().filter(|e| kinds.contains(&Kind::of(e))).map(|e| e.name.as_str());
-                name::unknown(what, name, place, known, diagnostics);
+                let known = self.model.elements.iter().filter(|element| is_of_kind(element)).map(|e| e.name.as_str());
+                name::unknown(kind.unwrap_or("element"), name, place, known, diagnostics);
                 None
             }
             several => {
-                let kinds: Vec<&str> = several.iter().map(|&i| Kind::of(&self.model.elements[i]).word()).collect();
+                let kinds: Vec<&str> = several.iter().map(|&i| self.model.elements[i].physics().kind()).collect();
                 let message = format!("`{name}` is the name of a {}", kinds.join(" and a "));
                 diagnostics
                     .push(Diagnostic::error(&code::DUPLICATE_NAME, place, message).expected("the name of one element"));

@@ -6,7 +6,7 @@ use crate::inference::measurement::{Initial, Sensor, Uncertain};
 use crate::random::Distribution;
 use crate::study::pass::measurement::{InitialForm, MeasuredStartForm, OtherNodesForm};
 use crate::study::pass::uncertain::UncertainForm;
-use crate::thermal::{Network, NodeKind, island_beside, joined};
+use crate::thermal::{Network, NodeKind, island_beside};
 
 use super::plausible::short;
 use super::scope::Scope;
@@ -329,7 +329,7 @@ fn stored_node(scope: &Scope, sensor: &Sensor) -> Option<usize> {
 fn nearest(scope: &Scope, given: &[Option<f64>]) -> Vec<Option<f64>> {
     let model = &scope.resolved.model;
     let mut neighbours: Vec<Vec<usize>> = vec![Vec::new(); given.len()];
-    for pair in model.elements.iter().flat_map(|element| joined(&element.kind).windows(2)) {
+    for pair in model.elements.iter().flat_map(|element| element.physics().joined().windows(2)) {
         neighbours[pair[0]].push(pair[1]);
         neighbours[pair[1]].push(pair[0]);
     }

@@ -10,10 +10,9 @@ use crate::document::{Diagnostic, Place, code};
 use crate::expression::{ExprId, Symbol};
 use crate::inference::measurement::{Measurement, Rows};
 use crate::random::Distribution;
-use crate::study::model::element::Kind;
 use crate::study::pass::PassForm;
 use crate::study::requirement::Environment;
-use crate::thermal::element::{ElementKind, Law};
+use crate::thermal::element::Law;
 use crate::thermal::{Model, NodeKind};
 
 use super::scope::Scope;
@@ -78,8 +77,8 @@ fn signed(model: &Model) -> Vec<Signed> {
         Some(Signed { kind: "node", name: node.name.clone(), law })
     });
     let of_elements = model.elements.iter().flat_map(|element| {
-        let own = |law| Signed { kind: Kind::of(element).word(), name: element.name.clone(), law };
-        element.laws().into_iter().map(own)
+        let own = |law| Signed { kind: element.physics().kind(), name: element.name.clone(), law };
+        element.physics().laws().into_iter().map(own)
     });
     of_nodes.chain(of_elements).collect()
 }
@@ -97,14 +96,9 @@ fn unconnected(scope: &Scope, form: &PassForm) -> Vec<Diagnostic> {
     let model = &scope.resolved.model;
     let (mut joined, mut heated) = (vec![false; model.nodes.len()], vec![false; model.nodes.len()]);
     for element in &model.elements {
-        match &element.kind {
-            ElementKind::Conductor(own) => own.between.iter().for_each(|&node| joined[node] = true),
-            ElementKind::Radiation(own) => own.between.iter().for_each(|&node| joined[node] = true),
-            ElementKind::Flow(own) => own.between.iter().for_each(|&node| joined[node] = true),
-            ElementKind::Cooler(own) => own.nodes.iter().for_each(|&node| joined[node] = true),
-            ElementKind::Load(own) => heated[own.into] = true,
-            ElementKind::Heater(own) => heated[own.into] = true,
-        }
+        let physics = element.physics();
+        physics.joined().iter().for_each(|&node| joined[node] = true);
+        physics.heated().into_iter().for_each(|node| heated[node] = true);
     }
     let lost = model.nodes.iter().enumerate().filter(|(index, node)| match node.kind {
         // A given temperature needs no balance.

@@ -8,7 +8,7 @@ use crate::diagnosis::odds::posterior_odds::Odds;
 use crate::effect::EffectParameter;
 use crate::inference::measurement::{Measurement, Rows};
 use crate::thermal::NodeKind;
-use crate::thermal::element::{Element, ElementKind};
+use crate::thermal::element::Element;
 
 /// Amplitudes beyond this multiple of their plausible scale are not drawn.
 const REACH: f64 = 3.0;
@@ -128,10 +128,9 @@ pub(super) fn draw_effect(
 /// A node that stores heat and has two paths or more, and which of the elements move to its other half.
 pub(super) fn draw_split(problem: &Problem, draw: &mut Draw) -> Result<(usize, Vec<bool>), HideError> {
     let model = &problem.model;
-    let at = |element: &Element, node: usize| match &element.kind {
-        ElementKind::Conductor(own) => own.between.contains(&node),
-        ElementKind::Radiation(own) => own.between.contains(&node),
-        _ => false,
+    let at = |element: &Element, node: usize| {
+        let physics = element.physics();
+        physics.is_passive() && physics.joined().contains(&node)
     };
     let fits = |node: &usize| {
         matches!(model.nodes[*node].kind, NodeKind::Diffusion { .. })

@@ -138,11 +138,10 @@ impl World {
         });
         let mut any = false;
         for (element, moved) in model.elements.iter_mut().zip(moved) {
-            let between = match &mut element.kind {
-                ElementKind::Conductor(own) => &mut own.between,
-                ElementKind::Radiation(own) => &mut own.between,
-                _ => continue,
-            };
+            if !element.physics().is_passive() {
+                continue;
+            }
+            let Some(between) = element.kind.physics_mut().between_mut() else { continue };
             for end in between.iter_mut().filter(|end| **end == node && *moved) {
                 *end = other;
                 any = true;

@@ -12,7 +12,7 @@ use crate::diagnosis::{Problem, Refit};
 use crate::effect::{Bound, Effect, Site};
 use crate::math::functions::{exp, ln};
 use crate::math::sum::log_sum_exp;
-use crate::thermal::element::{Element, ElementKind};
+use crate::thermal::element::Element;
 
 /// Probability beforehand that a kind of effect is missing.
 const MISSING: f64 = 0.05;
@@ -92,15 +92,8 @@ fn is_path_and_part(problem: &Problem, effect: usize) -> bool {
     let candidate = &problem.candidates[effect];
     let Site::Pair([a, b]) = candidate.site else { return false };
     let has_node = problem.catalogue.get(&candidate.effect).is_some_and(|own| own.form.adds.value.node.is_some());
-    let joins = |element: &Element| {
-        let between = match &element.kind {
-            ElementKind::Conductor(own) => own.between,
-            ElementKind::Radiation(own) => own.between,
-            ElementKind::Flow(own) => own.between,
-            ElementKind::Load(_) | ElementKind::Cooler(_) | ElementKind::Heater(_) => return false,
-        };
-        between == [a, b] || between == [b, a]
-    };
+    let joins =
+        |element: &Element| element.physics().between().is_some_and(|between| between == [a, b] || between == [b, a]);
     has_node && !problem.model.elements.iter().any(joins)
 }
 

@@ -29,9 +29,9 @@ impl Work<'_, '_> {
         if let Some(form) = &adds.cooler {
             let factors = [&form.seebeck, &form.resistance, &form.conductance];
             for element in self.place_elements()? {
-                self.change_element(element, |work, kind| match kind {
-                    ElementKind::Cooler(cooler) => work.cooler_factors(cooler, factors),
-                    _ => Err(work.misplaced()),
+                self.change_element(element, |work, kind| {
+                    let ElementKind::Cooler(cooler) = kind else { return Err(work.misplaced()) };
+                    work.cooler_factors(cooler, factors)
                 })?;
             }
         }
@@ -58,21 +58,14 @@ impl Work<'_, '_> {
     }
 
     fn element_factor(&mut self, kind: &mut ElementKind, factor: &str) -> Result<(), ApplyError> {
-        let locals: Vec<(&str, ExprId)> = match kind {
-            ElementKind::Conductor(element) => self.ends(element.between).to_vec(),
-            ElementKind::Radiation(element) => self.ends(element.between).to_vec(),
-            ElementKind::Load(element) => vec![("T", self.temperature(element.into))],
-            ElementKind::Heater(element) => vec![("T", self.temperature(element.into))],
-            ElementKind::Flow(_) | ElementKind::Cooler(_) => return Err(self.misplaced()),
+        let physics = kind.physics();
+        let locals: Vec<(&str, ExprId)> = match (physics.between(), physics.heated()) {
+            (Some(between), _) => self.ends(between).to_vec(),
+            (None, Some(node)) => vec![("T", self.temperature(node))],
+            (None, None) => return Err(self.misplaced()),
         };
+        let Some(value) = kind.physics_mut().scaled() else { return Err(self.misplaced()) };
         let factor = self.expression(factor, &locals)?;
-        let value = match kind {
-            ElementKind::Conductor(element) => &mut element.conductance,
-            ElementKind::Radiation(element) => &mut element.exchange_area,
-            ElementKind::Load(element) => &mut element.power,
-            ElementKind::Heater(element) => &mut element.power,
-            ElementKind::Flow(_) | ElementKind::Cooler(_) => return Err(self.misplaced()),
-        };
         *value = self.model.graph.multiply(factor, *value);
         Ok(())
     }

@@ -115,25 +115,20 @@ impl Work<'_, '_> {
 
     /// Puts a node without storage between a cooler's hot side and its node.
     fn contact(&mut self, element: usize, resistance: &str) -> Result<(), ApplyError> {
-        let hot = match &self.model.elements[element].kind {
-            ElementKind::Cooler(cooler) => cooler.nodes.last().copied(),
-            _ => None,
-        };
-        let Some(hot) = hot else { return Err(self.misplaced()) };
+        let ElementKind::Cooler(cooler) = &self.model.elements[element].kind else { return Err(self.misplaced()) };
+        let Some(&hot) = cooler.nodes.last() else { return Err(self.misplaced()) };
         let resistance = self.expression(resistance, &[])?;
         let resistance = self.at_least(resistance, LEAST_RESISTANCE_K_PER_W);
         let one = self.model.graph.number(1.0);
         let conductance = self.model.graph.divide(one, resistance);
         let several = matches!(&self.instance.site, Site::Elements(elements) if elements.len() > 1);
         let side = self.add_node("hot side", several.then_some(hot), NodeKind::Arithmetic)?;
-        self.change_element(element, |work, kind| match kind {
-            ElementKind::Cooler(cooler) => {
-                if let Some(last) = cooler.nodes.last_mut() {
-                    *last = side;
-                }
-                Ok(())
+        self.change_element(element, |work, kind| {
+            let ElementKind::Cooler(cooler) = kind else { return Err(work.misplaced()) };
+            if let Some(last) = cooler.nodes.last_mut() {
+                *last = side;
             }
-            _ => Err(work.misplaced()),
+            Ok(())
         })?;
         self.add_element(
             several.then_some(side),

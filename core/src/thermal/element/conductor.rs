@@ -1,9 +1,11 @@
 //! Linear conductor: heat from `a` to `b` is `G (Ta - Tb)`, W, with `G` in W/K (ESATAN's GL). `G` may depend on
 //! the temperatures.
 
+use serde_json::{Value, json};
+
 use crate::expression::{ExprId, Graph, Symbol, Unary};
 
-use super::Contribution;
+use super::{At, Contribution, Description, Drawing, Law, Path, Physics, Switch, arrows, law};
 
 /// A linear conductor between two nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,9 +16,12 @@ pub struct Conductor {
     pub conductance: ExprId,
 }
 
-impl Conductor {
-    /// Heat into both nodes.
-    pub fn contribution(&self, graph: &mut Graph) -> Contribution {
+impl Physics for Conductor {
+    fn kind(&self) -> &'static str {
+        "conductor"
+    }
+
+    fn contribution(&self, graph: &mut Graph, _switches: &mut Vec<Switch>, _switched: bool) -> Contribution {
         let [a, b] = self.between;
         let (ta, tb) = (temperature(graph, a), temperature(graph, b));
         let difference = graph.subtract(ta, tb);
@@ -25,6 +30,47 @@ impl Conductor {
         let terms = graph.multiply(self.conductance, size);
         let magnitude = graph.unary(Unary::Abs, terms);
         between(graph, [a, b], heat, magnitude)
+    }
+
+    fn identity(&self, number: &mut dyn FnMut(ExprId) -> Value) -> Value {
+        json!({"between": self.between, "conductance": number(self.conductance)})
+    }
+
+    fn description(&self, name: &dyn Fn(usize) -> String) -> Description {
+        let ends = arrows(&self.between, name);
+        Description { what: "conduction", ends, value: self.conductance, unit: "W/K", others: Vec::new() }
+    }
+
+    fn drawing(&self) -> Drawing {
+        Drawing::Path(Path::Conductor)
+    }
+
+    fn joined(&self) -> &[usize] {
+        &self.between
+    }
+
+    fn between(&self) -> Option<[usize; 2]> {
+        Some(self.between)
+    }
+
+    fn is_passive(&self) -> bool {
+        true
+    }
+
+    fn between_mut(&mut self) -> Option<&mut [usize; 2]> {
+        Some(&mut self.between)
+    }
+
+    fn conductance(&self, at: &At<'_>) -> Option<f64> {
+        Some(at(self.conductance, None))
+    }
+
+    fn laws(&self) -> Vec<Law> {
+        vec![Law::at_least_zero(law::CONDUCTANCE, "W/K", self.conductance)]
+    }
+
+    fn scaled(&mut self) -> Option<&mut ExprId> {
+        Some(&mut self.conductance)
     }
 }
 

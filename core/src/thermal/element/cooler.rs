@@ -10,9 +10,11 @@
 //! So `Qh - Qc = i V` of the stage: the electrical power is heat in the network; the leads' part is dissipated
 //! outside. At zero voltage the circuit is open (`i = 0`).
 
+use serde_json::{Value, json};
+
 use crate::expression::{Binary, ExprId, Graph, Unary};
 
-use super::Contribution;
+use super::{Contribution, Description, Drawing, Law, Path, Physics, Switch, arrows, law};
 use super::conductor::temperature;
 
 /// What the electronics holds.
@@ -74,8 +76,14 @@ impl Cooler {
         }
     }
 
-    /// Heat out of the cold side of each stage and into its hot side.
-    pub fn contribution(&self, graph: &mut Graph) -> Contribution {
+}
+
+impl Physics for Cooler {
+    fn kind(&self) -> &'static str {
+        "cooler"
+    }
+
+    fn contribution(&self, graph: &mut Graph, _switches: &mut Vec<Switch>, _switched: bool) -> Contribution {
         let current = self.current(graph);
         let half = graph.number(0.5);
         let square = graph.multiply(current, current);
@@ -110,5 +118,53 @@ impl Cooler {
             out.magnitude.extend([(cold, terms), (hot, terms)]);
         }
         out
+    }
+
+    fn identity(&self, number: &mut dyn FnMut(ExprId) -> Value) -> Value {
+        json!({
+            "nodes": self.nodes,
+            "couples": self.couples.iter().map(|&couples| number(couples)).collect::<Vec<_>>(),
+            "drive": match self.drive {
+                Drive::Voltage(voltage) => json!({"voltage": number(voltage)}),
+                Drive::Current(current) => json!({"current": number(current)}),
+            },
+            "seebeck": number(self.seebeck),
+            "resistance": number(self.resistance),
+            "conductance": number(self.conductance),
+            "lead_resistance": number(self.lead_resistance),
+        })
+    }
+
+    fn description(&self, name: &dyn Fn(usize) -> String) -> Description {
+        let (value, unit) = match self.drive {
+            Drive::Voltage(voltage) => (voltage, "V"),
+            Drive::Current(current) => (current, "A"),
+        };
+        let mut others = vec![self.seebeck, self.resistance, self.conductance, self.lead_resistance];
+        others.extend(&self.couples);
+        Description { what: "cooler", ends: arrows(&self.nodes, name), value, unit, others }
+    }
+
+    fn drawing(&self) -> Drawing {
+        Drawing::Path(Path::Cooler)
+    }
+
+    fn joined(&self) -> &[usize] {
+        &self.nodes
+    }
+
+    fn fault(&self) -> Option<String> {
+        let (nodes, stages) = (self.nodes.len(), self.couples.len());
+        (stages == 0 || nodes != stages + 1).then(|| format!("has {nodes} nodes for {stages} stages; a cooler needs one node more than it has stages"))
+    }
+
+    fn laws(&self) -> Vec<Law> {
+        let mut laws = vec![
+            Law::above_zero(law::COUPLE_RESISTANCE, "ohm", self.resistance),
+            Law::above_zero(law::COUPLE_CONDUCTANCE, "W/K", self.conductance),
+            Law::at_least_zero(law::LEADS, "ohm", self.lead_resistance),
+        ];
+        laws.extend(self.couples.iter().map(|&couples| Law::above_zero(law::COUPLES, "", couples)));
+        laws
     }
 }

@@ -1,8 +1,10 @@
 //! Any heat flow between two nodes, W from the first to the second, as an expression of their temperatures.
 
+use serde_json::{Value, json};
+
 use crate::expression::{ExprId, Graph, Unary};
 
-use super::Contribution;
+use super::{At, Contribution, Description, Drawing, Path, Physics, Switch, arrows};
 use super::conductor::between;
 
 /// A heat flow given by an expression.
@@ -14,10 +16,43 @@ pub struct Flow {
     pub heat: ExprId,
 }
 
-impl Flow {
-    /// Heat into both nodes.
-    pub fn contribution(&self, graph: &mut Graph) -> Contribution {
+impl Physics for Flow {
+    fn kind(&self) -> &'static str {
+        "flow"
+    }
+
+    fn contribution(&self, graph: &mut Graph, _switches: &mut Vec<Switch>, _switched: bool) -> Contribution {
         let magnitude = graph.unary(Unary::Abs, self.heat);
         between(graph, self.between, self.heat, magnitude)
     }
+
+    fn identity(&self, number: &mut dyn FnMut(ExprId) -> Value) -> Value {
+        json!({"between": self.between, "heat": number(self.heat)})
+    }
+
+    fn description(&self, name: &dyn Fn(usize) -> String) -> Description {
+        let ends = arrows(&self.between, name);
+        Description { what: "heat flow", ends, value: self.heat, unit: "W", others: Vec::new() }
+    }
+
+    fn drawing(&self) -> Drawing {
+        Drawing::Path(Path::Flow)
+    }
+
+    fn joined(&self) -> &[usize] {
+        &self.between
+    }
+
+    fn between(&self) -> Option<[usize; 2]> {
+        Some(self.between)
+    }
+
+    fn between_mut(&mut self) -> Option<&mut [usize; 2]> {
+        Some(&mut self.between)
+    }
+
+    fn conductance(&self, at: &At<'_>) -> Option<f64> {
+        Some((at(self.heat, Some(self.between[0])) - at(self.heat, None)).abs())
+    }
 }
+

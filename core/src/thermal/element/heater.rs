@@ -4,9 +4,11 @@
 //! solution, which has no history, it delivers the average that its cycling would: the duty falls linearly from 1
 //! at `on` to 0 at `off`. A proportional heater's duty falls linearly from 1 to 0 over `band` about its set point.
 
+use serde_json::{Value, json};
+
 use crate::expression::{Binary, ExprId, Graph, Symbol, Unary};
 
-use super::Contribution;
+use super::{Contribution, Description, Drawing, Physics, Source};
 use super::conductor::temperature;
 
 /// How a heater is controlled. Temperatures in K, free of node temperatures.
@@ -41,18 +43,12 @@ pub struct Heater {
     pub control: HeaterControl,
 }
 
-/// A two-state element of a transient: mode 1 is entered when `on` crosses zero from below, mode 0 when `off` does.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Switch {
-    /// Positive where the element must be on, K.
-    pub on: ExprId,
-    /// Positive where the element must be off, K.
-    pub off: ExprId,
-}
+impl Physics for Heater {
+    fn kind(&self) -> &'static str {
+        "heater"
+    }
 
-impl Heater {
-    /// Heat into the node. A thermostat adds its switch to `switches` when `switched`.
-    pub fn contribution(&self, graph: &mut Graph, switches: &mut Vec<Switch>, switched: bool) -> Contribution {
+    fn contribution(&self, graph: &mut Graph, switches: &mut Vec<Switch>, switched: bool) -> Contribution {
         let sensed = temperature(graph, self.senses);
         let band = match self.control {
             HeaterControl::Thermostat { on, off } => graph.subtract(off, on),
@@ -85,6 +81,58 @@ impl Heater {
             ..Contribution::default()
         }
     }
+
+    fn identity(&self, number: &mut dyn FnMut(ExprId) -> Value) -> Value {
+        json!({
+            "into": self.into,
+            "senses": self.senses,
+            "power": number(self.power),
+            "control": match self.control {
+                HeaterControl::Thermostat { on, off } => json!({"thermostat": [number(on), number(off)]}),
+                HeaterControl::Proportional { set_point, band } => {
+                    json!({"proportional": [number(set_point), number(band)]})
+                }
+            },
+        })
+    }
+
+    fn description(&self, name: &dyn Fn(usize) -> String) -> Description {
+        let others = match self.control {
+            HeaterControl::Thermostat { on, off } => vec![on, off],
+            HeaterControl::Proportional { set_point, band } => vec![set_point, band],
+        };
+        let ends = format!("into {}, senses {}", name(self.into), name(self.senses));
+        Description { what: "heater", ends, value: self.power, unit: "W", others }
+    }
+
+    fn drawing(&self) -> Drawing {
+        Drawing::Source(Source::Heater)
+    }
+
+    fn heated(&self) -> Option<usize> {
+        Some(self.into)
+    }
+
+    fn anchored(&self, _graph: &Graph) -> Option<usize> {
+        Some(self.into)
+    }
+
+    fn scaled(&mut self) -> Option<&mut ExprId> {
+        Some(&mut self.power)
+    }
+
+    fn is_switched(&self) -> bool {
+        matches!(self.control, HeaterControl::Thermostat { .. })
+    }
+}
+
+/// A two-state element of a transient: mode 1 is entered when `on` crosses zero from below, mode 0 when `off` does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Switch {
+    /// Positive where the element must be on, K.
+    pub on: ExprId,
+    /// Positive where the element must be off, K.
+    pub off: ExprId,
 }
 
 /// 1 below `end - band`, 0 above `end`, linear between.

@@ -2,8 +2,6 @@
 
 use crate::expression::ExprId;
 
-use super::{Element, ElementKind};
-
 /// Conductance of a conductor.
 pub const CONDUCTANCE: &str = "conductance";
 /// Exchange area of a radiation.
@@ -31,29 +29,18 @@ pub struct Law {
 }
 
 impl Law {
+    /// Of a value that may be 0.
+    pub fn at_least_zero(what: &'static str, unit: &'static str, value: ExprId) -> Self {
+        Self { what, unit, value, above_zero: false }
+    }
+
+    /// Of a value that may not.
+    pub fn above_zero(what: &'static str, unit: &'static str, value: ExprId) -> Self {
+        Self { what, unit, value, above_zero: true }
+    }
+
     /// Whether the value breaks it. What is not a number is another fault.
     pub fn is_broken_by(&self, value: f64) -> bool {
         value < 0.0 || (self.above_zero && value == 0.0)
-    }
-}
-
-impl Element {
-    /// The element's values that have a sign. Heats have a direction instead.
-    pub fn laws(&self) -> Vec<Law> {
-        let law = |what, unit, value, above_zero| Law { what, unit, value, above_zero };
-        match &self.kind {
-            ElementKind::Conductor(own) => vec![law(CONDUCTANCE, "W/K", own.conductance, false)],
-            ElementKind::Radiation(own) => vec![law(EXCHANGE_AREA, "m2", own.exchange_area, false)],
-            ElementKind::Cooler(own) => {
-                let mut laws = vec![
-                    law(COUPLE_RESISTANCE, "ohm", own.resistance, true),
-                    law(COUPLE_CONDUCTANCE, "W/K", own.conductance, true),
-                    law(LEADS, "ohm", own.lead_resistance, false),
-                ];
-                laws.extend(own.couples.iter().map(|&couples| law(COUPLES, "", couples, true)));
-                laws
-            }
-            ElementKind::Load(_) | ElementKind::Flow(_) | ElementKind::Heater(_) => Vec::new(),
-        }
     }
 }

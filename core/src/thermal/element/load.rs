@@ -1,8 +1,10 @@
 //! Heat into one node, W; may depend on the node's temperature.
 
-use crate::expression::{ExprId, Graph, Unary};
+use serde_json::{Value, json};
 
-use super::Contribution;
+use crate::expression::{Dependence, ExprId, Graph, Unary};
+
+use super::{Contribution, Description, Drawing, Physics, Source, Switch};
 
 /// A heat load.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,9 +15,12 @@ pub struct Load {
     pub power: ExprId,
 }
 
-impl Load {
-    /// Heat into the node.
-    pub fn contribution(&self, graph: &mut Graph) -> Contribution {
+impl Physics for Load {
+    fn kind(&self) -> &'static str {
+        "load"
+    }
+
+    fn contribution(&self, graph: &mut Graph, _switches: &mut Vec<Switch>, _switched: bool) -> Contribution {
         let magnitude = graph.unary(Unary::Abs, self.power);
         Contribution {
             heat: vec![(self.into, self.power)],
@@ -24,4 +29,30 @@ impl Load {
             ..Contribution::default()
         }
     }
+
+    fn identity(&self, number: &mut dyn FnMut(ExprId) -> Value) -> Value {
+        json!({"into": self.into, "power": number(self.power)})
+    }
+
+    fn description(&self, name: &dyn Fn(usize) -> String) -> Description {
+        let ends = format!("into {}", name(self.into));
+        Description { what: "heat load", ends, value: self.power, unit: "W", others: Vec::new() }
+    }
+
+    fn drawing(&self) -> Drawing {
+        Drawing::Source(Source::Load)
+    }
+
+    fn heated(&self) -> Option<usize> {
+        Some(self.into)
+    }
+
+    fn anchored(&self, graph: &Graph) -> Option<usize> {
+        graph.dependence(self.power).intersects(Dependence::NODE).then_some(self.into)
+    }
+
+    fn scaled(&mut self) -> Option<&mut ExprId> {
+        Some(&mut self.power)
+    }
 }
+

@@ -1,26 +1,144 @@
 //! Elements of the network, a kind a file. An element says, as expressions, what heat flows into which node;
-//! the network adds them up, differentiates and compiles them. A new kind is a file here and a line below.
+//! the network adds them up, differentiates and compiles them. A new kind is a file here, which answers [`Physics`], and a
+//! line in the list below.
 
-pub mod conductor;
-pub mod cooler;
-pub mod flow;
-pub mod heater;
+pub mod drawing;
 pub mod law;
-pub mod load;
-pub mod radiation;
+
+use serde_json::{Value, json};
 
 use crate::expression::{ExprId, Graph};
 
-pub use conductor::Conductor;
-pub use cooler::Cooler;
-pub use flow::Flow;
-pub use heater::{Heater, HeaterControl};
+pub use cooler::Drive;
+pub use drawing::{Drawing, Path, Source};
+pub use heater::{HeaterControl, Switch};
 pub use law::Law;
-pub use load::Load;
-pub use radiation::Radiation;
 
 /// Stefan-Boltzmann constant, W/(m2 K4) (CODATA 2018, exact).
 pub const STEFAN_BOLTZMANN: f64 = 5.670374419e-8;
+
+/// Evaluates an expression at nominal parameters and inputs, all nodes at one temperature, one of them warmer by 1 K.
+pub type At<'a> = dyn Fn(ExprId, Option<usize>) -> f64 + 'a;
+
+/// What a kind of element answers.
+pub trait Physics {
+    /// The kind in a word: `conductor`.
+    fn kind(&self) -> &'static str;
+    /// The element's expressions. `switched` asks for the form with `Symbol::Mode` of a transient (thermostats), whose
+    /// switches are added to `switches`; otherwise the steady form.
+    fn contribution(&self, graph: &mut Graph, switches: &mut Vec<Switch>, switched: bool) -> Contribution;
+    /// What decides a result, as JSON; `number` writes an expression down.
+    fn identity(&self, number: &mut dyn FnMut(ExprId) -> Value) -> Value;
+    /// The element in a table.
+    fn description(&self, name: &dyn Fn(usize) -> String) -> Description;
+    /// How it is drawn.
+    fn drawing(&self) -> Drawing;
+
+    /// The nodes that it joins, each with the next; none of an element that heats one.
+    fn joined(&self) -> &[usize] {
+        &[]
+    }
+    /// The node that it heats.
+    fn heated(&self) -> Option<usize> {
+        None
+    }
+    /// The two nodes between which heat flows by their temperatures alone.
+    fn between(&self) -> Option<[usize; 2]> {
+        None
+    }
+    /// Whether it is a path and no more: a conductance or an exchange area between two nodes.
+    fn is_passive(&self) -> bool {
+        false
+    }
+    /// The two nodes, to be changed.
+    fn between_mut(&mut self) -> Option<&mut [usize; 2]> {
+        None
+    }
+    /// The node whose temperature its own heat fixes where nothing else does.
+    fn anchored(&self, _graph: &Graph) -> Option<usize> {
+        None
+    }
+    /// Conductance between its two nodes, linearised, W/K.
+    fn conductance(&self, _at: &At<'_>) -> Option<f64> {
+        None
+    }
+    /// Its values that have a sign. Heats have a direction instead.
+    fn laws(&self) -> Vec<Law> {
+        Vec::new()
+    }
+    /// What a factor changes: conductance, exchange area, power.
+    fn scaled(&mut self) -> Option<&mut ExprId> {
+        None
+    }
+    /// What is wrong with how it is made.
+    fn fault(&self) -> Option<String> {
+        None
+    }
+    /// Whether it has two states in a transient (a thermostat).
+    fn is_switched(&self) -> bool {
+        false
+    }
+}
+
+/// An element in a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Description {
+    /// What it does: `conduction`.
+    pub what: &'static str,
+    /// Its nodes, in words.
+    pub ends: String,
+    /// What says how large it is.
+    pub value: ExprId,
+    /// SI unit of that.
+    pub unit: &'static str,
+    /// Other expressions that it is made of.
+    pub others: Vec<ExprId>,
+}
+
+/// From one node to the next, in words.
+pub(super) fn arrows(nodes: &[usize], name: &dyn Fn(usize) -> String) -> String {
+    nodes.iter().map(|&node| name(node)).collect::<Vec<_>>().join(" \u{2192} ")
+}
+
+/// Declares the kinds: a module each, a variant, an arm.
+macro_rules! elements {
+    ($( #[doc = $doc:literal] $kind:ident in $module:ident ),* $(,)?) => {
+        $( pub mod $module; pub use $module::$kind; )*
+
+        /// The kinds of element.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum ElementKind {
+            $( #[doc = $doc] $kind($kind) ),*
+        }
+
+        impl ElementKind {
+            /// What the kind answers.
+            pub fn physics(&self) -> &dyn Physics {
+                match self { $( Self::$kind(own) => own ),* }
+            }
+
+            /// The same, to be changed.
+            pub fn physics_mut(&mut self) -> &mut dyn Physics {
+                match self { $( Self::$kind(own) => own ),* }
+            }
+        }
+    };
+}
+
+elements! {
+    /// Linear conductor.
+    Conductor in conductor,
+    /// Radiative exchange.
+    Radiation in radiation,
+    /// Heat into a node.
+    Load in load,
+    /// Any heat flow between two nodes.
+    Flow in flow,
+    /// Thermoelectric cooler.
+    Cooler in cooler,
+    /// Controlled heater.
+    Heater in heater,
+}
 
 /// An element with its name.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,23 +147,6 @@ pub struct Element {
     pub name: String,
     /// What it is.
     pub kind: ElementKind,
-}
-
-/// The kinds of element.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ElementKind {
-    /// Linear conductor.
-    Conductor(Conductor),
-    /// Radiative exchange.
-    Radiation(Radiation),
-    /// Heat into a node.
-    Load(Load),
-    /// Any heat flow between two nodes.
-    Flow(Flow),
-    /// Thermoelectric cooler.
-    Cooler(Cooler),
-    /// Controlled heater.
-    Heater(Heater),
 }
 
 /// What an element does to the network, as expressions in the network's graph.
@@ -66,21 +167,25 @@ pub struct Contribution {
 }
 
 impl Element {
-    /// Whether the element has two states in a transient (a thermostat).
-    pub fn is_switched(&self) -> bool {
-        matches!(&self.kind, ElementKind::Heater(heater) if matches!(heater.control, HeaterControl::Thermostat { .. }))
+    /// What its kind answers.
+    pub fn physics(&self) -> &dyn Physics {
+        self.kind.physics()
     }
 
-    /// The element's expressions. `switched` asks for the form with `Symbol::Mode` of a transient (thermostats);
-    /// otherwise the steady form.
-    pub fn contribution(&self, graph: &mut Graph, modes: &mut Vec<heater::Switch>, switched: bool) -> Contribution {
-        match &self.kind {
-            ElementKind::Conductor(element) => element.contribution(graph),
-            ElementKind::Radiation(element) => element.contribution(graph),
-            ElementKind::Load(element) => element.contribution(graph),
-            ElementKind::Flow(element) => element.contribution(graph),
-            ElementKind::Cooler(element) => element.contribution(graph),
-            ElementKind::Heater(element) => element.contribution(graph, modes, switched),
-        }
+    /// As [`Physics::contribution`].
+    pub fn contribution(&self, graph: &mut Graph, switches: &mut Vec<Switch>, switched: bool) -> Contribution {
+        self.physics().contribution(graph, switches, switched)
+    }
+
+    /// As [`Physics::identity`], under its name.
+    pub fn identity(&self, number: &mut dyn FnMut(ExprId) -> Value) -> Value {
+        let physics = self.physics();
+        json!({"name": self.name, "element": {physics.kind(): physics.identity(number)}})
+    }
+
+    /// All its nodes.
+    pub fn nodes(&self) -> Vec<usize> {
+        let physics = self.physics();
+        physics.joined().iter().copied().chain(physics.heated()).collect()
     }
 }

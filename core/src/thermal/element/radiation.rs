@@ -1,10 +1,15 @@
 //! Radiative exchange: heat from `a` to `b` is `sigma GR (Ta^4 - Tb^4)`, W, with the exchange area `GR` in m2
 //! (area x emittance x exchange factor, `sigma` not included: ESATAN's GR).
 
+use serde_json::{Value, json};
+
 use crate::expression::{ExprId, Graph, Unary};
 
 use super::conductor::{between, temperature};
-use super::{Contribution, STEFAN_BOLTZMANN};
+use super::{
+    At, Contribution, Description, Drawing, Law, Path, Physics, STEFAN_BOLTZMANN, Switch, arrows, law,
+};
+use crate::thermal::size::AT_K;
 
 /// Radiative exchange between two nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,9 +20,12 @@ pub struct Radiation {
     pub exchange_area: ExprId,
 }
 
-impl Radiation {
-    /// Heat into both nodes.
-    pub fn contribution(&self, graph: &mut Graph) -> Contribution {
+impl Physics for Radiation {
+    fn kind(&self) -> &'static str {
+        "radiation"
+    }
+
+    fn contribution(&self, graph: &mut Graph, _switches: &mut Vec<Switch>, _switched: bool) -> Contribution {
         let [a, b] = self.between;
         let four = graph.number(4.0);
         let (ta, tb) = (temperature(graph, a), temperature(graph, b));
@@ -34,4 +42,46 @@ impl Radiation {
         let magnitude = graph.unary(Unary::Abs, terms);
         between(graph, [a, b], heat, magnitude)
     }
+
+    fn identity(&self, number: &mut dyn FnMut(ExprId) -> Value) -> Value {
+        json!({"between": self.between, "exchange_area": number(self.exchange_area)})
+    }
+
+    fn description(&self, name: &dyn Fn(usize) -> String) -> Description {
+        let ends = arrows(&self.between, name);
+        Description { what: "radiation", ends, value: self.exchange_area, unit: "m2", others: Vec::new() }
+    }
+
+    fn drawing(&self) -> Drawing {
+        Drawing::Path(Path::Radiation)
+    }
+
+    fn joined(&self) -> &[usize] {
+        &self.between
+    }
+
+    fn between(&self) -> Option<[usize; 2]> {
+        Some(self.between)
+    }
+
+    fn is_passive(&self) -> bool {
+        true
+    }
+
+    fn between_mut(&mut self) -> Option<&mut [usize; 2]> {
+        Some(&mut self.between)
+    }
+
+    fn conductance(&self, at: &At<'_>) -> Option<f64> {
+        Some(4.0 * STEFAN_BOLTZMANN * at(self.exchange_area, None) * AT_K * AT_K * AT_K)
+    }
+
+    fn laws(&self) -> Vec<Law> {
+        vec![Law::at_least_zero(law::EXCHANGE_AREA, "m2", self.exchange_area)]
+    }
+
+    fn scaled(&mut self) -> Option<&mut ExprId> {
+        Some(&mut self.exchange_area)
+    }
 }
+
