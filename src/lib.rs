@@ -2,10 +2,11 @@
 //!
 //! The rooms of the house, each of which may use only those before it:
 //! `watch`, `math`, `random` and `expression`, `statistics`, `document`, `thermal`, `effect`, `inference`, `diagnosis` (the crate
-//! `bmv-core`), `job`, `study`, `runner`, `report`, `cli` (DESIGN.md says what each knows and may not know).
+//! `bmv-core`), `study`, `job`, `runner`, `report`, `batch`, `cli` (DESIGN.md says what each knows and may not know).
 
 pub use bmv_core::{diagnosis, document, effect, expression, inference, math, random, statistics, thermal, watch};
 
+pub mod batch;
 pub mod cli;
 pub mod job;
 pub mod report;

@@ -17,6 +17,7 @@ const ROWS: &[&[&str]] = &[
     &["job"],
     &["runner"],
     &["report"],
+    &["batch"],
     &["cli"],
 ];
 
@@ -86,9 +87,9 @@ fn threads_are_started_by_the_runner_and_by_the_screening_of_effects() {
 }
 
 #[test]
-fn files_are_touched_by_studies_the_runner_reports_and_the_command_line() {
+fn files_are_touched_by_studies_the_runner_reports_batches_and_the_command_line() {
     let users: Vec<String> = (sources().into_iter())
-        .filter(|(_, room, _)| !["study", "runner", "report", "cli"].contains(&room.as_str()))
+        .filter(|(_, room, _)| !["study", "runner", "report", "batch", "cli"].contains(&room.as_str()))
         .filter(|(_, _, text)| program(text).contains("std::fs") || program(text).contains("File::open"))
         .map(|(path, _, _)| path.display().to_string())
         .collect();
@@ -148,7 +149,7 @@ fn kinds_named(text: &str) -> Vec<&'static str> {
 fn a_job_kind_is_named_in_its_section_and_in_the_registry_alone() {
     let (mut wrong, mut seen, mut used) = (Vec::new(), 0, vec![false; NAMED_ELSEWHERE.len()]);
     for (path, room, text) in sources() {
-        if !["report", "cli"].contains(&room.as_str()) {
+        if !["report", "batch", "cli"].contains(&room.as_str()) {
             continue;
         }
         let path = path.display().to_string();

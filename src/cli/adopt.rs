@@ -6,14 +6,14 @@ use super::execute::execute;
 use super::options::CachedRunOptions;
 use super::output::{escaped, print, tell};
 use super::status::{Failure, Status};
-use super::studies::LoadedPass;
-use super::{Context, studies};
+use super::{Context, select};
+use crate::batch::LoadedPass;
+use crate::batch::next_pass::{Asked, NextPass, destination, next_pass, probability_text, twin, write};
 use crate::diagnosis::RISES;
 use crate::document::visible::shell_word;
 use crate::document::{Diagnostics, suggest};
 use crate::inference::measurement::Doubt;
 use crate::job::findings::{Finding, Findings};
-use crate::job::next_pass::{Asked, NextPass, destination, next_pass, probability_text, twin, write};
 
 /// Diagnostics printed of one refusal.
 const MOST_DIAGNOSTICS: usize = 20;
@@ -46,17 +46,17 @@ pub(super) struct Adopt {
 
 impl Adopt {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
-        studies::one_pass(&self.pass)?;
+        select::one_pass(&self.pass)?;
         let of_job = self.job.as_ref().map_or_else(String::new, |job| format!(" --job {}", shell_word(job)));
         let pass = self.pass.display().to_string();
         let asked = Asked::new(&format!("bmv adopt {}{of_job}", shell_word(&pass)), &self.effects);
         let refused = |wrong: Diagnostics| Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS));
-        let job = studies::job_of_kind(&self.pass, "diagnose", self.job.as_deref(), context.coloured)?;
+        let job = select::job_of_kind(&self.pass, "diagnose", self.job.as_deref(), context.coloured)?;
         let options = self.options.clone().into();
         let executed = execute(std::slice::from_ref(&self.pass), &options, context, |_, name| name == job)?;
-        let Some(pass) = executed.passes.first() else { return Ok(executed.status()) };
+        let Some(pass) = executed.passes.first() else { return Ok(Status::of(&executed)) };
         let found = executed.results(pass).find(|(at, _)| executed.plan.nodes()[*at].name == job);
-        let Some((_, result)) = found else { return Ok(executed.status_of_wanted()) };
+        let Some((_, result)) = found else { return Ok(Status::of_wanted(&executed)) };
         let findings = Findings::from_result(&job, &result.stored.value)
             .map_err(|error| Failure::job(format!("{}: {error}", escaped(&pass.shown))))?;
         let path = destination(&pass.pass, self.out.as_deref(), &asked.command()).map_err(|wrong| {
@@ -71,7 +71,7 @@ impl Adopt {
                 let (shown, own) = (escaped(&twin.display().to_string()), escaped(&pass.file));
                 let there = format!("{shown} is {own} with the same effects already; nothing is written");
                 print(&format!("{there} (--out FILE writes another pass all the same)\n{}", now_try(pass, &twin)))?;
-                return Ok(executed.status());
+                return Ok(Status::of(&executed));
             }
         }
         for line in findings.doubts.iter().map(Doubt::in_words) {
@@ -82,7 +82,7 @@ impl Adopt {
         }
         write(&next.text, &path, self.force && self.out.is_some(), &asked.command()).map_err(refused)?;
         print(&told(pass, &path, &next, &findings))?;
-        Ok(executed.status())
+        Ok(Status::of(&executed))
     }
 }
 

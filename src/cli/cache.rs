@@ -2,10 +2,11 @@
 
 use clap::Subcommand;
 
+use super::Context;
 use super::options::{CacheOption, PathsArgument};
 use super::output::{escaped, print, print_json, shown, table};
 use super::status::{Failure, Status};
-use super::{Context, studies};
+use crate::batch;
 use crate::document::counted;
 use crate::runner::Plan;
 
@@ -88,7 +89,7 @@ impl CacheVerb {
                 Ok(if found.damaged.is_empty() { Status::Done } else { Status::CheckFailed })
             }
             Self::Prune { paths, cache, json } => {
-                let loaded = studies::load(&paths.paths, context.coloured)?;
+                let loaded = batch::load(&paths.paths, context.coloured)?;
                 let cache = cache.cache(&loaded.passes);
                 let plan = Plan::new(loaded.nodes)?;
                 let done = cache.prune(&plan.keys().iter().cloned().collect())?;
@@ -106,7 +107,7 @@ impl CacheVerb {
                 Ok(Status::Done)
             }
             Self::Why { job, paths } => {
-                let plan = Plan::new(studies::load(&paths.paths, context.coloured)?.nodes)?;
+                let plan = Plan::new(batch::load(&paths.paths, context.coloured)?.nodes)?;
                 let Some(position) = plan.find(&job) else {
                     let same_name = plan.nodes().iter().filter(|node| node.name == job).map(|node| escaped(&node.id));
                     let ids: Vec<_> = same_name.collect();

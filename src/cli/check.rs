@@ -66,11 +66,15 @@ impl Check {
         } else {
             print(&text)?;
         }
-        if compared == 0 && !self.archive && executed.status() == Status::Done {
+        if compared == 0 && !self.archive && Status::of(&executed) == Status::Done {
             // A check that compares nothing must not look as if all were well.
             tell("nothing was compared: no result is archived; `bmv check --archive` does that");
             return Ok(Status::CheckFailed);
         }
-        Ok(if drifted > 0 && executed.status() == Status::Done { Status::CheckFailed } else { executed.status() })
+        Ok(if drifted > 0 && Status::of(&executed) == Status::Done {
+            Status::CheckFailed
+        } else {
+            Status::of(&executed)
+        })
     }
 }

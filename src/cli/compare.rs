@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-use super::execute::prepare;
+use super::execute::{prepare, run};
 use super::options::RunOptions;
 use super::output::{escaped, print, print_json, tell};
 use super::status::{Failure, Status};
-use super::studies::Loaded;
-use super::{Context, studies};
+use super::{Context, select};
+use crate::batch::{self, Loaded};
 use crate::job::compare::Kind;
 use crate::report::section::{READINGS, TUNED, results};
 use crate::report::{JobEntry, terminal};
@@ -46,31 +46,31 @@ enum Rows {
 
 impl Compare {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
-        studies::one_pass(&self.pass)?;
-        let loaded = studies::load(std::slice::from_ref(&self.pass), context.coloured)?;
+        select::one_pass(&self.pass)?;
+        let loaded = batch::load(std::slice::from_ref(&self.pass), context.coloured)?;
         let mut prepared = prepare(loaded, Loaded::default(), context, |_, kind, _| kind == "compare")?;
         let mut delivered = Vec::new();
         if !self.tuned {
-            let cache = prepared.cache(&self.options.cache);
+            let cache = self.options.cache.cache(prepared.passes());
             (prepared, delivered) = prepared.deliver(&cache)?;
         }
-        let executed = prepared.run(&self.options, context)?;
+        let executed = run(prepared, &self.options, context)?;
         for pass in &executed.passes {
             if !pass.pass.jobs.iter().any(|job| job.spec.kind() == "compare") {
                 return Err(Failure::input(format!("`{}` has no job of kind `compare`", escaped(&pass.shown))));
             }
-            let mut report = studies::view(pass, &executed)?;
+            let mut report = batch::view(pass, &executed)?;
             if self.json {
                 let is_nominal =
                     |job: &&JobEntry| job.output_of::<Kind>().is_some_and(|output| output.state == "nominal");
                 let first = report.results.iter().find(is_nominal).or(report.results.first());
                 if let Some(job) = first {
-                    print_json(&studies::document(job, self.rows != Some(Rows::None))?)?;
+                    print_json(&batch::document(job, self.rows != Some(Rows::None))?)?;
                 }
                 continue;
             }
             let readings = (self.rows == Some(Rows::All)).then(|| READINGS(&report)).flatten();
-            studies::without_rows(&mut report);
+            batch::without_rows(&mut report);
             let sections: Vec<_> =
                 results().chain([TUNED]).filter_map(|build| build(&report)).chain(readings).collect();
             print(&terminal::render(&sections, context.layout))?;
@@ -83,6 +83,6 @@ impl Compare {
                  tuned state: bmv compare {shown} --tuned"
             ));
         }
-        Ok(executed.status_of_wanted())
+        Ok(Status::of_wanted(&executed))
     }
 }

@@ -6,7 +6,8 @@ use super::execute::execute;
 use super::options::RunOptions;
 use super::output::{escaped, print, print_json, tell};
 use super::status::{Failure, Status};
-use super::{Context, studies};
+use super::{Context, select};
+use crate::batch;
 use crate::diagnosis::Output;
 use crate::document::visible::shell_word;
 use crate::inference::measurement::Doubt;
@@ -47,7 +48,7 @@ fn next(output: &Output, adopt: &str) -> Option<String> {
 
 impl Diagnose {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
-        studies::one_pass(&self.pass)?;
+        select::one_pass(&self.pass)?;
         let executed = execute(std::slice::from_ref(&self.pass), &self.options, context, |kind, _| kind == "diagnose")?;
         for pass in &executed.passes {
             if !pass.pass.jobs.iter().any(|job| job.spec.kind() == "diagnose") {
@@ -56,11 +57,11 @@ impl Diagnose {
                     pass.shown
                 )));
             }
-            let report = studies::view(pass, &executed)?;
+            let report = batch::view(pass, &executed)?;
             if self.json {
                 let found = report.results.iter().find(|job| job.output_of::<diagnose::Kind>().is_some());
                 if let Some(job) = found {
-                    print_json(&studies::document(job, true)?)?;
+                    print_json(&batch::document(job, true)?)?;
                 }
                 continue;
             }
@@ -74,6 +75,6 @@ impl Diagnose {
                 }
             }
         }
-        Ok(executed.status_of_wanted())
+        Ok(Status::of_wanted(&executed))
     }
 }

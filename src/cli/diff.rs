@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
-use super::execute::{Executed, prepare};
+use super::execute::{prepare, run};
 use super::options::RunOptions;
 use super::output::{escaped, print, print_json};
 use super::status::{Failure, Status};
-use super::studies::{Loaded, LoadedPass};
-use super::{Context, show, studies};
+use super::{Context, select, show};
+use crate::batch::{self, Executed, Loaded, LoadedPass};
 use crate::document::counted;
 use crate::report::essentials::essentials;
 use crate::report::page::{Block, Cell, Column, Section, Table};
@@ -52,17 +52,17 @@ struct Side {
 
 impl Diff {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
-        let paths = [studies::one_pass(&self.before)?, studies::one_pass(&self.after)?];
+        let paths = [select::one_pass(&self.before)?, select::one_pass(&self.after)?];
         // Both at once: what they share is found, or run and told of, once.
-        let loaded = studies::load(&paths, context.coloured)?;
+        let loaded = batch::load(&paths, context.coloured)?;
         let mut prepared = prepare(loaded, Loaded::default(), context, |_, _, _| true)?;
         let not_there = if self.run || self.options.is_forced() {
             Vec::new()
         } else {
-            let cache = prepared.cache(&self.options.cache);
+            let cache = self.options.cache.cache(prepared.passes());
             prepared.leave_out_missing(&cache)
         };
-        let executed = prepared.run(&self.options, context)?;
+        let executed = run(prepared, &self.options, context)?;
         let find = |path: &PathBuf| {
             let passes = executed.passes.iter();
             passes.clone().find(|pass| whole(&pass.study.join(&pass.file)) == whole(path))
@@ -95,14 +95,14 @@ impl Diff {
                 .collect();
             print_json(&json!({ "files": entries, "jobs": jobs }))?;
         } else {
-            let reports = [studies::view(old, &executed)?, studies::view(new, &executed)?];
+            let reports = [batch::view(old, &executed)?, batch::view(new, &executed)?];
             let unexplained =
                 if entries.is_empty() { compared.iter().flat_map(|one| &one.1).collect() } else { vec![] };
             let sections = [definitions(&entries, &unexplained), results(&names, &reports)];
             print(&terminal::render(&sections, context.layout))?;
         }
         show::tell_not_there(&not_there);
-        let status = executed.status();
+        let status = Status::of(&executed);
         Ok(if status == Status::Done && !not_there.is_empty() { Status::WrongInput } else { status })
     }
 }

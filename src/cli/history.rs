@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use super::execute::{execute_loaded, is_judge};
+use super::Context;
+use super::execute::execute_loaded;
 use super::options::RunOptions;
 use super::output::{print, print_json, shown, tell};
 use super::status::{Failure, Status};
-use super::studies::Loaded;
-use super::{Context, studies};
+use crate::batch::{self, Loaded, is_judge};
 use crate::report::section::{error_by_pass, missing_jobs};
 use crate::report::terminal;
 
@@ -27,7 +27,7 @@ pub(super) struct HistoryVerb {
 
 impl HistoryVerb {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
-        let loaded = studies::load(std::slice::from_ref(&self.study), context.coloured)?;
+        let loaded = batch::load(std::slice::from_ref(&self.study), context.coloured)?;
         let mut folders: Vec<&PathBuf> = loaded.passes.iter().map(|pass| &pass.study).collect();
         folders.dedup();
         if folders.len() > 1 {
@@ -36,17 +36,17 @@ impl HistoryVerb {
             return Err(Failure::input(message));
         }
         let is_folder = self.study.is_dir();
-        let parents = if is_folder { Loaded::default() } else { studies::parents(&loaded.passes) };
+        let parents = if is_folder { Loaded::default() } else { batch::parents(&loaded.passes) };
         let executed = execute_loaded(loaded, parents, &self.options, context, |pass, _, name| is_judge(pass, name))?;
         let passes: Vec<_> = executed.parents.iter().chain(&executed.passes).collect();
-        let history = studies::history(&passes, &executed)?;
+        let history = batch::history(&passes, &executed)?;
         if self.json {
             print_json(&history)?;
         } else if let Some(section) = error_by_pass(&history) {
             print(&terminal::render(&[section], context.layout))?;
             let study = shown(&self.study);
             tell(&format!("figure and all numbers: bmv report {study}, bmv history {study} --json"));
-        } else if executed.status_of_wanted() == Status::Done {
+        } else if Status::of_wanted(&executed) == Status::Done {
             let study = shown(&self.study);
             let missing = missing_jobs(&history);
             let reasons: Vec<String> = missing.iter().map(|text| format!("\n{}", terminal::sentence(text))).collect();
@@ -55,6 +55,6 @@ impl HistoryVerb {
                 reasons.concat()
             )));
         }
-        Ok(executed.status_of_wanted())
+        Ok(Status::of_wanted(&executed))
     }
 }

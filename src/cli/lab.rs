@@ -64,7 +64,7 @@ impl LabVerb {
         let mut project = Project::here();
         let (shown_id, lab) = match &self.study {
             Some(study) => {
-                let path = super::studies::one_pass(study)?;
+                let path = super::select::one_pass(study)?;
                 let pass = crate::job::load(&path).map_err(rendered)?;
                 project = Project::of(&pass.folder);
                 if !pass.warnings.is_empty() {

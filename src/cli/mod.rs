@@ -1,7 +1,7 @@
 //! The command line: a file a verb; parses, calls, prints; holds no logic of its own.
 
 mod adopt;
-mod archive;
+
 mod cache;
 mod check;
 mod compare;
@@ -14,7 +14,7 @@ mod explain;
 mod history;
 mod init;
 mod lab;
-mod memory;
+
 mod options;
 mod output;
 mod pinned;
@@ -22,9 +22,9 @@ mod plan;
 mod report;
 mod run;
 mod schema;
+mod select;
 mod show;
 pub mod status;
-mod studies;
 mod verify;
 
 use std::io::{IsTerminal, Write};

@@ -5,10 +5,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::execute::Executed;
 use super::output::{escaped, shown, tell};
 use super::status::{Failure, Status};
-use super::studies::{self, LoadedPass};
+use crate::batch::{self, Executed, LoadedPass};
 use crate::report::{required, terminal};
 use crate::runner::{Cache, Settings};
 use crate::study::Project;
@@ -105,7 +104,7 @@ impl RequireOption {
         let (mut judged, mut is_met) = (0, true);
         for pass in &executed.passes {
             let shown = escaped(&pass.shown);
-            let report = studies::view(pass, executed)?;
+            let report = batch::view(pass, executed)?;
             for job in &report.results {
                 for standing in required::standings(job) {
                     judged += 1;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::output::shown;
 use super::status::Failure;
-use super::studies;
+use crate::batch;
 use crate::study::pinned::{self, Obtained, Sources, State};
 use crate::study::{Folder, Reader};
 
@@ -25,7 +25,7 @@ pub(super) struct PinnedFile {
 /// What is wrong with the files.
 pub(super) fn pinned(paths: &[PathBuf], from: Option<&Sources>) -> Result<Vec<PinnedFile>, Failure> {
     let mut found: Vec<PinnedFile> = Vec::new();
-    for (study, _, pass) in studies::passes(&Reader::new(crate::job::kinds()), paths, false)? {
+    for (study, _, pass) in batch::passes(&Reader::new(crate::job::kinds()), paths, false)? {
         let folder = Folder::open(&study).map_err(|error| Failure::input(error.to_string()))?;
         for entry in &pass.pinned {
             let file = study.join(&entry.file).display().to_string();

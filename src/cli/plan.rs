@@ -1,10 +1,11 @@
 //! `bmv plan`.
 
-use super::memory::{self, WORTH_TELLING, bytes_text};
 use super::options::{PathsArgument, RunOptions};
 use super::output::{escaped, print, print_json, table};
 use super::status::{Failure, Status};
-use super::{Context, studies};
+use super::{Context, execute};
+use crate::batch;
+use crate::batch::memory::{self, WORTH_TELLING, bytes_text};
 use crate::document::counted;
 use crate::runner::progress::duration_text;
 use crate::runner::{Plan, WorkHistory};
@@ -23,9 +24,9 @@ pub(super) struct PlanVerb {
 
 impl PlanVerb {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
-        let loaded = studies::load(&self.paths.paths, context.coloured)?;
-        studies::tell_notes(&loaded.notes);
-        studies::tell_refused(&loaded.passes, context.coloured);
+        let loaded = batch::load(&self.paths.paths, context.coloured)?;
+        execute::tell_notes(&loaded.notes);
+        execute::tell_refused(&loaded.passes, context.coloured);
         let is_refused = loaded.passes.iter().any(|pass| !pass.refused.is_empty());
         let status = if is_refused { Status::WrongInput } else { Status::Done };
         let (cache, events) = (self.options.cache.cache(&loaded.passes), self.options.cache.events(&loaded.passes));

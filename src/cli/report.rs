@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
+use super::Context;
 use super::execute::execute_loaded;
 use super::options::{PathsArgument, RequireOption, RunOptions};
 use super::output::{escaped, print, shown, tell};
 use super::status::{Failure, Status};
-use super::{Context, archive, studies};
+use crate::batch::{self, archive};
 
 /// Arguments of `bmv report`.
 #[derive(Debug, clap::Args)]
@@ -24,10 +25,10 @@ pub(super) struct Report {
 
 impl Report {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
-        let loaded = studies::load(&self.paths.paths, context.coloured)?;
+        let loaded = batch::load(&self.paths.paths, context.coloured)?;
         let targets = archive::targets(&loaded.passes, self.out.as_deref())?;
         // A report shows what became of the error since the first pass.
-        let parents = studies::parents(&loaded.passes);
+        let parents = batch::parents(&loaded.passes);
         let executed = execute_loaded(loaded, parents, &self.options, context, |_, _, _| true)?;
         if executed.is_interrupted {
             return Ok(Status::Interrupted);
@@ -42,6 +43,6 @@ impl Report {
         for (pass, job) in executed.not_converged() {
             tell(&format!("warning: {}:{job}: the sampler did not converge", escaped(&pass.shown)));
         }
-        self.require.judge(&executed, executed.status())
+        self.require.judge(&executed, Status::of(&executed))
     }
 }

@@ -1,10 +1,11 @@
 //! `bmv run`.
 
-use super::execute::{Executed, execute};
+use super::Context;
+use super::execute::execute;
 use super::options::{PathsArgument, RequireOption, RunOptions};
 use super::output::{escaped, folded, print};
 use super::status::{Failure, Status};
-use super::{Context, studies};
+use crate::batch::{self, Executed};
 use crate::report::{headline, terminal};
 
 /// Arguments of `bmv run`.
@@ -25,7 +26,7 @@ pub(super) struct Run {
 fn outcome(executed: &Executed, fold: Option<usize>) -> Result<String, Failure> {
     let mut text = String::new();
     for pass in &executed.passes {
-        let report = studies::view(pass, executed)?;
+        let report = batch::view(pass, executed)?;
         if report.results.is_empty() {
             continue;
         }
@@ -53,6 +54,6 @@ impl Run {
             return Err(Failure::input(format!("no job of kind `{}`", self.kinds.join("`, `"))));
         }
         print(&outcome(&executed, context.fold)?)?;
-        self.require.judge(&executed, executed.status())
+        self.require.judge(&executed, Status::of(&executed))
     }
 }

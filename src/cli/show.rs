@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use serde_json::{Map, Value};
 
-use super::execute::{NotThere, prepare};
+use super::execute::{prepare, run};
 use super::options::{RequireOption, RunOptions};
 use super::output::{escaped, print, print_json, tell};
 use super::status::{Failure, Status};
-use super::studies::Loaded;
-use super::{Context, studies};
+use super::{Context, select};
+use crate::batch::{self, Loaded, NotThere};
 use crate::report::section::{CALIBRATION, SUMMARY, results};
 use crate::report::terminal;
 
@@ -38,27 +38,27 @@ pub(super) struct Show {
 
 impl Show {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
-        studies::one_pass(&self.pass)?;
-        let loaded = studies::load(std::slice::from_ref(&self.pass), context.coloured)?;
+        select::one_pass(&self.pass)?;
+        let loaded = batch::load(std::slice::from_ref(&self.pass), context.coloured)?;
         if let Some(job) = &self.job {
-            loaded.passes.iter().try_for_each(|pass| studies::has_job(pass, job))?;
+            loaded.passes.iter().try_for_each(|pass| select::has_job(pass, job))?;
         }
         let wanted = |name: &str| self.job.as_ref().is_none_or(|wanted| wanted == name);
         let mut prepared = prepare(loaded, Loaded::default(), context, |_, _, name| wanted(name))?;
         let may_run = self.run || self.options.is_forced();
-        let cache = prepared.cache(&self.options.cache);
+        let cache = self.options.cache.cache(prepared.passes());
         let not_there = if may_run { Vec::new() } else { prepared.leave_out_missing(&cache) };
-        let executed = prepared.run(&self.options, context)?;
+        let executed = run(prepared, &self.options, context)?;
         let mut documents = Map::new();
         for pass in &executed.passes {
-            let mut report = studies::view(pass, &executed)?;
+            let mut report = batch::view(pass, &executed)?;
             if self.json {
                 for entry in &report.results {
-                    documents.insert(entry.name.clone(), studies::document(entry, true)?);
+                    documents.insert(entry.name.clone(), batch::document(entry, true)?);
                 }
                 continue;
             }
-            studies::without_rows(&mut report);
+            batch::without_rows(&mut report);
             let summary = self.job.is_none().then_some(SUMMARY).filter(|_| !report.results.is_empty());
             let sections = summary.into_iter().chain(results()).chain([CALIBRATION]);
             let sections: Vec<_> = sections.filter_map(|build| build(&report)).collect();
@@ -75,7 +75,7 @@ impl Show {
             }
         }
         tell_not_there(&not_there);
-        let status = executed.status_of_wanted();
+        let status = Status::of_wanted(&executed);
         if status == Status::Done && !not_there.is_empty() {
             return Ok(Status::WrongInput);
         }

@@ -73,6 +73,17 @@ impl From<crate::runner::RunnerError> for Failure {
     }
 }
 
+impl From<crate::batch::BatchError> for Failure {
+    fn from(error: crate::batch::BatchError) -> Self {
+        use crate::batch::BatchError as E;
+        match error {
+            E::Input(message) => Self::input(message),
+            E::Job(message) => Self::job(message),
+            E::Runner(error) => error.into(),
+        }
+    }
+}
+
 impl From<std::io::Error> for Failure {
     fn from(error: std::io::Error) -> Self {
         Self { status: Status::JobFailed, message: format!("cannot write: {error}") }

@@ -12,7 +12,6 @@ pub mod findings;
 pub mod goal;
 pub mod kind;
 pub mod lab;
-pub mod next_pass;
 pub mod predict;
 pub mod propagate;
 pub mod ready;

@@ -117,7 +117,7 @@ pub trait Listener: Sync {
     fn block_runs(&self, _job: &str, _index: usize, _share: &Share) {}
 }
 
-impl Listener for [&dyn Listener] {
+impl Listener for Vec<&dyn Listener> {
     fn hear(&self, event: &Event) {
         for listener in self {
             listener.hear(event);
@@ -128,15 +128,5 @@ impl Listener for [&dyn Listener] {
         for listener in self {
             listener.block_runs(job, index, share);
         }
-    }
-}
-
-impl<const N: usize> Listener for [&dyn Listener; N] {
-    fn hear(&self, event: &Event) {
-        self.as_slice().hear(event);
-    }
-
-    fn block_runs(&self, job: &str, index: usize, share: &Share) {
-        self.as_slice().block_runs(job, index, share);
     }
 }

@@ -1,9 +1,9 @@
 //! The writer of a next pass: every effect of the catalogue at every kind of place, what is refused, what is written.
 
+use bmv::batch::next_pass::{Asked, NextPass, destination, next_pass, write};
 use bmv::document::Diagnostics;
 use bmv::effect::{Bound, Candidate, Catalogue, GroupPlace, Site, candidates};
 use bmv::job::findings::Findings;
-use bmv::job::next_pass::{Asked, NextPass, destination, next_pass, write};
 use bmv::random::Distribution;
 use bmv::study::resolve::adopt::sensor_places;
 use serde_json::{Value, json};

@@ -1,9 +1,9 @@
 //! What a diagnosis suspects before it invents physics: priors that are too narrow, signs, units, the stated noise, phases that
 //! drift; and what it must not lose on the way: nodes that begin to store heat, laws that are one thing here.
 
+use bmv::batch::next_pass::{Asked, next_pass};
 use bmv::diagnosis::{Output, Verdict};
 use bmv::job::findings::Findings;
-use bmv::job::next_pass::{Asked, next_pass};
 use bmv::job::ready::Readiness;
 use bmv::random::StreamKey;
 use bmv::study::Pass;
@@ -115,8 +115,8 @@ fn a_prior_that_excludes_the_truth_is_named_before_any_effect() {
     assert!((after.model.parameters[0].nominal - fitted.most_probable).abs() < 1e-3);
     let (low, high) = (after.priors[0].quantile(0.01), after.priors[0].quantile(0.99));
     assert!(0.0 < low && low < 0.35 && high > 0.55, "{low} {high}");
-    assert_eq!(bmv::job::next_pass::twin(&pass, &["prior-of:G"]), Some(path), "it is there already");
-    assert_eq!(bmv::job::next_pass::twin(&pass, &["prior-of:G_b"]), None);
+    assert_eq!(bmv::batch::next_pass::twin(&pass, &["prior-of:G"]), Some(path), "it is there already");
+    assert_eq!(bmv::batch::next_pass::twin(&pass, &["prior-of:G_b"]), None);
 }
 
 #[test]

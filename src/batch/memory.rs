@@ -1,7 +1,7 @@
 //! How much memory jobs need, and how much there is.
 
-use super::output::escaped;
-use super::status::Failure;
+use super::BatchError;
+use crate::report::terminal::escaped;
 use crate::runner::plan::Preview;
 
 /// Where the system does not tell how much there is, more is refused.
@@ -13,11 +13,11 @@ pub const WORTH_TELLING: u64 = 256 << 20;
 ///
 /// # Errors
 /// Each of them with what it needs.
-pub fn check(needed: &[Preview]) -> Result<(), Failure> {
+pub fn check(needed: &[Preview]) -> Result<(), BatchError> {
     refused(needed, machine_bytes())
 }
 
-fn refused(needed: &[Preview], there_bytes: u64) -> Result<(), Failure> {
+fn refused(needed: &[Preview], there_bytes: u64) -> Result<(), BatchError> {
     let too_large = needed.iter().filter(|job| job.memory_bytes > there_bytes);
     let told: Vec<String> = too_large
         .map(|job| {
@@ -30,7 +30,7 @@ fn refused(needed: &[Preview], there_bytes: u64) -> Result<(), Failure> {
             )
         })
         .collect();
-    if told.is_empty() { Ok(()) } else { Err(Failure::input(told.join("\n"))) }
+    if told.is_empty() { Ok(()) } else { Err(BatchError::input(told.join("\n"))) }
 }
 
 /// Memory of the machine, bytes.
@@ -68,8 +68,8 @@ mod tests {
             memory_bytes,
         };
         let needed = [job("small", 1 << 20), job("large", 34 << 30), job("none", 0)];
-        assert_eq!(refused(&needed, 40 << 30), Ok(()));
-        let message = refused(&needed, 16 << 30).unwrap_err().message;
+        assert!(refused(&needed, 40 << 30).is_ok());
+        let message = refused(&needed, 16 << 30).unwrap_err().to_string();
         assert_eq!(
             message,
             "`large` needs about 36.5 GB of memory, this machine has 17.2 GB: give it fewer `samples` (or `draws`), or a sweep \

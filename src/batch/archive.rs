@@ -3,17 +3,18 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::execute::{Executed, is_judge};
-use super::output::escaped;
-use super::status::Failure;
-use super::studies::{LoadedPass, history, view_in};
+use super::executed::is_judge;
+use super::history::history;
+use super::inputs::input_files;
+use super::view::view_in;
+use super::{BatchError, Executed, LoadedPass};
 use crate::report::assemble::Surroundings;
+use crate::report::terminal::escaped;
 use crate::report::{self, FileHash};
 use crate::runner::manifest::FileRecord;
 use crate::runner::{ENGINE_VERSION, Key, Manifest};
-use crate::study::inherit::plain_name;
 use crate::study::project::whole;
-use crate::study::{self, Content, Pass};
+use crate::study::{self, Pass};
 
 /// Folder of the reports in a project.
 const REPORTS: &str = "reports";
@@ -47,7 +48,7 @@ impl Target {
 ///
 /// # Errors
 /// Two studies whose reports would lie in one folder; a folder that holds the report of another study.
-pub fn targets(passes: &[LoadedPass], out: Option<&Path>) -> Result<Vec<Target>, Failure> {
+pub fn targets(passes: &[LoadedPass], out: Option<&Path>) -> Result<Vec<Target>, BatchError> {
     let mut taken: BTreeMap<PathBuf, &LoadedPass> = BTreeMap::new();
     let mut targets = Vec::new();
     for pass in passes {
@@ -55,7 +56,7 @@ pub fn targets(passes: &[LoadedPass], out: Option<&Path>) -> Result<Vec<Target>,
         let folder = target.folder();
         let shown = escaped(&folder.display().to_string());
         if let Some(other) = taken.insert(whole(&target.base).join(&target.relative), pass) {
-            return Err(Failure::input(format!(
+            return Err(BatchError::input(format!(
                 "the reports of `{}` and `{}` would both lie in `{shown}`: the studies have one name; report each by \
                  itself, with its own --out DIR",
                 escaped(&other.shown),
@@ -66,7 +67,7 @@ pub fn targets(passes: &[LoadedPass], out: Option<&Path>) -> Result<Vec<Target>,
         // What is no manifest says of no study that the folder is its own.
         if let Some(earlier) = Manifest::read(&folder).ok().filter(|earlier| !earlier.inputs.contains_key(&own)) {
             let of = earlier.command.strip_prefix(COMMAND).unwrap_or(&earlier.command).trim().to_owned();
-            return Err(Failure::input(format!(
+            return Err(BatchError::input(format!(
                 "`{shown}` holds the report of `{}`, a study of the same name: name another folder with --out DIR; or, \
                  if that study has become `{}`, delete the old report first",
                 escaped(&of),
@@ -86,8 +87,8 @@ const COMMAND: &str = "bmv report";
 ///
 /// # Errors
 /// A result that cannot be rendered, a file that cannot be written, a study that changed while it was read.
-pub fn render(pass: &LoadedPass, executed: &Executed, target: &Target) -> Result<bool, Failure> {
-    let failed = |error: String| Failure::job(format!("{}: {error}", escaped(&pass.shown)));
+pub fn render(pass: &LoadedPass, executed: &Executed, target: &Target) -> Result<bool, BatchError> {
+    let failed = |error: String| BatchError::job(format!("{}: {error}", escaped(&pass.shown)));
     if executed.results(pass).next().is_none() && !pass.not_run.is_empty() {
         return Ok(false);
     }
@@ -141,71 +142,4 @@ fn lineage<'e>(pass: &'e LoadedPass, executed: &'e Executed) -> Vec<&'e LoadedPa
 /// A study's name: that of its folder.
 pub(super) fn study_name(folder: &Path) -> String {
     whole(folder).file_name().map_or_else(|| "study".to_owned(), |name| name.to_string_lossy().into_owned())
-}
-
-/// A file of a study: its role, its path within the study, what was read of it.
-type InputFile = (&'static str, String, Content);
-
-/// The files that were read of a study for a pass, its parents before it: those that the passes name, then all others.
-fn input_files(lineage: &[&Pass]) -> Result<Vec<InputFile>, String> {
-    let mut read = BTreeMap::new();
-    for pass in lineage {
-        note(pass, &mut read)?;
-    }
-    let mut files: Vec<InputFile> = Vec::new();
-    for (role, file) in named_files(lineage) {
-        files.extend(read.remove(&file).map(|content| (role, file, content)));
-    }
-    files.extend(read.into_iter().map(|(file, content)| (role_by_folder(&file), file, content)));
-    Ok(files)
-}
-
-/// Adds what was read for a pass and those whose posteriors it uses.
-fn note(pass: &Pass, read: &mut BTreeMap<String, Content>) -> Result<(), String> {
-    for (file, content) in &pass.files {
-        if read.insert(file.clone(), content.clone()).is_some_and(|before| before != *content) {
-            return Err(format!("`{file}` changed while the study was read: run the command again"));
-        }
-    }
-    pass.upstream.iter().try_for_each(|upstream| note(upstream, read))
-}
-
-/// What a file is that no pass names by itself.
-fn role_by_folder(file: &str) -> &'static str {
-    match file.split_once('/') {
-        Some(("effects", _)) => "effect",
-        Some(("rules", _)) => "rule",
-        Some(("criteria", _)) => "criteria",
-        _ if file.ends_with(".json") => "pass named as evidence",
-        _ => "data",
-    }
-}
-
-/// Files that a pass and its parents name, with their roles; the pass stands last.
-fn named_files(lineage: &[&Pass]) -> Vec<(&'static str, String)> {
-    let mut files: Vec<(&'static str, String)> = Vec::new();
-    for pass in lineage.iter().rev() {
-        let mut own = vec![("model", pass.model_file.clone())];
-        let is_first = files.is_empty();
-        own.extend(is_first.then(|| ("pass", pass.file.clone())));
-        own.extend(pass.parents.iter().map(|parent| ("parent pass", parent.clone())));
-        own.extend(pass.adopted.iter().filter_map(|adopted| Some(("effect", adopted.file.clone()?))));
-        own.extend(pass.measurements.iter().map(|measurement| ("data", measurement.file.clone())));
-        let draws = pass.handed_on.iter().filter(|own| own.draws.sha256.is_some());
-        own.extend(draws.map(|own| ("draws", own.draws.source.trim_matches('`').to_owned())));
-        for upstream in &pass.upstream {
-            let behind = named_files(&[upstream]).into_iter();
-            own.extend(behind.map(|(role, file)| match role {
-                "pass" => ("pass whose posterior is used", file),
-                role => (role, file),
-            }));
-        }
-        for (role, file) in own {
-            let file = plain_name(&file);
-            if !files.iter().any(|(_, known)| *known == file) {
-                files.push((role, file));
-            }
-        }
-    }
-    files
 }

@@ -1,0 +1,144 @@
+//! Passes with a plan of their wanted jobs, of which nothing has run yet.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use super::executed::is_judge;
+use super::graph::delivered;
+use super::load::{Loaded, LoadedPass};
+use super::{BatchError, Executed, memory};
+use crate::runner::engine::local;
+use crate::runner::interrupt::Interrupts;
+use crate::runner::plan::State;
+use crate::runner::{Cache, Listener, Plan, Settings, WorkHistory};
+use crate::study::Pass;
+
+/// Passes with their plan, of which nothing has run yet.
+pub struct Prepared {
+    passes: Vec<LoadedPass>,
+    parents: Vec<LoadedPass>,
+    plan: Plan,
+    /// Ids of the wanted jobs.
+    only: BTreeSet<String>,
+}
+
+/// Plans the wanted jobs of passes that are loaded; of `parents` the jobs by which passes are judged are wanted.
+///
+/// # Errors
+/// Jobs that build upon one another in a circle, and the like.
+pub fn prepare(
+    loaded: Loaded,
+    parents: Loaded,
+    wanted: impl Fn(&Pass, &str, &str) -> bool,
+) -> Result<Prepared, BatchError> {
+    let Loaded { mut passes, mut nodes, .. } = loaded;
+    let Loaded { passes: mut older, nodes: of_older, .. } = parents;
+    nodes.extend(of_older);
+    let plan = Plan::new(nodes)?;
+    let retain = |pass: &mut LoadedPass, wanted: &dyn Fn(&Pass, &str, &str) -> bool| {
+        let definition = Arc::clone(&pass.pass);
+        pass.jobs.retain(|id| {
+            plan.find(id).is_some_and(|position| {
+                let node = &plan.nodes()[position];
+                wanted(&definition, node.task.kind(), &node.name)
+            })
+        });
+        pass.refused.retain(|refused| wanted(&definition, &refused.kind, &refused.name));
+    };
+    for pass in &mut passes {
+        retain(pass, &wanted);
+    }
+    for pass in &mut older {
+        retain(pass, &|pass, _, name| is_judge(pass, name));
+    }
+    let wanted_ids = passes.iter().chain(&older).flat_map(|pass| pass.jobs.iter().cloned());
+    let only: BTreeSet<String> = wanted_ids.collect();
+    Ok(Prepared { passes, parents: older, plan, only })
+}
+
+/// A wanted job that has no result.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NotThere {
+    /// Its pass, as people see it.
+    pub pass: String,
+    /// Its name.
+    pub job: String,
+}
+
+impl Prepared {
+    /// The passes that were asked for.
+    pub fn passes(&self) -> &[LoadedPass] {
+        &self.passes
+    }
+
+    /// Leaves out the wanted jobs that have no result in the cache, so that nothing runs.
+    pub fn leave_out_missing(&mut self, cache: &Cache) -> Vec<NotThere> {
+        let (states, _) = self.plan.survey(cache, Some(&self.only), false);
+        let missing: BTreeSet<&String> = (self.plan.nodes().iter().zip(&states))
+            .filter(|(_, state)| **state == State::Missing)
+            .map(|(node, _)| &node.id)
+            .collect();
+        let mut left_out = Vec::new();
+        for pass in &mut self.passes {
+            let (gone, kept) = std::mem::take(&mut pass.jobs).into_iter().partition(|id| missing.contains(id));
+            pass.jobs = kept;
+            let gone: Vec<String> = gone;
+            let name = |id: &String| self.plan.find(id).map(|position| self.plan.nodes()[position].name.clone());
+            left_out.extend(gone.iter().filter_map(|id| Some(NotThere { pass: pass.shown.clone(), job: name(id)? })));
+        }
+        for pass in &mut self.parents {
+            pass.jobs.retain(|id| !missing.contains(id));
+        }
+        self.only.retain(|id| !missing.contains(id));
+        left_out
+    }
+
+    /// Lets comparisons whose calibration has no result in the cache show the model as delivered; gives their names and
+    /// those of the calibrations.
+    ///
+    /// # Errors
+    /// Jobs that build upon one another in a circle, and the like.
+    pub fn deliver(self, cache: &Cache) -> Result<(Self, Vec<(String, String)>), BatchError> {
+        let (states, _) = self.plan.survey(cache, Some(&self.only), false);
+        let waits = |position: usize| {
+            let mut upstream = self.plan.upstream(position).iter();
+            upstream.any(|&other| states[other] == State::Missing)
+        };
+        let waiting: Vec<usize> = (0..states.len())
+            .filter(|&at| self.only.contains(&self.plan.nodes()[at].id) && states[at] == State::Missing && waits(at))
+            .collect();
+        let Self { passes, parents, plan, only } = self;
+        let mut nodes = plan.into_nodes();
+        let mut without = Vec::new();
+        for position in waiting {
+            let Some(pass) = passes.iter().find(|pass| pass.jobs.contains(&nodes[position].id)) else { continue };
+            if let Some((node, calibration)) = delivered(pass, &nodes[position].name) {
+                without.push((node.name.clone(), calibration));
+                nodes[position] = node;
+            }
+        }
+        Ok((Self { passes, parents, plan: Plan::new(nodes)?, only }, without))
+    }
+
+    /// Runs what is wanted and not in the cache.
+    ///
+    /// # Errors
+    /// A job that needs more memory than the machine has; a refusal of the system. What goes wrong with a job is in the
+    /// summary.
+    pub fn run(
+        self,
+        settings: Settings,
+        cache: &Cache,
+        interrupts: &Interrupts,
+        listener: &dyn Listener,
+    ) -> Result<Executed, BatchError> {
+        let Self { passes, parents, plan, only } = self;
+        let settings = Settings { only: Some(only), ..settings };
+        let needed = plan.preview(cache, settings.only.as_ref(), settings.force, &WorkHistory::default());
+        memory::check(&needed)?;
+        let summary = interrupts.during(|stop| local::run(&plan, cache, &settings, stop, listener))?;
+        // One that comes with the last block counts too.
+        let is_interrupted = summary.is_interrupted() || interrupts.is_stopped();
+        Ok(Executed { passes, parents, plan, summary, is_interrupted })
+    }
+}
