@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
+
 use super::execute::execute;
 use super::options::CachedRunOptions;
 use super::output::{escaped, print, tell};
@@ -9,11 +11,11 @@ use super::status::{Failure, Status};
 use super::{Context, select};
 use crate::batch::LoadedPass;
 use crate::batch::next_pass::{Asked, NextPass, destination, next_pass, probability_text, twin, write};
-use crate::diagnosis::RISES;
+use crate::diagnosis::output::EffectResult;
+use crate::diagnosis::{Output, RISES};
 use crate::document::visible::shell_word;
 use crate::document::{Diagnostics, suggest};
 use crate::inference::measurement::Doubt;
-use crate::job::findings::{Finding, Findings};
 
 /// Diagnostics printed of one refusal.
 const MOST_DIAGNOSTICS: usize = 20;
@@ -57,14 +59,15 @@ impl Adopt {
         let Some(pass) = executed.passes.first() else { return Ok(Status::of(&executed)) };
         let found = executed.results(pass).find(|(at, _)| executed.plan.nodes()[*at].name == job);
         let Some((_, result)) = found else { return Ok(Status::of_wanted(&executed)) };
-        let findings = Findings::from_result(&job, &result.stored.value)
-            .map_err(|error| Failure::job(format!("{}: {error}", escaped(&pass.shown))))?;
+        let diagnosis = Output::deserialize(&*result.stored.value).map_err(|error| {
+            Failure::job(format!("{}: the result of `{job}` is no diagnosis: {error}", escaped(&pass.shown)))
+        })?;
         let path = destination(&pass.pass, self.out.as_deref(), &asked.command()).map_err(|wrong| {
             let mut diagnostics = Diagnostics::new();
             diagnostics.push(*wrong);
             refused(diagnostics)
         })?;
-        let next = next_pass(&pass.pass, &job, &findings, &asked, self.force, &path).map_err(refused)?;
+        let next = next_pass(&pass.pass, &job, &diagnosis, &asked, self.force, &path).map_err(refused)?;
         if self.out.is_none() {
             let ids: Vec<&str> = next.adopted.iter().map(|(_, finding)| finding.id.as_str()).collect();
             if let Some(twin) = twin(&pass.pass, &ids) {
@@ -74,27 +77,26 @@ impl Adopt {
                 return Ok(Status::of(&executed));
             }
         }
-        for line in findings.doubts.iter().map(Doubt::in_words) {
+        for line in diagnosis.doubts.iter().map(Doubt::in_words) {
             tell(&format!("warning: {}", escaped(&line)));
         }
         if !next.warnings.is_empty() {
             tell(&next.warnings.render(context.coloured, MOST_DIAGNOSTICS));
         }
         write(&next.text, &path, self.force && self.out.is_some(), &asked.command()).map_err(refused)?;
-        print(&told(pass, &path, &next, &findings))?;
+        print(&told(pass, &path, &next, &diagnosis))?;
         Ok(Status::of(&executed))
     }
 }
 
 /// What was written, what stays open, and the next commands.
-fn told(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, findings: &Findings) -> String {
+fn told(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, diagnosis: &Output) -> String {
     let shown = escaped(&path.display().to_string());
     let mut text = format!("wrote {shown}: {} with\n", escaped(&pass.file));
     for (name, finding) in &next.adopted {
-        let probability = finding.probability.map(|value| format!(", probability {}", probability_text(value)));
-        let probability = probability.unwrap_or_default();
-        let against = if findings.supports(finding) { "" } else { ", against the diagnosis" };
-        text.push_str(&format!("  {}: {}{probability}{against}\n", escaped(name), escaped(&finding.id)));
+        let probability = probability_text(finding.probability);
+        let against = if diagnosis.supports(finding) { "" } else { ", against the diagnosis" };
+        text.push_str(&format!("  {}: {}, probability {probability}{against}\n", escaped(name), escaped(&finding.id)));
     }
     let chosen: Vec<_> = next.adopted.iter().map(|(_, finding)| *finding).collect();
     for (id, [before, after]) in chosen.iter().filter_map(|finding| Some((&finding.id, worse(finding)?))) {
@@ -116,8 +118,8 @@ fn told(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, findings: &Findings
 }
 
 /// Errors on the held-out rows before and after, K, where they rise by more than a twentieth.
-fn worse(finding: &Finding) -> Option<[f64; 2]> {
-    let [before, after] = finding.rmse_k.held_out?;
+fn worse(finding: &EffectResult) -> Option<[f64; 2]> {
+    let [before, after] = finding.rmse_k.held_out;
     let (before, after) = (before?, after?);
     (after > RISES * before).then_some([before, after])
 }

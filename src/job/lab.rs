@@ -11,7 +11,7 @@ use super::{Done, Job, JobError, Parts, Step};
 use crate::diagnosis::laboratory::{
     Outcome, Rate, Score, Trial, Truth, drawn_case, own_case, own_wish, score, standard,
 };
-use crate::diagnosis::{HypothesisError, Problem};
+use crate::diagnosis::{FitError, Problem};
 use crate::document::suggest;
 use crate::effect::Catalogue;
 use crate::watch;
@@ -95,7 +95,7 @@ impl Lab {
             }
         }
         // What stops every case is told before the first.
-        let failed = |error: HypothesisError| JobError::Failed(error.to_string());
+        let failed = |error: FitError| JobError::Failed(error.to_string());
         problem.hypothesis(&[], 1.0).and_then(|believed| believed.likelihood(&problem)).map_err(failed)?;
         let hidden = spec.effect.as_ref().zip(spec.amplitude);
         if let Some((effect, amplitude)) = hidden {

@@ -8,7 +8,6 @@ pub mod conventional;
 pub mod design;
 pub mod diagnose;
 mod fault;
-pub mod findings;
 pub mod goal;
 pub mod kind;
 pub mod lab;

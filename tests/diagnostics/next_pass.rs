@@ -1,9 +1,9 @@
 //! The writer of a next pass: every effect of the catalogue at every kind of place, what is refused, what is written.
 
 use bmv::batch::next_pass::{Asked, NextPass, destination, next_pass, write};
+use bmv::diagnosis::Output;
 use bmv::document::Diagnostics;
 use bmv::effect::{Bound, Candidate, Catalogue, GroupPlace, Site, candidates};
-use bmv::job::findings::Findings;
 use bmv::random::Distribution;
 use bmv::study::resolve::adopt::sensor_places;
 use serde_json::{Value, json};
@@ -73,12 +73,46 @@ fn finding(candidate: &Candidate) -> Value {
         "rmse_k": {"train": [0.71, 0.26], "held_out": [0.83, null]}})
 }
 
-fn findings(verdict: &str, effects: Vec<Value>, selected: &[&str]) -> Findings {
+/// Adds what a document does not say.
+fn fill(document: &mut Value, base: Value) {
+    let (Value::Object(document), Value::Object(base)) = (document, base) else { panic!("objects") };
+    for (name, value) in base {
+        document.entry(name).or_insert(value);
+    }
+}
+
+/// A diagnosis that says this, and else as little as it may.
+fn output(mut whole: Value) -> Output {
+    let rmse = json!({"train": null, "held_out": null});
+    let effect = json!({"title": "", "probability": 0.0, "log_bayes_factor": 0.0, "group": null, "amplitudes": {},
+        "rmse_k": {"train": [null, null], "held_out": [null, null]}, "confused_with": [], "separate": ""});
+    for own in whole["effects"].as_array_mut().expect("effects") {
+        fill(own, effect.clone());
+        for amplitude in own["amplitudes"].as_object_mut().expect("amplitudes").values_mut() {
+            fill(amplitude, json!({"at_bound": false}));
+        }
+    }
+    for model in whole.get_mut("models").and_then(Value::as_array_mut).into_iter().flatten() {
+        fill(model, json!({"log_evidence": 0.0, "chi_square": 0.0, "rmse_k": rmse}));
+    }
+    if let Some(experiment @ Value::Object(_)) = whole.get_mut("separating_experiment") {
+        fill(experiment, json!({"predictions": {}}));
+    }
+    let misfit = json!({"reduced_chi2": 1.0, "family_wise_p": 0.5, "rmse_k": rmse, "tests": []});
+    let base = json!({"words": [], "probability_nothing": 0.0, "probability_unexplained": 0.0, "misfit": misfit,
+        "models": [], "selected": [], "unseen": [], "detectable": {}, "noise": {}, "separating_experiment": null,
+        "heat": [], "goes_with": [], "held_out_test": null, "remaining_p": null, "looked_at": [0, 0, 0],
+        "warnings": []});
+    fill(&mut whole, base);
+    serde_json::from_value(whole).expect("a diagnosis")
+}
+
+fn findings(verdict: &str, effects: Vec<Value>, selected: &[&str]) -> Output {
     let whole = json!({"verdict": verdict, "effects": effects, "selected": selected,
         "unseen": [{"id": "thermal-mass:box", "why": "steady data see no capacity"}],
         "separating_experiment": {"between": [], "conditions": {"T_plate": {"value": 313.0, "unit": "K"}}, "probability": 0.97,
             "repeat_probability": 0.6, "limits_ok": true}});
-    Findings::from_result("missing", &whole).expect("of that form")
+    output(whole)
 }
 
 fn close(one: f64, other: f64) -> bool {
@@ -162,7 +196,7 @@ fn other(id: &str, kind: &str, group: Option<u64>) -> Value {
     json!({"id": id, "effect": parts[0], "where": parts[1..], "where_kind": kind, "probability": 0.01, "group": group})
 }
 
-fn adopt<'f>(study: &Study, findings: &'f Findings, effects: &[&str], forced: bool) -> Result<NextPass<'f>, String> {
+fn adopt<'f>(study: &Study, findings: &'f Output, effects: &[&str], forced: bool) -> Result<NextPass<'f>, String> {
     let effects: Vec<String> = effects.iter().map(|&text| text.to_owned()).collect();
     let asked = Asked::new("bmv adopt pass-1.json", &effects);
     next_pass(&study.load(), "missing", findings, &asked, forced, &study.path("pass-2.json"))
@@ -224,7 +258,7 @@ fn what_the_data_do_not_settle_is_adopted_by_name_with_its_odds() {
             "selected": ["conductive-path:box:detector"],
             "models": [{"effects": ["conductive-path:box:detector"], "probability": 0.501}, {"effects": ["heat-load:box"], "probability": 0.3}]});
         whole.as_object_mut().expect("an object").extend(more.as_object().expect("an object").clone());
-        Findings::from_result("missing", &whole).expect("of that form")
+        output(whole)
     };
     let parts = json!({"separating_experiment": {"between": [], "conditions": {"T_plate": {"value": 313.0, "unit": "K"}},
         "probability": 0.97, "repeat_probability": 0.6, "limits_ok": true}});

@@ -3,7 +3,6 @@
 
 use bmv::batch::next_pass::{Asked, next_pass};
 use bmv::diagnosis::{Output, Verdict};
-use bmv::job::findings::Findings;
 use bmv::job::ready::Readiness;
 use bmv::random::StreamKey;
 use bmv::study::Pass;
@@ -95,19 +94,17 @@ const TRUE: [f64; 3] = [0.5, 0.3, 1.0];
 fn a_prior_that_excludes_the_truth_is_named_before_any_effect() {
     // Below its prior no path can help; the plate's conductor lets through too much.
     let study = Study::steady("[0.45, 0.55]", "Q", [0.35, 0.3, 1.0], [0.1, 0.1], ALL);
-    let result = study.result();
-    let output: Output = serde_json::from_value(result.clone()).expect("a diagnosis");
+    let output = study.diagnosed();
     assert_eq!((output.verdict, output.selected.as_slice()), (Verdict::Identified, &["prior-of:G".to_owned()][..]));
     let own = output.effects.iter().find(|effect| effect.id == "prior-of:G").expect("told");
     let fitted = &own.amplitudes["G"];
     assert!((fitted.value - 0.35).abs() < 3.0 * fitted.sd && fitted.sd < 0.01, "{fitted:?}");
     assert!(output.words[1].starts_with("A prior is too narrow") && output.words[1].contains("0.450 to 0.550 W/K"));
     // Adopted, it is a wider prior with its reason, and what it takes for plausible holds the truth.
-    let findings = Findings::from_result("missing", &result).expect("findings");
     let pass = study.load("pass-1.json");
     let asked = Asked::new("bmv adopt pass-1.json", &[]);
     let path = study.0.path().join("pass-2.json");
-    let next = next_pass(&pass, "missing", &findings, &asked, false, &path).unwrap_or_else(|_| panic!("it is written"));
+    let next = next_pass(&pass, "missing", &output, &asked, false, &path).unwrap_or_else(|_| panic!("it is written"));
     std::fs::write(&path, &next.text).expect("written");
     let after = study.load("pass-2.json");
     assert_eq!((after.adopted.len(), after.changes.len()), (0, 1), "{}", next.text);

@@ -1,7 +1,10 @@
 //! The course of a diagnosis: screen everything, fit the best sets, go on from the best of these until nothing is left,
 //! conclude. Every step is a pure function of the problem and of what was found before.
 
+use crate::diagnosis::FitError;
+use crate::diagnosis::Unfitted;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 
 use serde::{Deserialize, Serialize};
 
@@ -105,7 +108,7 @@ pub struct State {
 
 impl State {
     /// Takes the fits of the pending sets, in order. Of two fits of a set the better one stays.
-    pub fn take(&mut self, refits: Vec<Result<Refit, String>>) {
+    pub fn take(&mut self, refits: Vec<Result<Refit, Unfitted>>) {
         for (order, refit) in std::mem::take(&mut self.pending).into_iter().zip(refits) {
             match refit {
                 Ok(refit) => match self.refits.iter_mut().find(|known| known.effects == refit.effects) {
@@ -115,7 +118,7 @@ impl State {
                 },
                 Err(why) => {
                     if let [effect] = order.effects[..] {
-                        self.failed.push((effect, why.clone()));
+                        self.failed.push((effect, why.to_string()));
                     }
                     self.warn(why);
                 }
@@ -135,7 +138,8 @@ impl State {
         self.remainders.iter().any(|remainder| remainder.effects == self.refits[place].effects)
     }
 
-    pub(crate) fn warn(&mut self, why: String) {
+    pub(crate) fn warn(&mut self, why: impl Display) {
+        let why = why.to_string();
         if !self.warnings.contains(&why) {
             self.warnings.push(why);
         }
@@ -211,7 +215,7 @@ impl Diagnosis {
     ///
     /// # Errors
     /// Why the believed model cannot be fitted.
-    pub fn screen(&self) -> Result<State, String> {
+    pub fn screen(&self) -> Result<State, FitError> {
         let begin = Begin { starts: Vec::new(), from_prior: STARTS, scale: 1.0 };
         let declared = self.problem.refit(&[], &begin, &self.key)?;
         let most_steps = self.most_steps(&declared)?;
@@ -221,18 +225,18 @@ impl Diagnosis {
 
     /// Attempted steps after which a transient is given up: many times those of the believed model at its fit. In a wrong
     /// hypothesis an integrator may crawl, and what it would find there counts for nothing.
-    fn most_steps(&self, fitted: &Refit) -> Result<Vec<u64>, String> {
+    fn most_steps(&self, fitted: &Refit) -> Result<Vec<u64>, FitError> {
         if !self.problem.measurements.iter().any(|own| matches!(own.rows, Rows::Transient { .. })) {
             return Ok(Vec::new());
         }
         let believed = self.problem.hypothesis(&[], 1.0).and_then(|own| own.likelihood(&self.problem));
-        let likelihood = believed.map_err(|error| error.to_string())?;
-        let steps = likelihood.transient_steps(&fitted.unknowns).map_err(|rejected| rejected.to_string())?;
+        let likelihood = believed?;
+        let steps = likelihood.transient_steps(&fitted.unknowns)?;
         Ok(steps.into_iter().map(|steps| steps.saturating_mul(TIMES_THE_STEPS).max(LEAST_OF_MOST_STEPS)).collect())
     }
 
     /// Fits the believed model, from another fit of it, with settled noise, and screens all effects and pairs.
-    fn screen_with(&self, fitted: &Refit, noise: Vec<SettledSensor>, most_steps: Vec<u64>) -> Result<State, String> {
+    fn screen_with(&self, fitted: &Refit, noise: Vec<SettledSensor>, most_steps: Vec<u64>) -> Result<State, FitError> {
         let problem = self.settled(&noise, &most_steps);
         let mut believed = fitted.clone();
         if !noise.is_empty() {
@@ -283,7 +287,7 @@ impl Diagnosis {
 
     /// What stands out where the parameters are as they were believed beforehand, if the fit bends them far from there: about
     /// a fit that a strong effect has bent, its linearisation may not look like it any more. The starts hold the parameters.
-    pub(crate) fn leads_unbent(&self, problem: &Problem, believed: &Refit) -> Result<Vec<Lead>, String> {
+    pub(crate) fn leads_unbent(&self, problem: &Problem, believed: &Refit) -> Result<Vec<Lead>, FitError> {
         let likelihood = self.likelihood(problem)?;
         let mut unbent = believed.clone();
         let mut bent = false;
@@ -318,7 +322,7 @@ impl Diagnosis {
     ///
     /// # Errors
     /// Why it cannot be fitted.
-    pub fn refit(&self, state: &State, order: &Order) -> Result<Refit, String> {
+    pub fn refit(&self, state: &State, order: &Order) -> Result<Refit, Unfitted> {
         let problem = self.settled(&state.noise, &state.most_steps);
         let base = state.refits.get(order.from).map(Refit::by_name).unwrap_or_default();
         let starts = order.starts.iter().map(|own| {
@@ -329,9 +333,10 @@ impl Diagnosis {
         // Where something is missing, the believed model may be bent far from where its parameters are with the effect.
         let from_prior = usize::from(self.finds(&state.screening));
         let begin = Begin { starts: starts.collect(), from_prior, scale: 1.0 };
-        let names = order.effects.iter().map(|&effect| self.problem.candidates[effect].id.as_str());
-        let names: Vec<&str> = names.collect();
-        problem.refit(&order.effects, &begin, &self.key).map_err(|why| format!("{}: {why}", names.join(" + ")))
+        problem.refit(&order.effects, &begin, &self.key).map_err(|error| {
+            let ids = order.effects.iter().map(|&effect| self.problem.candidates[effect].id.clone());
+            Unfitted { effects: ids.collect(), reason: error.to_string() }
+        })
     }
 
     pub(crate) fn is_unknown_function(&self, effect: usize) -> bool {
@@ -341,7 +346,7 @@ impl Diagnosis {
 
     /// Settles the noise anew beside the best fitted effect or pair; before, it was settled beside a linearised one. Where it
     /// changes, everything is screened and fitted again. `None` where it stays.
-    pub(crate) fn settle_again(&self, state: &State) -> Result<Option<State>, String> {
+    pub(crate) fn settle_again(&self, state: &State) -> Result<Option<State>, FitError> {
         let weights = weigh(&self.problem, &state.refits, None);
         // An unknown function, or a third effect, could take noise for physics.
         let plain = |place: &usize| {
@@ -353,7 +358,7 @@ impl Diagnosis {
         let (false, Some(best)) = (state.noise.is_empty(), best) else { return Ok(None) };
         let best = &state.refits[best];
         let bounded = self.settled(&[], &state.most_steps);
-        let with = bounded.with(best).map_err(|error| error.to_string())?;
+        let with = bounded.with(best)?;
         let noise = self.settle_noise(&with, best, false)?;
         let changed = noise.iter().zip(&state.noise).any(|(new, old)| new.noise.differs(&old.noise));
         if !changed {
@@ -373,8 +378,8 @@ impl Diagnosis {
     }
 
     /// Screens what a fitted set leaves.
-    pub(crate) fn screen_beside(&self, problem: &Problem, refit: &Refit) -> Result<Screening, String> {
-        let with = problem.with(refit).map_err(|error| error.to_string())?;
+    pub(crate) fn screen_beside(&self, problem: &Problem, refit: &Refit) -> Result<Screening, FitError> {
+        let with = problem.with(refit)?;
         self.screen_problem(&with, refit, false)
     }
 
@@ -382,7 +387,7 @@ impl Diagnosis {
     ///
     /// # Errors
     /// As [`Diagnosis::screen`].
-    pub fn run(&self) -> Result<crate::diagnosis::Output, String> {
+    pub fn run(&self) -> Result<crate::diagnosis::Output, FitError> {
         let mut state = self.screen()?;
         loop {
             let orders = self.orders(&state);

@@ -5,6 +5,7 @@
 //! of it on campaigns with a known truth. docs/diagnosis.md says what is computed, and after whom.
 
 mod engine;
+pub mod error;
 pub mod fits;
 mod heat;
 pub mod laboratory;
@@ -13,13 +14,15 @@ mod noise;
 pub mod odds;
 pub mod output;
 pub mod problem;
+mod query;
 pub mod screening;
 mod settings;
 mod verdict;
 
 pub use engine::{Diagnosis, Order, State};
+pub use error::{FitError, Unfitted};
 pub use fits::evidence::{Amplitude, Evidence};
-pub use fits::hypothesis::{Hypothesis, HypothesisError};
+pub use fits::hypothesis::Hypothesis;
 pub use fits::refit::Refit;
 pub use linearisation::linear::{Direction, Linear};
 pub use odds::prior_of::{PRIOR_OF, wider};

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::diagnosis::HypothesisError;
+use crate::diagnosis::FitError;
 use crate::effect::{Candidate, Catalogue};
 use crate::inference::joint_prior::JointPrior;
 use crate::inference::likelihood::{InputError, Likelihood, LikelihoodError};
@@ -48,7 +48,7 @@ impl Problem {
     /// stay as they are, and the least squares have a column.
     pub fn with_something_to_infer(mut self) -> Self {
         let believed = self.hypothesis(&[], 1.0).and_then(|believed| believed.likelihood(&self));
-        if !matches!(believed, Err(HypothesisError::Likelihood(LikelihoodError::NoUnknowns))) {
+        if !matches!(believed, Err(FitError::Likelihood(LikelihoodError::NoUnknowns))) {
             return self;
         }
         let mut model = (*self.model).clone();

@@ -17,12 +17,14 @@ use crate::random::Distribution;
 pub struct Rejected {
     /// Why, without numbers that differ from point to point, so that equal reasons can be counted together.
     pub reason: Cow<'static, str>,
+    /// Whether a transient was given up, since it took far more steps than it may.
+    pub is_given_up: bool,
 }
 
 impl Rejected {
     /// A rejection for this reason.
     pub fn new(reason: impl Into<Cow<'static, str>>) -> Self {
-        Self { reason: reason.into() }
+        Self { reason: reason.into(), is_given_up: false }
     }
 }
 
@@ -105,6 +107,14 @@ pub struct Rejections {
     /// Reasons with how often each was given, in the order of their first appearance; at most
     /// [`Rejections::MOST_REASONS`], then `other reasons`.
     pub by_reason: Vec<(String, u64)>,
+    /// How many were transients that were given up.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub given_up: u64,
+}
+
+/// Whether nothing was counted.
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 impl Rejections {
@@ -114,6 +124,7 @@ impl Rejections {
     /// Counts one rejection.
     pub fn count(&mut self, rejected: &Rejected) {
         self.add(&rejected.reason, 1);
+        self.given_up += u64::from(rejected.is_given_up);
     }
 
     /// Adds the counts of another tally.

@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::diagnosis::Verdict;
-use crate::diagnosis::output::OneThing;
+use crate::diagnosis::output::{EffectResult, OneThing, SeparatingExperiment};
+use crate::diagnosis::{Output, Verdict};
 use crate::document::visible::shell_word;
 use crate::document::{Diagnostic, Diagnostics, Place, Source, Span, code, percent, suggest};
 use crate::expression::Unit;
-use crate::job::findings::{Experiment, Finding, Findings};
 use crate::thermal::Model;
 
 use super::entry::probability_text;
@@ -51,7 +50,7 @@ impl Asked {
 #[derive(Debug)]
 pub struct Chosen<'f> {
     /// The effects.
-    pub effects: Vec<&'f Finding>,
+    pub effects: Vec<&'f EffectResult>,
     /// That the data do not settle them.
     pub warnings: Diagnostics,
 }
@@ -62,27 +61,27 @@ pub struct Chosen<'f> {
 /// What is not known, not unique, not supported, or not settled and not asked for by name; what is not supported or settled is
 /// let through where `forced`.
 pub fn choose<'f>(
-    findings: &'f Findings,
+    diagnosis: &'f Output,
     asked: &Asked,
     job: &str,
     forced: bool,
     model: &Model,
 ) -> Result<Chosen<'f>, Diagnostics> {
     let mut diagnostics = Diagnostics::new();
-    let mut chosen: Vec<(&Finding, Place)> = Vec::new();
+    let mut chosen: Vec<(&EffectResult, Place)> = Vec::new();
     if asked.effects.is_empty() {
-        let selected: Vec<&Finding> = findings.selected.iter().filter_map(|id| findings.find(id)).collect();
+        let selected: Vec<&EffectResult> = diagnosis.selected.iter().filter_map(|id| diagnosis.effect(id)).collect();
         if selected.is_empty() {
-            diagnostics.push(nothing_selected(findings, asked, job, model));
-        } else if !forced && !findings.verdict.settles() {
-            diagnostics.push(not_settled(findings, &selected, asked, job, model));
+            diagnostics.push(nothing_selected(diagnosis, asked, job, model));
+        } else if !forced && !diagnosis.verdict.settles() {
+            diagnostics.push(not_settled(diagnosis, &selected, asked, job, model));
         }
         chosen.extend(selected.into_iter().map(|finding| (finding, asked.command())));
     }
     for (text, place) in asked.effects() {
-        let Some(finding) = find(findings, text, &place, job, &mut diagnostics) else { continue };
-        if !forced && !findings.supports(finding) {
-            diagnostics.push(refused(findings, finding, &place, job));
+        let Some(finding) = find(diagnosis, text, &place, job, &mut diagnostics) else { continue };
+        if !forced && !diagnosis.supports(finding) {
+            diagnostics.push(refused(diagnosis, finding, &place, job));
         } else if !chosen.iter().any(|(other, _)| other.id == finding.id) {
             chosen.push((finding, place));
         }
@@ -90,20 +89,20 @@ pub fn choose<'f>(
     if !forced {
         for (position, (finding, place)) in chosen.iter().enumerate() {
             let before = chosen[..position].iter().map(|(other, _)| *other);
-            if let Some(rival) = findings.confused_with(finding).find(|rival| before.clone().any(|b| b.id == rival.id))
+            if let Some(rival) = diagnosis.confused_with(finding).find(|rival| before.clone().any(|b| b.id == rival.id))
             {
-                diagnostics.push(rivals(findings, finding, rival, place, model));
+                diagnostics.push(rivals(diagnosis, finding, rival, place, model));
             }
         }
     }
     if diagnostics.has_errors() {
         Err(diagnostics)
     } else {
-        let effects: Vec<&Finding> = chosen.into_iter().map(|(finding, _)| finding).collect();
+        let effects: Vec<&EffectResult> = chosen.into_iter().map(|(finding, _)| finding).collect();
         let mut warnings = Diagnostics::new();
-        if findings.verdict == Verdict::Ambiguous {
-            let warning = Diagnostic::warning(&code::ADOPT_AMBIGUOUS, &asked.command(), odds(findings, &effects));
-            warnings.push(match parting(findings, model) {
+        if diagnosis.verdict == Verdict::Ambiguous {
+            let warning = Diagnostic::warning(&code::ADOPT_AMBIGUOUS, &asked.command(), odds(diagnosis, &effects));
+            warnings.push(match parting(diagnosis, model) {
                 Some(words) => warning.help(words),
                 None => warning,
             });
@@ -115,23 +114,24 @@ pub fn choose<'f>(
 /// The effect that a text stands for: its id, an id with the ends of its pair exchanged, or the only supported (else
 /// the only) one whose effect or beginning it is.
 fn find<'f>(
-    findings: &'f Findings,
+    diagnosis: &'f Output,
     text: &str,
     place: &Place,
     job: &str,
     diagnostics: &mut Diagnostics,
-) -> Option<&'f Finding> {
-    let exchanged = |finding: &&Finding| {
+) -> Option<&'f EffectResult> {
+    let exchanged = |finding: &&EffectResult| {
         matches!(finding.where_kind.as_str(), "nodes" | "sensors") && parts(&finding.id) == parts(text)
     };
-    if let Some(found) = findings.find(text).or_else(|| findings.effects.iter().find(exchanged)) {
+    if let Some(found) = diagnosis.effect(text).or_else(|| diagnosis.effects.iter().find(exchanged)) {
         return Some(found);
     }
-    let is_meant = |finding: &Finding| !text.is_empty() && (finding.effect == text || finding.id.starts_with(text));
-    let matching: Vec<&Finding> = findings.effects.iter().filter(|finding| is_meant(finding)).collect();
-    let is_selected = |finding: &&&Finding| findings.selected.contains(&finding.id);
-    let is_supported = |finding: &&&Finding| findings.supports(finding);
-    let narrowed: [Vec<&Finding>; 3] = [
+    let is_meant =
+        |finding: &EffectResult| !text.is_empty() && (finding.effect == text || finding.id.starts_with(text));
+    let matching: Vec<&EffectResult> = diagnosis.effects.iter().filter(|finding| is_meant(finding)).collect();
+    let is_selected = |finding: &&&EffectResult| diagnosis.selected.contains(&finding.id);
+    let is_supported = |finding: &&&EffectResult| diagnosis.supports(finding);
+    let narrowed: [Vec<&EffectResult>; 3] = [
         matching.iter().filter(is_selected).copied().collect(),
         matching.iter().filter(is_supported).copied().collect(),
         matching,
@@ -146,7 +146,7 @@ fn find<'f>(
         diagnostics.push(Diagnostic::error(&code::ADOPT_UNKNOWN, place, message).expected("one of them").help(listed));
         return None;
     }
-    if let Some(unseen) = findings.unseen.iter().find(|unseen| unseen.id == text || parts(&unseen.id) == parts(text)) {
+    if let Some(unseen) = diagnosis.unseen.iter().find(|unseen| unseen.id == text || parts(&unseen.id) == parts(text)) {
         let why = if unseen.why.is_empty() { String::new() } else { format!(": {}", unseen.why) };
         diagnostics.push(
             Diagnostic::error(&code::ADOPT_REFUSED, place, format!("these data cannot see `{text}`{why}"))
@@ -155,7 +155,7 @@ fn find<'f>(
         );
         return None;
     }
-    let known = || findings.effects.iter().map(|finding| finding.id.as_str());
+    let known = || diagnosis.effects.iter().map(|finding| finding.id.as_str());
     let help = match nearest(text, known()).as_slice() {
         [] => format!("best first, it has {}", suggest::listed(known(), MOST_LISTED)),
         near => format!("the nearest: {}", suggest::listed(near.iter().copied(), MOST_LISTED)),
@@ -190,94 +190,98 @@ fn nearest<'a>(text: &str, known: impl Iterator<Item = &'a str>) -> Vec<&'a str>
     found
 }
 
-fn selected(findings: &Findings) -> String {
-    match findings.selected.as_slice() {
+fn selected(diagnosis: &Output) -> String {
+    match diagnosis.selected.as_slice() {
         [] => "nothing".to_owned(),
         ids => suggest::listed(ids.iter().map(String::as_str), MOST_LISTED),
     }
 }
 
 /// Supported effects that are not selected.
-fn further(findings: &Findings) -> Vec<&str> {
-    let all = findings.effects.iter().filter(|finding| findings.supports(finding));
-    all.map(|finding| finding.id.as_str()).filter(|id| !findings.selected.iter().any(|own| own == id)).collect()
+fn further(diagnosis: &Output) -> Vec<&str> {
+    let all = diagnosis.effects.iter().filter(|finding| diagnosis.supports(finding));
+    all.map(|finding| finding.id.as_str()).filter(|id| !diagnosis.selected.iter().any(|own| own == id)).collect()
 }
 
-fn refused(findings: &Findings, finding: &Finding, place: &Place, job: &str) -> Diagnostic {
-    let verdict = findings.verdict.word();
-    let further = further(findings);
-    let accepted = match (findings.selected.is_empty(), further.is_empty()) {
+fn refused(diagnosis: &Output, finding: &EffectResult, place: &Place, job: &str) -> Diagnostic {
+    let verdict = diagnosis.verdict.word();
+    let further = further(diagnosis);
+    let accepted = match (diagnosis.selected.is_empty(), further.is_empty()) {
         (true, true) => "nothing would be accepted".to_owned(),
-        (false, true) => format!("accepted: {}", selected(findings)),
+        (false, true) => format!("accepted: {}", selected(diagnosis)),
         (true, false) => format!("accepted: one of {}", suggest::listed(further, MOST_LISTED)),
         (false, false) => {
             let alike = suggest::listed(further, MOST_LISTED);
-            format!("accepted: {}, or what these data cannot tell from it: {alike}", selected(findings))
+            format!("accepted: {}, or what these data cannot tell from it: {alike}", selected(diagnosis))
         }
     };
-    let probability = finding.probability.filter(|value| value.is_finite());
-    let stands = probability.map_or(String::new(), |value| format!(" (probability {value:.3})"));
+    let stands = format!(" (probability {:.3})", finding.probability);
     Diagnostic::error(
         &code::ADOPT_REFUSED,
         place,
         format!("diagnosis `{job}` does not support `{}`{stands}", finding.id),
     )
-    .expected(format!("the verdict is `{verdict}`, selected is {}", selected(findings)))
+    .expected(format!("the verdict is `{verdict}`, selected is {}", selected(diagnosis)))
     .help(format!("{accepted}; --force adopts it all the same, and the new pass says so"))
 }
 
-fn rivals(findings: &Findings, finding: &Finding, rival: &Finding, place: &Place, model: &Model) -> Diagnostic {
+fn rivals(
+    diagnosis: &Output,
+    finding: &EffectResult,
+    rival: &EffectResult,
+    place: &Place,
+    model: &Model,
+) -> Diagnostic {
     let message =
         format!("`{}` and `{}` explain the same misfit: these data cannot tell them apart", rival.id, finding.id);
     let mut help = "adopt one of them, or both with --force".to_owned();
-    if let Some(words) = parting(findings, model) {
+    if let Some(words) = parting(diagnosis, model) {
         help.push_str(&format!("; {words}"));
     }
     Diagnostic::error(&code::ADOPT_REFUSED, place, message).expected("one of the two").help(help)
 }
 
-fn nothing_selected(findings: &Findings, asked: &Asked, job: &str, model: &Model) -> Diagnostic {
-    let expected = match findings.verdict {
+fn nothing_selected(diagnosis: &Output, asked: &Asked, job: &str, model: &Model) -> Diagnostic {
+    let expected = match diagnosis.verdict {
         Verdict::Adequate => "these data need no further effect",
         Verdict::Unexplained => "something is missing, and nothing of the catalogue explains it",
         Verdict::Ambiguous => "several effects explain the data alike",
         Verdict::Identified => "the diagnosis would adopt nothing",
     };
-    let verdict = findings.verdict.word();
+    let verdict = diagnosis.verdict.word();
     let message = format!("diagnosis `{job}` selected nothing to adopt; its verdict is `{verdict}`");
     let diagnostic = Diagnostic::error(&code::ADOPT_REFUSED, &asked.command(), message).expected(expected);
-    let further = further(findings);
+    let further = further(diagnosis);
     if further.is_empty() {
         return diagnostic.help("name an effect with --force to adopt it against the diagnosis");
     }
     let mut help = format!("name one of {}", suggest::listed(further, MOST_LISTED));
-    if let Some(words) = parting(findings, model) {
+    if let Some(words) = parting(diagnosis, model) {
         help.push_str(&format!("; {words}"));
     }
     diagnostic.help(help)
 }
 
 /// That a set was selected which these data do not settle, and how it is adopted all the same.
-fn not_settled(findings: &Findings, selected: &[&Finding], asked: &Asked, job: &str, model: &Model) -> Diagnostic {
-    let message = format!("diagnosis `{job}` is ambiguous: {}", odds(findings, selected));
+fn not_settled(diagnosis: &Output, selected: &[&EffectResult], asked: &Asked, job: &str, model: &Model) -> Diagnostic {
+    let message = format!("diagnosis `{job}` is ambiguous: {}", odds(diagnosis, selected));
     let ids: Vec<_> = selected.iter().map(|finding| shell_word(&finding.id)).collect();
     let command = asked.command();
     let mut help = format!("to adopt it all the same, name it: {} {}", command.text(), ids.join(" "));
-    if let Some(words) = parting(findings, model) {
+    if let Some(words) = parting(diagnosis, model) {
         help.push_str(&format!("; {words}"));
     }
     Diagnostic::error(&code::ADOPT_REFUSED, &command, message).expected("the name of what you adopt").help(help)
 }
 
 /// How probable some effects are, and what else it could be.
-fn odds(findings: &Findings, chosen: &[&Finding]) -> String {
+fn odds(diagnosis: &Output, chosen: &[&EffectResult]) -> String {
     let ids: Vec<&str> = chosen.iter().map(|finding| finding.id.as_str()).collect();
-    let known = |value: Option<f64>| value.filter(|value| value.is_finite()).map(probability_text);
-    let own = known(findings.odds(chosen));
-    let rivals = findings.rivals(chosen);
+    let own = diagnosis.odds(chosen).map(probability_text);
+    let rivals = diagnosis.rivals(chosen);
     let more = rivals.len().saturating_sub(MOST_LISTED);
     let mut named: Vec<String> = (rivals.into_iter().take(MOST_LISTED))
-        .map(|(id, odds)| known(odds).map_or_else(|| format!("`{id}`"), |odds| format!("`{id}` ({odds})")))
+        .map(|(id, odds)| format!("`{id}` ({})", probability_text(odds)))
         .collect();
     if more > 0 {
         named.push(format!("{more} more"));
@@ -288,15 +292,15 @@ fn odds(findings: &Findings, chosen: &[&Finding]) -> String {
 }
 
 /// What would part the rivals, or that no phase does: as the diagnosis decided it.
-fn parting(findings: &Findings, model: &Model) -> Option<String> {
-    let phase = findings.separating_experiment.as_ref().and_then(|own| experiment(own, model));
-    let none = findings.one_thing.as_ref().map(OneThing::clause);
+fn parting(diagnosis: &Output, model: &Model) -> Option<String> {
+    let phase = diagnosis.separating_experiment.as_ref().and_then(|own| experiment(own, model));
+    let none = diagnosis.one_thing.as_ref().map(OneThing::clause);
     let words: Vec<String> = phase.into_iter().chain(none).collect();
     (!words.is_empty()).then(|| words.join("; "))
 }
 
 /// The separating experiment in words.
-fn experiment(experiment: &Experiment, model: &Model) -> Option<String> {
+fn experiment(experiment: &SeparatingExperiment, model: &Model) -> Option<String> {
     if experiment.conditions.is_empty() {
         return None;
     }
@@ -311,14 +315,12 @@ fn experiment(experiment: &Experiment, model: &Model) -> Option<String> {
         let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
         format!("{name} = {}{unit}", value(number))
     });
-    let mut text = format!("a phase at {} would tell them apart", conditions.collect::<Vec<_>>().join(", "));
-    if let Some(probability) = experiment.probability {
-        text.push_str(&format!(" with probability {}", percent(probability)));
-    }
-    if let Some(repeated) = experiment.repeat_probability {
-        text.push_str(&format!(" (repeating a phase: {})", percent(repeated)));
-    }
-    Some(text)
+    Some(format!(
+        "a phase at {} would tell them apart with probability {} (repeating a phase: {})",
+        conditions.collect::<Vec<_>>().join(", "),
+        percent(experiment.probability),
+        percent(experiment.repeat_probability)
+    ))
 }
 
 fn rounded(value: f64) -> f64 {

@@ -3,13 +3,13 @@
 
 use std::fmt::Write as _;
 
-use crate::diagnosis::wider;
+use crate::diagnosis::output::{Amount, EffectResult, RmseChange};
+use crate::diagnosis::{Output, wider};
 use crate::document::prior::support;
 use crate::document::{Sense, suggest};
 use crate::effect::parameter::widened;
 use crate::effect::{Bound, Effect, EffectParameter};
 use crate::expression::Unit;
-use crate::job::findings::{Amplitude, Finding, Findings, Rmse};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
@@ -23,7 +23,7 @@ const MOST_RIVALS: usize = 6;
 const PRIOR_FIELDS: &[&str] = &["mean", "sd", "lower", "upper", "median", "factor"];
 
 /// What the effect's inputs stand for, in the order of its file. `None` where the finding's names are not the model's.
-pub fn bound(effect: &Effect, finding: &Finding, model: &Model) -> Option<Vec<Bound>> {
+pub fn bound(effect: &Effect, finding: &EffectResult, model: &Model) -> Option<Vec<Bound>> {
     let inputs: Vec<_> = effect.form.inputs.iter().collect();
     let find = |position: usize, name: &str| {
         let input = model.inputs.iter().position(|input| input.name == name).map(Bound::Input);
@@ -75,7 +75,7 @@ pub struct Fitted {
     /// In the entry's unit, to four digits.
     value: f64,
     /// Standard deviation in the same unit.
-    sd: Option<f64>,
+    sd: f64,
     unit: String,
 }
 
@@ -83,14 +83,14 @@ impl Fitted {
     fn in_words(&self) -> String {
         let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
         let value = crate::document::canonical::float(self.value).unwrap_or_default();
-        let sd = self.sd.filter(|sd| sd.is_finite() && *sd > 0.0);
+        let sd = Some(self.sd).filter(|sd| *sd > 0.0);
         let sd = sd.map_or(String::new(), |sd| format!("; standard deviation {}{unit}", significant(sd, 2)));
         format!("; {} {value}{unit} (most probable{sd})", self.name.replace('_', " "))
     }
 }
 
 /// What stands under `effect`, and the values that were fitted.
-pub fn usage(effect: &Effect, finding: &Finding, bound: &[Bound], model: &Model) -> (Item, Vec<Fitted>) {
+pub fn usage(effect: &Effect, finding: &EffectResult, bound: &[Bound], model: &Model) -> (Item, Vec<Fitted>) {
     let mut fields = vec![("where".to_owned(), place(finding))];
     let is_in_place = finding.input.is_none();
     if !bound.is_empty() && !is_in_place {
@@ -123,7 +123,7 @@ pub fn usage(effect: &Effect, finding: &Finding, bound: &[Bound], model: &Model)
     (Item::one(&effect.name, Item::Object(fields)), told)
 }
 
-fn place(finding: &Finding) -> Item {
+fn place(finding: &EffectResult) -> Item {
     match (finding.where_kind.as_str(), finding.place.as_slice()) {
         ("group", [name]) => Item::one("group", Item::text(name)),
         (_, [name]) => Item::text(name),
@@ -136,7 +136,7 @@ fn place(finding: &Finding) -> Item {
 fn parameter(
     effect: &Effect,
     parameter: &EffectParameter,
-    finding: &Finding,
+    finding: &EffectResult,
     fitted: Option<&Fitted>,
     unit: &Unit,
 ) -> Item {
@@ -145,7 +145,7 @@ fn parameter(
     let form = effect.form.parameters.get(&parameter.written).map(|entry| &entry.value);
     let own = |field: &str| effect.json.pointer(&format!("/parameters/{}/{field}", parameter.written));
     // What the diagnosis took for the amplitude's prior; the catalogue's would pull it back.
-    let width = finding.prior_width.filter(|width| parameter.amplitude && *width != 1.0);
+    let width = Some(finding.prior_width).filter(|width| parameter.amplitude && *width != 1.0);
     let prior = width.map_or(parameter.prior, |width| widened(parameter.prior, width));
     fields.push(("unit".to_owned(), Item::text(&unit.text)));
     if let (Some(_), Some(in_file)) = (stated_unit(effect, parameter), own("prior")) {
@@ -180,9 +180,9 @@ fn unit(effect: &Effect, parameter: &EffectParameter, bound: &[Bound], model: &M
 
 /// What the diagnosis fitted, in a unit and to four digits; nothing where it is 0, which is no effect, or lies outside
 /// the prior.
-fn fitted(parameter: &EffectParameter, amplitude: &Amplitude, unit: &Unit) -> Option<Fitted> {
+fn fitted(parameter: &EffectParameter, amplitude: &Amount, unit: &Unit) -> Option<Fitted> {
     let own = Unit::parse(&amplitude.unit).ok().filter(|own| own.dimension == unit.dimension)?;
-    let value = amplitude.most_probable.or(amplitude.value)?;
+    let value = amplitude.most_probable;
     let si = match parameter.sense {
         Sense::Absolute => own.to_si(value),
         Sense::Difference => own.difference_to_si(value),
@@ -193,21 +193,21 @@ fn fitted(parameter: &EffectParameter, amplitude: &Amplitude, unit: &Unit) -> Op
         Sense::Difference => unit.difference_to_si(short),
     };
     let [lower, upper] = support(&parameter.prior);
-    let sd = amplitude.sd.map(|sd| unit.difference_from_si(own.difference_to_si(sd)));
+    let sd = unit.difference_from_si(own.difference_to_si(amplitude.sd));
     let is_usable = short != 0.0 && !parameter.prior.is_fixed() && lower <= back && back <= upper;
     is_usable.then(|| Fitted { name: parameter.name.clone(), value: short, sd, unit: unit.text.clone() })
 }
 
 /// Nominal value and prior of a parameter whose own prior is too narrow; the former is the one that the diagnosis fitted, which
 /// is given beside them.
-pub fn wider_prior(finding: &Finding, pass: &Pass, name: &str) -> Option<(Fields, Option<Fitted>)> {
+pub fn wider_prior(finding: &EffectResult, pass: &Pass, name: &str) -> Option<(Fields, Option<Fitted>)> {
     let index = pass.model.parameters.iter().position(|own| own.name == name)?;
     let own = &pass.model.parameters[index];
     let unit = Unit::parse(&own.unit).ok()?;
-    let prior = wider(pass.priors.get(index)?, &own.unit, finding.prior_width.unwrap_or(1.0))?;
+    let prior = wider(pass.priors.get(index)?, &own.unit, finding.prior_width)?;
     let mut fields = Vec::new();
     let fitted = finding.amplitudes.iter().next().and_then(|(name, amplitude)| {
-        let value = format!("{:.3e}", amplitude.most_probable.or(amplitude.value)?).parse().ok()?;
+        let value = format!("{:.3e}", amplitude.most_probable).parse().ok()?;
         Some(Fitted { name: name.clone(), value, sd: amplitude.sd, unit: own.unit.clone() })
     });
     fields.extend(fitted.iter().map(|fitted| ("nominal".to_owned(), Item::number(fitted.value))));
@@ -319,14 +319,13 @@ fn distribution(prior: &Distribution, unit: &Unit, sense: Sense) -> Item {
 }
 
 /// Why an effect is adopted, from the diagnosis; sizes are the nominal values of its entry.
-pub fn because(finding: &Finding, fitted: &[Fitted], findings: &Findings, job: &str, pass: &str) -> String {
+pub fn because(finding: &EffectResult, fitted: &[Fitted], diagnosis: &Output, job: &str, pass: &str) -> String {
     let mut text = String::new();
-    let verdict = findings.verdict.word();
-    let known = |value: Option<f64>| value.filter(|value| value.is_finite());
-    if findings.supports(finding) {
+    let verdict = diagnosis.verdict.word();
+    if diagnosis.supports(finding) {
         let _ = write!(text, "diagnosis `{job}` of {pass}: {verdict}");
     } else {
-        let selected = match findings.selected.as_slice() {
+        let selected = match diagnosis.selected.as_slice() {
             [] => "no effect".to_owned(),
             ids => suggest::listed(ids.iter().map(String::as_str), MOST_RIVALS),
         };
@@ -335,18 +334,14 @@ pub fn because(finding: &Finding, fitted: &[Fitted], findings: &Findings, job: &
             "adopted against diagnosis `{job}` of {pass}, whose verdict is `{verdict}` and which selected {selected}"
         );
     }
-    if let Some(probability) = known(finding.probability) {
-        let _ = write!(text, "; probability {}", probability_text(probability));
-    }
-    if let Some(factor) = known(finding.log_bayes_factor) {
-        let _ = write!(text, ", log Bayes factor {factor:.1}");
-    }
+    let _ = write!(text, "; probability {}", probability_text(finding.probability));
+    let _ = write!(text, ", log Bayes factor {:.1}", finding.log_bayes_factor);
     for (name, amplitude) in &finding.amplitudes {
         let own = fitted.iter().find(|fitted| fitted.name == *name);
         text.push_str(&own.map_or_else(|| amplitude_text(name, amplitude), Fitted::in_words));
     }
     text.push_str(&rmse_text(&finding.rmse_k));
-    let rivals: Vec<&str> = findings.confused_with(finding).map(|other| other.id.as_str()).collect();
+    let rivals: Vec<&str> = diagnosis.confused_with(finding).map(|other| other.id.as_str()).collect();
     if !rivals.is_empty() {
         let _ = write!(text, "; these data cannot tell it from {}", suggest::listed(rivals, MOST_RIVALS));
     }
@@ -359,11 +354,9 @@ pub fn probability_text(value: f64) -> String {
 }
 
 /// A size that is no nominal value, such as 0.
-fn amplitude_text(name: &str, amplitude: &Amplitude) -> String {
-    let value = amplitude.most_probable.or(amplitude.value).filter(|value| value.is_finite());
-    let Some(value) = value else { return String::new() };
+fn amplitude_text(name: &str, amplitude: &Amount) -> String {
     let unit = if amplitude.unit == "1" { String::new() } else { format!(" {}", amplitude.unit) };
-    format!("; {} {}{unit}", name.replace('_', " "), significant(value, 4))
+    format!("; {} {}{unit}", name.replace('_', " "), significant(amplitude.most_probable, 4))
 }
 
 fn significant(value: f64, digits: usize) -> String {
@@ -372,9 +365,9 @@ fn significant(value: f64, digits: usize) -> String {
 }
 
 /// `; RMSE 0.71 K -> 0.26 K, on held-out rows 0.83 K -> 0.27 K`, as far as it is known.
-fn rmse_text(rmse: &Rmse) -> String {
-    let pair = |pair: Option<[Option<f64>; 2]>| match pair {
-        Some([Some(before), Some(after)]) => Some(format!("{before:.2} K -> {after:.2} K")),
+fn rmse_text(rmse: &RmseChange) -> String {
+    let pair = |pair: [Option<f64>; 2]| match pair {
+        [Some(before), Some(after)] => Some(format!("{before:.2} K -> {after:.2} K")),
         _ => None,
     };
     match (pair(rmse.train), pair(rmse.held_out)) {

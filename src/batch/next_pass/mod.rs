@@ -16,12 +16,12 @@ pub use file::{destination, twin, write};
 
 use std::path::Path;
 
-use crate::diagnosis::PRIOR_OF;
+use crate::diagnosis::output::EffectResult;
+use crate::diagnosis::{Output, PRIOR_OF};
 use crate::document::json::Node;
 use crate::document::written::read_document;
 use crate::document::{Diagnostic, Diagnostics, code, suggest};
 use crate::effect::Catalogue;
-use crate::job::findings::{Finding, Findings};
 
 use crate::study::discover::number;
 use crate::study::folder::Folder;
@@ -38,7 +38,7 @@ pub struct NextPass<'f> {
     /// Its file's text.
     pub text: String,
     /// What it adopts, each with its name in the pass.
-    pub adopted: Vec<(String, &'f Finding)>,
+    pub adopted: Vec<(String, &'f EffectResult)>,
     /// Calibrations that list their parameters, to which those of the effects were added.
     pub extended: Vec<String>,
     /// Jobs that the parent does not have and that its error is told by: name and kind.
@@ -55,18 +55,18 @@ pub struct NextPass<'f> {
 pub fn next_pass<'f>(
     pass: &Pass,
     job: &str,
-    findings: &'f Findings,
+    diagnosis: &'f Output,
     asked: &Asked,
     forced: bool,
     file: &Path,
 ) -> Result<NextPass<'f>, Diagnostics> {
-    let Chosen { effects: chosen, warnings } = choose::choose(findings, asked, job, forced, &pass.model)?;
+    let Chosen { effects: chosen, warnings } = choose::choose(diagnosis, asked, job, forced, &pass.model)?;
     let catalogue = effects(Some(&pass.folder))?;
     let mut diagnostics = Diagnostics::new();
     let Some(tree) = tree(pass, asked, &mut diagnostics) else { return Err(diagnostics) };
     let mut adopted: Vec<Adoption<'f>> = Vec::new();
     for finding in chosen {
-        match adopt(pass, job, findings, finding, &catalogue, &adopted) {
+        match adopt(pass, job, diagnosis, finding, &catalogue, &adopted) {
             Some(adoption) => adopted.push(adoption),
             None => {
                 let message = format!("`{}` does not fit this model with these effects", finding.id);
@@ -114,7 +114,7 @@ struct Adoption<'f> {
     /// Of its entry: the same, or the parameter that has the prior.
     key: String,
     is_prior: bool,
-    finding: &'f Finding,
+    finding: &'f EffectResult,
     item: Item,
     /// Names of its parameters that are not fixed.
     parameters: Vec<String>,
@@ -136,8 +136,8 @@ fn tree(pass: &Pass, asked: &Asked, diagnostics: &mut Diagnostics) -> Option<Nod
 fn adopt<'f>(
     pass: &Pass,
     job: &str,
-    findings: &Findings,
-    finding: &'f Finding,
+    diagnosis: &Output,
+    finding: &'f EffectResult,
     catalogue: &Catalogue,
     before: &[Adoption<'f>],
 ) -> Option<Adoption<'f>> {
@@ -147,7 +147,7 @@ fn adopt<'f>(
         let (mut item, fitted) = entry::wider_prior(finding, pass, key)?;
         let because = format!(
             "{}; the prior before was too narrow for these data: ask where it came from",
-            entry::because(finding, fitted.as_slice(), findings, job, &pass.file)
+            entry::because(finding, fitted.as_slice(), diagnosis, job, &pass.file)
         );
         item.push(("because".to_owned(), Item::text(&because)));
         let (name, key) = (format!("wider prior of {key}"), key.clone());
@@ -156,7 +156,7 @@ fn adopt<'f>(
     let effect = catalogue.get(&finding.effect)?;
     let bound = entry::bound(effect, finding, model)?;
     // Names of elements, nodes, parameters and inputs are made of it.
-    let taken = |name: &str| {
+    let is_used = |name: &str| {
         let below = |other: &str| other == name || other.strip_prefix(name).is_some_and(|rest| rest.starts_with('.'));
         before.iter().any(|other| other.name == name)
             || pass.adopted.iter().any(|other| other.name == name)
@@ -166,12 +166,12 @@ fn adopt<'f>(
             || model.parameters.iter().any(|parameter| below(&parameter.name))
             || model.inputs.iter().any(|input| below(&input.name))
     };
-    let name = name::name(finding, &taken);
+    let name = name::name(&finding.effect, &finding.place, &finding.where_kind, finding.input.as_deref(), &is_used);
     let evidence = vec![("pass".to_owned(), Item::text(&pass.file)), ("job".to_owned(), Item::text(job))];
     let (usage, fitted) = entry::usage(effect, finding, &bound, model);
     let item = Item::Object(vec![
         ("effect".to_owned(), usage),
-        ("because".to_owned(), Item::text(&entry::because(finding, &fitted, findings, job, &pass.file))),
+        ("because".to_owned(), Item::text(&entry::because(finding, &fitted, diagnosis, job, &pass.file))),
         ("evidence".to_owned(), Item::Object(evidence)),
     ]);
     let parameters = effect.parameters(model, &bound).into_iter().filter(|parameter| !parameter.prior.is_fixed());

@@ -1,24 +1,29 @@
 //! Names of adopted effects: the place, then the effect, as in `baseplate-board conductive path`.
 
 use crate::document::name::is_label;
-use crate::job::findings::Finding;
 
-/// A name for an effect that none of `taken` has; allowed by the rules for labels.
-pub fn name(effect: &Finding, taken: &dyn Fn(&str) -> bool) -> String {
-    let mut words = effect.effect.replace('-', " ");
-    if matches!(effect.where_kind.as_str(), "sensor" | "sensors") {
+/// A name for an effect at a place, with what its inputs stand for, that is not used yet; allowed by the rules for labels.
+pub fn name(
+    effect: &str,
+    place: &[String],
+    where_kind: &str,
+    input: Option<&str>,
+    is_used: &dyn Fn(&str) -> bool,
+) -> String {
+    let mut words = effect.replace('-', " ");
+    if matches!(where_kind, "sensor" | "sensors") {
         // The place is a sensor's name: `TC box bias`, not `TC box sensor bias`.
         words = words.strip_prefix("sensor ").map(str::to_owned).unwrap_or(words);
     }
-    let mut name = format!("{} {words}", effect.place.join("-"));
-    if let Some(input) = &effect.input {
+    let mut name = format!("{} {words}", place.join("-"));
+    if let Some(input) = input {
         name.push_str(&format!(" ({input})"));
     }
     if !is_label(&name) {
         // Names of a place may be as long as a name can be.
         name = words;
     }
-    let free = |name: &String| is_label(name) && !taken(name);
+    let free = |name: &String| is_label(name) && !is_used(name);
     if free(&name) {
         return name;
     }
@@ -30,27 +35,19 @@ pub fn name(effect: &Finding, taken: &dyn Fn(&str) -> bool) -> String {
 mod tests {
     use super::*;
 
-    fn finding(effect: &str, place: &[&str], where_kind: &str, input: Option<&str>) -> Finding {
-        Finding {
-            effect: effect.into(),
-            place: place.iter().map(|&name| name.into()).collect(),
-            where_kind: where_kind.into(),
-            input: input.map(str::to_owned),
-            ..Finding::default()
-        }
+    fn named(effect: &str, place: &[&str], where_kind: &str, input: Option<&str>, used: &[&str]) -> String {
+        let place: Vec<String> = place.iter().map(|&name| name.to_owned()).collect();
+        name(effect, &place, where_kind, input, &|name| used.contains(&name))
     }
 
     #[test]
     fn names_say_where_and_what_and_are_free() {
-        let none = |_: &str| false;
-        let path = finding("conductive-path", &["baseplate", "board"], "nodes", None);
-        assert_eq!(name(&path, &none), "baseplate-board conductive path");
-        assert_eq!(name(&finding("sensor-bias", &["TC box"], "sensor", None), &none), "TC box bias");
-        assert_eq!(name(&finding("joule-heating", &["box"], "node", Some("i")), &none), "box joule heating (i)");
-        let taken =
-            |name: &str| ["baseplate-board conductive path", "baseplate-board conductive path 2"].contains(&name);
-        assert_eq!(name(&path, &taken), "baseplate-board conductive path 3");
-        let long = "n".repeat(100);
-        assert_eq!(name(&finding("heat-load", &[&long], "node", None), &none), "heat load");
+        let path = |used: &[&str]| named("conductive-path", &["baseplate", "board"], "nodes", None, used);
+        assert_eq!(path(&[]), "baseplate-board conductive path");
+        assert_eq!(named("sensor-bias", &["TC box"], "sensor", None, &[]), "TC box bias");
+        assert_eq!(named("joule-heating", &["box"], "node", Some("i"), &[]), "box joule heating (i)");
+        let used = ["baseplate-board conductive path", "baseplate-board conductive path 2"];
+        assert_eq!(path(&used), "baseplate-board conductive path 3");
+        assert_eq!(named("heat-load", &[&"n".repeat(100)], "node", None, &[]), "heat load");
     }
 }

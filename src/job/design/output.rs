@@ -129,6 +129,29 @@ pub struct Violation {
     pub yellow: Option<f64>,
     /// The node that is outside most often.
     pub node: Option<String>,
+    /// The limits that are violated more often than is tolerated, which rules the candidate out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub not_tolerated: Option<Limits>,
+}
+
+/// Limits of temperature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Limits {
+    /// Beyond them the hardware may be damaged.
+    Red,
+    /// Beyond them it may not work as specified.
+    Yellow,
+}
+
+impl Limits {
+    /// Their colour.
+    pub fn colour(self) -> &'static str {
+        match self {
+            Self::Red => "red",
+            Self::Yellow => "yellow",
+        }
+    }
 }
 
 /// A candidate phase and what it would tell.

@@ -291,7 +291,7 @@ impl Job for Design {
     }
 
     fn algorithm_version(&self) -> u32 {
-        4
+        5
     }
 
     fn identity(&self) -> Value {

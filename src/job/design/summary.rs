@@ -7,7 +7,7 @@ use super::block::PredictHead;
 use super::block::{Purpose, State};
 use super::information::whitened_rows;
 use super::output::{
-    Axis, Best, Candidate, Estimator, Observed, Output, Partial, Phase, Pick, Redundant, UsedSensor, Violation,
+    Axis, Best, Candidate, Estimator, Limits, Observed, Output, Partial, Phase, Pick, Redundant, UsedSensor, Violation,
 };
 use super::plant::{Place, Whitening};
 use super::run::SetFound;
@@ -78,7 +78,8 @@ impl Design {
         });
         let node = most.map(|node| self.model.nodes[node].name.clone());
         let failed = count(head.failed);
-        let because = self.refused(failed, shares, node.as_deref());
+        let not_tolerated = self.not_tolerated(shares);
+        let because = self.refused(failed, shares, not_tolerated, node.as_deref());
         let whitening = Whitening::new(place, &spec.sensors, &read);
         let rows =
             (!head.changes.is_empty()).then(|| whitened_rows(&head.changes, self.samples.unknowns, &whitening, &read));
@@ -89,7 +90,7 @@ impl Design {
             bias_bound: None,
             linear_nats: rows.and_then(|rows| linear::information(&rows, self.samples.unknowns, spec.learn.len()).ok()),
             behind_best: None,
-            violation: Violation { red: shares[0], yellow: shares[1], node },
+            violation: Violation { red: shares[0], yellow: shares[1], node, not_tolerated },
             allowed: because.is_none(),
             because,
             failed,
@@ -105,23 +106,33 @@ impl Design {
         estimator.tells_its_bias().then_some(estimate.bias_bound)
     }
 
+    /// The limits that are violated with a larger probability than is tolerated.
+    fn not_tolerated(&self, shares: [Option<f64>; 2]) -> Option<Limits> {
+        let most = [(Limits::Red, self.spec.red), (Limits::Yellow, self.spec.yellow)];
+        let is_over = |share: Option<f64>, most: Option<f64>| share.zip(most).is_some_and(|(share, most)| share > most);
+        shares.into_iter().zip(most).find(|(share, (_, most))| is_over(*share, *most)).map(|(_, (limits, _))| limits)
+    }
+
     /// Why a candidate is not allowed.
-    fn refused(&self, failed: f64, shares: [Option<f64>; 2], node: Option<&str>) -> Option<String> {
+    fn refused(
+        &self,
+        failed: f64,
+        [red, yellow]: [Option<f64>; 2],
+        not_tolerated: Option<Limits>,
+        node: Option<&str>,
+    ) -> Option<String> {
         if failed > FAILURE_LIMIT {
             return Some(format!("no solution in {:.1} % of the samples", 100.0 * failed));
         }
-        for ((share, bound), colour) in shares.into_iter().zip([self.spec.red, self.spec.yellow]).zip(["red", "yellow"])
-        {
-            if let (Some(share), Some(bound)) = (share, bound)
-                && share > bound
-            {
-                let node = node.map_or(String::new(), |node| format!(", most often {node}"));
-                return Some(format!(
-                    "outside the {colour} limits with probability {share:.3}, of which {bound} is tolerated{node}"
-                ));
-            }
-        }
-        None
+        let limits = not_tolerated?;
+        let (share, tolerated) = match limits {
+            Limits::Red => (red?, self.spec.red?),
+            Limits::Yellow => (yellow?, self.spec.yellow?),
+        };
+        let (colour, node) = (limits.colour(), node.map_or(String::new(), |node| format!(", most often {node}")));
+        Some(format!(
+            "outside the {colour} limits with probability {share:.3}, of which {tolerated} is tolerated{node}"
+        ))
     }
 
     pub(super) fn has_solutions(&self, candidate: &Candidate) -> bool {

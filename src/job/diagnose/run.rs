@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::diagnosis::output::PriorOfDraws;
-use crate::diagnosis::{Diagnosis, Order, Output, Problem, Refit, Settings, State};
+use crate::diagnosis::{Diagnosis, Order, Output, Problem, Refit, Settings, State, Unfitted};
 use crate::job::{Done, Job, JobError, Parts, Step};
 use crate::random::StreamKey;
 use crate::study::handed_on::HandedOn;
@@ -62,7 +62,7 @@ pub enum Partial {
     /// After the screening, and after further sets were sought.
     State(Box<State>),
     /// Of each set.
-    Refits(Vec<Result<Refit, String>>),
+    Refits(Vec<Result<Refit, Unfitted>>),
     /// The diagnosis.
     Output(Box<Output>),
 }

@@ -266,7 +266,10 @@ fn candidates(output: &Output) -> Vec<Block> {
         let is_rival = best.is_some_and(|best| best.rivals.contains(&index));
         row.push(match &own.because {
             // The probability stands in a column of its own.
-            Some(because) => Cell::marked(because.split(" with ").next().unwrap_or(because).to_owned(), Status::Fail),
+            Some(because) => match own.violation.not_tolerated {
+                Some(limits) => Cell::marked(format!("outside the {} limits", limits.colour()), Status::Fail),
+                None => Cell::marked(because.clone(), Status::Fail),
+            },
             None if own.sees_nothing => Cell::marked("sees nothing", Status::Caution),
             None if is_best => Cell::marked("best", Status::Ok),
             None if is_rival => "not told from the best".into(),

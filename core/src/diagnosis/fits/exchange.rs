@@ -1,6 +1,7 @@
 //! Exchanged channels that no linearisation shows: a large exchange bends the fit of the believed model so far that its
 //! predictions there say nothing of what the sensors would read.
 
+use crate::diagnosis::FitError;
 use crate::diagnosis::{Problem, Refit};
 use crate::effect::Effect;
 use crate::inference::target::{LeastSquares, Target};
@@ -19,7 +20,7 @@ pub(crate) struct Exchanges {
 ///
 /// # Errors
 /// Why nothing can be predicted without any of them.
-pub(crate) fn exchanges(problem: &Problem, believed: &Refit, count: usize) -> Result<Exchanges, String> {
+pub(crate) fn exchanges(problem: &Problem, believed: &Refit, count: usize) -> Result<Exchanges, FitError> {
     let is_one = |effect: &str| problem.catalogue.get(effect).is_some_and(Effect::exchanges_channels);
     let mut all = (0..problem.candidates.len()).filter(|&own| is_one(&problem.candidates[own].effect)).peekable();
     let (mut found, mut impossible) = (Vec::new(), Vec::new());
@@ -31,7 +32,7 @@ pub(crate) fn exchanges(problem: &Problem, believed: &Refit, count: usize) -> Re
         match left(problem, believed, &[position]) {
             Ok(with) if with[0] < without[0] || with[1] < without[1] => found.push((with[0].min(with[1]), position)),
             Ok(_) => {}
-            Err(why) => impossible.push((position, why)),
+            Err(why) => impossible.push((position, why.to_string())),
         }
     }
     found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -44,9 +45,9 @@ pub(crate) fn exchanges(problem: &Problem, believed: &Refit, count: usize) -> Re
 ///
 /// # Errors
 /// Why no model can be made with these effects.
-fn left(problem: &Problem, believed: &Refit, effects: &[usize]) -> Result<[f64; 2], String> {
+fn left(problem: &Problem, believed: &Refit, effects: &[usize]) -> Result<[f64; 2], FitError> {
     let hypothesis = problem.hypothesis(effects, 1.0).and_then(|own| own.likelihood(problem));
-    let likelihood = hypothesis.map_err(|error| error.to_string())?;
+    let likelihood = hypothesis?;
     let known = believed.by_name();
     let medians: Vec<f64> = likelihood.priors().iter().map(|prior| prior.quantile(0.5)).collect();
     let fitted: Vec<f64> = (likelihood.names().iter().zip(&medians))

@@ -1,8 +1,7 @@
 //! The believed model with a set of effects added, and the measurements as it sees them.
 
+use crate::diagnosis::FitError;
 use std::sync::Arc;
-
-use thiserror::Error;
 
 use crate::diagnosis::{Problem, Refit};
 use crate::effect::apply::LEAST_CAPACITY_J_PER_K;
@@ -11,7 +10,7 @@ use crate::effect::{
     Applied, ApplyError, Candidate, Effect, EffectParameter, Instance, SensorChange, SensorPlace, Site, apply,
 };
 use crate::expression::{Dimension, Unit};
-use crate::inference::likelihood::{Definition, Likelihood, LikelihoodError};
+use crate::inference::likelihood::{Definition, Likelihood};
 use crate::inference::measurement::{Initial, Measurement, Uncertain};
 use crate::random::Distribution;
 use crate::thermal::Model;
@@ -33,35 +32,20 @@ pub struct Hypothesis {
     pub measurements: Vec<Measurement>,
 }
 
-/// Effects that do not go together, or a model that they spoil.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum HypothesisError {
-    /// An effect that cannot be applied.
-    #[error(transparent)]
-    Apply(#[from] ApplyError),
-    /// A likelihood that cannot be made.
-    #[error(transparent)]
-    Likelihood(#[from] LikelihoodError),
-}
-
 impl Problem {
     /// Adds effects, in the order given. `scale` widens the priors of their amplitudes (1 leaves them).
     ///
     /// # Errors
-    /// [`HypothesisError::Apply`] where they do not fit.
-    pub fn hypothesis(&self, effects: &[usize], scale: f64) -> Result<Hypothesis, HypothesisError> {
+    /// [`FitError::Apply`] where they do not fit.
+    pub fn hypothesis(&self, effects: &[usize], scale: f64) -> Result<Hypothesis, FitError> {
         self.hypothesis_of_widths(effects, &vec![scale; effects.len()])
     }
 
     /// The same with a width for each effect.
     ///
     /// # Errors
-    /// [`HypothesisError::Apply`] where they do not fit.
-    pub(crate) fn hypothesis_of_widths(
-        &self,
-        effects: &[usize],
-        widths: &[f64],
-    ) -> Result<Hypothesis, HypothesisError> {
+    /// [`FitError::Apply`] where they do not fit.
+    pub(crate) fn hypothesis_of_widths(&self, effects: &[usize], widths: &[f64]) -> Result<Hypothesis, FitError> {
         let mut hypothesis = Hypothesis {
             effects: effects.to_vec(),
             model: (*self.model).clone(),
@@ -80,8 +64,8 @@ impl Problem {
     /// are the same.
     ///
     /// # Errors
-    /// [`HypothesisError::Apply`] where they do not fit.
-    pub fn with(&self, fit: &Refit) -> Result<Problem, HypothesisError> {
+    /// [`FitError::Apply`] where they do not fit.
+    pub fn with(&self, fit: &Refit) -> Result<Problem, FitError> {
         let Hypothesis { model, priors, parameters, measurements, .. } =
             self.hypothesis_of_widths(&fit.effects, &fit.widths)?;
         Ok(Problem { model: Arc::new(model), priors, parameters, measurements, ..self.clone() })
@@ -90,7 +74,7 @@ impl Problem {
 
 impl Hypothesis {
     /// Adds one more effect of the problem.
-    fn add(&mut self, problem: &Problem, position: usize, scale: f64) -> Result<(), HypothesisError> {
+    fn add(&mut self, problem: &Problem, position: usize, scale: f64) -> Result<(), FitError> {
         let candidate = &problem.candidates[position];
         let misplaced = || ApplyError::Place { effect: candidate.effect.clone() };
         if let Site::Parameter(index) = candidate.site {
@@ -122,7 +106,7 @@ impl Hypothesis {
         effect: &Effect,
         name: &str,
         parameters: Vec<EffectParameter>,
-    ) -> Result<Applied, HypothesisError> {
+    ) -> Result<Applied, FitError> {
         let (site, bound) = (self.site(&candidate.site), candidate.bound.clone());
         let instance = Instance { name, effect, site, bound, parameters, switch: None };
         let applied = apply(&mut self.model, &instance)?;
@@ -162,8 +146,8 @@ impl Hypothesis {
     /// Its likelihood.
     ///
     /// # Errors
-    /// [`HypothesisError::Likelihood`].
-    pub fn likelihood(&self, problem: &Problem) -> Result<Likelihood, HypothesisError> {
+    /// [`FitError::Likelihood`].
+    pub fn likelihood(&self, problem: &Problem) -> Result<Likelihood, FitError> {
         let measurements: Vec<&Measurement> = self.measurements.iter().collect();
         let likelihood = Likelihood::new(&Definition {
             model: &self.model,

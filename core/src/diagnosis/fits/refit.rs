@@ -1,5 +1,6 @@
 //! A hypothesis fitted to the data: evidence, amplitudes, errors on the rows that it saw and on those that it did not.
 
+use crate::diagnosis::FitError;
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
@@ -9,7 +10,7 @@ use crate::diagnosis::odds::prior_of::is_prior;
 use crate::diagnosis::odds::prior_scale::{Amplitudes, WIDTHS};
 use crate::diagnosis::{Hypothesis, Problem};
 use crate::expression::Unit;
-use crate::inference::likelihood::{GIVEN_UP, Likelihood};
+use crate::inference::likelihood::Likelihood;
 use crate::inference::measurement::Measurement;
 use crate::inference::point_estimate::{PointEstimate, PointSettings, estimate};
 use crate::inference::prediction::Predictor;
@@ -107,8 +108,8 @@ impl Problem {
     ///
     /// # Errors
     /// Why there is no fit: effects that do not go together, a likelihood that cannot be evaluated.
-    pub fn refit(&self, effects: &[usize], begin: &Begin, key: &StreamKey) -> Result<Refit, String> {
-        together(self.refits_over_gaps(effects, begin, key)?).ok_or_else(|| "no fit".to_owned())
+    pub fn refit(&self, effects: &[usize], begin: &Begin, key: &StreamKey) -> Result<Refit, FitError> {
+        together(self.refits_over_gaps(effects, begin, key)?).ok_or(FitError::NoFit)
     }
 
     /// Fits with thresholds where the starts, and what descends from there, have them. Without `moments` the amplitudes have
@@ -119,7 +120,7 @@ impl Problem {
         begin: &Begin,
         key: &StreamKey,
         moments: bool,
-    ) -> Result<Refit, String> {
+    ) -> Result<Refit, FitError> {
         let mut places = vec![0; effects.len()];
         let (mut best, mut amplitudes) = self.refit_of_widths(effects, &places, begin, key, moments)?;
         loop {
@@ -147,11 +148,11 @@ impl Problem {
         begin: &Begin,
         key: &StreamKey,
         moments: bool,
-    ) -> Result<(Refit, Amplitudes), String> {
+    ) -> Result<(Refit, Amplitudes), FitError> {
         let widths: Vec<f64> = places.iter().map(|&place| begin.scale * WIDTHS[place].factor).collect();
         let odds: f64 = places.iter().map(|&place| ln(WIDTHS[place].odds)).sum();
-        let hypothesis = self.hypothesis_of_widths(effects, &widths).map_err(|error| error.to_string())?;
-        let likelihood = hypothesis.likelihood(self).map_err(|error| error.to_string())?;
+        let hypothesis = self.hypothesis_of_widths(effects, &widths)?;
+        let likelihood = hypothesis.likelihood(self)?;
         let settings = PointSettings {
             starts: begin.from_prior,
             most_iterations: MOST_STEPS,
@@ -171,12 +172,10 @@ impl Problem {
             .collect()
         };
         let starts: Vec<Vec<f64>> = begin.starts.iter().map(place).collect();
-        let found = estimate(&likelihood, &settings, key, &starts).map_err(|error| error.to_string())?;
+        let found = estimate(&likelihood, &settings, key, &starts)?;
         let mut residuals = vec![0.0; likelihood.residual_count()];
-        likelihood
-            .residuals(&found.parameters, &mut likelihood.workspace(), &mut residuals)
-            .map_err(|rejected| rejected.to_string())?;
-        let log_evidence = found.log_evidence.filter(|value| value.is_finite()).ok_or("the fit has no curvature")?;
+        likelihood.residuals(&found.parameters, &mut likelihood.workspace(), &mut residuals)?;
+        let log_evidence = found.log_evidence.filter(|value| value.is_finite()).ok_or(FitError::NoCurvature)?;
         let widths_at = Amplitudes::at(&hypothesis, &found, &self.which_are_amplitudes(effects));
         // Laplace's evidence is too high where the likelihood is flat in a gap and falls beyond it, which no curvature tells.
         let flat = self.flat(effects, &likelihood, &found);
@@ -188,7 +187,7 @@ impl Problem {
             chi_square: found.chi_square,
             held: found.held.iter().map(Option::is_some).collect(),
             amplitudes: amplitudes(&hypothesis, &likelihood, &found, &flat),
-            given_up: given_up(&found),
+            given_up: found.work.rejections.given_up,
             unknowns: found.parameters,
             names: likelihood.names().to_vec(),
             residuals,
@@ -213,12 +212,6 @@ impl Problem {
         };
         effects.iter().map(of).collect()
     }
-}
-
-/// Points at which a transient was given up.
-fn given_up(found: &PointEstimate) -> u64 {
-    let reasons = found.work.rejections.by_reason.iter();
-    reasons.filter(|(reason, _)| reason.contains(GIVEN_UP)).map(|(_, count)| count).sum()
 }
 
 fn amplitudes(
@@ -268,8 +261,8 @@ impl Refit {
     ///
     /// # Errors
     /// A row, held out perhaps, in which the model has no solution.
-    fn score(&mut self, hypothesis: &Hypothesis, likelihood: &Likelihood) -> Result<(), String> {
-        let predictor = Predictor::new(&hypothesis.model, &[]).map_err(|error| error.to_string())?;
+    fn score(&mut self, hypothesis: &Hypothesis, likelihood: &Likelihood) -> Result<(), FitError> {
+        let predictor = Predictor::new(&hypothesis.model, &[])?;
         let full = likelihood.full_parameters(&self.unknowns);
         let names = likelihood.names();
         let find = |name: &str| names.iter().position(|known| known == name).map(|place| self.unknowns[place]);
@@ -288,7 +281,7 @@ impl Refit {
                     let error = reading - predicted[row * width + sensor];
                     if !error.is_finite() {
                         // What has no solution where nothing was fitted predicts nothing there.
-                        return Err(format!("no solution in row {} of `{}`", row + 1, measurement.name));
+                        return Err(FitError::NoSolution { row: row + 1, measurement: measurement.name.clone() });
                     }
                     let kelvin = hypothesis.model.quantities[measurement.sensors[sensor].quantity].unit == "K";
                     if measurement.held_out(row) {

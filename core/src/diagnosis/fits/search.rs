@@ -73,7 +73,7 @@ impl Diagnosis {
         for lead in near(&screening.leads, 2 * BESIDE, SINGLES) {
             state.order(&[lead], &set, place);
         }
-        let with = problem.with(&state.refits[place]).map_err(|error| error.to_string());
+        let with = problem.with(&state.refits[place]);
         // What cannot be made beside this set was tried alone before.
         match with.and_then(|with| exchanges(&with, &state.refits[place], EXCHANGES_BESIDE)) {
             Ok(found) => {
@@ -135,7 +135,7 @@ impl Diagnosis {
         if set.len() as u64 >= self.settings().most {
             return;
         }
-        let with = problem.with(&state.refits[place]).map_err(|error| error.to_string());
+        let with = problem.with(&state.refits[place]);
         match with.and_then(|with| self.leads_unbent(&with, &state.refits[place])) {
             Ok(leads) => leads.iter().take(BESIDE).for_each(|lead| state.order(&[lead], &set, place)),
             Err(why) => state.warn(why),

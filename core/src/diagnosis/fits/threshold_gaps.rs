@@ -1,6 +1,7 @@
 //! The gaps, between two levels of the fitted rows, in which a set has its thresholds. Within a gap the likelihood is flat, and no
 //! slope leads from one to the next: they are fitted one after another, and the evidence is the sum over them.
 
+use crate::diagnosis::FitError;
 use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::fits::threshold_levels::{beside, gap, log_share};
 use crate::diagnosis::{Problem, Refit};
@@ -49,7 +50,7 @@ impl Problem {
         effects: &[usize],
         begin: &Begin,
         key: &StreamKey,
-    ) -> Result<Vec<Refit>, String> {
+    ) -> Result<Vec<Refit>, FitError> {
         let thresholds = self.thresholds_of(effects);
         if thresholds.is_empty() {
             return Ok(vec![self.refit_here(effects, begin, key, true)?]);

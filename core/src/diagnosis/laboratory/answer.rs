@@ -1,9 +1,11 @@
 //! What was said of a case: the part of a diagnosis that is judged.
 
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use std::collections::BTreeMap;
 
-use crate::diagnosis::Verdict;
+use serde::{Deserialize, Serialize};
+
+use crate::diagnosis::output::{Amount, EffectResult, ModelResult};
+use crate::diagnosis::{Output, Verdict};
 use crate::expression::Unit;
 
 /// A set of effects with its stated probability.
@@ -52,37 +54,46 @@ pub struct Answer {
 /// The normal quantile of 97.5 %.
 const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
 
-impl Answer {
-    /// Reads the document that `diagnose --json` prints; `None` where it has no verdict.
-    pub fn of_document(document: &Value) -> Option<Self> {
-        let verdict = serde_json::from_value(document.get("verdict")?.clone()).ok()?;
-        let list = |name: &str| document.get(name).and_then(Value::as_array).cloned().unwrap_or_default();
-        let number = |name: &str| document.get(name).and_then(Value::as_f64).unwrap_or(0.0);
-        let effects = list("effects");
-        let id = |effect: &Value| effect.get("id").and_then(Value::as_str).unwrap_or_default().to_owned();
-        let mut groups: Vec<(u64, Vec<String>)> = Vec::new();
-        for effect in &effects {
-            let Some(group) = effect.get("group").and_then(Value::as_u64) else { continue };
-            match groups.iter_mut().find(|(own, _)| *own == group) {
-                Some((_, members)) => members.push(id(effect)),
-                None => groups.push((group, vec![id(effect)])),
+impl From<&Output> for Answer {
+    fn from(output: &Output) -> Self {
+        let mut groups: BTreeMap<u64, Vec<String>> = BTreeMap::new();
+        for effect in &output.effects {
+            if let Some(group) = effect.group {
+                groups.entry(group).or_default().push(effect.id.clone());
             }
         }
-        let probability = |value: &Value| value.get("probability").and_then(Value::as_f64).unwrap_or(0.0);
         let stated =
-            |model: &Value| StatedModel { effects: strings(model.get("effects")), probability: probability(model) };
-        Some(Self {
-            verdict,
-            selected: strings(document.get("selected")),
-            groups: groups.into_iter().map(|(_, members)| members).collect(),
-            probabilities: effects.iter().map(|effect| (id(effect), probability(effect))).collect(),
-            models: list("models").iter().map(stated).collect(),
-            nothing: number("probability_nothing"),
-            unexplained: number("probability_unexplained"),
-            amplitudes: effects.iter().flat_map(|effect| amplitudes(&id(effect), effect)).collect(),
-        })
+            |model: &ModelResult| StatedModel { effects: model.effects.clone(), probability: model.probability };
+        Self {
+            verdict: output.verdict,
+            selected: output.selected.clone(),
+            groups: groups.into_values().collect(),
+            probabilities: output.effects.iter().map(|effect| (effect.id.clone(), effect.probability)).collect(),
+            models: output.models.iter().map(stated).collect(),
+            nothing: output.probability_nothing,
+            unexplained: output.probability_unexplained,
+            amplitudes: output.effects.iter().flat_map(intervals).collect(),
+        }
     }
+}
 
+/// Intervals of the amplitudes that no bound cuts off.
+fn intervals(effect: &EffectResult) -> impl Iterator<Item = StatedAmplitude> {
+    let free = effect.amplitudes.iter().filter(|(_, amount)| !amount.at_bound);
+    free.map(|(parameter, amount)| StatedAmplitude {
+        id: effect.id.clone(),
+        parameter: parameter.clone(),
+        lower: si(amount, amount.value - TWO_SIDED_95 * amount.sd),
+        upper: si(amount, amount.value + TWO_SIDED_95 * amount.sd),
+    })
+}
+
+/// A value in the unit of an amplitude, SI. The unit is one that a unit was written as, so that it is read.
+fn si(amount: &Amount, value: f64) -> f64 {
+    Unit::parse(&amount.unit).map_or(value, |unit| unit.to_si(value))
+}
+
+impl Answer {
     /// Effects of the group of one, it among them; itself alone where it is in none.
     pub fn group_of(&self, id: &str) -> Vec<&str> {
         match self.groups.iter().find(|group| group.iter().any(|member| member == id)) {
@@ -107,57 +118,36 @@ impl Answer {
     }
 }
 
-fn strings(value: Option<&Value>) -> Vec<String> {
-    let items = value.and_then(Value::as_array).into_iter().flatten();
-    items.filter_map(Value::as_str).map(str::to_owned).collect()
-}
-
-/// Intervals of an effect that no bound cuts off: `lower` and `upper` where they are stated, else the normal ones of `value` and `sd`.
-fn amplitudes(id: &str, effect: &Value) -> Vec<StatedAmplitude> {
-    let entries = effect.get("amplitudes").and_then(Value::as_object);
-    let mut found = Vec::new();
-    for (parameter, body) in entries.into_iter().flatten() {
-        if body.get("at_bound").and_then(Value::as_bool) == Some(true) {
-            continue;
-        }
-        let number = |name: &str| body.get(name).and_then(Value::as_f64);
-        let unit = body.get("unit").and_then(Value::as_str).and_then(|unit| Unit::parse(unit).ok());
-        let si = |value: f64| unit.as_ref().map_or(value, |unit| unit.to_si(value));
-        let ends = match (number("lower"), number("upper"), number("value"), number("sd")) {
-            (Some(lower), Some(upper), ..) => Some((lower, upper)),
-            (_, _, Some(value), Some(sd)) => Some((value - TWO_SIDED_95 * sd, value + TWO_SIDED_95 * sd)),
-            _ => None,
-        };
-        if let Some((lower, upper)) = ends {
-            let (id, parameter) = (id.to_owned(), parameter.clone());
-            found.push(StatedAmplitude { id, parameter, lower: si(lower), upper: si(upper) });
-        }
-    }
-    found
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_printed_document_is_read() {
-        let document = serde_json::json!({
-            "verdict": "ambiguous", "probability_nothing": 0.001, "probability_unexplained": 0.02,
-            "effects": [
-                {"id": "a:x", "probability": 0.6, "group": 1,
-                 "amplitudes": {"conductance": {"value": 50.0, "sd": 2.0, "unit": "mW/K"}}},
-                {"id": "b:x", "probability": 0.35, "group": 1, "amplitudes": {}},
-                {"id": "c:y", "probability": 0.01, "group": 2, "amplitudes": {}}],
-            "models": [{"effects": ["a:x"], "log_evidence": -3.0, "probability": 0.6}],
-            "selected": ["a:x"]});
-        let answer = Answer::of_document(&document).expect("a verdict");
-        assert_eq!(answer.verdict, Verdict::Ambiguous);
+    fn intervals_are_in_si_units_and_of_free_amplitudes_only() {
+        let amount = |at_bound| serde_json::json!({"value": 50.0, "sd": 2.0, "most_probable": 49.0, "unit": "mW/K", "at_bound": at_bound});
+        let effect = serde_json::json!({"id": "a:x", "effect": "a", "title": "", "where": ["x"], "where_kind": "node",
+            "input": null, "probability": 0.6, "log_bayes_factor": 1.0, "group": 1,
+            "amplitudes": {"conductance": amount(false), "other": amount(true)},
+            "rmse_k": {"train": [null, null], "held_out": [null, null]}, "confused_with": [], "separate": ""});
+        let effect: EffectResult = serde_json::from_value(effect).expect("an effect");
+        let [interval] = &intervals(&effect).collect::<Vec<_>>()[..] else { panic!("one is free") };
+        assert!((interval.lower - 0.04608).abs() < 1e-5 && (interval.upper - 0.05392).abs() < 1e-5, "{interval:?}");
+    }
+
+    #[test]
+    fn probabilities_are_those_of_sets() {
+        let answer = Answer {
+            verdict: Verdict::Ambiguous,
+            selected: vec!["a:x".to_owned()],
+            groups: vec![vec!["a:x".to_owned(), "b:x".to_owned()]],
+            probabilities: Vec::new(),
+            models: vec![StatedModel { effects: vec!["a:x".to_owned()], probability: 0.6 }],
+            nothing: 0.001,
+            unexplained: 0.02,
+            amplitudes: Vec::new(),
+        };
         assert_eq!(answer.group_of("b:x"), ["a:x", "b:x"]);
         assert_eq!(answer.probability_of(&["a:x"]), 0.6);
         assert_eq!((answer.probability_of(&[]), answer.probability_of(&["b:x"])), (0.001, 0.0));
-        let interval = &answer.amplitudes[0];
-        assert!((interval.lower - 0.04608).abs() < 1e-5 && (interval.upper - 0.05392).abs() < 1e-5, "{interval:?}");
-        assert_eq!(Answer::of_document(&serde_json::json!({"verdict": "perhaps"})), None);
     }
 }

@@ -9,7 +9,7 @@ use super::draw::{Draw, short};
 use super::refit::{self, Refit};
 use super::truth::{NoiseTruth, Truth};
 use super::world::World;
-use crate::diagnosis::{HypothesisError, Problem};
+use crate::diagnosis::{FitError, Problem};
 use crate::inference::measurement::{Rows, Uncertain};
 use crate::math::functions::{exp, ln};
 
@@ -18,7 +18,7 @@ use crate::math::functions::{exp, ln};
 pub enum HideError {
     /// Effects that do not go together, or a problem without a likelihood.
     #[error(transparent)]
-    Hypothesis(HypothesisError),
+    Hypothesis(FitError),
     /// No place for what was asked.
     #[error("there is no place for it in this model and test")]
     NoPlace,

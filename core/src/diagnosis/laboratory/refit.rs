@@ -1,6 +1,6 @@
 //! The believed model, or one with effects, fitted to readings that are given.
 
-use crate::diagnosis::{Hypothesis, HypothesisError, Problem};
+use crate::diagnosis::{FitError, Hypothesis, Problem};
 use crate::inference::likelihood::{Definition, Likelihood};
 use crate::inference::measurement::Measurement;
 use crate::inference::natural::NaturalObjective;
@@ -69,7 +69,7 @@ pub fn likelihood(problem: &Problem, readings: &[Vec<f64>]) -> Result<Likelihood
         measurements: &measurements,
         input_errors: &problem.input_errors,
     })
-    .map_err(|error| HideError::Hypothesis(HypothesisError::Likelihood(error)))
+    .map_err(|error| HideError::Hypothesis(FitError::Likelihood(error)))
 }
 
 /// The likelihood of a hypothesis for readings.

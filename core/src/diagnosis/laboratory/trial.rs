@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use super::answer::Answer;
 use super::campaign::TestKind;
@@ -12,28 +11,17 @@ use super::draw::Draw;
 use super::hide::{HideError, Wish, hide};
 use super::rivals::rivals;
 use super::truth::Truth;
-use crate::diagnosis::{Diagnosis, Problem, Settings};
+use crate::diagnosis::{Diagnosis, FitError, Problem, Settings};
 use crate::effect::Catalogue;
 use crate::random::StreamKey;
-
-/// Why there is no answer.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("the diagnosis failed: {reason}")]
-pub struct AskError {
-    /// What it says itself.
-    pub reason: String,
-}
 
 /// Asks the diagnosis, with its default settings; `seed` is that of its random numbers.
 ///
 /// # Errors
-/// [`AskError`].
-pub fn ask(problem: &Problem, seed: u64) -> Result<Answer, AskError> {
+/// As [`Diagnosis::run`].
+pub fn ask(problem: &Problem, seed: u64) -> Result<Answer, FitError> {
     let key = StreamKey::new(seed, "laboratory", "diagnose");
-    let output =
-        Diagnosis::new(problem.clone(), Settings::default(), key).run().map_err(|reason| AskError { reason })?;
-    let document = serde_json::to_value(output).map_err(|error| AskError { reason: error.to_string() })?;
-    Answer::of_document(&document).ok_or_else(|| AskError { reason: "it states no verdict".to_owned() })
+    Ok(Answer::from(&Diagnosis::new(problem.clone(), Settings::default(), key).run()?))
 }
 
 /// What is hidden in case `number` of a laboratory over one's own model: nothing in every fifth, else one effect, of 0.5,
@@ -105,7 +93,7 @@ pub fn drawn_case(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, number
 fn asked(problem: &Problem, truth: Truth, seed: u64, number: u64) -> Outcome {
     let (answer, reason) = match ask(problem, seed) {
         Ok(answer) => (Some(answer), None),
-        Err(error) => (None, Some(error.to_string())),
+        Err(error) => (None, Some(format!("the diagnosis failed: {error}"))),
     };
     Outcome { number, truth: Some(truth), answer, reason }
 }

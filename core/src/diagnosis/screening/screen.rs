@@ -1,5 +1,6 @@
 //! Screening: what each effect and each pair of effects would do to the misfit at a fit, and the family of tests.
 
+use crate::diagnosis::FitError;
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
@@ -116,7 +117,7 @@ impl Scored {
         unknowns: &[f64],
         linear: &Linear,
         wanted: impl Fn(&Direction) -> bool,
-    ) -> Result<(Self, Vec<signature::Unseen>, u64), String> {
+    ) -> Result<(Self, Vec<signature::Unseen>, u64), FitError> {
         let mut scored = Self { prepared: Prepared::new(linear), directions: Vec::new(), scores: Vec::new() };
         let (mut left_out, mut held) = (0, 0);
         let mut give = |direction: Direction| {
@@ -131,7 +132,7 @@ impl Scored {
             }
         };
         let unseen = signature::for_each_direction(problem, likelihood, unknowns, &mut give);
-        let unseen = unseen.map_err(|error| error.to_string())?;
+        let unseen = unseen?;
         left_out += scored.keep(MOST_ENTRIES);
         Ok((scored, unseen, left_out))
     }
@@ -184,9 +185,9 @@ impl Scored {
 impl Diagnosis {
     /// Screens what a fit of the problem's model leaves; where that is nothing, `whole` also
     /// finds what would have been detected.
-    pub(crate) fn screen_problem(&self, problem: &Problem, refit: &Refit, whole: bool) -> Result<Screening, String> {
+    pub(crate) fn screen_problem(&self, problem: &Problem, refit: &Refit, whole: bool) -> Result<Screening, FitError> {
         let likelihood = self.likelihood(problem)?;
-        let linear = signature::linearise(&likelihood, &refit.unknowns).map_err(|e| e.to_string())?;
+        let linear = signature::linearise(&likelihood, &refit.unknowns)?;
         let (scored, unseen, left_out) = Scored::best(problem, &likelihood, &refit.unknowns, &linear, |_| true)?;
         let (groups, names) = groups(problem, &likelihood);
         let estimated = self.estimates_sigma();
@@ -265,9 +266,9 @@ impl Diagnosis {
         Ok(screening)
     }
 
-    pub(crate) fn likelihood(&self, problem: &Problem) -> Result<Likelihood, String> {
-        let believed = problem.hypothesis(&[], 1.0).map_err(|error| error.to_string())?;
-        believed.likelihood(problem).map_err(|error| error.to_string())
+    pub(crate) fn likelihood(&self, problem: &Problem) -> Result<Likelihood, FitError> {
+        let believed = problem.hypothesis(&[], 1.0)?;
+        believed.likelihood(problem)
     }
 
     /// The effects, best first, with starts from their best directions.
@@ -349,7 +350,7 @@ impl Diagnosis {
         problem: &Problem,
         declared: &Refit,
         beside_pair: bool,
-    ) -> Result<Vec<SettledSensor>, String> {
+    ) -> Result<Vec<SettledSensor>, FitError> {
         let mut bare = problem.clone();
         let mut open = Vec::new();
         for (measurement, entry) in bare.measurements.iter_mut().enumerate() {
@@ -367,7 +368,7 @@ impl Diagnosis {
         let known = declared.by_name();
         let unknowns: Vec<f64> =
             likelihood.unknowns().names.iter().map(|name| known.get(name).copied().unwrap_or_default()).collect();
-        let linear = signature::linearise(&likelihood, &unknowns).map_err(|e| e.to_string())?;
+        let linear = signature::linearise(&likelihood, &unknowns)?;
         let directions = if beside_pair {
             // A curve beside which the noise is settled could take the noise for physics.
             let single = |direction: &Direction| direction.amplitudes() == 1;

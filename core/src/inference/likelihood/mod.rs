@@ -34,9 +34,6 @@ use transient::TransientPart;
 
 pub use whitening::Whitening;
 
-/// In the reason of a rejection: a transient that takes far more steps than it should.
-pub const GIVEN_UP: &str = "is given up";
-
 /// Half of ln(2 pi).
 const HALF_LN_TAU: f64 = 0.918_938_533_204_672_7;
 
@@ -218,7 +215,7 @@ impl Likelihood {
     }
 
     /// The same with a number of attempted steps, by measurement, after which a transient is given up: the point is then
-    /// rejected ([`GIVEN_UP`]).
+    /// rejected ([`Rejected::is_given_up`]).
     pub fn with_most_steps(mut self, most_steps: Vec<u64>) -> Self {
         self.most_steps = most_steps;
         self

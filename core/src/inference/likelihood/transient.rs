@@ -2,7 +2,7 @@
 
 use super::build::is_used;
 use super::whitening::Block;
-use super::{Datum, GIVEN_UP, Likelihood, Memory, SensorPart};
+use super::{Datum, Likelihood, Memory, SensorPart};
 use crate::inference::lag;
 use crate::inference::measurement::{Initial, InputTable, Measurement, Rows};
 use crate::inference::noise::Series;
@@ -209,10 +209,11 @@ impl TransientPart {
         let limit = likelihood.most_steps.get(self.index).copied();
         request.options.most_steps = limit.unwrap_or(request.options.most_steps);
         network.solve_transient(&request).map_err(|error| match (&error, limit) {
-            (TransientError::TooManySteps { .. }, Some(_)) => Rejected::new(format!(
-                "the transient `{}` {GIVEN_UP}: it takes far more steps than expected",
-                self.name
-            )),
+            (TransientError::TooManySteps { .. }, Some(_)) => Rejected {
+                reason: format!("the transient `{}` is given up: it takes far more steps than expected", self.name)
+                    .into(),
+                is_given_up: true,
+            },
             _ => self.rejected(&error),
         })
     }

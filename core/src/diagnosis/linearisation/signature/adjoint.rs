@@ -7,6 +7,7 @@
 
 use super::variant::{self, Variant};
 use super::{Base, Found};
+use crate::diagnosis::FitError;
 use crate::diagnosis::linearisation::linear::Direction;
 use crate::effect::{Instance, SensorChange, Site, apply};
 use crate::expression::{ExprId, Program, Symbol};
@@ -54,7 +55,7 @@ impl Phases {
             outputs: Vec::new(),
             surroundings: Vec::new(),
         };
-        let slopes: Vec<Result<Vec<Slopes>, String>> =
+        let slopes: Vec<Result<Vec<Slopes>, FitError>> =
             variants.iter().map(|variant| bench.slopes(base, variant)).collect();
         let values = self.evaluate(&bench);
         let mut column = vec![0.0; base.residuals.len()];
@@ -62,12 +63,12 @@ impl Phases {
             let columns = slopes.and_then(|slopes| {
                 let columns = slopes.iter().map(|slopes| {
                     self.column(base, slopes, &values, &mut column);
-                    base.whitening.apply(&mut column).map_err(|rejected| rejected.to_string())?;
+                    base.whitening.apply(&mut column)?;
                     Ok(column.clone())
                 });
-                columns.collect::<Result<Vec<Vec<f64>>, String>>()
+                columns.collect::<Result<Vec<Vec<f64>>, FitError>>()
             });
-            let direction: Result<Option<Direction>, String> =
+            let direction: Result<Option<Direction>, FitError> =
                 columns.and_then(|columns| variant.direction(base, columns.into_iter()));
             variant::put(&mut found[variant.asked], direction);
         }
@@ -138,7 +139,7 @@ impl Phases {
 
 impl Bench<'_> {
     /// Adds a variant, takes down the slopes of its amplitudes and takes it out again.
-    fn slopes(&mut self, base: &Base<'_>, variant: &Variant<'_>) -> Result<Vec<Slopes>, String> {
+    fn slopes(&mut self, base: &Base<'_>, variant: &Variant<'_>) -> Result<Vec<Slopes>, FitError> {
         let candidate = &base.problem.candidates[variant.candidate];
         let name = format!("{} ({})", candidate.id, self.model.parameters.len());
         let instance = Instance {
@@ -150,7 +151,7 @@ impl Bench<'_> {
             switch: None,
         };
         let first_node = self.model.nodes.len();
-        let answer = apply(&mut self.model, &instance).map_err(|error| error.to_string());
+        let answer = apply(&mut self.model, &instance);
         let slopes = answer.map(|applied| {
             for node in first_node..self.model.nodes.len() {
                 if let NodeKind::Boundary { temperature } = self.model.nodes[node].kind {
@@ -164,7 +165,7 @@ impl Bench<'_> {
             symbols.map(|symbol| self.slopes_of(symbol, &candidate.site, &applied.sensors)).collect()
         });
         self.restore(&candidate.site);
-        slopes
+        Ok(slopes?)
     }
 
     /// The slopes of an amplitude that was just added.

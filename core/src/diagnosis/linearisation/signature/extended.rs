@@ -1,10 +1,11 @@
 //! Exact derivatives of many effects at once: sensitivities of a model that holds them all with amplitude 0.
 
+use crate::diagnosis::error::NoDirection;
 use rayon::prelude::*;
 
 use super::variant::{self, Variant};
 use super::{Base, Found};
-use crate::diagnosis::fits::hypothesis::HypothesisError;
+use crate::diagnosis::FitError;
 use crate::diagnosis::linearisation::linear::Direction;
 use crate::inference::likelihood::Likelihood;
 use crate::inference::target::{LeastSquares, Target};
@@ -21,7 +22,7 @@ pub(super) fn solve(base: &Base<'_>, variants: &[Variant<'_>], found: &mut [Foun
 }
 
 /// A variant's direction, `None` where nothing depends on it, or why there is none.
-type Solved = Result<Option<Direction>, String>;
+type Solved = Result<Option<Direction>, FitError>;
 
 fn solved(base: &Base<'_>, variants: &[Variant<'_>]) -> Vec<Solved> {
     match together(base, variants) {
@@ -37,8 +38,8 @@ fn solved(base: &Base<'_>, variants: &[Variant<'_>]) -> Vec<Solved> {
 }
 
 /// A direction for each variant; `None` where nothing depends on it.
-fn together(base: &Base<'_>, variants: &[Variant<'_>]) -> Result<Vec<Option<Direction>>, String> {
-    let (likelihood, widths) = extended(base, variants).map_err(|error| error.to_string())?;
+fn together(base: &Base<'_>, variants: &[Variant<'_>]) -> Result<Vec<Option<Direction>>, FitError> {
+    let (likelihood, widths) = extended(base, variants)?;
     let own = base.likelihood.model_parameters();
     let added: usize = widths.iter().sum();
     let mut unknowns = base.unknowns[..own].to_vec();
@@ -46,14 +47,12 @@ fn together(base: &Base<'_>, variants: &[Variant<'_>]) -> Result<Vec<Option<Dire
     unknowns.extend(&base.unknowns[own..]);
     let (readings, n) = (likelihood.residual_count(), unknowns.len());
     if readings != base.residuals.len() || n != likelihood.dimension() {
-        return Err("it changes what is measured".to_owned());
+        return Err(NoDirection::ChangesMeasurement.into());
     }
     let mut jacobian = vec![0.0; readings * n];
     let (mut residuals, mut gradient) = (vec![0.0; readings], vec![0.0; n]);
     let mut memory = likelihood.workspace();
-    likelihood
-        .jacobian(&unknowns, &mut memory, &mut residuals, &mut jacobian, &mut gradient)
-        .map_err(|rejected| rejected.to_string())?;
+    likelihood.jacobian(&unknowns, &mut memory, &mut residuals, &mut jacobian, &mut gradient)?;
     let mut first = own;
     let mut directions = Vec::with_capacity(variants.len());
     for (variant, width) in variants.iter().zip(widths) {
@@ -68,7 +67,7 @@ fn together(base: &Base<'_>, variants: &[Variant<'_>]) -> Result<Vec<Option<Dire
 }
 
 /// The likelihood of the model with all variants, and the number of amplitudes of each.
-fn extended(base: &Base<'_>, variants: &[Variant<'_>]) -> Result<(Likelihood, Vec<usize>), HypothesisError> {
+fn extended(base: &Base<'_>, variants: &[Variant<'_>]) -> Result<(Likelihood, Vec<usize>), FitError> {
     let problem = base.problem;
     let mut hypothesis = problem.hypothesis(&[], 1.0)?;
     let mut widths = Vec::with_capacity(variants.len());

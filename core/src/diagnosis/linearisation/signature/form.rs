@@ -1,5 +1,6 @@
 //! Whether an effect is smooth at amplitude 0, has to be probed, or cannot be seen.
 
+use crate::diagnosis::error::NoDirection;
 use std::collections::HashMap;
 
 use super::kinds;
@@ -13,7 +14,7 @@ use crate::thermal::NodeKind;
 /// How a candidate's directions are found.
 pub(super) enum Form<'a> {
     /// It cannot be seen, for a reason.
-    Unseen(String),
+    Unseen(NoDirection),
     /// By derivatives at amplitude 0, at each of these values of its parameters (amplitudes: 0).
     Smooth {
         /// The effect, as the data see it.
@@ -63,7 +64,7 @@ impl Forms {
             return Form::Parameter(index);
         }
         let Some(effect) = self.at_rest.get(&candidate.effect) else {
-            return Form::Unseen(format!("there is no effect `{}`", candidate.effect));
+            return Form::Unseen(NoDirection::Unknown);
         };
         let written = problem.catalogue.get(&candidate.effect).unwrap_or(effect);
         if let Some(reason) = self.unseen(written, candidate) {
@@ -79,28 +80,28 @@ impl Forms {
         }
     }
 
-    fn unseen(&self, effect: &Effect, candidate: &Candidate) -> Option<String> {
+    fn unseen(&self, effect: &Effect, candidate: &Candidate) -> Option<NoDirection> {
         let adds = &effect.form.adds.value;
         if (candidate.steady && self.steady) || (candidate.transient && self.transient) {
             let dangling = !self.transient && adds.node.is_some() && !matches!(candidate.site, Site::Pair(_));
-            return dangling.then(|| "steady phases do not see heat capacities".to_owned());
+            return dangling.then_some(NoDirection::Capacity);
         }
         let seen = |by: SeenBy| effect.form.seen_by.contains(&by);
         let steady_only = self.steady && !self.transient;
         Some(if steady_only && !seen(SeenBy::Steady) {
             if adds.lag.is_some() {
-                "steady phases do not see the lag of a sensor".to_owned()
+                NoDirection::Lag
             } else if adds.capacity.is_some() || adds.node.is_some() || adds.within.is_some() {
-                "steady phases do not see heat capacities".to_owned()
+                NoDirection::Capacity
             } else {
-                "steady phases do not see what changes with time".to_owned()
+                NoDirection::Course
             }
         } else if !self.steady && !seen(SeenBy::Transient) {
-            "transients do not see it".to_owned()
+            NoDirection::Transients
         } else {
             match &candidate.site {
-                Site::Sensors(_) => "none of the readings is of such a sensor".to_owned(),
-                _ => "none of the readings can see it".to_owned(),
+                Site::Sensors(_) => NoDirection::NoSuchSensor,
+                _ => NoDirection::NoSuchReading,
             }
         })
     }

@@ -14,10 +14,10 @@ mod probe;
 mod swap;
 mod variant;
 
+use crate::diagnosis::error::NoDirection;
 use rayon::prelude::*;
-use thiserror::Error;
 
-use crate::diagnosis::fits::hypothesis::HypothesisError;
+use crate::diagnosis::FitError;
 use crate::diagnosis::linearisation::linear::{Direction, Linear};
 use crate::diagnosis::problem::Problem;
 use crate::inference::likelihood::{Likelihood, Whitening};
@@ -25,7 +25,6 @@ use crate::inference::measurement::Rows;
 use crate::inference::natural::NaturalObjective;
 use crate::inference::optimise::Objective;
 use crate::inference::target::{LeastSquares, Rejected, Target};
-use crate::inference::transform::TransformError;
 use adjoint::Phases;
 use form::{Form, Forms};
 
@@ -35,20 +34,6 @@ const AT_BOUND: f64 = 1e-9;
 const MOST_ENTRIES: usize = 1 << 22;
 /// Most candidates whose derivatives are found together.
 const MOST_TOGETHER: usize = 2000;
-
-/// Why there are no signatures.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum SignatureError {
-    /// A fit that cannot be evaluated.
-    #[error("at the fit, {0}")]
-    Rejected(#[from] Rejected),
-    /// A prior without spread.
-    #[error(transparent)]
-    Prior(#[from] TransformError),
-    /// A likelihood that cannot be made.
-    #[error(transparent)]
-    Hypothesis(#[from] HypothesisError),
-}
 
 /// A candidate that has no direction.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,8 +51,8 @@ pub struct Unseen {
 /// stands at its bound.
 ///
 /// # Errors
-/// [`SignatureError`] where the likelihood cannot be evaluated there.
-pub fn linearise(likelihood: &Likelihood, unknowns: &[f64]) -> Result<Linear, SignatureError> {
+/// [`FitError`] where the likelihood cannot be evaluated there.
+pub fn linearise(likelihood: &Likelihood, unknowns: &[f64]) -> Result<Linear, FitError> {
     let mut objective = NaturalObjective::new(likelihood)?;
     let at = objective.coordinates(unknowns);
     let (rows, n) = (objective.rows(), objective.dimension());
@@ -111,12 +96,12 @@ pub fn linearise(likelihood: &Likelihood, unknowns: &[f64]) -> Result<Linear, Si
 /// All directions, in the order of the candidates, and the candidates that have none. As [`for_each_direction`].
 ///
 /// # Errors
-/// [`SignatureError`].
+/// [`FitError`].
 pub fn directions(
     problem: &Problem,
     likelihood: &Likelihood,
     unknowns: &[f64],
-) -> Result<(Vec<Direction>, Vec<Unseen>), SignatureError> {
+) -> Result<(Vec<Direction>, Vec<Unseen>), FitError> {
     let mut all = Vec::new();
     let unseen = for_each_direction(problem, likelihood, unknowns, &mut |direction| all.push(direction))?;
     Ok((all, unseen))
@@ -128,13 +113,13 @@ pub fn directions(
 /// that have none.
 ///
 /// # Errors
-/// [`SignatureError`] where the fit cannot be evaluated.
+/// [`FitError`] where the fit cannot be evaluated.
 pub fn for_each_direction(
     problem: &Problem,
     likelihood: &Likelihood,
     unknowns: &[f64],
     give: &mut dyn FnMut(Direction),
-) -> Result<Vec<Unseen>, SignatureError> {
+) -> Result<Vec<Unseen>, FitError> {
     let base = Base::new(problem, likelihood, unknowns)?;
     let forms = Forms::new(problem);
     // Transients have no adjoints here.
@@ -157,15 +142,15 @@ pub fn for_each_direction(
         let mut probed = probed.into_iter();
         for (&position, form) in block.iter().zip(&forms) {
             let found = match form {
-                Form::Unseen(reason) => Err(reason.clone()),
-                Form::Smooth { .. } => exact.next().unwrap_or_else(|| Err(String::new())),
-                Form::Probe { .. } => probed.next().unwrap_or_else(|| Err(String::new())),
+                Form::Unseen(reason) => Err((*reason).into()),
+                Form::Smooth { .. } => exact.next().unwrap_or(Err(NoDirection::NotScreened.into())),
+                Form::Probe { .. } => probed.next().unwrap_or(Err(NoDirection::NotScreened.into())),
                 Form::Swap => swaps.direction(&base, position),
                 Form::Parameter(index) => parameters.direction(&base, position, *index),
             };
             match found {
                 Ok(found) => found.into_iter().for_each(&mut *give),
-                Err(reason) => unseen.push(Unseen { candidate: position, reason }),
+                Err(error) => unseen.push(Unseen { candidate: position, reason: error.to_string() }),
             }
         }
     }
@@ -181,13 +166,13 @@ fn exact(base: &Base<'_>, phases: Option<&Phases>, asked: &[(usize, &Form<'_>)])
         None => extended::solve(base, &variants, &mut found),
     }
     for found in found.iter_mut().filter(|found| found.as_ref().is_ok_and(Vec::is_empty)) {
-        *found = Err("no reading depends on it".to_owned());
+        *found = Err(NoDirection::NoReading.into());
     }
     found
 }
 
 /// The directions of a candidate, or why there is none.
-type Found = Result<Vec<Direction>, String>;
+type Found = Result<Vec<Direction>, FitError>;
 
 /// The model without effects at its fit.
 struct Base<'a> {
@@ -202,7 +187,7 @@ struct Base<'a> {
 }
 
 impl<'a> Base<'a> {
-    fn new(problem: &'a Problem, likelihood: &'a Likelihood, unknowns: &'a [f64]) -> Result<Self, SignatureError> {
+    fn new(problem: &'a Problem, likelihood: &'a Likelihood, unknowns: &'a [f64]) -> Result<Self, FitError> {
         let mut residuals = vec![0.0; likelihood.residual_count()];
         likelihood.residuals(unknowns, &mut likelihood.workspace(), &mut residuals)?;
         let rows = NaturalObjective::new(likelihood)?.rows();

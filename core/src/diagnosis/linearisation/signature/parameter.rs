@@ -1,6 +1,8 @@
 //! A parameter that its prior does not hold: it moves as the fit's own, but for the rows of the priors.
 
 use super::{Base, Found};
+use crate::diagnosis::FitError;
+use crate::diagnosis::error::NoDirection;
 use crate::diagnosis::linearisation::linear::Direction;
 use crate::inference::target::{LeastSquares, Target};
 
@@ -8,23 +10,23 @@ use crate::inference::target::{LeastSquares, Target};
 #[derive(Default)]
 pub(super) struct Parameters {
     /// `readings x unknowns`, whitened, of the predictions; or why there are none.
-    slopes: Option<Result<Vec<f64>, String>>,
+    slopes: Option<Result<Vec<f64>, FitError>>,
 }
 
 impl Parameters {
     /// The direction of a parameter; its amplitude is what is added to the value at the fit, which stands as its shape.
     pub fn direction(&mut self, base: &Base<'_>, position: usize, index: usize) -> Found {
         let problem = base.problem;
-        let place = problem.parameters.iter().position(|&own| own == index).ok_or("it is not inferred here")?;
+        let place = problem.parameters.iter().position(|&own| own == index).ok_or(NoDirection::NotInferred)?;
         if problem.joint.iter().any(|own| own.places().contains(&place)) {
-            return Err("its prior is a calibration's posterior, not a written one".to_owned());
+            return Err(NoDirection::PosteriorAsPrior.into());
         }
-        let wide = problem.wider_prior(index, 1.0).ok_or("it is known")?;
+        let wide = problem.wider_prior(index, 1.0).ok_or(NoDirection::Known)?;
         let slopes = self.slopes.get_or_insert_with(|| slopes(base)).as_ref().map_err(Clone::clone)?;
         let n = base.unknowns.len();
         let mut column: Vec<f64> = slopes.chunks_exact(n.max(1)).map(|row| row[place]).collect();
         if column.iter().all(|value| *value == 0.0) {
-            return Err("no reading depends on it".to_owned());
+            return Err(NoDirection::NoReading.into());
         }
         column.resize(base.rows, 0.0);
         let (least, most) = wide.support();
@@ -42,14 +44,12 @@ impl Parameters {
     }
 }
 
-fn slopes(base: &Base<'_>) -> Result<Vec<f64>, String> {
+fn slopes(base: &Base<'_>) -> Result<Vec<f64>, FitError> {
     let (readings, n) = (base.residuals.len(), base.unknowns.len());
     let mut jacobian = vec![0.0; readings * n];
     let (mut residuals, mut gradient) = (vec![0.0; readings], vec![0.0; n]);
     let mut memory = base.likelihood.workspace();
-    base.likelihood
-        .jacobian(base.unknowns, &mut memory, &mut residuals, &mut jacobian, &mut gradient)
-        .map_err(|rejected| rejected.to_string())?;
+    base.likelihood.jacobian(base.unknowns, &mut memory, &mut residuals, &mut jacobian, &mut gradient)?;
     jacobian.iter_mut().for_each(|slope| *slope = -*slope);
     Ok(jacobian)
 }

@@ -1,6 +1,7 @@
 //! Effects that are not smooth at amplitude 0, by finite values.
 
 use super::{Base, Found};
+use crate::diagnosis::error::NoDirection;
 use crate::diagnosis::fits::hypothesis::Hypothesis;
 use crate::diagnosis::linearisation::linear::Direction;
 use crate::effect::form::Sign;
@@ -19,8 +20,7 @@ pub(super) fn directions(base: &Base<'_>, position: usize, effect: &Effect) -> F
     let problem = base.problem;
     let candidate = &problem.candidates[position];
     let written = effect.parameters(&problem.model, &candidate.bound);
-    let failed = |error: &dyn std::fmt::Display| error.to_string();
-    let mut hypothesis = problem.hypothesis(&[], 1.0).map_err(|error| failed(&error))?;
+    let mut hypothesis = problem.hypothesis(&[], 1.0)?;
     let parameters: Vec<EffectParameter> = written
         .iter()
         .map(|parameter| EffectParameter {
@@ -30,11 +30,11 @@ pub(super) fn directions(base: &Base<'_>, position: usize, effect: &Effect) -> F
             ..parameter.clone()
         })
         .collect();
-    let applied = hypothesis.add_as(candidate, effect, &candidate.id, parameters).map_err(|error| failed(&error))?;
+    let applied = hypothesis.add_as(candidate, effect, &candidate.id, parameters)?;
     begin_as_fitted(base, &mut hypothesis, &applied.nodes);
-    let mut likelihood = hypothesis.likelihood(problem).map_err(|error| failed(&error))?;
+    let mut likelihood = hypothesis.likelihood(problem)?;
     if likelihood.residual_count() != base.residuals.len() {
-        return Err("it changes what is measured".to_owned());
+        return Err(NoDirection::ChangesMeasurement.into());
     }
     let own = base.likelihood.model_parameters();
     let mut unknowns = base.carried(&likelihood);
@@ -56,8 +56,8 @@ pub(super) fn directions(base: &Base<'_>, position: usize, effect: &Effect) -> F
     }
     match (found.is_empty(), solved) {
         (false, _) => Ok(found),
-        (true, true) => Err("no reading depends on it".to_owned()),
-        (true, false) => Err("the model does not solve at any of its probes".to_owned()),
+        (true, true) => Err(NoDirection::NoReading.into()),
+        (true, false) => Err(NoDirection::NoSolution.into()),
     }
 }
 

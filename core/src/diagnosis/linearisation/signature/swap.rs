@@ -2,6 +2,8 @@
 
 use super::probe::share;
 use super::{Base, Found};
+use crate::diagnosis::FitError;
+use crate::diagnosis::error::NoDirection;
 use crate::effect::Site;
 use crate::inference::likelihood::{Definition, InputError, Likelihood};
 use crate::inference::measurement::{Measurement, Uncertain};
@@ -11,7 +13,7 @@ use crate::inference::target::{LeastSquares, Target};
 #[derive(Default)]
 pub(super) struct Swaps {
     /// By measurement, `rows x sensors`, SI; or why there are none.
-    predictions: Option<Result<Vec<Vec<f64>>, String>>,
+    predictions: Option<Result<Vec<Vec<f64>>, FitError>>,
 }
 
 impl Swaps {
@@ -19,9 +21,9 @@ impl Swaps {
     pub fn direction(&mut self, base: &Base<'_>, position: usize) -> Found {
         let predictions = self.predictions.get_or_insert_with(|| predictions(base)).as_ref().map_err(Clone::clone)?;
         let Site::Sensors(sensors) = &base.problem.candidates[position].site else {
-            return Err("it has no sensors".to_owned());
+            return Err(NoDirection::NoSensors.into());
         };
-        let [a, b] = sensors.as_slice() else { return Err("it takes two sensors".to_owned()) };
+        let [a, b] = sensors.as_slice() else { return Err(NoDirection::NotTwoSensors.into()) };
         let pairs: Vec<Option<[usize; 2]>> = (base.problem.measurements.iter())
             .map(|measurement| {
                 let find = |name: &str| measurement.sensors.iter().position(|sensor| sensor.name == name);
@@ -41,16 +43,16 @@ impl Swaps {
             *value = at(other) - at(datum.sensor);
         }
         if column.iter().all(|value| *value == 0.0) {
-            return Err("no measurement has readings of both sensors that differ".to_owned());
+            return Err(NoDirection::NoDifference.into());
         }
-        base.whitening.apply(&mut column).map_err(|rejected| rejected.to_string())?;
+        base.whitening.apply(&mut column)?;
         column.resize(base.rows, 0.0);
         Ok(vec![share(position, column, Vec::new())])
     }
 }
 
 /// Predictions at the fit, as residuals of readings of 0 with noise of 1.
-fn predictions(base: &Base<'_>) -> Result<Vec<Vec<f64>>, String> {
+fn predictions(base: &Base<'_>) -> Result<Vec<Vec<f64>>, FitError> {
     let problem = base.problem;
     let blank: Vec<Measurement> = problem.measurements.iter().map(blank).collect();
     let measurements: Vec<&Measurement> = blank.iter().collect();
@@ -63,12 +65,10 @@ fn predictions(base: &Base<'_>) -> Result<Vec<Vec<f64>>, String> {
         measurements: &measurements,
         input_errors: &input_errors,
     };
-    let likelihood = Likelihood::new(&definition).map_err(|error| error.to_string())?;
+    let likelihood = Likelihood::new(&definition)?;
     let likelihood = problem.informed(likelihood, &problem.most_steps);
     let mut residuals = vec![0.0; likelihood.residual_count()];
-    likelihood
-        .residuals(&base.carried(&likelihood), &mut likelihood.workspace(), &mut residuals)
-        .map_err(|rejected| rejected.to_string())?;
+    likelihood.residuals(&base.carried(&likelihood), &mut likelihood.workspace(), &mut residuals)?;
     let mut predictions: Vec<Vec<f64>> = blank.iter().map(|own| vec![0.0; own.len() * own.sensors.len()]).collect();
     for (datum, residual) in likelihood.data().iter().zip(residuals) {
         predictions[datum.measurement][datum.row * blank[datum.measurement].sensors.len() + datum.sensor] = -residual;

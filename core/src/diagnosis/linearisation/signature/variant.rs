@@ -2,6 +2,8 @@
 
 use super::form::{Form, bounds, plausible, shapes};
 use super::{Base, Found};
+use crate::diagnosis::FitError;
+use crate::diagnosis::error::NoDirection;
 use crate::diagnosis::fits::threshold_levels::thresholds;
 use crate::diagnosis::linearisation::linear::Direction;
 use crate::effect::{Effect, EffectParameter};
@@ -51,7 +53,7 @@ pub(super) fn variants<'a>(base: &Base<'_>, asked: &[(usize, &Form<'a>)]) -> Vec
 }
 
 /// Adds what was found of a variant to what was found of its candidate.
-pub(super) fn put(found: &mut Found, direction: Result<Option<Direction>, String>) {
+pub(super) fn put(found: &mut Found, direction: Result<Option<Direction>, FitError>) {
     match (found, direction) {
         (Ok(found), Ok(Some(direction))) => found.push(direction),
         (found, Err(reason)) if found.as_ref().is_ok_and(Vec::is_empty) => *found = Err(reason),
@@ -67,12 +69,12 @@ impl Variant<'_> {
         &self,
         base: &Base<'_>,
         columns: impl Iterator<Item = Vec<f64>>,
-    ) -> Result<Option<Direction>, String> {
+    ) -> Result<Option<Direction>, FitError> {
         let mut direction = Direction { candidate: self.candidate, shape: self.shape.clone(), ..Direction::default() };
         let amplitudes = (0..self.written.len()).filter(|&position| self.written[position].amplitude);
         for (position, column) in amplitudes.zip(columns) {
             if column.iter().any(|value| !value.is_finite()) {
-                return Err("its derivatives are not finite numbers".to_owned());
+                return Err(NoDirection::NotFinite.into());
             }
             if column.iter().all(|value| *value == 0.0) {
                 continue;
