@@ -7,13 +7,13 @@ use super::Context;
 use super::options::RunOptions;
 use super::output::{escaped, print, print_json, shown, table, tell};
 use super::status::{Failure, Status};
-use crate::diagnosis::laboratory::{Rate, Score, case, folder, standard};
 use crate::document::{counted, suggest};
 use crate::job::lab::{Lab, Output, Spec};
 use crate::runner::engine::local;
 use crate::runner::{Node, Plan, Progress, Ready, RunnerError, Settings};
 use crate::study::Project;
 use crate::study::file::{self, Existing};
+use crate::twin::{Rate, Score, case, folder, standard};
 
 /// Arguments of `bmv lab`.
 #[derive(Debug, clap::Args)]

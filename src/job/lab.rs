@@ -8,12 +8,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::{Done, Job, JobError, Parts, Step};
-use crate::diagnosis::laboratory::{
-    Outcome, Rate, Score, Trial, Truth, drawn_case, own_case, own_wish, score, standard,
-};
 use crate::diagnosis::{FitError, Problem};
 use crate::document::suggest;
 use crate::effect::Catalogue;
+use crate::twin::{Outcome, Rate, Score, Trial, Truth, drawn_case, own_case, own_request, score, standard};
 use crate::watch;
 
 /// What the laboratory is to do.
@@ -161,8 +159,8 @@ impl Job for Lab {
         Ok(watch::with_share(&watch::Share::default(), || match &self.ground {
             Ground::Drawn(catalogue) => drawn_case(catalogue, &standard(number), seed, number),
             Ground::Own(problem) => {
-                let wish = own_wish(number, self.spec.effect.as_deref(), self.spec.amplitude);
-                own_case(problem, &wish, seed, number)
+                let request = own_request(number, self.spec.effect.as_deref(), self.spec.amplitude);
+                own_case(problem, &request, seed, number)
             }
         }))
     }

@@ -3,15 +3,15 @@
 
 use std::sync::Arc;
 
-use bmv::diagnosis::laboratory::{
-    Case, HideError, NoiseTruth, Recipe, TestKind, Topology, Trial, Wish, case, drawn_case, folder, refit, score,
-    standard, world::World,
-};
 use bmv::diagnosis::{Diagnosis, Problem, Settings};
 use bmv::document::Diagnostics;
 use bmv::effect::Catalogue;
 use bmv::math::special::chi_square_quantile;
 use bmv::random::StreamKey;
+use bmv::twin::{
+    Case, InjectError, InjectionRequest, NoiseTruth, Recipe, TestKind, Topology, Trial, case, drawn_case, folder,
+    refit, score, standard, world::World,
+};
 
 const SEED: u64 = 20_240_517;
 
@@ -19,8 +19,8 @@ fn catalogue() -> Arc<Catalogue> {
     Arc::new(Catalogue::embedded(&mut Diagnostics::new()))
 }
 
-fn recipe(topology: Topology, test: TestKind, wish: Wish) -> Recipe {
-    Recipe { topology: Some(topology), test: Some(test), wish, rivals: false }
+fn recipe(topology: Topology, test: TestKind, request: InjectionRequest) -> Recipe {
+    Recipe { topology: Some(topology), test: Some(test), request, rivals: false }
 }
 
 /// Positions of the hidden effects among the candidates, and the values of their parameters in that order.
@@ -79,8 +79,8 @@ fn check(case: &Case, size: f64) {
 fn what_is_hidden_has_the_size_that_was_asked_for() {
     let catalogue = catalogue();
     for (number, size, effects) in [(0, 0.5, 1), (1, 1.0, 1), (2, 2.0, 1), (3, 2.0, 2)] {
-        let wish = Wish { effects, size: Some(size), ..Wish::default() };
-        let case = case(&catalogue, &recipe(Topology::Star, TestKind::Steady, wish), SEED, number).expect("drawn");
+        let request = InjectionRequest { effects, size: Some(size), ..InjectionRequest::default() };
+        let case = case(&catalogue, &recipe(Topology::Star, TestKind::Steady, request), SEED, number).expect("drawn");
         assert_eq!(case.truth.effects.len(), effects);
         check(&case, size);
     }
@@ -89,7 +89,7 @@ fn what_is_hidden_has_the_size_that_was_asked_for() {
 #[test]
 fn a_case_is_the_same_each_time_and_another_for_another_number() {
     let catalogue = catalogue();
-    let recipe = recipe(Topology::Chain, TestKind::Steady, Wish::default());
+    let recipe = recipe(Topology::Chain, TestKind::Steady, InjectionRequest::default());
     let text = |number| format!("{:?}", folder::files(&case(&catalogue, &recipe, SEED, number).expect("drawn")));
     assert_eq!(text(5), text(5));
     assert_ne!(text(5), text(6));
@@ -119,8 +119,8 @@ fn a_case_is_the_same_in_memory_and_as_a_study() {
         (Topology::Cooled, TestKind::Steps),
     ];
     for (number, (topology, test)) in (0..).zip(tests) {
-        let wish = Wish { effects: 0, size: None, ..Wish::default() };
-        let case = case(&catalogue, &recipe(topology, test, wish), SEED, number).expect("drawn");
+        let request = InjectionRequest { effects: 0, size: None, ..InjectionRequest::default() };
+        let case = case(&catalogue, &recipe(topology, test, request), SEED, number).expect("drawn");
         let study = loaded(&case);
         let own = &case.problem;
         assert_eq!(study.model.identity(), own.model.identity());
@@ -136,9 +136,9 @@ fn a_case_is_the_same_in_memory_and_as_a_study() {
 #[test]
 fn what_cannot_be_hidden_is_refused() {
     let catalogue = catalogue();
-    let wish = Wish { only: Some("cooler-contact".to_owned()), ..Wish::default() };
-    let refused = case(&catalogue, &recipe(Topology::Chain, TestKind::Steady, wish), SEED, 0);
-    assert_eq!(refused.map(|case| case.truth).unwrap_err(), HideError::NoPlace);
+    let request = InjectionRequest { only: Some("cooler-contact".to_owned()), ..InjectionRequest::default() };
+    let refused = case(&catalogue, &recipe(Topology::Chain, TestKind::Steady, request), SEED, 0);
+    assert_eq!(refused.map(|case| case.truth).unwrap_err(), InjectError::NoPlace);
 }
 
 /// Rivals of a conductive path in a steady test with shroud and plate moved: a case with the truth's own candidate
@@ -146,8 +146,9 @@ fn what_cannot_be_hidden_is_refused() {
 #[test]
 fn rivals_are_told_with_their_distance() {
     let catalogue = catalogue();
-    let wish = Wish { only: Some("conductive-path".to_owned()), size: Some(2.0), ..Wish::default() };
-    let recipe = Recipe { rivals: true, ..recipe(Topology::Star, TestKind::Steady, wish) };
+    let request =
+        InjectionRequest { only: Some("conductive-path".to_owned()), size: Some(2.0), ..InjectionRequest::default() };
+    let recipe = Recipe { rivals: true, ..recipe(Topology::Star, TestKind::Steady, request) };
     let case = case(&catalogue, &recipe, SEED, 1).expect("drawn");
     let rivals = case.truth.rivals.as_ref().expect("looked for");
     assert!(!rivals.is_empty() && rivals.windows(2).all(|two| two[0].delta2 <= two[1].delta2), "{rivals:?}");
@@ -165,11 +166,15 @@ fn rivals_are_told_with_their_distance() {
 fn every_effect_can_be_hidden() {
     let catalogue = catalogue();
     for effect in catalogue.effects() {
-        let wish =
-            || Wish { only: Some(effect.name.clone()), size: Some(0.5), correlated: Some(false), ..Wish::default() };
+        let request = || InjectionRequest {
+            only: Some(effect.name.clone()),
+            size: Some(0.5),
+            correlated: Some(false),
+            ..InjectionRequest::default()
+        };
         let kinds = Topology::ALL.into_iter().flat_map(|topology| TestKind::ALL.map(|test| (topology, test)));
         let drawn = kinds.into_iter().find_map(|(topology, test)| {
-            (0..2).find_map(|number| case(&catalogue, &recipe(topology, test, wish()), SEED, number).ok())
+            (0..2).find_map(|number| case(&catalogue, &recipe(topology, test, request()), SEED, number).ok())
         });
         let case = drawn.unwrap_or_else(|| panic!("`{}` finds no place", effect.name));
         assert_eq!(case.truth.effects[0].effect, effect.name);
@@ -182,8 +187,8 @@ fn every_effect_can_be_hidden() {
 #[test]
 fn a_strong_path_is_found_and_all_laws_are_fitted_at_its_place() {
     let only = Some("conductive-path".to_owned());
-    let wish = Wish { only, size: None, amplitude: Some(2.0), ..Wish::default() };
-    let case = case(&catalogue(), &recipe(Topology::Chain, TestKind::Steady, wish), SEED, 17).expect("drawn");
+    let request = InjectionRequest { only, size: None, amplitude: Some(2.0), ..InjectionRequest::default() };
+    let case = case(&catalogue(), &recipe(Topology::Chain, TestKind::Steady, request), SEED, 17).expect("drawn");
     let diagnosis = Diagnosis::new(case.problem.clone(), Settings::default(), StreamKey::new(SEED, "test", "laws"));
     let mut state = diagnosis.screen().expect("screened");
     loop {
@@ -231,9 +236,14 @@ fn trials(cases: u64, recipe: impl Fn(u64) -> Recipe + Sync) -> Vec<Trial> {
 #[ignore = "hours: 2000 diagnoses"]
 fn it_never_cries_wolf() {
     let nulls = trials(2000, |number| {
-        let wish = Wish { effects: 0, size: None, correlated: Some(number % 2 == 1), ..Wish::default() };
+        let request = InjectionRequest {
+            effects: 0,
+            size: None,
+            correlated: Some(number % 2 == 1),
+            ..InjectionRequest::default()
+        };
         let test = (number % 2 == 1).then_some(TestKind::Steps);
-        Recipe { topology: None, test, wish, rivals: false }
+        Recipe { topology: None, test, request, rivals: false }
     });
     let score = score(&nulls);
     assert!(score.cases > 1900, "{}", score.cases);

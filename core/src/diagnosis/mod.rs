@@ -1,14 +1,12 @@
 //! What physics a model is missing: the model against measurements, with every effect of a catalogue at every place.
 //!
 //! In the order of a diagnosis: `problem` (what is diagnosed), `linearisation`, `screening`, `fits`, `noise`, `heat` (what is missing
-//! whatever its name, and what heat a fitted effect carries), `odds`, `verdict`, `output`. `engine` is the course, `laboratory` the trial of all
-//! of it on campaigns with a known truth. docs/diagnosis.md says what is computed, and after whom.
+//! whatever its name, and what heat a fitted effect carries), `odds`, `verdict`, `output`. `engine` is the course. docs/diagnosis.md says what is computed, and after whom.
 
 mod engine;
 pub mod error;
 pub mod fits;
 mod heat;
-pub mod laboratory;
 pub mod linearisation;
 mod noise;
 pub mod odds;

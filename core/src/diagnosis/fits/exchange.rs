@@ -66,17 +66,18 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::diagnosis::laboratory::{Recipe, TestKind, Topology, Wish, case};
     use crate::diagnosis::{Diagnosis, Settings};
     use crate::document::Diagnostics;
     use crate::effect::{Catalogue, Site};
     use crate::random::StreamKey;
+    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 
     #[test]
     fn an_exchange_of_which_no_model_can_be_made_is_told_with_its_reason() {
         let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
-        let wish = Wish { only: Some("heat-load".to_owned()), size: Some(5.0), ..Wish::default() };
-        let recipe = Recipe { topology: Some(Topology::Star), test: Some(TestKind::Steady), wish, rivals: false };
+        let request =
+            InjectionRequest { only: Some("heat-load".to_owned()), size: Some(5.0), ..InjectionRequest::default() };
+        let recipe = Recipe { topology: Some(Topology::Star), test: Some(TestKind::Steady), request, rivals: false };
         let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
         let is_swap = |candidate: &crate::effect::Candidate| candidate.effect == "swapped-channels";
         let broken = problem.candidates.iter().position(is_swap).unwrap();

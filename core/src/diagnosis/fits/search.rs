@@ -201,10 +201,10 @@ mod tests {
 
     use super::*;
     use crate::diagnosis::Settings;
-    use crate::diagnosis::laboratory::{Recipe, TestKind, Topology, Wish, case};
     use crate::document::Diagnostics;
     use crate::effect::Catalogue;
     use crate::random::StreamKey;
+    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 
     /// A leader of two effects, one of another place that explains most alone, and a curve.
     struct Fixture {
@@ -217,8 +217,9 @@ mod tests {
 
     fn fixture() -> Fixture {
         let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
-        let wish = Wish { only: Some("heat-load".to_owned()), size: Some(5.0), ..Wish::default() };
-        let recipe = Recipe { topology: Some(Topology::Star), test: Some(TestKind::Steady), wish, rivals: false };
+        let request =
+            InjectionRequest { only: Some("heat-load".to_owned()), size: Some(5.0), ..InjectionRequest::default() };
+        let recipe = Recipe { topology: Some(Topology::Star), test: Some(TestKind::Steady), request, rivals: false };
         let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
         let of = |effect: &str| problem.candidates.iter().position(|own| own.effect == effect).unwrap();
         let members = [of("heat-load"), of("conductive-path")];

@@ -200,18 +200,19 @@ mod tests {
 
     use super::*;
     use crate::diagnosis::fits::refit::Begin;
-    use crate::diagnosis::laboratory::{Recipe, TestKind, Topology, Wish, case};
     use crate::document::Diagnostics;
     use crate::effect::Catalogue;
     use crate::random::StreamKey;
+    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 
     /// Where the believed fit is bent, it need not have come to its end: what heat explains does not depend on it. With a
     /// difference to the believed fit's evidence the two would differ by what that is wrong by.
     #[test]
     fn the_evidence_does_not_depend_on_where_the_believed_fit_stopped() {
         let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
-        let wish = Wish { only: Some("heat-load".to_owned()), size: Some(5.0), ..Wish::default() };
-        let recipe = Recipe { topology: Some(Topology::Star), test: Some(TestKind::Steady), wish, rivals: false };
+        let request =
+            InjectionRequest { only: Some("heat-load".to_owned()), size: Some(5.0), ..InjectionRequest::default() };
+        let recipe = Recipe { topology: Some(Topology::Star), test: Some(TestKind::Steady), request, rivals: false };
         let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
         let begin = Begin { starts: Vec::new(), from_prior: 2, scale: 1.0 };
         let fitted = problem.refit(&[], &begin, &StreamKey::new(1, "test", "heat")).unwrap();

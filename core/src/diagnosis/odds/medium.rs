@@ -61,17 +61,17 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::diagnosis::laboratory::{Recipe, TestKind, Topology, Wish, case};
     use crate::diagnosis::odds::posterior_odds::Odds;
     use crate::document::Diagnostics;
     use crate::effect::{Bound, Catalogue};
     use crate::math::functions::ln;
+    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 
     /// A star in a chamber full of air, everything at 290 K.
     fn warm() -> Problem {
         let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
-        let wish = Wish { effects: 0, size: None, ..Wish::default() };
-        let recipe = Recipe { topology: Some(Topology::Star), test: Some(TestKind::Steady), wish, rivals: false };
+        let request = InjectionRequest { effects: 0, size: None, ..InjectionRequest::default() };
+        let recipe = Recipe { topology: Some(Topology::Star), test: Some(TestKind::Steady), request, rivals: false };
         let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
         let mut model = (*problem.model).clone();
         let room = model.graph.number(290.0);

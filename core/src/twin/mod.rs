@@ -1,8 +1,9 @@
 //! The twin laboratory: cases whose truth is known, and how well answers do on them.
 //!
-//! `sketch`, `topology`: networks drawn at random. `campaign`: tests of them. `truth`, `choice`, `world`, `hide`, `refit`: what is
+//! `specification`, `topology`: networks drawn at random. `campaign`: tests of them. `truth`, `choice`, `world`, `inject`, `refit`: what is
 //! hidden, and how large it is made. `noise`: how it is read. `rivals`: what could be taken for it. `case`, `folder`: all
-//! of it together, in memory and as a study. `answer`, `score`: what was said of it, and how often that is right. `trial`: truths drawn, tests simulated, the diagnosis asked.
+//! of it together, in memory and as a study. `answer`, `score`: what was said of it, and how often that is right.
+//! `trial`: truths drawn, tests simulated, the diagnosis asked. May not know studies or jobs.
 
 pub mod answer;
 pub mod campaign;
@@ -10,12 +11,12 @@ pub mod case;
 mod choice;
 mod draw;
 pub mod folder;
-pub mod hide;
+pub mod inject;
 pub mod noise;
 pub mod refit;
 pub mod rivals;
 pub mod score;
-pub mod sketch;
+pub mod specification;
 pub mod topology;
 pub mod trial;
 pub mod truth;
@@ -24,8 +25,8 @@ pub mod world;
 pub use answer::Answer;
 pub use campaign::TestKind;
 pub use case::{Case, Recipe, case};
-pub use hide::{Hidden, HideError, Wish, hide};
+pub use inject::{Hidden, InjectError, InjectionRequest, inject};
 pub use score::{Rate, Score, Trial, score};
 pub use topology::Topology;
-pub use trial::{Outcome, ask, drawn_case, own_case, own_wish, simulate, standard};
+pub use trial::{Outcome, ask, drawn_case, own_case, own_request, simulate, standard};
 pub use truth::{HiddenEffect, NoiseTruth, Outside, Rival, Truth};

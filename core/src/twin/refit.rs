@@ -7,7 +7,7 @@ use crate::inference::natural::NaturalObjective;
 use crate::inference::optimise::{Minimum, free_variables, minimise};
 use crate::inference::target::Target;
 
-use super::hide::HideError;
+use super::inject::InjectError;
 
 /// Most steps of a fit.
 const MOST_ITERATIONS: u64 = 60;
@@ -58,8 +58,8 @@ pub fn with_readings(measurements: &[Measurement], readings: &[Vec<f64>]) -> Vec
 /// The problem's own likelihood for readings.
 ///
 /// # Errors
-/// [`HideError`] where there is none.
-pub fn likelihood(problem: &Problem, readings: &[Vec<f64>]) -> Result<Likelihood, HideError> {
+/// [`InjectError`] where there is none.
+pub fn likelihood(problem: &Problem, readings: &[Vec<f64>]) -> Result<Likelihood, InjectError> {
     let measurements = with_readings(&problem.measurements, readings);
     let measurements: Vec<&Measurement> = measurements.iter().collect();
     Likelihood::new(&Definition {
@@ -69,7 +69,7 @@ pub fn likelihood(problem: &Problem, readings: &[Vec<f64>]) -> Result<Likelihood
         measurements: &measurements,
         input_errors: &problem.input_errors,
     })
-    .map_err(|error| HideError::Hypothesis(FitError::Likelihood(error)))
+    .map_err(|error| InjectError::Hypothesis(FitError::Likelihood(error)))
 }
 
 /// The likelihood of a hypothesis for readings.
@@ -80,18 +80,18 @@ pub fn hypothesis_likelihood(
     problem: &Problem,
     hypothesis: &Hypothesis,
     readings: &[Vec<f64>],
-) -> Result<Likelihood, HideError> {
+) -> Result<Likelihood, InjectError> {
     let measurements = with_readings(&hypothesis.measurements, readings);
     let hypothesis = Hypothesis { measurements, ..hypothesis.clone() };
-    hypothesis.likelihood(problem).map_err(HideError::Hypothesis)
+    hypothesis.likelihood(problem).map_err(InjectError::Hypothesis)
 }
 
 /// The best of the fits from starts given in SI, the earliest of equals.
 ///
 /// # Errors
-/// [`HideError::Fit`] where no start can be evaluated.
-pub fn fit(likelihood: &Likelihood, starts: &[Vec<f64>]) -> Result<Refit, HideError> {
-    let mut objective = NaturalObjective::new(likelihood).map_err(|error| HideError::Fit(error.to_string()))?;
+/// [`InjectError::Fit`] where no start can be evaluated.
+pub fn fit(likelihood: &Likelihood, starts: &[Vec<f64>]) -> Result<Refit, InjectError> {
+    let mut objective = NaturalObjective::new(likelihood).map_err(|error| InjectError::Fit(error.to_string()))?;
     let bounds = objective.bounds();
     let mut best: Option<Minimum> = None;
     for start in starts {
@@ -102,7 +102,7 @@ pub fn fit(likelihood: &Likelihood, starts: &[Vec<f64>]) -> Result<Refit, HideEr
             best = Some(minimum);
         }
     }
-    let best = best.ok_or_else(|| HideError::Fit("no start can be evaluated".to_owned()))?;
+    let best = best.ok_or_else(|| InjectError::Fit("no start can be evaluated".to_owned()))?;
     let n = best.x.len();
     let free = free_variables(&best.x, &best.gradient, &bounds);
     let column = |variable: usize| best.jacobian.iter().skip(variable).step_by(n).map(|slope| -slope).collect();

@@ -1,7 +1,7 @@
 //! Places and amplitudes of what is hidden, drawn.
 
 use super::draw::{Draw, short};
-use super::hide::HideError;
+use super::inject::InjectError;
 use super::truth::{HiddenEffect, HiddenValue, Outside};
 use crate::diagnosis::Problem;
 use crate::diagnosis::odds::posterior_odds::Odds;
@@ -89,7 +89,7 @@ pub(super) fn draw_effect(
     only: Option<&str>,
     taken: &[Chosen],
     draw: &mut Draw,
-) -> Result<Chosen, HideError> {
+) -> Result<Chosen, InjectError> {
     let odds = Odds::new(problem);
     let fits = |position: &usize| {
         let candidate = &problem.candidates[*position];
@@ -102,14 +102,14 @@ pub(super) fn draw_effect(
     let mut names: Vec<&str> = open.iter().map(|&position| problem.candidates[position].effect.as_str()).collect();
     names.dedup();
     if names.is_empty() {
-        return Err(HideError::NoPlace);
+        return Err(InjectError::NoPlace);
     }
     let name = names[draw.position(names.len())];
     let places: Vec<usize> =
         open.iter().copied().filter(|&position| problem.candidates[position].effect == name).collect();
     let candidate = places[draw.position(places.len())];
     let bound = &problem.candidates[candidate].bound;
-    let effect = problem.catalogue.get(name).ok_or(HideError::NoPlace)?;
+    let effect = problem.catalogue.get(name).ok_or(InjectError::NoPlace)?;
     let parameters = effect.parameters(&problem.model, bound);
     let values = (parameters.iter())
         .map(|parameter| {
@@ -126,7 +126,7 @@ pub(super) fn draw_effect(
 }
 
 /// A node that stores heat and has two paths or more, and which of the elements move to its other half.
-pub(super) fn draw_split(problem: &Problem, draw: &mut Draw) -> Result<(usize, Vec<bool>), HideError> {
+pub(super) fn draw_split(problem: &Problem, draw: &mut Draw) -> Result<(usize, Vec<bool>), InjectError> {
     let model = &problem.model;
     let at = |element: &Element, node: usize| {
         let physics = element.physics();
@@ -138,7 +138,7 @@ pub(super) fn draw_split(problem: &Problem, draw: &mut Draw) -> Result<(usize, V
     };
     let nodes: Vec<usize> = (0..model.nodes.len()).filter(fits).collect();
     if nodes.is_empty() {
-        return Err(HideError::NoPlace);
+        return Err(InjectError::NoPlace);
     }
     let node = nodes[draw.position(nodes.len())];
     let mut moved: Vec<bool> = model.elements.iter().map(|_| draw.happens(0.5)).collect();
@@ -152,14 +152,14 @@ pub(super) fn draw_split(problem: &Problem, draw: &mut Draw) -> Result<(usize, V
 /// Physics that the catalogue lacks, the phase of its swing, and the states of its switch by measurement and row.
 pub(super) type OutsideDraw = (Outside, f64, Vec<Vec<f64>>);
 
-pub(super) fn draw_outside(problem: &Problem, draw: &mut Draw) -> Result<OutsideDraw, HideError> {
+pub(super) fn draw_outside(problem: &Problem, draw: &mut Draw) -> Result<OutsideDraw, InjectError> {
     let model = &problem.model;
     let nodes: Vec<&str> = (model.nodes.iter())
         .filter(|node| matches!(node.kind, NodeKind::Diffusion { .. }))
         .map(|node| node.name.as_str())
         .collect();
     if nodes.is_empty() {
-        return Err(HideError::NoPlace);
+        return Err(InjectError::NoPlace);
     }
     let node = nodes[draw.position(nodes.len())].to_owned();
     let kind = draw.position(3);

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::case::Case;
-use super::sketch::object;
+use super::specification::object;
 use crate::inference::measurement::{Initial, Measurement, Rows};
 use crate::thermal::Input;
 
@@ -11,7 +11,7 @@ use crate::thermal::Input;
 pub fn files(case: &Case) -> Vec<(String, String)> {
     let truth = serde_json::to_string_pretty(&case.truth).unwrap_or_default();
     let mut files = vec![
-        ("model.json".to_owned(), case.sketch.text()),
+        ("model.json".to_owned(), case.specification.text()),
         ("pass-1.json".to_owned(), pass(case)),
         ("truth.json".to_owned(), format!("{truth}\n")),
     ];
@@ -66,7 +66,7 @@ fn pass(case: &Case) -> String {
         .iter()
         .map(|own| format!("  {}: {}", json!(own.name), measurement(&case.problem.model.inputs, own)))
         .collect();
-    let title = json!(case.sketch.title);
+    let title = json!(case.specification.title);
     let jobs = json!({"tuned": {"calibrate": {"data": names}}, "missing": {"diagnose": {"data": names}}});
     format!(
         "{{\n\"format\": \"bmv-pass/1\",\n\"title\": {title},\n\"parent\": null,\n\"model\": \"model.json\",\n\"seed\": 7,\n\

@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::draw::{Draw, short};
-use super::sketch::{CoolerSketch, InputSketch, LoadSketch, NodeSketch, ParameterSketch, PathSketch, Sketch};
+use super::specification::{
+    CoolerSketch, InputSketch, LoadSketch, NetworkSpecification, NodeSketch, ParameterSketch, PathSketch,
+};
 use crate::random::Distribution;
 
 /// Kinds of network.
@@ -29,22 +31,22 @@ impl Topology {
     pub const ALL: [Self; 6] = [Self::Chain, Self::Star, Self::BenchHead, Self::Satellite, Self::Boards, Self::Cooled];
 }
 
-/// A sketch under construction.
+/// A specification under construction.
 struct Builder<'a> {
-    sketch: Sketch,
+    specification: NetworkSpecification,
     draw: &'a mut Draw,
 }
 
 impl Builder<'_> {
     fn input(&mut self, name: &str, unit: &'static str, nominal: f64, range: [f64; 2]) -> String {
         let name = name.to_owned();
-        self.sketch.inputs.push(InputSketch { name: name.clone(), unit, nominal, range });
+        self.specification.inputs.push(InputSketch { name: name.clone(), unit, nominal, range });
         name
     }
 
     fn node(&mut self, name: &str, node: NodeSketch) -> usize {
-        self.sketch.nodes.push((name.to_owned(), node));
-        self.sketch.nodes.len() - 1
+        self.specification.nodes.push((name.to_owned(), node));
+        self.specification.nodes.len() - 1
     }
 
     fn boundary(&mut self, name: &str, temperature: &str) -> usize {
@@ -55,7 +57,7 @@ impl Builder<'_> {
     fn mass(&mut self, name: &str, typical: f64) -> usize {
         let nominal = short(typical * self.draw.scale(0.6, 1.7));
         let text = if self.draw.happens(0.25) {
-            self.parameter(&format!("C_{}", self.sketch.nodes.len()), "J/K", nominal)
+            self.parameter(&format!("C_{}", self.specification.nodes.len()), "J/K", nominal)
         } else {
             format!("{nominal}")
         };
@@ -70,7 +72,7 @@ impl Builder<'_> {
         } else {
             Distribution::LogNormal { median: nominal, factor: self.draw.between(1.15, 1.6) }
         };
-        self.sketch.parameters.push(ParameterSketch { name: name.to_owned(), unit, nominal, prior });
+        self.specification.parameters.push(ParameterSketch { name: name.to_owned(), unit, nominal, prior });
         name.to_owned()
     }
 
@@ -85,37 +87,43 @@ impl Builder<'_> {
 
     fn conductor(&mut self, between: [usize; 2], lower: f64, upper: f64) {
         let nominal = self.draw.scale(lower, upper);
-        let count = self.sketch.conductors.len() + 1;
+        let count = self.specification.conductors.len() + 1;
         let size = self.size("G", count, "W/K", nominal);
-        let name = format!("{} to {}", self.sketch.nodes[between[0]].0, self.sketch.nodes[between[1]].0);
-        self.sketch.conductors.push(PathSketch { name, between, size });
+        let name = format!("{} to {}", self.specification.nodes[between[0]].0, self.specification.nodes[between[1]].0);
+        self.specification.conductors.push(PathSketch { name, between, size });
     }
 
     /// Exchange through an area with an emittance that is uncertain.
     fn radiation(&mut self, between: [usize; 2], lower: f64, upper: f64) {
         let area = self.draw.scale(lower, upper);
-        let count = self.sketch.radiations.len() + 1;
+        let count = self.specification.radiations.len() + 1;
         let emittance = self.draw.between(0.5, 0.85);
         let size = if self.draw.happens(0.7) {
             let prior = Distribution::Uniform { lower: short(0.8 * emittance), upper: short(1.15 * emittance) };
             let name = format!("eps_{count}");
-            self.sketch.parameters.push(ParameterSketch { name: name.clone(), unit: "1", nominal: emittance, prior });
+            self.specification.parameters.push(ParameterSketch {
+                name: name.clone(),
+                unit: "1",
+                nominal: emittance,
+                prior,
+            });
             format!("{name} * {area}")
         } else {
             format!("{}", short(emittance * area))
         };
-        let name = format!("{} sees {}", self.sketch.nodes[between[0]].0, self.sketch.nodes[between[1]].0);
-        self.sketch.radiations.push(PathSketch { name, between, size });
+        let name =
+            format!("{} sees {}", self.specification.nodes[between[0]].0, self.specification.nodes[between[1]].0);
+        self.specification.radiations.push(PathSketch { name, between, size });
     }
 
     fn load(&mut self, name: &str, into: usize, power: String) {
-        self.sketch.loads.push(LoadSketch { name: name.to_owned(), into, power });
+        self.specification.loads.push(LoadSketch { name: name.to_owned(), into, power });
     }
 
     /// A power that is an input, into a node.
     fn heated(&mut self, name: &str, into: usize, most: f64) {
         let input = self.input(name, "W", short(0.5 * most), [0.0, most]);
-        let label = format!("{name} into {}", self.sketch.nodes[into].0);
+        let label = format!("{name} into {}", self.specification.nodes[into].0);
         self.load(&label, into, input);
     }
 
@@ -137,8 +145,8 @@ impl Builder<'_> {
 }
 
 /// A network of a kind, of 5 to 12 nodes with one to three boundaries.
-pub fn network(topology: Topology, draw: &mut Draw) -> Sketch {
-    let mut builder = Builder { sketch: Sketch::default(), draw };
+pub fn network(topology: Topology, draw: &mut Draw) -> NetworkSpecification {
+    let mut builder = Builder { specification: NetworkSpecification::default(), draw };
     match topology {
         Topology::Chain => chain(&mut builder),
         Topology::Star => star(&mut builder),
@@ -147,11 +155,11 @@ pub fn network(topology: Topology, draw: &mut Draw) -> Sketch {
         Topology::Boards => boards(&mut builder),
         Topology::Cooled => cooled(&mut builder),
     }
-    builder.sketch
+    builder.specification
 }
 
 fn chain(b: &mut Builder<'_>) {
-    b.sketch.title = "Bar between a plate and a shroud".to_owned();
+    b.specification.title = "Bar between a plate and a shroud".to_owned();
     let (plate, shroud) = (b.plate(), b.shroud());
     let links = b.draw.whole(4, 8);
     let mut before = plate;
@@ -174,7 +182,7 @@ fn chain(b: &mut Builder<'_>) {
 }
 
 fn star(b: &mut Builder<'_>) {
-    b.sketch.title = "Hub with arms".to_owned();
+    b.specification.title = "Hub with arms".to_owned();
     let (plate, shroud) = (b.plate(), b.shroud());
     let hub = b.mass("hub", 700.0);
     b.conductor([hub, plate], 0.4, 1.5);
@@ -193,7 +201,7 @@ fn star(b: &mut Builder<'_>) {
 }
 
 fn bench_head(b: &mut Builder<'_>) {
-    b.sketch.title = "Detector head on a bench".to_owned();
+    b.specification.title = "Detector head on a bench".to_owned();
     let (plate, shroud) = (b.plate(), b.shroud());
     let base = b.mass("baseplate", 800.0);
     let housing = b.mass("housing", 600.0);
@@ -230,7 +238,7 @@ fn bench_head(b: &mut Builder<'_>) {
 }
 
 fn satellite(b: &mut Builder<'_>) {
-    b.sketch.title = "Small satellite".to_owned();
+    b.specification.title = "Small satellite".to_owned();
     let space = b.boundary("space", "3");
     let frame = b.mass("frame", 260.0);
     let panels = b.draw.whole(2, 4);
@@ -244,7 +252,7 @@ fn satellite(b: &mut Builder<'_>) {
         let power = if panel < 2 {
             let name = format!("alpha_{letter}");
             let prior = Distribution::Uniform { lower: short(0.8 * nominal), upper: short(1.15 * nominal) };
-            b.sketch.parameters.push(ParameterSketch { name: name.clone(), unit: "1", nominal, prior });
+            b.specification.parameters.push(ParameterSketch { name: name.clone(), unit: "1", nominal, prior });
             format!("{name} * {area} * {sun}")
         } else {
             format!("{} * {sun}", short(nominal * area))
@@ -268,7 +276,7 @@ fn satellite(b: &mut Builder<'_>) {
 }
 
 fn boards(b: &mut Builder<'_>) {
-    b.sketch.title = "Boards in a box in a room".to_owned();
+    b.specification.title = "Boards in a box in a room".to_owned();
     let room = b.input("T_room", "K", 295.0, [283.0, 308.0]);
     let room = b.boundary("room", &room);
     let cabinet = b.mass("box", 900.0);
@@ -297,7 +305,7 @@ fn boards(b: &mut Builder<'_>) {
 }
 
 fn cooled(b: &mut Builder<'_>) {
-    b.sketch.title = "Detector on a thermoelectric cooler".to_owned();
+    b.specification.title = "Detector on a thermoelectric cooler".to_owned();
     let (plate, shroud) = (b.plate(), b.shroud());
     let sink = b.mass("heat sink", 500.0);
     b.conductor([sink, plate], 0.5, 2.0);
@@ -312,6 +320,6 @@ fn cooled(b: &mut Builder<'_>) {
     b.heated("Q_board", board, 5.0);
     b.heated("Q_det", detector, 0.4);
     let current = b.input("I_cooler", "A", 0.8, [0.0, 1.4]);
-    b.sketch.coolers.push(CoolerSketch { name: "cooler".to_owned(), nodes: [detector, sink], current });
+    b.specification.coolers.push(CoolerSketch { name: "cooler".to_owned(), nodes: [detector, sink], current });
     b.pressure();
 }

@@ -8,7 +8,7 @@ use super::answer::Answer;
 use super::campaign::TestKind;
 use super::case::{Recipe, case, read};
 use super::draw::Draw;
-use super::hide::{HideError, Wish, hide};
+use super::inject::{InjectError, InjectionRequest, inject};
 use super::rivals::rivals;
 use super::truth::Truth;
 use crate::diagnosis::{Diagnosis, FitError, Problem, Settings};
@@ -26,14 +26,24 @@ pub fn ask(problem: &Problem, seed: u64) -> Result<Answer, FitError> {
 
 /// What is hidden in case `number` of a laboratory over one's own model: nothing in every fifth, else one effect, of 0.5,
 /// 1 or 2 standard deviations in turn where no amplitude is given.
-pub fn own_wish(number: u64, effect: Option<&str>, amplitude: Option<f64>) -> Wish {
+pub fn own_request(number: u64, effect: Option<&str>, amplitude: Option<f64>) -> InjectionRequest {
     const SIZES: [f64; 3] = [0.5, 1.0, 2.0];
     let (round, place) = (number / 5, number % 5);
     if place == 4 {
-        return Wish { effects: 0, size: None, correlated: Some(round % 2 == 1), ..Wish::default() };
+        return InjectionRequest {
+            effects: 0,
+            size: None,
+            correlated: Some(round % 2 == 1),
+            ..InjectionRequest::default()
+        };
     }
     let size = SIZES[((4 * round + place) % 3) as usize];
-    Wish { only: effect.map(str::to_owned), amplitude, size: amplitude.is_none().then_some(size), ..Wish::default() }
+    InjectionRequest {
+        only: effect.map(str::to_owned),
+        amplitude,
+        size: amplitude.is_none().then_some(size),
+        ..InjectionRequest::default()
+    }
 }
 
 /// The recipe of case `number` of the laboratory over drawn networks. Of twenty cases four hide nothing (half with
@@ -42,26 +52,38 @@ pub fn own_wish(number: u64, effect: Option<&str>, amplitude: Option<f64>) -> Wi
 pub fn standard(number: u64) -> Recipe {
     let place = number % 20;
     let round = number / 20;
-    let one = |size: f64| Wish { size: Some(size), ..Wish::default() };
-    let null = |correlated: bool| Wish { effects: 0, size: None, correlated: Some(correlated), ..Wish::default() };
-    let (wish, test) = match place {
+    let one = |size: f64| InjectionRequest { size: Some(size), ..InjectionRequest::default() };
+    let null = |correlated: bool| InjectionRequest {
+        effects: 0,
+        size: None,
+        correlated: Some(correlated),
+        ..InjectionRequest::default()
+    };
+    let (request, test) = match place {
         0 | 1 => (null(false), None),
         2 | 3 => (null(true), Some(TestKind::Steps)),
         4..=15 => (one([0.5, 1.0, 2.0][(place % 3) as usize]), None),
-        16 | 17 => (Wish { effects: 2, ..one(2.0) }, None),
-        _ => (Wish { outside: true, ..one(if (round + place).is_multiple_of(2) { 1.0 } else { 2.0 }) }, None),
+        16 | 17 => (InjectionRequest { effects: 2, ..one(2.0) }, None),
+        _ => {
+            (InjectionRequest { outside: true, ..one(if (round + place).is_multiple_of(2) { 1.0 } else { 2.0 }) }, None)
+        }
     };
-    Recipe { topology: None, test, wish, rivals: true }
+    Recipe { topology: None, test, request, rivals: true }
 }
 
 /// A problem with readings of its own simulated from a truth that is drawn; `template` has the test's phases, inputs and
 /// sensors. The same for the same seed and number.
 ///
 /// # Errors
-/// [`HideError`] where nothing that is asked for can be hidden.
-pub fn simulate(template: &Problem, wish: &Wish, seed: u64, number: u64) -> Result<(Problem, Truth), HideError> {
+/// [`InjectError`] where nothing that is asked for can be hidden.
+pub fn simulate(
+    template: &Problem,
+    request: &InjectionRequest,
+    seed: u64,
+    number: u64,
+) -> Result<(Problem, Truth), InjectError> {
     let mut problem = template.clone();
-    let mut hidden = hide(template, wish, &mut Draw::new(seed, "truth", number))?;
+    let mut hidden = inject(template, request, &mut Draw::new(seed, "truth", number))?;
     hidden.truth.rivals = Some(rivals(template, &hidden)?);
     let key = StreamKey::new(seed, "laboratory", "noise");
     read(&mut problem, &hidden.clean, &hidden.truth, &key, number);
@@ -99,8 +121,8 @@ fn asked(problem: &Problem, truth: Truth, seed: u64, number: u64) -> Outcome {
 }
 
 /// Runs case `number` over one's own model.
-pub fn own_case(template: &Problem, wish: &Wish, seed: u64, number: u64) -> Outcome {
-    match simulate(template, wish, seed, number) {
+pub fn own_case(template: &Problem, request: &InjectionRequest, seed: u64, number: u64) -> Outcome {
+    match simulate(template, request, seed, number) {
         Err(error) => Outcome { number, truth: None, answer: None, reason: Some(error.to_string()) },
         Ok((problem, truth)) => asked(&problem, truth, seed, number),
     }

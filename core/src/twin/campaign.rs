@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::draw::{Draw, decimals, short};
-use super::sketch::{NodeSketch, Sketch};
+use super::specification::{NetworkSpecification, NodeSketch};
 use crate::expression::Symbol;
 use crate::inference::measurement::{Initial, InputColumn, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};
 use crate::math::functions::cos;
@@ -41,9 +41,14 @@ const ORBIT_S: f64 = 5560.0;
 const ROOM_K: f64 = 293.15;
 
 /// A measurement without readings (all 0); the model receives the quantities that its sensors measure.
-pub fn measurement(kind: TestKind, sketch: &Sketch, model: &mut Model, draw: &mut Draw) -> Measurement {
-    let sensors = sensors(sketch, model, draw);
-    let rows = if kind.is_transient() { transient(kind, sketch, draw) } else { steady(sketch, draw) };
+pub fn measurement(
+    kind: TestKind,
+    specification: &NetworkSpecification,
+    model: &mut Model,
+    draw: &mut Draw,
+) -> Measurement {
+    let sensors = sensors(specification, model, draw);
+    let rows = if kind.is_transient() { transient(kind, specification, draw) } else { steady(specification, draw) };
     let mut measurement = Measurement {
         name: "test".to_owned(),
         rows,
@@ -59,11 +64,12 @@ pub fn measurement(kind: TestKind, sketch: &Sketch, model: &mut Model, draw: &mu
 }
 
 /// Sensors at most nodes, three at least, of one quality or two.
-fn sensors(sketch: &Sketch, model: &mut Model, draw: &mut Draw) -> Vec<Sensor> {
+fn sensors(specification: &NetworkSpecification, model: &mut Model, draw: &mut Draw) -> Vec<Sensor> {
     let coarse = draw.scale(0.05, 0.5);
     let fine = if draw.happens(0.3) { short(0.05_f64.max(0.5 * coarse)) } else { coarse };
-    let inner: Vec<usize> =
-        (0..sketch.nodes.len()).filter(|&node| matches!(sketch.nodes[node].1, NodeSketch::Capacity(_))).collect();
+    let inner: Vec<usize> = (0..specification.nodes.len())
+        .filter(|&node| matches!(specification.nodes[node].1, NodeSketch::Capacity(_)))
+        .collect();
     let mut watched: Vec<usize> = inner.iter().copied().filter(|_| draw.happens(0.85)).collect();
     for node in inner {
         if watched.len() < 3 && !watched.contains(&node) {
@@ -73,7 +79,7 @@ fn sensors(sketch: &Sketch, model: &mut Model, draw: &mut Draw) -> Vec<Sensor> {
     watched.sort_unstable();
     let mut sensors = Vec::new();
     for node in watched {
-        let name = sketch.nodes[node].0.clone();
+        let name = specification.nodes[node].0.clone();
         // Networks are far smaller than what this type counts.
         let value = model.graph.symbol(Symbol::Node(u32::try_from(node).unwrap_or(u32::MAX)));
         model.quantities.push(Quantity {
@@ -98,17 +104,17 @@ fn sensors(sketch: &Sketch, model: &mut Model, draw: &mut Draw) -> Vec<Sensor> {
 }
 
 /// A value of an input: pressures uniform in the logarithm, all others uniform.
-fn value(sketch: &Sketch, input: usize, draw: &mut Draw) -> f64 {
-    let [lower, upper] = sketch.inputs[input].range;
-    if sketch.inputs[input].unit == "Pa" { draw.scale(lower, upper) } else { draw.between(lower, upper) }
+fn value(specification: &NetworkSpecification, input: usize, draw: &mut Draw) -> f64 {
+    let [lower, upper] = specification.inputs[input].range;
+    if specification.inputs[input].unit == "Pa" { draw.scale(lower, upper) } else { draw.between(lower, upper) }
 }
 
-fn steady(sketch: &Sketch, draw: &mut Draw) -> Rows {
+fn steady(specification: &NetworkSpecification, draw: &mut Draw) -> Rows {
     let count = draw.whole(8, 40);
     let mut phases: Vec<Phase> = (1..=count)
         .map(|number| Phase {
             name: format!("P{number:02}"),
-            inputs: (0..sketch.inputs.len()).map(|input| value(sketch, input, draw)).collect(),
+            inputs: (0..specification.inputs.len()).map(|input| value(specification, input, draw)).collect(),
             held_out: false,
             ignored: None,
             stabilisation: None,
@@ -125,7 +131,7 @@ fn steady(sketch: &Sketch, draw: &mut Draw) -> Rows {
     Rows::Steady(phases)
 }
 
-fn transient(kind: TestKind, sketch: &Sketch, draw: &mut Draw) -> Rows {
+fn transient(kind: TestKind, specification: &NetworkSpecification, draw: &mut Draw) -> Rows {
     // Every row of a flight is an integration from corner to corner over hours: fewer do.
     let rows = draw.whole(100, if kind == TestKind::Flight { 250 } else { 600 });
     let step_s = match kind {
@@ -134,22 +140,22 @@ fn transient(kind: TestKind, sketch: &Sketch, draw: &mut Draw) -> Rows {
         _ => 20.0 * draw.whole(1, 6) as f64,
     };
     let times_s: Vec<f64> = (0..rows).map(|row| step_s * row as f64).collect();
-    let columns = (0..sketch.inputs.len())
+    let columns = (0..specification.inputs.len())
         .map(|input| {
             let hold = kind == TestKind::Steps;
             let values = match kind {
-                TestKind::Orbit if sketch.inputs[input].unit == "W/m2" => sun(&times_s, draw),
-                TestKind::Orbit | TestKind::Flight => wander(sketch, input, rows, draw),
-                _ => steps(sketch, input, rows, draw),
+                TestKind::Orbit if specification.inputs[input].unit == "W/m2" => sun(&times_s, draw),
+                TestKind::Orbit | TestKind::Flight => wander(specification, input, rows, draw),
+                _ => steps(specification, input, rows, draw),
             };
             InputColumn { input, values, hold }
         })
         .collect();
-    let base = sketch.inputs.iter().map(|input| input.nominal).collect();
+    let base = specification.inputs.iter().map(|input| input.nominal).collect();
     let initial = if draw.happens(0.5) {
         Initial::Steady
     } else {
-        let nodes = sketch.nodes.len();
+        let nodes = specification.nodes.len();
         Initial::Temperatures {
             values: vec![Uncertain::Known(ROOM_K); nodes],
             shared: (0..nodes).collect(),
@@ -166,10 +172,10 @@ fn transient(kind: TestKind, sketch: &Sketch, draw: &mut Draw) -> Rows {
 }
 
 /// Levels that hold for a while.
-fn steps(sketch: &Sketch, input: usize, rows: usize, draw: &mut Draw) -> Vec<f64> {
+fn steps(specification: &NetworkSpecification, input: usize, rows: usize, draw: &mut Draw) -> Vec<f64> {
     let mut values = Vec::with_capacity(rows);
     while values.len() < rows {
-        let level = value(sketch, input, draw);
+        let level = value(specification, input, draw);
         let length = draw.whole(rows / 12 + 1, rows / 4 + 2);
         values.extend(std::iter::repeat_n(level, length.min(rows - values.len())));
     }
@@ -194,11 +200,11 @@ fn sun(times_s: &[f64], draw: &mut Draw) -> Vec<f64> {
 }
 
 /// Straight lines between levels.
-fn wander(sketch: &Sketch, input: usize, rows: usize, draw: &mut Draw) -> Vec<f64> {
-    let mut values = vec![value(sketch, input, draw)];
+fn wander(specification: &NetworkSpecification, input: usize, rows: usize, draw: &mut Draw) -> Vec<f64> {
+    let mut values = vec![value(specification, input, draw)];
     while values.len() < rows {
         let from = values[values.len() - 1];
-        let to = value(sketch, input, draw);
+        let to = value(specification, input, draw);
         let length = draw.whole(rows / 16 + 1, rows / 5 + 2);
         values.extend((1..=length).map(|row| short(from + (to - from) * row as f64 / length as f64)));
     }

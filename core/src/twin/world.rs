@@ -1,6 +1,6 @@
 //! The true model of a case: the believed one with what is hidden added, and the readings that it gives without noise.
 
-use super::hide::HideError;
+use super::inject::InjectError;
 use super::truth::Outside;
 use crate::diagnosis::{Hypothesis, Problem};
 use crate::expression::{Binary, Names, Scope, Symbol, parse};
@@ -37,9 +37,9 @@ impl World {
     /// effects' (in their order).
     ///
     /// # Errors
-    /// [`HideError::Hypothesis`] for effects that do not go together.
-    pub fn new(problem: &Problem, effects: &[usize], own: &[f64], values: &[f64]) -> Result<Self, HideError> {
-        let hypothesis = problem.hypothesis(effects, 1.0).map_err(HideError::Hypothesis)?;
+    /// [`InjectError::Hypothesis`] for effects that do not go together.
+    pub fn new(problem: &Problem, effects: &[usize], own: &[f64], values: &[f64]) -> Result<Self, InjectError> {
+        let hypothesis = problem.hypothesis(effects, 1.0).map_err(InjectError::Hypothesis)?;
         let parameters = own.iter().chain(values).copied().collect();
         Ok(Self { hypothesis, parameters, outside: None, split: None })
     }
@@ -60,8 +60,8 @@ impl World {
     /// row; it is read for [`Outside::Unlogged`] only.
     ///
     /// # Errors
-    /// [`HideError::NoPlace`] for a node or input that is not there.
-    pub fn add_outside(&mut self, outside: &Outside, phase: f64, switch: &[Vec<f64>]) -> Result<(), HideError> {
+    /// [`InjectError::NoPlace`] for a node or input that is not there.
+    pub fn add_outside(&mut self, outside: &Outside, phase: f64, switch: &[Vec<f64>]) -> Result<(), InjectError> {
         let power = self.add_parameter("hidden.power", 0.0);
         self.outside = Some(power);
         let model = &mut self.hypothesis.model;
@@ -71,7 +71,7 @@ impl World {
         names.values.insert("power".to_owned(), id);
         let (node, text) = match outside {
             Outside::Root { node, input } => {
-                let input = model.inputs.iter().position(|own| own.name == *input).ok_or(HideError::NoPlace)?;
+                let input = model.inputs.iter().position(|own| own.name == *input).ok_or(InjectError::NoPlace)?;
                 let [lower, upper] = crate::effect::Bound::Input(input).range(model);
                 let id = model.graph.symbol(symbol(input, Symbol::Input));
                 names.values.insert("x".to_owned(), id);
@@ -108,9 +108,9 @@ impl World {
                 (node, "power * switch".to_owned())
             }
         };
-        let into = model.nodes.iter().position(|own| own.name == *node).ok_or(HideError::NoPlace)?;
+        let into = model.nodes.iter().position(|own| own.name == *node).ok_or(InjectError::NoPlace)?;
         let power =
-            parse(&text, &mut model.graph, &Scope::new(&names)).map_err(|error| HideError::Fit(error.message))?;
+            parse(&text, &mut model.graph, &Scope::new(&names)).map_err(|error| InjectError::Fit(error.message))?;
         model.elements.push(named("hidden heat", ElementKind::Load(Load { into, power })));
         Ok(())
     }
@@ -119,12 +119,12 @@ impl World {
     /// resistance between them is 0 K/W at first.
     ///
     /// # Errors
-    /// [`HideError::NoPlace`] where the node stores no heat or no path moves.
-    pub fn split(&mut self, node: usize, moved: &[bool]) -> Result<(), HideError> {
+    /// [`InjectError::NoPlace`] where the node stores no heat or no path moves.
+    pub fn split(&mut self, node: usize, moved: &[bool]) -> Result<(), InjectError> {
         let resistance = self.add_parameter("hidden.resistance", 0.0);
         self.split = Some(resistance);
         let model = &mut self.hypothesis.model;
-        let NodeKind::Diffusion { capacity } = model.nodes[node].kind else { return Err(HideError::NoPlace) };
+        let NodeKind::Diffusion { capacity } = model.nodes[node].kind else { return Err(InjectError::NoPlace) };
         let half = model.graph.number(0.5);
         let capacity = model.graph.multiply(half, capacity);
         model.nodes[node].kind = NodeKind::Diffusion { capacity };
@@ -148,7 +148,7 @@ impl World {
             }
         }
         if !any {
-            return Err(HideError::NoPlace);
+            return Err(InjectError::NoPlace);
         }
         let id = model.graph.symbol(Symbol::Parameter(u32::try_from(resistance).unwrap_or(u32::MAX)));
         let least = model.graph.number(LEAST_RESISTANCE_K_PER_W);
@@ -166,10 +166,10 @@ impl World {
     /// The readings without noise: by measurement, `rows x sensors`, SI; NaN where nothing was read.
     ///
     /// # Errors
-    /// [`HideError::Implausible`] where the model has no solution or one at temperatures that nobody tests.
-    pub fn readings(&self) -> Result<Vec<Vec<f64>>, HideError> {
+    /// [`InjectError::Implausible`] where the model has no solution or one at temperatures that nobody tests.
+    pub fn readings(&self) -> Result<Vec<Vec<f64>>, InjectError> {
         let predictor =
-            Predictor::new(&self.hypothesis.model, &[]).map_err(|error| HideError::Fit(error.to_string()))?;
+            Predictor::new(&self.hypothesis.model, &[]).map_err(|error| InjectError::Fit(error.to_string()))?;
         let mut workspace = predictor.workspace();
         let mut all = Vec::new();
         for measurement in &self.hypothesis.measurements {
@@ -181,7 +181,7 @@ impl World {
                 let temperatures = &prediction.temperatures[row * nodes..(row + 1) * nodes];
                 let read = &prediction.readings[row * sensors..(row + 1) * sensors];
                 if !temperatures.iter().all(plausible) || !read.iter().all(|value| value.is_finite()) {
-                    return Err(HideError::Implausible);
+                    return Err(InjectError::Implausible);
                 }
             }
             all.push(prediction.readings);

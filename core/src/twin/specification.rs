@@ -8,7 +8,7 @@ use crate::thermal::element::cooler::{Cooler, Drive};
 use crate::thermal::element::{Conductor, Element, ElementKind, Load, Radiation};
 use crate::thermal::{Input, Limits, Model, Node, NodeKind, Parameter};
 
-/// An input of a sketch, in its own unit, which has no zero of its own and a factor of 1 (K, W, Pa, A, W/m2).
+/// An input of a specification, in its own unit, which has no zero of its own and a factor of 1 (K, W, Pa, A, W/m2).
 #[derive(Clone, Debug, PartialEq)]
 pub struct InputSketch {
     /// Name.
@@ -21,7 +21,7 @@ pub struct InputSketch {
     pub range: [f64; 2],
 }
 
-/// A parameter of a sketch.
+/// A parameter of a specification.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterSketch {
     /// Name.
@@ -34,7 +34,7 @@ pub struct ParameterSketch {
     pub prior: Distribution,
 }
 
-/// What a node of a sketch is.
+/// What a node of a specification is.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NodeSketch {
     /// Temperature of a boundary, K: an expression.
@@ -45,7 +45,7 @@ pub enum NodeSketch {
     Arithmetic,
 }
 
-/// A path of a sketch.
+/// A path of a specification.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathSketch {
     /// Name.
@@ -56,7 +56,7 @@ pub struct PathSketch {
     pub size: String,
 }
 
-/// A load of a sketch.
+/// A load of a specification.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadSketch {
     /// Name.
@@ -67,7 +67,7 @@ pub struct LoadSketch {
     pub power: String,
 }
 
-/// A thermoelectric cooler of a sketch, one stage.
+/// A thermoelectric cooler of a specification, one stage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoolerSketch {
     /// Name.
@@ -80,7 +80,7 @@ pub struct CoolerSketch {
 
 /// A network as plain data.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sketch {
+pub struct NetworkSpecification {
     /// Title.
     pub title: String,
     /// Inputs.
@@ -99,12 +99,12 @@ pub struct Sketch {
     pub coolers: Vec<CoolerSketch>,
 }
 
-/// Couples, Seebeck coefficient (V/K), resistance (ohm) and conductance (W/K) of a couple of a sketch's coolers: those
+/// Couples, Seebeck coefficient (V/K), resistance (ohm) and conductance (W/K) of a couple of a specification's coolers: those
 /// of a small single-stage module of bismuth telluride.
 const COOLER: [(&str, f64); 4] = [("couples", 17.0), ("seebeck", 4e-4), ("resistance", 0.02), ("conductance", 1.5e-3)];
 
-impl Sketch {
-    /// The resolved model without quantities, as reading the file of [`Sketch::text`] gives it.
+impl NetworkSpecification {
+    /// The resolved model without quantities, as reading the file of [`NetworkSpecification::text`] gives it.
     ///
     /// # Errors
     /// An expression that does not parse.

@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 use super::campaign::{TestKind, measurement};
 use super::draw::{Draw, decimals};
 use super::folder;
-use super::hide::{HideError, Wish, hide};
+use super::inject::{InjectError, InjectionRequest, inject};
 use super::noise::noise;
 use super::rivals;
-use super::sketch::Sketch;
+use super::specification::NetworkSpecification;
 use super::topology::{Topology, network};
 use super::truth::Truth;
 use crate::diagnosis::Problem;
@@ -27,7 +27,7 @@ pub struct Recipe {
     /// Kind of test; drawn if `None`.
     pub test: Option<TestKind>,
     /// What is to be hidden.
-    pub wish: Wish,
+    pub request: InjectionRequest,
     /// Whether rivals of the truth are looked for.
     pub rivals: bool,
 }
@@ -40,7 +40,7 @@ pub struct Case {
     /// Kind of test.
     pub test: TestKind,
     /// The believed network.
-    pub sketch: Sketch,
+    pub specification: NetworkSpecification,
     /// The believed model with the test's readings.
     pub problem: Problem,
     /// What is true.
@@ -55,9 +55,9 @@ const TRIES: u64 = 20;
 /// The case of a recipe, a seed and a number: the same for the same three.
 ///
 /// # Errors
-/// The last [`HideError`] where no drawn network takes what is asked for.
-pub fn case(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, number: u64) -> Result<Case, HideError> {
-    let mut last = HideError::NoPlace;
+/// The last [`InjectError`] where no drawn network takes what is asked for.
+pub fn case(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, number: u64) -> Result<Case, InjectError> {
+    let mut last = InjectError::NoPlace;
     for attempt in 0..TRIES {
         let stream = number * TRIES + attempt;
         match attempted(catalogue, recipe, seed, stream) {
@@ -68,7 +68,7 @@ pub fn case(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, number: u64)
     Err(last)
 }
 
-fn attempted(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, stream: u64) -> Result<Case, HideError> {
+fn attempted(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, stream: u64) -> Result<Case, InjectError> {
     let mut draw = Draw::new(seed, "network", stream);
     let drawn = Topology::ALL[draw.position(Topology::ALL.len())];
     let topology = recipe.topology.unwrap_or(drawn);
@@ -80,9 +80,9 @@ fn attempted(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, stream: u64
     };
     let drawn = tests[draw.position(tests.len())];
     let test = recipe.test.unwrap_or(drawn);
-    let sketch = network(topology, &mut draw);
-    let mut problem = believed(catalogue, &sketch, test, &mut Draw::new(seed, "test", stream))?;
-    let mut hidden = hide(&problem, &recipe.wish, &mut Draw::new(seed, "truth", stream))?;
+    let specification = network(topology, &mut draw);
+    let mut problem = believed(catalogue, &specification, test, &mut Draw::new(seed, "test", stream))?;
+    let mut hidden = inject(&problem, &recipe.request, &mut Draw::new(seed, "truth", stream))?;
     if recipe.rivals {
         hidden.truth.rivals = Some(rivals::rivals(&problem, &hidden)?);
     }
@@ -94,7 +94,7 @@ fn attempted(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, stream: u64
         }
         measurement.sha256 = sha256_hex(folder::table(&problem.model.inputs, measurement).as_bytes());
     }
-    Ok(Case { topology, test, sketch, problem, truth: hidden.truth })
+    Ok(Case { topology, test, specification, problem, truth: hidden.truth })
 }
 
 /// Fills in readings with noise, where there are any: case `number` has the streams from `1e6 number` on. The noise of a
@@ -115,15 +115,15 @@ pub fn read(problem: &mut Problem, clean: &[Vec<f64>], truth: &Truth, key: &Stre
     }
 }
 
-/// The believed model of a sketch with a test without readings, and all candidates.
+/// The believed model of a specification with a test without readings, and all candidates.
 fn believed(
     catalogue: &Arc<Catalogue>,
-    sketch: &Sketch,
+    specification: &NetworkSpecification,
     test: TestKind,
     draw: &mut Draw,
-) -> Result<Problem, HideError> {
-    let mut model = sketch.model().map_err(|error| HideError::Fit(error.message))?;
-    let measurement = measurement(test, sketch, &mut model, draw);
+) -> Result<Problem, InjectError> {
+    let mut model = specification.model().map_err(|error| InjectError::Fit(error.message))?;
+    let measurement = measurement(test, specification, &mut model, draw);
     let transient = matches!(measurement.rows, Rows::Transient { .. });
     let sensors: Vec<SensorPlace> = (measurement.sensors.iter())
         .map(|sensor| SensorPlace {
@@ -134,7 +134,7 @@ fn believed(
         })
         .collect();
     let candidates = candidates(&model, &[], &sensors, catalogue);
-    let priors = sketch.priors();
+    let priors = specification.priors();
     Ok(Problem {
         parameters: (0..priors.len()).filter(|&index| !priors[index].is_fixed()).collect(),
         priors,

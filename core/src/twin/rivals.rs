@@ -9,7 +9,7 @@
 
 use std::collections::BTreeSet;
 
-use super::hide::{Hidden, HideError, told};
+use super::inject::{Hidden, InjectError, told};
 use super::refit::{self, Refit};
 use super::truth::{NoiseTruth, Rival};
 use crate::diagnosis::Problem;
@@ -46,8 +46,8 @@ fn with_true_noise(problem: &Problem, noise: NoiseTruth) -> Problem {
 /// The nearest rivals of what is hidden, nearest first; without effects the believed model.
 ///
 /// # Errors
-/// [`HideError`] where the believed model has no likelihood.
-pub fn rivals(problem: &Problem, hidden: &Hidden) -> Result<Vec<Rival>, HideError> {
+/// [`InjectError`] where the believed model has no likelihood.
+pub fn rivals(problem: &Problem, hidden: &Hidden) -> Result<Vec<Rival>, InjectError> {
     let mut problem = with_true_noise(problem, hidden.truth.noise);
     problem.measurements = refit::with_readings(&problem.measurements, &hidden.clean);
     let truth: Vec<usize> = (0..problem.candidates.len())
@@ -114,9 +114,9 @@ pub fn rivals(problem: &Problem, hidden: &Hidden) -> Result<Vec<Rival>, HideErro
 }
 
 /// What candidates leave when they are refitted with all parameters, from the shape and the amplitude of one of them.
-fn refitted(problem: &Problem, hidden: &Hidden, positions: &[usize], reach: &Reach) -> Result<f64, HideError> {
+fn refitted(problem: &Problem, hidden: &Hidden, positions: &[usize], reach: &Reach) -> Result<f64, InjectError> {
     // A prior ten times as wide: whether the readings tell, not whether it is plausible.
-    let hypothesis = problem.hypothesis(positions, 10.0).map_err(HideError::Hypothesis)?;
+    let hypothesis = problem.hypothesis(positions, 10.0).map_err(InjectError::Hypothesis)?;
     let likelihood = refit::hypothesis_likelihood(problem, &hypothesis, &hidden.clean)?;
     let known: Vec<(String, f64)> =
         hidden.refit.names.iter().cloned().zip(hidden.refit.unknowns.iter().copied()).collect();
@@ -161,7 +161,7 @@ struct Reach {
 
 /// Whitened columns of all candidates that the test sees and that have no more parameters than `freedom` (one at least),
 /// by position; rows of the priors are 0.
-fn columns(problem: &Problem, hidden: &Hidden, freedom: usize) -> Result<Vec<Reach>, HideError> {
+fn columns(problem: &Problem, hidden: &Hidden, freedom: usize) -> Result<Vec<Reach>, InjectError> {
     let rows = hidden.refit.residuals.len();
     let mut all = Vec::new();
     let seen: Vec<usize> = (0..problem.candidates.len())
@@ -219,8 +219,8 @@ fn shapes(problem: &Problem, position: usize) -> Vec<Vec<Shape>> {
 }
 
 /// Columns of effects that are smooth at 0: derivatives there, at the shapes at which they are tried.
-fn slopes(problem: &Problem, hidden: &Hidden, chunk: &[usize]) -> Result<Vec<Reach>, HideError> {
-    let hypothesis = problem.hypothesis(chunk, 1.0).map_err(HideError::Hypothesis)?;
+fn slopes(problem: &Problem, hidden: &Hidden, chunk: &[usize]) -> Result<Vec<Reach>, InjectError> {
+    let hypothesis = problem.hypothesis(chunk, 1.0).map_err(InjectError::Hypothesis)?;
     let likelihood = refit::hypothesis_likelihood(problem, &hypothesis, &hidden.clean)?;
     let mut found: Vec<Reach> = Vec::new();
     let mut memory = likelihood.workspace();
@@ -275,8 +275,8 @@ fn slopes(problem: &Problem, hidden: &Hidden, chunk: &[usize]) -> Result<Vec<Rea
 }
 
 /// Columns of an effect that is not smooth at 0: what it does at each of some plausible sizes.
-fn probed(problem: &Problem, hidden: &Hidden, position: usize) -> Result<Vec<Reach>, HideError> {
-    let hypothesis = problem.hypothesis(&[position], 1.0).map_err(HideError::Hypothesis)?;
+fn probed(problem: &Problem, hidden: &Hidden, position: usize) -> Result<Vec<Reach>, InjectError> {
+    let hypothesis = problem.hypothesis(&[position], 1.0).map_err(InjectError::Hypothesis)?;
     let likelihood = refit::hypothesis_likelihood(problem, &hypothesis, &hidden.clean)?;
     let mut memory = likelihood.workspace();
     let m = likelihood.residual_count();

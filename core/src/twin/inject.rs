@@ -15,7 +15,7 @@ use crate::math::functions::{exp, ln};
 
 /// Why nothing was hidden.
 #[derive(Clone, Debug, PartialEq, Error)]
-pub enum HideError {
+pub enum InjectError {
     /// Effects that do not go together, or a problem without a likelihood.
     #[error(transparent)]
     Hypothesis(FitError),
@@ -38,7 +38,7 @@ pub enum HideError {
 
 /// What is to be hidden.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Wish {
+pub struct InjectionRequest {
     /// Number of effects of the catalogue.
     pub effects: usize,
     /// Name of an effect, or id of a candidate: the first effect is one of these.
@@ -55,7 +55,7 @@ pub struct Wish {
     pub correlated: Option<bool>,
 }
 
-impl Default for Wish {
+impl Default for InjectionRequest {
     fn default() -> Self {
         Self { effects: 1, only: None, size: Some(1.0), amplitude: None, outside: false, split: None, correlated: None }
     }
@@ -101,12 +101,12 @@ pub fn told(problem: &Problem) -> Problem {
 /// Draws a truth for a problem. The same draws come from the same `draw`.
 ///
 /// # Errors
-/// [`HideError`], of the last try where several places were tried.
-pub fn hide(problem: &Problem, wish: &Wish, draw: &mut Draw) -> Result<Hidden, HideError> {
+/// [`InjectError`], of the last try where several places were tried.
+pub fn inject(problem: &Problem, request: &InjectionRequest, draw: &mut Draw) -> Result<Hidden, InjectError> {
     let problem = told(problem);
-    let mut last = HideError::NoPlace;
+    let mut last = InjectError::NoPlace;
     for _ in 0..TRIES {
-        match attempt(&problem, wish, draw) {
+        match attempt(&problem, request, draw) {
             Ok(hidden) => return Ok(hidden),
             Err(error) => last = error,
         }
@@ -114,18 +114,18 @@ pub fn hide(problem: &Problem, wish: &Wish, draw: &mut Draw) -> Result<Hidden, H
     Err(last)
 }
 
-fn attempt(problem: &Problem, wish: &Wish, draw: &mut Draw) -> Result<Hidden, HideError> {
+fn attempt(problem: &Problem, request: &InjectionRequest, draw: &mut Draw) -> Result<Hidden, InjectError> {
     let own = own_parameters(problem, draw);
-    let noise = noise(problem, wish, draw);
-    let split = match wish.split {
+    let noise = noise(problem, request, draw);
+    let split = match request.split {
         Some(size) => Some((draw_split(problem, draw)?, size)),
         None => None,
     };
-    let outside = if wish.outside { Some(draw_outside(problem, draw)?) } else { None };
+    let outside = if request.outside { Some(draw_outside(problem, draw)?) } else { None };
     let mut chosen = Vec::new();
     if outside.is_none() {
-        for number in 0..wish.effects {
-            let only = wish.only.as_deref().filter(|_| number == 0);
+        for number in 0..request.effects {
+            let only = request.only.as_deref().filter(|_| number == 0);
             chosen.push(draw_effect(problem, only, &chosen, draw)?);
         }
     }
@@ -137,7 +137,7 @@ fn attempt(problem: &Problem, wish: &Wish, draw: &mut Draw) -> Result<Hidden, Hi
     let base = Sizes { split: resistance, ..Sizes::default() };
     let mut alone = vec![0.0; chosen.len()];
     if chosen.len() > 1
-        && let Some(size) = wish.size
+        && let Some(size) = request.size
     {
         for (effect, alone) in chosen.iter_mut().zip(&mut alone) {
             if effect.has_amplitude() {
@@ -148,11 +148,11 @@ fn attempt(problem: &Problem, wish: &Wish, draw: &mut Draw) -> Result<Hidden, Hi
             }
         }
     }
-    if let (Some(value), Some(effect)) = (wish.amplitude, chosen.first_mut()) {
+    if let (Some(value), Some(effect)) = (request.amplitude, chosen.first_mut()) {
         effect.set(value);
     }
     let sized = outside.is_some() || chosen.iter().any(Chosen::has_amplitude);
-    let asked = wish.size.filter(|_| wish.amplitude.is_none() && sized);
+    let asked = request.size.filter(|_| request.amplitude.is_none() && sized);
     let (scale, hidden) = match asked {
         Some(size) => {
             let most = chosen.iter().filter(|effect| effect.has_amplitude()).map(Chosen::most);
@@ -169,8 +169,8 @@ fn attempt(problem: &Problem, wish: &Wish, draw: &mut Draw) -> Result<Hidden, Hi
         }
     };
     let (clean, refit) = hidden;
-    if !chosen.is_empty() && !sized && wish.only.is_none() && refit.size() < LEAST_SWAP {
-        return Err(HideError::NoPlace);
+    if !chosen.is_empty() && !sized && request.only.is_none() && refit.size() < LEAST_SWAP {
+        return Err(InjectError::NoPlace);
     }
     let effects = chosen.iter_mut().zip(alone).map(|(effect, alone)| {
         effect.scale(scale);
@@ -218,7 +218,7 @@ fn fixed(prior: &crate::random::Distribution, nominal: f64) -> f64 {
 
 /// The noise of a case: correlated over two to thirty rows of the fastest transient, if at all, wholly in every second case
 /// and in others with white noise beside it.
-fn noise(problem: &Problem, wish: &Wish, draw: &mut Draw) -> NoiseTruth {
+fn noise(problem: &Problem, request: &InjectionRequest, draw: &mut Draw) -> NoiseTruth {
     let rows = draw.scale(2.0, 30.0);
     let correlated = draw.happens(0.5);
     let share = if draw.happens(0.5) { 1.0 } else { draw.between(0.2, 1.0) };
@@ -230,7 +230,7 @@ fn noise(problem: &Problem, wish: &Wish, draw: &mut Draw) -> NoiseTruth {
         _ => None,
     });
     let step_s = steps.fold(f64::INFINITY, f64::min);
-    if step_s.is_finite() && wish.correlated.unwrap_or(correlated) {
+    if step_s.is_finite() && request.correlated.unwrap_or(correlated) {
         NoiseTruth::Correlated { correlation_time_s: short(rows * step_s), share: short(share) }
     } else {
         NoiseTruth::AsTold
@@ -262,7 +262,7 @@ struct Scene<'a> {
 impl Scene<'_> {
     /// Readings without noise, and the believed model's refit to them: from the unknowns of a fit before where there is
     /// one, else from the truth and the priors' medians.
-    fn measure(&self, sizes: Sizes, chosen: &[Chosen], before: Option<&[f64]>) -> Result<Measured, HideError> {
+    fn measure(&self, sizes: Sizes, chosen: &[Chosen], before: Option<&[f64]>) -> Result<Measured, InjectError> {
         let effects: Vec<usize> = chosen.iter().map(|effect| effect.candidate).collect();
         let values: Vec<f64> = chosen.iter().flat_map(|effect| effect.scaled(sizes.effects)).collect();
         let mut world = World::new(self.problem, &effects, self.own, &values)?;
@@ -296,8 +296,8 @@ impl Scene<'_> {
         most: f64,
         form: impl Fn(f64) -> Sizes,
         chosen: &[Chosen],
-    ) -> Result<(f64, Measured), HideError> {
-        let out_of_reach = HideError::OutOfReach { size };
+    ) -> Result<(f64, Measured), InjectError> {
+        let out_of_reach = InjectError::OutOfReach { size };
         let (mut below, mut above): (Option<[f64; 2]>, Option<[f64; 2]>) = (None, None);
         let mut scale = most;
         let mut before: Option<Vec<f64>> = None;
@@ -321,7 +321,7 @@ impl Scene<'_> {
                     }
                     before = Some(found.1.unknowns);
                 }
-                Err(HideError::Implausible | HideError::Fit(_)) => {
+                Err(InjectError::Implausible | InjectError::Fit(_)) => {
                     above = Some([ln(scale), f64::INFINITY]);
                     before = None;
                 }
