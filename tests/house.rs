@@ -124,7 +124,6 @@ const NAMED_ELSEWHERE: &[(&str, &[&str], &str)] = &[
     ("cli/diagnose.rs", &["diagnose"], "the verb for this kind"),
     ("cli/adopt.rs", &["diagnose"], "adopts what a diagnosis found"),
     ("batch/next_pass", &["diagnose"], "writes the pass that adopts what a diagnosis found"),
-    ("cli/lab.rs", &["diagnose"], "tries the diagnosis on cases whose truth is known"),
 ];
 
 /// The words of a text.

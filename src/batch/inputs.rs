@@ -53,7 +53,7 @@ fn named_files(lineage: &[&Pass]) -> Vec<(&'static str, String)> {
         own.extend(pass.parents.iter().map(|parent| ("parent pass", parent.clone())));
         own.extend(pass.adopted.iter().filter_map(|adopted| Some(("effect", adopted.file.clone()?))));
         own.extend(pass.measurements.iter().map(|measurement| ("data", measurement.file.clone())));
-        let draws = pass.handed_on.iter().filter(|own| own.draws.sha256.is_some());
+        let draws = pass.posterior_priors.iter().filter(|own| own.draws.sha256.is_some());
         own.extend(draws.map(|own| ("draws", own.draws.source.trim_matches('`').to_owned())));
         for upstream in &pass.upstream {
             let behind = named_files(&[upstream]).into_iter();

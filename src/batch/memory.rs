@@ -41,7 +41,7 @@ fn machine_bytes() -> u64 {
     kibibytes.map_or(ASSUMED_BYTES, |kibibytes| kibibytes << 10)
 }
 
-/// An amount of memory, as a person says it.
+/// An amount of memory, in words.
 pub fn bytes_text(bytes: u64) -> String {
     match bytes as f64 {
         b if b < 1e9 => format!("{:.0} MB", b / 1e6),

@@ -39,7 +39,7 @@ fn next(output: &Output, adopt: &str) -> Option<String> {
     if output.selected.is_empty() {
         return None;
     }
-    if output.verdict.settles() {
+    if output.verdict.names_one_set() {
         return Some(format!("next: {adopt}"));
     }
     let ids: Vec<_> = output.selected.iter().map(|id| shell_word(id)).collect();

@@ -18,7 +18,7 @@ use crate::runner::{Difference, differences};
 use crate::study::project::whole;
 use crate::study::{ChangedEntry, changed};
 
-/// Places of a job's identity that are told where no entry of the files explains them.
+/// Places of a job's identity that are stated where no entry of the files explains them.
 const MOST_UNEXPLAINED: usize = 8;
 /// Diagnostics printed of the files.
 const MOST_DIAGNOSTICS: usize = 20;

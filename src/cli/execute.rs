@@ -67,7 +67,7 @@ pub fn execute_loaded(
     run(prepare(loaded, parents, context, wanted)?, options, context)
 }
 
-/// As [`batch::prepare`]; what people should know of the files is told.
+/// As [`batch::prepare`]; what people should know of the files is stated.
 ///
 /// # Errors
 /// As there.

@@ -73,7 +73,7 @@ impl LabVerb {
                 if pass.measurements.is_empty() {
                     return Err(Failure::input(format!("`{}` has no measurement to simulate", shown(&path))));
                 }
-                if let Some(own) = pass.handed_on.first() {
+                if let Some(own) = pass.posterior_priors.first() {
                     return Err(Failure::input(format!(
                         "the laboratory draws truths from distributions, and in `{}` {} has the draws of {} as its prior; \
                          name a pass with the prior that they began with",
@@ -196,7 +196,7 @@ fn summary(score: &Score, fold: Option<usize>) -> String {
             rows.push(vec![what, percent(rate)]);
         }
     };
-    line("false alarms, noise as told".to_owned(), &score.false_alarms_as_told);
+    line("false alarms, noise as stated".to_owned(), &score.false_alarms_stated_noise);
     line("false alarms, correlated noise".to_owned(), &score.false_alarms_correlated);
     for size in &score.sizes {
         let what = format!("{} hidden of size {}", size.effects, size.size);

@@ -93,7 +93,7 @@ pub struct RequireOption {
 }
 
 impl RequireOption {
-    /// The status in the light of what is required: what speaks against the results is told.
+    /// The status in the light of what is required: what speaks against the results is stated.
     ///
     /// # Errors
     /// A result that cannot be read.

@@ -44,7 +44,7 @@ impl From<Status> for ExitCode {
 pub struct Failure {
     /// How the program ends.
     pub status: Status,
-    /// What is told on standard error.
+    /// What is stated on standard error.
     pub message: String,
 }
 

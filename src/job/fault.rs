@@ -1,6 +1,6 @@
 //! What is told of a sample without a result.
 
-/// Parameters that are told.
+/// Parameters that are stated.
 const TOLD: usize = 8;
 
 /// Parameters by name, SI, the first few: `a = 1, b = 2.5`.

@@ -92,7 +92,7 @@ impl Lab {
                 return Err(JobError::Failed(format!("`{effect}` is no effect with a place in this model{near}")));
             }
         }
-        // What stops every case is told before the first.
+        // What stops every case is stated before the first.
         let failed = |error: FitError| JobError::Failed(error.to_string());
         problem.hypothesis(&[], 1.0).and_then(|believed| believed.likelihood(&problem)).map_err(failed)?;
         let hidden = spec.effect.as_ref().zip(spec.amplitude);

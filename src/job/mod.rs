@@ -59,8 +59,8 @@ pub enum JobError {
     },
 }
 
-impl From<crate::study::handed_on::PosteriorError> for JobError {
-    fn from(error: crate::study::handed_on::PosteriorError) -> Self {
+impl From<crate::study::posterior_prior::PosteriorError> for JobError {
+    fn from(error: crate::study::posterior_prior::PosteriorError) -> Self {
         Self::Failed(error.to_string())
     }
 }

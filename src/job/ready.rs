@@ -11,9 +11,9 @@ use crate::inference::measurement::Measurement;
 use crate::random::Distribution;
 use crate::study::Pass;
 use crate::study::blocked::blocked;
-use crate::study::handed_on::HandedOn;
 use crate::study::job::{CALIBRATION, NamedJob};
-use crate::study::resolved::{Blocked, HandedOnPrior, Upstream};
+use crate::study::posterior_prior::PosteriorPrior;
+use crate::study::resolved::{Blocked, PosteriorReference, Upstream};
 use crate::thermal::Model;
 
 /// A pass's job: ready, or why it does not run now.
@@ -52,7 +52,7 @@ impl Deferred {
     pub fn identity(&self) -> Value {
         match &self.beside {
             None => self.known.identity(),
-            Some(beside) => json!({ "job": self.known.identity(), "handed_on": beside }),
+            Some(beside) => json!({ "job": self.known.identity(), "posterior_priors": beside }),
         }
     }
 
@@ -132,11 +132,11 @@ pub fn refusal_prefix(name: &str) -> String {
 /// # Errors
 /// A result that is not there or has no such draws.
 pub fn filled(
-    draws: &[HandedOnPrior],
+    draws: &[PosteriorReference],
     results: &mut std::slice::Iter<'_, Arc<Value>>,
-) -> Result<Vec<HandedOn>, JobError> {
+) -> Result<Vec<PosteriorPrior>, JobError> {
     let missing = || JobError::Failed("a result is not there".to_owned());
-    let fill = |own: &HandedOnPrior| match own.from {
+    let fill = |own: &PosteriorReference| match own.from {
         None => Ok(own.draws.clone()),
         Some(_) => Ok(own.draws.filled(results.next().ok_or_else(missing)?)?),
     };
@@ -144,7 +144,7 @@ pub fn filled(
 }
 
 /// The draws as far as they are known before.
-pub fn unfilled(draws: &[HandedOnPrior]) -> Vec<HandedOn> {
+pub fn unfilled(draws: &[PosteriorReference]) -> Vec<PosteriorPrior> {
     draws.iter().map(|own| own.draws.clone()).collect()
 }
 
@@ -152,7 +152,11 @@ pub fn unfilled(draws: &[HandedOnPrior]) -> Vec<HandedOn> {
 ///
 /// # Errors
 /// What `prepare` gives.
-pub fn after(draws: &[&[HandedOnPrior]], known: Arc<dyn Runnable>, prepare: Prepare) -> Result<Readiness, JobError> {
+pub fn after(
+    draws: &[&[PosteriorReference]],
+    known: Arc<dyn Runnable>,
+    prepare: Prepare,
+) -> Result<Readiness, JobError> {
     let from: Vec<Upstream> = draws.iter().flat_map(|list| list.iter()).filter_map(|own| own.from.clone()).collect();
     if from.is_empty() { prepare(&[]).map(Readiness::Ready) } else { Ok(Readiness::after(from, known, prepare)) }
 }

@@ -86,7 +86,7 @@ pub fn assemble<'p>(
         reconstructed: pass.reconstructed.clone(),
         model: &pass.model,
         priors: names.zip(pass.priors.iter().copied()).collect(),
-        handed_on: (pass.handed_on.iter())
+        posterior_priors: (pass.posterior_priors.iter())
             .flat_map(|own| own.draws.parameters.iter().map(|&index| (index, own.draws.source.clone())))
             .map(|(index, source)| (pass.model.parameters[index].name.clone(), source))
             .collect(),

@@ -3,7 +3,7 @@
 use super::section::briefs;
 use super::view::JobEntry;
 
-/// Findings of a comparison, a design or a calibration and reasons of an advice that are told.
+/// Findings of a comparison, a design or a calibration and reasons of an advice that are stated.
 pub(super) const MOST_FINDINGS: usize = 2;
 
 /// The outcome of a job, a line each.

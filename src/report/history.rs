@@ -72,7 +72,7 @@ pub struct PassErrors {
     pub comparison: Option<String>,
     /// The calibration, likewise.
     pub calibration: Option<String>,
-    /// Kinds of jobs that the pass would need for its error to be told, and does not have.
+    /// Kinds of jobs that the pass would need for its error to be stated, and does not have.
     pub missing: Vec<&'static str>,
 }
 
@@ -142,7 +142,7 @@ impl PassErrors {
         }
     }
 
-    /// Whether there is an error to be told.
+    /// Whether there is an error to be stated.
     pub fn is_measured(&self) -> bool {
         let known = |split: &Split| split.train.is_some() || split.held_out.is_some();
         known(&self.rmse_k.delivered) || known(&self.rmse_k.tuned)

@@ -77,7 +77,7 @@ pub struct PassReport<'a> {
     /// Priors by parameter name; a parameter without one is fixed at its nominal value.
     pub priors: Vec<Prior>,
     /// Parameters whose prior is draws, with where these come from.
-    pub handed_on: Vec<(String, String)>,
+    pub posterior_priors: Vec<(String, String)>,
     /// Requirements.
     pub requirements: Vec<Requirement>,
     /// Environments.

@@ -274,7 +274,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A duration in seconds, as a person says it.
+/// A duration in seconds, in words.
 pub fn duration_text(duration_s: f64) -> String {
     match duration_s {
         s if s < 10.0 => format!("{s:.1} s"),

@@ -3,7 +3,7 @@
 use crate::document::suggest;
 
 use super::job::JobSpec;
-use super::resolved::{Blocked, HandedOnPrior, Pass};
+use super::resolved::{Blocked, Pass, PosteriorReference};
 
 /// Parameters named in a message.
 const NAMED: usize = 12;
@@ -41,7 +41,7 @@ impl Blocked {
     }
 }
 
-impl HandedOnPrior {
+impl PosteriorReference {
     /// Why a job that takes these draws does not run.
     pub fn blocks(&self) -> Option<Blocked> {
         Some(self.blocked.as_ref()?.after(&self.draws.source))
@@ -49,14 +49,14 @@ impl HandedOnPrior {
 }
 
 /// Draws that stand in for priors of the parameters that a job infers.
-pub fn draws_among(pass: &Pass, parameters: &[usize]) -> Vec<HandedOnPrior> {
-    let used = |own: &&HandedOnPrior| own.draws.parameters.iter().any(|index| parameters.contains(index));
-    pass.handed_on.iter().filter(used).cloned().collect()
+pub fn draws_among(pass: &Pass, parameters: &[usize]) -> Vec<PosteriorReference> {
+    let used = |own: &&PosteriorReference| own.draws.parameters.iter().any(|index| parameters.contains(index));
+    pass.posterior_priors.iter().filter(used).cloned().collect()
 }
 
 /// Why a job that takes independent distributions as priors does not run where some are draws.
 pub fn by_draws(pass: &Pass) -> Option<Blocked> {
-    let own = pass.handed_on.first()?;
+    let own = pass.posterior_priors.first()?;
     let names = suggest::listed(own.draws.names.iter().map(String::as_str), NAMED);
     let source = &own.draws.source;
     Some(Blocked::wrong(format!("it takes independent distributions as priors, and {names} has the draws of {source}")))

@@ -85,7 +85,7 @@ fn without_words(mut pass: Node) -> Node {
 /// Places at which two trees differ, from top to bottom.
 fn walk(path: &str, before: Option<&Node>, after: Option<&Node>, found: &mut Vec<ChangedEntry>) {
     let below = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
-    // Sections are told entry by entry, also those that only one of them has.
+    // Sections are stated entry by entry, also those that only one of them has.
     let is_section = !path.is_empty() && !path.contains(['.', '[']);
     match (before.map(|node| &node.value), after.map(|node| &node.value)) {
         (Some(old), Some(new)) if is_same(old, new) => {}
@@ -145,7 +145,7 @@ fn is_same(old: &Value, new: &Value) -> bool {
     }
 }
 
-/// Whether a change from one object to the other is told as one: of amounts with their unit, and of a choice.
+/// Whether a change from one object to the other is stated as one: of amounts with their unit, and of a choice.
 fn reads_as_one(old: &[Entry], new: &[Entry]) -> bool {
     is_amount(old) || is_amount(new) || matches!((old, new), ([old], [new]) if old.key != new.key)
 }

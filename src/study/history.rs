@@ -1,4 +1,4 @@
-//! How the passes of a study stand to one another: by which jobs each is judged, and in which order they are told.
+//! How the passes of a study stand to one another: by which jobs each is judged, and in which order they are stated.
 
 use super::job::{CALIBRATION, JobSpec};
 use super::resolved::Pass;
@@ -23,7 +23,7 @@ pub fn judged_by(pass: &Pass) -> Option<JudgedBy<'_>> {
     Some(JudgedBy { comparison, calibration: shown.or_else(first) })
 }
 
-/// The order in which passes are told: each after its parents, else as given. A pass is its file and those of its
+/// The order in which passes are stated: each after its parents, else as given. A pass is its file and those of its
 /// parents, nearest first.
 pub fn order(passes: &[(&str, &[String])]) -> Vec<usize> {
     let mut order: Vec<usize> = Vec::new();
@@ -35,7 +35,7 @@ pub fn order(passes: &[(&str, &[String])]) -> Vec<usize> {
             })
         };
         let mut left = (0..passes.len()).filter(|position| !order.contains(position));
-        // A loaded pass has no circle of parents; were there one, its first member would be told first.
+        // A loaded pass has no circle of parents; were there one, its first member would be stated first.
         let Some(next) = left.clone().find(|&position| !waits(position)).or_else(|| left.next()) else { break };
         order.push(next);
     }

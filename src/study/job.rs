@@ -8,7 +8,7 @@ use crate::document::declare::one_kind;
 use crate::document::schema::choice;
 use crate::document::{Diagnostics, Map, Node, Place, Schemas, Written};
 
-use super::resolve::handed_on::Upstreams;
+use super::resolve::posterior_prior::Upstreams;
 use super::resolve::scope::Scope;
 use super::resolve::settings::Offered;
 use super::resolved::{Blocked, Pass};

@@ -11,11 +11,11 @@ use crate::inference::rows::UsedRow;
 use crate::random::Distribution;
 use crate::thermal::Model;
 
-use super::handed_on::HandedOn;
 use super::job::NamedJob;
 use super::ledger::Content;
 use super::model::InputError;
 use super::pinned::Pinned;
+use super::posterior_prior::PosteriorPrior;
 use super::requirement::{Environment, Requirement};
 
 /// A pass that can be run.
@@ -43,10 +43,10 @@ pub struct Pass {
     pub seed: u64,
     /// The model.
     pub model: Model,
-    /// The parameters' priors, SI, in the model's order; of a posterior handed on the original prior.
+    /// The parameters' priors, SI, in the model's order; of a posterior as prior the original prior.
     pub priors: Vec<Distribution>,
     /// Draws that stand in for priors.
-    pub handed_on: Vec<HandedOnPrior>,
+    pub posterior_priors: Vec<PosteriorReference>,
     /// The passes whose calibrations are used.
     pub upstream: Vec<Arc<Pass>>,
     /// How many passes hand their posteriors on, one to the next, up to this one.
@@ -94,9 +94,9 @@ pub struct Upstream {
 
 /// Draws that stand in for the priors of some parameters.
 #[derive(Clone, Debug, PartialEq)]
-pub struct HandedOnPrior {
+pub struct PosteriorReference {
     /// The draws; a calibration's are not there before it ran.
-    pub draws: HandedOn,
+    pub draws: PosteriorPrior,
     /// The calibration that gives them; `None` for a file.
     pub from: Option<Upstream>,
     /// Why it does not run now.

@@ -43,7 +43,7 @@ fn help_names_every_verb_and_the_exit_statuses() {
         assert!(help.contains(&format!("\n  {verb} ")), "{verb}: {help}");
         assert_eq!(code(&run(&[verb, "--help"])), 0, "{verb}");
     }
-    let statuses = &help[help.find("Exit status:").expect("they are told")..];
+    let statuses = &help[help.find("Exit status:").expect("they are stated")..];
     assert!(statuses.contains("\n  130 interrupted"), "{help}");
     assert!(statuses.lines().all(|line| line.chars().count() <= 80), "{help}");
 }

@@ -51,8 +51,8 @@ fn the_second_pass_builds_on_the_first_with_the_same_bytes_for_any_threads() {
     // 10 W and 5 W, 23 K and 13 K above the wall: least squares of both give 125 / 295 W/K, half a standard deviation
     // of 0.0088 W/K about it for the draws of the prior and the mean's place beside the mode.
     assert!((mean - 125.0 / 295.0).abs() < 0.0044, "{mean}");
-    assert_eq!(all["more"]["handed_on"][0]["source"], "`fit` of `pass-1.json`");
-    assert_eq!(all["spread"]["handed_on"][0]["parameters"][0], "G");
+    assert_eq!(all["more"]["posterior_priors"][0]["source"], "`fit` of `pass-1.json`");
+    assert_eq!(all["spread"]["posterior_priors"][0]["parameters"][0], "G");
     assert_eq!(all["flight"]["converged"], true);
     assert!(all["flight"]["prior"]["probability"]["plate"]["value"].is_number());
     // The plan has what is needed of the first pass, and nothing else.

@@ -12,7 +12,7 @@ mod schema;
 mod shared;
 mod syntax;
 
-/// What a model file's text is told, plain, at most five findings.
+/// What a model file's text is stated, plain, at most five findings.
 fn rendered(text: &str) -> String {
     let mut diagnostics = Diagnostics::new();
     let model = model::load("model.json", text.as_bytes(), &mut diagnostics);

@@ -6,7 +6,7 @@ use bmv::job::{load, ready};
 use crate::diagnostics::pass_study::Study;
 
 /// The first pass with a noise for every sensor, and a second whose prior is the posterior of the first.
-fn handed_on(extra: &str) -> Study {
+fn posterior_priors(extra: &str) -> Study {
     let study = Study::new();
     study.edit("pass-1.json", r#""panel": {"measures": "panel"}"#, r#""panel": {"measures": "panel", "sigma": 0.5}"#);
     study.put(
@@ -32,7 +32,7 @@ fn held_out(phases: &str) -> String {
 #[test]
 fn the_same_rows_are_refused_and_named() {
     for job in [r#"{"calibrate": {}}"#, r#"{"diagnose": {}}"#, r#"{"diagnose": {"data": ["balance"]}}"#] {
-        let said = handed_on(&format!(r#""jobs": {{"again": {job}}}"#)).said("pass-2.json");
+        let said = posterior_priors(&format!(r#""jobs": {{"again": {job}}}"#)).said("pass-2.json");
         for part in [
             "error[data-used-twice]",
             "on readings that stand behind its prior: `tuned` of `pass-1.json` was fitted to phase P1 of `balance`",
@@ -49,7 +49,7 @@ fn the_same_rows_are_refused_and_named() {
 #[test]
 fn what_takes_distributions_does_not_run_with_draws() {
     for job in [r#"{"goal": {"design_variable": {"A": {"from": 0.01, "to": 0.1}}}}"#, r#"{"sensitivity": {}}"#] {
-        let study = handed_on(&format!(r#"{} "jobs": {{"next": {job}}}"#, held_out(r#""P1""#)));
+        let study = posterior_priors(&format!(r#"{} "jobs": {{"next": {job}}}"#, held_out(r#""P1""#)));
         let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
         let jobs = ready(&pass);
         let Readiness::Refused(why) = &jobs[0].1 else { panic!("{job} runs with the original prior") };
@@ -61,23 +61,26 @@ fn what_takes_distributions_does_not_run_with_draws() {
 
 #[test]
 fn a_diagnosis_waits_for_the_posterior_that_is_its_prior() {
-    let study = handed_on(&format!(r#"{} "jobs": {{"next": {{"diagnose": {{}}}}}}"#, held_out(r#""P1""#)));
+    let study = posterior_priors(&format!(r#"{} "jobs": {{"next": {{"diagnose": {{}}}}}}"#, held_out(r#""P1""#)));
     let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
     let jobs = ready(&pass);
     let Readiness::After(waiting) = &jobs[0].1 else { panic!("after the calibration of the first pass") };
     assert_eq!((waiting.from[0].file.as_str(), waiting.from[0].job.as_str()), ("pass-1.json", "tuned"));
     // Of a parameter that is not inferred nothing enters.
-    let study = handed_on(r#""jobs": {"next": {"diagnose": {"parameters": []}}}"#);
+    let study = posterior_priors(r#""jobs": {"next": {"diagnose": {"parameters": []}}}"#);
     let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
     assert!(matches!(ready(&pass)[0].1, Readiness::Ready(_)));
 }
 
 #[test]
 fn other_rows_of_the_same_file_are_allowed() {
-    let study = handed_on(&format!(r#"{} "jobs": {{"again": {{"calibrate": {{}}}}}}"#, held_out(r#""P1""#)));
+    let study = posterior_priors(&format!(r#"{} "jobs": {{"again": {{"calibrate": {{}}}}}}"#, held_out(r#""P1""#)));
     let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
-    assert_eq!(pass.handed_on.len(), 1);
-    assert_eq!((pass.handed_on[0].draws.names.as_slice(), pass.handed_on[0].behind.len()), (&["G".to_owned()][..], 1));
+    assert_eq!(pass.posterior_priors.len(), 1);
+    assert_eq!(
+        (pass.posterior_priors[0].draws.names.as_slice(), pass.posterior_priors[0].behind.len()),
+        (&["G".to_owned()][..], 1)
+    );
     // Scores are taken by the prior that the calibration began with.
     assert_eq!(pass.priors[0], bmv::random::Distribution::Uniform { lower: 0.2, upper: 1.4 });
     let jobs = ready(&pass);
@@ -87,7 +90,7 @@ fn other_rows_of_the_same_file_are_allowed() {
 
 #[test]
 fn data_behind_a_posterior_s_own_prior_count_too() {
-    let study = handed_on(&format!(r#"{} "jobs": {{"again": {{"calibrate": {{}}}}}}"#, held_out(r#""P1""#)));
+    let study = posterior_priors(&format!(r#"{} "jobs": {{"again": {{"calibrate": {{}}}}}}"#, held_out(r#""P1""#)));
     study.put(
         "pass-3.json",
         format!(
@@ -106,7 +109,7 @@ fn data_behind_a_posterior_s_own_prior_count_too() {
 fn a_parameter_that_is_not_calibrated_may_have_any_posterior() {
     // Nothing of the posterior enters: A alone is inferred.
     let extra = r#""jobs": {"again": {"calibrate": {"parameters": ["A"]}}}"#;
-    let study = handed_on(extra);
+    let study = posterior_priors(extra);
     study.edit("pass-2.json", r#"{"G""#, r#"{"A": {"prior": {"uniform": [0.03, 0.05]}, "because": "paint"}, "G""#);
     let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
     assert!(matches!(ready(&pass)[0].1, Readiness::Ready(_)));
@@ -115,7 +118,7 @@ fn a_parameter_that_is_not_calibrated_may_have_any_posterior() {
 #[test]
 fn posteriors_that_are_not_there() {
     let said = |from: &str, to: &str| {
-        let study = handed_on(r#""jobs": {"spread": {"propagate": {}}}"#);
+        let study = posterior_priors(r#""jobs": {"spread": {"propagate": {}}}"#);
         study.edit("pass-2.json", from, to);
         study.said("pass-2.json")
     };
@@ -139,7 +142,7 @@ fn posteriors_that_are_not_there() {
 
 #[test]
 fn posteriors_in_a_circle() {
-    let study = handed_on(r#""jobs": {"again": {"calibrate": {}}}"#);
+    let study = posterior_priors(r#""jobs": {"again": {"calibrate": {}}}"#);
     study.edit(
         "pass-1.json",
         r#"{"uniform": [0.2, 1.4]}"#,
@@ -155,7 +158,7 @@ fn files_of_draws() {
     study.edit("pass-1.json", r#"{"uniform": [0.2, 1.4]}"#, r#"{"draws": {"file": "data/draws.csv"}}"#);
     study.put("data/draws.csv", "draw,G [W/K]\n1,0.4\n2,0.5\n3,0.62\n");
     let pass = study.load();
-    assert_eq!(pass.handed_on[0].draws.draws, [[0.4], [0.5], [0.62]]);
+    assert_eq!(pass.posterior_priors[0].draws.draws, [[0.4], [0.5], [0.62]]);
     let jobs = ready(&pass);
     assert!(matches!(jobs[0].1, Readiness::Ready(_)), "draws of a file wait for nothing");
     for (text, part) in [
@@ -183,14 +186,15 @@ fn draws_are_no_prior_of_a_noise() {
 
 #[test]
 fn predictions_name_a_calibration() {
-    let said = |job: &str| handed_on(&format!(r#""jobs": {{"flight": {job}}}"#)).said("pass-2.json");
+    let said = |job: &str| posterior_priors(&format!(r#""jobs": {{"flight": {job}}}"#)).said("pass-2.json");
     let text = said(r#"{"predict": {}}"#);
     assert!(text.contains("`flight` does not say `from` which calibration, and the pass has 0"), "{text}");
     let text = said(r#"{"predict": {"from": "tuned"}}"#);
     assert!(text.contains("unknown calibration `tuned`"), "{text}");
     let text = said(r#"{"predict": {"from": {"pass": "pass-1.json", "job": "tuned"}, "with": {"discrepancy": "gp"}}}"#);
     assert!(text.contains("an object of names, each a number"), "{text}");
-    let study = handed_on(r#""jobs": {"flight": {"predict": {"from": {"pass": "pass-1.json", "job": "tuned"}}}}"#);
+    let study =
+        posterior_priors(r#""jobs": {"flight": {"predict": {"from": {"pass": "pass-1.json", "job": "tuned"}}}}"#);
     let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
     let Some(spec) = pass.jobs[0].spec.get::<bmv::job::predict::Prediction>() else { panic!("predict") };
     assert_eq!(spec.posterior.draws.parameters, [0]);
@@ -218,7 +222,8 @@ fn data_with_errors_of_their_own_are_behind_no_prior_twice() {
         "",
         r#""measurements": {"before": {"steady": {"file": "data/before.csv", "sensors": {"box": {"measures": "box", "sigma": 0.25}}}}},"#,
     ] {
-        let study = handed_on(&format!(r#"{} "jobs": {{"again": {{"calibrate": {{"data": ["balance"]}}}}}}"#, other));
+        let study =
+            posterior_priors(&format!(r#"{} "jobs": {{"again": {{"calibrate": {{"data": ["balance"]}}}}}}"#, other));
         study.put("data/before.csv", "phase,T_if [degC],Q [W],T_s [K],box [degC]\nP1,20,5,90,24.5\n");
         study.edit("data/balance.csv", "P1,20,5,24.5", "P1,20,x,24.5");
         let said = study.said("pass-2.json");

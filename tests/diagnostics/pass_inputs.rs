@@ -394,7 +394,7 @@ fn a_unit_in_which_the_values_would_lie_in_the_range_is_proposed_where_it_is_wri
     study.put("data/balance.csv", "phase,T_if [degC],Q [W],T_s [K],box [degC],panel [degC]\nP1,293,5,90,24.5,-20\nP2,273.15,5,90,5.5,\nP3,313,8,90,47,1\n");
     let said = study.said("pass-1.json");
     assert!(said.contains("most likely `K`, not `degC`"), "{said}");
-    // A constant is told at its unit.
+    // A constant is stated at its unit.
     let study = silent();
     study.edit("model.json", r#""nominal": 90"#, r#""nominal": 90, "range": [70, 110]"#);
     study.edit("pass-1.json", r#""held_out""#, r#""inputs": {"T_s": {"value": -183, "unit": "K"}}, "held_out""#);

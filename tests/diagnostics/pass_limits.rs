@@ -43,7 +43,7 @@ fn a_pass_that_several_build_upon_is_read_once() {
     let study = chain(24);
     let pass = load(&study.path("pass-24.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
     // Reached along 46,368 ways, and each one's readings stand behind the prior once.
-    let behind: Vec<usize> = pass.handed_on.iter().map(|own| own.behind.len()).collect();
+    let behind: Vec<usize> = pass.posterior_priors.iter().map(|own| own.behind.len()).collect();
     assert_eq!(behind, [23, 22]);
     let reader = Reader::new(bmv::job::kinds());
     let last = reader.load(&study.path("pass-24.json")).expect("loads");

@@ -1,4 +1,4 @@
-//! What the believed model cannot have: values of the wrong sign, nodes that nothing leads to.
+//! What the baseline model cannot have: values of the wrong sign, nodes that nothing leads to.
 
 use crate::diagnostics::pass_study::Study;
 

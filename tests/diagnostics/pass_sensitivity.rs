@@ -2,7 +2,7 @@
 
 use super::pass_study::Study;
 
-/// What a pass is told whose job `spread` has other settings.
+/// What a pass is stated whose job `spread` has other settings.
 fn said(job: &str) -> String {
     let study = Study::new();
     study.edit("pass-1.json", r#"{"propagate": {"samples": 1024}}"#, job);

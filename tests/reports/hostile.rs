@@ -9,7 +9,7 @@ use bmv::report::plot::{
     Stroke,
 };
 use bmv::report::plot::{bar_chart, heat_map, history, network, palette, residual_strips};
-use bmv::study::handed_on::HandedOnSummary;
+use bmv::study::posterior_prior::PosteriorPriorSummary;
 
 use super::calibration::calibrated;
 use super::diagnosis::diagnosed;
@@ -24,14 +24,14 @@ fn predicted() -> Sample {
     let mut sample = radiator();
     for job in &mut sample.results {
         if let Some(output) = job.output_of::<propagate::Kind>() {
-            let handed_on = HandedOnSummary {
+            let posterior_priors = PosteriorPriorSummary {
                 source: "`tuned` of `pass-1.json`".into(),
                 parameters: vec!["eps".into()],
                 draws: 1000,
                 effective: 800.0,
                 converged: false,
             };
-            let posterior = propagate::Output { handed_on: vec![handed_on], ..output.clone() };
+            let posterior = propagate::Output { posterior_priors: vec![posterior_priors], ..output.clone() };
             let output = predict::Output { converged: false, prior: output.clone(), posterior };
             job.output = kind::output::<predict::Kind>(output);
         }
@@ -89,8 +89,8 @@ fn poisoned(mut sample: Sample) -> Sample {
         });
         edit::<predict::Kind>(job, |output| {
             output.posterior.design_variable = Some(name());
-            output.posterior.handed_on[0].source = name();
-            output.posterior.handed_on[0].parameters = vec![name()];
+            output.posterior.posterior_priors[0].source = name();
+            output.posterior.posterior_priors[0].parameters = vec![name()];
             for case in output.posterior.cases.iter_mut().chain(&mut output.prior.cases) {
                 case.environment = name();
                 case.quantities.iter_mut().for_each(|q| q.name = name());

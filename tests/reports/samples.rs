@@ -41,7 +41,7 @@ impl Sample {
             reconstructed: self.reconstructed.clone(),
             model: &self.model,
             priors: self.priors.clone(),
-            handed_on: vec![],
+            posterior_priors: vec![],
             requirements: self.requirements.clone(),
             environments: self.environments.clone(),
             measurements: &self.measurements,
@@ -196,7 +196,7 @@ pub fn radiator() -> Sample {
             design_value: Some(0.3144),
             interval: Some([0.3131, 0.3158]),
         }],
-        handed_on: vec![],
+        posterior_priors: vec![],
         discrepancy: vec![],
         converged: None,
     };

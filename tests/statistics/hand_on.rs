@@ -159,8 +159,8 @@ fn data_one_after_the_other_are_all_data_at_once() {
     agrees(&whole, &mean_all, &covariance_all, 2000.0);
     // The prior is known from 1000 draws: their errors, which the second data only make smaller, and those of the chains.
     agrees(&second, &mean_all, &covariance_all, 1.0 / (1.0 / 1000.0 + 1.0 / 2000.0));
-    assert_eq!(second.handed_on.len(), 1);
-    assert_eq!((second.handed_on[0].draws, second.handed_on_fits[0].doubts.len()), (1000, 0));
+    assert_eq!(second.posterior_priors.len(), 1);
+    assert_eq!((second.posterior_priors[0].draws, second.posterior_prior_fits[0].doubts.len()), (1000, 0));
     // The evidence: to first order in the errors of the prior's mean (covariance C / 1000) and covariance (Wishart).
     let design = DMatrix::from_fn(SECOND.len(), 2, |row, column| if column == 0 { 1.0 } else { SECOND[row].0 });
     let marginal = &design * &covariance_1 * design.transpose() + DMatrix::identity(4, 4) * NOISE * NOISE;
@@ -197,7 +197,7 @@ fn a_propagation_keeps_the_draws_correlations() {
     // What is stated as error is that of a thousand draws, not of 4096 samples: nearly all of z is a and b.
     let stated = z.mean_standard_error / (variance / 1000.0).sqrt();
     assert!((0.8..1.2).contains(&stated), "{stated}");
-    assert_eq!((output.converged, output.handed_on[0].draws), (Some(true), 1000));
+    assert_eq!((output.converged, output.posterior_priors[0].draws), (Some(true), 1000));
 }
 
 #[test]

@@ -93,7 +93,7 @@ fn cooler_power_is_heat_out_less_heat_in_to_twelve_digits_at_any_state() {
                 let hot = if stage + 1 == stages { 300.0 } else { temperatures[stage + 1] };
                 voltage += COUPLES[stage] * (3.95e-4 * (hot - temperatures[stage]) + current * 0.185);
             }
-            let size = contribution.magnitude.iter().map(|&(_, id)| graph.evaluate(id, &lookup)).sum::<f64>();
+            let size = contribution.balance_scale.iter().map(|&(_, id)| graph.evaluate(id, &lookup)).sum::<f64>();
             assert!((net - voltage * current).abs() < 1e-12 * size, "{net} {}", voltage * current);
         }
     }

@@ -78,7 +78,7 @@ fn a_guess_far_away_leads_to_the_same_balance() {
     // The next steady solve holds nothing.
     assert!(matches!(
         network.solve_steady(&mut workspace, bmv::thermal::Start::Default),
-        Err(bmv::thermal::SteadyError::Island { .. })
+        Err(bmv::thermal::SteadyError::Isolated { .. })
     ));
 }
 

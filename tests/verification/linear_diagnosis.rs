@@ -224,7 +224,7 @@ fn what_predicts_the_same_is_not_told_apart() {
     assert!(output.effects[0].probability > 0.91);
 }
 
-/// Data sets of the believed model itself, parameter drawn from its prior, at a level of 0.1: the number found is within
+/// Data sets of the baseline model itself, parameter drawn from its prior, at a level of 0.1: the number found is within
 /// the 99.9 % range of a binomial of 300 with 0.1, 14 to 48.
 #[test]
 fn the_family_wise_level_is_kept() {
@@ -317,14 +317,14 @@ fn two_passes(folder: &Path, measured: &DVector<f64>) {
         )
     };
     let prior = r#"{"prior": {"posterior": {"pass": "pass-1.json", "job": "fit"}}, "because": "handed on"}"#;
-    let handed_on = format!(r#""P_A": {prior}, "P_B": {prior}"#);
+    let posterior_priors = format!(r#""P_A": {prior}, "P_B": {prior}"#);
     let diagnose = r#""missing": {"diagnose": {"effects": ["heat-load", "sensor-bias"]}}"#;
     for (name, text) in [
         ("model.json", model),
         ("first.csv", data(0..FIRST)),
         ("second.csv", data(FIRST..PHASES.len())),
         ("pass-1.json", pass("", "first", r#""fit": {"calibrate": {}}"#)),
-        ("pass-2.json", pass(&handed_on, "second", diagnose)),
+        ("pass-2.json", pass(&posterior_priors, "second", diagnose)),
     ] {
         std::fs::write(folder.join(name), text).expect("written");
     }
@@ -356,7 +356,7 @@ fn a_posterior_as_prior_gives_the_evidence_of_sequential_bayes() {
     assert_eq!(job.identity(), waiting.identity(), "known before the calibration ran");
     let output: bmv::diagnosis::Output =
         serde_json::from_value(serial::run(job.as_ref()).expect("a result")).expect("a diagnosis");
-    assert_eq!(output.handed_on[0].parameters, ["P_A", "P_B"]);
+    assert_eq!(output.posterior_priors[0].parameters, ["P_A", "P_B"]);
     assert!(output.warnings.is_empty() && output.converged.is_none(), "{:?}", output.warnings);
 
     let sample_mean = draws.iter().sum::<DVector<f64>>() / DRAWS as f64;

@@ -1,6 +1,5 @@
 //! Numerics against analytic results, published values and golden numbers.
 
-mod bent_diagnosis;
 pub mod build;
 mod comparison;
 mod derivatives;
@@ -18,6 +17,7 @@ mod monitor_calibration;
 mod monitor_campaign;
 pub mod network8_data;
 mod orbit;
+mod prior_edge;
 pub mod radiator;
 mod radiator_campaign;
 pub mod sensitivity;

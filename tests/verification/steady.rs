@@ -117,7 +117,7 @@ fn nodes_without_a_path_to_a_boundary_are_refused_by_name() {
     let network = Network::compile(&b.model, &[]).unwrap();
     let mut ws = network.workspace();
     let error = network.solve_steady(&mut ws, Start::Default).unwrap_err();
-    assert_eq!(error, SteadyError::Island { nodes: vec!["lost".into(), "alone".into()] });
+    assert_eq!(error, SteadyError::Isolated { nodes: vec!["lost".into(), "alone".into()] });
     assert!(error.to_string().contains("`lost`, `alone`"));
 }
 

@@ -49,7 +49,7 @@ fn two_nodes_without_a_boundary_meet_exponentially_and_keep_their_heat() {
     let g = b.n(0.8);
     b.conductor("link", [0, 1], g);
     let network = Network::compile(&b.model, &[]).unwrap();
-    assert!(network.island().is_some());
+    assert!(network.isolated_nodes().is_some());
     let outputs: Vec<f64> = (1..=30).map(|i| 10.0 * f64::from(i)).collect();
     let result = run(&network, &[350.0, 250.0], &outputs, TransientOptions::default());
     let mean = (100.0 * 350.0 + 50.0 * 250.0) / 150.0;

@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::diagnosis::fits::exchange::exchanges;
 use crate::diagnosis::fits::refit::Begin;
-use crate::diagnosis::noise::estimate::{SettledNoise, settle};
-use crate::diagnosis::odds::posterior_odds::weigh;
+use crate::diagnosis::noise::estimate::{EstimatedNoise, fix};
+use crate::diagnosis::odds::posterior_odds::posterior_odds;
 use crate::diagnosis::screening::screen::{Lead, Screening};
 use crate::diagnosis::{Problem, Refit, Settings};
 use crate::effect::Effect;
@@ -29,12 +29,12 @@ const EXCHANGES: usize = 4;
 /// Single effects that are fitted where no test finds anything.
 const SINGLES_OF_NOTHING: usize = 10;
 /// Single effects that are fitted beside those where the screening of a bent model says so.
-const SINGLES_UNBENT: usize = 12;
+const SINGLES_AT_PRIOR_MEDIANS: usize = 12;
 /// A parameter this near the ends of its prior, as a probability, bends the model.
-const BENT: f64 = 0.02;
-/// Starts of the believed model.
+const PRIOR_EDGE: f64 = 0.02;
+/// Starts of the baseline model.
 const STARTS: usize = 8;
-/// A transient of a hypothesis may take this many times the steps of the believed model.
+/// A transient of a hypothesis may take this many times the steps of the baseline model.
 pub(crate) const TIMES_THE_STEPS: u64 = 50;
 /// And so many in any case: they cost nothing.
 const LEAST_OF_MOST_STEPS: u64 = 2000;
@@ -60,13 +60,13 @@ pub struct Order {
 
 /// The noise of a sensor as it was settled.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SettledSensor {
+pub struct SensorNoise {
     /// Position of the measurement.
     pub measurement: usize,
     /// Position of the sensor.
     pub sensor: usize,
     /// Its noise.
-    pub noise: SettledNoise,
+    pub noise: EstimatedNoise,
 }
 
 /// What a set of effects leaves.
@@ -83,17 +83,17 @@ pub struct Remainder {
 pub struct State {
     /// Rounds of fits that were finished.
     pub rounds: u32,
-    /// How often it was gone on from another set than the best.
+    /// How often another set than the best was extended.
     #[serde(default)]
     pub aside: u32,
     /// Noise that was estimated.
-    pub noise: Vec<SettledSensor>,
+    pub noise: Vec<SensorNoise>,
     /// Attempted steps after which a hypothesis's transient is given up, by measurement; empty without transients.
     #[serde(default)]
     pub most_steps: Vec<u64>,
-    /// What screening of the believed model found.
+    /// What screening of the baseline model found.
     pub screening: Screening,
-    /// Fits; the first is the believed model's.
+    /// Fits; the first is the baseline model's.
     pub refits: Vec<Refit>,
     /// Sets to be fitted.
     pub pending: Vec<Order>,
@@ -134,7 +134,7 @@ impl State {
     }
 
     /// Whether what a set leaves was tested and went into orders.
-    pub(crate) fn is_gone_on_from(&self, place: usize) -> bool {
+    pub(crate) fn was_extended(&self, place: usize) -> bool {
         self.remainders.iter().any(|remainder| remainder.effects == self.refits[place].effects)
     }
 
@@ -203,27 +203,27 @@ impl Diagnosis {
     }
 
     /// The problem with the estimated noise as if it were known, and bounds on the steps of transients.
-    pub(crate) fn settled(&self, noise: &[SettledSensor], most_steps: &[u64]) -> Problem {
+    pub(crate) fn with_noise(&self, noise: &[SensorNoise], most_steps: &[u64]) -> Problem {
         let mut problem = Problem { most_steps: most_steps.to_vec(), ..self.problem.clone() };
         for one in noise {
-            settle(&mut problem.measurements[one.measurement], one.sensor, &one.noise);
+            fix(&mut problem.measurements[one.measurement], one.sensor, &one.noise);
         }
         problem
     }
 
-    /// Fits the believed model, settles the noise and screens all effects and pairs.
+    /// Fits the baseline model, estimates the noise and screens all effects and pairs.
     ///
     /// # Errors
-    /// Why the believed model cannot be fitted.
+    /// Why the baseline model cannot be fitted.
     pub fn screen(&self) -> Result<State, FitError> {
         let begin = Begin { starts: Vec::new(), from_prior: STARTS, scale: 1.0 };
         let declared = self.problem.refit(&[], &begin, &self.key)?;
         let most_steps = self.most_steps(&declared)?;
-        let noise = self.settle_noise(&self.settled(&[], &most_steps), &declared, true)?;
+        let noise = self.estimate_noise(&self.with_noise(&[], &most_steps), &declared, true)?;
         self.screen_with(&declared, noise, most_steps)
     }
 
-    /// Attempted steps after which a transient is given up: many times those of the believed model at its fit. In a wrong
+    /// Attempted steps after which a transient is given up: many times those of the baseline model at its fit. In a wrong
     /// hypothesis an integrator may crawl, and what it would find there counts for nothing.
     fn most_steps(&self, fitted: &Refit) -> Result<Vec<u64>, FitError> {
         if !self.problem.measurements.iter().any(|own| matches!(own.rows, Rows::Transient { .. })) {
@@ -235,9 +235,9 @@ impl Diagnosis {
         Ok(steps.into_iter().map(|steps| steps.saturating_mul(TIMES_THE_STEPS).max(LEAST_OF_MOST_STEPS)).collect())
     }
 
-    /// Fits the believed model, from another fit of it, with settled noise, and screens all effects and pairs.
-    fn screen_with(&self, fitted: &Refit, noise: Vec<SettledSensor>, most_steps: Vec<u64>) -> Result<State, FitError> {
-        let problem = self.settled(&noise, &most_steps);
+    /// Fits the baseline model, from another fit of it, with estimated noise, and screens all effects and pairs.
+    fn screen_with(&self, fitted: &Refit, noise: Vec<SensorNoise>, most_steps: Vec<u64>) -> Result<State, FitError> {
+        let problem = self.with_noise(&noise, &most_steps);
         let mut believed = fitted.clone();
         if !noise.is_empty() {
             let begin = Begin { starts: vec![believed.by_name()], from_prior: 2, scale: 1.0 };
@@ -271,8 +271,8 @@ impl Diagnosis {
                 }
                 Err(why) => state.warn(why),
             }
-            match self.leads_unbent(&problem, &state.refits[0]) {
-                Ok(leads) => leads.iter().take(SINGLES_UNBENT).for_each(|lead| state.order(&[lead], &[], 0)),
+            match self.leads_at_prior_medians(&problem, &state.refits[0]) {
+                Ok(leads) => leads.iter().take(SINGLES_AT_PRIOR_MEDIANS).for_each(|lead| state.order(&[lead], &[], 0)),
                 // The model may have no solution there.
                 Err(why) => state.warn(why),
             }
@@ -287,22 +287,22 @@ impl Diagnosis {
 
     /// What stands out where the parameters are as they were believed beforehand, if the fit bends them far from there: about
     /// a fit that a strong effect has bent, its linearisation may not look like it any more. The starts hold the parameters.
-    pub(crate) fn leads_unbent(&self, problem: &Problem, believed: &Refit) -> Result<Vec<Lead>, FitError> {
+    pub(crate) fn leads_at_prior_medians(&self, problem: &Problem, believed: &Refit) -> Result<Vec<Lead>, FitError> {
         let likelihood = self.likelihood(problem)?;
-        let mut unbent = believed.clone();
+        let mut at_medians = believed.clone();
         let mut bent = false;
-        // Of the model as it is believed: effects that were added stay as they were fitted.
+        // Of the baseline model: effects that were added stay as they were fitted.
         let model = self.problem.parameters.len();
-        for (value, prior) in unbent.unknowns.iter_mut().zip(likelihood.priors()).take(model) {
-            bent |= *value <= prior.quantile(BENT) || *value >= prior.quantile(1.0 - BENT);
+        for (value, prior) in at_medians.unknowns.iter_mut().zip(likelihood.priors()).take(model) {
+            bent |= *value <= prior.quantile(PRIOR_EDGE) || *value >= prior.quantile(1.0 - PRIOR_EDGE);
             *value = prior.quantile(0.5);
         }
         if !bent {
             return Ok(Vec::new());
         }
-        let mut leads = self.screen_problem(problem, &unbent, false)?.leads;
+        let mut leads = self.screen_problem(problem, &at_medians, false)?.leads;
         for start in leads.iter_mut().flat_map(|lead| &mut lead.starts) {
-            let own = std::mem::replace(start, unbent.by_name());
+            let own = std::mem::replace(start, at_medians.by_name());
             start.extend(own);
         }
         Ok(leads)
@@ -323,14 +323,14 @@ impl Diagnosis {
     /// # Errors
     /// Why it cannot be fitted.
     pub fn refit(&self, state: &State, order: &Order) -> Result<Refit, Unfitted> {
-        let problem = self.settled(&state.noise, &state.most_steps);
+        let problem = self.with_noise(&state.noise, &state.most_steps);
         let base = state.refits.get(order.from).map(Refit::by_name).unwrap_or_default();
         let starts = order.starts.iter().map(|own| {
             let mut start = base.clone();
             start.extend(own.iter().map(|(name, value)| (name.clone(), *value)));
             start
         });
-        // Where something is missing, the believed model may be bent far from where its parameters are with the effect.
+        // Where something is missing, the baseline model may be bent far from where its parameters are with the effect.
         let from_prior = usize::from(self.finds(&state.screening));
         let begin = Begin { starts: starts.collect(), from_prior, scale: 1.0 };
         problem.refit(&order.effects, &begin, &self.key).map_err(|error| {
@@ -344,10 +344,10 @@ impl Diagnosis {
         effect.is_some_and(Effect::is_unknown_function)
     }
 
-    /// Settles the noise anew beside the best fitted effect or pair; before, it was settled beside a linearised one. Where it
+    /// Estimates the noise anew beside the best fitted effect or pair; before, it was estimated beside a linearised one. Where it
     /// changes, everything is screened and fitted again. `None` where it stays.
-    pub(crate) fn settle_again(&self, state: &State) -> Result<Option<State>, FitError> {
-        let weights = weigh(&self.problem, &state.refits, None);
+    pub(crate) fn estimate_noise_again(&self, state: &State) -> Result<Option<State>, FitError> {
+        let weights = posterior_odds(&self.problem, &state.refits, None);
         // An unknown function, or a third effect, could take noise for physics.
         let plain = |place: &usize| {
             let effects = &state.refits[*place].effects;
@@ -357,9 +357,9 @@ impl Diagnosis {
         let best = (0..state.refits.len()).filter(plain).reduce(better);
         let (false, Some(best)) = (state.noise.is_empty(), best) else { return Ok(None) };
         let best = &state.refits[best];
-        let bounded = self.settled(&[], &state.most_steps);
+        let bounded = self.with_noise(&[], &state.most_steps);
         let with = bounded.with(best)?;
-        let noise = self.settle_noise(&with, best, false)?;
+        let noise = self.estimate_noise(&with, best, false)?;
         let changed = noise.iter().zip(&state.noise).any(|(new, old)| new.noise.differs(&old.noise));
         if !changed {
             return Ok(None);

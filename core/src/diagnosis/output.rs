@@ -25,7 +25,7 @@ pub enum Verdict {
 
 impl Verdict {
     /// Whether it names one set to adopt: what the diagnosis proposes and what `bmv adopt` takes unasked.
-    pub fn settles(self) -> bool {
+    pub fn names_one_set(self) -> bool {
         self == Self::Identified
     }
 
@@ -104,7 +104,7 @@ pub struct Amount {
 
 /// Heat that an effect gives a node.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Carried {
+pub struct EffectHeat {
     /// The node.
     pub node: String,
     /// The measurement.
@@ -157,7 +157,7 @@ pub struct EffectResult {
     pub prior_width: f64,
     /// Heat that it gives each node, by phase or stretch of time; empty for effects that are less probable than 0.001.
     #[serde(default)]
-    pub carries: Vec<Carried>,
+    pub carries: Vec<EffectHeat>,
     /// What it is confused with, from its file.
     pub confused_with: Vec<String>,
     /// What would tell it apart, from its file.
@@ -363,7 +363,7 @@ pub struct Output {
     pub looked_at: [u64; 3],
     /// Posteriors that are priors.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub handed_on: Vec<PriorOfDraws>,
+    pub posterior_priors: Vec<PriorOfDraws>,
     /// That chains behind a prior did not converge; `None` where none did so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub converged: Option<bool>,
@@ -375,7 +375,7 @@ pub struct Output {
     pub warnings: Vec<String>,
 }
 
-/// Doubts that are told in full.
+/// Doubts that are stated in full.
 const MOST_DOUBTS: usize = 3;
 
 impl Output {

@@ -13,10 +13,10 @@ use crate::thermal::{Model, Parameter};
 /// Name of the parameter that acts on nothing; no study can write it.
 const IDLE: &str = "nothing:inferred";
 
-/// A believed model, its measurements, and the effects that it may be missing.
+/// A baseline model, its measurements, and the effects that it may be missing.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// The believed model.
+    /// The baseline model.
     pub model: Arc<Model>,
     /// Priors of its parameters, SI, in the model's order.
     pub priors: Vec<Distribution>,

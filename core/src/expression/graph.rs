@@ -587,7 +587,7 @@ impl Graph {
     /// Functions within `allowed` at whose sign changes a root has a corner or a jump: the arguments of magnitudes and
     /// steps, the differences of what minima, maxima and comparisons compare. In order of their ids, each once;
     /// ramps and tables are left out.
-    pub fn kinks(&mut self, roots: &[ExprId], allowed: Dependence) -> Vec<ExprId> {
+    pub fn discontinuities(&mut self, roots: &[ExprId], allowed: Dependence) -> Vec<ExprId> {
         let mut found = Vec::new();
         for id in self.below(roots) {
             let switching = match self.term(id) {
@@ -607,8 +607,8 @@ impl Graph {
     }
 
     /// Tables read at a function of inputs and time, with that function: at each of its points a table has a corner.
-    /// `allowed` as for [`Graph::kinks`].
-    pub fn table_kinks(&self, roots: &[ExprId], allowed: Dependence) -> Vec<(u32, ExprId)> {
+    /// `allowed` as for [`Graph::discontinuities`].
+    pub fn table_discontinuities(&self, roots: &[ExprId], allowed: Dependence) -> Vec<(u32, ExprId)> {
         let mut found = Vec::new();
         for id in self.below(roots) {
             if let Term::Interpolate(table, at) = self.term(id)
@@ -787,7 +787,7 @@ mod tests {
     }
 
     #[test]
-    fn kinks_are_the_functions_of_time_that_switch() {
+    fn discontinuities_are_the_functions_of_time_that_switch() {
         let mut graph = Graph::new();
         let time = graph.symbol(Symbol::Time);
         let cosine = graph.unary(Unary::Cos, time);
@@ -797,6 +797,6 @@ mod tests {
         let own = graph.unary(Unary::Abs, node);
         let root = graph.add(lit, own);
         let given = Dependence::PARAMETER.union(Dependence::INPUT).union(Dependence::TIME);
-        assert_eq!(graph.kinks(&[root], given), [cosine]);
+        assert_eq!(graph.discontinuities(&[root], given), [cosine]);
     }
 }

@@ -1,4 +1,4 @@
-//! What is inferred of the data beside the model's parameters: its names, and measurements with such values settled.
+//! What is inferred of the data beside the model's parameters: its names, and measurements with such values put in.
 
 use super::measurement::{Initial, Measurement, Rows, Uncertain};
 use crate::random::Distribution;
@@ -98,13 +98,13 @@ pub const ALL: &str = "all";
 
 /// A measurement in which everything inferred that `find` knows by its name has that value, and inputs are shifted by
 /// their constant errors; `inputs` and `nodes` are the model's names.
-pub fn settled(
+pub fn with_unknowns(
     measurement: &Measurement,
     inputs: &[String],
     nodes: &[String],
     find: &dyn Fn(&str) -> Option<f64>,
 ) -> Measurement {
-    let mut settled = measurement.clone();
+    let mut fixed = measurement.clone();
     let set = |value: &mut Uncertain, name: String| {
         if value.prior().is_some()
             && let Some(found) = find(&name)
@@ -112,7 +112,7 @@ pub fn settled(
             *value = Uncertain::Known(found);
         }
     };
-    for sensor in &mut settled.sensors {
+    for sensor in &mut fixed.sensors {
         let own = [
             (&mut sensor.sigma, "sigma"),
             (&mut sensor.white, "white"),
@@ -127,7 +127,7 @@ pub fn settled(
         }
     }
     let shifts: Vec<f64> = inputs.iter().map(|input| find(&bias_name(input)).unwrap_or(0.0)).collect();
-    match &mut settled.rows {
+    match &mut fixed.rows {
         Rows::Steady(phases) => {
             for phase in phases {
                 for (value, shift) in phase.inputs.iter_mut().zip(&shifts) {
@@ -145,7 +145,7 @@ pub fn settled(
             }
         }
     }
-    settled
+    fixed
 }
 
 /// A table of inputs with constants added to each input.

@@ -133,7 +133,7 @@ impl Network {
     /// Solves every lane. A lane that fails leaves its reason in [`Batch::outcome`]; the others are not affected.
     pub fn solve_steady_batch<const N: usize>(&self, batch: &mut Batch<N>, start: Start<'_>) {
         let equations = &self.steady;
-        if self.island().is_some() || !batch.linear.is_dense() {
+        if self.isolated_nodes().is_some() || !batch.linear.is_dense() {
             for lane in 0..N {
                 self.solve_alone(batch, lane, start);
             }

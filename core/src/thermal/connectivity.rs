@@ -4,12 +4,12 @@ use super::model::{Model, NodeKind};
 
 /// Names of the nodes of the first group that has no path (conductors, radiations, flows, coolers) to a boundary and
 /// no heat of its own that depends on a temperature; `None` when every node has one.
-pub(super) fn island(model: &Model) -> Option<Vec<String>> {
-    island_beside(model, &[])
+pub(super) fn isolated_nodes(model: &Model) -> Option<Vec<String>> {
+    isolated_nodes_beside(model, &[])
 }
 
 /// The same where some nodes are held at their temperatures, by node; those beyond the end of the list are not.
-pub fn island_beside(model: &Model, held: &[bool]) -> Option<Vec<String>> {
+pub fn isolated_nodes_beside(model: &Model, held: &[bool]) -> Option<Vec<String>> {
     let mut group: Vec<usize> = (0..model.nodes.len()).collect();
     let is_held = |node: usize| held.get(node).copied().unwrap_or(false);
     let mut anchored: Vec<bool> = (model.nodes.iter().enumerate())

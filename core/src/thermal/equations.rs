@@ -26,7 +26,7 @@ pub(super) mod segment {
     /// Balance of each unknown node, W.
     pub const RESIDUAL: usize = 4;
     /// Sizes of the balances' terms, W; after the residual.
-    pub const MAGNITUDE: usize = 5;
+    pub const BALANCE_SCALE: usize = 5;
     /// Slopes of the balances in the unknown temperatures, W/K; after the residual.
     pub const JACOBIAN: usize = 6;
     /// Heat capacities, J/K.
@@ -49,9 +49,9 @@ pub(super) mod segment {
     pub const BALANCE: usize = 15;
     /// Slopes of the boundary temperatures in the differentiated symbols.
     pub const BOUNDARY_TANGENT: usize = 16;
-    /// Kinks: functions of inputs and time at whose sign changes an expression has a corner or a jump, then those at
+    /// Discontinuities: functions of inputs and time at whose sign changes an expression has a corner or a jump, then those at
     /// which tables are read.
-    pub const KINK: usize = 17;
+    pub const DISCONTINUITY: usize = 17;
 }
 
 /// One number of a sparse matrix, by the register that holds it.
@@ -88,7 +88,7 @@ pub(super) struct Equations {
     /// Values that have a sign, with their element's name; those that follow from parameters, inputs and time.
     pub laws: Vec<(String, Law, Register)>,
     pub residual: Vec<Register>,
-    pub magnitude: Vec<Register>,
+    pub balance_scale: Vec<Register>,
     /// Slopes of the balances, by row then column, each position once.
     pub jacobian: Vec<Entry>,
     /// Capacity of each unknown; `None` for arithmetic nodes.
@@ -115,9 +115,9 @@ pub(super) struct Equations {
     pub into_boundary: Vec<(usize, Register)>,
     /// Rows are positions in `boundaries`.
     pub boundary_tangent: Vec<Entry>,
-    pub kinks: Vec<Register>,
+    pub discontinuities: Vec<Register>,
     /// Tables read at functions of inputs and time: the points at which each has corners, and where it is read.
-    pub table_kinks: Vec<(Vec<f64>, Register)>,
+    pub table_discontinuities: Vec<(Vec<f64>, Register)>,
     pub heats: Vec<NamedHeats>,
 }
 
@@ -215,7 +215,7 @@ impl Equations {
         let mut finder = SymbolFinder::default();
         let zero = graph.number(0.0);
         let mut residual = vec![zero; unknowns.len()];
-        let mut magnitude = vec![zero; unknowns.len()];
+        let mut balance_scale = vec![zero; unknowns.len()];
         let mut jacobian = Accumulator::default();
         let mut residual_tangent = Accumulator::default();
         let mut into_boundary: Vec<(usize, ExprId)> = Vec::new();
@@ -241,9 +241,9 @@ impl Equations {
                     }
                 }
             }
-            for &(node, size) in &contribution.magnitude {
+            for &(node, size) in &contribution.balance_scale {
                 if let Some(row) = unknown_of[node] {
-                    magnitude[row] = graph.add(magnitude[row], size);
+                    balance_scale[row] = graph.add(balance_scale[row], size);
                 }
             }
             let passes_on = match contribution.heat[..] {
@@ -315,8 +315,8 @@ impl Equations {
         let (_, boundary_tangent) = slopes(&mut graph, &boundary);
         let balances: Vec<ExprId> = residual.iter().copied().chain(capacity.iter().copied().flatten()).collect();
         let given = Dependence::PARAMETER.union(Dependence::INPUT).union(Dependence::TIME);
-        let kinks = graph.kinks(&balances, given);
-        let table_kinks = graph.table_kinks(&balances, given);
+        let discontinuities = graph.discontinuities(&balances, given);
+        let table_discontinuities = graph.table_discontinuities(&balances, given);
 
         let bands: Vec<(String, ExprId)> = (model.elements.iter().zip(&forms.contributions))
             .filter_map(|(element, contribution)| Some((element.name.clone(), contribution.band?)))
@@ -341,7 +341,7 @@ impl Equations {
                 .chain(laws.iter().map(|(_, law)| law.value))
                 .collect(),
             residual,
-            magnitude,
+            balance_scale,
             ids(&jacobian),
             some(&capacity),
             some(&capacity_slope),
@@ -353,7 +353,7 @@ impl Equations {
             join(ids(&switch_temperature), ids(&switch_symbol)),
             sources.iter().map(|s| s.1).chain(into_boundary.iter().map(|b| b.1)).collect(),
             ids(&boundary_tangent),
-            kinks.iter().copied().chain(table_kinks.iter().map(|&(_, at)| at)).collect(),
+            discontinuities.iter().copied().chain(table_discontinuities.iter().map(|&(_, at)| at)).collect(),
         ];
         let roots: Vec<ExprId> = outputs.iter().flatten().copied().collect();
         if let Some(&bad) = roots.iter().find(|&&id| graph.dependence(id).intersects(Dependence::LOCAL)) {
@@ -426,7 +426,7 @@ impl Equations {
                 .map(|((name, law), &register)| (name, law, register))
                 .collect(),
             residual: program.outputs(segment::RESIDUAL).to_vec(),
-            magnitude: program.outputs(segment::MAGNITUDE).to_vec(),
+            balance_scale: program.outputs(segment::BALANCE_SCALE).to_vec(),
             jacobian: entries(segment::JACOBIAN, 0, &jacobian),
             capacity: optional(segment::CAPACITY, &capacity),
             capacity_varies: capacity_slope.iter().any(Option::is_some),
@@ -442,10 +442,10 @@ impl Equations {
             sources: sources.iter().map(|s| s.0).zip(balance.iter().copied()).collect(),
             into_boundary: into_boundary.iter().map(|b| b.0).zip(balance[sources.len()..].iter().copied()).collect(),
             boundary_tangent: entries(segment::BOUNDARY_TANGENT, 0, &boundary_tangent),
-            kinks: program.outputs(segment::KINK)[..kinks.len()].to_vec(),
-            table_kinks: table_kinks
+            discontinuities: program.outputs(segment::DISCONTINUITY)[..discontinuities.len()].to_vec(),
+            table_discontinuities: table_discontinuities
                 .iter()
-                .zip(&program.outputs(segment::KINK)[kinks.len()..])
+                .zip(&program.outputs(segment::DISCONTINUITY)[discontinuities.len()..])
                 .map(|(&(table, _), &at)| (graph.tables()[table as usize].x.clone(), at))
                 .collect(),
             heats,
@@ -531,7 +531,7 @@ fn expressions(model: &Model, graph: &mut Graph, switched: bool) -> Result<Forms
                 steady_duties.insert(steady, present);
             }
         }
-        for &(node, _) in contribution.heat.iter().chain(&contribution.magnitude) {
+        for &(node, _) in contribution.heat.iter().chain(&contribution.balance_scale) {
             if node >= model.nodes.len() {
                 return Err(NetworkError::UnknownNode {
                     element: element.name.clone(),
@@ -558,7 +558,7 @@ fn expressions(model: &Model, graph: &mut Graph, switched: bool) -> Result<Forms
     roots.extend(capacities.iter().flatten());
     roots.extend(switches.iter().flat_map(|s| [s.on, s.off]));
     for contribution in &contributions {
-        roots.extend(contribution.heat.iter().chain(&contribution.magnitude).map(|&(_, id)| id));
+        roots.extend(contribution.heat.iter().chain(&contribution.balance_scale).map(|&(_, id)| id));
     }
     let renewed = graph.substitute(&roots, &replacements);
     let mut next = renewed[quantity_count..].iter().copied();
@@ -575,7 +575,7 @@ fn expressions(model: &Model, graph: &mut Graph, switched: bool) -> Result<Forms
     }
     for contribution in &mut contributions {
         contribution.heat.iter_mut().for_each(|(_, id)| renew(id));
-        contribution.magnitude.iter_mut().for_each(|(_, id)| renew(id));
+        contribution.balance_scale.iter_mut().for_each(|(_, id)| renew(id));
     }
     Ok(Forms { contributions, switches, mode_names, capacities, quantities: renewed[..quantity_count].to_vec() })
 }

@@ -20,7 +20,7 @@ pub mod transient;
 
 pub use balance::{HeatBalance, NodeHeat};
 pub use batch::{Batch, LANES, SampleBatch};
-pub use connectivity::island_beside;
+pub use connectivity::isolated_nodes_beside;
 pub use model::{Input, Limits, Model, Node, NodeKind, Parameter, Quantity, QuantityValue};
 pub use network::{Network, NetworkError, Workspace};
 pub use newton::SteadyStats;

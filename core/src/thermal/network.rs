@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::expression::{Lanes, Symbol};
 
-use super::connectivity::island;
+use super::connectivity::isolated_nodes;
 use super::equations::{Equations, segment};
 use super::linear::Linear;
 use super::model::{Model, QuantityValue};
@@ -85,7 +85,7 @@ pub struct Network {
     pub(super) nominal_inputs: Vec<f64>,
     pub(super) quantities: Vec<QuantityValue>,
     pub(super) differentiate: Vec<Symbol>,
-    island: Option<Vec<String>>,
+    isolated_nodes: Option<Vec<String>>,
 }
 
 /// Room for a solution: registers, vectors and factors, made once and used for many solves.
@@ -132,7 +132,7 @@ impl Network {
         let linear = Linear::new(&steady)?;
         let switched_linear = switched.as_ref().map(Linear::new).transpose()?;
         Ok(Self {
-            island: island(model),
+            isolated_nodes: isolated_nodes(model),
             linear,
             switched_linear,
             steady,
@@ -146,8 +146,8 @@ impl Network {
     }
 
     /// Names of nodes without a path to a boundary: such a network has no steady state (a transient has a solution).
-    pub fn island(&self) -> Option<&[String]> {
-        self.island.as_deref()
+    pub fn isolated_nodes(&self) -> Option<&[String]> {
+        self.isolated_nodes.as_deref()
     }
 
     /// Number of nodes, boundaries included.

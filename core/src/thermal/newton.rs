@@ -87,10 +87,10 @@ fn closes_with<V: Lanes>(
         return false;
     }
     if !*sizes_ready {
-        equations.program.run(segment::MAGNITUDE, file);
+        equations.program.run(segment::BALANCE_SCALE, file);
         *sizes_ready = true;
     }
-    equations.residual.iter().zip(&equations.magnitude).enumerate().all(|(row, (residual, size))| {
+    equations.residual.iter().zip(&equations.balance_scale).enumerate().all(|(row, (residual, size))| {
         let size = file[size.index()].lane(lane);
         is_held(held, row) || file[residual.index()].lane(lane).abs() <= CLOSURE_W + CLOSURE_RELATIVE * size
     })

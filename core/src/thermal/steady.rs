@@ -30,7 +30,7 @@ pub enum Start<'a> {
 pub enum SteadyError {
     /// Nodes without a path to a boundary.
     #[error("no path to a boundary from {}: their steady temperatures are undetermined", quoted(nodes))]
-    Island {
+    Isolated {
         /// The nodes' names.
         nodes: Vec<String>,
     },
@@ -106,8 +106,8 @@ impl Network {
     /// # Errors
     /// [`SteadyError`] names the node or element that is at fault.
     pub fn solve_steady(&self, workspace: &mut Workspace, start: Start<'_>) -> Result<SteadyStats, SteadyError> {
-        if let Some(nodes) = self.island() {
-            return Err(SteadyError::Island { nodes: nodes.to_vec() });
+        if let Some(nodes) = self.isolated_nodes() {
+            return Err(SteadyError::Isolated { nodes: nodes.to_vec() });
         }
         workspace.held.clear();
         self.solve_from(workspace, start)

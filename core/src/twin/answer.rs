@@ -11,7 +11,7 @@ use crate::expression::Unit;
 /// A set of effects with its stated probability.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StatedModel {
-    /// Ids of its effects; none for the believed model.
+    /// Ids of its effects; none for the baseline model.
     pub effects: Vec<String>,
     /// The probability.
     pub probability: f64,

@@ -1,4 +1,4 @@
-//! Cases of the laboratory: a believed model, a test of a truth that differs from it, and the truth.
+//! Cases of the laboratory: a baseline model, a test of a truth that differs from it, and the truth.
 
 use std::sync::Arc;
 
@@ -39,9 +39,9 @@ pub struct Case {
     pub topology: Topology,
     /// Kind of test.
     pub test: TestKind,
-    /// The believed network.
+    /// The baseline network.
     pub specification: NetworkSpecification,
-    /// The believed model with the test's readings.
+    /// The baseline model with the test's readings.
     pub problem: Problem,
     /// What is true.
     pub truth: Truth,
@@ -115,7 +115,7 @@ pub fn read(problem: &mut Problem, clean: &[Vec<f64>], truth: &Truth, key: &Stre
     }
 }
 
-/// The believed model of a specification with a test without readings, and all candidates.
+/// The baseline model of a specification with a test without readings, and all candidates.
 fn believed(
     catalogue: &Arc<Catalogue>,
     specification: &NetworkSpecification,

@@ -1,4 +1,4 @@
-//! Hiding physics in a model: a truth is drawn, sized so that it leaves what was asked for when the believed model is
+//! Hiding physics in a model: a truth is drawn, sized so that it leaves what was asked for when the baseline model is
 //! refitted, and simulated.
 
 use serde::{Deserialize, Serialize};
@@ -32,7 +32,7 @@ pub enum InjectError {
         size: f64,
     },
     /// A fit that fails.
-    #[error("the refit of the believed model failed: {0}")]
+    #[error("the refit of the baseline model failed: {0}")]
     Fit(String),
 }
 
@@ -68,7 +68,7 @@ pub struct Hidden {
     pub truth: Truth,
     /// Readings without noise: by measurement, `rows x sensors`, SI.
     pub clean: Vec<Vec<f64>>,
-    /// The believed model refitted to them, its noise known.
+    /// The baseline model refitted to them, its noise known.
     pub refit: Refit,
 }
 
@@ -88,7 +88,7 @@ const TRIES: usize = 40;
 const LEAST_SWAP: f64 = 0.3;
 
 /// The problem with the noise known at its nominal values: what sizes are measured with.
-pub fn told(problem: &Problem) -> Problem {
+pub fn with_stated_noise(problem: &Problem) -> Problem {
     let mut told = problem.clone();
     for sensor in told.measurements.iter_mut().flat_map(|measurement| &mut measurement.sensors) {
         for value in [&mut sensor.sigma, &mut sensor.white, &mut sensor.correlation_time_s].into_iter().flatten() {
@@ -103,7 +103,7 @@ pub fn told(problem: &Problem) -> Problem {
 /// # Errors
 /// [`InjectError`], of the last try where several places were tried.
 pub fn inject(problem: &Problem, request: &InjectionRequest, draw: &mut Draw) -> Result<Hidden, InjectError> {
-    let problem = told(problem);
+    let problem = with_stated_noise(problem);
     let mut last = InjectError::NoPlace;
     for _ in 0..TRIES {
         match attempt(&problem, request, draw) {
@@ -191,7 +191,7 @@ fn attempt(problem: &Problem, request: &InjectionRequest, draw: &mut Draw) -> Re
     Ok(Hidden { truth, clean, refit })
 }
 
-/// Values of the believed model's parameters: chosen ones from their priors, others as they are.
+/// Values of the baseline model's parameters: chosen ones from their priors, others as they are.
 fn own_parameters(problem: &Problem, draw: &mut Draw) -> Vec<f64> {
     (problem.model.parameters.iter().enumerate())
         .map(|(index, parameter)| match problem.priors.get(index) {
@@ -260,7 +260,7 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// Readings without noise, and the believed model's refit to them: from the unknowns of a fit before where there is
+    /// Readings without noise, and the baseline model's refit to them: from the unknowns of a fit before where there is
     /// one, else from the truth and the priors' medians.
     fn measure(&self, sizes: Sizes, chosen: &[Chosen], before: Option<&[f64]>) -> Result<Measured, InjectError> {
         let effects: Vec<usize> = chosen.iter().map(|effect| effect.candidate).collect();

@@ -1,4 +1,4 @@
-//! The believed model, or one with effects, fitted to readings that are given.
+//! The baseline model, or one with effects, fitted to readings that are given.
 
 use crate::diagnosis::{FitError, Hypothesis, Problem};
 use crate::inference::likelihood::{Definition, Likelihood};

@@ -1,15 +1,15 @@
 //! Rivals of a truth: candidates whose refitted predictions come near the true ones.
 //!
-//! With `r` what the believed model leaves of the noise-free readings (whitened), `g` a candidate's column and
+//! With `r` what the baseline model leaves of the noise-free readings (whitened), `g` a candidate's column and
 //! `g~ = (I - P_J) g` what the model's own free parameters cannot do: the cosine is `r . g~ / (|r| |g~|)`, and a candidate
 //! refitted leaves `|r|^2 (1 - cos^2)` to first order. The nearest by that are refitted in full. A candidate with more
-//! parameters than the truth's effects (a curve, a hidden node) is no rival: it pays for its freedom. The believed model
+//! parameters than the truth's effects (a curve, a hidden node) is no rival: it pays for its freedom. The baseline model
 //! itself is one: what it leaves may be too little to show. Distances are measured with the noise that there truly is.
 //! A threshold is tried between each two of the data's levels: each is a rival of its own, of which the nearest counts.
 
 use std::collections::BTreeSet;
 
-use super::inject::{Hidden, InjectError, told};
+use super::inject::{Hidden, InjectError, with_stated_noise};
 use super::refit::{self, Refit};
 use super::truth::{NoiseTruth, Rival};
 use crate::diagnosis::Problem;
@@ -29,7 +29,7 @@ const FAR: f64 = 60.0;
 
 /// The problem with its noise known as it truly is.
 fn with_true_noise(problem: &Problem, noise: NoiseTruth) -> Problem {
-    let mut problem = told(problem);
+    let mut problem = with_stated_noise(problem);
     if let NoiseTruth::Correlated { correlation_time_s, share } = noise {
         for sensor in problem.measurements.iter_mut().flat_map(|measurement| &mut measurement.sensors) {
             let nominal = |value: &Option<Uncertain>| value.as_ref().map_or(0.0, Uncertain::nominal);
@@ -43,10 +43,10 @@ fn with_true_noise(problem: &Problem, noise: NoiseTruth) -> Problem {
     problem
 }
 
-/// The nearest rivals of what is hidden, nearest first; without effects the believed model.
+/// The nearest rivals of what is hidden, nearest first; without effects the baseline model.
 ///
 /// # Errors
-/// [`InjectError`] where the believed model has no likelihood.
+/// [`InjectError`] where the baseline model has no likelihood.
 pub fn rivals(problem: &Problem, hidden: &Hidden) -> Result<Vec<Rival>, InjectError> {
     let mut problem = with_true_noise(problem, hidden.truth.noise);
     problem.measurements = refit::with_readings(&problem.measurements, &hidden.clean);

@@ -101,8 +101,8 @@ pub struct Bin {
 pub struct Score {
     /// Cases.
     pub cases: u64,
-    /// Something is said to be missing where nothing is: with the noise that is told.
-    pub false_alarms_as_told: Rate,
+    /// Something is said to be missing where nothing is: with the noise that is stated.
+    pub false_alarms_stated_noise: Rate,
     /// The same, with correlated noise that is not told.
     pub false_alarms_correlated: Rate,
     /// The same, of both.
@@ -192,7 +192,7 @@ pub fn score(trials: &[Trial]) -> Score {
     let unexplained = |trial: &Trial| trial.answer.verdict == Verdict::Unexplained;
     Score {
         cases: trials.len() as u64,
-        false_alarms_as_told: Rate::of(nulls().filter(as_told).map(Trial::found)),
+        false_alarms_stated_noise: Rate::of(nulls().filter(as_told).map(Trial::found)),
         false_alarms_correlated: Rate::of(nulls().filter(|trial| !as_told(trial)).map(Trial::found)),
         false_alarms: Rate::of(nulls().map(Trial::found)),
         sizes: sizes(trials),

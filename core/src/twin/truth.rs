@@ -86,7 +86,7 @@ pub enum NoiseTruth {
 /// A set of effects that may be taken for the truth.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rival {
-    /// Ids of its effects; none for the believed model.
+    /// Ids of its effects; none for the baseline model.
     pub effects: Vec<String>,
     /// Cosine between what the truth and what the rival do to the whitened readings beyond the model's own parameters.
     pub cosine: f64,
@@ -107,7 +107,7 @@ pub struct Truth {
     pub parameters: Vec<(String, f64)>,
     /// The noise.
     pub noise: NoiseTruth,
-    /// Root mean square, in standard deviations of the noise, of what the believed model leaves of noise-free readings
+    /// Root mean square, in standard deviations of the noise, of what the baseline model leaves of noise-free readings
     /// when it is refitted to them.
     pub size: f64,
     /// The size that was asked for; `None` where the amplitude was.
@@ -120,7 +120,7 @@ pub struct Truth {
 pub const SEPARABLE_DELTA2: f64 = 9.0;
 
 impl Truth {
-    /// Whether anything is missing from the believed model.
+    /// Whether anything is missing from the baseline model.
     pub fn is_null(&self) -> bool {
         self.effects.is_empty() && self.outside.is_none() && self.split.is_none()
     }

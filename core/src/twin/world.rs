@@ -1,4 +1,4 @@
-//! The true model of a case: the believed one with what is hidden added, and the readings that it gives without noise.
+//! The true model of a case: the baseline one with what is hidden added, and the readings that it gives without noise.
 
 use super::inject::InjectError;
 use super::truth::Outside;
@@ -33,7 +33,7 @@ fn named(name: &str, kind: ElementKind) -> Element {
 }
 
 impl World {
-    /// The believed model with effects of the problem's candidates, at these values of its own parameters and of the
+    /// The baseline model with effects of the problem's candidates, at these values of its own parameters and of the
     /// effects' (in their order).
     ///
     /// # Errors

@@ -73,7 +73,7 @@ pub fn choose<'f>(
         let selected: Vec<&EffectResult> = diagnosis.selected.iter().filter_map(|id| diagnosis.effect(id)).collect();
         if selected.is_empty() {
             diagnostics.push(nothing_selected(diagnosis, asked, job, model));
-        } else if !forced && !diagnosis.verdict.settles() {
+        } else if !forced && !diagnosis.verdict.names_one_set() {
             diagnostics.push(not_settled(diagnosis, &selected, asked, job, model));
         }
         chosen.extend(selected.into_iter().map(|finding| (finding, asked.command())));

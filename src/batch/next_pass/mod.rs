@@ -41,7 +41,7 @@ pub struct NextPass<'f> {
     pub adopted: Vec<(String, &'f EffectResult)>,
     /// Calibrations that list their parameters, to which those of the effects were added.
     pub extended: Vec<String>,
-    /// Jobs that the parent does not have and that its error is told by: name and kind.
+    /// Jobs that the parent does not have and that its error is stated by: name and kind.
     pub added: Vec<(String, &'static str)>,
     /// What must be said of what is adopted: that the data do not settle it.
     pub warnings: Diagnostics,
@@ -232,7 +232,7 @@ fn jobs(own: Option<&Node>, parameters: &[&str], extended: &mut Vec<String>) -> 
     jobs
 }
 
-/// Adds the jobs by which a pass's error is told, as far as the parent has none of the kind: a calibration and a comparison,
+/// Adds the jobs by which a pass's error is stated, as far as the parent has none of the kind: a calibration and a comparison,
 /// on the data of the diagnosis.
 fn add_judges(pass: &Pass, diagnosis: &str, jobs: &mut Vec<(String, Item)>) -> Vec<(String, &'static str)> {
     let own = pass.jobs.iter().find(|job| job.name == diagnosis);

@@ -8,7 +8,7 @@ use super::{Calibrate, scores};
 use crate::inference::measurement::{Measurement, Rows};
 use crate::inference::psis::{self, LeaveOneOut};
 use crate::inference::target::{LeastSquares, Target};
-use crate::inference::unknown::settled;
+use crate::inference::unknown::with_unknowns;
 use crate::job::{Done, JobError, Step};
 use crate::math::special::chi_square_sf;
 use crate::random::{PointKind, Points};
@@ -61,8 +61,8 @@ impl Calibrate {
             let full = self.likelihood().full_parameters(draw);
             let find = |name: &str| names.iter().position(|known| known == name).map(|place| draw[place]);
             for measurement in self.measurements() {
-                let settled = settled(measurement, &inputs, &nodes, &find);
-                predicted.readings.extend(self.predictor.predict(&mut workspace, &settled, &full).readings);
+                let fixed = with_unknowns(measurement, &inputs, &nodes, &find);
+                predicted.readings.extend(self.predictor.predict(&mut workspace, &fixed, &full).readings);
             }
             if !prior {
                 let squares = self.likelihood().pointwise(draw, &mut memory, &mut pointwise);

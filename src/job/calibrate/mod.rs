@@ -20,8 +20,8 @@ mod summary;
 mod words;
 
 pub use output::{
-    Coverage, CrossValidation, Evidence, HandedOnPrior, HeldOutScore, KeptDraws, MostProbable, Output,
-    ParameterSummary, PhaseScore, PredictiveRow, SensorPredictive, Spec, Spent, UsedData,
+    Coverage, CrossValidation, Evidence, HeldOutScore, KeptDraws, MostProbable, Output, ParameterSummary, PhaseScore,
+    PosteriorPriorOf, PredictiveRow, SensorPredictive, Spec, Spent, UsedData,
 };
 pub use run::{Calibrate, Inputs};
 pub use sampler::Sampler;
@@ -72,11 +72,12 @@ impl JobKind for Kind {
         if draws.is_empty() {
             return Ok(Readiness::Ready(Arc::new(known)));
         }
-        let known = known.with_handed_on(unfilled(&draws).into_iter().map(|own| own.with_no_draws()).collect())?;
+        let known =
+            known.with_posterior_priors(unfilled(&draws).into_iter().map(|own| own.with_no_draws()).collect())?;
         let (own, spec, seed, name) = (draws.clone(), spec.clone(), shared.pass.seed, name.to_owned());
         let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
             let job = Calibrate::new(spec.clone(), inputs.clone(), seed, &name)?;
-            Ok(Arc::new(job.with_handed_on(filled(&own, &mut results.iter())?)?))
+            Ok(Arc::new(job.with_posterior_priors(filled(&own, &mut results.iter())?)?))
         };
         after(&[&draws], Arc::new(known), Box::new(prepare))
     }
@@ -92,6 +93,6 @@ impl study::job::Spec for Spec {
     }
 
     fn blocked(&self, pass: &Pass) -> Option<Blocked> {
-        draws_among(pass, &self.parameters).iter().find_map(resolved::HandedOnPrior::blocks)
+        draws_among(pass, &self.parameters).iter().find_map(resolved::PosteriorReference::blocks)
     }
 }

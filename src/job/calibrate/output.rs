@@ -8,7 +8,7 @@ use super::sampler::Sampler;
 
 use crate::inference::joint_prior::Fit;
 use crate::random::Distribution;
-use crate::study::handed_on::HandedOnSummary;
+use crate::study::posterior_prior::PosteriorPriorSummary;
 
 /// Resolved settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,7 +32,7 @@ pub struct Spec {
 
 /// A posterior that is the prior of a parameter, in the parameter's unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct HandedOnPrior {
+pub struct PosteriorPriorOf {
     /// Where it comes from.
     pub source: String,
     /// Mean of its draws.
@@ -52,12 +52,12 @@ pub struct HandedOnPrior {
 pub struct ParameterSummary {
     /// Unit.
     pub unit: String,
-    /// Prior, SI; of a posterior handed on the original prior, by which its scores are taken.
+    /// Prior, SI; of a posterior as prior the original prior, by which its scores are taken.
     #[schemars(with = "serde_json::Value")]
     pub prior: Distribution,
     /// The posterior that is the prior, where one is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub handed_on: Option<HandedOnPrior>,
+    pub posterior_priors: Option<PosteriorPriorOf>,
     /// Posterior mean.
     pub mean: f64,
     /// Posterior standard deviation.
@@ -300,10 +300,10 @@ pub struct Output {
     pub data: Vec<UsedData>,
     /// Posteriors that stand in for priors.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub handed_on: Vec<HandedOnSummary>,
+    pub posterior_priors: Vec<PosteriorPriorSummary>,
     /// How well a density describes the draws of each that has parameters here.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub handed_on_fits: Vec<Fit>,
+    pub posterior_prior_fits: Vec<Fit>,
     /// Work.
     pub spent: Spent,
 }

@@ -1,7 +1,7 @@
 //! From the chains to the result: whether they can be believed, the evidence, summaries by parameter.
 
 use super::block::Partial;
-use super::output::{Evidence, HandedOnPrior, MostProbable, Output, ParameterSummary, Spent, UsedData};
+use super::output::{Evidence, MostProbable, Output, ParameterSummary, PosteriorPriorOf, Spent, UsedData};
 use super::summary::Weighted;
 use super::{Calibrate, words};
 use crate::document::counted;
@@ -16,7 +16,7 @@ use crate::inference::scatter;
 use crate::inference::smc::{self, Island};
 use crate::inference::target::{LeastSquares, Target};
 use crate::job::{Done, JobError, Step};
-use crate::study::handed_on::HandedOn;
+use crate::study::posterior_prior::PosteriorPrior;
 
 /// Draws kept of all chains.
 const KEPT: usize = 1000;
@@ -78,7 +78,7 @@ impl Calibrate {
         }
         let judged = convergence::judge(&chains, self.likelihood().priors(), &ConvergenceLimits::default());
         objections.extend(words::objections(&judged, &names));
-        for own in self.handed_on.iter().filter(|own| !own.converged) {
+        for own in self.posterior_priors.iter().filter(|own| !own.converged) {
             objections.push(format!("the prior is the posterior of {}, whose chains did not converge", own.source));
         }
         let mut work = chains.work();
@@ -113,7 +113,7 @@ impl Calibrate {
             let summary = ParameterSummary {
                 unit: text.clone(),
                 prior: unknowns.priors[place],
-                handed_on: self.handed_on_prior(place, &shown, &spread),
+                posterior_priors: self.posterior_prior_of(place, &shown, &spread),
                 mean: shown(weighted.mean(place)),
                 sd: spread(weighted.covariance(place, place).sqrt()),
                 q025: shown(quantiles[0]),
@@ -173,25 +173,25 @@ impl Calibrate {
                 rejected: work.rejections.total(),
             },
             parameters: parameters.collect(),
-            handed_on: self.handed_on.iter().map(HandedOn::summary).collect(),
-            handed_on_fits: self.fits.iter().map(|(_, fit)| fit.clone()).collect(),
+            posterior_priors: self.posterior_priors.iter().map(PosteriorPrior::summary).collect(),
+            posterior_prior_fits: self.fits.iter().map(|(_, fit)| fit.clone()).collect(),
             log_evidence,
         }
     }
 
     /// The posterior that is the prior of an unknown.
-    fn handed_on_prior(
+    fn posterior_prior_of(
         &self,
         place: usize,
         shown: &dyn Fn(f64) -> f64,
         spread: &dyn Fn(f64) -> f64,
-    ) -> Option<HandedOnPrior> {
+    ) -> Option<PosteriorPriorOf> {
         let parameter = self.likelihood().unknowns().model.get(place)?;
-        self.handed_on.iter().find_map(|own| {
+        self.posterior_priors.iter().find_map(|own| {
             let column = own.parameters.iter().position(|known| known == parameter)?;
             let [mean, sd, q025, q50, q975] = own.moments(column);
             let [mean, q025, q50, q975] = [mean, q025, q50, q975].map(shown);
-            Some(HandedOnPrior { source: own.source.clone(), mean, sd: spread(sd), q025, q50, q975 })
+            Some(PosteriorPriorOf { source: own.source.clone(), mean, sd: spread(sd), q025, q50, q975 })
         })
     }
 

@@ -19,7 +19,7 @@ use crate::inference::point_estimate::{self, PointSettings};
 use crate::inference::prediction::Predictor;
 use crate::job::{Done, Job, JobError, Parts, Step};
 use crate::random::{Distribution, StreamKey};
-use crate::study::handed_on::HandedOn;
+use crate::study::posterior_prior::PosteriorPrior;
 use crate::thermal::Model;
 
 pub(super) const ESTIMATE: &str = "estimate";
@@ -44,10 +44,10 @@ pub struct Inputs {
 pub struct Calibrate {
     pub(super) spec: Spec,
     pub(super) inputs: Inputs,
-    /// The likelihood with priors that may be posteriors handed on.
+    /// The likelihood with priors that may be posteriors as priors.
     pub(super) target: Informed<Likelihood>,
-    pub(super) handed_on: Vec<HandedOn>,
-    /// How well a density describes the draws of each posterior handed on.
+    pub(super) posterior_priors: Vec<PosteriorPrior>,
+    /// How well a density describes the draws of each posterior as prior.
     pub(super) fits: Vec<(String, Fit)>,
     pub(super) predictor: Predictor,
     pub(super) key: StreamKey,
@@ -74,8 +74,8 @@ impl Calibrate {
         let predictor = Predictor::new(&inputs.model, &[]).map_err(|e| failed(e.to_string()))?;
         let key = StreamKey::new(seed, name, "calibrate");
         let target = Informed::new(likelihood, Vec::new());
-        let (handed_on, fits, name) = (Vec::new(), Vec::new(), name.to_owned());
-        Ok(Self { spec, inputs, target, handed_on, fits, predictor, key, name, seed })
+        let (posterior_priors, fits, name) = (Vec::new(), Vec::new(), name.to_owned());
+        Ok(Self { spec, inputs, target, posterior_priors, fits, predictor, key, name, seed })
     }
 
     /// The same with posteriors in place of the priors of some parameters. Those without draws yet count for the job's
@@ -83,9 +83,9 @@ impl Calibrate {
     ///
     /// # Errors
     /// Draws that no density describes, with what deviates.
-    pub fn with_handed_on(self, handed_on: Vec<HandedOn>) -> Result<Self, JobError> {
+    pub fn with_posterior_priors(self, posterior_priors: Vec<PosteriorPrior>) -> Result<Self, JobError> {
         let (mut joint, mut fits) = (Vec::new(), Vec::new());
-        for own in handed_on.iter().filter(|own| !own.draws.is_empty()) {
+        for own in posterior_priors.iter().filter(|own| !own.draws.is_empty()) {
             let density =
                 own.density(&self.target.target().unknowns().model, &self.inputs.priors).map_err(|error| {
                     JobError::Failed(format!("the posterior of {} cannot be a prior here: {error}", own.source))
@@ -96,7 +96,7 @@ impl Calibrate {
             }
         }
         let target = Informed::new(self.target.target().clone(), joint);
-        Ok(Self { target, handed_on, fits, ..self })
+        Ok(Self { target, posterior_priors, fits, ..self })
     }
 
     pub(super) fn likelihood(&self) -> &Likelihood {
@@ -142,14 +142,14 @@ impl Job for Calibrate {
         if let Some(acceptance) = self.spec.acceptance {
             identity["acceptance"] = json!(acceptance);
         }
-        if !self.handed_on.is_empty() {
-            identity["handed_on"] = self.handed_on.iter().map(HandedOn::identity).collect();
+        if !self.posterior_priors.is_empty() {
+            identity["posterior_priors"] = self.posterior_priors.iter().map(PosteriorPrior::identity).collect();
         }
         identity
     }
 
     fn begin(&self) -> Result<Step<Self>, JobError> {
-        if let Some(own) = self.handed_on.iter().find(|own| own.draws.is_empty()) {
+        if let Some(own) = self.posterior_priors.iter().find(|own| own.draws.is_empty()) {
             return Err(JobError::Failed(format!("the posterior of {} has no draws", own.source)));
         }
         Ok(Step::Blocks { stage: ESTIMATE.to_owned(), state: State::Nothing, inputs: vec![Task::Estimate] })

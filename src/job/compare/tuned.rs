@@ -7,7 +7,7 @@ use super::deviation::deviation;
 use super::output::{Deviation, Row, SensorSummary, TunedSensor, TunedState};
 use crate::inference::measurement::{Measurement, Rows, Sensor, Uncertain};
 use crate::inference::prediction::Predictor;
-use crate::inference::unknown::settled;
+use crate::inference::unknown::with_unknowns;
 use crate::job::JobError;
 use crate::math::functions::exp;
 use crate::math::special::chi_square_quantile;
@@ -81,9 +81,9 @@ impl Tuned {
     ) {
         let inputs: Vec<String> = model.inputs.iter().map(|input| input.name.clone()).collect();
         let nodes: Vec<String> = model.nodes.iter().map(|node| node.name.clone()).collect();
-        let settled = settled(measurement, &inputs, &nodes, &|name| self.find(name));
+        let fixed = with_unknowns(measurement, &inputs, &nodes, &|name| self.find(name));
         let parameters = self.parameters(model, delivered);
-        let prediction = predictor.predict(&mut predictor.workspace(), &settled, &parameters);
+        let prediction = predictor.predict(&mut predictor.workspace(), &fixed, &parameters);
         let place = |row: &Row| -> Option<usize> {
             let sensor = measurement.sensors.iter().position(|sensor| sensor.name == row.sensor)?;
             let position = match &measurement.rows {
@@ -99,7 +99,7 @@ impl Tuned {
             let found = place(row).and_then(|place| prediction.readings.get(place)).copied();
             row.predicted_tuned = found.filter(|value| value.is_finite());
         }
-        for (summary, sensor) in sensors.iter_mut().zip(&settled.sensors) {
+        for (summary, sensor) in sensors.iter_mut().zip(&fixed.sensors) {
             let of = |held_out: bool| {
                 statistics(rows.iter().filter(|row| row.sensor == summary.sensor), held_out, criteria.each_k)
             };
@@ -107,7 +107,7 @@ impl Tuned {
                 train: of(false),
                 held_out: of(true),
                 sigma: known(&sensor.sigma),
-                noise_rmse: noise_rmse(&settled, sensor, rows),
+                noise_rmse: noise_rmse(&fixed, sensor, rows),
             });
         }
     }

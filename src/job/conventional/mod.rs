@@ -22,11 +22,11 @@ use crate::job::Runnable;
 use crate::job::kind::JobKind;
 use crate::job::ready::{Readiness, Shared};
 use crate::job::ready::{after, filled};
-use crate::study::handed_on::HandedOn;
 use crate::study::job::{Asked, Entry, JobSpec};
+use crate::study::posterior_prior::PosteriorPrior;
 use crate::study::resolve::scope::Scope;
 use crate::study::resolved::Blocked;
-use crate::study::resolved::HandedOnPrior;
+use crate::study::resolved::PosteriorReference;
 use crate::study::{self, Pass};
 use form::ConventionalForm;
 
@@ -47,9 +47,9 @@ impl JobKind for Kind {
 
     fn ready(spec: &Spec, shared: &Shared, _name: &str) -> Result<Readiness, JobError> {
         // Worst cases are stacked from the ends of the draws' intervals of three standard deviations.
-        let draws = shared.pass.handed_on.clone();
+        let draws = shared.pass.posterior_priors.clone();
         let (spec, model, priors) = (spec.clone(), Arc::clone(&shared.model), shared.pass.priors.clone());
-        let make = move |draws: &[HandedOn]| {
+        let make = move |draws: &[PosteriorPrior]| {
             let mut priors = priors.clone();
             for own in draws.iter().filter(|own| !own.draws.is_empty()) {
                 for (place, &parameter) in own.parameters.iter().enumerate() {
@@ -59,7 +59,7 @@ impl JobKind for Kind {
             Conventional::new(spec.clone(), Arc::clone(&model), priors)
         };
         let known: Arc<dyn Runnable> = Arc::new(make(&[])?);
-        // The job itself knows intervals only: whose they are must be told.
+        // The job itself knows intervals only: whose they are must be stated.
         let beside: Value = draws.iter().map(|own| own.draws.identity()).collect();
         let own = draws.clone();
         let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
@@ -75,6 +75,6 @@ impl study::job::Spec for Spec {
     }
 
     fn blocked(&self, pass: &Pass) -> Option<Blocked> {
-        pass.handed_on.iter().find_map(HandedOnPrior::blocks)
+        pass.posterior_priors.iter().find_map(PosteriorReference::blocks)
     }
 }

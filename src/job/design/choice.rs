@@ -96,7 +96,7 @@ impl Design {
             }
             Estimator::Nested if is_first => {
                 state.output.because = format!("`nested` is not good: {words}");
-                self.go_on(state, Estimator::Importance)
+                self.extend_set(state, Estimator::Importance)
             }
             Estimator::Importance if own == Trust::No => {
                 let usable = |(estimator, replicates): &(Estimator, Vec<Vec<Replicate>>)| {
@@ -111,13 +111,13 @@ impl Design {
                     return Choice::Return;
                 }
                 state.output.because.push_str(&format!("; `importance` cannot be trusted: {words}"));
-                self.go_on(state, Estimator::Laplace)
+                self.extend_set(state, Estimator::Laplace)
             }
             _ => Choice::Keep,
         }
     }
 
-    fn go_on(&self, state: &mut State, next: Estimator) -> Choice {
+    fn extend_set(&self, state: &mut State, next: Estimator) -> Choice {
         let empty = vec![Vec::new(); state.replicates.len()];
         let left = (state.estimator, std::mem::replace(&mut state.replicates, empty));
         state.tried.push(left);

@@ -1,7 +1,7 @@
 //! The information that a set of readings holds, replicate by replicate.
 
+use super::forward_model::{ForwardModel, Place, Room, Whitening};
 use super::output::{DesignSensor, Estimator};
-use super::plant::{Place, Plant, Room, Whitening};
 use super::samples::{REPLICATES, Samples};
 use crate::inference::information::estimate::{FEW, Replicate};
 use crate::inference::information::linear;
@@ -25,7 +25,7 @@ const GENERATORS: [u32; 4] = [1, 3, 5, 7];
 
 /// What is asked of a set of readings.
 pub(super) struct Question<'a> {
-    pub plant: &'a Plant,
+    pub forward_model: &'a ForwardModel,
     pub samples: &'a Samples,
     pub sensors: &'a [DesignSensor],
     pub estimator: Estimator,
@@ -83,9 +83,9 @@ impl Question<'_> {
     }
 
     fn work(&self) -> Work {
-        let (unknowns, sensors, channels) = (self.samples.unknowns, self.plant.sensors(), self.channels());
+        let (unknowns, sensors, channels) = (self.samples.unknowns, self.forward_model.sensors(), self.channels());
         Work {
-            room: self.plant.room(),
+            room: self.forward_model.room(),
             whitenings: self.phases.iter().map(|own| Whitening::new(own, self.sensors, self.read)).collect(),
             picked: vec![0.0; self.read.len()],
             readings: vec![0.0; sensors],
@@ -104,7 +104,7 @@ impl Question<'_> {
 
     /// Whitened noise-free readings of one sample, phase by phase; not finite where there is no solution.
     fn whitened(&self, sample: usize, whitenings: &[Whitening], out: &mut [f64]) {
-        let sensors = self.plant.sensors();
+        let sensors = self.forward_model.sensors();
         let all = REPLICATES * self.samples.size;
         for (phase, slots) in out.chunks_exact_mut(self.read.len()).enumerate() {
             let row = &self.predictions[(phase * all + sample) * sensors..][..sensors];
@@ -156,9 +156,9 @@ impl Question<'_> {
             let (mut own, mut count) = (Replicate::default(), 0_u32);
             for step in 0..noises {
                 for (phase, slots) in readings.chunks_exact_mut(self.read.len()).enumerate() {
-                    let noise = &row[unknowns + phase * self.plant.sensors()..];
+                    let noise = &row[unknowns + phase * self.forward_model.sensors()..];
                     for (slot, &sensor) in slots.iter_mut().zip(self.read) {
-                        let generator = GENERATORS[(phase * self.plant.sensors() + sensor) % GENERATORS.len()];
+                        let generator = GENERATORS[(phase * self.forward_model.sensors() + sensor) % GENERATORS.len()];
                         *slot = normal_quantile(shifted(noise[sensor], step * generator, noises));
                     }
                 }
@@ -221,7 +221,7 @@ impl Question<'_> {
         readings: &[f64],
         work: &mut Work,
     ) -> Option<LogMean> {
-        let (unknowns, sensors) = (self.samples.unknowns, self.plant.sensors());
+        let (unknowns, sensors) = (self.samples.unknowns, self.forward_model.sensors());
         let mixture = self.approximation(first, coordinates, readings, work)?;
         let mut draws = std::mem::take(&mut work.draws);
         self.samples.draws(replicate, sample, &mut draws);
@@ -231,11 +231,11 @@ impl Question<'_> {
             work.terms[index] = mixture.log_weight(&draw[first..], self.draws);
         }
         for (draw, values) in draws.chunks_exact(unknowns).zip(work.values.chunks_exact_mut(unknowns)) {
-            self.plant.values(draw, values);
+            self.forward_model.values(draw, values);
         }
         work.draws = draws;
         for (phase, place) in self.phases.iter().enumerate() {
-            self.plant.readings(place, &work.values, &mut work.room, &mut work.drawn, None);
+            self.forward_model.readings(place, &work.values, &mut work.room, &mut work.drawn, None);
             let own = &readings[phase * self.read.len()..][..self.read.len()];
             for (term, row) in work.terms.iter_mut().zip(work.drawn.chunks_exact(sensors)) {
                 for (slot, &sensor) in work.picked.iter_mut().zip(self.read) {
@@ -325,7 +325,7 @@ impl Question<'_> {
     fn linearise(&self, at: &[f64], work: &mut Work) -> bool {
         let (unknowns, read) = (self.samples.unknowns, self.read.len());
         for (phase, place) in self.phases.iter().enumerate() {
-            if !self.plant.linearised(place, at, &mut work.room, &mut work.readings, &mut work.slopes) {
+            if !self.forward_model.linearised(place, at, &mut work.room, &mut work.readings, &mut work.slopes) {
                 return false;
             }
             let prediction = &mut work.prediction[phase * read..(phase + 1) * read];
@@ -349,7 +349,7 @@ impl Question<'_> {
         let unknowns = self.samples.unknowns;
         let mut jacobian = Vec::new();
         for (place, whitening) in self.phases.iter().zip(&work.whitenings) {
-            let Some(changes) = self.plant.nominal_changes(place, &mut work.room) else {
+            let Some(changes) = self.forward_model.nominal_changes(place, &mut work.room) else {
                 return Replicate::default();
             };
             jacobian.extend(whitened_rows(&changes, unknowns, whitening, self.read));

@@ -10,9 +10,9 @@
 mod block;
 mod choice;
 mod form;
+mod forward_model;
 mod information;
 mod output;
-mod plant;
 mod resolve;
 mod run;
 mod samples;

@@ -14,8 +14,8 @@ use serde_json::{Value, json};
 
 use super::block::{Found, Information, Known, PredictHead, Purpose, Set, State, Task};
 use super::choice::Choice;
+use super::forward_model::{ForwardModel, Outside, Place};
 use super::information::Question;
-use super::plant::{Outside, Place, Plant};
 use super::samples::{REPLICATES, Samples};
 use crate::inference::information::estimate::Replicate;
 use crate::job::{Done, Job, JobError, Parts, Step};
@@ -37,7 +37,7 @@ pub struct Design {
     pub(super) spec: Spec,
     pub(super) model: Arc<Model>,
     pub(super) priors: Vec<Distribution>,
-    pub(super) plant: Plant,
+    pub(super) forward_model: ForwardModel,
     /// Of the settings' candidates.
     pub(super) places: Vec<Place>,
     pub(super) samples: Samples,
@@ -78,10 +78,10 @@ impl Design {
         }
         let unknowns = samples::unknowns(&spec, &model, &priors);
         let samples = Samples::new(&spec, unknowns.len(), seed, name)?;
-        let plant = Plant::new(&spec, &model, &priors, unknowns)?;
-        let places = spec.candidates.iter().map(|phase| plant.place(phase)).collect();
+        let forward_model = ForwardModel::new(&spec, &model, &priors, unknowns)?;
+        let places = spec.candidates.iter().map(|phase| forward_model.place(phase)).collect();
         let key = StreamKey::new(seed, name, "design search");
-        Ok(Self { spec, model, priors, plant, places, samples, key })
+        Ok(Self { spec, model, priors, forward_model, places, samples, key })
     }
 
     pub(super) fn all_samples(&self) -> usize {
@@ -90,8 +90,8 @@ impl Design {
 
     /// Noise-free readings of all samples of a phase.
     pub(super) fn predict(&self, at: &Place) -> (PredictHead, Vec<f64>) {
-        let (unknowns, sensors, size) = (self.samples.unknowns, self.plant.sensors(), self.samples.size);
-        let mut room = self.plant.room();
+        let (unknowns, sensors, size) = (self.samples.unknowns, self.forward_model.sensors(), self.samples.size);
+        let mut room = self.forward_model.room();
         let mut outside = Outside { nodes: vec![0; self.model.nodes.len()], ..Outside::default() };
         let mut readings = vec![f64::NAN; self.all_samples() * sensors];
         let mut values = vec![0.0; DRAWN * unknowns];
@@ -100,7 +100,7 @@ impl Design {
             let (rows, dimensions) = self.samples.outer(replicate);
             for (rows, readings) in rows.chunks(DRAWN * dimensions).zip(readings.chunks_mut(DRAWN * sensors)) {
                 let count = rows.len() / dimensions;
-                for (place, unknown) in self.plant.unknowns().iter().enumerate() {
+                for (place, unknown) in self.forward_model.unknowns().iter().enumerate() {
                     column.clear();
                     column.extend(rows.chunks_exact(dimensions).map(|row| row[place]));
                     unknown.prior.quantiles(&mut column);
@@ -108,11 +108,11 @@ impl Design {
                         *slot = *value;
                     }
                 }
-                self.plant.readings(at, &values[..count * unknowns], &mut room, readings, Some(&mut outside));
+                self.forward_model.readings(at, &values[..count * unknowns], &mut room, readings, Some(&mut outside));
             }
         }
         let Outside { failed, outside, nodes } = outside;
-        let changes = self.plant.nominal_changes(at, &mut room).unwrap_or_default();
+        let changes = self.forward_model.nominal_changes(at, &mut room).unwrap_or_default();
         (PredictHead { failed, outside, nodes, changes }, readings)
     }
 
@@ -128,7 +128,7 @@ impl Design {
 
     /// All sensors, in order.
     pub(super) fn all_sensors(&self) -> Vec<usize> {
-        (0..self.plant.sensors()).collect()
+        (0..self.forward_model.sensors()).collect()
     }
 
     /// A set of each candidate that has solutions.
@@ -147,7 +147,7 @@ impl Design {
         predictions: &'a [f64],
     ) -> Question<'a> {
         Question {
-            plant: &self.plant,
+            forward_model: &self.forward_model,
             samples: &self.samples,
             sensors: &self.spec.sensors,
             estimator,
@@ -238,7 +238,7 @@ impl Design {
     /// A candidate of the settings, or of those that were found.
     pub(super) fn place(&self, candidate: usize, found: &[Phase]) -> Option<Place> {
         let own = self.places.get(candidate).cloned();
-        own.or_else(|| Some(self.plant.place(found.get(candidate.checked_sub(self.places.len())?)?)))
+        own.or_else(|| Some(self.forward_model.place(found.get(candidate.checked_sub(self.places.len())?)?)))
     }
 
     /// The next greedy stage, or the result.
@@ -259,12 +259,12 @@ impl Design {
             return Self::inform(format!("phase {}", picked.len() + 1), known, sets);
         }
         let chosen: Vec<usize> = output.sensor_picks.iter().map(|pick| pick.position).collect();
-        let wanted = self.spec.choose_sensors.unwrap_or(0).min(self.plant.sensors() as u64);
+        let wanted = self.spec.choose_sensors.unwrap_or(0).min(self.forward_model.sensors() as u64);
         if let Some(best) = output.best.as_ref().filter(|best| is_solved(best.candidate))
             && (chosen.len() as u64) < wanted
             && !state.ended[1]
         {
-            let sets = (0..self.plant.sensors())
+            let sets = (0..self.forward_model.sensors())
                 .filter(|sensor| !chosen.contains(sensor))
                 .map(|sensor| Set {
                     purpose: Purpose::Sensor,
@@ -312,16 +312,16 @@ impl Job for Design {
                 let information = Information { replicates: Vec::new(), solutions: self.all_samples() as u64 };
                 Ok(Found { head: Some(head), information, readings })
             }
-            Task::Search { phase } => Ok(self.look(known.state.estimator, &self.plant.place(&phase))),
+            Task::Search { phase } => Ok(self.look(known.state.estimator, &self.forward_model.place(&phase))),
             Task::Inform { set, replicates: [first, count] } => {
                 let places: Option<Vec<Place>> =
                     set.phases.iter().map(|&phase| self.place(phase, &known.state.found)).collect();
                 let places = places.ok_or_else(|| wrong("there is no such candidate"))?;
                 let own = set.phases.iter().filter_map(|&phase| known.readings.get(phase));
                 let readings: Vec<f64> = own.flatten().copied().collect();
-                let fits = readings.len() == places.len() * self.all_samples() * self.plant.sensors()
+                let fits = readings.len() == places.len() * self.all_samples() * self.forward_model.sensors()
                     && first + count <= REPLICATES
-                    && set.sensors.iter().all(|sensor| *sensor < self.plant.sensors());
+                    && set.sensors.iter().all(|sensor| *sensor < self.forward_model.sensors());
                 if !fits {
                     return Err(wrong("its readings do not fit"));
                 }

@@ -3,8 +3,8 @@
 
 use super::Design;
 use super::block::{Found, Information, Known, State, Task};
+use super::forward_model::Place;
 use super::output::{Estimator, Phase};
-use super::plant::Place;
 use super::samples::REPLICATES;
 use super::summary::FAILURE_LIMIT;
 use crate::inference::information::search::{self, next};
@@ -86,7 +86,7 @@ impl Design {
     /// Makes a phase of the search a candidate.
     pub(super) fn take_in(&self, known: &mut Known, phase: Phase, found: Found) {
         let Some(head) = found.head else { return };
-        let mut candidate = self.candidate(&phase, &self.plant.place(&phase), &head);
+        let mut candidate = self.candidate(&phase, &self.forward_model.place(&phase), &head);
         candidate.is_found = true;
         known.readings.push(if self.has_solutions(&candidate) { found.readings } else { Vec::new() });
         known.state.output.candidates.push(candidate);

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use super::Design;
 use super::block::PredictHead;
 use super::block::{Purpose, State};
+use super::forward_model::{Place, Whitening};
 use super::information::whitened_rows;
 use super::output::{
     Axis, Best, Candidate, Estimator, Limits, Observed, Output, Partial, Phase, Pick, Redundant, UsedSensor, Violation,
 };
-use super::plant::{Place, Whitening};
 use super::run::SetFound;
 use super::samples::REPLICATES;
 use crate::document::counted;
@@ -33,7 +33,7 @@ impl Design {
         let candidates = spec.candidates.iter().zip(&self.places).zip(heads);
         let candidates = candidates.map(|((phase, place), head)| self.candidate(phase, place, head));
         let names = |range: std::ops::Range<usize>| -> Vec<String> {
-            self.plant.unknowns()[range].iter().map(|unknown| unknown.name.clone()).collect()
+            self.forward_model.unknowns()[range].iter().map(|unknown| unknown.name.clone()).collect()
         };
         Output {
             estimator: self.first_estimator().name().to_owned(),
@@ -66,8 +66,8 @@ impl Design {
     pub(super) fn candidate(&self, phase: &Phase, place: &Place, head: &PredictHead) -> Candidate {
         let spec = &self.spec;
         let count = |number: u64| number as f64 / self.all_samples() as f64;
-        let has_limits = self.plant.has_limits();
-        let read: Vec<usize> = (0..self.plant.sensors()).collect();
+        let has_limits = self.forward_model.has_limits();
+        let read: Vec<usize> = (0..self.forward_model.sensors()).collect();
         let conditions: BTreeMap<String, f64> = (spec.varied.iter())
             .map(|varied| (self.model.inputs[varied.input].name.clone(), phase.inputs[varied.input]))
             .collect();
@@ -214,9 +214,11 @@ impl Design {
 
     /// Observability, correlations and redundant sensors at the best candidate.
     pub(super) fn describe_best(&self, output: &mut Output, place: Option<&Place>, predictions: &[f64]) {
-        let (sensors, unknowns) = (self.plant.sensors(), self.samples.unknowns);
-        if let Some(changes) = place.and_then(|place| self.plant.nominal_changes(place, &mut self.plant.room())) {
-            output.observability = (self.plant.unknowns().iter().enumerate())
+        let (sensors, unknowns) = (self.forward_model.sensors(), self.samples.unknowns);
+        if let Some(changes) =
+            place.and_then(|place| self.forward_model.nominal_changes(place, &mut self.forward_model.room()))
+        {
+            output.observability = (self.forward_model.unknowns().iter().enumerate())
                 .map(|(place, unknown)| Observed {
                     parameter: unknown.name.clone(),
                     learn: place < self.spec.learn.len(),

@@ -25,7 +25,7 @@ use crate::study::job::{Asked, Entry, JobSpec};
 use crate::study::problem::problem_with;
 use crate::study::resolve::scope::Scope;
 use crate::study::resolved::Blocked;
-use crate::study::resolved::HandedOnPrior;
+use crate::study::resolved::PosteriorReference;
 use crate::study::{self, Pass};
 use form::DiagnoseForm;
 
@@ -51,11 +51,12 @@ impl JobKind for Kind {
         if draws.is_empty() {
             return Ok(Readiness::Ready(Arc::new(known)));
         }
-        let known = known.with_handed_on(unfilled(&draws).into_iter().map(|own| own.with_no_draws()).collect())?;
+        let known =
+            known.with_posterior_priors(unfilled(&draws).into_iter().map(|own| own.with_no_draws()).collect())?;
         let (own, spec, seed, name) = (draws.clone(), spec.clone(), shared.pass.seed, name.to_owned());
         let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
             let job = Diagnose::new(spec.clone(), problem.clone(), seed, &name)?;
-            Ok(Arc::new(job.with_handed_on(filled(&own, &mut results.iter())?)?))
+            Ok(Arc::new(job.with_posterior_priors(filled(&own, &mut results.iter())?)?))
         };
         after(&[&draws], Arc::new(known), Box::new(prepare))
     }
@@ -71,7 +72,7 @@ impl study::job::Spec for Spec {
     }
 
     fn blocked(&self, pass: &Pass) -> Option<Blocked> {
-        draws_among(pass, &self.parameters).iter().find_map(HandedOnPrior::blocks)
+        draws_among(pass, &self.parameters).iter().find_map(PosteriorReference::blocks)
     }
 }
 

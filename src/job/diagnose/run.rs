@@ -10,7 +10,7 @@ use crate::diagnosis::output::PriorOfDraws;
 use crate::diagnosis::{Diagnosis, Order, Output, Problem, Refit, Settings, State, Unfitted};
 use crate::job::{Done, Job, JobError, Parts, Step};
 use crate::random::StreamKey;
-use crate::study::handed_on::HandedOn;
+use crate::study::posterior_prior::PosteriorPrior;
 use crate::watch;
 
 pub(super) const SCREEN: &str = "screen";
@@ -38,7 +38,7 @@ pub struct Spec {
 pub struct Diagnose {
     pub(super) spec: Spec,
     pub(super) diagnosis: Diagnosis,
-    pub(super) handed_on: Vec<HandedOn>,
+    pub(super) posterior_priors: Vec<PosteriorPrior>,
     /// Posteriors that are priors, with how well a density describes them.
     pub(super) priors: Vec<PriorOfDraws>,
 }
@@ -71,13 +71,13 @@ impl Diagnose {
     /// Prepares the job; `name` is its name in the pass, which its random streams are keyed by.
     ///
     /// # Errors
-    /// A believed model that no likelihood can be made of.
+    /// A baseline model that no likelihood can be made of.
     pub fn new(spec: Spec, problem: Problem, seed: u64, name: &str) -> Result<Self, JobError> {
         let problem = problem.with_something_to_infer();
         problem.hypothesis(&[], 1.0).and_then(|believed| believed.likelihood(&problem)).map_err(failed)?;
         let key = StreamKey::new(seed, name, "diagnose");
         let diagnosis = Diagnosis::new(problem, spec.settings.clone(), key);
-        Ok(Self { diagnosis, spec, handed_on: Vec::new(), priors: Vec::new() })
+        Ok(Self { diagnosis, spec, posterior_priors: Vec::new(), priors: Vec::new() })
     }
 
     /// The same with posteriors in place of the priors of some parameters. Those without draws yet count for the job's
@@ -85,10 +85,10 @@ impl Diagnose {
     ///
     /// # Errors
     /// Draws that no density describes, with what deviates.
-    pub fn with_handed_on(self, handed_on: Vec<HandedOn>) -> Result<Self, JobError> {
+    pub fn with_posterior_priors(self, posterior_priors: Vec<PosteriorPrior>) -> Result<Self, JobError> {
         let problem = self.diagnosis.problem();
         let (mut joint, mut priors) = (Vec::new(), Vec::new());
-        for own in handed_on.iter().filter(|own| !own.draws.is_empty()) {
+        for own in posterior_priors.iter().filter(|own| !own.draws.is_empty()) {
             let density = own.density(&problem.parameters, &problem.priors).map_err(|error| {
                 JobError::Failed(format!("the posterior of {} cannot be a prior here: {error}", own.source))
             })?;
@@ -105,7 +105,7 @@ impl Diagnose {
             joint.push(density);
         }
         let diagnosis = self.diagnosis.with_joint_priors(joint);
-        Ok(Self { diagnosis, handed_on, priors, ..self })
+        Ok(Self { diagnosis, posterior_priors, priors, ..self })
     }
 
     /// What is told of the priors beside the diagnosis.
@@ -124,7 +124,7 @@ impl Diagnose {
                     .push(format!("the prior is the posterior of {}, whose chains did not converge", own.source));
             }
         }
-        output.handed_on.clone_from(&self.priors);
+        output.posterior_priors.clone_from(&self.priors);
         output
     }
 
@@ -184,14 +184,14 @@ impl Job for Diagnose {
             "input_errors": problem.input_errors,
             "data": data,
         });
-        if !self.handed_on.is_empty() {
-            identity["handed_on"] = self.handed_on.iter().map(HandedOn::identity).collect();
+        if !self.posterior_priors.is_empty() {
+            identity["posterior_priors"] = self.posterior_priors.iter().map(PosteriorPrior::identity).collect();
         }
         identity
     }
 
     fn begin(&self) -> Result<Step<Self>, JobError> {
-        if let Some(own) = self.handed_on.iter().find(|own| own.draws.is_empty()) {
+        if let Some(own) = self.posterior_priors.iter().find(|own| own.draws.is_empty()) {
             return Err(JobError::Failed(format!("the posterior of {} has no draws", own.source)));
         }
         Ok(Step::Blocks { stage: SCREEN.to_owned(), state: Known::Nothing, inputs: vec![Vec::new()] })

@@ -20,11 +20,11 @@ use crate::job::kind::JobKind;
 use crate::job::ready::{Readiness, Shared};
 use crate::job::ready::{after, filled, unfilled};
 use crate::study::blocked::blocked;
-use crate::study::handed_on::HandedOn;
 use crate::study::job::{Asked, Entry, JobSpec};
+use crate::study::posterior_prior::PosteriorPrior;
 use crate::study::resolve::scope::Scope;
 use crate::study::resolved::Blocked;
-use crate::study::resolved::HandedOnPrior;
+use crate::study::resolved::PosteriorReference;
 use crate::study::{self, Pass};
 use form::PredictForm;
 
@@ -56,19 +56,22 @@ impl JobKind for Kind {
         let plain = shared.propagation(name, &spec.propagate, &priors);
         let (discrepancy, seed, named) = (spec.discrepancy.clone(), shared.pass.seed, name.to_owned());
         let make = move || plain()?.with_discrepancy(discrepancy.clone(), seed, &named);
-        let (own, before, rest) = (vec![spec.posterior.clone()], spec.handed_on.clone(), rest(shared.pass, spec));
-        let join = |first: Vec<HandedOn>, rest: &[HandedOn]| first.into_iter().chain(rest.iter().cloned()).collect();
+        let (own, before, rest) =
+            (vec![spec.posterior.clone()], spec.posterior_priors.clone(), rest(shared.pass, spec));
+        let join = |first: Vec<PosteriorPrior>, rest: &[PosteriorPrior]| {
+            first.into_iter().chain(rest.iter().cloned()).collect()
+        };
         let others = unfilled(&rest);
-        let prior = make()?.with_handed_on(join(unfilled(&before), &others));
-        let known = Predict::new(prior, make()?.with_handed_on(join(unfilled(&own), &others)));
+        let prior = make()?.with_posterior_priors(join(unfilled(&before), &others));
+        let known = Predict::new(prior, make()?.with_posterior_priors(join(unfilled(&own), &others)));
         let draws = [own.clone(), before.clone(), rest.clone()];
         let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
             let mut results = results.iter();
             let own = filled(&own, &mut results)?;
             let before = filled(&before, &mut results)?;
             let others = filled(&rest, &mut results)?;
-            let prior = make()?.with_handed_on(join(before, &others));
-            Ok(Arc::new(Predict::new(prior, make()?.with_handed_on(join(own, &others)))))
+            let prior = make()?.with_posterior_priors(join(before, &others));
+            Ok(Arc::new(Predict::new(prior, make()?.with_posterior_priors(join(own, &others)))))
         };
         after(&[&draws[0], &draws[1], &draws[2]], Arc::new(known), Box::new(prepare))
     }
@@ -87,19 +90,19 @@ impl study::job::Spec for Prediction {
             _ => self.posterior.blocks(),
         };
         let others = rest(pass, self);
-        own.or_else(|| others.iter().chain(&self.handed_on).find_map(HandedOnPrior::blocks))
+        own.or_else(|| others.iter().chain(&self.posterior_priors).find_map(PosteriorReference::blocks))
     }
 }
 
 /// Draws that stand in for priors of the parameters that a prediction's calibration did not infer.
-fn rest(pass: &Pass, spec: &Prediction) -> Vec<HandedOnPrior> {
+fn rest(pass: &Pass, spec: &Prediction) -> Vec<PosteriorReference> {
     let mut rest = Vec::new();
-    for own in &pass.handed_on {
+    for own in &pass.posterior_priors {
         let kept: Vec<usize> = (0..own.draws.parameters.len())
             .filter(|&place| !spec.posterior.draws.parameters.contains(&own.draws.parameters[place]))
             .collect();
         if !kept.is_empty() {
-            rest.push(HandedOnPrior { draws: own.draws.with(&kept), ..own.clone() });
+            rest.push(PosteriorReference { draws: own.draws.with(&kept), ..own.clone() });
         }
     }
     rest

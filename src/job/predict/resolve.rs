@@ -9,18 +9,18 @@ use crate::job::goal::discrepancies;
 use crate::job::kind::JobKind;
 use crate::job::propagate::{self, PropagateForm};
 use crate::random::Distribution;
-use crate::study::handed_on::HandedOn;
 use crate::study::job::{Asked, CALIBRATION, Entry, Forms, Inference, JobSpec};
-use crate::study::resolve::handed_on;
+use crate::study::posterior_prior::PosteriorPrior;
+use crate::study::resolve::posterior_prior;
 use crate::study::resolve::scope::Scope;
-use crate::study::resolved::{HandedOnPrior, Upstream};
+use crate::study::resolved::{PosteriorReference, Upstream};
 
 /// What of the calibration's pass a prediction needs.
 struct Source<'p> {
     parameters: Vec<String>,
     priors: &'p [Distribution],
-    handed_on: &'p [HandedOnPrior],
-    posterior: HandedOnPrior,
+    posterior_priors: &'p [PosteriorReference],
+    posterior: PosteriorReference,
     inference: Inference<'p>,
 }
 
@@ -54,8 +54,8 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &PredictForm, aske
         Some(NameOr::Other(from)) => {
             let PosteriorForm { pass: file, job } = &from.value;
             pass = asked.upstreams.pass(scope, &file.value, &file.place)?;
-            let found = handed_on::calibration(scope, &pass, &job.value, &job.place)?;
-            let posterior = handed_on::of_calibration(&pass, &job.value, &from.place, found);
+            let found = posterior_prior::calibration(scope, &pass, &job.value, &job.place)?;
+            let posterior = posterior_prior::of_calibration(&pass, &job.value, &from.place, found);
             let Some(found) = found else {
                 let reason = posterior.blocked.map(|blocked| blocked.reason).unwrap_or_default();
                 return Some(JobSpec::NotYet { kind: Kind::NAME, reason });
@@ -63,7 +63,7 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &PredictForm, aske
             Source {
                 parameters: pass.model.parameters.iter().map(|parameter| parameter.name.clone()).collect(),
                 priors: &pass.priors,
-                handed_on: &pass.handed_on,
+                posterior_priors: &pass.posterior_priors,
                 posterior,
                 inference: found,
             }
@@ -79,7 +79,7 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &PredictForm, aske
                 (_, Some(found)) => Source {
                     parameters: scope.resolved.model.parameters.iter().map(|own| own.name.clone()).collect(),
                     priors: offered.priors,
-                    handed_on: offered.handed_on,
+                    posterior_priors: offered.posterior_priors,
                     posterior: of_this_pass(offered.file, &job, &place),
                     inference: found,
                 },
@@ -96,9 +96,9 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &PredictForm, aske
     (scope.diagnostics.errors() == before).then(|| JobSpec::of(prediction))
 }
 
-fn of_this_pass(file: &str, job: &str, place: &Place) -> HandedOnPrior {
-    HandedOnPrior {
-        draws: HandedOn {
+fn of_this_pass(file: &str, job: &str, place: &Place) -> PosteriorReference {
+    PosteriorReference {
+        draws: PosteriorPrior {
             source: format!("`{job}`"),
             parameters: Vec::new(),
             names: Vec::new(),
@@ -164,8 +164,8 @@ fn assemble(scope: &Scope, source: Source<'_>, propagate: propagate::Spec) -> Pr
             priors.push((index, source.priors[position]));
         }
     }
-    let mut handed_on = Vec::new();
-    for own in source.handed_on {
+    let mut posterior_priors = Vec::new();
+    for own in source.posterior_priors {
         let kept: Vec<usize> = (0..own.draws.parameters.len())
             .filter(|&place| {
                 let position = own.draws.parameters[place];
@@ -179,7 +179,7 @@ fn assemble(scope: &Scope, source: Source<'_>, propagate: propagate::Spec) -> Pr
         own.draws = own.draws.with(&kept);
         let indices = own.draws.parameters.iter().filter_map(|&position| here(position)).collect();
         own.draws.parameters = indices;
-        handed_on.push(own);
+        posterior_priors.push(own);
     }
-    Prediction { propagate, posterior, priors, handed_on, discrepancy: Vec::new() }
+    Prediction { propagate, posterior, priors, posterior_priors, discrepancy: Vec::new() }
 }

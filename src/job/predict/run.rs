@@ -6,7 +6,7 @@
 
 use crate::job::goal::Discrepancy;
 use crate::random::Distribution;
-use crate::study::resolved::HandedOnPrior;
+use crate::study::resolved::PosteriorReference;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -19,11 +19,11 @@ pub struct Prediction {
     /// What is asked.
     pub propagate: propagate::Spec,
     /// The posterior.
-    pub posterior: HandedOnPrior,
+    pub posterior: PosteriorReference,
     /// The priors that the calibration began with: position in the model's list, prior (SI).
     pub priors: Vec<(usize, Distribution)>,
     /// Draws that stood in for some of them.
-    pub handed_on: Vec<HandedOnPrior>,
+    pub posterior_priors: Vec<PosteriorReference>,
     /// Errors of the model that are added to quantities.
     pub discrepancy: Vec<Discrepancy>,
 }

@@ -4,7 +4,7 @@
 //! Every case (environment and design value) uses the same samples, so that differences between cases are not blurred by
 //! sampling. A sample is one row of a point set, each uncertain parameter one quantile of it.
 //!
-//! Parameters with a posterior handed on take one of its draws together: the coordinate of the first of them picks the
+//! Parameters with a posterior as prior take one of its draws together: the coordinate of the first of them picks the
 //! draw, so that a stratified point set uses all draws equally often. The draws are not smoothed: a kernel would widen
 //! the posterior, and blur its bounds and bends, to hide a coarseness that the parameters propagated beside it blur
 //! anyway; what the number of draws leaves open stands in the intervals instead (`statistics::clusters`).
@@ -41,7 +41,7 @@ use crate::job::ready::{after, filled, unfilled};
 use crate::study::job::{Asked, Entry, JobSpec};
 use crate::study::resolve::scope::Scope;
 use crate::study::resolved::Blocked;
-use crate::study::resolved::HandedOnPrior;
+use crate::study::resolved::PosteriorReference;
 use crate::study::{self, Pass};
 
 /// The kind `propagate`.
@@ -64,15 +64,15 @@ impl JobKind for Kind {
     }
 
     fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {
-        let draws = shared.pass.handed_on.clone();
+        let draws = shared.pass.posterior_priors.clone();
         let make = shared.propagation(name, spec, &shared.pass.priors);
-        let known = make()?.with_handed_on(unfilled(&draws));
+        let known = make()?.with_posterior_priors(unfilled(&draws));
         if draws.is_empty() {
             return Ok(Readiness::Ready(Arc::new(known)));
         }
         let own = draws.clone();
         let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
-            Ok(Arc::new(make()?.with_handed_on(filled(&own, &mut results.iter())?)))
+            Ok(Arc::new(make()?.with_posterior_priors(filled(&own, &mut results.iter())?)))
         };
         after(&[&draws], Arc::new(known), Box::new(prepare))
     }
@@ -84,6 +84,6 @@ impl study::job::Spec for Spec {
     }
 
     fn blocked(&self, pass: &Pass) -> Option<Blocked> {
-        pass.handed_on.iter().find_map(HandedOnPrior::blocks)
+        pass.posterior_priors.iter().find_map(PosteriorReference::blocks)
     }
 }

@@ -4,7 +4,7 @@ use crate::study::variable::Sweep;
 use serde::{Deserialize, Serialize};
 
 use crate::statistics::sobol_indices::Estimate;
-use crate::study::handed_on::HandedOnSummary;
+use crate::study::posterior_prior::PosteriorPriorSummary;
 use crate::study::requirement::{Environment, Requirement};
 
 /// How the priors are sampled.
@@ -238,7 +238,7 @@ pub struct Output {
     pub reached: Vec<Reached>,
     /// Draws that stood in for priors; errors and intervals are from the number of draws that these are worth.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub handed_on: Vec<HandedOnSummary>,
+    pub posterior_priors: Vec<PosteriorPriorSummary>,
     /// Errors of the model that are added to quantities.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub discrepancy: Vec<AddedDiscrepancy>,

@@ -4,7 +4,7 @@
 //! Every case (environment and design value) uses the same samples, so that differences between cases are not blurred by
 //! sampling. A sample is one row of a point set, each uncertain parameter one quantile of it.
 //!
-//! Parameters with a posterior handed on take one of its draws together: the coordinate of the first of them picks the
+//! Parameters with a posterior as prior take one of its draws together: the coordinate of the first of them picks the
 //! draw, so that a stratified point set uses all draws equally often. The draws are not smoothed: a kernel would widen
 //! the posterior, and blur its bounds and bends, to hide a coarseness that the parameters propagated beside it blur
 //! anyway; what the number of draws leaves open stands in the intervals instead (`statistics::clusters`).
@@ -26,7 +26,7 @@ use crate::thermal::{LANES, Model, Network, SampleBatch, Start};
 use crate::job::fault::listed;
 use crate::job::goal::Discrepancy;
 use crate::job::{Done, Job, JobError, Parts, Step};
-use crate::study::handed_on::HandedOn;
+use crate::study::posterior_prior::PosteriorPrior;
 use crate::study::requirement::Environment;
 
 /// Samples in a block; part of the job's identity.
@@ -52,7 +52,7 @@ pub struct Propagate {
     pub(super) starts: Vec<Vec<f64>>,
     /// Quantities of the nominal parameters, by case.
     pub(super) nominal: Vec<Vec<f64>>,
-    pub(super) handed_on: Vec<HandedOn>,
+    pub(super) posterior_priors: Vec<PosteriorPrior>,
     /// What is added to quantities, and a coordinate each of points of their own, which pick the errors.
     pub(super) discrepancy: Option<(Vec<Discrepancy>, Points)>,
 }
@@ -94,7 +94,7 @@ impl Propagate {
             uncertain,
             starts: Vec::new(),
             nominal: Vec::new(),
-            handed_on: Vec::new(),
+            posterior_priors: Vec::new(),
             discrepancy: None,
         };
         let mut workspace = job.network.workspace();
@@ -122,8 +122,8 @@ impl Propagate {
 
     /// The same with draws in place of the priors of some parameters; posteriors without draws yet may stand among them, for
     /// the job's identity.
-    pub fn with_handed_on(self, handed_on: Vec<HandedOn>) -> Self {
-        Self { handed_on, ..self }
+    pub fn with_posterior_priors(self, posterior_priors: Vec<PosteriorPrior>) -> Self {
+        Self { posterior_priors, ..self }
     }
 
     /// The same with an error of the model added to quantities: normal, independent from quantity to quantity and of the
@@ -160,26 +160,26 @@ impl Propagate {
     }
 
     /// Coordinate of the points that picks the draw of a posterior; `None` where all its parameters are fixed.
-    pub(super) fn leader(&self, own: &HandedOn) -> Option<usize> {
+    pub(super) fn leader(&self, own: &PosteriorPrior) -> Option<usize> {
         self.uncertain.iter().position(|parameter| own.parameters.contains(parameter))
     }
 
-    pub(super) fn is_handed_on(&self, parameter: usize) -> bool {
-        self.handed_on.iter().any(|own| own.parameters.contains(&parameter))
+    pub(super) fn has_posterior_prior(&self, parameter: usize) -> bool {
+        self.posterior_priors.iter().any(|own| own.parameters.contains(&parameter))
     }
 
     /// The samples by the draws that they were computed from, for each posterior.
     pub(super) fn clusters(&self) -> Vec<Clusters> {
         let samples = usize::try_from(self.spec.samples).unwrap_or(usize::MAX);
         let width = self.uncertain.len();
-        let mut clusters: Vec<Clusters> = (self.handed_on.iter())
+        let mut clusters: Vec<Clusters> = (self.posterior_priors.iter())
             .map(|own| Clusters { of: Vec::with_capacity(samples), count: own.draws.len(), effective: own.effective })
             .collect();
         let mut rows = vec![0.5; width * LANES * BATCHES_DRAWN];
         for first in (0..samples).step_by(LANES * BATCHES_DRAWN) {
             let count = (LANES * BATCHES_DRAWN).min(samples - first);
             self.points.fill_rows(first, &mut rows[..width * count]);
-            for (own, clusters) in self.handed_on.iter().zip(&mut clusters) {
+            for (own, clusters) in self.posterior_priors.iter().zip(&mut clusters) {
                 let leader = self.leader(own).unwrap_or(0);
                 clusters.of.extend(rows[..width * count].chunks_exact(width).map(|row| own.position(row[leader])));
             }
@@ -253,13 +253,13 @@ impl Propagate {
             }
             let row = done % (LANES * BATCHES_DRAWN);
             for (position, &parameter) in self.uncertain.iter().enumerate() {
-                if swept != Some(parameter) && !self.is_handed_on(parameter) {
+                if swept != Some(parameter) && !self.has_posterior_prior(parameter) {
                     let mut values: [f64; LANES] = std::array::from_fn(|lane| rows[(row + lane) * width + position]);
                     self.priors[parameter].quantiles(&mut values);
                     batch.set_parameter_lanes(parameter, values);
                 }
             }
-            for (own, leader) in self.handed_on.iter().filter_map(|own| Some((own, self.leader(own)?))) {
+            for (own, leader) in self.posterior_priors.iter().filter_map(|own| Some((own, self.leader(own)?))) {
                 let draws: [&[f64]; LANES] =
                     std::array::from_fn(|lane| own.draws[own.position(rows[(row + lane) * width + leader])].as_slice());
                 for (column, &parameter) in own.parameters.iter().enumerate() {
@@ -306,7 +306,7 @@ impl Propagate {
                 parameters[parameter] = self.priors[parameter].quantile(u);
             }
         }
-        for (own, leader) in self.handed_on.iter().filter_map(|own| Some((own, self.leader(own)?))) {
+        for (own, leader) in self.posterior_priors.iter().filter_map(|own| Some((own, self.leader(own)?))) {
             let draw = &own.draws[own.position(row[leader])];
             for (&parameter, &value) in own.parameters.iter().zip(draw) {
                 if swept != Some(Variable::Parameter(parameter)) {
@@ -344,8 +344,8 @@ impl Job for Propagate {
             "model": self.model.identity(),
             "priors": self.priors,
         });
-        if !self.handed_on.is_empty() {
-            identity["handed_on"] = self.handed_on.iter().map(HandedOn::identity).collect();
+        if !self.posterior_priors.is_empty() {
+            identity["posterior_priors"] = self.posterior_priors.iter().map(PosteriorPrior::identity).collect();
         }
         if let Some((discrepancy, _)) = &self.discrepancy {
             identity["discrepancy"] = json!(discrepancy);
@@ -354,7 +354,7 @@ impl Job for Propagate {
     }
 
     fn begin(&self) -> Result<Step<Self>, JobError> {
-        if let Some(own) = self.handed_on.iter().find(|own| own.draws.is_empty()) {
+        if let Some(own) = self.posterior_priors.iter().find(|own| own.draws.is_empty()) {
             return Err(JobError::Failed(format!("the posterior of {} has no draws", own.source)));
         }
         let mut inputs = Vec::new();
@@ -432,7 +432,7 @@ impl Job for Propagate {
                 failures,
             );
             // Parameters that share draws have no effects of their own.
-            if self.design(case).is_none() && self.handed_on.is_empty() {
+            if self.design(case).is_none() && self.posterior_priors.is_empty() {
                 summary.main_effects = self.main_effects(&values);
             }
             cases.push(summary);
@@ -451,9 +451,10 @@ impl Job for Propagate {
             design_unit: self.spec.sweep.as_ref().map(|sweep| sweep.unit.clone()).unwrap_or_default(),
             cases,
             reached,
-            handed_on: self.handed_on.iter().map(HandedOn::summary).collect(),
+            posterior_priors: self.posterior_priors.iter().map(PosteriorPrior::summary).collect(),
             discrepancy: self.added(),
-            converged: (!self.handed_on.is_empty()).then(|| self.handed_on.iter().all(|own| own.converged)),
+            converged: (!self.posterior_priors.is_empty())
+                .then(|| self.posterior_priors.iter().all(|own| own.converged)),
         };
         Ok(Step::Done(Box::new(output)))
     }

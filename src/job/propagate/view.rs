@@ -11,7 +11,7 @@ const ALL: &str = "all";
 ///
 /// `quantities`, `probability` and `failed` are of the nominal design in the first environment, which `environment`
 /// names; `cases` has the same for every environment and design value, the nominal design (`design_value` null) first.
-/// With draws in place of priors, `handed_on` says which, and `converged` whether their chains did.
+/// With draws in place of priors, `posterior_priors` says which, and `converged` whether their chains did.
 /// `probability` always has `all`, also where there is but one requirement.
 pub fn view(output: &Output) -> Value {
     let cases: Vec<Value> = output.cases.iter().map(case).collect();
@@ -30,8 +30,8 @@ pub fn view(output: &Output) -> Value {
         "cases": cases,
         "reached": output.reached,
     });
-    if !output.handed_on.is_empty() {
-        document["handed_on"] = json!(output.handed_on);
+    if !output.posterior_priors.is_empty() {
+        document["posterior_priors"] = json!(output.posterior_priors);
         document["converged"] = json!(output.converged);
     }
     document
@@ -155,7 +155,7 @@ mod tests {
             design_unit: "m2".into(),
             cases: vec![case("hot", None, 2), case("hot", Some(0.3), 5)],
             reached: vec![],
-            handed_on: vec![],
+            posterior_priors: vec![],
             discrepancy: vec![],
             converged: None,
         }

@@ -311,7 +311,7 @@ fn method(output: &Output) -> String {
         chance(output.probability_unexplained),
         counted(output.unseen.len(), "effect")
     );
-    for own in &output.handed_on {
+    for own in &output.posterior_priors {
         text.push_str(&format!(
             " The prior of {} is the posterior of {}, as a normal distribution of its {}.",
             own.parameters.join(", "),

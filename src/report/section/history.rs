@@ -177,7 +177,7 @@ fn table(measured: &[&PassErrors]) -> Table {
     Table {
         caption: "Readings for fitting / held out. Mean deviation (measured minus predicted) and share within the limit are of the \
                   tuned state where there is one. Reduced chi-square: sum of squares of the whitened residuals over readings less unknowns, \
-                  by the noise of the calibration; a diagnosis that settles the noise itself tells another. Evidence compares passes \
+                  by the noise of the calibration; a diagnosis that estimates the noise itself tells another. Evidence compares passes \
                   that fit the same readings."
             .into(),
         columns: vec![

@@ -87,7 +87,7 @@ pub fn error_by_pass(history: &History) -> Option<Section> {
     history::section(history)
 }
 
-/// Which jobs the passes of a study lack for their errors to be told.
+/// Which jobs the passes of a study lack for their errors to be stated.
 pub fn missing_jobs(history: &History) -> Vec<Text> {
     history.passes.iter().flat_map(history::missing_jobs).collect()
 }

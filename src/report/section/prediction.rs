@@ -56,7 +56,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
 
 fn opening(name: &str, output: &Output) -> Text {
     let mut text = Text::new("Job ").code(name).plain(": ");
-    for own in &output.posterior.handed_on {
+    for own in &output.posterior.posterior_priors {
         text = text.plain(format!(
             "the posterior of {} ({}; {}, worth {} independent ones), ",
             own.source.replace('`', ""),

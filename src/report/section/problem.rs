@@ -105,7 +105,7 @@ fn parameters(report: &PassReport<'_>) -> Vec<Block> {
         .map(|parameter| {
             let shown = Shown::written(&parameter.unit);
             let prior = report.priors.iter().find(|p| p.0 == parameter.name);
-            let draws = report.handed_on.iter().find(|(name, _)| *name == parameter.name);
+            let draws = report.posterior_priors.iter().find(|(name, _)| *name == parameter.name);
             let prior = match draws {
                 Some((_, source)) => format!("draws of {}", source.replace('`', "")),
                 None => prior.map_or_else(|| "fixed".to_owned(), |p| prior_words(&p.1, &shown)),

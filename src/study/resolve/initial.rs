@@ -6,7 +6,7 @@ use crate::inference::measurement::{Initial, Sensor, Uncertain};
 use crate::random::Distribution;
 use crate::study::pass::measurement::{InitialForm, MeasuredStartForm, OtherNodesForm};
 use crate::study::pass::uncertain::UncertainForm;
-use crate::thermal::{Network, NodeKind, island_beside};
+use crate::thermal::{Network, NodeKind, isolated_nodes_beside};
 
 use super::plausible::short;
 use super::scope::Scope;
@@ -241,7 +241,7 @@ fn without_reading(
         return Some(filled.into_iter().map(|value| value.unwrap_or(ROOM_K)).collect());
     }
     let held: Vec<bool> = nominal.iter().map(Option::is_some).collect();
-    let lost = island_beside(&scope.resolved.model, &held);
+    let lost = isolated_nodes_beside(&scope.resolved.model, &held);
     without_path(scope, lost.unwrap_or_default(), place)?;
     let known = || nominal.iter().flatten();
     let mean = known().sum::<f64>() / known().count().max(1) as f64;

@@ -8,13 +8,13 @@ pub mod chosen;
 pub mod data;
 pub mod design_variable;
 mod drift;
-pub mod handed_on;
 mod influence;
 mod initial;
 pub mod measurement;
 mod noise;
 mod physical;
 mod plausible;
+pub mod posterior_prior;
 pub mod requirement;
 pub mod scope;
 pub mod settings;
@@ -46,8 +46,8 @@ use super::resolved::Pass;
 use super::{profile, rule};
 
 pub use adopt::sensor_places;
-use handed_on::Upstreams;
 use measurement::Outcome;
+use posterior_prior::Upstreams;
 use scope::{Scope, unit_of};
 use settings::Offered;
 
@@ -255,7 +255,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     adoption.switch_on(&mut measurements, &mut environments);
     priors.extend(adoption.priors.iter().copied());
     let mut upstreams = Upstreams::new(files.reader, files.chain);
-    let handed_on = handed_on::resolve(&mut scope, &mut upstreams, &mut priors);
+    let posterior_priors = posterior_prior::resolve(&mut scope, &mut upstreams, &mut priors);
     let ranges_from_data = ranges_from_data(&mut scope, &measurements);
     let rules = rule::load(Some(folder), scope.diagnostics);
     let profiles = profile::load(Some(folder), form.criteria.iter(), scope.diagnostics);
@@ -273,7 +273,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     let offered = Offered {
         file: &lineage.files[0].name,
         priors: &priors,
-        handed_on: &handed_on,
+        posterior_priors: &posterior_priors,
         requirements: &requirements,
         environments: &environments,
         measurements: &positions,
@@ -289,7 +289,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     let kinds = &files.reader.kinds;
     let forms = kinds.read(&form.jobs, scope.diagnostics);
     let mut jobs = kinds.resolve(&mut scope, &forms, &offered, &mut upstreams);
-    used_twice::check(&mut scope, &jobs, &forms, &measurements, &handed_on);
+    used_twice::check(&mut scope, &jobs, &forms, &measurements, &posterior_priors);
     let refused = noise::refused(&scope, &jobs, form, &measurements);
     let measured = form.measurements.iter().next().map(|entry| &entry.name_place);
     kinds.complete(&mut jobs, &forms, &offered, measured);
@@ -318,7 +318,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
         seed,
         model,
         priors,
-        handed_on,
+        posterior_priors,
         handed_on_depth: upstreams.depth(),
         upstream: upstreams.passes,
         input_errors,

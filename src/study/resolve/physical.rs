@@ -1,4 +1,4 @@
-//! What cannot be in the believed model: conductances, exchange areas and heat capacities below 0, and nodes that nothing
+//! What cannot be in the baseline model: conductances, exchange areas and heat capacities below 0, and nodes that nothing
 //! leads to.
 //!
 //! Most constants are refused where they are read. Expressions are tried at all values that are known before anything is solved:

@@ -7,7 +7,7 @@ use crate::random::Distribution;
 use crate::study::pass::variable::RangeForm;
 use crate::study::profile::Criteria;
 use crate::study::requirement::{Environment, Requirement};
-use crate::study::resolved::HandedOnPrior;
+use crate::study::resolved::PosteriorReference;
 use crate::study::rule::Rule;
 
 use super::scope::Scope;
@@ -28,7 +28,7 @@ pub struct Offered<'a> {
     /// The priors, SI.
     pub priors: &'a [Distribution],
     /// Draws that stand in for some of them.
-    pub handed_on: &'a [HandedOnPrior],
+    pub posterior_priors: &'a [PosteriorReference],
     /// Requirements.
     pub requirements: &'a [Requirement],
     /// Environments.

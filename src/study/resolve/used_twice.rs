@@ -6,7 +6,7 @@ use crate::document::{Diagnostic, code, suggest};
 use crate::inference::measurement::{Measurement, Rows};
 use crate::inference::rows::used_rows;
 use crate::study::job::{Entry, Forms, Inference, NamedJob};
-use crate::study::resolved::HandedOnPrior;
+use crate::study::resolved::PosteriorReference;
 
 use super::scope::Scope;
 
@@ -19,9 +19,9 @@ pub(super) fn check(
     jobs: &[NamedJob],
     forms: &Forms,
     measurements: &[Measurement],
-    handed_on: &[HandedOnPrior],
+    posterior_priors: &[PosteriorReference],
 ) {
-    if handed_on.is_empty() {
+    if posterior_priors.is_empty() {
         return;
     }
     for entry in forms.entries() {
@@ -29,8 +29,8 @@ pub(super) fn check(
         let Some(Inference { verb, data, parameters }) = named.and_then(|job| job.spec.inference()) else { continue };
         // A measurement with an error of its own is not among them.
         let data: Vec<&Measurement> = data.iter().filter_map(|&index| measurements.get(index)).collect();
-        let used = |own: &&HandedOnPrior| own.draws.parameters.iter().any(|p| parameters.contains(p));
-        job(scope, entry, verb, &data, handed_on.iter().filter(used));
+        let used = |own: &&PosteriorReference| own.draws.parameters.iter().any(|p| parameters.contains(p));
+        job(scope, entry, verb, &data, posterior_priors.iter().filter(used));
     }
 }
 
@@ -39,9 +39,9 @@ fn job<'h>(
     entry: &Entry,
     verb: &str,
     data: &[&Measurement],
-    handed_on: impl Iterator<Item = &'h HandedOnPrior>,
+    posterior_priors: impl Iterator<Item = &'h PosteriorReference>,
 ) {
-    for own in handed_on {
+    for own in posterior_priors {
         for behind in &own.behind {
             let known: BTreeSet<&str> =
                 behind.rows.iter().flat_map(|row| &row.readings).map(|(_, hash)| hash.as_str()).collect();

@@ -1,4 +1,4 @@
-//! Exchanged channels that no linearisation shows: a large exchange bends the fit of the believed model so far that its
+//! Exchanged channels that no linearisation shows: a large exchange bends the fit of the baseline model so far that its
 //! predictions there say nothing of what the sensors would read.
 
 use crate::diagnosis::FitError;
@@ -9,7 +9,7 @@ use crate::inference::target::{LeastSquares, Target};
 /// Candidates that exchange channels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Exchanges {
-    /// Those that, nothing being refitted, leave less than the believed model does: at its fit or at the priors' medians.
+    /// Those that, nothing being refitted, leave less than the baseline model does: at its fit or at the priors' medians.
     /// Positions, those that leave least first.
     pub likeliest: Vec<usize>,
     /// Those of which no model can be made: position and why.
@@ -40,7 +40,7 @@ pub(crate) fn exchanges(problem: &Problem, believed: &Refit, count: usize) -> Re
     Ok(Exchanges { likeliest: found.into_iter().map(|(_, position)| position).collect(), impossible })
 }
 
-/// Sums of squares with effects at the believed model's fit and at the medians of all priors; infinite where the model has
+/// Sums of squares with effects at the baseline model's fit and at the medians of all priors; infinite where the model has
 /// no solution.
 ///
 /// # Errors

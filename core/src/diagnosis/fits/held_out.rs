@@ -26,7 +26,7 @@ const TIMES_OF_BLOCK: f64 = 3.0;
 /// Fewest blocks that are tested.
 const LEAST_BLOCKS: usize = 4;
 
-/// Tests whether a set predicts the held-out rows worse than the believed model, or predicts them badly without being
+/// Tests whether a set predicts the held-out rows worse than the baseline model, or predicts them badly without being
 /// clearly better; with twice the error and beyond what the parameters leave open it is worse however few blocks there are. A block
 /// is a phase, or three correlation times of a transient. `None` without held-out rows, and where errors are so many times
 /// the noise that their squares are no numbers.

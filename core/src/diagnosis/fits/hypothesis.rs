@@ -1,4 +1,4 @@
-//! The believed model with a set of effects added, and the measurements as it sees them.
+//! The baseline model with a set of effects added, and the measurements as it sees them.
 
 use crate::diagnosis::FitError;
 use std::sync::Arc;
@@ -60,7 +60,7 @@ impl Problem {
         Ok(hypothesis)
     }
 
-    /// The problem whose believed model has the effects of a fit, with priors as wide as the fit took them. The candidates
+    /// The problem whose baseline model has the effects of a fit, with priors as wide as the fit took them. The candidates
     /// are the same.
     ///
     /// # Errors

@@ -16,7 +16,7 @@ use crate::inference::point_estimate::{PointEstimate, PointSettings, estimate};
 use crate::inference::prediction::Predictor;
 use crate::inference::target::{LeastSquares, Target};
 use crate::inference::truncated_moments::Moments;
-use crate::inference::unknown::settled;
+use crate::inference::unknown::with_unknowns;
 use crate::math::functions::ln;
 use crate::random::StreamKey;
 
@@ -272,8 +272,8 @@ impl Refit {
         let (mut train, mut held_out) = (Squares::default(), Squares::default());
         let mut errors = Vec::new();
         for (index, measurement) in hypothesis.measurements.iter().enumerate() {
-            let settled = settled(measurement, &inputs, &nodes, &find);
-            let predicted = predictor.predict(&mut workspace, &settled, &full).readings;
+            let fixed = with_unknowns(measurement, &inputs, &nodes, &find);
+            let predicted = predictor.predict(&mut workspace, &fixed, &full).readings;
             let width = measurement.sensors.len();
             for row in (0..measurement.len()).filter(|&row| !measurement.ignored(row)) {
                 for sensor in 0..width {
@@ -285,7 +285,7 @@ impl Refit {
                     }
                     let kelvin = hypothesis.model.quantities[measurement.sensors[sensor].quantity].unit == "K";
                     if measurement.held_out(row) {
-                        let sigma = total_sigma(&settled, sensor);
+                        let sigma = total_sigma(&fixed, sensor);
                         errors.push(HeldOut { measurement: index, row, sensor, error, sigma });
                         held_out.add(kelvin, error);
                     } else {
@@ -301,7 +301,7 @@ impl Refit {
     }
 }
 
-/// Standard deviation of one reading of a sensor whose noise is settled, SI; 0 where it is not stated.
+/// Standard deviation of one reading of a sensor whose noise is estimated, SI; 0 where it is not stated.
 pub(crate) fn total_sigma(measurement: &Measurement, sensor: usize) -> f64 {
     let own = &measurement.sensors[sensor];
     let part = |value: &Option<crate::inference::measurement::Uncertain>| value.as_ref().map_or(0.0, |v| v.nominal());

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::diagnosis::Problem;
 use crate::diagnosis::engine::{Diagnosis, Remainder, SINGLES, State};
 use crate::diagnosis::fits::exchange::exchanges;
-use crate::diagnosis::odds::posterior_odds::{best, log_weights, weigh};
+use crate::diagnosis::odds::posterior_odds::{best, log_weights, posterior_odds};
 use crate::diagnosis::screening::screen::Lead;
 
 /// Effects that are tried beside a set, or in the place of one of its members.
@@ -14,11 +14,11 @@ const BESIDE: usize = 8;
 const NEAR: f64 = 9.2;
 /// Most rounds of extension.
 const MOST_ROUNDS: u32 = 8;
-/// Most times that other sets than the best one are gone on from.
+/// Most times that other sets than the best one are extended.
 const MOST_ASIDE: u32 = 6;
 /// Single effects from which sets are sought that the best one does not lead to.
 const MOST_SEEDS: usize = 3;
-/// Exchanges of channels that are fitted beside a set that is gone on from.
+/// Exchanges of channels that are fitted beside a set that is extended.
 const EXCHANGES_BESIDE: usize = 2;
 
 /// The best effects, of those within [`NEAR`] of the first as many as these two numbers allow.
@@ -34,25 +34,25 @@ impl Diagnosis {
         state.pending.clear();
         state.rounds += 1;
         if state.rounds == 1 {
-            match self.settle_again(&state) {
+            match self.estimate_noise_again(&state) {
                 Ok(Some(next)) => return next,
                 Ok(None) => {}
                 Err(why) => state.warn(why),
             }
         }
-        let weights = weigh(self.problem(), &state.refits, None);
+        let weights = posterior_odds(self.problem(), &state.refits, None);
         let Some(place) = best(&weights) else { return state };
-        let problem = self.settled(&state.noise, &state.most_steps);
-        if state.is_gone_on_from(place) {
+        let problem = self.with_noise(&state.noise, &state.most_steps);
+        if state.was_extended(place) {
             while state.pending.is_empty() && state.aside < MOST_ASIDE {
                 let Some(place) = self.aside(&state, place) else { break };
                 state.aside += 1;
-                self.go_on(&problem, &mut state, place);
+                self.extend_set(&problem, &mut state, place);
                 self.replace_members(&problem, &mut state, place);
             }
         } else if !state.refits[place].effects.is_empty() && state.rounds.saturating_sub(state.aside) <= MOST_ROUNDS {
-            self.go_on(&problem, &mut state, place);
-            self.order_unbent(&problem, &mut state, place);
+            self.extend_set(&problem, &mut state, place);
+            self.order_at_prior_medians(&problem, &mut state, place);
             self.order_like(&mut state, place);
             self.replace_members(&problem, &mut state, place);
         }
@@ -60,7 +60,7 @@ impl Diagnosis {
     }
 
     /// Tests what a set leaves, and orders those with one or two effects more where that is something.
-    fn go_on(&self, problem: &Problem, state: &mut State, place: usize) {
+    fn extend_set(&self, problem: &Problem, state: &mut State, place: usize) {
         let set = state.refits[place].effects.clone();
         let screening = match self.screen_beside(problem, &state.refits[place]) {
             Ok(screening) => screening,
@@ -90,7 +90,7 @@ impl Diagnosis {
         }
     }
 
-    /// The next set to go on from when the best one, of several effects or with a curve, is done: single steps from the best
+    /// The next set to extend when the best one, of several effects or with a curve, is done: single steps from the best
     /// single effect may not lead to the best set. The best set of effects with names, where a curve belongs to the best one; and
     /// where that is large, or something is still found beside it, the best ones with each of the single effects that
     /// explain most at places of their own, while they are smaller.
@@ -105,7 +105,7 @@ impl Diagnosis {
                 |&place: &usize| !effects(place).is_empty() && is_named(effects(place)) && allowed(effects(place));
             (0..state.refits.len()).filter(is_allowed).reduce(better)
         };
-        let is_new = |place: &usize| !state.is_gone_on_from(*place);
+        let is_new = |place: &usize| !state.was_extended(*place);
         if !is_named(leading)
             && let Some(place) = best_of(&|effects| effects.len() <= leading.len()).filter(is_new)
         {
@@ -130,19 +130,19 @@ impl Diagnosis {
     /// Orders the sets with one more effect that stands out where the parameters are as they were believed beforehand, if what
     /// is still missing bends the fit with the set: a parameter that a bound holds gives way only far from there, which
     /// no linearisation at the bound tells.
-    fn order_unbent(&self, problem: &Problem, state: &mut State, place: usize) {
+    fn order_at_prior_medians(&self, problem: &Problem, state: &mut State, place: usize) {
         let set = state.refits[place].effects.clone();
         if set.len() as u64 >= self.settings().most {
             return;
         }
         let with = problem.with(&state.refits[place]);
-        match with.and_then(|with| self.leads_unbent(&with, &state.refits[place])) {
+        match with.and_then(|with| self.leads_at_prior_medians(&with, &state.refits[place])) {
             Ok(leads) => leads.iter().take(BESIDE).for_each(|lead| state.order(&[lead], &set, place)),
             Err(why) => state.warn(why),
         }
     }
 
-    /// Orders the sets in which another law stands at the place of a member. At the believed fit, which a strong effect bends,
+    /// Orders the sets in which another law stands at the place of a member. At the baseline fit, which a strong effect bends,
     /// their linearisations may have missed the best of them.
     fn order_like(&self, state: &mut State, place: usize) {
         let set = state.refits[place].effects.clone();

@@ -6,16 +6,16 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnosis::output::Carried;
+use crate::diagnosis::output::EffectHeat;
 use crate::diagnosis::{Hypothesis, Problem, Refit};
 use crate::inference::measurement::{Measurement, Rows};
 use crate::inference::prediction::Predictor;
-use crate::inference::unknown::settled;
+use crate::inference::unknown::with_unknowns;
 use crate::thermal::{Network, NodeHeat, Workspace};
 
 /// Stretches of time of a transient.
 const STRETCHES: usize = 12;
-/// Nodes of which it is told.
+/// Nodes of which it is stated.
 const MOST_NODES: usize = 6;
 /// Heat below this share of the largest is rounding.
 const LEAST: f64 = 1e-6;
@@ -32,7 +32,7 @@ struct Row {
 
 /// The heat that an effect of a fitted set carries into nodes over the fitted rows, the nodes with most first. Empty for
 /// effects on sensors and where the model cannot be solved.
-pub(crate) fn carried(problem: &Problem, refit: &Refit, effect: usize) -> Vec<Carried> {
+pub(crate) fn effect_heat_flow(problem: &Problem, refit: &Refit, effect: usize) -> Vec<EffectHeat> {
     let rest: Vec<usize> = refit.effects.iter().copied().filter(|&other| other != effect).collect();
     let (Ok(with), Ok(without)) = (problem.hypothesis(&refit.effects, 1.0), problem.hypothesis(&rest, 1.0)) else {
         return Vec::new();
@@ -56,7 +56,7 @@ pub(crate) fn carried(problem: &Problem, refit: &Refit, effect: usize) -> Vec<Ca
 }
 
 /// A node's heat by phase, or its mean over stretches of time.
-fn of_node(node: &str, rows: &[Row], measurements: &[Measurement]) -> Vec<Carried> {
+fn of_node(node: &str, rows: &[Row], measurements: &[Measurement]) -> Vec<EffectHeat> {
     let mut told = Vec::new();
     for (index, measurement) in measurements.iter().enumerate() {
         let own: Vec<(usize, f64)> = rows
@@ -64,7 +64,7 @@ fn of_node(node: &str, rows: &[Row], measurements: &[Measurement]) -> Vec<Carrie
             .filter(|row| row.measurement == index)
             .filter_map(|row| Some((row.row, *row.watts.get(node)?)))
             .collect();
-        let one = |phase: Option<String>, time_s: Option<f64>, part: &[(usize, f64)]| Carried {
+        let one = |phase: Option<String>, time_s: Option<f64>, part: &[(usize, f64)]| EffectHeat {
             node: node.to_owned(),
             measurement: measurement.name.clone(),
             phase,
@@ -109,14 +109,14 @@ fn rows(problem: &Problem, refit: &Refit, with: &Hypothesis, without: &Hypothesi
     other.set_parameters(&mut others, &parameters);
     let mut found = Vec::new();
     for (index, measurement) in with.measurements.iter().enumerate() {
-        let settled = settled(measurement, &inputs, &nodes, &find);
-        let prediction = predictor.predict(&mut workspace, &settled, &full);
+        let fixed = with_unknowns(measurement, &inputs, &nodes, &find);
+        let prediction = predictor.predict(&mut workspace, &fixed, &full);
         for row in (0..measurement.len()).filter(|&row| !measurement.ignored(row) && !measurement.held_out(row)) {
             let temperatures = &prediction.temperatures[row * count..(row + 1) * count];
             if temperatures.iter().any(|value| !value.is_finite()) {
                 continue;
             }
-            let (values, time_s) = match &settled.rows {
+            let (values, time_s) = match &fixed.rows {
                 Rows::Steady(phases) => (phases[row].inputs.clone(), None),
                 Rows::Transient { inputs, .. } => {
                     let values = (0..inputs.base.len()).map(|input| inputs.in_row(row, input)).collect();

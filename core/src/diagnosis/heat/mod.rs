@@ -1,4 +1,4 @@
-//! Heat that the believed model lacks, whatever its cause: in steady data independent in every node and phase, in
+//! Heat that the baseline model lacks, whatever its cause: in steady data independent in every node and phase, in
 //! transients in every node and stretch of time, beside a bias of every sensor.
 //!
 //! With `H` the whitened effect of these sources, columns scaled to norm 1, and amplitudes `q ~ N(0, s^2)`, the residuals
@@ -167,7 +167,7 @@ fn settle(sources: &Sources, mut state: State, chosen: &Needed) -> State {
     state
 }
 
-/// The heat that a fit of the believed model lacks. `None` for networks that are too large or that cannot be solved so.
+/// The heat that a fit of the baseline model lacks. `None` for networks that are too large or that cannot be solved so.
 pub(crate) fn missing_heat(problem: &Problem, believed: &Refit) -> Option<MissingHeat> {
     let sources = Sources::new(problem)?;
     let list = sources.list();
@@ -179,7 +179,7 @@ pub(crate) fn missing_heat(problem: &Problem, believed: &Refit) -> Option<Missin
     let with = Evidence::new(&state.linear).log_evidence(&amplitudes(&state, &chosen))?;
     // Biases alone are an effect of the catalogue, not something else.
     let has_heat = chosen.iter().any(|&(place, _)| matches!(list[place].kind, Kind::Node(_)));
-    // Not as a difference to the believed fit: where that is bent to sums of squares of 1e8, it is off by millions.
+    // Not as a difference to the baseline fit: where that is bent to sums of squares of 1e8, it is off by millions.
     let log_evidence = if has_heat { with + sources.constant(&state, believed)? - price } else { f64::NEG_INFINITY };
     let (_, amplitudes, sds) = solve(&state, &chosen)?;
     let mut heat = Vec::new();
@@ -205,8 +205,8 @@ mod tests {
     use crate::random::StreamKey;
     use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 
-    /// Where the believed fit is bent, it need not have come to its end: what heat explains does not depend on it. With a
-    /// difference to the believed fit's evidence the two would differ by what that is wrong by.
+    /// Where the baseline fit is bent, it need not have come to its end: what heat explains does not depend on it. With a
+    /// difference to the baseline fit's evidence the two would differ by what that is wrong by.
     #[test]
     fn the_evidence_does_not_depend_on_where_the_believed_fit_stopped() {
         let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));

@@ -42,12 +42,12 @@ pub(super) struct Source {
     pub inputs: Vec<f64>,
 }
 
-/// The believed model with sources, over the rows of a steady phase or of a transient.
+/// The baseline model with sources, over the rows of a steady phase or of a transient.
 struct Field {
     likelihood: Likelihood,
     /// Positions of its readings among all.
     rows: Vec<usize>,
-    /// Position of each of its unknowns among the believed model's.
+    /// Position of each of its unknowns among the baseline model's.
     unknowns: Vec<Option<usize>>,
     /// The source that each of its unknowns is.
     sources: Vec<Option<usize>>,
@@ -66,11 +66,11 @@ pub(super) struct Sources {
 /// amplitudes count from 0.
 #[derive(Clone)]
 pub(super) struct State {
-    /// Unknowns of the believed model, SI.
+    /// Unknowns of the baseline model, SI.
     pub unknowns: Vec<f64>,
     /// Amplitudes of the sources, W (of biases in standard deviations).
     pub amplitudes: Vec<f64>,
-    /// The believed model there.
+    /// The baseline model there.
     pub linear: Linear,
     /// Columns of the sources.
     pub columns: Vec<Vec<f64>>,
@@ -262,7 +262,7 @@ impl Sources {
         Some(noise + priors + widths + 0.5 * linear.rows as f64 * ln(2.0 * std::f64::consts::PI))
     }
 
-    /// Unknowns (SI) after a step of the believed model's natural coordinates.
+    /// Unknowns (SI) after a step of the baseline model's natural coordinates.
     pub fn stepped(&self, unknowns: &[f64], step: &[f64]) -> Option<Vec<f64>> {
         let objective = NaturalObjective::new(&self.likelihood).ok()?;
         let moved: Vec<f64> = objective.coordinates(unknowns).iter().zip(step).map(|(x, d)| x + d).collect();

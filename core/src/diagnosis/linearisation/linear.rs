@@ -4,7 +4,7 @@
 //! `g = W df/da`. Normal priors are rows of `r` and `J` of their own (`g` is 0 there), uniform ones bounds of the step `d`:
 //! the fit with a step `d` and an amplitude `a` has the sum of squares `|r - J d - g a|^2`.
 
-/// The believed model at its fit.
+/// The baseline model at its fit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Linear {
     /// Number of rows: readings, then rows of the priors.

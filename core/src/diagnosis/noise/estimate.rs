@@ -34,7 +34,7 @@ pub struct SensorRows {
 
 /// Noise of a sensor as it was estimated, SI.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SettledNoise {
+pub struct EstimatedNoise {
     /// Standard deviation of the correlated part; of all noise where there is no correlation.
     pub sigma: f64,
     /// Correlation time, s.
@@ -43,7 +43,7 @@ pub struct SettledNoise {
     pub white: Option<f64>,
 }
 
-impl SettledNoise {
+impl EstimatedNoise {
     /// White noise.
     pub fn white(sigma: f64) -> Self {
         Self { sigma, correlation_time_s: None, white: None }
@@ -174,7 +174,7 @@ struct Sought<'a> {
 }
 
 /// Its log likelihood or evidence, and noise.
-type Weighed = (f64, SettledNoise);
+type Weighed = (f64, EstimatedNoise);
 
 impl Sought<'_> {
     fn count(&self) -> f64 {
@@ -202,7 +202,7 @@ impl Sought<'_> {
             (Some(white), Some((evidence, _))) if white.0 >= evidence => white,
             (_, Some((evidence, best))) => (evidence, best.1),
             (Some(white), None) => white,
-            (None, None) => (f64::NEG_INFINITY, SettledNoise::white(1.0)),
+            (None, None) => (f64::NEG_INFINITY, EstimatedNoise::white(1.0)),
         }
     }
 }
@@ -238,8 +238,8 @@ pub fn most_likely(
     series: &[SensorRows],
     taken: &Taken,
     freedom: f64,
-    current: &[SettledNoise],
-) -> Vec<SettledNoise> {
+    current: &[EstimatedNoise],
+) -> Vec<EstimatedNoise> {
     let errors: Vec<Vec<f64>> =
         series.iter().map(|one| one.rows.iter().map(|&row| taken.errors[row]).collect()).collect();
     let sought: Vec<Sought<'_>> = (series.iter().zip(&errors))
@@ -249,7 +249,7 @@ pub fn most_likely(
         })
         .collect();
     let alone: Vec<Weighed> = sought.iter().map(Sought::alone).collect();
-    let mut found: Vec<SettledNoise> = alone.iter().map(|(_, noise)| *noise).collect();
+    let mut found: Vec<EstimatedNoise> = alone.iter().map(|(_, noise)| *noise).collect();
     for (position, measurement) in measurements.iter().enumerate() {
         let is_open = |one: &Sought<'_>| {
             let own = &measurement.sensors[one.series.sensor];
@@ -274,7 +274,7 @@ fn together(
     alone: &[Weighed],
     members: &[usize],
     correction: impl Fn(&[Weighed]) -> f64,
-) -> Vec<(usize, SettledNoise)> {
+) -> Vec<(usize, EstimatedNoise)> {
     // Times that are allowed for all: those of a sensor whose size is not stated, if there is one.
     let tried = members.iter().copied().filter(|&place| sought[place].known.shares.len() > 1);
     let longest = tried.max_by_key(|&place| (sought[place].known.total.is_none(), sought[place].errors.len()));
@@ -325,16 +325,16 @@ fn size(free: f64, stated: f64) -> (f64, f64) {
 }
 
 /// Noise of a standard deviation of which a share of the variance is correlated.
-fn split(total: f64, share: f64, time_s: f64) -> SettledNoise {
+fn split(total: f64, share: f64, time_s: f64) -> EstimatedNoise {
     if share <= 0.0 {
-        return SettledNoise::white(total);
+        return EstimatedNoise::white(total);
     }
     let white = (share < 1.0).then(|| total * (1.0 - share).sqrt());
-    SettledNoise { sigma: total * share.sqrt(), correlation_time_s: Some(time_s), white }
+    EstimatedNoise { sigma: total * share.sqrt(), correlation_time_s: Some(time_s), white }
 }
 
 /// Writes noise into a measurement as known.
-pub fn settle(measurement: &mut Measurement, sensor: usize, noise: &SettledNoise) {
+pub fn fix(measurement: &mut Measurement, sensor: usize, noise: &EstimatedNoise) {
     let own = &mut measurement.sensors[sensor];
     own.sigma = Some(Uncertain::Known(noise.sigma));
     own.correlation_time_s = noise.correlation_time_s.map(Uncertain::Known);
@@ -375,7 +375,7 @@ mod tests {
         }
     }
 
-    fn drawn(rows: usize, step_s: f64, noise: &SettledNoise, seed: u64) -> Vec<f64> {
+    fn drawn(rows: usize, step_s: f64, noise: &EstimatedNoise, seed: u64) -> Vec<f64> {
         let mut stream = StreamKey::new(seed, "noise", "test").stream(0);
         let phi = noise.correlation_time_s.map_or(0.0, |tau| exp(-step_s / tau));
         let mut state = noise.sigma * stream.normal();
@@ -389,14 +389,14 @@ mod tests {
             .collect()
     }
 
-    fn alone(measurement: &Measurement, series: &SensorRows, errors: &[f64]) -> SettledNoise {
+    fn alone(measurement: &Measurement, series: &SensorRows, errors: &[f64]) -> EstimatedNoise {
         let taken = Taken { columns: Vec::new(), errors: errors.to_vec() };
-        let current = [SettledNoise::white(1.0)];
+        let current = [EstimatedNoise::white(1.0)];
         most_likely(std::slice::from_ref(measurement), std::slice::from_ref(series), &taken, 1.0, &current)[0]
     }
 
     /// Sensors of one measurement with noise of 0.3 K, each drawn with its own.
-    fn of_many(noises: &[SettledNoise], rows: usize, seed: u64) -> Vec<SettledNoise> {
+    fn of_many(noises: &[EstimatedNoise], rows: usize, seed: u64) -> Vec<EstimatedNoise> {
         let step = 60.0;
         let mut measured = measurement(rows, step, Some(0.3));
         measured.sensors = vec![measured.sensors[0].clone(); noises.len()];
@@ -410,10 +410,10 @@ mod tests {
         let errors =
             (0..).zip(noises).flat_map(|(place, noise)| drawn(rows, step, noise, 100 * seed + place)).collect();
         let taken = Taken { columns: Vec::new(), errors };
-        most_likely(&[measured], &series, &taken, 1.0, &vec![SettledNoise::white(1.0); noises.len()])
+        most_likely(&[measured], &series, &taken, 1.0, &vec![EstimatedNoise::white(1.0); noises.len()])
     }
 
-    /// A fifth of the variance correlated over two intervals is told by one sensor of 150 readings in half of the
+    /// A fifth of the variance correlated over two intervals is stated by one sensor of 150 readings in half of the
     /// cases, and by six together nearly always; one such sensor among five white ones stays alone.
     #[test]
     fn sensors_that_are_alike_are_judged_together() {
@@ -423,7 +423,7 @@ mod tests {
             let six = of_many(&[correlated; 6], 150, seed);
             all += six.iter().filter(|noise| noise.correlation_time_s.is_some()).count();
             lone += usize::from(of_many(&[correlated], 150, seed)[0].correlation_time_s.is_some());
-            let mut mixed = [SettledNoise::white(0.3); 6];
+            let mut mixed = [EstimatedNoise::white(0.3); 6];
             mixed[0] = split(0.3, 0.9, 900.0);
             let found = of_many(&mixed, 150, seed);
             assert!(found[0].correlation_time_s.is_some(), "{found:?}");
@@ -446,7 +446,7 @@ mod tests {
         let stated = measurement(rows, step, Some(0.4));
         let mut white = 0;
         for seed in 0..40 {
-            let errors = drawn(rows, step, &SettledNoise::white(0.4), seed);
+            let errors = drawn(rows, step, &EstimatedNoise::white(0.4), seed);
             let found = alone(&stated, &series, &errors);
             white += usize::from(found.correlation_time_s.is_none());
             assert!((found.total() - 0.4).abs() < 1e-12);
@@ -454,7 +454,7 @@ mod tests {
         // The mean over shares and times passes the likelihood of white noise by chance in 5 of 100 at 400 readings; more than 6 of 40
         // then come in 1 of 200 such tests.
         assert!(white >= 34, "{white}");
-        let truth = SettledNoise { sigma: 0.4, correlation_time_s: Some(600.0), white: None };
+        let truth = EstimatedNoise { sigma: 0.4, correlation_time_s: Some(600.0), white: None };
         for seed in 0..20 {
             let errors = drawn(rows, step, &truth, seed);
             let found = alone(&stated, &series, &errors);
@@ -477,8 +477,8 @@ mod tests {
             times_s: (0..rows).map(|k| k as f64 * step).collect(),
         };
         let stated = measurement(rows, step, Some(0.25));
-        let found = |seed| alone(&stated, &series, &drawn(rows, step, &SettledNoise::white(0.2), seed));
-        let white = (0..40).filter(|&seed| found(seed) == SettledNoise::white(0.25)).count();
+        let found = |seed| alone(&stated, &series, &drawn(rows, step, &EstimatedNoise::white(0.2), seed));
+        let white = (0..40).filter(|&seed| found(seed) == EstimatedNoise::white(0.25)).count();
         // As with a sigma that is right.
         assert!(white >= 34, "{white}");
     }
@@ -493,7 +493,7 @@ mod tests {
             times_s: (0..rows).map(|k| k as f64 * step).collect(),
         };
         let open = measurement(rows, step, None);
-        let errors = drawn(rows, step, &SettledNoise::white(0.1), 3);
+        let errors = drawn(rows, step, &EstimatedNoise::white(0.1), 3);
         let found = alone(&open, &series, &errors);
         // The relative error of a standard deviation from 600 is 0.03; 3.5 of them.
         assert!((found.total() - 0.1).abs() < 0.0105, "{found:?}");

@@ -5,7 +5,7 @@
 //! whitened by the noise that is tried, it is the likelihood of the errors with `b' A^-1 b / 2 - log |A| / 2` added,
 //! `A = X'X`, `b = X'e`: the fit is made anew under that noise, and integrated over.
 
-use crate::diagnosis::noise::estimate::{SensorRows, SettledNoise};
+use crate::diagnosis::noise::estimate::{EstimatedNoise, SensorRows};
 use crate::inference::cholesky;
 use crate::math::dense::dot;
 
@@ -24,7 +24,7 @@ pub struct Taken {
 impl Taken {
     /// What is to be added to the log likelihood of the errors where the sensors have these noises, but for a constant; 0 where a column
     /// is nothing.
-    pub fn correction(&self, series: &[SensorRows], noises: &[SettledNoise]) -> f64 {
+    pub fn correction(&self, series: &[SensorRows], noises: &[EstimatedNoise]) -> f64 {
         let k = self.columns.len();
         let whitened = |column: &[f64]| {
             let mut column = column.to_vec();
@@ -90,9 +90,9 @@ mod tests {
         };
         let mut sums = Vec::new();
         for noise in [
-            SettledNoise::white(1.3),
-            SettledNoise { sigma: 0.9, correlation_time_s: Some(400.0), white: Some(0.4) },
-            SettledNoise { sigma: 1.1, correlation_time_s: Some(150.0), white: None },
+            EstimatedNoise::white(1.3),
+            EstimatedNoise { sigma: 0.9, correlation_time_s: Some(400.0), white: Some(0.4) },
+            EstimatedNoise { sigma: 1.1, correlation_time_s: Some(150.0), white: None },
         ] {
             let mut whitened = taken.errors.clone();
             let scales = noise.whiten(&times_s, &mut whitened);

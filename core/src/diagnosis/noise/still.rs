@@ -5,7 +5,7 @@ use crate::diagnosis::{Problem, Refit};
 use crate::expression::Unit;
 use crate::inference::measurement::Rows;
 use crate::inference::prediction::Predictor;
-use crate::inference::unknown::settled;
+use crate::inference::unknown::with_unknowns;
 
 /// Fewest readings in a row that are the same.
 const LEAST_READINGS: usize = 8;
@@ -23,7 +23,7 @@ struct Still {
     moves: f64,
 }
 
-/// What is said of channels of transients that stand still at a fit of the believed model.
+/// What is said of channels of transients that stand still at a fit of the baseline model.
 pub(crate) fn warnings(problem: &Problem, believed: &Refit) -> Vec<String> {
     let mut said = Vec::new();
     let Ok(hypothesis) = problem.hypothesis(&[], 1.0) else { return said };
@@ -38,14 +38,14 @@ pub(crate) fn warnings(problem: &Problem, believed: &Refit) -> Vec<String> {
     let mut workspace = predictor.workspace();
     for measurement in &problem.measurements {
         let Rows::Transient { inputs: table, .. } = &measurement.rows else { continue };
-        let settled = settled(measurement, &inputs, &nodes, &|name: &str| known.get(name).copied());
-        let predicted = predictor.predict(&mut workspace, &settled, &full).readings;
+        let fixed = with_unknowns(measurement, &inputs, &nodes, &|name: &str| known.get(name).copied());
+        let predicted = predictor.predict(&mut workspace, &fixed, &full).readings;
         let width = measurement.sensors.len();
         for (place, sensor) in measurement.sensors.iter().enumerate() {
             let readings: Vec<Option<f64>> =
                 (0..measurement.len()).map(|row| measurement.reading(row, place)).collect();
             let own: Vec<f64> = predicted.iter().skip(place).step_by(width.max(1)).copied().collect();
-            let sigma = total_sigma(&settled, place);
+            let sigma = total_sigma(&fixed, place);
             let Some(still) = still(&readings, &own, sigma) else { continue };
             let unit = Unit::parse(&sensor.unit).ok();
             let shown = |si: f64| unit.as_ref().map_or(si, |unit| unit.from_si(si));

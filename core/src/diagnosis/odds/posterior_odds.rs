@@ -87,7 +87,7 @@ impl Odds {
     }
 }
 
-/// Whether an effect is a hidden node between two nodes that nothing in the believed model joins.
+/// Whether an effect is a hidden node between two nodes that nothing in the baseline model joins.
 fn is_path_and_part(problem: &Problem, effect: usize) -> bool {
     let candidate = &problem.candidates[effect];
     let Site::Pair([a, b]) = candidate.site else { return false };
@@ -113,7 +113,7 @@ pub fn log_weights(problem: &Problem, refits: &[Refit]) -> Vec<f64> {
 }
 
 /// Weighs sets by evidence and prior; `unexplained` is the log evidence of something else, where it is known.
-pub fn weigh(problem: &Problem, refits: &[Refit], unexplained: Option<f64>) -> Weights {
+pub fn posterior_odds(problem: &Problem, refits: &[Refit], unexplained: Option<f64>) -> Weights {
     let mut logs = log_weights(problem, refits);
     logs.push(unexplained.map_or(f64::NEG_INFINITY, |evidence| evidence + Odds::unexplained()));
     let total = log_sum_exp(&logs);
@@ -125,7 +125,7 @@ pub fn weigh(problem: &Problem, refits: &[Refit], unexplained: Option<f64>) -> W
 
 /// Whether "nothing" stands although a test finds something with this p: it keeps a fifth of the probability, also against an
 /// unspecified alternative that is as likely as the p allows, by a Bayes factor of at most `1 / (-e p ln p)` (Sellke, Bayarri &
-/// Berger 2001, Am. Stat. 55, 62, eq. 3). A test knows the noise as it was settled; the odds ask for something that made it.
+/// Berger 2001, Am. Stat. 55, 62, eq. 3). A test knows the noise as it was estimated; the odds ask for something that made it.
 pub fn nothing_stands(nothing: f64, p: f64) -> bool {
     let p = p.min(exp(-1.0));
     let least = -std::f64::consts::E * p * ln(p);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::diagnosis::engine::{Diagnosis, SettledSensor};
+use crate::diagnosis::engine::{Diagnosis, SensorNoise};
 use crate::diagnosis::linearisation::bounded::Place;
 use crate::diagnosis::linearisation::signature;
 use crate::diagnosis::noise::estimate;
@@ -30,7 +30,7 @@ const MOST_PAIRS: usize = 300;
 const MOST_PARTNERS: usize = 12;
 /// Single-column directions among which pairs are sought.
 const MOST_IN_PAIRS: usize = 1500;
-/// The same for the pair beside which the noise is settled.
+/// The same for the pair beside which the noise is estimated.
 const MOST_BESIDE_NOISE: usize = 400;
 /// Numbers of all columns above which only the best directions are held: 200 MB, of which a screening needs a few copies.
 const MOST_ENTRIES: usize = 25_000_000;
@@ -38,7 +38,7 @@ const MOST_ENTRIES: usize = 25_000_000;
 const DRAWS: usize = 1000;
 /// Draws of the probability that is critical for a member: 8 % of it are 1 % of a detectable amplitude.
 const DRAWS_OF_CRITICAL: usize = 250;
-/// Rounds in which the noise is settled.
+/// Rounds in which the noise is estimated.
 const NOISE_ROUNDS: usize = 3;
 /// The name of the test of parameters at their bounds.
 pub(crate) const AT_BOUNDS: &str = "parameters at bounds";
@@ -345,18 +345,18 @@ impl Diagnosis {
 
     /// Noise of the sensors whose noise is not wholly known, from a fit of the problem; beside the pair of effects that
     /// explains most, or of the fit alone.
-    pub(crate) fn settle_noise(
+    pub(crate) fn estimate_noise(
         &self,
         problem: &Problem,
         declared: &Refit,
         beside_pair: bool,
-    ) -> Result<Vec<SettledSensor>, FitError> {
+    ) -> Result<Vec<SensorNoise>, FitError> {
         let mut bare = problem.clone();
         let mut open = Vec::new();
         for (measurement, entry) in bare.measurements.iter_mut().enumerate() {
             for sensor in 0..entry.sensors.len() {
                 if estimate::is_open(entry, sensor) {
-                    estimate::settle(entry, sensor, &estimate::SettledNoise::white(1.0));
+                    estimate::fix(entry, sensor, &estimate::EstimatedNoise::white(1.0));
                     open.push((measurement, sensor));
                 }
             }
@@ -370,7 +370,7 @@ impl Diagnosis {
             likelihood.unknowns().names.iter().map(|name| known.get(name).copied().unwrap_or_default()).collect();
         let linear = signature::linearise(&likelihood, &unknowns)?;
         let directions = if beside_pair {
-            // A curve beside which the noise is settled could take the noise for physics.
+            // A curve beside which the noise is estimated could take the noise for physics.
             let single = |direction: &Direction| direction.amplitudes() == 1;
             Scored::best(&bare, &likelihood, &unknowns, &linear, single)?.0.directions
         } else {
@@ -380,7 +380,7 @@ impl Diagnosis {
             open.iter().map(|&(measurement, sensor)| sensor_rows(&bare, &likelihood, measurement, sensor)).collect();
         // To begin with, white: as stated, or as large as the residuals.
         let original = &self.problem().measurements;
-        let mut settled: Vec<SettledSensor> = series
+        let mut settled: Vec<SensorNoise> = series
             .iter()
             .map(|one| {
                 let square: f64 = one.rows.iter().map(|&row| linear.residuals[row] * linear.residuals[row]).sum();
@@ -389,15 +389,15 @@ impl Diagnosis {
                     Some(sigma) if sigma.prior().is_none() => sigma.nominal(),
                     _ => rms,
                 };
-                let noise = estimate::SettledNoise::white(stated);
-                SettledSensor { measurement: one.measurement, sensor: one.sensor, noise }
+                let noise = estimate::EstimatedNoise::white(stated);
+                SensorNoise { measurement: one.measurement, sensor: one.sensor, noise }
             })
             .collect();
         for _ in 0..NOISE_ROUNDS {
             let before = settled.clone();
             let taken = self.taken_by_best_pair(&linear, &directions, &series, &settled);
             let freedom = 1.0 - (linear.parameters() + 2) as f64 / linear.readings.max(1) as f64;
-            let current: Vec<estimate::SettledNoise> = settled.iter().map(|one| one.noise).collect();
+            let current: Vec<estimate::EstimatedNoise> = settled.iter().map(|one| one.noise).collect();
             let found = estimate::most_likely(original, &series, &taken, freedom.max(0.1), &current);
             for (one, noise) in settled.iter_mut().zip(found) {
                 one.noise = noise;
@@ -415,7 +415,7 @@ impl Diagnosis {
         linear: &Linear,
         directions: &[Direction],
         series: &[estimate::SensorRows],
-        settled: &[SettledSensor],
+        settled: &[SensorNoise],
     ) -> Taken {
         let whiten = |column: &mut [f64]| {
             for (one, rows) in settled.iter().zip(series) {

@@ -6,10 +6,10 @@ use crate::diagnosis::engine::{Diagnosis, Remainder, State, TIMES_THE_STEPS};
 use crate::diagnosis::fits::held_out;
 use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::heat;
-use crate::diagnosis::heat::effect_heat_flow::carried;
+use crate::diagnosis::heat::effect_heat_flow::effect_heat_flow;
 use crate::diagnosis::noise::{overstated, still};
 use crate::diagnosis::odds::posterior_odds::{
-    RIVALS_WITHIN, SURE, Weights, best, groups, held, nothing_stands, veto, weigh,
+    RIVALS_WITHIN, SURE, Weights, best, groups, held, nothing_stands, posterior_odds, veto,
 };
 use crate::diagnosis::odds::prior_of::{SEPARATE, TITLE, is_prior};
 use crate::diagnosis::output::{
@@ -41,7 +41,7 @@ pub(crate) struct Findings<'a> {
     pub problem: &'a Problem,
     pub state: &'a State,
     pub weights: Weights,
-    /// Position of the selected fit; that of the believed model where nothing is selected.
+    /// Position of the selected fit; that of the baseline model where nothing is selected.
     pub selected: usize,
     /// Members of each group: positions of effects, the selected one first.
     pub groups: Vec<Vec<usize>>,
@@ -54,7 +54,7 @@ pub(crate) struct Findings<'a> {
     /// Whether the held-out rows speak against a set that fits the others.
     pub vetoed: bool,
     /// Whether the selected set goes before a more probable one since odds are doubted.
-    pub plainest: bool,
+    pub fewest_parameters: bool,
 }
 
 impl Findings<'_> {
@@ -73,14 +73,14 @@ impl Findings<'_> {
 impl Diagnosis {
     /// The verdict on what was found.
     pub fn conclude(&self, state: &State) -> Output {
-        let problem = self.settled(&state.noise, &state.most_steps);
+        let problem = self.with_noise(&state.noise, &state.most_steps);
         let finds = state.screening.family.p <= self.settings().false_alarm;
         let stated = self.estimates_sigma().is_none();
         let moved = finds.then(|| self.moved(state, &problem, stated));
         let state = moved.as_ref().unwrap_or(state);
         let believed = &state.refits[0];
         let missing = finds.then(|| heat::missing_heat(&problem, believed)).flatten();
-        let weights = weigh(&problem, &state.refits, missing.as_ref().map(|missing| missing.log_evidence));
+        let weights = posterior_odds(&problem, &state.refits, missing.as_ref().map(|missing| missing.log_evidence));
         let mut warnings = state.warnings.clone();
         warnings.extend(given_up(state));
         if finds {
@@ -99,10 +99,10 @@ impl Diagnosis {
             late: Vec::new(),
             doubted: false,
             vetoed: false,
-            plainest: false,
+            fewest_parameters: false,
         };
         let nothing = findings.weights.sets[0];
-        // Where all noise is told, the p is what it says.
+        // Where all noise is stated, the p is what it says.
         findings.doubted = finds && !state.noise.is_empty() && nothing_stands(nothing, state.screening.family.p);
         let mut verdict = Verdict::Adequate;
         let mut held_out_test = None;
@@ -179,7 +179,7 @@ impl Diagnosis {
                 state.screening.pairs_screened,
                 state.refits.len().saturating_sub(1) as u64,
             ],
-            handed_on: Vec::new(),
+            posterior_priors: Vec::new(),
             converged: None,
             doubts: doubts(&problem),
             warnings,
@@ -192,7 +192,7 @@ impl Diagnosis {
     /// open, the likeliest of these counts.
     fn moved(&self, state: &State, problem: &Problem, stated: bool) -> State {
         let mut moved = state.clone();
-        let weights = weigh(problem, &state.refits, None);
+        let weights = posterior_odds(problem, &state.refits, None);
         let is_vetoed =
             |refit: &Refit| held_out::test(problem, &state.refits[0], refit, stated).is_some_and(|test| test.veto);
         for (refit, weight) in moved.refits.iter_mut().zip(&weights.sets).skip(1) {
@@ -288,7 +288,7 @@ impl Diagnosis {
         let group = findings.groups.iter().position(|group| group.contains(&effect)).map(|group| group as u64 + 1);
         let scales = group.and_then(|_| self.at_scales(findings, refit, before));
         let is_told = probability >= LEAST_TOLD || group.is_some();
-        let carries = if is_told { carried(problem, refit, effect) } else { Vec::new() };
+        let carries = if is_told { effect_heat_flow(problem, refit, effect) } else { Vec::new() };
         let first = carries.first().map(|first| first.node.clone());
         let most = carries.iter().filter(|one| Some(&one.node) == first.as_ref()).map(|one| one.watts);
         let watts = most.fold(None, |range: Option<[f64; 2]>, watts| {
@@ -383,7 +383,7 @@ impl Findings<'_> {
             let alike = |other: &&usize| refits[**other].effects.len() == refits[place].effects.len();
             let plainer = |a: usize, b: usize| if refits[b].unknowns.len() < refits[a].unknowns.len() { b } else { a };
             self.selected = self.rivals.iter().filter(alike).copied().reduce(plainer).unwrap_or(place);
-            self.plainest = self.selected != place;
+            self.fewest_parameters = self.selected != place;
             (self.groups, self.rivals) = groups(refits, &weights, self.selected, within);
         }
         // Of rivals the one goes first that has to invent least: a prior may simply be wrong.
@@ -396,7 +396,7 @@ impl Findings<'_> {
         let first = first.reduce(|a, b| if invented(b) < invented(a) { b } else { a }).unwrap_or(self.selected);
         if invented(first) < invented(self.selected) {
             self.selected = first;
-            self.plainest = false;
+            self.fewest_parameters = false;
             (self.groups, self.rivals) = groups(refits, &weights, first, within);
         }
     }
@@ -432,7 +432,7 @@ fn given_up(state: &State) -> Option<String> {
     (points > 0).then(|| {
         format!(
             "fits of {} of effects left out {} at which a transient took more than {TIMES_THE_STEPS} times the steps of the \
-             believed model",
+             baseline model",
             counted(sets, "set"),
             counted(points, "point")
         )

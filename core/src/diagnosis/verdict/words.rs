@@ -12,7 +12,7 @@ use crate::inference::measurement::Measurement;
 const FIRST_KNOT: &str = "knot_1";
 /// A proposed phase this far beyond all readings is remarked on, K.
 const FAR_BEYOND_K: f64 = 30.0;
-/// Standard deviations between the mean and the most probable value from which both are told.
+/// Standard deviations between the mean and the most probable value from which both are stated.
 const ELSEWHERE: f64 = 0.1;
 /// p at which a test is clear.
 const CLEARLY: f64 = 1e-6;
@@ -154,7 +154,7 @@ impl OneThing {
     /// The same, to follow a semicolon.
     pub fn clause(&self) -> String {
         format!(
-            "no steady phase within the stated ranges tells {} apart: the best would do so with probability {}, repeating an old one with {}, and a coin with 50 %",
+            "no steady phase within the stated ranges tells {} apart: the best would do so with probability {}, repeating an old one with {}, guessing with 50 %",
             joined(&self.sets),
             percent(self.probability),
             percent(self.repeat_probability)
@@ -214,7 +214,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
         }
     }
     if !findings.state.noise.is_empty() {
-        error.push_str(", by the noise that was settled here (see noise)");
+        error.push_str(", by the noise that was estimated here (see noise)");
     }
     error.push_str(&format!("; {}.", clearness(misfit.family_wise_p, false_alarm)));
     words.push(error);
@@ -235,7 +235,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             ));
             if findings.doubted {
                 words.push(format!(
-                    "A test finds something, but nothing that could have made it is likely enough: that nothing is missing keeps a probability of {}. More data, or the noise told, would settle it.",
+                    "A test finds something, but nothing that could have made it is likely enough: that nothing is missing keeps a probability of {}. More data, or stated noise, would decide it.",
                     percent(output.probability_nothing)
                 ));
             }
@@ -302,7 +302,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
     let pressed = misfit.tests.iter().find(|test| test.name == AT_BOUNDS && test.p <= CLEARLY);
     if let Some(test) = pressed.filter(|_| output.verdict != Verdict::Adequate) {
         words.push(format!(
-            "In the model as believed `{}` is pressed against an end of its prior ({}): is that prior wide enough?",
+            "In the baseline model `{}` is pressed against an end of its prior ({}): is that prior wide enough?",
             test.at,
             p_stated(test.p)
         ));
@@ -310,7 +310,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
     let left = output.remaining_p.filter(|p| *p <= false_alarm && !findings.goes_first());
     if let Some(p) = left.filter(|_| !selected.is_empty()) {
         words.push(format!(
-            "Tests still find something beside what is selected ({}): something smaller is missing too, or the noise is not what it is taken for.",
+            "Tests still find something beside what is selected ({}): something smaller is missing too, or the noise is larger than stated.",
             p_stated(p)
         ));
     }
@@ -322,9 +322,9 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 .collect();
             words.push(format!("These data cannot tell apart (group {}): {}.", number + 1, ids.join(", ")));
         }
-        if findings.plainest {
+        if findings.fewest_parameters {
             words.push(format!(
-                "Tests still find something beside all of these ({}), so that the odds between them are too sure: the plainest goes first.",
+                "Tests still find something beside all of these ({}), so that the odds between them are too sure: the set with the fewest parameters is named first.",
                 p_stated(output.remaining_p.unwrap_or(f64::NAN))
             ));
         }

@@ -244,7 +244,7 @@ impl SteadyPart {
                     Some(covariance) => self.decorrelate(phase, covariance, unknowns, memory, wanted)?,
                 }
                 if let Wanted::Gradient(gradient) = wanted {
-                    self.weigh(phase, memory, &mut lanes, lane, gradient);
+                    self.posterior_odds(phase, memory, &mut lanes, lane, gradient);
                 }
             }
             if let Wanted::Gradient(gradient) = wanted {
@@ -296,7 +296,7 @@ impl SteadyPart {
 
     fn rejected(&self, phase: &Phase, error: &SteadyError) -> Rejected {
         let why = match error {
-            SteadyError::Island { .. } => "has nodes without a path to a boundary",
+            SteadyError::Isolated { .. } => "has nodes without a path to a boundary",
             SteadyError::NotConverged { .. } => "was not found",
             SteadyError::NotFinite { .. } => "has a heat that is not a finite number",
             SteadyError::Singular { .. } => "is not determined by the balances",
@@ -340,7 +340,14 @@ impl SteadyPart {
     }
 
     /// Weights of the readings in the gradient, `w = W' r` of the whitening `W`: the gradient is `sum w d(f + bias)`.
-    fn weigh(&self, phase: &Phase, memory: &mut Memory, lanes: &mut SteadyLanes, lane: usize, gradient: &mut [f64]) {
+    fn posterior_odds(
+        &self,
+        phase: &Phase,
+        memory: &mut Memory,
+        lanes: &mut SteadyLanes,
+        lane: usize,
+        gradient: &mut [f64],
+    ) {
         let k = phase.readings.len();
         let residuals = &memory.residuals[phase.first..phase.first + k];
         let split = memory.factor.len() - k;

@@ -28,8 +28,8 @@ impl Physics for Conductor {
         let heat = graph.multiply(self.conductance, difference);
         let size = graph.add(ta, tb);
         let terms = graph.multiply(self.conductance, size);
-        let magnitude = graph.unary(Unary::Abs, terms);
-        between(graph, [a, b], heat, magnitude)
+        let balance_scale = graph.unary(Unary::Abs, terms);
+        between(graph, [a, b], heat, balance_scale)
     }
 
     fn identity(&self, number: &mut dyn FnMut(ExprId) -> Value) -> Value {
@@ -80,11 +80,11 @@ pub(super) fn temperature(graph: &mut Graph, node: usize) -> ExprId {
 }
 
 /// A heat flow from the first to the second node.
-pub(super) fn between(graph: &mut Graph, [a, b]: [usize; 2], heat: ExprId, magnitude: ExprId) -> Contribution {
+pub(super) fn between(graph: &mut Graph, [a, b]: [usize; 2], heat: ExprId, balance_scale: ExprId) -> Contribution {
     let loss = graph.negate(heat);
     Contribution {
         heat: vec![(a, loss), (b, heat)],
-        magnitude: vec![(a, magnitude), (b, magnitude)],
+        balance_scale: vec![(a, balance_scale), (b, balance_scale)],
         through: Some(heat),
         ..Contribution::default()
     }

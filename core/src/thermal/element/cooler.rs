@@ -115,7 +115,7 @@ impl Physics for Cooler {
                 terms = graph.add(terms, part);
             }
             let terms = graph.multiply(couples, terms);
-            out.magnitude.extend([(cold, terms), (hot, terms)]);
+            out.balance_scale.extend([(cold, terms), (hot, terms)]);
         }
         out
     }

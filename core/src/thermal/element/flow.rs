@@ -22,8 +22,8 @@ impl Physics for Flow {
     }
 
     fn contribution(&self, graph: &mut Graph, _switches: &mut Vec<Switch>, _switched: bool) -> Contribution {
-        let magnitude = graph.unary(Unary::Abs, self.heat);
-        between(graph, self.between, self.heat, magnitude)
+        let balance_scale = graph.unary(Unary::Abs, self.heat);
+        between(graph, self.between, self.heat, balance_scale)
     }
 
     fn identity(&self, number: &mut dyn FnMut(ExprId) -> Value) -> Value {

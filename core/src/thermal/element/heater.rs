@@ -71,10 +71,10 @@ impl Physics for Heater {
             }
         };
         let heat = graph.multiply(duty, self.power);
-        let magnitude = graph.unary(Unary::Abs, self.power);
+        let balance_scale = graph.unary(Unary::Abs, self.power);
         Contribution {
             heat: vec![(self.into, heat)],
-            magnitude: vec![(self.into, magnitude)],
+            balance_scale: vec![(self.into, balance_scale)],
             through: Some(heat),
             duty: Some(duty),
             band: Some(band),

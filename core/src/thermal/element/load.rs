@@ -21,10 +21,10 @@ impl Physics for Load {
     }
 
     fn contribution(&self, graph: &mut Graph, _switches: &mut Vec<Switch>, _switched: bool) -> Contribution {
-        let magnitude = graph.unary(Unary::Abs, self.power);
+        let balance_scale = graph.unary(Unary::Abs, self.power);
         Contribution {
             heat: vec![(self.into, self.power)],
-            magnitude: vec![(self.into, magnitude)],
+            balance_scale: vec![(self.into, balance_scale)],
             through: Some(self.power),
             ..Contribution::default()
         }

@@ -155,7 +155,7 @@ pub struct Contribution {
     /// Heat into nodes, W: `(node, heat)`.
     pub heat: Vec<(usize, ExprId)>,
     /// Size of the terms that cancel in the balance, W: the sum of `|G T|` and `|sigma GR T^4|` terms by node.
-    pub magnitude: Vec<(usize, ExprId)>,
+    pub balance_scale: Vec<(usize, ExprId)>,
     /// The quantity `{"heat": NAME}`, W, from the first to the second end (or into the node).
     pub through: Option<ExprId>,
     /// The quantity `{"current": NAME}`, A.

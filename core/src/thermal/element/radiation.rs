@@ -39,8 +39,8 @@ impl Physics for Radiation {
         let heat = graph.multiply(factor, difference);
         let size = graph.add(fa, fb);
         let terms = graph.multiply(factor, size);
-        let magnitude = graph.unary(Unary::Abs, terms);
-        between(graph, [a, b], heat, magnitude)
+        let balance_scale = graph.unary(Unary::Abs, terms);
+        between(graph, [a, b], heat, balance_scale)
     }
 
     fn identity(&self, number: &mut dyn FnMut(ExprId) -> Value) -> Value {

@@ -24,11 +24,11 @@ impl Integrator<'_> {
         let mut outcome = None;
         for iteration in 0..=ITERATIONS {
             self.evaluate(stage);
-            self.equations.program.run(segment::MAGNITUDE, &mut self.file);
+            self.equations.program.run(segment::BALANCE_SCALE, &mut self.file);
             let (mut worst, mut imbalance_w) = (None, 0.0);
             for row in (0..self.equations.size()).filter(|&row| self.follows(row)) {
                 let heat = self.file[self.equations.residual[row].index()];
-                let size = self.file[self.equations.magnitude[row].index()];
+                let size = self.file[self.equations.balance_scale[row].index()];
                 if !(heat.abs() <= CLOSURE_W + CLOSURE_RELATIVE * size)
                     && (worst.is_none() || heat.abs() > f64::abs(imbalance_w))
                 {

@@ -1,4 +1,4 @@
-//! Events: thermostats that switch and kinks of expressions of time.
+//! Events: thermostats that switch and discontinuities of expressions of time.
 //!
 //! A thermostat that is off watches `on - T`, one that is on watches `T - off`; it switches where that rises through
 //! zero. The instant is found by bisection on the step's interpolant, the step is then repeated up to it. After a
@@ -155,24 +155,24 @@ impl Integrator<'_> {
         })
     }
 
-    /// The first kink of an expression of time within the next step: the last instant before it and the first after.
-    pub(super) fn kink_within(&mut self, step_s: f64) -> Option<(f64, f64)> {
-        if self.equations.kinks.is_empty() && self.equations.table_kinks.is_empty() {
+    /// The first discontinuity of an expression of time within the next step: the last instant before it and the first after.
+    pub(super) fn discontinuity_within(&mut self, step_s: f64) -> Option<(f64, f64)> {
+        if self.equations.discontinuities.is_empty() && self.equations.table_discontinuities.is_empty() {
             return None;
         }
         let start = self.time_s;
         let mut from = start;
-        let before = self.kink_signs(from);
+        let before = self.discontinuity_signs(from);
         for look in 1..=LOOKS {
             let to = if look == LOOKS { start + step_s } else { start + step_s * (look as f64 / LOOKS as f64) };
-            if self.kink_signs(to) != before {
+            if self.discontinuity_signs(to) != before {
                 let (mut low, mut high) = (from, to);
                 for _ in 0..BISECTIONS {
                     let middle = 0.5 * (low + high);
                     if !(middle > low && middle < high) {
                         break;
                     }
-                    if self.kink_signs(middle) == before {
+                    if self.discontinuity_signs(middle) == before {
                         low = middle;
                     } else {
                         high = middle;
@@ -185,17 +185,17 @@ impl Integrator<'_> {
         None
     }
 
-    /// Whether each kink function is at least zero at an instant, and between which of its points each table is read,
+    /// Whether each discontinuity function is at least zero at an instant, and between which of its points each table is read,
     /// mixed into one number (a change changes it; Fowler, Noll & Vo's hash).
-    fn kink_signs(&mut self, time_s: f64) -> u64 {
+    fn discontinuity_signs(&mut self, time_s: f64) -> u64 {
         self.set_instant(time_s);
-        self.equations.program.run(segment::KINK, &mut self.file);
+        self.equations.program.run(segment::DISCONTINUITY, &mut self.file);
         let mut signs: u64 = 0xcbf2_9ce4_8422_2325;
         let mut mix = |value: u64| signs = (signs ^ value).wrapping_mul(0x0100_0000_01b3);
-        for register in &self.equations.kinks {
+        for register in &self.equations.discontinuities {
             mix(u64::from(self.file[register.index()] >= 0.0));
         }
-        for (points, register) in &self.equations.table_kinks {
+        for (points, register) in &self.equations.table_discontinuities {
             let at = self.file[register.index()];
             mix(points.partition_point(|&point| point <= at) as u64);
         }

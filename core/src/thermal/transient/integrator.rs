@@ -1,7 +1,7 @@
 //! Adaptive integration of the network's equations: step control, stops, and what happens between steps.
 //!
 //! The step follows a proportional-integral controller on the embedded error (Gustafsson 1991, ACM TOMS 17, 533), in
-//! the largest norm over diffusion nodes. Corners of the inputs and kinks of expressions of time are hit exactly.
+//! the largest norm over diffusion nodes. Corners of the inputs and discontinuities of expressions of time are hit exactly.
 
 use crate::math::functions::{exp, ln};
 use crate::thermal::equations::{Equations, segment};
@@ -353,16 +353,16 @@ impl<'a> Integrator<'a> {
             } else {
                 wanted
             };
-            let kink = self.kink_within(present);
-            if let Some((before, _)) = kink {
+            let discontinuity = self.discontinuity_within(present);
+            if let Some((before, _)) = discontinuity {
                 present = before - self.time_s;
                 reaches_stop = false;
             }
             // What an instant can resolve: below it a step has no meaning.
             let shortest = 1e-13 * self.time_s.abs().max(end_s.abs()).max(1e-3);
             if present <= shortest {
-                if let Some((_, after)) = kink {
-                    self.pass_kink(after)?;
+                if let Some((_, after)) = discontinuity {
+                    self.pass_discontinuity(after)?;
                     continue;
                 }
                 return Err(TransientError::StepTooShort { time_s: self.time_s, node: self.fastest() });
@@ -424,8 +424,8 @@ impl<'a> Integrator<'a> {
             }
             let arrival = if reaches_stop { stop } else { self.time_s + present };
             self.commit(present, arrival, recorder, result)?;
-            if let Some((_, after)) = kink {
-                self.pass_kink(after)?;
+            if let Some((_, after)) = discontinuity {
+                self.pass_discontinuity(after)?;
                 last_error = 1.0;
             } else if reaches_stop && corner.is_some() {
                 self.reader.enter(self.time_s);
@@ -433,7 +433,7 @@ impl<'a> Integrator<'a> {
                 last_error = 1.0;
             }
         }
-        // A kink at the very end takes the state across it.
+        // A discontinuity at the very end takes the state across it.
         recorder.due(self, result)?;
         recorder.finish(self, result);
         Ok(())
@@ -447,8 +447,8 @@ impl<'a> Integrator<'a> {
         attempts >= most || (is_looked_at && expected > most as f64)
     }
 
-    /// Goes on right after a kink. A held input may step at the same instant, which then is no corner any more.
-    fn pass_kink(&mut self, after_s: f64) -> Result<(), TransientError> {
+    /// Goes on right after a discontinuity. A held input may step at the same instant, which then is no corner any more.
+    fn pass_discontinuity(&mut self, after_s: f64) -> Result<(), TransientError> {
         self.time_s = after_s;
         self.reader.enter(after_s);
         self.restart()
@@ -541,7 +541,7 @@ impl Network {
     ///
     /// Outputs at the instant at which a held input steps belong to the interval that ends there. Derivatives are
     /// those of the discrete solution with its steps held fixed; a thermostat's switching moves with the parameters,
-    /// corners of inputs and kinks of expressions of time do not.
+    /// corners of inputs and discontinuities of expressions of time do not.
     ///
     /// # Errors
     /// [`TransientError`] tells when and where the integration stopped.

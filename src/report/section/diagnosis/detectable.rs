@@ -18,7 +18,7 @@ struct Kind<'o> {
     most: (f64, &'o str),
 }
 
-/// The table; where something is missing, that is told instead.
+/// The table; where something is missing, that is stated instead.
 pub(super) fn table(output: &Output) -> Option<Block> {
     if output.verdict != Verdict::Adequate || output.detectable.is_empty() {
         return None;

@@ -2,7 +2,7 @@
 
 use super::figures;
 use crate::diagnosis::Verdict;
-use crate::diagnosis::output::{Carried, EffectResult, Heat, Output};
+use crate::diagnosis::output::{EffectHeat, EffectResult, Heat, Output};
 use crate::document::p_value;
 use crate::report::number::{fixed, significant, with_error};
 use crate::report::page::{Block, Cell, Column, Table, Text};
@@ -46,7 +46,7 @@ fn of_effect(effect: &EffectResult) -> Vec<Vec<Cell>> {
         }
     }
     let row = |node: &&str| {
-        let own: Vec<&Carried> = effect.carries.iter().filter(|one| one.node == *node).collect();
+        let own: Vec<&EffectHeat> = effect.carries.iter().filter(|one| one.node == *node).collect();
         let least = own.iter().min_by(|a, b| a.watts.total_cmp(&b.watts))?;
         let most = own.iter().max_by(|a, b| a.watts.total_cmp(&b.watts))?;
         let mean = own.iter().map(|one| one.watts).sum::<f64>() / own.len() as f64;
@@ -63,7 +63,7 @@ fn of_effect(effect: &EffectResult) -> Vec<Vec<Cell>> {
     nodes.iter().take(MOST_NODES).filter_map(row).collect()
 }
 
-/// The clearest of the missing heat; where an effect explains it, it is told by that effect.
+/// The clearest of the missing heat; where an effect explains it, it is stated by that effect.
 pub(super) fn missing(output: &Output) -> Option<Block> {
     if output.verdict != Verdict::Unexplained {
         return None;

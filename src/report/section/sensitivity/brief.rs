@@ -7,7 +7,7 @@ use crate::report::section::brief::Brief;
 
 use super::by_total;
 
-/// Parameters that are told.
+/// Parameters that are stated.
 const MOST_LEADING: usize = 3;
 
 /// A sensitivity analysis in brief.

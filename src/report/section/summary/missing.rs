@@ -64,7 +64,7 @@ fn what(output: &Output, selected: &[&EffectResult]) -> Statement {
             });
             if let Some(heat) = clearest {
                 let shown = with_unit(&significant(heat.watts, 2), "W");
-                text = text.plain("Most heat in want of a cause: ").code(&heat.node).plain(format!(", {shown}"));
+                text = text.plain("Largest heat without an explanation: ").code(&heat.node).plain(format!(", {shown}"));
                 if let Some(phase) = &heat.phase {
                     text = text.plain(" in ").code(phase);
                 }
@@ -164,7 +164,7 @@ fn error(output: &Output, selected: &[&EffectResult]) -> Option<Statement> {
     };
     // A calibration infers its noise beside the model as it is, a diagnosis beside what it lacks.
     let is_settled = output.noise.values().any(|own| own.estimated);
-    let text = if is_settled { format!("{text} Both with the noise as it was settled here.") } else { text };
+    let text = if is_settled { format!("{text} Both with the noise as it was estimated here.") } else { text };
     let speaks_against = output.held_out_test.as_ref().is_some_and(|test: &HeldOutTest| test.veto);
     let text = if speaks_against { format!("{text} The held-out readings speak against it.") } else { text };
     let status = Some(if fell && !speaks_against { Status::Ok } else { Status::Caution });

@@ -1,9 +1,9 @@
 //! What each candidate would do to the whitened predictions at a fit: its signature.
 //!
-//! `linearise`: the believed model at its fit. `directions`: every candidate. An effect that is smooth at amplitude 0
+//! `linearise`: the baseline model at its fit. `directions`: every candidate. An effect that is smooth at amplitude 0
 //! has exact derivatives, with steady phases alone by adjoints (`adjoint`), with transients as sensitivities of a model
 //! that holds many effects with amplitude 0 (`extended`); one that is not, such as a hidden node, is tried at finite
-//! values (`probe`); exchanged channels are exchanged predictions (`swap`), a prior that is too narrow is its parameter (`parameter`). What no reading can see is told with its
+//! values (`probe`); exchanged channels are exchanged predictions (`swap`), a prior that is too narrow is its parameter (`parameter`). What no reading can see is stated with its
 //! reason (`form`: which of these an effect is, and why not).
 
 mod adjoint;

@@ -9,11 +9,11 @@ use crate::math::functions::{exp, ln};
 use crate::random::Distribution;
 use crate::statistics::moments::Moments;
 use crate::study::blocked::blocked;
-use crate::study::handed_on::HandedOn;
 use crate::study::inherit::{folder_diagnostic_at, plain_name};
 use crate::study::job::{CALIBRATION, Inference, JobSpec};
+use crate::study::posterior_prior::PosteriorPrior;
 use crate::study::reader::Reader;
-use crate::study::resolved::{DataBehind, HandedOnPrior, Pass, Upstream};
+use crate::study::resolved::{DataBehind, Pass, PosteriorReference, Upstream};
 use crate::study::table::Cells;
 
 use super::data::{self, Wanted};
@@ -115,7 +115,8 @@ pub fn behind(pass: &Pass, job: &str, spec: Inference<'_>) -> Vec<DataBehind> {
         measurement: pass.measurements[index].name.clone(),
         rows: Arc::new(used_rows(&pass.measurements[index])),
     });
-    let handed = pass.handed_on.iter().filter(|own| own.draws.parameters.iter().any(|p| spec.parameters.contains(p)));
+    let handed =
+        pass.posterior_priors.iter().filter(|own| own.draws.parameters.iter().any(|p| spec.parameters.contains(p)));
     let mut known = HashSet::new();
     own.chain(handed.flat_map(|own| own.behind.clone()))
         .filter(|own| known.insert((own.calibration.clone(), own.measurement.clone())))
@@ -123,9 +124,9 @@ pub fn behind(pass: &Pass, job: &str, spec: Inference<'_>) -> Vec<DataBehind> {
 }
 
 /// The draws of a calibration, no parameter chosen yet.
-pub fn of_calibration(pass: &Pass, job: &str, place: &Place, spec: Option<Inference<'_>>) -> HandedOnPrior {
-    HandedOnPrior {
-        draws: HandedOn {
+pub fn of_calibration(pass: &Pass, job: &str, place: &Place, spec: Option<Inference<'_>>) -> PosteriorReference {
+    PosteriorReference {
+        draws: PosteriorPrior {
             source: format!("`{job}` of `{}`", pass.file),
             parameters: Vec::new(),
             names: Vec::new(),
@@ -142,8 +143,8 @@ pub fn of_calibration(pass: &Pass, job: &str, place: &Place, spec: Option<Infere
 }
 
 /// Looks up all draws that stand in for priors; `priors` gets the original priors in their place.
-pub fn resolve(scope: &mut Scope, upstreams: &mut Upstreams, priors: &mut [Distribution]) -> Vec<HandedOnPrior> {
-    let mut found: Vec<HandedOnPrior> = Vec::new();
+pub fn resolve(scope: &mut Scope, upstreams: &mut Upstreams, priors: &mut [Distribution]) -> Vec<PosteriorReference> {
+    let mut found: Vec<PosteriorReference> = Vec::new();
     let mut files: Vec<(String, Place, Vec<usize>)> = Vec::new();
     for index in 0..priors.len() {
         match scope.resolved.priors[index].clone() {
@@ -167,7 +168,7 @@ fn posterior(
     scope: &mut Scope,
     upstreams: &mut Upstreams,
     priors: &mut [Distribution],
-    found: &mut Vec<HandedOnPrior>,
+    found: &mut Vec<PosteriorReference>,
     index: usize,
     (file, job, place): (&str, &str, &Place),
 ) {
@@ -211,7 +212,7 @@ fn from_file(
     file: String,
     place: Place,
     parameters: Vec<usize>,
-) -> Option<HandedOnPrior> {
+) -> Option<PosteriorReference> {
     let data = data::data(scope, &Spanned { value: file.clone(), place: place.clone() }, b',', None).ok()??;
     let names: Vec<String> = parameters.iter().map(|&p| scope.resolved.model.parameters[p].name.clone()).collect();
     let wanted: Vec<Wanted> = (parameters.iter().zip(&names))
@@ -233,8 +234,8 @@ fn from_file(
     for (&parameter, column) in parameters.iter().zip(&columns) {
         priors[parameter] = scale_of(column);
     }
-    Some(HandedOnPrior {
-        draws: HandedOn {
+    Some(PosteriorReference {
+        draws: PosteriorPrior {
             source: format!("`{file}`"),
             parameters,
             names,

@@ -11,7 +11,7 @@ use crate::thermal::{LANES, Model, Network, SampleBatch, Start, Workspace};
 
 /// Networks with the sensors' quantities alone.
 #[derive(Debug)]
-pub(super) struct Plant {
+pub(super) struct ForwardModel {
     plain: Network,
     tangent: Network,
     /// Parameters where nothing is unknown.
@@ -101,7 +101,7 @@ pub(super) struct Outside {
     pub nodes: Vec<u64>,
 }
 
-impl Plant {
+impl ForwardModel {
     pub fn new(spec: &Spec, model: &Model, priors: &[Distribution], unknowns: Vec<Unknown>) -> Result<Self, JobError> {
         let mut quantities: Vec<usize> = Vec::new();
         let mut of_sensor = Vec::new();

@@ -1,7 +1,7 @@
-//! A posterior handed on: draws of several parameters together, which stand in for their priors in another job.
+//! A posterior as prior: draws of several parameters together, which stand in for their priors in another job.
 //!
 //! What samples the prior takes whole draws, so that correlations, bounds and bent shapes stay as they were; what needs a
-//! density gets one from [`HandedOn::density`], or is refused where none describes the draws.
+//! density gets one from [`PosteriorPrior::density`], or is refused where none describes the draws.
 
 use std::collections::BTreeMap;
 
@@ -25,7 +25,7 @@ pub struct PosteriorError(String);
 
 /// Draws that stand in for priors.
 #[derive(Clone, Debug, PartialEq)]
-pub struct HandedOn {
+pub struct PosteriorPrior {
     /// Where they come from, for people: `tuned` of `pass-1.json`, or a file.
     pub source: String,
     /// Positions of the parameters in the model's list.
@@ -44,7 +44,7 @@ pub struct HandedOn {
 
 /// Draws that stood in for priors, as results tell of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct HandedOnSummary {
+pub struct PosteriorPriorSummary {
     /// Where they come from.
     pub source: String,
     /// The parameters.
@@ -77,7 +77,7 @@ struct Draws {
     values: Vec<Vec<f64>>,
 }
 
-impl HandedOn {
+impl PosteriorPrior {
     /// The same with the draws of a calibration's result.
     ///
     /// # Errors
@@ -110,8 +110,8 @@ impl HandedOn {
     }
 
     /// Its part in a result.
-    pub fn summary(&self) -> HandedOnSummary {
-        HandedOnSummary {
+    pub fn summary(&self) -> PosteriorPriorSummary {
+        PosteriorPriorSummary {
             source: self.source.clone(),
             parameters: self.names.clone(),
             draws: self.draws.len() as u64,
@@ -192,8 +192,8 @@ impl HandedOn {
 mod tests {
     use super::*;
 
-    fn unfilled() -> HandedOn {
-        HandedOn {
+    fn unfilled() -> PosteriorPrior {
+        PosteriorPrior {
             source: "`tuned` of `pass-1.json`".into(),
             parameters: vec![3, 1],
             names: vec!["b".into(), "a".into()],
