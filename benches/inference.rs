@@ -10,12 +10,12 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-use bmv::inference::chains::Chains;
-use bmv::inference::convergence::{ConvergenceLimits, judge};
 use bmv::inference::likelihood::{Definition, Likelihood};
-use bmv::inference::measurement::Rows;
-use bmv::inference::nuts::{self, NutsSettings};
+use bmv::inference::sampler::chains::Chains;
+use bmv::inference::sampler::convergence::{ConvergenceLimits, judge};
+use bmv::inference::sampler::nuts::{self, NutsSettings};
 use bmv::inference::target::Target;
+use bmv::measurement::Rows;
 use bmv::random::StreamKey;
 use criterion::{Criterion, criterion_group, criterion_main};
 

@@ -1,11 +1,11 @@
 //! `bmv`: reproducible Bayesian-based model validation of spacecraft thermal models.
 //!
 //! The rooms of the house, each of which may use only those before it:
-//! `watch`, `math`, `random` and `expression`, `statistics`, `document`, `thermal`, `effect`, `inference`, `diagnosis`, `twin` (the crate
+//! `watch`, `math`, `random` and `expression`, `statistics`, `document`, `thermal`, `effect`, `measurement`, `inference`, `diagnosis`, `twin` (the crate
 //! `bmv-core`), `study`, `job`, `runner`, `report`, `batch`, `cli` (DESIGN.md says what each knows and may not know).
 
 pub use bmv_core::{
-    diagnosis, document, effect, expression, inference, math, random, statistics, thermal, twin, watch,
+    diagnosis, document, effect, expression, inference, math, measurement, random, statistics, thermal, twin, watch,
 };
 
 pub mod batch;

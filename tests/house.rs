@@ -1,5 +1,6 @@
 //! The house: rooms use only rooms before them.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Rooms in order; those of one row may not use one another.
@@ -11,6 +12,7 @@ const ROWS: &[&[&str]] = &[
     &["document"],
     &["thermal"],
     &["effect"],
+    &["measurement"],
     &["inference"],
     &["diagnosis"],
     &["twin"],
@@ -65,6 +67,102 @@ fn rooms_use_only_rooms_before_them() {
     }
     assert!(seen > 200, "the test reads the sources (saw {seen} uses)");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Paths that a text uses of its own crate: groups of `use` taken apart, `super` and `self` resolved.
+fn used_paths(module: &[String], text: &str) -> Vec<Vec<String>> {
+    let program: String = text.lines().map(|line| line.split("//").next().unwrap_or("")).collect::<Vec<_>>().join(" ");
+    let mut paths = Vec::new();
+    for start in ["crate::", "super::"] {
+        for (at, _) in program.match_indices(start) {
+            let is_word = program[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':');
+            if !is_word {
+                take_apart(&[], &program[at..], &mut paths);
+            }
+        }
+    }
+    let resolve = |path: Vec<String>| -> Vec<String> {
+        let ups = path.iter().take_while(|part| *part == "super").count();
+        let rest = path.iter().skip(if ups > 0 { ups } else { 1 }).cloned();
+        let base = if ups > 0 { &module[..module.len().saturating_sub(ups)] } else { &[] };
+        base.iter().cloned().chain(rest).collect()
+    };
+    paths.into_iter().map(resolve).collect()
+}
+
+/// One path, or those of a group in braces, at the start of a text.
+fn take_apart(before: &[String], text: &str, paths: &mut Vec<Vec<String>>) {
+    let mut path = before.to_vec();
+    let mut rest = text.trim_start();
+    loop {
+        if let Some(group) = rest.strip_prefix('{') {
+            let (mut depth, mut from) = (0, 0);
+            for (at, c) in group.char_indices() {
+                match c {
+                    '{' => depth += 1,
+                    '}' if depth > 0 => depth -= 1,
+                    ',' | '}' if depth == 0 => {
+                        take_apart(&path, &group[from..at], paths);
+                        from = at + 1;
+                        if c == '}' {
+                            return;
+                        }
+                    }
+                    _ => {}
+                }
+            }
+            return;
+        }
+        let word: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+        if word.is_empty() {
+            break;
+        }
+        rest = &rest[word.len()..];
+        path.push(word);
+        match rest.strip_prefix("::") {
+            Some(further) => rest = further,
+            None => break,
+        }
+    }
+    paths.push(path);
+}
+
+#[test]
+fn folders_of_a_room_use_one_another_without_cycles() {
+    let files: Vec<(Vec<String>, String)> = (sources().into_iter())
+        .map(|(path, _, text)| {
+            let parts: Vec<String> =
+                path.components().map(|part| part.as_os_str().to_string_lossy().into_owned()).collect();
+            let below = parts.iter().position(|part| part == "src").expect("below src") + 1;
+            let mut module: Vec<String> = parts[below..].to_vec();
+            let last = module.pop().expect("a file");
+            if last != "mod.rs" {
+                module.push(last.trim_end_matches(".rs").to_owned());
+            }
+            (module, program(&text).to_owned())
+        })
+        .collect();
+    let folders: BTreeSet<[String; 2]> = (files.iter())
+        .filter(|(module, _)| module.len() > 2)
+        .map(|(module, _)| [module[0].clone(), module[1].clone()])
+        .collect();
+    let folder = |path: &[String]| {
+        let own = [path.first()?.clone(), path.get(1)?.clone()];
+        folders.contains(&own).then_some(own)
+    };
+    let mut uses: BTreeMap<[String; 2], BTreeSet<[String; 2]>> = BTreeMap::new();
+    for (module, text) in &files {
+        let Some(own) = folder(module) else { continue };
+        let used = used_paths(module, text).into_iter().filter_map(|path| folder(&path));
+        uses.entry(own.clone()).or_default().extend(used.filter(|used| used[0] == own[0] && *used != own));
+    }
+    assert!(uses.values().map(BTreeSet::len).sum::<usize>() > 10, "the test reads the sources: {uses:?}");
+    // What uses nothing that is left is taken away, until nothing is left but cycles.
+    while let Some(free) = uses.iter().find(|(_, used)| used.iter().all(|own| !uses.contains_key(own))) {
+        let free = free.0.clone();
+        uses.remove(&free);
+    }
+    assert!(uses.is_empty(), "these use one another, or what does: {uses:?}");
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use bmv::inference::measurement::Rows;
+use bmv::measurement::Rows;
 use serde_json::{Map, Value, json};
 
 use super::network8_data;

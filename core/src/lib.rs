@@ -1,7 +1,7 @@
 //! The physics and the statistics of `bmv`, and the documents that they are declared in.
 //!
 //! The rooms, each of which may use only those before it: `watch`, `math`, `random` and `expression`, `statistics`, `document`,
-//! `thermal`, `effect`, `inference`, `diagnosis`, `twin`. What is above them (jobs, studies, the runner, reports, the command line) is
+//! `thermal`, `effect`, `measurement`, `inference`, `diagnosis`, `twin`. What is above them (jobs, studies, the runner, reports, the command line) is
 //! the crate `bmv`, which shows these rooms as its own.
 
 pub mod diagnosis;
@@ -10,6 +10,7 @@ pub mod effect;
 pub mod expression;
 pub mod inference;
 pub mod math;
+pub mod measurement;
 pub mod random;
 pub mod statistics;
 pub mod thermal;

@@ -15,7 +15,7 @@ use crate::diagnosis::output::EffectResult;
 use crate::diagnosis::{Output, RISES};
 use crate::document::visible::shell_word;
 use crate::document::{Diagnostics, suggest};
-use crate::inference::measurement::Doubt;
+use crate::measurement::Doubt;
 
 /// Diagnostics printed of one refusal.
 const MOST_DIAGNOSTICS: usize = 20;

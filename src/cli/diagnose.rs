@@ -10,8 +10,8 @@ use super::{Context, select};
 use crate::batch;
 use crate::diagnosis::Output;
 use crate::document::visible::shell_word;
-use crate::inference::measurement::Doubt;
 use crate::job::diagnose;
+use crate::measurement::Doubt;
 use crate::report::section::DIAGNOSIS;
 use crate::report::terminal;
 

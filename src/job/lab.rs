@@ -94,7 +94,7 @@ impl Lab {
         }
         // What stops every case is stated before the first.
         let failed = |error: FitError| JobError::Failed(error.to_string());
-        problem.hypothesis(&[], 1.0).and_then(|believed| believed.likelihood(&problem)).map_err(failed)?;
+        problem.hypothesis(&[], 1.0).and_then(|baseline| baseline.likelihood(&problem)).map_err(failed)?;
         let hidden = spec.effect.as_ref().zip(spec.amplitude);
         if let Some((effect, amplitude)) = hidden {
             let name = effect.split(':').next().unwrap_or(effect);

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::propagate::{self, Propagate};
 use super::{JobError, Runnable, compare, kind};
 use crate::document::{Diagnostic, code};
-use crate::inference::measurement::Measurement;
+use crate::measurement::Measurement;
 use crate::random::Distribution;
 use crate::study::Pass;
 use crate::study::blocked::blocked;

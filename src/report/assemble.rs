@@ -3,8 +3,8 @@
 use serde_json::Value;
 use thiserror::Error;
 
-use crate::inference::measurement::Doubt;
 use crate::job::kind;
+use crate::measurement::Doubt;
 use crate::study::Pass;
 
 use super::history::History;

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::inference::measurement::{Measurement, Rows, Sensor};
 use crate::job::compare;
 use crate::job::kind::{AnyOutput, JobKind};
+use crate::measurement::{Measurement, Rows, Sensor};
 use crate::random::Distribution;
 use crate::study::requirement::{Environment, Requirement};
 use crate::thermal::{Model, Quantity};

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use thiserror::Error;
 
-use crate::inference::joint_prior::{JointPrior, JointPriorError};
+use crate::inference::prior::joint_prior::{JointPrior, JointPriorError};
 use crate::random::Distribution;
 use crate::statistics::moments::Moments;
 use crate::statistics::quantile::{quantile_sorted, sorted};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::diagnosis::Problem;
 use crate::effect::candidates;
 use crate::inference::likelihood::InputError;
-use crate::inference::measurement::Measurement;
+use crate::measurement::Measurement;
 use crate::thermal::Model;
 
 use super::model::Prior;

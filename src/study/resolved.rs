@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use crate::document::{Diagnostic, Diagnostics, Place};
 use crate::effect::{Catalogue, GroupPlace};
-use crate::inference::measurement::Measurement;
-use crate::inference::rows::UsedRow;
+use crate::inference::likelihood::rows::UsedRow;
+use crate::measurement::Measurement;
 use crate::random::Distribution;
 use crate::thermal::Model;
 

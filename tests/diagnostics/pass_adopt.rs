@@ -1,7 +1,7 @@
 //! Passes that adopt effects: the model, its priors, its measurements and environments follow.
 
-use bmv::inference::measurement::{Initial, Rows, Uncertain};
-use bmv::inference::prediction::Predictor;
+use bmv::measurement::prediction::Predictor;
+use bmv::measurement::{Initial, Rows, Uncertain};
 use bmv::random::Distribution;
 use bmv::study::Pass;
 use bmv::thermal::{Network, Start};

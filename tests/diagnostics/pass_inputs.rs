@@ -1,6 +1,6 @@
 //! What a measurement says of the inputs, and starts that its first readings contradict.
 
-use bmv::inference::measurement::{Initial, Rows, Uncertain};
+use bmv::measurement::{Initial, Rows, Uncertain};
 use bmv::random::Distribution;
 
 use crate::diagnostics::pass_study::Study;

@@ -1,9 +1,9 @@
 //! A complete study loads, with everything where it belongs; broken ones never panic.
 
-use bmv::inference::measurement::{Initial, Rows, Uncertain};
 use bmv::job::calibrate::Sampler;
 use bmv::job::propagate::Sampling;
 use bmv::job::ready::Readiness;
+use bmv::measurement::{Initial, Rows, Uncertain};
 use bmv::random::Distribution;
 use bmv::study::JobSpec;
 use bmv::study::rule::Margin;

@@ -1,6 +1,6 @@
 //! Diagnostics and smoothed weights against ArviZ 0.23.4 on stored numbers (`arviz/make.py` made them).
 
-use bmv::inference::psis;
+use bmv::inference::sampler::psis;
 use bmv::statistics::chain_diagnostics as own;
 use serde_json::Value;
 

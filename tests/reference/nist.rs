@@ -1,7 +1,7 @@
 //! Certified nonlinear regressions of the NIST Statistical Reference Datasets (`nist/`, public domain): parameters and
 //! standard deviations to six digits from both starting points.
 
-use bmv::inference::point_estimate::{PointEstimate, PointSettings, estimate};
+use bmv::inference::estimate::point_estimate::{PointEstimate, PointSettings, estimate};
 use bmv::inference::target::{LeastSquares, Rejected, Target};
 use bmv::random::{Distribution, StreamKey};
 

@@ -4,10 +4,10 @@
 //! Half-Cauchy priors are uniform parameters with the quantile function, flat priors normal ones so wide that they move
 //! the posterior by less than 1e-3 of its spread.
 
-use bmv::inference::chains::Chains;
-use bmv::inference::metropolis::MetropolisSettings;
-use bmv::inference::nuts::NutsSettings;
-use bmv::inference::smc::SmcSettings;
+use bmv::inference::sampler::chains::Chains;
+use bmv::inference::sampler::metropolis::MetropolisSettings;
+use bmv::inference::sampler::nuts::NutsSettings;
+use bmv::inference::sampler::smc::SmcSettings;
 use bmv::statistics::chain_diagnostics::{ess_quantile, mcse_mean, mcse_quantile};
 use bmv::statistics::quantile::{quantile_sorted, sorted};
 use serde_json::Value;

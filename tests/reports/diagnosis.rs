@@ -141,7 +141,7 @@ fn a_doubtful_start_stands_before_any_verdict() {
     for verdict in ["identified", "ambiguous", "unexplained", "adequate"] {
         let mut sample = diagnosed(verdict);
         let job = sample.results.last_mut().expect("a diagnosis");
-        let doubts = vec![bmv::inference::measurement::Doubt {
+        let doubts = vec![bmv::measurement::Doubt {
             code: "start-apart".into(),
             message: "the first readings of run lie apart from its start temperatures: board 12.73 K above".into(),
             repair: Some(r#""initial": {"measured": {}} starts at the first readings"#.into()),

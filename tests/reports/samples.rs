@@ -2,7 +2,6 @@
 //! that a test can say what a report must show.
 
 use bmv::expression::{Graph, Symbol};
-use bmv::inference::measurement::{Initial, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};
 use bmv::job::compare::{
     self, Deviation, HeatBalance, PhaseSummary, Row, SensorSummary, StabilisationCheck, Trend, Verdict,
 };
@@ -10,6 +9,7 @@ use bmv::job::conventional::{self, Basis, Size, WorstEnd};
 use bmv::job::kind::{self, JobKind};
 use bmv::job::propagate::{self, Case, Conditional, Distributed, Joint, Met, Probability, Quantile, Reached};
 use bmv::math::functions::{exp, ln, sin};
+use bmv::measurement::{Initial, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};
 use bmv::random::Distribution;
 use bmv::report::{FileHash, JobEntry, ParameterChange, PassReport};
 use bmv::study::profile::Criteria;

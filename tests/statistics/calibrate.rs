@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use bmv::inference::measurement::{Measurement, Rows, Uncertain};
 use bmv::job::JobError;
 use bmv::job::calibrate::{Calibrate, Inputs, Output, Sampler, Spec};
+use bmv::measurement::{Measurement, Rows, Uncertain};
 
 use crate::serial::run;
 use crate::verification::network8_data::{measurement, model, priors};

@@ -1,10 +1,10 @@
 //! Simulation-based calibration (Talts, Betancourt, Simpson, Vehtari & Gelman 2018): the rank of a true parameter among
 //! draws from its posterior is uniform over data sets simulated from the prior.
 
-use bmv::inference::chains::Chain;
-use bmv::inference::metropolis::{self, MetropolisSettings};
-use bmv::inference::nuts::{self, NutsSettings};
-use bmv::inference::smc::{self, SmcSettings};
+use bmv::inference::sampler::chains::Chain;
+use bmv::inference::sampler::metropolis::{self, MetropolisSettings};
+use bmv::inference::sampler::nuts::{self, NutsSettings};
+use bmv::inference::sampler::smc::{self, SmcSettings};
 use bmv::inference::target::Target;
 use bmv::random::StreamKey;
 

@@ -1,8 +1,8 @@
 //! Evidence by the Laplace approximation with active bounds, and by importance sampling, against exact values.
 
-use bmv::inference::identifiability::{Combination, Finding};
-use bmv::inference::importance::{ImportanceSettings, estimate as importance};
-use bmv::inference::point_estimate::{End, PointEstimate, PointSettings, estimate};
+use bmv::inference::estimate::identifiability::{Combination, Finding};
+use bmv::inference::estimate::point_estimate::{End, PointEstimate, PointSettings, estimate};
+use bmv::inference::sampler::importance::{ImportanceSettings, estimate as importance};
 use bmv::inference::target::{LeastSquares, Rejected, Target};
 use bmv::random::{Distribution, StreamKey};
 

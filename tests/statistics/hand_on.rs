@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use bmv::inference::rows::used_rows;
+use bmv::inference::likelihood::rows::used_rows;
 use bmv::job::ready::Readiness;
 use bmv::job::{calibrate, predict, propagate};
 use bmv::job::{load, ready};

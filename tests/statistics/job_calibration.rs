@@ -4,8 +4,8 @@
 
 use std::sync::Arc;
 
-use bmv::inference::measurement::{Measurement, Phase, Rows, Uncertain};
 use bmv::job::calibrate::{Calibrate, Inputs, Output, Sampler, Spec};
+use bmv::measurement::{Measurement, Phase, Rows, Uncertain};
 use bmv::random::{Distribution, StreamKey};
 use bmv::thermal::{Model, Network, Start};
 

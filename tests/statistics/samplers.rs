@@ -3,15 +3,15 @@
 //! A moment is right when it lies within four Monte Carlo standard errors of the exact value; seeds are fixed, so that a
 //! pass is a pass for ever.
 
-use bmv::inference::chains::{Chain, Chains};
-use bmv::inference::convergence::{Convergence, ConvergenceLimits, Objection, judge};
-use bmv::inference::importance::{ImportanceEstimate, ImportanceSettings, estimate as importance};
-use bmv::inference::metropolis::{self, MetropolisSettings};
-use bmv::inference::nuts::{self, NutsSettings};
-use bmv::inference::parts::Parts;
-use bmv::inference::smc::{self, SmcResult, SmcSettings};
+use bmv::inference::prior::triangular_transport::NormalApproximation;
+use bmv::inference::sampler::chains::{Chain, Chains};
+use bmv::inference::sampler::convergence::{Convergence, ConvergenceLimits, Objection, judge};
+use bmv::inference::sampler::importance::{ImportanceEstimate, ImportanceSettings, estimate as importance};
+use bmv::inference::sampler::metropolis::{self, MetropolisSettings};
+use bmv::inference::sampler::nuts::{self, NutsSettings};
+use bmv::inference::sampler::parts::Parts;
+use bmv::inference::sampler::smc::{self, SmcResult, SmcSettings};
 use bmv::inference::target::Target;
-use bmv::inference::triangular_transport::NormalApproximation;
 use bmv::random::StreamKey;
 use bmv::statistics::chain_diagnostics::{mcse_mean, mcse_sd};
 

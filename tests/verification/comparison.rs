@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use bmv::inference::measurement::{Initial, InputColumn, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};
 use bmv::job::compare::{Compare, Output, Spec};
+use bmv::measurement::{Initial, InputColumn, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};
 use bmv::study::profile::Criteria;
 use bmv::thermal::Model;
 

@@ -231,7 +231,7 @@ fn a_node_that_begins_to_store_heat_starts_in_balance_and_is_found() {
         "jobs": {"fit": {"compare": {}}}}"#;
     std::fs::write(study.0.path().join("pass-2.json"), adopted).expect("written");
     let pass = study.load("pass-2.json");
-    let predictor = bmv::inference::prediction::Predictor::new(&pass.model, &[]).expect("compiled");
+    let predictor = bmv::measurement::prediction::Predictor::new(&pass.model, &[]).expect("compiled");
     let parameters: Vec<f64> = pass.model.parameters.iter().map(|own| own.nominal).collect();
     let found = predictor.predict(&mut predictor.workspace(), &pass.measurements[0], &parameters);
     assert!(found.failures.is_empty(), "{:?}", found.failures);

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use bmv::job::goal::{Discrepancy, Goal, Next, Output, Spec};
+use bmv::job::goal::{Goal, Next, Output, Spec};
+use bmv::job::propagate::Discrepancy;
 use bmv::random::Distribution;
 use bmv::study::Pass;
 

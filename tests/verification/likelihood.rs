@@ -1,10 +1,10 @@
 //! The likelihood against references made apart, and its gradient against differences.
 
 use bmv::expression::Symbol;
+use bmv::inference::estimate::point_estimate::{self, PointSettings};
 use bmv::inference::likelihood::{Definition, InputError, Likelihood, LikelihoodError};
-use bmv::inference::measurement::{Initial, InputColumn, InputTable, Measurement, Rows, Uncertain};
-use bmv::inference::point_estimate::{self, PointSettings};
 use bmv::inference::target::{LeastSquares, Target};
+use bmv::measurement::{Initial, InputColumn, InputTable, Measurement, Rows, Uncertain};
 use bmv::random::{Distribution, StreamKey};
 use bmv::thermal::{InitialState, Model, Network, TransientRequest};
 
@@ -167,7 +167,7 @@ fn bench() -> (Model, Vec<Measurement>) {
         unused_columns: vec![],
         doubts: vec![],
     };
-    let phase = |name: &str, power: f64| bmv::inference::measurement::Phase {
+    let phase = |name: &str, power: f64| bmv::measurement::Phase {
         name: name.into(),
         inputs: vec![power, 295.0],
         held_out: false,
@@ -294,7 +294,7 @@ fn input_errors_enter_the_covariance_of_a_phase() {
     b.quantity("T", value);
     let measurement = Measurement {
         name: "m".into(),
-        rows: Rows::Steady(vec![bmv::inference::measurement::Phase {
+        rows: Rows::Steady(vec![bmv::measurement::Phase {
             name: "p".into(),
             inputs: vec![1.0, 290.0],
             held_out: false,

@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use bmv::diagnosis::fits::refit::Begin;
 use bmv::diagnosis::{Diagnosis, Problem, Settings, Verdict};
-use bmv::inference::measurement::Uncertain;
 use bmv::job::ready::Readiness;
 use bmv::math::functions::{exp, ln};
+use bmv::measurement::Uncertain;
 use bmv::random::StreamKey;
 use nalgebra::{DMatrix, DVector};
 

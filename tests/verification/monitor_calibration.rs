@@ -4,10 +4,10 @@
 
 use std::sync::Arc;
 
+use bmv::inference::estimate::point_estimate::{self, PointEstimate, PointSettings};
 use bmv::inference::likelihood::{Definition, Likelihood};
-use bmv::inference::measurement::{Measurement, Rows};
-use bmv::inference::point_estimate::{self, PointEstimate, PointSettings};
 use bmv::job::calibrate::{Calibrate, Inputs, Output, Sampler, Spec};
+use bmv::measurement::{Measurement, Rows};
 use bmv::random::StreamKey;
 use bmv::study::Pass;
 

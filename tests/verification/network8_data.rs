@@ -3,7 +3,7 @@
 
 use bmv::expression::Symbol;
 use bmv::inference::likelihood::{Definition, Likelihood};
-use bmv::inference::measurement::{Measurement, Phase, Rows, Sensor, Uncertain};
+use bmv::measurement::{Measurement, Phase, Rows, Sensor, Uncertain};
 use bmv::random::Distribution;
 use bmv::thermal::{Model, Network, Start};
 

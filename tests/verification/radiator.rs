@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use bmv::expression::Symbol;
 use bmv::job::conventional::Basis;
-use bmv::job::goal::Discrepancy;
+use bmv::job::propagate::Discrepancy;
 use bmv::job::propagate::{Propagate, Sampling, Spec};
 use bmv::job::ready::Readiness;
 use bmv::job::{Runnable, conventional, propagate};

@@ -6,8 +6,8 @@ use bmv::diagnosis::linearisation::signature::{Unseen, directions, linearise};
 use bmv::diagnosis::{Direction, Problem};
 use bmv::effect::{Candidate, SensorPlace, candidates};
 use bmv::inference::likelihood::{InputError, Likelihood};
-use bmv::inference::measurement::{Initial, InputColumn, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};
 use bmv::inference::target::{LeastSquares, Target};
+use bmv::measurement::{Initial, InputColumn, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};
 use bmv::random::Distribution;
 use bmv::thermal::Model;
 

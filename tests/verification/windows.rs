@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use bmv::inference::measurement::Rows;
 use bmv::job::ready::Readiness;
+use bmv::measurement::Rows;
 use bmv::random::StreamKey;
 
 use super::radiator::run;
@@ -54,7 +54,7 @@ fn steady_plateaus_are_not_said_to_drift() {
     let pass = load(&folder);
     let Rows::Steady(phases) = &pass.measurements[0].rows else { panic!("steady") };
     let limit = 0.05 / 3600.0;
-    let steady = |phase: &bmv::inference::measurement::Phase| phase.stabilisation.clone().expect("a window");
+    let steady = |phase: &bmv::measurement::Phase| phase.stabilisation.clone().expect("a window");
     let is_above = |slope: &Option<f64>| slope.is_some_and(|slope| slope.abs() > limit);
     let above = phases.iter().filter(|phase| steady(phase).slopes.iter().any(is_above)).count();
     let drifting = phases.iter().filter(|phase| steady(phase).drifting(&[0, 1, 2, 3], limit).is_some()).count();

@@ -15,9 +15,9 @@ use crate::diagnosis::odds::posterior_odds::posterior_odds;
 use crate::diagnosis::screening::screen::{Lead, Screening};
 use crate::diagnosis::{Problem, Refit, Settings};
 use crate::effect::Effect;
-use crate::inference::joint_prior::JointPrior;
-use crate::inference::measurement::Rows;
+use crate::inference::prior::joint_prior::JointPrior;
 use crate::inference::target::Target;
+use crate::measurement::Rows;
 use crate::random::StreamKey;
 
 /// Single effects that are fitted at first.
@@ -229,8 +229,8 @@ impl Diagnosis {
         if !self.problem.measurements.iter().any(|own| matches!(own.rows, Rows::Transient { .. })) {
             return Ok(Vec::new());
         }
-        let believed = self.problem.hypothesis(&[], 1.0).and_then(|own| own.likelihood(&self.problem));
-        let likelihood = believed?;
+        let baseline = self.problem.hypothesis(&[], 1.0).and_then(|own| own.likelihood(&self.problem));
+        let likelihood = baseline?;
         let steps = likelihood.transient_steps(&fitted.unknowns)?;
         Ok(steps.into_iter().map(|steps| steps.saturating_mul(TIMES_THE_STEPS).max(LEAST_OF_MOST_STEPS)).collect())
     }
@@ -238,19 +238,19 @@ impl Diagnosis {
     /// Fits the baseline model, from another fit of it, with estimated noise, and screens all effects and pairs.
     fn screen_with(&self, fitted: &Refit, noise: Vec<SensorNoise>, most_steps: Vec<u64>) -> Result<State, FitError> {
         let problem = self.with_noise(&noise, &most_steps);
-        let mut believed = fitted.clone();
+        let mut baseline = fitted.clone();
         if !noise.is_empty() {
-            let begin = Begin { starts: vec![believed.by_name()], from_prior: 2, scale: 1.0 };
-            believed = problem.refit(&[], &begin, &self.key)?;
+            let begin = Begin { starts: vec![baseline.by_name()], from_prior: 2, scale: 1.0 };
+            baseline = problem.refit(&[], &begin, &self.key)?;
         }
-        let screening = self.screen_problem(&problem, &believed, true)?;
+        let screening = self.screen_problem(&problem, &baseline, true)?;
         let mut state = State {
             rounds: 0,
             aside: 0,
             noise,
             most_steps,
             screening: screening.clone(),
-            refits: vec![believed],
+            refits: vec![baseline],
             pending: Vec::new(),
             remainders: vec![Remainder { effects: Vec::new(), p: screening.family.p }],
             failed: Vec::new(),
@@ -285,11 +285,11 @@ impl Diagnosis {
         Ok(state)
     }
 
-    /// What stands out where the parameters are as they were believed beforehand, if the fit bends them far from there: about
+    /// What stands out where the parameters are at the medians of their priors, if the fit bends them far from there: about
     /// a fit that a strong effect has bent, its linearisation may not look like it any more. The starts hold the parameters.
-    pub(crate) fn leads_at_prior_medians(&self, problem: &Problem, believed: &Refit) -> Result<Vec<Lead>, FitError> {
+    pub(crate) fn leads_at_prior_medians(&self, problem: &Problem, baseline: &Refit) -> Result<Vec<Lead>, FitError> {
         let likelihood = self.likelihood(problem)?;
-        let mut at_medians = believed.clone();
+        let mut at_medians = baseline.clone();
         let mut bent = false;
         // Of the baseline model: effects that were added stay as they were fitted.
         let model = self.problem.parameters.len();

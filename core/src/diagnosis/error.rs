@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::effect::apply::ApplyError;
-use crate::inference::chains::SampleError;
 use crate::inference::likelihood::LikelihoodError;
+use crate::inference::prior::transform::TransformError;
+use crate::inference::sampler::chains::SampleError;
 use crate::inference::target::Rejected;
-use crate::inference::transform::TransformError;
 use crate::thermal::NetworkError;
 
 /// Why a model with effects cannot be fitted or screened.

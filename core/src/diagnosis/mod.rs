@@ -1,12 +1,13 @@
 //! What physics a model is missing: the model against measurements, with every effect of a catalogue at every place.
 //!
-//! In the order of a diagnosis: `problem` (what is diagnosed), `linearisation`, `screening`, `fits`, `noise`, `heat` (what is missing
-//! whatever its name, and what heat a fitted effect carries), `odds`, `verdict`, `output`. `engine` is the course. docs/diagnosis.md says what is computed, and after whom.
+//! In the order of a diagnosis: `problem` (what is diagnosed), `hypothesis` (its model with a set of effects), `linearisation`, `screening`, `fits`, `noise`, `heat` (what is missing
+//! whatever its name, and what heat a fitted effect carries), `odds`, `verdict`, `output`. `engine` is the course, `search` which sets are fitted next. docs/diagnosis.md says what is computed, and after whom.
 
 mod engine;
 pub mod error;
 pub mod fits;
 mod heat;
+pub mod hypothesis;
 pub mod linearisation;
 mod noise;
 pub mod odds;
@@ -14,14 +15,15 @@ pub mod output;
 pub mod problem;
 mod query;
 pub mod screening;
+mod search;
 mod settings;
 mod verdict;
 
 pub use engine::{Diagnosis, Order, State};
 pub use error::{FitError, Unfitted};
 pub use fits::evidence::{Amplitude, Evidence};
-pub use fits::hypothesis::Hypothesis;
 pub use fits::refit::Refit;
+pub use hypothesis::Hypothesis;
 pub use linearisation::linear::{Direction, Linear};
 pub use odds::prior_of::{PRIOR_OF, wider};
 pub use output::{Output, RISES, Verdict};

@@ -6,8 +6,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::document::counted;
-use crate::inference::joint_prior::Fit;
-use crate::inference::measurement::Doubt;
+use crate::inference::prior::joint_prior::Fit;
+use crate::measurement::Doubt;
 
 /// What is said of a model against its data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -368,7 +368,7 @@ pub struct Output {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub converged: Option<bool>,
     /// What is doubtful about the data, a start apart from its first readings first: to be mended before the verdict is
-    /// believed.
+    /// baseline.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub doubts: Vec<Doubt>,
     /// What went wrong on the way.

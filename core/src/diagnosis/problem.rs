@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use crate::diagnosis::FitError;
 use crate::effect::{Candidate, Catalogue};
-use crate::inference::joint_prior::JointPrior;
 use crate::inference::likelihood::{InputError, Likelihood, LikelihoodError};
-use crate::inference::measurement::Measurement;
+use crate::inference::prior::joint_prior::JointPrior;
+use crate::measurement::Measurement;
 use crate::random::Distribution;
 use crate::thermal::{Model, Parameter};
 
@@ -47,8 +47,8 @@ impl Problem {
     /// parameter that acts on nothing, with a standard normal prior: residuals, evidence and every effect's direction
     /// stay as they are, and the least squares have a column.
     pub fn with_something_to_infer(mut self) -> Self {
-        let believed = self.hypothesis(&[], 1.0).and_then(|believed| believed.likelihood(&self));
-        if !matches!(believed, Err(FitError::Likelihood(LikelihoodError::NoUnknowns))) {
+        let baseline = self.hypothesis(&[], 1.0).and_then(|baseline| baseline.likelihood(&self));
+        if !matches!(baseline, Err(FitError::Likelihood(LikelihoodError::NoUnknowns))) {
             return self;
         }
         let mut model = (*self.model).clone();

@@ -1,37 +1,11 @@
-//! Priors, measurements, likelihood, point estimates, samplers, evidence, predictive checks.
+//! Inference: `target` (what a posterior is), `prior` (densities and their coordinates), `likelihood` (of measurements, given
+//! parameters), `posterior` (both together, unconstrained), `sampler` (chains, importance, tempering), `estimate` (point
+//! estimates, evidence, moments between bounds, identifiability), `information` (what a measurement would tell).
 
-pub mod adaptation;
-pub mod box_probability;
-pub mod chains;
-pub mod cholesky;
-pub mod convergence;
-pub mod identifiability;
-pub mod importance;
+pub mod estimate;
 pub mod information;
-pub mod informed;
-pub mod joint_prior;
-pub mod lag;
-pub mod laplace;
 pub mod likelihood;
-pub mod measurement;
-pub mod metric;
-pub mod metropolis;
-pub mod natural;
-pub mod noise;
-pub mod nuts;
-pub mod optimise;
-pub mod parts;
-pub mod point_estimate;
 pub mod posterior;
-pub mod prediction;
-mod proposal;
-pub mod psis;
-pub mod rows;
-pub mod scatter;
-pub mod score;
-pub mod smc;
+pub mod prior;
+pub mod sampler;
 pub mod target;
-pub mod transform;
-pub mod triangular_transport;
-pub mod truncated_moments;
-pub mod unknown;

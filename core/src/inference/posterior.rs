@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::target::{Rejected, Rejections, Target};
-use super::transform::{Transform, TransformError};
-use super::triangular_transport::{NormalApproximation, Transport, covariance_of_coordinates};
+use crate::inference::prior::transform::{Transform, TransformError};
+use crate::inference::prior::triangular_transport::{NormalApproximation, Transport, covariance_of_coordinates};
+use crate::inference::target::{Rejected, Rejections, Target};
 use crate::random::Stream;
 use crate::watch;
 

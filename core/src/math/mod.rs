@@ -1,5 +1,6 @@
 //! Functions, special functions, ordered sums, dense and sparse linear algebra, root finding, quadrature.
 
+pub mod cholesky;
 pub mod dense;
 pub mod elimination;
 pub mod functions;

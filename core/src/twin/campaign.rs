@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::draw::{Draw, decimals, short};
 use super::specification::{NetworkSpecification, NodeSketch};
 use crate::expression::Symbol;
-use crate::inference::measurement::{Initial, InputColumn, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};
 use crate::math::functions::cos;
+use crate::measurement::{Initial, InputColumn, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};
 use crate::thermal::{Model, Quantity, QuantityValue};
 
 /// Kinds of test.

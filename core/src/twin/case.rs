@@ -16,7 +16,7 @@ use super::truth::Truth;
 use crate::diagnosis::Problem;
 use crate::document::hash::sha256_hex;
 use crate::effect::{Catalogue, Effect, SensorChange, SensorPlace, candidates};
-use crate::inference::measurement::Rows;
+use crate::measurement::Rows;
 use crate::random::StreamKey;
 
 /// What a case of a drawn network is to be.
@@ -81,7 +81,7 @@ fn attempted(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, stream: u64
     let drawn = tests[draw.position(tests.len())];
     let test = recipe.test.unwrap_or(drawn);
     let specification = network(topology, &mut draw);
-    let mut problem = believed(catalogue, &specification, test, &mut Draw::new(seed, "test", stream))?;
+    let mut problem = baseline(catalogue, &specification, test, &mut Draw::new(seed, "test", stream))?;
     let mut hidden = inject(&problem, &recipe.request, &mut Draw::new(seed, "truth", stream))?;
     if recipe.rivals {
         hidden.truth.rivals = Some(rivals::rivals(&problem, &hidden)?);
@@ -116,7 +116,7 @@ pub fn read(problem: &mut Problem, clean: &[Vec<f64>], truth: &Truth, key: &Stre
 }
 
 /// The baseline model of a specification with a test without readings, and all candidates.
-fn believed(
+fn baseline(
     catalogue: &Arc<Catalogue>,
     specification: &NetworkSpecification,
     test: TestKind,

@@ -6,7 +6,7 @@ use super::truth::{HiddenEffect, HiddenValue, Outside};
 use crate::diagnosis::Problem;
 use crate::diagnosis::odds::posterior_odds::Odds;
 use crate::effect::EffectParameter;
-use crate::inference::measurement::{Measurement, Rows};
+use crate::measurement::{Measurement, Rows};
 use crate::thermal::NodeKind;
 use crate::thermal::element::Element;
 

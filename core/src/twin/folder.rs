@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::case::Case;
 use super::specification::object;
-use crate::inference::measurement::{Initial, Measurement, Rows};
+use crate::measurement::{Initial, Measurement, Rows};
 use crate::thermal::Input;
 
 /// The files of a case: name within the folder, and text.
@@ -77,7 +77,7 @@ fn pass(case: &Case) -> String {
 
 fn measurement(inputs: &[Input], own: &Measurement) -> String {
     let sensors = object(own.sensors.iter().map(|sensor| {
-        let sigma = sensor.sigma.as_ref().map(crate::inference::measurement::Uncertain::nominal);
+        let sigma = sensor.sigma.as_ref().map(crate::measurement::Uncertain::nominal);
         (&sensor.name, json!({"measures": sensor.name, "sigma": {"value": sigma, "unit": "K"}}))
     }));
     let file = json!(own.file);
@@ -102,7 +102,7 @@ fn measurement(inputs: &[Input], own: &Measurement) -> String {
                 Initial::Steady => json!({"steady": {}}),
                 Initial::Periodic => json!({"periodic": {}}),
                 Initial::Temperatures { values, .. } => {
-                    let all = values.first().map(crate::inference::measurement::Uncertain::nominal);
+                    let all = values.first().map(crate::measurement::Uncertain::nominal);
                     json!({"temperatures": {"all": {"value": all, "unit": "K"}}})
                 }
             };

@@ -10,8 +10,8 @@ use super::refit::{self, Refit};
 use super::truth::{NoiseTruth, Truth};
 use super::world::World;
 use crate::diagnosis::{FitError, Problem};
-use crate::inference::measurement::{Rows, Uncertain};
 use crate::math::functions::{exp, ln};
+use crate::measurement::{Rows, Uncertain};
 
 /// Why nothing was hidden.
 #[derive(Clone, Debug, PartialEq, Error)]

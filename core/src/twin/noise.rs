@@ -2,8 +2,8 @@
 //! `phi = exp(-dt / tau)`; Uhlenbeck & Ornstein 1930), of the standard deviation that the sensors state.
 
 use super::truth::NoiseTruth;
-use crate::inference::measurement::{Measurement, Rows, Uncertain};
 use crate::math::functions::{exp, exp_m1};
+use crate::measurement::{Measurement, Rows, Uncertain};
 use crate::random::StreamKey;
 
 /// Noise of all readings of a measurement, `rows x sensors`, SI. Sensor `i` of measurement `position` has stream

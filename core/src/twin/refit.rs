@@ -1,11 +1,11 @@
 //! The baseline model, or one with effects, fitted to readings that are given.
 
 use crate::diagnosis::{FitError, Hypothesis, Problem};
+use crate::inference::estimate::natural::NaturalObjective;
+use crate::inference::estimate::optimise::{Minimum, free_variables, minimise};
 use crate::inference::likelihood::{Definition, Likelihood};
-use crate::inference::measurement::Measurement;
-use crate::inference::natural::NaturalObjective;
-use crate::inference::optimise::{Minimum, free_variables, minimise};
 use crate::inference::target::Target;
+use crate::measurement::Measurement;
 
 use super::inject::InjectError;
 

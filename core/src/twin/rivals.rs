@@ -13,10 +13,10 @@ use super::inject::{Hidden, InjectError, with_stated_noise};
 use super::refit::{self, Refit};
 use super::truth::{NoiseTruth, Rival};
 use crate::diagnosis::Problem;
-use crate::diagnosis::fits::threshold_levels::thresholds;
+use crate::diagnosis::linearisation::threshold_levels::thresholds;
 use crate::effect::{Candidate, EffectParameter};
-use crate::inference::measurement::Uncertain;
 use crate::inference::target::{LeastSquares, Target};
+use crate::measurement::Uncertain;
 
 /// Rivals kept.
 const KEPT: usize = 8;
@@ -195,7 +195,7 @@ fn columns(problem: &Problem, hidden: &Hidden, freedom: usize) -> Result<Vec<Rea
 }
 
 fn sees(problem: &Problem, candidate: &Candidate) -> bool {
-    use crate::inference::measurement::Rows;
+    use crate::measurement::Rows;
     let has =
         |transient: bool| problem.measurements.iter().any(|m| matches!(m.rows, Rows::Transient { .. }) == transient);
     (candidate.steady && has(false)) || (candidate.transient && has(true))
@@ -280,7 +280,7 @@ fn probed(problem: &Problem, hidden: &Hidden, position: usize) -> Result<Vec<Rea
     let likelihood = refit::hypothesis_likelihood(problem, &hypothesis, &hidden.clean)?;
     let mut memory = likelihood.workspace();
     let m = likelihood.residual_count();
-    let believed = &hidden.refit.residuals[..hidden.refit.readings];
+    let baseline = &hidden.refit.residuals[..hidden.refit.readings];
     let parameters = parameters(problem, position);
     let mut columns = Vec::new();
     for share in [0.1, 1.0] {
@@ -293,7 +293,7 @@ fn probed(problem: &Problem, hidden: &Hidden, position: usize) -> Result<Vec<Rea
         let at = refit::start(&likelihood, &values);
         let mut residuals = vec![0.0; m];
         if likelihood.residuals(&at, &mut memory, &mut residuals).is_ok() {
-            columns.push(believed.iter().zip(&residuals).map(|(before, after)| before - after).collect());
+            columns.push(baseline.iter().zip(&residuals).map(|(before, after)| before - after).collect());
         }
         if parameters.is_empty() {
             break;

@@ -4,8 +4,8 @@ use super::inject::InjectError;
 use super::truth::Outside;
 use crate::diagnosis::{Hypothesis, Problem};
 use crate::expression::{Binary, Names, Scope, Symbol, parse};
-use crate::inference::measurement::{InputColumn, Rows};
-use crate::inference::prediction::Predictor;
+use crate::measurement::prediction::Predictor;
+use crate::measurement::{InputColumn, Rows};
 use crate::thermal::element::{Conductor, Element, ElementKind, Load};
 use crate::thermal::{Input, Limits, Node, NodeKind, Parameter};
 

@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::output::Output;
-use crate::inference::chains::Chain;
-use crate::inference::importance::ImportanceEstimate;
-use crate::inference::point_estimate::PointEstimate;
-use crate::inference::smc::Island;
+use crate::inference::estimate::point_estimate::PointEstimate;
+use crate::inference::sampler::chains::Chain;
+use crate::inference::sampler::importance::ImportanceEstimate;
+use crate::inference::sampler::smc::Island;
 use crate::job::{JobError, stored};
 
 /// What is known when a stage begins.

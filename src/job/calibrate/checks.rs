@@ -5,12 +5,12 @@ use super::output::{CrossValidation, Output};
 use super::predictive::{self, Draws, InputSpread};
 use super::run::PREDICT;
 use super::{Calibrate, scores};
-use crate::inference::measurement::{Measurement, Rows};
-use crate::inference::psis::{self, LeaveOneOut};
+use crate::inference::sampler::psis::{self, LeaveOneOut};
 use crate::inference::target::{LeastSquares, Target};
-use crate::inference::unknown::with_unknowns;
 use crate::job::{Done, JobError, Step};
 use crate::math::special::chi_square_sf;
+use crate::measurement::unknown::with_unknowns;
+use crate::measurement::{Measurement, Rows};
 use crate::random::{PointKind, Points};
 
 /// Draws of the posterior in the predictive checks.

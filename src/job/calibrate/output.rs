@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::sampler::Sampler;
 
-use crate::inference::joint_prior::Fit;
+use crate::inference::prior::joint_prior::Fit;
 use crate::random::Distribution;
 use crate::study::posterior_prior::PosteriorPriorSummary;
 

@@ -2,10 +2,10 @@
 
 use super::block::Predicted;
 use super::output::{Coverage, PredictiveRow, SensorPredictive};
-use crate::inference::measurement::{Measurement, Rows};
-use crate::inference::unknown::sensor_name;
 use crate::math::root::brent;
 use crate::math::special::normal_cdf;
+use crate::measurement::unknown::sensor_name;
+use crate::measurement::{Measurement, Rows};
 use crate::statistics::quantile::{quantile_sorted, sorted};
 use crate::thermal::Model;
 
@@ -48,7 +48,7 @@ impl Draws {
     pub fn noise(&self, measurement: &Measurement, sensor: usize, order: &[String]) -> Vec<f64> {
         let own = &measurement.sensors[sensor];
         let value = |draw: &[f64], what: &str, written: &Option<_>| -> f64 {
-            let Some(written): &Option<crate::inference::measurement::Uncertain> = written else { return 0.0 };
+            let Some(written): &Option<crate::measurement::Uncertain> = written else { return 0.0 };
             let name = sensor_name(&measurement.name, &own.name, what);
             let place = order.iter().position(|known| *known == name);
             place.and_then(|place| draw.get(place)).copied().unwrap_or_else(|| written.nominal())

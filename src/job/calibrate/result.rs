@@ -6,16 +6,16 @@ use super::summary::Weighted;
 use super::{Calibrate, words};
 use crate::document::counted;
 use crate::expression::Unit;
-use crate::inference::chains::{Chain, Chains};
-use crate::inference::convergence::{self, Convergence, ConvergenceLimits};
-use crate::inference::measurement::Doubt;
-use crate::inference::point_estimate::PointEstimate;
+use crate::inference::estimate::point_estimate::PointEstimate;
+use crate::inference::likelihood::rows::used_rows;
 use crate::inference::posterior::Work;
-use crate::inference::rows::used_rows;
-use crate::inference::scatter;
-use crate::inference::smc::{self, Island};
+use crate::inference::sampler::chains::{Chain, Chains};
+use crate::inference::sampler::convergence::{self, Convergence, ConvergenceLimits};
+use crate::inference::sampler::smc::{self, Island};
 use crate::inference::target::{LeastSquares, Target};
 use crate::job::{Done, JobError, Step};
+use crate::measurement::Doubt;
+use crate::measurement::scatter;
 use crate::study::posterior_prior::PosteriorPrior;
 
 /// Draws kept of all chains.

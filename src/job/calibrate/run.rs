@@ -11,13 +11,13 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::block::{Partial, State, Task};
-use crate::inference::informed::Informed;
-use crate::inference::joint_prior::Fit;
+use crate::inference::estimate::informed::Informed;
+use crate::inference::estimate::point_estimate::{self, PointSettings};
 use crate::inference::likelihood::{Definition, InputError, Likelihood};
-use crate::inference::measurement::Measurement;
-use crate::inference::point_estimate::{self, PointSettings};
-use crate::inference::prediction::Predictor;
+use crate::inference::prior::joint_prior::Fit;
 use crate::job::{Done, Job, JobError, Parts, Step};
+use crate::measurement::Measurement;
+use crate::measurement::prediction::Predictor;
 use crate::random::{Distribution, StreamKey};
 use crate::study::posterior_prior::PosteriorPrior;
 use crate::thermal::Model;

@@ -4,9 +4,9 @@ use super::Calibrate;
 use super::block::{Partial, State, Task};
 use super::run::SAMPLE;
 use super::sampler::Run;
-use crate::inference::importance::{self, ImportanceEstimate, ImportanceSettings};
-use crate::inference::point_estimate::PointEstimate;
+use crate::inference::estimate::point_estimate::PointEstimate;
 use crate::inference::posterior::Posterior;
+use crate::inference::sampler::importance::{self, ImportanceEstimate, ImportanceSettings};
 use crate::inference::target::Target;
 use crate::job::{self, JobError, Step};
 

@@ -7,12 +7,12 @@
 
 use super::output::{HeldOutScore, PhaseScore};
 use super::predictive::{Draws, InputSpread};
-use crate::inference::cholesky;
 use crate::inference::likelihood::Datum;
-use crate::inference::measurement::{Measurement, Rows};
-use crate::inference::psis::LeaveOneOut;
+use crate::inference::sampler::psis::LeaveOneOut;
+use crate::math::cholesky;
 use crate::math::functions::ln;
 use crate::math::sum::log_sum_exp;
+use crate::measurement::{Measurement, Rows};
 
 /// Half of ln(2 pi).
 const HALF_LN_TAU: f64 = 0.918_938_533_204_672_7;

@@ -1,7 +1,7 @@
 //! Summaries of weighted draws.
 
 use super::output::KeptDraws;
-use crate::inference::chains::Chains;
+use crate::inference::sampler::chains::Chains;
 
 /// Draws of all chains with a weight each, which sum to one.
 pub(super) struct Weighted<'a> {
@@ -116,7 +116,7 @@ impl<'a> Weighted<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::inference::chains::Chain;
+    use crate::inference::sampler::chains::Chain;
 
     fn chains() -> Chains {
         let chain = |from: f64| Chain {

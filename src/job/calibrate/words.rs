@@ -1,9 +1,9 @@
 //! What stands against a calibration, in words.
 
 use crate::document::counted;
-use crate::inference::convergence::{Convergence, LeaningOnBound, Objection};
-use crate::inference::identifiability::{Combination, Finding};
-use crate::inference::point_estimate::End;
+use crate::inference::estimate::identifiability::{Combination, Finding};
+use crate::inference::estimate::point_estimate::End;
+use crate::inference::sampler::convergence::{Convergence, LeaningOnBound, Objection};
 
 fn end(end: End) -> &'static str {
     match end {

@@ -10,9 +10,9 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use crate::expression::Symbol;
-use crate::inference::measurement::{Measurement, Rows, Uncertain};
-use crate::inference::prediction::{Prediction, Predictor};
-use crate::inference::scatter;
+use crate::measurement::prediction::{Prediction, Predictor};
+use crate::measurement::scatter;
+use crate::measurement::{Measurement, Rows, Uncertain};
 use crate::thermal::{Model, NodeKind};
 
 use super::deviation::{KELVIN, deviation, noise_rmse, of_one_unit};
@@ -198,7 +198,7 @@ impl Compare {
     pub(super) fn stretch_heat(
         &self,
         measurement: &Measurement,
-        inputs: &crate::inference::measurement::InputTable,
+        inputs: &crate::measurement::InputTable,
         prediction: &Prediction,
         stretch: Stretch,
     ) -> Option<HeatBalance> {
@@ -243,12 +243,7 @@ impl Compare {
     }
 
     /// Heat stored from a row to the next, J: each node's capacity half way times its rise.
-    pub(super) fn stored_j(
-        &self,
-        inputs: &crate::inference::measurement::InputTable,
-        prediction: &Prediction,
-        row: usize,
-    ) -> f64 {
+    pub(super) fn stored_j(&self, inputs: &crate::measurement::InputTable, prediction: &Prediction, row: usize) -> f64 {
         let nodes = self.model.nodes.len();
         let temperature = |row: usize, node: usize| prediction.temperatures[row * nodes + node];
         let mut total = 0.0;
@@ -316,7 +311,7 @@ impl Compare {
     }
 
     /// Heat capacity of the diffusion node whose temperature a quantity is, J/K, where it does not depend on temperature.
-    pub(super) fn capacity(&self, quantity: usize, phase: &crate::inference::measurement::Phase) -> Option<f64> {
+    pub(super) fn capacity(&self, quantity: usize, phase: &crate::measurement::Phase) -> Option<f64> {
         let node = self.model.node_of(quantity)?;
         let NodeKind::Diffusion { capacity } = self.model.nodes[node].kind else { return None };
         let capacity = self.model.graph.evaluate(capacity, &|symbol| match symbol {

@@ -1,6 +1,6 @@
 //! A transient cut into stretches of time that an engineer would call phases.
 
-use crate::inference::measurement::{Measurement, Rows};
+use crate::measurement::{Measurement, Rows};
 
 /// Most stretches that steps of the inputs may give before equal ones are taken instead.
 const MOST_BY_STEPS: usize = 16;
@@ -62,7 +62,7 @@ pub fn name(times_s: &[f64], stretch: Stretch) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::inference::measurement::{Initial, InputColumn, InputTable};
+    use crate::measurement::{Initial, InputColumn, InputTable};
 
     fn transient(hold: bool, values: Vec<f64>, held_out: Vec<bool>) -> Measurement {
         let rows = values.len();

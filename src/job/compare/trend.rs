@@ -1,7 +1,7 @@
 //! How a sensor's residual goes with time and with each input.
 
 use super::output::{Row, Trend};
-use crate::inference::measurement::{Measurement, Rows};
+use crate::measurement::{Measurement, Rows};
 use crate::statistics::moments::correlation;
 use crate::statistics::regression::Line;
 use crate::thermal::Model;

@@ -5,12 +5,12 @@ use serde_json::Value;
 
 use super::deviation::deviation;
 use super::output::{Deviation, Row, SensorSummary, TunedSensor, TunedState};
-use crate::inference::measurement::{Measurement, Rows, Sensor, Uncertain};
-use crate::inference::prediction::Predictor;
-use crate::inference::unknown::with_unknowns;
 use crate::job::JobError;
 use crate::math::functions::exp;
 use crate::math::special::chi_square_quantile;
+use crate::measurement::prediction::Predictor;
+use crate::measurement::unknown::with_unknowns;
+use crate::measurement::{Measurement, Rows, Sensor, Uncertain};
 use crate::study::profile::Criteria;
 use crate::thermal::Model;
 

@@ -3,9 +3,9 @@
 use super::output::{DesignSensor, Phase, Spec};
 use super::samples::{Kind, Unknown};
 use crate::expression::Symbol;
-use crate::inference::cholesky;
 use crate::inference::information::coordinates;
 use crate::job::JobError;
+use crate::math::cholesky;
 use crate::random::Distribution;
 use crate::thermal::{LANES, Model, Network, SampleBatch, Start, Workspace};
 

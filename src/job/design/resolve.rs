@@ -4,7 +4,7 @@ use super::form::{ConditionsForm, DesignForm, EstimatorForm, LimitsForm, Sensors
 use super::{DesignSensor, ErringInput, Estimator, Phase, Spec, Varied};
 use crate::document::prior::Prior;
 use crate::document::{Diagnostic, Map, MapEntry, Place, Sense, Spanned, code, counted};
-use crate::inference::measurement::{Sensor, Uncertain};
+use crate::measurement::{Sensor, Uncertain};
 use crate::random::Distribution;
 use crate::study::job::Entry;
 use crate::study::pass::measurement::SensorForm;

@@ -1,9 +1,9 @@
 //! What is unknown, and the random numbers of a design: the same for every candidate.
 
 use super::output::Spec;
-use crate::inference::unknown::sensor_name;
 use crate::job::JobError;
 use crate::math::special::normal_quantile;
+use crate::measurement::unknown::sensor_name;
 use crate::random::{Distribution, PointKind, Points, StreamKey};
 use crate::thermal::Model;
 

@@ -74,7 +74,7 @@ impl Diagnose {
     /// A baseline model that no likelihood can be made of.
     pub fn new(spec: Spec, problem: Problem, seed: u64, name: &str) -> Result<Self, JobError> {
         let problem = problem.with_something_to_infer();
-        problem.hypothesis(&[], 1.0).and_then(|believed| believed.likelihood(&problem)).map_err(failed)?;
+        problem.hypothesis(&[], 1.0).and_then(|baseline| baseline.likelihood(&problem)).map_err(failed)?;
         let key = StreamKey::new(seed, name, "diagnose");
         let diagnosis = Diagnosis::new(problem, spec.settings.clone(), key);
         Ok(Self { diagnosis, spec, posterior_priors: Vec::new(), priors: Vec::new() })

@@ -15,7 +15,7 @@ mod resolve;
 mod result;
 mod run;
 
-pub use output::{Advice, Discrepancy, Driving, Knowledge, Leading, Level, Met, Next, Output, Spec, Target, Truths};
+pub use output::{Advice, Driving, Knowledge, Leading, Level, Met, Next, Output, Spec, Target, Truths};
 pub use resolve::discrepancies;
 pub use run::Goal;
 

@@ -1,20 +1,12 @@
 //! Settings and result of experimental goal setting.
 
+use crate::job::propagate::Discrepancy;
 use serde::{Deserialize, Serialize};
 
 use crate::job::propagate::Probability;
 use crate::statistics::sobol_indices::Estimate;
 use crate::study::requirement::{Environment, Requirement};
 use crate::study::variable::Sweep;
-
-/// What is known of the model's discrepancy in a quantity.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Discrepancy {
-    /// Index of the quantity in the model's list.
-    pub quantity: usize,
-    /// Standard deviation of what is added to it, normal with mean 0, SI.
-    pub sd: f64,
-}
 
 /// Resolved settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

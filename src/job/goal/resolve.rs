@@ -1,8 +1,9 @@
 //! Goal setting: settings with their defaults, names looked up.
 
+use super::Spec;
 use super::form::GoalForm;
-use super::{Discrepancy, Spec};
 use crate::document::{Amount, Map, Sense, Spanned, code, counted};
+use crate::job::propagate::Discrepancy;
 use crate::study::job::Entry;
 use crate::study::resolve::chosen::parameters;
 use crate::study::resolve::design_variable::design_variable;

@@ -4,7 +4,7 @@
 //! Both are propagations with the same points, so that their difference is not blurred by sampling: parameters that the
 //! calibration did not infer keep their priors, and have the same values in both.
 
-use crate::job::goal::Discrepancy;
+use crate::job::propagate::Discrepancy;
 use crate::random::Distribution;
 use crate::study::resolved::PosteriorReference;
 use serde::{Deserialize, Serialize};

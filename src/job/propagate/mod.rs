@@ -22,8 +22,8 @@ mod view;
 pub use block::{BlockInput, BlockOutput};
 pub use form::{PropagateForm, SamplingForm};
 pub use output::{
-    AddedDiscrepancy, Case, Conditional, Distributed, FailedSample, Joint, MainEffect, Met, Output, Probability,
-    Quantile, Reached, Sampling, Spec,
+    AddedDiscrepancy, Case, Conditional, Discrepancy, Distributed, FailedSample, Joint, MainEffect, Met, Output,
+    Probability, Quantile, Reached, Sampling, Spec,
 };
 pub use resolve::resolve;
 pub use run::Propagate;

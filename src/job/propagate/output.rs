@@ -210,6 +210,15 @@ pub struct Reached {
     pub interval: Option<[f64; 2]>,
 }
 
+/// What is known of the model's discrepancy in a quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Discrepancy {
+    /// Index of the quantity in the model's list.
+    pub quantity: usize,
+    /// Standard deviation of what is added to it, normal with mean 0, SI.
+    pub sd: f64,
+}
+
 /// An error of the model that is added to a quantity: normal with mean 0.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct AddedDiscrepancy {

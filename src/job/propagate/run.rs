@@ -10,8 +10,8 @@
 //! anyway; what the number of draws leaves open stands in the intervals instead (`statistics::clusters`).
 
 use super::{
-    AddedDiscrepancy, BlockInput, BlockOutput, Case, FailedSample, Met, Output, Reached, Sampling, Spec, reached,
-    summary,
+    AddedDiscrepancy, BlockInput, BlockOutput, Case, Discrepancy, FailedSample, Met, Output, Reached, Sampling, Spec,
+    reached, summary,
 };
 use crate::study::variable::Variable;
 use std::sync::Arc;
@@ -24,7 +24,6 @@ use crate::statistics::clusters::Clusters;
 use crate::thermal::{LANES, Model, Network, SampleBatch, Start};
 
 use crate::job::fault::listed;
-use crate::job::goal::Discrepancy;
 use crate::job::{Done, Job, JobError, Parts, Step};
 use crate::study::posterior_prior::PosteriorPrior;
 use crate::study::requirement::Environment;

@@ -1,6 +1,6 @@
 //! The measurements: files, sensors, what is missing, held out or left out and why.
 
-use crate::inference::measurement::{Initial, Measurement, Rows, Sensor, Uncertain};
+use crate::measurement::{Initial, Measurement, Rows, Sensor, Uncertain};
 use crate::report::number::{NONE, Shown, fixed, significant};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text};
 use crate::report::view::PassReport;

@@ -3,7 +3,7 @@
 use crate::document::{Diagnostics, Map, MapEntry, Place, code};
 use crate::effect::{Applied, Bound, Catalogue, Effect, Instance, PlaceKind, SensorChange, SensorPlace, apply};
 use crate::expression::{Dimension, Unit};
-use crate::inference::measurement::{Measurement, Rows};
+use crate::measurement::{Measurement, Rows};
 use crate::random::Distribution;
 use crate::study::folder::Folder;
 use crate::study::inherit::unnamed_file_diagnostic;

@@ -1,7 +1,7 @@
 //! Phases that drift, told of the measurements so that what rests on them can repeat it.
 
 use crate::document::{Diagnostic, code, counted};
-use crate::inference::measurement::{Doubt, Measurement, Rows};
+use crate::measurement::{Doubt, Measurement, Rows};
 use crate::study::job::NamedJob;
 use crate::study::pass::PassForm;
 

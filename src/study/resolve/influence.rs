@@ -1,7 +1,7 @@
 //! Which inputs can move what sensors read: a model may hold parts that a test does not touch.
 
 use crate::expression::{ExprId, Graph, Symbol};
-use crate::inference::measurement::Sensor;
+use crate::measurement::Sensor;
 use crate::thermal::{Model, NodeKind};
 
 /// Of each input of the model whether it can move a reading of these sensors: it stands in their quantities, or in the

@@ -2,7 +2,7 @@
 
 use crate::document::{Diagnostic, Map, Place, Sense, code, suggest};
 use crate::expression::{Dimension, Unit};
-use crate::inference::measurement::{Initial, Sensor, Uncertain};
+use crate::measurement::{Initial, Sensor, Uncertain};
 use crate::random::Distribution;
 use crate::study::pass::measurement::{InitialForm, MeasuredStartForm, OtherNodesForm};
 use crate::study::pass::uncertain::UncertainForm;

@@ -2,7 +2,7 @@
 
 use crate::document::{Amount, Map, MapEntry, NameOr, Place, Sense, Spanned, code};
 use crate::expression::Dimension;
-use crate::inference::measurement::{Doubt, Measurement, Rows, Sensor};
+use crate::measurement::{Doubt, Measurement, Rows, Sensor};
 use crate::study::pass::measurement::{HeldOutForm, IgnoredIntervalForm, IntervalForm, MeasurementForm, SensorForm};
 use crate::study::pinned::Pinned;
 use crate::study::resolved::IgnoredSensor;

@@ -340,7 +340,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
 }
 
 /// Groups as effects see them; sensors without a measurement are no members.
-fn group_places(groups: &[Group], measurements: &[crate::inference::measurement::Measurement]) -> Vec<GroupPlace> {
+fn group_places(groups: &[Group], measurements: &[crate::measurement::Measurement]) -> Vec<GroupPlace> {
     let sensors = adopt::sensor_places(measurements.iter());
     let site = |group: &Group| group.members.site(&sensors);
     groups.iter().map(|group| GroupPlace { name: group.name.clone(), site: site(group) }).collect()
@@ -407,7 +407,7 @@ fn put_quantity(resolved: &mut ResolvedModel, quantity: Quantity) {
 }
 
 /// Inputs without a stated range take the data's smallest and largest value.
-fn ranges_from_data(scope: &mut Scope, measurements: &[crate::inference::measurement::Measurement]) -> Vec<String> {
+fn ranges_from_data(scope: &mut Scope, measurements: &[crate::measurement::Measurement]) -> Vec<String> {
     let mut ranges = vec![None; scope.resolved.model.inputs.len()];
     for measurement in measurements {
         measurement::widen_ranges(measurement, &mut ranges);

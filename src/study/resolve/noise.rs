@@ -1,8 +1,8 @@
 //! Calibrations and diagnoses on sensors whose noise is not stated: they do not run, everything else does.
 
 use crate::document::{Diagnostic, code};
-use crate::inference::measurement::Measurement;
-use crate::inference::rows::used_rows;
+use crate::inference::likelihood::rows::used_rows;
+use crate::measurement::Measurement;
 use crate::study::job::NamedJob;
 use crate::study::pass::PassForm;
 use crate::study::resolved::Refused;

@@ -8,7 +8,7 @@
 
 use crate::document::{Diagnostic, Place, code};
 use crate::expression::{ExprId, Symbol};
-use crate::inference::measurement::{Measurement, Rows};
+use crate::measurement::{Measurement, Rows};
 use crate::random::Distribution;
 use crate::study::pass::PassForm;
 use crate::study::requirement::Environment;

@@ -2,7 +2,7 @@
 
 use crate::document::{Amount, Diagnostic, Map, Place, Sense, WrittenUnit, code, suggest};
 use crate::expression::{Dimension, Unit};
-use crate::inference::measurement::Sensor;
+use crate::measurement::Sensor;
 use crate::study::table::Header;
 
 use super::data::Data;

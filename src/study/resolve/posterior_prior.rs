@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use crate::document::{Diagnostic, Place, Prior, Sense, Spanned, code, counted, suggest};
-use crate::inference::rows::used_rows;
+use crate::inference::likelihood::rows::used_rows;
 use crate::math::functions::{exp, ln};
 use crate::random::Distribution;
 use crate::statistics::moments::Moments;

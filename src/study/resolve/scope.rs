@@ -3,7 +3,7 @@
 use crate::document::quantity::report_dimension;
 use crate::document::{Amount, Diagnostic, Diagnostics, Place, Sense, Spanned, WrittenUnit, code, suggest};
 use crate::expression::{Dimension, Symbol, Unit};
-use crate::inference::measurement::Uncertain;
+use crate::measurement::Uncertain;
 use crate::study::folder::Folder;
 use crate::study::model::{Prior, ResolvedModel, Scale};
 use crate::study::pass::uncertain::UncertainForm;

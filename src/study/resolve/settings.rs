@@ -2,7 +2,7 @@
 
 use crate::document::{Diagnostic, Map, Place, Spanned, code, counted};
 use crate::effect::Catalogue;
-use crate::inference::measurement::Measurement;
+use crate::measurement::Measurement;
 use crate::random::Distribution;
 use crate::study::pass::variable::RangeForm;
 use crate::study::profile::Criteria;

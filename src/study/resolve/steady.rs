@@ -3,7 +3,7 @@
 use crate::document::hash::sha256_hex;
 use crate::document::{Map, MapEntry, NameOr, Place, Sense, Spanned, code};
 use crate::expression::Dimension;
-use crate::inference::measurement::{Measurement, Phase, Rows, Sensor, Stabilisation};
+use crate::measurement::{Measurement, Phase, Rows, Sensor, Stabilisation};
 use crate::study::pass::measurement::{
     HeldOutForm, IgnoredIntervalForm, MeasurementForm, SensorForm, SteadyForm, WindowForm,
 };

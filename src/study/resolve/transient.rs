@@ -1,7 +1,7 @@
 //! Transient measurements.
 
 use crate::document::{MapEntry, NameOr, code};
-use crate::inference::measurement::{InputColumn, InputTable, Measurement, Rows, Sensor};
+use crate::measurement::{InputColumn, InputTable, Measurement, Rows, Sensor};
 use crate::study::pass::measurement::{MeasurementForm, TransientForm};
 use crate::study::pinned::Pinned;
 use crate::study::resolved::IgnoredSensor;

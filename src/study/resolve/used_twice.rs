@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use crate::document::{Diagnostic, code, suggest};
-use crate::inference::measurement::{Measurement, Rows};
-use crate::inference::rows::used_rows;
+use crate::inference::likelihood::rows::used_rows;
+use crate::measurement::{Measurement, Rows};
 use crate::study::job::{Entry, Forms, Inference, NamedJob};
 use crate::study::resolved::PosteriorReference;
 

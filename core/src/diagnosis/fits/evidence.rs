@@ -4,9 +4,9 @@
 //! amplitudes `a` that are normal about 0 and cut at their bounds, the likelihood times the priors is the exponential of a
 //! quadratic form in `x = (d, a)` with the matrix `A = C'C + diag(0, sd^-2)`, `C` the columns, and the slope `b = C'r`. Its
 //! integral over the bounds is `exp(b' A^-1 b / 2) (2 pi)^(n/2) |A|^(-1/2)` times the probability of the bounds under the normal
-//! distribution of mean `A^-1 b` and covariance `A^-1` ([`crate::inference::box_probability`]); of a half-normal amplitude
+//! distribution of mean `A^-1 b` and covariance `A^-1` ([`crate::inference::estimate::box_probability`]); of a half-normal amplitude
 //! alone this is the well-known `2 Phi(mean / sd)` with the factor 2 of its prior. Where the bounds lie far from the mean, as
-//! where a strong effect is lacking, it is taken about its largest value between them ([`crate::inference::laplace`]).
+//! where a strong effect is lacking, it is taken about its largest value between them ([`crate::inference::estimate::laplace`]).
 //!
 //! Columns with normal amplitudes also stand for a covariance `G S G'` of the residuals: independent heat at every node and
 //! phase, an offset of every sensor ("something else").
@@ -14,10 +14,10 @@
 use crate::diagnosis::Linear;
 use crate::diagnosis::linearisation::bounded::{Place, minimise};
 use crate::diagnosis::linearisation::scalar_products::dot;
-use crate::inference::box_probability::log_box_probability;
-use crate::inference::cholesky;
-use crate::inference::laplace::Laplace;
-use crate::inference::optimise::Bounds;
+use crate::inference::estimate::box_probability::log_box_probability;
+use crate::inference::estimate::laplace::Laplace;
+use crate::inference::estimate::optimise::Bounds;
+use crate::math::cholesky;
 use crate::math::functions::{ln, sqrt};
 use crate::math::special::ln_normal_interval;
 
@@ -247,7 +247,7 @@ mod tests {
         assert!(Evidence::new(&blind).log_evidence(&[]).is_none());
     }
 
-    /// Two uniform parameters that the data press against their bounds with 40 standard deviations, which is where a believed
+    /// Two uniform parameters that the data press against their bounds with 40 standard deviations, which is where a baseline
     /// model without a strong effect stands: by quadrature relative to the corner.
     #[test]
     fn parameters_pressed_hard_are_integrated() {

@@ -20,16 +20,16 @@ pub(crate) struct Exchanges {
 ///
 /// # Errors
 /// Why nothing can be predicted without any of them.
-pub(crate) fn exchanges(problem: &Problem, believed: &Refit, count: usize) -> Result<Exchanges, FitError> {
+pub(crate) fn exchanges(problem: &Problem, baseline: &Refit, count: usize) -> Result<Exchanges, FitError> {
     let is_one = |effect: &str| problem.catalogue.get(effect).is_some_and(Effect::exchanges_channels);
     let mut all = (0..problem.candidates.len()).filter(|&own| is_one(&problem.candidates[own].effect)).peekable();
     let (mut found, mut impossible) = (Vec::new(), Vec::new());
     if all.peek().is_none() {
         return Ok(Exchanges::default());
     }
-    let without = left(problem, believed, &[])?;
+    let without = left(problem, baseline, &[])?;
     for position in all {
-        match left(problem, believed, &[position]) {
+        match left(problem, baseline, &[position]) {
             Ok(with) if with[0] < without[0] || with[1] < without[1] => found.push((with[0].min(with[1]), position)),
             Ok(_) => {}
             Err(why) => impossible.push((position, why.to_string())),
@@ -45,10 +45,10 @@ pub(crate) fn exchanges(problem: &Problem, believed: &Refit, count: usize) -> Re
 ///
 /// # Errors
 /// Why no model can be made with these effects.
-fn left(problem: &Problem, believed: &Refit, effects: &[usize]) -> Result<[f64; 2], FitError> {
+fn left(problem: &Problem, baseline: &Refit, effects: &[usize]) -> Result<[f64; 2], FitError> {
     let hypothesis = problem.hypothesis(effects, 1.0).and_then(|own| own.likelihood(problem));
     let likelihood = hypothesis?;
-    let known = believed.by_name();
+    let known = baseline.by_name();
     let medians: Vec<f64> = likelihood.priors().iter().map(|prior| prior.quantile(0.5)).collect();
     let fitted: Vec<f64> = (likelihood.names().iter().zip(&medians))
         .map(|(name, median)| known.get(name).copied().unwrap_or(*median))

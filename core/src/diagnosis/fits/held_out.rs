@@ -2,13 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::diagnosis::fits::threshold_levels::{gap, level_of_row};
 use crate::diagnosis::linearisation::signature::linearise;
+use crate::diagnosis::linearisation::threshold_levels::{gap, level_of_row};
 use crate::diagnosis::output::HeldOutTest;
 use crate::diagnosis::{Linear, Problem, Refit};
-use crate::inference::cholesky;
-use crate::inference::measurement::{Measurement, Rows};
+use crate::math::cholesky;
 use crate::math::special::{chi_square_sf, student_t_cdf};
+use crate::measurement::{Measurement, Rows};
 
 /// How the warning of a set with a threshold that they place begins.
 pub(crate) const SAYS_MOVED: &str = "a threshold lies where the held-out rows allow it, not in the gap between two levels that fits \
@@ -31,11 +31,11 @@ const LEAST_BLOCKS: usize = 4;
 /// is a phase, or three correlation times of a transient. `None` without held-out rows, and where errors are so many times
 /// the noise that their squares are no numbers.
 /// `stated`: all noise is stated, so that the size of the errors itself can be judged.
-pub(crate) fn test(problem: &Problem, believed: &Refit, chosen: &Refit, stated: bool) -> Option<HeldOutTest> {
+pub(crate) fn test(problem: &Problem, baseline: &Refit, chosen: &Refit, stated: bool) -> Option<HeldOutTest> {
     let mut blocks: BTreeMap<(usize, usize), f64> = BTreeMap::new();
     let undecided = undecided(problem, chosen);
     let mut squares = [0.0; 2];
-    for (before, after) in believed.held_out.iter().zip(&chosen.held_out) {
+    for (before, after) in baseline.held_out.iter().zip(&chosen.held_out) {
         if undecided.contains(&(before.measurement, before.row)) {
             continue;
         }

@@ -2,6 +2,7 @@
 
 use crate::diagnosis::FitError;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -10,14 +11,14 @@ use crate::diagnosis::odds::prior_of::is_prior;
 use crate::diagnosis::odds::prior_scale::{Amplitudes, WIDTHS};
 use crate::diagnosis::{Hypothesis, Problem};
 use crate::expression::Unit;
+use crate::inference::estimate::point_estimate::{PointEstimate, PointSettings, estimate};
+use crate::inference::estimate::truncated_moments::Moments;
 use crate::inference::likelihood::Likelihood;
-use crate::inference::measurement::Measurement;
-use crate::inference::point_estimate::{PointEstimate, PointSettings, estimate};
-use crate::inference::prediction::Predictor;
 use crate::inference::target::{LeastSquares, Target};
-use crate::inference::truncated_moments::Moments;
-use crate::inference::unknown::with_unknowns;
 use crate::math::functions::ln;
+use crate::measurement::Measurement;
+use crate::measurement::prediction::Predictor;
+use crate::measurement::unknown::with_unknowns;
 use crate::random::StreamKey;
 
 /// A parameter of an effect after the fit.
@@ -29,7 +30,7 @@ pub struct Amplitude {
     pub unit: String,
     /// Most probable value, in the unit.
     pub mode: f64,
-    /// Mean between the bounds of all parameters ([`crate::inference::truncated_moments`]), in the unit.
+    /// Mean between the bounds of all parameters ([`crate::inference::estimate::truncated_moments`]), in the unit.
     pub mean: f64,
     /// Standard deviation between them, in the unit.
     pub sd: f64,
@@ -199,6 +200,17 @@ impl Problem {
         Ok((refit, widths_at))
     }
 
+    /// The problem whose baseline model has the effects of a fit, with priors as wide as the fit took them. The candidates
+    /// are the same.
+    ///
+    /// # Errors
+    /// [`FitError::Apply`] where they do not fit.
+    pub fn with(&self, fit: &Refit) -> Result<Problem, FitError> {
+        let Hypothesis { model, priors, parameters, measurements, .. } =
+            self.hypothesis_of_widths(&fit.effects, &fit.widths)?;
+        Ok(Problem { model: Arc::new(model), priors, parameters, measurements, ..self.clone() })
+    }
+
     /// Of each effect's parameters, which are amplitudes.
     fn which_are_amplitudes(&self, effects: &[usize]) -> Vec<Vec<bool>> {
         let of = |&effect: &usize| {
@@ -304,7 +316,7 @@ impl Refit {
 /// Standard deviation of one reading of a sensor whose noise is estimated, SI; 0 where it is not stated.
 pub(crate) fn total_sigma(measurement: &Measurement, sensor: usize) -> f64 {
     let own = &measurement.sensors[sensor];
-    let part = |value: &Option<crate::inference::measurement::Uncertain>| value.as_ref().map_or(0.0, |v| v.nominal());
+    let part = |value: &Option<crate::measurement::Uncertain>| value.as_ref().map_or(0.0, |v| v.nominal());
     let (sigma, white) = (part(&own.sigma), part(&own.white));
     (sigma * sigma + white * white).sqrt()
 }

@@ -3,11 +3,11 @@
 
 use crate::diagnosis::FitError;
 use crate::diagnosis::fits::refit::Begin;
-use crate::diagnosis::fits::threshold_levels::{beside, gap, log_share};
+use crate::diagnosis::linearisation::threshold_levels::{beside, gap, log_share};
 use crate::diagnosis::{Problem, Refit};
 use crate::effect::EffectParameter;
+use crate::inference::estimate::point_estimate::PointEstimate;
 use crate::inference::likelihood::Likelihood;
-use crate::inference::point_estimate::PointEstimate;
 use crate::inference::target::Target;
 use crate::math::functions::{exp, sqrt};
 use crate::math::sum::log_sum_exp;

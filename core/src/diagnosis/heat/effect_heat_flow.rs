@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 
 use crate::diagnosis::output::EffectHeat;
 use crate::diagnosis::{Hypothesis, Problem, Refit};
-use crate::inference::measurement::{Measurement, Rows};
-use crate::inference::prediction::Predictor;
-use crate::inference::unknown::with_unknowns;
+use crate::measurement::prediction::Predictor;
+use crate::measurement::unknown::with_unknowns;
+use crate::measurement::{Measurement, Rows};
 use crate::thermal::{Network, NodeHeat, Workspace};
 
 /// Stretches of time of a transient.

@@ -168,10 +168,10 @@ fn settle(sources: &Sources, mut state: State, chosen: &Needed) -> State {
 }
 
 /// The heat that a fit of the baseline model lacks. `None` for networks that are too large or that cannot be solved so.
-pub(crate) fn missing_heat(problem: &Problem, believed: &Refit) -> Option<MissingHeat> {
+pub(crate) fn missing_heat(problem: &Problem, baseline: &Refit) -> Option<MissingHeat> {
     let sources = Sources::new(problem)?;
     let list = sources.list();
-    let state = sources.at(&believed.unknowns, &vec![0.0; list.len()])?;
+    let state = sources.at(&baseline.unknowns, &vec![0.0; list.len()])?;
     let without = Evidence::new(&state.linear).log_evidence(&[])?;
     let norms = norms(&state.columns);
     let (chosen, price) = needed(&state, list, &norms, without);
@@ -180,7 +180,7 @@ pub(crate) fn missing_heat(problem: &Problem, believed: &Refit) -> Option<Missin
     // Biases alone are an effect of the catalogue, not something else.
     let has_heat = chosen.iter().any(|&(place, _)| matches!(list[place].kind, Kind::Node(_)));
     // Not as a difference to the baseline fit: where that is bent to sums of squares of 1e8, it is off by millions.
-    let log_evidence = if has_heat { with + sources.constant(&state, believed)? - price } else { f64::NEG_INFINITY };
+    let log_evidence = if has_heat { with + sources.constant(&state, baseline)? - price } else { f64::NEG_INFINITY };
     let (_, amplitudes, sds) = solve(&state, &chosen)?;
     let mut heat = Vec::new();
     for ((&(place, _), watts), sd) in chosen.iter().zip(&amplitudes).zip(sds) {

@@ -6,11 +6,11 @@ use crate::diagnosis::linearisation::scalar_products::dot;
 use crate::diagnosis::linearisation::signature::linearise;
 use crate::diagnosis::{Linear, Problem, Refit};
 use crate::expression::{Names, Scope, Symbol, parse};
+use crate::inference::estimate::natural::NaturalObjective;
 use crate::inference::likelihood::{Definition, Likelihood};
-use crate::inference::measurement::{Measurement, Rows};
-use crate::inference::natural::NaturalObjective;
 use crate::inference::target::Target;
 use crate::math::functions::ln;
+use crate::measurement::{Measurement, Rows};
 use crate::random::Distribution;
 use crate::thermal::element::{Element, ElementKind, Load};
 use crate::thermal::{Model, NodeKind, Parameter};
@@ -250,10 +250,10 @@ impl Sources {
 
     /// What the logarithm of an evidence of the whitened, standardised problem is short of that of the readings: the
     /// normalisation of the noise, which is settled, and of the priors, whose rows are standardised.
-    pub fn constant(&self, state: &State, believed: &Refit) -> Option<f64> {
+    pub fn constant(&self, state: &State, baseline: &Refit) -> Option<f64> {
         let linear = &state.linear;
         let objective = NaturalObjective::new(&self.likelihood).ok()?;
-        let noise = believed.log_likelihood + 0.5 * believed.chi_square;
+        let noise = baseline.log_likelihood + 0.5 * baseline.chi_square;
         let prior_rows = &linear.residuals[linear.readings..];
         let priors = objective.log_prior(&objective.coordinates(&state.unknowns)) + 0.5 * dot(prior_rows, prior_rows);
         let widths = objective.bounds();

@@ -3,7 +3,7 @@
 //! A primal active-set method (Stark & Parker 1995, Bounded-variable least squares; Lawson & Hanson 1974, chapter 23):
 //! every iterate is inside the bounds and none is worse than the one before, so that an answer cut off is still a valid one.
 
-use crate::inference::cholesky;
+use crate::math::cholesky;
 
 /// Added to each diagonal element, as a share of it: where the data do not decide, the shortest step is taken.
 const RIDGE: f64 = 1e-12;

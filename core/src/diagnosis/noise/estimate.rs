@@ -12,11 +12,11 @@
 use serde::{Deserialize, Serialize};
 
 use crate::diagnosis::noise::restricted_likelihood::Taken;
-use crate::inference::measurement::{Measurement, Rows, Uncertain};
-use crate::inference::noise::{Noise, Series};
-use crate::inference::unknown::Value;
+use crate::inference::likelihood::noise::{Noise, Series};
 use crate::math::functions::{exp, ln};
 use crate::math::sum::log_sum_exp;
+use crate::measurement::unknown::Value;
+use crate::measurement::{Measurement, Rows, Uncertain};
 use crate::watch;
 
 /// Readings of one sensor in the order of time, with their places among the rows of a linearised problem.
@@ -344,7 +344,7 @@ pub fn fix(measurement: &mut Measurement, sensor: usize, noise: &EstimatedNoise)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::inference::measurement::{Initial, InputTable, Sensor};
+    use crate::measurement::{Initial, InputTable, Sensor};
     use crate::random::StreamKey;
 
     fn measurement(rows: usize, step_s: f64, sigma: Option<f64>) -> Measurement {

@@ -1,9 +1,8 @@
-//! Noise that is not wholly known, and channels that are not to be believed.
+//! Noise that is not wholly known.
 //!
 //! `estimate`: noise that is estimated, so that missing physics is not taken for it, by the `restricted_likelihood`. `overstated`: noise that
-//! is stated too large. `still`: channels that stand still while the model moves.
+//! is stated too large.
 
 pub(crate) mod estimate;
 pub(crate) mod overstated;
 pub(crate) mod restricted_likelihood;
-pub(crate) mod still;

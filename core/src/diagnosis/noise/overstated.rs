@@ -2,13 +2,13 @@
 
 use crate::diagnosis::{Problem, Refit};
 use crate::inference::likelihood::Datum;
-use crate::inference::scatter;
+use crate::measurement::scatter;
 
 /// What is said where the stated noise of the sensors of `declared` is too large for what a fit of `settled` leaves, of
 /// which `free` unknowns were free. Sensors whose noise is inferred say nothing of it.
 pub(crate) fn warning(declared: &Problem, settled: &Problem, fit: &Refit, free: usize) -> Option<String> {
-    let believed = settled.hypothesis(&[], 1.0).ok()?;
-    let likelihood = believed.likelihood(settled).ok()?;
+    let baseline = settled.hypothesis(&[], 1.0).ok()?;
+    let likelihood = baseline.likelihood(settled).ok()?;
     let sensor = |(datum, residual): (&Datum, &f64)| {
         (&declared.measurements[datum.measurement].sensors[datum.sensor], *residual)
     };

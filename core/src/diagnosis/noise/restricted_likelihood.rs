@@ -6,7 +6,7 @@
 //! `A = X'X`, `b = X'e`: the fit is made anew under that noise, and integrated over.
 
 use crate::diagnosis::noise::estimate::{EstimatedNoise, SensorRows};
-use crate::inference::cholesky;
+use crate::math::cholesky;
 use crate::math::dense::dot;
 
 /// Share of a column's square that is added to it: far above rounding, far below what data tell.

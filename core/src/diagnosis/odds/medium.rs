@@ -2,7 +2,7 @@
 
 use crate::diagnosis::Problem;
 use crate::expression::{Symbol, Unit};
-use crate::inference::measurement::Rows;
+use crate::measurement::Rows;
 use crate::thermal::{Input, NodeKind};
 
 /// Pressure below which nothing convects, Pa: a thousandth of the atmosphere's, where Rayleigh's number is a millionth.

@@ -7,8 +7,8 @@
 //! the less credible the smaller a part of its plausible range the data need, though small leaks are as common as large ones.
 
 use crate::diagnosis::Hypothesis;
-use crate::inference::cholesky;
-use crate::inference::point_estimate::PointEstimate;
+use crate::inference::estimate::point_estimate::PointEstimate;
+use crate::math::cholesky;
 use crate::math::dense::dot;
 use crate::math::functions::ln;
 use crate::random::Distribution;

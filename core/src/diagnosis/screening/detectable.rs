@@ -6,7 +6,7 @@
 //! far tail is left out: it adds less than 1e-6). Bounds of parameters that come into play lower the power.
 
 use crate::diagnosis::Direction;
-use crate::diagnosis::linearisation::multi_column::Projected;
+use crate::diagnosis::screening::multi_column::Projected;
 use crate::diagnosis::screening::score::{Prepared, Side};
 use crate::math::special::{normal_quantile, student_t_quantile};
 

@@ -12,8 +12,8 @@
 //! stay pressed, with the true parameter at the bound, which is the worst case. Where the bounds of further parameters lower a
 //! likelihood ratio, the probability is an upper limit.
 
-use crate::diagnosis::linearisation::multi_column::Projected;
 use crate::diagnosis::linearisation::scalar_products::{coordinates, dot, orthonormal};
+use crate::diagnosis::screening::multi_column::Projected;
 use crate::diagnosis::screening::null_maximum::{Null, Sampling, Several};
 use crate::diagnosis::screening::score::{Prepared, Side};
 use crate::diagnosis::{Direction, Score};

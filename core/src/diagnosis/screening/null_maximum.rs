@@ -15,7 +15,7 @@
 use crate::diagnosis::linearisation::scalar_products::{add_scaled, dot, project_out};
 use crate::diagnosis::screening::family::square_tail;
 use crate::diagnosis::screening::score::Side;
-use crate::inference::box_probability::log_box_probability;
+use crate::inference::estimate::box_probability::log_box_probability;
 use crate::math::functions::{exp, ln, sqrt};
 use crate::math::special::{chi_square_quantile, normal_quantile, student_t_quantile, weighted_chi_square_upper};
 use crate::random::{Stream, StreamKey};

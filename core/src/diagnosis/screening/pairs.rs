@@ -9,8 +9,8 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use crate::diagnosis::Direction;
-use crate::diagnosis::linearisation::multi_column::Projected;
 use crate::diagnosis::linearisation::scalar_products::dot;
+use crate::diagnosis::screening::multi_column::Projected;
 use crate::diagnosis::screening::score::{Column, Prepared, Score, Side};
 use crate::watch;
 

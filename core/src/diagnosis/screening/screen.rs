@@ -20,7 +20,7 @@ use crate::diagnosis::screening::score::{Column, Prepared, Score};
 use crate::diagnosis::{Direction, Linear, Problem, Refit};
 use crate::effect::Site;
 use crate::inference::likelihood::Likelihood;
-use crate::inference::measurement::{Rows, Uncertain};
+use crate::measurement::{Rows, Uncertain};
 
 /// Effects that are kept.
 const MOST_LEADS: usize = 80;
@@ -267,8 +267,8 @@ impl Diagnosis {
     }
 
     pub(crate) fn likelihood(&self, problem: &Problem) -> Result<Likelihood, FitError> {
-        let believed = problem.hypothesis(&[], 1.0)?;
-        believed.likelihood(problem)
+        let baseline = problem.hypothesis(&[], 1.0)?;
+        baseline.likelihood(problem)
     }
 
     /// The effects, best first, with starts from their best directions.

@@ -7,7 +7,7 @@ use crate::diagnosis::fits::held_out;
 use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::heat;
 use crate::diagnosis::heat::effect_heat_flow::effect_heat_flow;
-use crate::diagnosis::noise::{overstated, still};
+use crate::diagnosis::noise::overstated;
 use crate::diagnosis::odds::posterior_odds::{
     RIVALS_WITHIN, SURE, Weights, best, groups, held, nothing_stands, posterior_odds, veto,
 };
@@ -18,12 +18,13 @@ use crate::diagnosis::output::{
 use crate::diagnosis::problem::is_idle;
 use crate::diagnosis::verdict::discriminating_experiment;
 use crate::diagnosis::verdict::hints::hints;
+use crate::diagnosis::verdict::still;
 use crate::diagnosis::verdict::{trend, words};
 use crate::diagnosis::{Problem, Refit};
 use crate::document::counted;
-use crate::inference::measurement::{Doubt, Rows};
 use crate::math::functions::{ln, pow};
 use crate::math::special::{chi_square_sf, normal_quantile};
+use crate::measurement::{Doubt, Rows};
 
 /// Sets and effects that are written out.
 const MOST_WRITTEN: usize = 60;
@@ -78,13 +79,13 @@ impl Diagnosis {
         let stated = self.estimates_sigma().is_none();
         let moved = finds.then(|| self.moved(state, &problem, stated));
         let state = moved.as_ref().unwrap_or(state);
-        let believed = &state.refits[0];
-        let missing = finds.then(|| heat::missing_heat(&problem, believed)).flatten();
+        let baseline = &state.refits[0];
+        let missing = finds.then(|| heat::missing_heat(&problem, baseline)).flatten();
         let weights = posterior_odds(&problem, &state.refits, missing.as_ref().map(|missing| missing.log_evidence));
         let mut warnings = state.warnings.clone();
         warnings.extend(given_up(state));
         if finds {
-            warnings.extend(still::warnings(&problem, believed));
+            warnings.extend(still::warnings(&problem, baseline));
         }
         if finds && missing.is_none() {
             warnings.push("heat whatever its cause could not be weighed beside the effects: the network is too large or not solved so".to_owned());
@@ -110,9 +111,9 @@ impl Diagnosis {
         if finds && !findings.doubted {
             verdict = Verdict::Unexplained;
             held_out_test = best(&findings.weights)
-                .and_then(|place| held_out::test(&problem, believed, &state.refits[place], stated));
+                .and_then(|place| held_out::test(&problem, baseline, &state.refits[place], stated));
             let is_vetoed = |place: usize| {
-                held_out::test(&problem, believed, &state.refits[place], stated).is_some_and(|test| test.veto)
+                held_out::test(&problem, baseline, &state.refits[place], stated).is_some_and(|test| test.veto)
             };
             let vetoed = veto(&findings.weights, LEAST_TESTED, is_vetoed);
             findings.weights = vetoed.with.clone();
@@ -125,7 +126,7 @@ impl Diagnosis {
                 let place = best(&vetoed.without).unwrap_or(0);
                 if place > 0 && self.leaves_nothing(&mut findings, place) {
                     findings.weights = vetoed.without;
-                    held_out_test = held_out::test(&problem, believed, &state.refits[place], stated);
+                    held_out_test = held_out::test(&problem, baseline, &state.refits[place], stated);
                 }
             }
             findings.select(self.settings().false_alarm);
@@ -453,15 +454,15 @@ fn doubts(problem: &Problem) -> Vec<Doubt> {
 }
 
 fn misfit(state: &State) -> Misfit {
-    let believed = &state.refits[0];
+    let baseline = &state.refits[0];
     // As in a calibration: a parameter at a bound counts too, so that both tell one figure where their noise is one.
-    let unknowns = believed.names.iter().filter(|name| !is_idle(name)).count();
-    let freedom = (believed.residuals.len() as f64 - unknowns as f64).max(1.0);
+    let unknowns = baseline.names.iter().filter(|name| !is_idle(name)).count();
+    let freedom = (baseline.residuals.len() as f64 - unknowns as f64).max(1.0);
     let tests = state.screening.family.tests.iter();
     Misfit {
-        reduced_chi2: believed.chi_square / freedom,
+        reduced_chi2: baseline.chi_square / freedom,
         family_wise_p: state.screening.family.p,
-        rmse_k: Rmse { train: believed.rmse_train_k, held_out: believed.rmse_held_out_k },
+        rmse_k: Rmse { train: baseline.rmse_train_k, held_out: baseline.rmse_held_out_k },
         tests: tests.map(|test| Test { name: test.name.clone(), at: test.at.clone(), p: test.p }).collect(),
     }
 }
@@ -511,7 +512,7 @@ fn noise(problem: &Problem, state: &State) -> BTreeMap<String, NoiseResult> {
     let mut results = BTreeMap::new();
     for (index, measurement) in problem.measurements.iter().enumerate() {
         for (place, sensor) in measurement.sensors.iter().enumerate() {
-            let part = |value: &Option<crate::inference::measurement::Uncertain>| value.as_ref().map(|v| v.nominal());
+            let part = |value: &Option<crate::measurement::Uncertain>| value.as_ref().map(|v| v.nominal());
             let (sigma, white) = (part(&sensor.sigma).unwrap_or(0.0), part(&sensor.white).unwrap_or(0.0));
             let total = (sigma * sigma + white * white).sqrt();
             let time = part(&sensor.correlation_time_s).filter(|_| matches!(measurement.rows, Rows::Transient { .. }));

@@ -13,13 +13,13 @@ use crate::diagnosis::linearisation::signature::linearise;
 use crate::diagnosis::output::{OneThing, SeparatingExperiment, Setting};
 use crate::diagnosis::verdict::conclude::Findings;
 use crate::diagnosis::{Problem, Refit};
-use crate::inference::cholesky;
 use crate::inference::information::separation;
 use crate::inference::likelihood::{Definition, Likelihood};
-use crate::inference::measurement::{Measurement, Phase, Rows};
-use crate::inference::prediction::Predictor;
 use crate::inference::target::{LeastSquares, Target};
+use crate::math::cholesky;
 use crate::math::special::normal_cdf;
+use crate::measurement::prediction::Predictor;
+use crate::measurement::{Measurement, Phase, Rows};
 use crate::random::{PointKind, Points, StreamKey};
 use crate::watch;
 
@@ -240,10 +240,9 @@ fn template(problem: &Problem) -> Option<Measurement> {
     measurement.readings.clear();
     for sensor in &mut measurement.sensors {
         // Steady phases know neither lags nor correlation.
-        let part =
-            |value: &Option<crate::inference::measurement::Uncertain>| value.as_ref().map_or(0.0, |v| v.nominal());
+        let part = |value: &Option<crate::measurement::Uncertain>| value.as_ref().map_or(0.0, |v| v.nominal());
         let total = (part(&sensor.sigma) * part(&sensor.sigma) + part(&sensor.white) * part(&sensor.white)).sqrt();
-        sensor.sigma = Some(crate::inference::measurement::Uncertain::Known(total));
+        sensor.sigma = Some(crate::measurement::Uncertain::Known(total));
         sensor.lag_s = None;
         sensor.correlation_time_s = None;
         sensor.white = None;

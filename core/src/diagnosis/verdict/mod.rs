@@ -1,10 +1,11 @@
 //! From fits to the verdict and its sentences.
 //!
-//! `conclude`: the verdict. `discriminating_experiment`: the test that would part rivals. `hints`, `trend`: what to check first. `words`: the
+//! `conclude`: the verdict. `discriminating_experiment`: the test that would part rivals. `hints`, `trend`, `still` (channels that stand still while the model moves): what to check first. `words`: the
 //! sentences.
 
 pub(crate) mod conclude;
 pub(crate) mod discriminating_experiment;
 pub(crate) mod hints;
+pub(crate) mod still;
 pub(crate) mod trend;
 pub(crate) mod words;

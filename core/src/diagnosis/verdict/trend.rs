@@ -1,8 +1,8 @@
 //! Inputs that rise or fall throughout a transient: an effect that goes with one may stand for whatever changes with time.
 
 use crate::diagnosis::Problem;
-use crate::inference::measurement::Rows;
 use crate::math::functions::sqrt;
+use crate::measurement::Rows;
 
 /// Rank correlation with time (Spearman 1904) from which an input follows it.
 const FOLLOWS: f64 = 0.9;

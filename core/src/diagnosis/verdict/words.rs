@@ -6,7 +6,7 @@ use crate::diagnosis::verdict::conclude::Findings;
 use crate::diagnosis::{PRIOR_OF, Problem};
 use crate::document::{counted, p_stated, percent};
 use crate::expression::Unit;
-use crate::inference::measurement::Measurement;
+use crate::measurement::Measurement;
 
 /// The first parameter of a curve.
 const FIRST_KNOT: &str = "knot_1";

@@ -3,7 +3,7 @@
 //! `U = 1/2 ln det(I + A A' + B B') - 1/2 ln det(I + B B')` for learning `u` with `v` a nuisance. Exact there (Lindley
 //! 1956); elsewhere, with derivatives at nominal parameters times prior standard deviations, an estimate for screening.
 
-use crate::inference::cholesky::{self, NotPositiveDefinite};
+use crate::math::cholesky::{self, NotPositiveDefinite};
 
 /// Information about the first `learn` columns of `jacobian` (`readings x unknowns`, row by row, each row divided by the
 /// noise's standard deviation, each column times the prior's), nats.

@@ -5,7 +5,7 @@
 //! of the whole mixture are those of Owen & Zhou (2000, J. Am. Stat. Assoc. 95, 135): a posterior that is not normal, or
 //! has a second mode, then costs draws but gives no wrong answer without a sign of it.
 
-use crate::inference::cholesky::{self, NotPositiveDefinite};
+use crate::math::cholesky::{self, NotPositiveDefinite};
 use crate::math::functions::{exp, ln, ln_1p};
 
 /// One draw in so many is from the prior.

@@ -8,7 +8,7 @@
 //!
 //! The process only says where to look: what is reported of a point is its own estimate.
 
-use crate::inference::cholesky;
+use crate::math::cholesky;
 use crate::math::functions::{exp, ln};
 use crate::math::special::{normal_cdf, normal_density};
 use crate::random::{PointKind, Points, StreamKey};

@@ -11,7 +11,7 @@
 
 use thiserror::Error;
 
-use crate::inference::cholesky;
+use crate::math::cholesky;
 use crate::math::special::normal_cdf;
 
 /// A rival's prediction for one experiment.

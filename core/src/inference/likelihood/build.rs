@@ -7,9 +7,9 @@ use super::steady::SteadyPart;
 use super::transient::TransientPart;
 use super::{Datum, Definition, Likelihood, LikelihoodError, Part, SensorPart};
 use crate::expression::{Symbol, Unit};
-use crate::inference::measurement::{Measurement, Rows, Uncertain};
-use crate::inference::noise::Noise;
-use crate::inference::unknown::{Unknowns, Value, bias_name, sensor_name};
+use crate::inference::likelihood::noise::Noise;
+use crate::measurement::unknown::{Unknowns, Value, bias_name, sensor_name};
+use crate::measurement::{Measurement, Rows, Uncertain};
 use crate::random::Distribution;
 use crate::thermal::{Model, Network};
 

@@ -10,6 +10,8 @@
 
 mod build;
 mod input_error;
+pub mod noise;
+pub mod rows;
 mod steady;
 mod transient;
 mod whitening;
@@ -20,15 +22,15 @@ use std::sync::Arc;
 use serde::Serialize;
 use thiserror::Error;
 
-use super::joint_prior::{JointPrior, STANDARD, pull_back, unknowns_at};
-use super::measurement::Measurement;
-use super::noise::Noise;
-use super::target::{LeastSquares, Rejected, Target};
-use super::unknown::{Unknowns, Value};
+use crate::inference::prior::joint_prior::{JointPrior, STANDARD, pull_back, unknowns_at};
+use crate::inference::target::{LeastSquares, Rejected, Target};
+use crate::measurement::Measurement;
+use crate::measurement::unknown::{Unknowns, Value};
 use crate::random::Distribution;
 use crate::thermal::{self, Network, NetworkError};
 pub(super) use build::is_used;
 use input_error::InputErrors;
+use noise::Noise;
 use steady::{SteadyLanes, SteadyPart};
 use transient::TransientPart;
 

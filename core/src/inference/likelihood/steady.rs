@@ -4,10 +4,10 @@ use super::build::is_used;
 use super::input_error::InputErrors;
 use super::whitening::Block;
 use super::{Datum, Likelihood, LikelihoodError, Memory, SensorPart, SteadyState, Wanted};
-use crate::inference::cholesky;
-use crate::inference::measurement::{Measurement, Rows};
 use crate::inference::target::Rejected;
+use crate::math::cholesky;
 use crate::math::functions::ln;
+use crate::measurement::{Measurement, Rows};
 use crate::thermal::{Batch, Network, Start, SteadyError, Workspace};
 
 /// Phases solved side by side; a phase has the same bits in any company.

@@ -3,11 +3,11 @@
 use super::build::is_used;
 use super::whitening::Block;
 use super::{Datum, Likelihood, Memory, SensorPart};
-use crate::inference::lag;
-use crate::inference::measurement::{Initial, InputTable, Measurement, Rows};
-use crate::inference::noise::Series;
+use crate::inference::likelihood::noise::Series;
 use crate::inference::target::Rejected;
-use crate::inference::unknown::{ALL, Unknowns, Value, shifted, start_name};
+use crate::measurement::lag;
+use crate::measurement::unknown::{ALL, Unknowns, Value, shifted, start_name};
+use crate::measurement::{Initial, InputTable, Measurement, Rows};
 use crate::thermal::transient::{InitialState, TransientRequest};
 use crate::thermal::{Model, NodeKind, Transient, TransientError};
 

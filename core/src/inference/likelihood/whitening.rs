@@ -1,9 +1,9 @@
 //! The whitening `W` of a likelihood at given unknowns, for columns of one's own.
 
 use super::{Likelihood, Part};
-use crate::inference::cholesky;
-use crate::inference::noise::{Noise, Series};
+use crate::inference::likelihood::noise::{Noise, Series};
 use crate::inference::target::Rejected;
+use crate::math::cholesky;
 
 /// `W` with `W' W` the inverse covariance of the noise, prepared at one point.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! Adaptive Metropolis with a second, smaller proposal (Haario, Saksman and Tamminen 2001; Haario et al. 2006).
 
 use super::{Method, Run};
-use crate::inference::metropolis::{self, MetropolisSettings};
+use crate::inference::sampler::metropolis::{self, MetropolisSettings};
 use crate::job::JobError;
 use crate::job::calibrate::block::Partial;
 

@@ -7,11 +7,11 @@ use super::block::Partial;
 use crate::document::declare::word;
 use crate::document::schema::words;
 use crate::document::{Diagnostics, Node, Schemas, Written, suggest};
-use crate::inference::chains::{Chain, SampleError};
-use crate::inference::informed::Informed;
+use crate::inference::estimate::informed::Informed;
+use crate::inference::estimate::point_estimate::PointEstimate;
 use crate::inference::likelihood::Likelihood;
-use crate::inference::parts::Parts;
-use crate::inference::point_estimate::PointEstimate;
+use crate::inference::sampler::chains::{Chain, SampleError};
+use crate::inference::sampler::parts::Parts;
 use crate::job::stored::Block;
 use crate::job::{self, JobError};
 

@@ -1,7 +1,7 @@
 //! The No-U-Turn sampler (Hoffman and Gelman 2014).
 
 use super::{Method, Run};
-use crate::inference::nuts::{self, NutsSettings};
+use crate::inference::sampler::nuts::{self, NutsSettings};
 use crate::job::JobError;
 use crate::job::calibrate::block::Partial;
 

@@ -1,7 +1,7 @@
 //! Sequential Monte Carlo from the prior to the posterior (Del Moral, Doucet and Jasra 2006); its islands are the chains.
 
 use super::{Method, Run};
-use crate::inference::smc::{self, SmcSettings};
+use crate::inference::sampler::smc::{self, SmcSettings};
 use crate::job::JobError;
 use crate::job::calibrate::block::Partial;
 

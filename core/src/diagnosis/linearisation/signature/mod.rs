@@ -20,11 +20,11 @@ use rayon::prelude::*;
 use crate::diagnosis::FitError;
 use crate::diagnosis::linearisation::linear::{Direction, Linear};
 use crate::diagnosis::problem::Problem;
+use crate::inference::estimate::natural::NaturalObjective;
+use crate::inference::estimate::optimise::Objective;
 use crate::inference::likelihood::{Likelihood, Whitening};
-use crate::inference::measurement::Rows;
-use crate::inference::natural::NaturalObjective;
-use crate::inference::optimise::Objective;
 use crate::inference::target::{LeastSquares, Rejected, Target};
+use crate::measurement::Rows;
 use adjoint::Phases;
 use form::{Form, Forms};
 

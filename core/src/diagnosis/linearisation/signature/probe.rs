@@ -2,14 +2,14 @@
 
 use super::{Base, Found};
 use crate::diagnosis::error::NoDirection;
-use crate::diagnosis::fits::hypothesis::Hypothesis;
+use crate::diagnosis::hypothesis::Hypothesis;
 use crate::diagnosis::linearisation::linear::Direction;
 use crate::effect::form::Sign;
 use crate::effect::{Effect, EffectParameter};
 use crate::inference::likelihood::Likelihood;
-use crate::inference::measurement::{Initial, Rows, Uncertain};
 use crate::inference::target::{LeastSquares, Target};
-use crate::inference::unknown::start_name;
+use crate::measurement::unknown::start_name;
+use crate::measurement::{Initial, Rows, Uncertain};
 use crate::random::Distribution;
 
 /// Most probes of an effect.

@@ -6,8 +6,8 @@ use crate::diagnosis::FitError;
 use crate::diagnosis::error::NoDirection;
 use crate::effect::Site;
 use crate::inference::likelihood::{Definition, InputError, Likelihood};
-use crate::inference::measurement::{Measurement, Uncertain};
 use crate::inference::target::{LeastSquares, Target};
+use crate::measurement::{Measurement, Uncertain};
 
 /// Predictions of every sensor at every row, found when first asked for.
 #[derive(Default)]

@@ -4,8 +4,8 @@ use super::form::{Form, bounds, plausible, shapes};
 use super::{Base, Found};
 use crate::diagnosis::FitError;
 use crate::diagnosis::error::NoDirection;
-use crate::diagnosis::fits::threshold_levels::thresholds;
 use crate::diagnosis::linearisation::linear::Direction;
+use crate::diagnosis::linearisation::threshold_levels::thresholds;
 use crate::effect::{Effect, EffectParameter};
 use crate::random::Distribution;
 

@@ -1,9 +1,8 @@
 //! The baseline model with a set of effects added, and the measurements as it sees them.
 
 use crate::diagnosis::FitError;
-use std::sync::Arc;
 
-use crate::diagnosis::{Problem, Refit};
+use crate::diagnosis::Problem;
 use crate::effect::apply::LEAST_CAPACITY_J_PER_K;
 use crate::effect::parameter::widened;
 use crate::effect::{
@@ -11,7 +10,7 @@ use crate::effect::{
 };
 use crate::expression::{Dimension, Unit};
 use crate::inference::likelihood::{Definition, Likelihood};
-use crate::inference::measurement::{Initial, Measurement, Uncertain};
+use crate::measurement::{Initial, Measurement, Uncertain};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
@@ -58,17 +57,6 @@ impl Problem {
             hypothesis.add(self, effect, width)?;
         }
         Ok(hypothesis)
-    }
-
-    /// The problem whose baseline model has the effects of a fit, with priors as wide as the fit took them. The candidates
-    /// are the same.
-    ///
-    /// # Errors
-    /// [`FitError::Apply`] where they do not fit.
-    pub fn with(&self, fit: &Refit) -> Result<Problem, FitError> {
-        let Hypothesis { model, priors, parameters, measurements, .. } =
-            self.hypothesis_of_widths(&fit.effects, &fit.widths)?;
-        Ok(Problem { model: Arc::new(model), priors, parameters, measurements, ..self.clone() })
     }
 }
 
@@ -163,9 +151,8 @@ impl Hypothesis {
 impl Measurement {
     /// Gives a node that was added a start temperature: that of its host.
     pub(crate) fn begin_like(&mut self, node: usize, host: usize) {
-        if let crate::inference::measurement::Rows::Transient {
-            initial: Initial::Temperatures { values, shared, balanced },
-            ..
+        if let crate::measurement::Rows::Transient {
+            initial: Initial::Temperatures { values, shared, balanced }, ..
         } = &mut self.rows
             && let Some(value) = values.get(host).cloned()
         {

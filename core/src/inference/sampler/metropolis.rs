@@ -12,12 +12,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::adaptation::RunningCovariance;
-use super::chains::{Chain, SampleError, start_point};
-use super::cholesky;
-use super::parts::Parts;
-use super::posterior::{Density, Evaluator, Posterior};
-use super::target::Target;
+use crate::inference::posterior::{Density, Evaluator, Posterior};
+use crate::inference::sampler::adaptation::RunningCovariance;
+use crate::inference::sampler::chains::{Chain, SampleError, start_point};
+use crate::inference::sampler::parts::Parts;
+use crate::inference::target::Target;
+use crate::math::cholesky;
 use crate::math::functions::{exp, ln, ln_1p};
 use crate::random::{Stream, StreamKey};
 use crate::watch;

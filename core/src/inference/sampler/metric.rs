@@ -4,8 +4,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::adaptation::RunningCovariance;
-use super::cholesky;
+use crate::inference::sampler::adaptation::RunningCovariance;
+use crate::math::cholesky;
 use crate::random::Stream;
 
 /// The inverse mass matrix.

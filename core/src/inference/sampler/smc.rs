@@ -23,10 +23,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::chains::{Chain, Chains, SampleError, most_frequent};
-use super::posterior::{Density, Evaluator, Posterior};
-use super::proposal::{Kind, Proposal};
-use super::target::Target;
+use crate::inference::posterior::{Density, Evaluator, Posterior};
+use crate::inference::sampler::chains::{Chain, Chains, SampleError, most_frequent};
+use crate::inference::sampler::proposal::{Kind, Proposal};
+use crate::inference::target::Target;
 use crate::math::functions::{exp, ln};
 use crate::random::{Stream, StreamKey};
 

@@ -2,10 +2,10 @@
 //! uniform in the logarithm, the parameter itself for all others. There, normal priors are residual rows and uniform
 //! priors are bounds; only a triangular prior is a penalty of its own.
 
-use super::optimise::{Bounds, Objective};
-use super::posterior::Work;
-use super::target::{LeastSquares, Rejected};
-use super::transform::{Transform, TransformError};
+use crate::inference::estimate::optimise::{Bounds, Objective};
+use crate::inference::posterior::Work;
+use crate::inference::prior::transform::{Transform, TransformError};
+use crate::inference::target::{LeastSquares, Rejected};
 use crate::math::functions::{exp, ln};
 use crate::random::Distribution;
 use crate::watch;

@@ -12,8 +12,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::cholesky;
-use super::transform::{Image, Transform};
+use crate::inference::prior::transform::{Image, Transform};
+use crate::math::cholesky;
 use crate::random::Distribution;
 
 /// A parameter is determined when its standard deviation is at most this share of its prior's.

@@ -127,7 +127,7 @@ impl Diagnosis {
         None
     }
 
-    /// Orders the sets with one more effect that stands out where the parameters are as they were believed beforehand, if what
+    /// Orders the sets with one more effect that stands out where the parameters are at the medians of their priors, if what
     /// is still missing bends the fit with the set: a parameter that a bound holds gives way only far from there, which
     /// no linearisation at the bound tells.
     fn order_at_prior_medians(&self, problem: &Problem, state: &mut State, place: usize) {

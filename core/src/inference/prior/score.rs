@@ -6,7 +6,7 @@
 //! parameter itself, or in coordinates that know its bounds alone. For normal and lognormal priors the score is linear in
 //! the parameter or its logarithm.
 
-use super::transform::{Transform, TransformError};
+use crate::inference::prior::transform::{Transform, TransformError};
 use crate::math::functions::exp;
 use crate::math::special::{ln_normal_density, normal_cdf, normal_quantile};
 use crate::random::Distribution;
@@ -82,7 +82,7 @@ impl Score {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::inference::transform::tests::every_kind;
+    use crate::inference::prior::transform::tests::every_kind;
 
     #[test]
     fn scores_invert_and_slopes_agree_with_differences() {

@@ -4,9 +4,9 @@
 //! reading is known by its phase, the inputs there, its sensor and its value, in whatever file it lies; a transient one,
 //! whose coarse values repeat by chance, by its file, instant, sensor and value.
 
-use super::likelihood::is_used;
-use super::measurement::{Measurement, Rows};
 use crate::document::hash::sha256_hex;
+use crate::inference::likelihood::is_used;
+use crate::measurement::{Measurement, Rows};
 
 /// A row of a measurement with the readings that a fit uses.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -5,11 +5,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::chains::{SampleError, start_point};
-use super::cholesky;
-use super::posterior::{Evaluator, Posterior, Work};
-use super::psis;
-use super::target::Target;
+use crate::inference::posterior::{Evaluator, Posterior, Work};
+use crate::inference::sampler::chains::{SampleError, start_point};
+use crate::inference::sampler::psis;
+use crate::inference::target::Target;
+use crate::math::cholesky;
 use crate::math::functions::{exp, ln, ln_gamma};
 use crate::math::sum::log_sum_exp;
 use crate::random::StreamKey;

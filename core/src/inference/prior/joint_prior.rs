@@ -8,9 +8,9 @@
 
 use thiserror::Error;
 
-use super::cholesky;
-use super::score::Score;
-use super::transform::TransformError;
+use crate::inference::prior::score::Score;
+use crate::inference::prior::transform::TransformError;
+use crate::math::cholesky;
 use crate::math::functions::ln;
 use crate::math::special::{chi_square_cdf, normal_density, normal_quantile};
 use crate::random::Distribution;

@@ -4,9 +4,9 @@
 //! `e_k = (d_k - phi d_(k-1)) / (s sqrt(1 - phi^2))`, the first row `d / s` (Uhlenbeck & Ornstein 1930). Both together:
 //! the innovations of a scalar Kalman filter, whose derivatives are carried along.
 
-use super::target::Rejected;
-use super::unknown::Value;
+use crate::inference::target::Rejected;
 use crate::math::functions::{exp, exp_m1, ln};
+use crate::measurement::unknown::Value;
 
 /// Noise of a sensor: its numbers are known or unknowns of the likelihood.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,7 +181,7 @@ impl Noise {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::inference::cholesky;
+    use crate::math::cholesky;
 
     const TIMES: [f64; 6] = [0.0, 1.0, 1.5, 4.0, 9.0, 9.2];
     const VALUES: [f64; 6] = [0.3, 0.5, 0.1, -0.7, 0.2, 0.4];

@@ -5,8 +5,8 @@
 //! below the level [`LEVEL`] says that the stated standard deviation is too large. Residuals that the model gets wrong only
 //! raise the sum.
 
-use super::measurement::Sensor;
 use crate::math::special::chi_square_cdf;
+use crate::measurement::Sensor;
 use crate::thermal::Model;
 
 /// Probability of so small a sum of squares below which the noise is said to be overstated.

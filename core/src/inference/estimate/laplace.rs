@@ -5,9 +5,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::box_probability::log_box_probability;
-use super::cholesky;
-use super::optimise::Bounds;
+use crate::inference::estimate::box_probability::log_box_probability;
+use crate::inference::estimate::optimise::Bounds;
+use crate::math::cholesky;
 use crate::math::functions::{exp, ln};
 use crate::math::quadrature::gauss_legendre;
 

@@ -2,19 +2,19 @@
 //! the fit in data: parameters at a bound, directions that the data do not see, parameters that act only together.
 //!
 //! The maximum is that of the density over natural coordinates (`natural`: logarithms where the prior is logarithmic).
-//! Evidence with active bounds as in [`super::laplace`].
+//! Evidence with active bounds as in [`crate::inference::estimate::laplace`].
 
 use serde::{Deserialize, Serialize};
 
-use super::chains::{SampleError, most_frequent};
-use super::identifiability::{self, Finding};
-use super::laplace::Laplace;
-use super::natural::NaturalObjective;
-use super::optimise::{Bounds, Minimum, free_variables, hessian, minimise};
-use super::posterior::Work;
-use super::target::LeastSquares;
-use super::triangular_transport::NormalApproximation;
-use super::truncated_moments::{Moments, moments};
+use crate::inference::estimate::identifiability::{self, Finding};
+use crate::inference::estimate::laplace::Laplace;
+use crate::inference::estimate::natural::NaturalObjective;
+use crate::inference::estimate::optimise::{Bounds, Minimum, free_variables, hessian, minimise};
+use crate::inference::estimate::truncated_moments::{Moments, moments};
+use crate::inference::posterior::Work;
+use crate::inference::prior::triangular_transport::NormalApproximation;
+use crate::inference::sampler::chains::{SampleError, most_frequent};
+use crate::inference::target::LeastSquares;
 use crate::random::{PointKind, Points, StreamKey};
 use crate::watch;
 

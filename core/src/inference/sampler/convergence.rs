@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::chains::Chains;
+use crate::inference::sampler::chains::Chains;
 use crate::math::functions::ln;
 use crate::random::Distribution;
 use crate::statistics::chain_diagnostics as diagnostics;

@@ -1,7 +1,7 @@
 //! Probability of a box under a multivariate normal density, by separation of variables (Genz 1992) over Richtmyer's
 //! points, in a fixed order, until doubling their number changes little: the same box always gets the same answer.
 
-use super::cholesky;
+use crate::math::cholesky;
 use crate::math::functions::ln;
 use crate::math::special::{normal_cdf, normal_quantile};
 

@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::posterior::{Density, Evaluator, Posterior, Work};
-use super::target::{Rejections, Target};
-use super::transform::TransformError;
+use crate::inference::posterior::{Density, Evaluator, Posterior, Work};
+use crate::inference::prior::transform::TransformError;
+use crate::inference::target::{Rejections, Target};
 use crate::random::Stream;
 
 /// Why there is no chain.
@@ -189,7 +189,7 @@ pub(super) fn start_point<T: Target>(
 }
 
 /// The most frequent reason, the first of equals.
-pub(super) fn most_frequent(rejections: &Rejections) -> String {
+pub(crate) fn most_frequent(rejections: &Rejections) -> String {
     let mut best: Option<&(String, u64)> = None;
     for entry in &rejections.by_reason {
         if best.is_none_or(|known| entry.1 > known.1) {

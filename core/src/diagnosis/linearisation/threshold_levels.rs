@@ -4,8 +4,8 @@
 use crate::diagnosis::Problem;
 use crate::effect::{Bound, Candidate, Effect, EffectParameter};
 use crate::expression::Symbol;
-use crate::inference::measurement::{Measurement, Rows};
 use crate::math::functions::ln;
+use crate::measurement::{Measurement, Rows};
 use crate::random::Distribution;
 
 /// Most thresholds that are tried.

@@ -4,11 +4,11 @@
 //! with them as with any other target, and results are taken back by [`Informed::estimate`] and [`Informed::chain`].
 //! Without joint priors everything passes through unchanged.
 
-use super::chains::Chain;
-use super::identifiability::{Finding, Share};
-use super::joint_prior::{JointPrior, STANDARD, unknowns_at};
-use super::point_estimate::PointEstimate;
-use super::target::{LeastSquares, Rejected, Target};
+use crate::inference::estimate::identifiability::{Finding, Share};
+use crate::inference::estimate::point_estimate::PointEstimate;
+use crate::inference::prior::joint_prior::{JointPrior, STANDARD, unknowns_at};
+use crate::inference::sampler::chains::Chain;
+use crate::inference::target::{LeastSquares, Rejected, Target};
 use crate::random::Distribution;
 
 /// Shares below this are not named in a direction.

@@ -6,9 +6,9 @@
 //!   2013): for posteriors close to normal it forgets in a few moves;
 //! - a step along the difference of two of them (ter Braak 2006), whose long form jumps from mode to mode.
 
-use super::adaptation::RunningCovariance;
-use super::cholesky;
-use super::smc::Particle;
+use crate::inference::sampler::adaptation::RunningCovariance;
+use crate::inference::sampler::smc::Particle;
+use crate::math::cholesky;
 use crate::random::Stream;
 
 /// Kinds of moves.

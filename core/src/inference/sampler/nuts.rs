@@ -8,13 +8,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::adaptation::{DualAveraging, RunningCovariance, Windows};
-use super::chains::{Chain, SampleError, start_point};
-use super::metric::Metric;
-use super::parts::Parts;
-use super::posterior::{Density, Evaluator, Posterior};
-use super::target::Target;
-use super::triangular_transport::NormalApproximation;
+use crate::inference::posterior::{Density, Evaluator, Posterior};
+use crate::inference::prior::triangular_transport::NormalApproximation;
+use crate::inference::sampler::adaptation::{DualAveraging, RunningCovariance, Windows};
+use crate::inference::sampler::chains::{Chain, SampleError, start_point};
+use crate::inference::sampler::metric::Metric;
+use crate::inference::sampler::parts::Parts;
+use crate::inference::target::Target;
 use crate::math::functions::{exp, ln, ln_1p};
 use crate::random::{Stream, StreamKey};
 use crate::watch;

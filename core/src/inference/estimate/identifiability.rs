@@ -4,10 +4,10 @@
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-use super::natural::NaturalObjective;
-use super::optimise::{Bounds, Minimum, free_variables};
-use super::point_estimate::End;
-use super::target::LeastSquares;
+use crate::inference::estimate::natural::NaturalObjective;
+use crate::inference::estimate::optimise::{Bounds, Minimum, free_variables};
+use crate::inference::estimate::point_estimate::End;
+use crate::inference::target::LeastSquares;
 
 /// How two parameters act together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

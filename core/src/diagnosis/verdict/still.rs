@@ -3,9 +3,9 @@
 use crate::diagnosis::fits::refit::total_sigma;
 use crate::diagnosis::{Problem, Refit};
 use crate::expression::Unit;
-use crate::inference::measurement::Rows;
-use crate::inference::prediction::Predictor;
-use crate::inference::unknown::with_unknowns;
+use crate::measurement::Rows;
+use crate::measurement::prediction::Predictor;
+use crate::measurement::unknown::with_unknowns;
 
 /// Fewest readings in a row that are the same.
 const LEAST_READINGS: usize = 8;
@@ -24,15 +24,15 @@ struct Still {
 }
 
 /// What is said of channels of transients that stand still at a fit of the baseline model.
-pub(crate) fn warnings(problem: &Problem, believed: &Refit) -> Vec<String> {
+pub(crate) fn warnings(problem: &Problem, baseline: &Refit) -> Vec<String> {
     let mut said = Vec::new();
     let Ok(hypothesis) = problem.hypothesis(&[], 1.0) else { return said };
     let (Ok(likelihood), Ok(predictor)) = (hypothesis.likelihood(problem), Predictor::new(&hypothesis.model, &[]))
     else {
         return said;
     };
-    let full = likelihood.full_parameters(&believed.unknowns);
-    let known = believed.by_name();
+    let full = likelihood.full_parameters(&baseline.unknowns);
+    let known = baseline.by_name();
     let inputs: Vec<String> = hypothesis.model.inputs.iter().map(|input| input.name.clone()).collect();
     let nodes: Vec<String> = hypothesis.model.nodes.iter().map(|node| node.name.clone()).collect();
     let mut workspace = predictor.workspace();

@@ -4,8 +4,8 @@ use crate::expression::Symbol;
 use crate::thermal::transient::{InitialState, TransientRequest};
 use crate::thermal::{Model, Network, NetworkError, NodeKind, Quantity, Start, Workspace};
 
-use super::lag;
-use super::measurement::{Initial, InputTable, Measurement, Rows};
+use crate::measurement::lag;
+use crate::measurement::{Initial, InputTable, Measurement, Rows};
 
 /// Heat of the model in one row, W.
 #[derive(Clone, Debug, PartialEq)]
@@ -138,7 +138,7 @@ impl Predictor {
         let start: Vec<f64>;
         let (initial, in_balance): (_, &[usize]) = match initial {
             Initial::Temperatures { values, balanced, .. } => {
-                start = values.iter().map(super::measurement::Uncertain::nominal).collect();
+                start = values.iter().map(crate::measurement::Uncertain::nominal).collect();
                 (InitialState::Temperatures(&start), balanced)
             }
             Initial::Steady => (InitialState::Steady, &[]),

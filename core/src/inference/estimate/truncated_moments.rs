@@ -11,10 +11,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::box_probability::{folded, richtmyer_steps};
-use super::cholesky;
-use super::laplace;
-use super::optimise::Bounds;
+use crate::inference::estimate::box_probability::{folded, richtmyer_steps};
+use crate::inference::estimate::laplace;
+use crate::inference::estimate::optimise::Bounds;
+use crate::math::cholesky;
 use crate::math::functions::{exp, ln_1p};
 use crate::math::special::{ln_normal_interval, normal_cdf, normal_quantile};
 

@@ -1,6 +1,6 @@
 //! What is inferred of the data beside the model's parameters: its names, and measurements with such values put in.
 
-use super::measurement::{Initial, Measurement, Rows, Uncertain};
+use crate::measurement::{Initial, Measurement, Rows, Uncertain};
 use crate::random::Distribution;
 
 /// A number of the likelihood: known, or one of the unknowns.
@@ -149,7 +149,7 @@ pub fn with_unknowns(
 }
 
 /// A table of inputs with constants added to each input.
-pub(super) fn shifted(table: &super::measurement::InputTable, shifts: &[f64]) -> super::measurement::InputTable {
+pub(crate) fn shifted(table: &crate::measurement::InputTable, shifts: &[f64]) -> crate::measurement::InputTable {
     let mut table = table.clone();
     for (value, shift) in table.base.iter_mut().zip(shifts) {
         *value += shift;
