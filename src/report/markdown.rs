@@ -146,7 +146,6 @@ fn inline(text: &Text, in_table: bool) -> String {
         match piece {
             Inline::Plain(text) => out.push_str(&escape(text)),
             Inline::Strong(text) => wrap(&mut out, "**", text),
-            Inline::Emphasis(text) => wrap(&mut out, "*", text),
             Inline::Code(text) => out.push_str(&code(text, in_table)),
         }
     }

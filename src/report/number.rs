@@ -210,16 +210,6 @@ fn superscript(digits: &str) -> String {
         .collect()
 }
 
-/// Decimals that tell the values of a column apart: enough for `digits` significant ones of the largest.
-pub fn decimals_for(values: impl IntoIterator<Item = f64>, digits: i32) -> usize {
-    let largest = values.into_iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
-    if largest == 0.0 {
-        return usize::try_from(digits - 1).unwrap_or(0);
-    }
-    let exponent = (ln(largest) / ln(10.0) + 1e-9).floor();
-    (f64::from(digits - 1) - exponent).clamp(0.0, 9.0) as usize
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -13,8 +13,6 @@ pub enum Inline {
     Plain(String),
     /// Strong.
     Strong(String),
-    /// Emphasised.
-    Emphasis(String),
     /// A name or a value as it stands in a file.
     Code(String),
 }
@@ -39,12 +37,6 @@ impl Text {
     /// Appends strong text.
     pub fn strong(mut self, text: impl Into<String>) -> Self {
         self.0.push(Inline::Strong(text.into()));
-        self
-    }
-
-    /// Appends emphasised text.
-    pub fn emphasis(mut self, text: impl Into<String>) -> Self {
-        self.0.push(Inline::Emphasis(text.into()));
         self
     }
 

@@ -57,7 +57,7 @@ fn check(case: &Case, size: f64) {
     if case.truth.asked.is_some() {
         assert!((found / size - 1.0).abs() < 0.02, "{:?}: {found} for {size}", case.truth.effects);
     }
-    if case.truth.noise != NoiseTruth::AsTold {
+    if case.truth.noise != NoiseTruth::AsStated {
         return;
     }
     let (mut chi_square, mut count) = (0.0, 0);

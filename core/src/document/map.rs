@@ -32,17 +32,9 @@ impl<T> Default for Map<T> {
 }
 
 impl<T> Map<T> {
-    /// From entries with unique names (those of one file are; a later entry of the same name is never found).
-    pub fn from_entries(entries: Vec<MapEntry<T>>) -> Self {
-        Self(entries)
-    }
     /// The entries in the order of the file.
     pub fn iter(&self) -> std::slice::Iter<'_, MapEntry<T>> {
         self.0.iter()
-    }
-    /// The entries, given away.
-    pub fn into_entries(self) -> Vec<MapEntry<T>> {
-        self.0
     }
     /// The entry of a name.
     pub fn get(&self, name: &str) -> Option<&MapEntry<T>> {

@@ -137,15 +137,6 @@ impl Amount {
         }
         Some(value)
     }
-
-    /// The unit for people: what stands beside the number, else `own`, else the SI unit.
-    pub fn unit_text(&self, own: Option<&Unit>, expected: Dimension) -> String {
-        match (&self.unit, own) {
-            (Some(written), _) => written.unit.text.clone(),
-            (None, Some(unit)) => unit.text.clone(),
-            (None, None) => expected.to_string(),
-        }
-    }
 }
 
 /// Reports a unit of the wrong dimension.

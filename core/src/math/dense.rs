@@ -114,6 +114,33 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     even + odd + last
 }
 
+/// Scalar product of short vectors, summed in the order of their entries.
+#[inline]
+pub fn dot_in_order(a: &[f64], b: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    for (x, y) in a.iter().zip(b) {
+        sum += x * y;
+    }
+    sum
+}
+
+/// Scalar product of long columns by eight interleaved sums, then their sum in order: the same bits everywhere, and no wait
+/// for the sum before.
+#[inline]
+pub fn dot_of_columns(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 8];
+    let (blocks_a, blocks_b) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    for (x, y) in blocks_a.0.iter().zip(blocks_b.0) {
+        for lane in 0..8 {
+            sums[lane] += x[lane] * y[lane];
+        }
+    }
+    for (lane, (x, y)) in blocks_a.1.iter().zip(blocks_b.1).enumerate() {
+        sums[lane] += x * y;
+    }
+    ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

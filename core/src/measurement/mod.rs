@@ -85,6 +85,19 @@ pub struct Sensor {
     pub white: Option<Uncertain>,
 }
 
+impl Sensor {
+    /// Standard deviation of one reading, SI, where noise is nominal; 0 where none is stated.
+    pub fn total_sd(&self) -> f64 {
+        let part = |value: &Option<Uncertain>| value.as_ref().map_or(0.0, Uncertain::nominal);
+        total_sd(part(&self.sigma), part(&self.white))
+    }
+}
+
+/// Standard deviation of noise with two independent parts, one of which may be white beside correlated.
+pub fn total_sd(sigma: f64, white: f64) -> f64 {
+    if white == 0.0 { sigma } else { (sigma * sigma + white * white).sqrt() }
+}
+
 /// How a transient begins.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]

@@ -7,6 +7,7 @@
 
 use crate::math::special::chi_square_cdf;
 use crate::measurement::Sensor;
+use crate::measurement::total_sd;
 use crate::thermal::Model;
 
 /// Probability of so small a sum of squares below which the noise is said to be overstated.
@@ -39,7 +40,7 @@ pub fn of_stated<'s>(residuals: impl Iterator<Item = (&'s Sensor, f64)>, model: 
         let is_inferred = [&own.sigma, &own.white].into_iter().flatten().any(|part| part.prior().is_some());
         let Some(sigma) = own.sigma.as_ref().filter(|_| !is_inferred) else { continue };
         let white = own.white.as_ref().map_or(0.0, |white| white.nominal());
-        let sigma = (sigma.nominal() * sigma.nominal() + white * white).sqrt();
+        let sigma = total_sd(sigma.nominal(), white);
         match sensors.iter_mut().find(|known| known.sensor == own.name && known.sigma == sigma) {
             Some(known) => {
                 known.square += residual * residual;

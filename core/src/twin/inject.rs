@@ -233,7 +233,7 @@ fn noise(problem: &Problem, request: &InjectionRequest, draw: &mut Draw) -> Nois
     if step_s.is_finite() && request.correlated.unwrap_or(correlated) {
         NoiseTruth::Correlated { correlation_time_s: short(rows * step_s), share: short(share) }
     } else {
-        NoiseTruth::AsTold
+        NoiseTruth::AsStated
     }
 }
 

@@ -3,6 +3,7 @@
 
 use super::truth::NoiseTruth;
 use crate::math::functions::{exp, exp_m1};
+use crate::measurement::total_sd;
 use crate::measurement::{Measurement, Rows, Uncertain};
 use crate::random::StreamKey;
 
@@ -20,10 +21,10 @@ pub fn noise(measurement: &Measurement, position: u64, truth: NoiseTruth, key: &
         let sigma = nominal(&sensor.sigma).unwrap_or(0.0);
         let white = nominal(&sensor.white).unwrap_or(0.0);
         let (correlated, white, tau_s) = match (truth, nominal(&sensor.correlation_time_s)) {
-            (NoiseTruth::AsTold, Some(tau_s)) => (sigma, white, Some(tau_s)),
-            (NoiseTruth::AsTold, None) => (0.0, (sigma * sigma + white * white).sqrt(), None),
+            (NoiseTruth::AsStated, Some(tau_s)) => (sigma, white, Some(tau_s)),
+            (NoiseTruth::AsStated, None) => (0.0, total_sd(sigma, white), None),
             (NoiseTruth::Correlated { correlation_time_s, share }, _) => {
-                let total = (sigma * sigma + white * white).sqrt();
+                let total = total_sd(sigma, white);
                 (total * share.sqrt(), total * (1.0 - share).sqrt(), Some(correlation_time_s))
             }
         };

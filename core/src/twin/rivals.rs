@@ -7,6 +7,7 @@
 //! itself is one: what it leaves may be too little to show. Distances are measured with the noise that there truly is.
 //! A threshold is tried between each two of the data's levels: each is a rival of its own, of which the nearest counts.
 
+use crate::math::dense::dot_in_order as dot;
 use std::collections::BTreeSet;
 
 use super::inject::{Hidden, InjectError, with_stated_noise};
@@ -351,10 +352,6 @@ impl Basis {
         }
         span
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn square(value: f64) -> f64 {

@@ -183,7 +183,7 @@ fn detection<'a>(trials: impl Iterator<Item = &'a Trial> + Clone) -> Detection {
 /// Scores trials; their order is of no account but for the last digits of means.
 pub fn score(trials: &[Trial]) -> Score {
     let nulls = || trials.iter().filter(|trial| trial.truth.is_null());
-    let as_told = |trial: &&Trial| trial.truth.noise == NoiseTruth::AsTold;
+    let as_told = |trial: &&Trial| trial.truth.noise == NoiseTruth::AsStated;
     let outside = || trials.iter().filter(|trial| trial.truth.outside.is_some());
     let stands = |trial: &Trial| {
         let names = trial.truth.outside.as_ref().map(super::truth::Outside::stands_for).unwrap_or_default();
@@ -353,7 +353,7 @@ mod tests {
             outside: None,
             split: None,
             parameters: Vec::new(),
-            noise: NoiseTruth::AsTold,
+            noise: NoiseTruth::AsStated,
             size,
             asked: (!ids.is_empty()).then_some(size),
             rivals: Some(vec![Rival { effects: vec!["z".into()], cosine: 0.9, delta2: 12.0 }]),

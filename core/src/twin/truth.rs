@@ -73,7 +73,8 @@ impl Outside {
 #[serde(rename_all = "kebab-case")]
 pub enum NoiseTruth {
     /// As the sensors state it.
-    AsTold,
+    #[serde(alias = "as-told")]
+    AsStated,
     /// Ornstein-Uhlenbeck and white noise, together of the stated standard deviation: a correlation that is not told.
     Correlated {
         /// The correlation time, s.

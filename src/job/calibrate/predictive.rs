@@ -4,6 +4,7 @@ use super::block::Predicted;
 use super::output::{Coverage, PredictiveRow, SensorPredictive};
 use crate::math::root::brent;
 use crate::math::special::normal_cdf;
+use crate::measurement::total_sd;
 use crate::measurement::unknown::sensor_name;
 use crate::measurement::{Measurement, Rows};
 use crate::statistics::quantile::{quantile_sorted, sorted};
@@ -57,7 +58,7 @@ impl Draws {
             .iter()
             .map(|draw| {
                 let (sigma, white) = (value(draw, "sigma", &own.sigma), value(draw, "white", &own.white));
-                (sigma * sigma + white * white).sqrt()
+                total_sd(sigma, white)
             })
             .collect()
     }

@@ -16,7 +16,6 @@ use crate::inference::estimate::truncated_moments::Moments;
 use crate::inference::likelihood::Likelihood;
 use crate::inference::target::{LeastSquares, Target};
 use crate::math::functions::ln;
-use crate::measurement::Measurement;
 use crate::measurement::prediction::Predictor;
 use crate::measurement::unknown::with_unknowns;
 use crate::random::StreamKey;
@@ -297,7 +296,7 @@ impl Refit {
                     }
                     let kelvin = hypothesis.model.quantities[measurement.sensors[sensor].quantity].unit == "K";
                     if measurement.held_out(row) {
-                        let sigma = total_sigma(&fixed, sensor);
+                        let sigma = fixed.sensors[sensor].total_sd();
                         errors.push(HeldOut { measurement: index, row, sensor, error, sigma });
                         held_out.add(kelvin, error);
                     } else {
@@ -311,14 +310,6 @@ impl Refit {
         self.held_out = errors;
         Ok(())
     }
-}
-
-/// Standard deviation of one reading of a sensor whose noise is estimated, SI; 0 where it is not stated.
-pub(crate) fn total_sigma(measurement: &Measurement, sensor: usize) -> f64 {
-    let own = &measurement.sensors[sensor];
-    let part = |value: &Option<crate::measurement::Uncertain>| value.as_ref().map_or(0.0, |v| v.nominal());
-    let (sigma, white) = (part(&own.sigma), part(&own.white));
-    (sigma * sigma + white * white).sqrt()
 }
 
 #[derive(Default)]

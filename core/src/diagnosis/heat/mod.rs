@@ -14,9 +14,9 @@ mod sources;
 use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::fits::evidence::{Amplitude, Evidence};
-use crate::diagnosis::linearisation::scalar_products::dot;
 use crate::diagnosis::output::{GoesWith, Heat};
 use crate::diagnosis::{Problem, Refit};
+use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::ln;
 use crate::watch;
 use relations::relations;

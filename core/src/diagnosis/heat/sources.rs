@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnosis::linearisation::scalar_products::dot;
 use crate::diagnosis::linearisation::signature::linearise;
 use crate::diagnosis::{Linear, Problem, Refit};
 use crate::expression::{Names, Scope, Symbol, parse};
 use crate::inference::estimate::natural::NaturalObjective;
 use crate::inference::likelihood::{Definition, Likelihood};
 use crate::inference::target::Target;
+use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::ln;
 use crate::measurement::{Measurement, Rows};
 use crate::random::Distribution;

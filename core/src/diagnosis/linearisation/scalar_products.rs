@@ -1,22 +1,7 @@
 //! Scalar products of long columns, in a fixed order.
 
+use crate::math::dense::dot_of_columns as dot;
 use crate::watch;
-
-/// Scalar product by eight interleaved sums, then their sum in order: the same bits everywhere, and no wait for the sum before.
-#[inline]
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (blocks_a, blocks_b) = (a.as_chunks::<8>(), b.as_chunks::<8>());
-    for (x, y) in blocks_a.0.iter().zip(blocks_b.0) {
-        for lane in 0..8 {
-            sums[lane] += x[lane] * y[lane];
-        }
-    }
-    for (lane, (x, y)) in blocks_a.1.iter().zip(blocks_b.1).enumerate() {
-        sums[lane] += x * y;
-    }
-    ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]))
-}
 
 /// `y += factor x`.
 #[inline]

@@ -9,6 +9,7 @@
 //! (Schwarz' price of `ln n` charges three times as much for what some hundred readings tell of a slow part). What the fit has taken of
 //! the slow part is made good by the restricted likelihood ([`crate::diagnosis::noise::restricted_likelihood`]).
 
+use crate::measurement::total_sd;
 use serde::{Deserialize, Serialize};
 
 use crate::diagnosis::noise::restricted_likelihood::Taken;
@@ -52,7 +53,7 @@ impl EstimatedNoise {
     /// Standard deviation of one reading.
     pub fn total(&self) -> f64 {
         let white = self.white.unwrap_or(0.0);
-        if white == 0.0 { self.sigma } else { (self.sigma * self.sigma + white * white).sqrt() }
+        total_sd(self.sigma, white)
     }
 
     /// Whether another noise is another by more than a tenth.
@@ -127,7 +128,7 @@ fn known(measurement: &Measurement, sensor: usize, times_s: &[f64]) -> Known {
         (Some(sigma), None) => Some(sigma),
         (Some(sigma), Some(_)) if !white_is_open => {
             let white = fixed(&own.white).unwrap_or(0.0);
-            Some((sigma * sigma + white * white).sqrt())
+            Some(total_sd(sigma, white))
         }
         _ => None,
     };

@@ -12,11 +12,12 @@
 //! stay pressed, with the true parameter at the bound, which is the worst case. Where the bounds of further parameters lower a
 //! likelihood ratio, the probability is an upper limit.
 
-use crate::diagnosis::linearisation::scalar_products::{coordinates, dot, orthonormal};
+use crate::diagnosis::linearisation::scalar_products::{coordinates, orthonormal};
 use crate::diagnosis::screening::multi_column::Projected;
 use crate::diagnosis::screening::null_maximum::{Null, Sampling, Several};
 use crate::diagnosis::screening::score::{Prepared, Side};
 use crate::diagnosis::{Direction, Score};
+use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::sqrt;
 use crate::math::special::{
     chi_square_sf, fisher_f_sf, normal_cdf, normal_quantile, student_t_cdf, weighted_chi_square_sf,

@@ -1,9 +1,9 @@
 //! The family's probability where it is known: independent, equal, and correlated members, bounds, unknown scale.
 
-use crate::diagnosis::linearisation::scalar_products::dot;
 use crate::diagnosis::screening::detectable::detectable;
 use crate::diagnosis::screening::fixture::{direction, problem, random_direction, stream};
 use crate::diagnosis::{Direction, Extras, Family, Linear, MemberKind, Prepared, Sampling, Score};
+use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::{pow, sqrt};
 use crate::math::quadrature::gauss_legendre;
 use crate::math::special::{chi_square_quantile, chi_square_sf, normal_cdf, normal_density, student_t_cdf};

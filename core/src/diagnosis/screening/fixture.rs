@@ -1,7 +1,7 @@
 //! Small linear problems with known answers, for the tests of this room.
 
-use crate::diagnosis::linearisation::scalar_products::dot;
 use crate::diagnosis::{Direction, Linear};
+use crate::math::dense::dot_of_columns as dot;
 use crate::random::{Stream, StreamKey};
 
 /// A stream of random numbers of its own.

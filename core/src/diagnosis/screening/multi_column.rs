@@ -8,8 +8,9 @@
 use nalgebra::DMatrix;
 
 use crate::diagnosis::Direction;
-use crate::diagnosis::linearisation::scalar_products::{add_scaled, dot, project_out};
+use crate::diagnosis::linearisation::scalar_products::{add_scaled, project_out};
 use crate::diagnosis::screening::score::{Column, LARGEST_PLAUSIBLE, Prepared, SMALLEST_SHARE, Score, Side};
+use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::sqrt;
 use crate::math::special::{normal_quantile, weighted_chi_square_sf};
 

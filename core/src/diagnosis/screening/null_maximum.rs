@@ -12,10 +12,11 @@
 //! With an unknown scale, `e = x / s` with `d s^2` a chi-square of d degrees: `s` is drawn given what was drawn from the tail,
 //! as `(d + length^2) s^2` is a chi-square of `d + k` degrees, k being the number of components drawn.
 
-use crate::diagnosis::linearisation::scalar_products::{add_scaled, dot, project_out};
+use crate::diagnosis::linearisation::scalar_products::{add_scaled, project_out};
 use crate::diagnosis::screening::family::square_tail;
 use crate::diagnosis::screening::score::Side;
 use crate::inference::estimate::box_probability::log_box_probability;
+use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::{exp, ln, sqrt};
 use crate::math::special::{chi_square_quantile, normal_quantile, student_t_quantile, weighted_chi_square_upper};
 use crate::random::{Stream, StreamKey};

@@ -9,9 +9,9 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use crate::diagnosis::Direction;
-use crate::diagnosis::linearisation::scalar_products::dot;
 use crate::diagnosis::screening::multi_column::Projected;
 use crate::diagnosis::screening::score::{Column, Prepared, Score, Side};
+use crate::math::dense::dot_of_columns as dot;
 use crate::watch;
 
 /// Pairs with less than this left of one given the other (`1 - c^2`) are one direction.

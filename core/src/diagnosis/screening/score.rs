@@ -8,8 +8,9 @@
 //! Of directions with several columns: `several`.
 
 use crate::diagnosis::linearisation::bounded::{Minimum, Place, minimise};
-use crate::diagnosis::linearisation::scalar_products::{add_scaled, dot, orthonormal, project_out};
+use crate::diagnosis::linearisation::scalar_products::{add_scaled, orthonormal, project_out};
 use crate::diagnosis::{Direction, Linear};
+use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::sqrt;
 use crate::math::special::{normal_cdf, normal_quantile, normal_quantile_of_ln};
 use crate::watch;

@@ -2,13 +2,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::diagnosis::linearisation::scalar_products::dot;
 use crate::diagnosis::screening::fixture::{
     columns, direction, enumerated, problem, products, random_direction, stream,
 };
 use crate::diagnosis::screening::pairs::{best_pairs, screen};
 use crate::diagnosis::screening::score::Side;
 use crate::diagnosis::{Direction, Linear, Prepared, Score};
+use crate::math::dense::dot_of_columns as dot;
 use crate::math::special::normal_cdf;
 
 /// Sum of squares of the free fit on some columns.

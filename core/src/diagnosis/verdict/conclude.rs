@@ -1,5 +1,6 @@
 //! From fits to the verdict.
 
+use crate::measurement::total_sd;
 use std::collections::BTreeMap;
 
 use crate::diagnosis::engine::{Diagnosis, Remainder, State, TIMES_THE_STEPS};
@@ -514,7 +515,7 @@ fn noise(problem: &Problem, state: &State) -> BTreeMap<String, NoiseResult> {
         for (place, sensor) in measurement.sensors.iter().enumerate() {
             let part = |value: &Option<crate::measurement::Uncertain>| value.as_ref().map(|v| v.nominal());
             let (sigma, white) = (part(&sensor.sigma).unwrap_or(0.0), part(&sensor.white).unwrap_or(0.0));
-            let total = (sigma * sigma + white * white).sqrt();
+            let total = total_sd(sigma, white);
             let time = part(&sensor.correlation_time_s).filter(|_| matches!(measurement.rows, Rows::Transient { .. }));
             let share = if time.is_some() && total > 0.0 { sigma * sigma / (total * total) } else { 0.0 };
             let estimated = state.noise.iter().any(|one| one.measurement == index && one.sensor == place);

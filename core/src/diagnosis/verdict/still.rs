@@ -1,6 +1,5 @@
 //! Channels that stand still while the model moves: frozen or saturated, which no physics of the hardware explains.
 
-use crate::diagnosis::fits::refit::total_sigma;
 use crate::diagnosis::{Problem, Refit};
 use crate::expression::Unit;
 use crate::measurement::Rows;
@@ -45,7 +44,7 @@ pub(crate) fn warnings(problem: &Problem, baseline: &Refit) -> Vec<String> {
             let readings: Vec<Option<f64>> =
                 (0..measurement.len()).map(|row| measurement.reading(row, place)).collect();
             let own: Vec<f64> = predicted.iter().skip(place).step_by(width.max(1)).copied().collect();
-            let sigma = total_sigma(&fixed, place);
+            let sigma = fixed.sensors[place].total_sd();
             let Some(still) = still(&readings, &own, sigma) else { continue };
             let unit = Unit::parse(&sensor.unit).ok();
             let shown = |si: f64| unit.as_ref().map_or(si, |unit| unit.from_si(si));

@@ -6,6 +6,7 @@
 
 use crate::inference::target::Rejected;
 use crate::math::functions::{exp, exp_m1, ln};
+use crate::measurement::total_sd;
 use crate::measurement::unknown::Value;
 
 /// Noise of a sensor: its numbers are known or unknowns of the likelihood.
@@ -37,7 +38,7 @@ impl Noise {
     /// Standard deviation of one reading alone.
     pub fn total(&self, unknowns: &[f64]) -> f64 {
         let (sigma, white) = (self.sigma.at(unknowns), self.white.map_or(0.0, |white| white.at(unknowns)));
-        if white == 0.0 { sigma } else { (sigma * sigma + white * white).sqrt() }
+        total_sd(sigma, white)
     }
 
     /// Derivatives of [`Noise::total`]: place of the unknown and slope, of `sigma` and of `white`.

@@ -6,6 +6,7 @@
 //! The step size follows dual averaging, the metric is learnt in doubling windows of the warm-up. Where a normal
 //! approximation of the posterior is known, coordinates are sheared along it (`triangular_transport`).
 
+use crate::math::dense::dot_in_order as dot;
 use serde::{Deserialize, Serialize};
 
 use crate::inference::posterior::{Density, Evaluator, Posterior};
@@ -549,13 +550,4 @@ fn goes_on(one: &[f64], other: &[f64], a: &[f64], b: &[f64]) -> bool {
 fn log_sum(a: f64, b: f64) -> f64 {
     let (large, small) = if a > b { (a, b) } else { (b, a) };
     large + ln_1p(exp(small - large))
-}
-
-#[inline]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sum = 0.0;
-    for (x, y) in a.iter().zip(b) {
-        sum += x * y;
-    }
-    sum
 }

@@ -1,5 +1,5 @@
 //! Elements of the network as written, a kind a file: the form, and how it becomes an element. A new kind is a file here, a
-//! field of the model's form, and a line in [`resolve_all`].
+//! field of the model's form, and a line in `resolve_all`.
 
 mod conductor;
 mod cooler;
