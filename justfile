@@ -16,6 +16,10 @@ ci:
 nightly:
     cargo run --release -- report && cargo test --release -- --include-ignored
 
+# the diagnosis on cases of known truth: hours; prints the tables of docs/verification.md
+laboratory nulls="2000" cases="1000" seed="1":
+    cargo run --release --package bmv-benches --example laboratory -- {{nulls}} {{cases}} {{seed}}
+
 # benchmarks of everything that has a speed target
 bench:
     cargo build --release && cargo bench --package bmv-benches

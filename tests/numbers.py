@@ -9,10 +9,16 @@ import subprocess
 import sys
 
 
+# Names of the forms of results that changed, old to new: a revision from before the change is compared under the new ones.
+RENAMED = {"handed_on": "posterior_priors", "handed_on_fits": "posterior_prior_fits"}
+
+
 def leaves(value, path=()):
     if isinstance(value, dict):
         for key in value:
-            yield from leaves(value[key], path + (key,))
+            # Of one parameter it is one.
+            new = "posterior_prior" if key == "handed_on" and not isinstance(value[key], list) else RENAMED.get(key, key)
+            yield from leaves(value[key], path + (new,))
     elif isinstance(value, list):
         for index, item in enumerate(value):
             yield from leaves(item, path + (index,))

@@ -1,5 +1,4 @@
-//! The registry of job kinds: the form of their settings, how these are looked up, what runs, the result. A kind is a line in
-//! [`KINDS`].
+//! What a job kind answers: the form of its settings, how these are looked up, what runs, the result.
 
 use std::any::Any;
 use std::fmt;
@@ -11,7 +10,7 @@ use serde::{Deserialize as _, Serialize};
 use serde_json::Value;
 
 use super::ready::{Readiness, Shared};
-use super::{JobError, calibrate, compare, conventional, design, diagnose, goal, predict, propagate, sensitivity};
+use super::{JobError, KINDS};
 use crate::document::{Diagnostics, Node, Place, Schemas, Written};
 use crate::study::Pass;
 use crate::study::job::{self as study_job, Asked, Entry, Forms, JobSpec, Kinds, NamedJob, Spec};
@@ -180,19 +179,6 @@ pub fn output<K: JobKind>(output: K::Output) -> Arc<dyn AnyOutput> {
     Arc::new(OutputOf::<K>(output))
 }
 
-/// All kinds that run.
-pub static KINDS: &[&dyn ErasedKind] = &[
-    &propagate::Kind,
-    &sensitivity::Kind,
-    &goal::Kind,
-    &design::Kind,
-    &calibrate::Kind,
-    &compare::Kind,
-    &diagnose::Kind,
-    &predict::Kind,
-    &conventional::Kind,
-];
-
 /// The kind of this name.
 pub fn find(name: &str) -> Option<&'static dyn ErasedKind> {
     KINDS.iter().copied().find(|kind| kind.name() == name)
@@ -214,6 +200,7 @@ pub fn load(pass: &std::path::Path) -> Result<Pass, Diagnostics> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::job::{design, goal};
 
     #[test]
     fn every_kind_stands_once_and_is_found_by_its_name() {

@@ -1,31 +1,45 @@
-//! Job kinds, a kind a folder. A job is stages: each cuts its work into blocks, runs a block as a pure function of the job,
+//! Job kinds, a kind a folder and a line in the list below. A job is stages: each cuts its work into blocks, runs a block as a pure function of the job,
 //! the state and the block's input, and reduces the blocks in order to the next stage or to the output. Nothing here knows
 //! threads or files.
 
-pub mod calibrate;
-pub mod compare;
-pub mod conventional;
-pub mod design;
-pub mod diagnose;
 mod fault;
-pub mod goal;
 pub mod kind;
 pub mod lab;
-pub mod predict;
-pub mod propagate;
 pub mod ready;
 pub mod runnable;
-pub mod sensitivity;
 pub mod stored;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
+use kind::ErasedKind;
 pub use kind::{kinds, load};
 pub use ready::{delivered, ready, refusal, refusal_prefix};
 pub use runnable::{Next, Runnable, Stage};
 use stored::Block;
+
+/// Declares the kinds: a module each, and the registry.
+macro_rules! kinds {
+    ($( $module:ident ),* $(,)?) => {
+        $( pub mod $module; )*
+
+        /// All kinds that run.
+        pub static KINDS: &[&dyn ErasedKind] = &[$( &$module::Kind ),*];
+    };
+}
+
+kinds! {
+    propagate,
+    sensitivity,
+    goal,
+    design,
+    calibrate,
+    compare,
+    diagnose,
+    predict,
+    conventional,
+}
 
 /// What a job does next.
 #[derive(Debug)]

@@ -22,7 +22,7 @@ mod write;
 use serde_json::{Map, Value, json};
 use thiserror::Error;
 
-use crate::job::kind::KINDS;
+use crate::job::KINDS;
 
 pub use history::{History, PassErrors};
 use page::{Page, Text};

@@ -57,7 +57,7 @@ pub struct ParameterSummary {
     pub prior: Distribution,
     /// The posterior that is the prior, where one is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub posterior_priors: Option<PosteriorPriorOf>,
+    pub posterior_prior: Option<PosteriorPriorOf>,
     /// Posterior mean.
     pub mean: f64,
     /// Posterior standard deviation.

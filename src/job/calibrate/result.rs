@@ -113,7 +113,7 @@ impl Calibrate {
             let summary = ParameterSummary {
                 unit: text.clone(),
                 prior: unknowns.priors[place],
-                posterior_priors: self.posterior_prior_of(place, &shown, &spread),
+                posterior_prior: self.posterior_prior_of(place, &shown, &spread),
                 mean: shown(weighted.mean(place)),
                 sd: spread(weighted.covariance(place, place).sqrt()),
                 q025: shown(quantiles[0]),

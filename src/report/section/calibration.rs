@@ -191,7 +191,7 @@ fn parameters(output: &Output) -> Block {
         };
         let is_few = |ess: Option<f64>| ess.is_none_or(|ess| ess < LEAST_EFFECTIVE);
         let few = is_few(own.ess_bulk) || is_few(own.ess_tail);
-        let prior = match &own.posterior_priors {
+        let prior = match &own.posterior_prior {
             Some(prior) => format!(
                 "{} \u{00B1} {}, draws of {}",
                 to(prior.mean, prior.sd),

@@ -262,7 +262,7 @@ fn tests(output: &Output) -> Option<Block> {
     (!rows.is_empty()).then(|| {
         Block::Table(Table {
             caption: format!(
-                "Tests of the tuned model as it was believed; together {}.",
+                "Tests of the tuned baseline model; together {}.",
                 p_stated(output.misfit.family_wise_p)
             )
             .into(),

@@ -1,24 +1,8 @@
 //! Sections, a section a file. A section looks at the whole report and builds itself, or `None` where it has
-//! nothing to say; one that shows results of a job kind also tells them in brief. To add one, write its file and put
-//! its `SECTION` into [`SECTIONS`].
+//! nothing to say; one that shows results of a job kind also tells them in brief. One more is a
+//! file here with a `SECTION`, and a line in the list below.
 
-mod adopted;
 pub mod brief;
-mod calibration;
-mod comparison;
-mod data;
-mod design;
-mod diagnosis;
-mod goal;
-mod history;
-mod network;
-mod prediction;
-pub mod problem;
-mod propagation;
-mod provenance;
-mod sensitivity;
-mod sizing;
-mod summary;
 
 use brief::ErasedBrief;
 
@@ -92,22 +76,31 @@ pub fn missing_jobs(history: &History) -> Vec<Text> {
     history.passes.iter().flat_map(history::missing_jobs).collect()
 }
 
-/// The sections in the order of the report.
-pub static SECTIONS: &[Entry] = &[
-    summary::SECTION,
-    problem::SECTION,
-    adopted::SECTION,
-    network::SECTION,
-    propagation::SECTION,
-    sensitivity::SECTION,
-    goal::SECTION,
-    sizing::SECTION,
-    design::SECTION,
-    comparison::SECTION,
-    calibration::SECTION,
-    diagnosis::SECTION,
-    history::SECTION,
-    prediction::SECTION,
-    data::SECTION,
-    provenance::SECTION,
-];
+/// Declares the sections: a module each, and their order in the report.
+macro_rules! sections {
+    ($( $visibility:vis $module:ident ),* $(,)?) => {
+        $( $visibility mod $module; )*
+
+        /// The sections in the order of the report.
+        pub static SECTIONS: &[Entry] = &[$( $module::SECTION ),*];
+    };
+}
+
+sections! {
+    summary,
+    pub problem,
+    adopted,
+    network,
+    propagation,
+    sensitivity,
+    goal,
+    sizing,
+    design,
+    comparison,
+    calibration,
+    diagnosis,
+    history,
+    prediction,
+    data,
+    provenance,
+}

@@ -1,24 +1,10 @@
-//! Elements of the network as written, a kind a file: the form, and how it becomes an element. A new kind is a file here, a
-//! field of the model's form, and a line in `resolve_all`.
-
-mod conductor;
-mod cooler;
-mod flow;
-mod heater;
-mod load;
-mod radiation;
+//! Elements of the network as written, a kind a file: the form, and how it becomes an element. A new kind is a file
+//! here, a field of the model's form, and a line in the list below.
 
 use crate::document::formula::Expected;
 use crate::document::{Diagnostic, Diagnostics, Map, Place, Scalar, Spanned, code};
 use crate::expression::{Dimension, ExprId};
 use crate::thermal::element::{Element, ElementKind};
-
-pub use conductor::ConductorForm;
-pub use cooler::CoolerForm;
-pub use flow::FlowForm;
-pub use heater::HeaterForm;
-pub use load::LoadForm;
-pub use radiation::RadiationForm;
 
 use super::form::ModelForm;
 use super::name;
@@ -36,14 +22,25 @@ trait ElementForm {
     ) -> Option<ElementKind>;
 }
 
-/// Resolves all elements into the model, in the order of the form.
-pub(super) fn resolve_all(form: &ModelForm, model: &mut ResolvedModel, diagnostics: &mut Diagnostics) {
-    resolve(&form.conductors, model, diagnostics);
-    resolve(&form.radiations, model, diagnostics);
-    resolve(&form.loads, model, diagnostics);
-    resolve(&form.flows, model, diagnostics);
-    resolve(&form.coolers, model, diagnostics);
-    resolve(&form.heaters, model, diagnostics);
+/// Declares the kinds: a module and a form each, and the field of the model's form that holds them.
+macro_rules! forms {
+    ($( $field:ident: $form:ident in $module:ident ),* $(,)?) => {
+        $( mod $module; pub use $module::$form; )*
+
+        /// Resolves all elements into the model, in the order of the form.
+        pub(super) fn resolve_all(form: &ModelForm, model: &mut ResolvedModel, diagnostics: &mut Diagnostics) {
+            $( resolve(&form.$field, model, diagnostics); )*
+        }
+    };
+}
+
+forms! {
+    conductors: ConductorForm in conductor,
+    radiations: RadiationForm in radiation,
+    loads: LoadForm in load,
+    flows: FlowForm in flow,
+    coolers: CoolerForm in cooler,
+    heaters: HeaterForm in heater,
 }
 
 fn resolve<T: ElementForm>(forms: &Map<T>, model: &mut ResolvedModel, diagnostics: &mut Diagnostics) {

@@ -1,0 +1,74 @@
+//! What the diagnosis does on cases whose truth is known, over drawn networks: false alarms where nothing is missing, and
+//! how often what is missing is found. Prints the figures, and ends with status 1 where they miss what is asked for.
+//!
+//! `laboratory NULLS CASES SEED`
+
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use bmv::document::Diagnostics;
+use bmv::effect::Catalogue;
+use bmv::twin::{InjectionRequest, Rate, Recipe, Score, TestKind, Trial, drawn_case, score, standard};
+use rayon::prelude::*;
+
+/// Largest upper end of the 95 % interval of false alarms.
+const FALSE_ALARMS: f64 = 0.015;
+/// Size of what is hidden, and the least share of separable cases that are to be found.
+const FOUND: [(f64, f64); 3] = [(0.5, 0.60), (1.0, 0.90), (2.0, 0.97)];
+/// Least share of answers given 0.9 that are right, and of intervals of 95 % that hold the truth.
+const RIGHT: f64 = 0.9;
+
+fn trials(catalogue: &Arc<Catalogue>, cases: u64, seed: u64, recipe: impl Fn(u64) -> Recipe + Sync) -> Score {
+    let outcomes = (0..cases).into_par_iter().map(|number| drawn_case(catalogue, &recipe(number), seed, number));
+    let trials: Vec<Trial> =
+        outcomes.filter_map(|own| Some(Trial { truth: own.truth?, answer: own.answer? })).collect();
+    score(&trials)
+}
+
+/// Nothing is missing; in every second case a transient with correlated noise that is not stated.
+fn nothing(number: u64) -> Recipe {
+    let correlated = number % 2 == 1;
+    let request =
+        InjectionRequest { effects: 0, size: None, correlated: Some(correlated), ..InjectionRequest::default() };
+    Recipe { topology: None, test: correlated.then_some(TestKind::Steps), request, rivals: false }
+}
+
+fn line(what: &str, rate: &Rate) {
+    let share = |value: f64| format!("{:.1}", 100.0 * value);
+    println!("| {what} | {} | {} | {} to {} % |", rate.hits, rate.of, share(rate.lower), share(rate.upper));
+}
+
+fn main() -> ExitCode {
+    let numbers: Option<Vec<u64>> = std::env::args().skip(1).map(|text| text.parse().ok()).collect();
+    let Some([nulls, cases, seed]) = numbers.as_deref() else {
+        eprintln!("usage: laboratory NULLS CASES SEED, as in: laboratory 2000 1000 1");
+        return ExitCode::from(2);
+    };
+    let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+    let mut is_met = true;
+    println!("| seed {seed} | cases | of | 95 % interval |\n|---|---|---|---|");
+    if *nulls > 0 {
+        let score = trials(&catalogue, *nulls, *seed, nothing);
+        line("nothing missing: not `adequate`", &score.false_alarms);
+        line("- noise as stated", &score.false_alarms_stated_noise);
+        line("- correlated noise, not stated", &score.false_alarms_correlated);
+        is_met &= score.false_alarms.upper <= FALSE_ALARMS;
+    }
+    if *cases > 0 {
+        let score = trials(&catalogue, *cases, *seed, standard);
+        for own in &score.sizes {
+            let what = format!("{} hidden, size {}", own.effects, own.size);
+            line(&format!("{what}: grouped"), &own.all.grouped);
+            line(&format!("{what}: grouped, separable"), &own.separable.grouped);
+            let least = FOUND.iter().find(|(size, _)| own.effects == 1 && *size == own.size).map(|own| own.1);
+            let share = own.separable.grouped.share();
+            is_met &= least.zip(share).is_none_or(|(least, share)| share >= least);
+        }
+        line("outside the catalogue: `unexplained`", &score.outside_unexplained);
+        line("answers given 0.9 or more: right", &score.sure_and_right);
+        line("intervals of 95 %: hold the truth", &score.coverage);
+        let is_right = |rate: &Rate| rate.share().is_none_or(|share| share >= RIGHT);
+        is_met &= is_right(&score.sure_and_right) && is_right(&score.coverage) && score.coverage.lower <= 0.95;
+    }
+    if is_met { ExitCode::SUCCESS } else { ExitCode::from(1) }
+}
