@@ -90,8 +90,8 @@ fn history_tells_the_error_of_each_pass_and_how_it_fell() {
 
     Readings for fitting / held out. Mean deviation (measured minus predicted) and share within the
     limit are of the tuned state where there is one. Reduced chi-square: sum of squares of the whitened
-    residuals over readings less unknowns, by the noise of the calibration; a diagnosis that settles the
-    noise itself tells another. Evidence compares passes that fit the same readings.
+    residuals over readings less unknowns, by the noise of the calibration; a diagnosis that estimates
+    the noise itself tells another. Evidence compares passes that fit the same readings.
     Pass               RMSE as   RMSE tuned       Mean [K]     Within 3 K       Log
                  delivered [K]          [K]                                evidence
     -----------  -------------  -----------  -------------  -------------  --------
