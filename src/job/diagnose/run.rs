@@ -163,7 +163,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        12
+        13
     }
 
     fn identity(&self) -> Value {

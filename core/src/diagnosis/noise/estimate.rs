@@ -269,6 +269,18 @@ pub fn most_likely(
     found
 }
 
+/// The noise of sensors of which, in their measurement, so many readings are fitted: where none is, as in one that is
+/// held out as a whole, that of the sensor of the same name with most readings, else that of the one with most.
+pub fn where_nothing_is_fitted(names: &[&str], fitted: &[usize], own: &[EstimatedNoise]) -> Vec<EstimatedNoise> {
+    let of = |place: usize| {
+        let others = (0..own.len()).filter(|&other| fitted[other] > 0);
+        // The first of equals.
+        let best = others.rev().max_by_key(|&other| (names[other] == names[place], fitted[other]));
+        best.filter(|_| fitted[place] == 0).map_or(own[place], |best| own[best])
+    };
+    (0..own.len()).map(of).collect()
+}
+
 /// The noise of those members that have the same.
 fn together(
     sought: &[Sought<'_>],
@@ -482,6 +494,17 @@ mod tests {
         let white = (0..40).filter(|&seed| found(seed) == EstimatedNoise::white(0.25)).count();
         // As with a sigma that is right.
         assert!(white >= 34, "{white}");
+    }
+
+    /// A record that is held out as a whole tells nothing of its own noise.
+    #[test]
+    fn a_sensor_without_fitted_readings_has_the_noise_that_it_has_elsewhere() {
+        let noise = [0.3, f64::MIN_POSITIVE.sqrt(), 0.7, 0.2].map(EstimatedNoise::white);
+        let found = where_nothing_is_fitted(&["a", "b", "a", "b"], &[40, 0, 90, 20], &noise);
+        assert_eq!(found, [0.3, 0.2, 0.7, 0.2].map(EstimatedNoise::white));
+        let found = where_nothing_is_fitted(&["a", "c"], &[40, 0], &noise[..2]);
+        assert_eq!(found, [0.3, 0.3].map(EstimatedNoise::white), "another where it is fitted nowhere");
+        assert_eq!(where_nothing_is_fitted(&["a"], &[0], &noise[1..2]), noise[1..2], "nothing is known of any");
     }
 
     #[test]

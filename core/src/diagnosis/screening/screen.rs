@@ -406,6 +406,13 @@ impl Diagnosis {
                 break;
             }
         }
+        let names: Vec<&str> =
+            series.iter().map(|one| original[one.measurement].sensors[one.sensor].name.as_str()).collect();
+        let fitted: Vec<usize> = series.iter().map(|one| one.rows.len()).collect();
+        let own: Vec<estimate::EstimatedNoise> = settled.iter().map(|one| one.noise).collect();
+        for (one, noise) in settled.iter_mut().zip(estimate::where_nothing_is_fitted(&names, &fitted, &own)) {
+            one.noise = noise;
+        }
         Ok(settled)
     }
 
