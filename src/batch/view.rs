@@ -28,7 +28,7 @@ fn failures(pass: &LoadedPass, executed: &Executed) -> impl Iterator<Item = Stri
                 let reason = match error.as_ref() {
                     RunnerError::Job { source, .. } => source.to_string(),
                     RunnerError::NotCanonical { reason, .. } => reason.clone(),
-                    // Where the two lie was stated; a report names no place of this machine.
+                    // Where the two lie was printed; a report names no place of this machine.
                     RunnerError::Nondeterministic { .. } => "computed twice, it gave two results".to_owned(),
                     other => other.to_string(),
                 };

@@ -58,7 +58,7 @@ pub struct Order {
     pub from: usize,
 }
 
-/// The noise of a sensor as it was settled.
+/// The noise of a sensor as it was estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensorNoise {
     /// Position of the measurement.

@@ -17,7 +17,7 @@ pub struct Clusters {
 
 impl Clusters {
     /// Intraclass correlation of values (one a sample; those that are not finite are left out), 0 to 1. 1 where it cannot
-    /// be stated: values that do not vary, or no cluster with two samples.
+    /// be computed: values that do not vary, or no cluster with two samples.
     pub fn correlation(&self, values: &[f64]) -> f64 {
         let mut sums = vec![(0.0, 0.0); self.count];
         let (mut total, mut number) = (0.0, 0.0);

@@ -10,7 +10,7 @@ use crate::study::resolve::design_variable::design_variable;
 use crate::study::resolve::scope::{Scope, unit_of};
 use crate::study::resolve::settings::{Offered, environments, failure_limit, requirements, samples};
 
-/// Fewest samples: with fewer no main effect can be stated, and so no parameter that leads.
+/// Fewest samples: with fewer no main effect can be distinguished, and so no parameter that leads.
 const FEWEST_SAMPLES: u64 = 1024;
 
 /// Resolves the settings of goal setting.

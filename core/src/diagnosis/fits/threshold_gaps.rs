@@ -135,7 +135,7 @@ impl Problem {
     }
 
     /// The thresholds of a fit that the data place in a gap and no closer. One that they see better is held where they say, and
-    /// its curvature is stated.
+    /// its curvature is known.
     pub(crate) fn flat(&self, effects: &[usize], likelihood: &Likelihood, found: &PointEstimate) -> Vec<Flat> {
         let sds = found.sd();
         let one = |threshold: Threshold| {

@@ -426,7 +426,7 @@ mod tests {
         most_likely(&[measured], &series, &taken, 1.0, &vec![EstimatedNoise::white(1.0); noises.len()])
     }
 
-    /// A fifth of the variance correlated over two intervals is stated by one sensor of 150 readings in half of the
+    /// A fifth of the variance correlated over two intervals is recognised by one sensor of 150 readings in half of the
     /// cases, and by six together nearly always; one such sensor among five white ones stays alone.
     #[test]
     fn sensors_that_are_alike_are_judged_together() {

@@ -2,7 +2,7 @@
 //! rivals' predictions lie furthest apart once each has been fitted to the old data and the new.
 //!
 //! With the whitened difference `m` of two rivals' predictions, `F` the derivatives of the second's and `C` the covariance
-//! of its parameters after the old data: `delta^2 = m' (I + F C F')^-1 m`, and the better one is stated with probability
+//! of its parameters after the old data: `delta^2 = m' (I + F C F')^-1 m`, and the better one is recognised with probability
 //! `Phi(delta / 2)` (Box & Hill 1967, for two hypotheses of equal probability).
 
 use std::collections::BTreeMap;

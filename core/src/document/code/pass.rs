@@ -127,7 +127,7 @@ codes! { PASS_CODES:
         "A file of draws is a CSV with a column for each parameter that takes its prior from it, headed by the parameter's name and perhaps its unit, `G_h [W/K]`, and a line a draw. The draws of a line belong together; at least two lines are needed.",
         "right: Gh [W/K],Gb [W/K] and then 0.383,0.359 and so on";
     DATA_USED_TWICE = "data-used-twice", "data that already stand behind the prior",
-        "A posterior as prior as a prior contains what its calibration learned from its readings. Fitting the same readings again counts them twice: the result looks more certain than the data allow. Rows that were held out then may be used now; to use the same rows, go back to the original priors and calibrate on all data at once.",
+        "A posterior that is used as a prior contains what its calibration learned from its readings. Fitting the same readings again counts them twice: the result looks more certain than the data allow. Rows that were held out then may be used now; to use the same rows, go back to the original priors and calibrate on all data at once.",
         "wrong: a prior from `tuned` of `pass-1.json`, and `calibrate` on the phases that `tuned` had\nright: \"held_out\" for those phases, or the parameter's original prior";
     JOB_REFUSED = "job-refused", "a job that cannot be made from its definition",
         "Each setting of the job is right by itself, and yet nothing can be computed: a network without a path to a boundary, nothing to infer, no reading that is fitted, a prior that the job cannot take, a job that it builds on and that cannot be made. The other jobs of the pass run; at the end the exit status is 2, and the report says which job has no result.",
