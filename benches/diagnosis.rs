@@ -38,6 +38,8 @@ fn problem(path: &Path) -> Option<Problem> {
         candidates,
         joint: Vec::new(),
         most_steps: Vec::new(),
+        noise_freedom: None,
+        is_misspecified: false,
     })
 }
 
@@ -151,6 +153,8 @@ fn panel() -> Problem {
         candidates: all,
         joint: Vec::new(),
         most_steps: Vec::new(),
+        noise_freedom: None,
+        is_misspecified: false,
     }
 }
 

@@ -31,6 +31,8 @@ pub fn problem_with(pass: &Pass, measurements: Vec<Measurement>, parameters: Vec
         catalogue: Arc::clone(&pass.catalogue),
         joint: Vec::new(),
         most_steps: Vec::new(),
+        noise_freedom: None,
+        is_misspecified: false,
     }
 }
 

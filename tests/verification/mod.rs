@@ -13,6 +13,7 @@ mod held;
 mod hidden_effect;
 mod likelihood;
 mod linear_diagnosis;
+mod model_error;
 mod monitor_calibration;
 mod monitor_campaign;
 pub mod network8_data;

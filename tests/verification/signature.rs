@@ -92,6 +92,8 @@ fn problem(measurements: Vec<Measurement>, input_errors: Vec<InputError>) -> Pro
         candidates,
         joint: Vec::new(),
         most_steps: Vec::new(),
+        noise_freedom: None,
+        is_misspecified: false,
     }
 }
 

@@ -11,8 +11,9 @@ use serde::{Deserialize, Serialize};
 use crate::diagnosis::fits::exchange::exchanges;
 use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::noise::estimate::{EstimatedNoise, fix};
+use crate::diagnosis::noise::model_error::ModelError;
 use crate::diagnosis::odds::posterior_odds::posterior_odds;
-use crate::diagnosis::screening::screen::{Lead, Screening};
+use crate::diagnosis::screening::screen::{FamilySummary, Lead, Screening};
 use crate::diagnosis::{Problem, Refit, Settings};
 use crate::effect::Effect;
 use crate::inference::prior::joint_prior::JointPrior;
@@ -26,6 +27,8 @@ pub(crate) const SINGLES: usize = 30;
 const PAIRS: usize = 30;
 /// Most exchanges of channels that are fitted whatever their linearisation says.
 const EXCHANGES: usize = 4;
+/// The same where those that were fitted before are fitted again with a model error.
+const SINGLES_AGAIN: usize = 15;
 /// Single effects that are fitted where no test finds anything.
 const SINGLES_OF_NOTHING: usize = 10;
 /// Single effects that are fitted beside those where the screening of a bent model says so.
@@ -67,6 +70,16 @@ pub struct SensorNoise {
     pub sensor: usize,
     /// Its noise.
     pub noise: EstimatedNoise,
+    /// The model error that is allowed for beside it.
+    #[serde(default)]
+    pub model_error: Option<ModelError>,
+}
+
+impl SensorNoise {
+    /// The noise that stands for both in the likelihood: white, and larger by what the correlation takes from the readings.
+    pub fn weighed(&self) -> EstimatedNoise {
+        self.model_error.map_or(self.noise, |error| EstimatedNoise::white(error.counts_as))
+    }
 }
 
 /// What a set of effects leaves.
@@ -86,6 +99,9 @@ pub struct State {
     /// How often another set than the best was extended.
     #[serde(default)]
     pub aside: u32,
+    /// How often a model error was estimated.
+    #[serde(default)]
+    pub model_errors: u32,
     /// Noise that was estimated.
     pub noise: Vec<SensorNoise>,
     /// Attempted steps after which a hypothesis's transient is given up, by measurement; empty without transients.
@@ -93,6 +109,9 @@ pub struct State {
     pub most_steps: Vec<u64>,
     /// What screening of the baseline model found.
     pub screening: Screening,
+    /// What the tests found with the stated noise, where a model error is allowed for.
+    #[serde(default)]
+    pub stated_family: Option<FamilySummary>,
     /// Fits; the first is the baseline model's.
     pub refits: Vec<Refit>,
     /// Sets to be fitted.
@@ -131,6 +150,11 @@ impl State {
         if !self.pending.iter().any(|order| order.effects == effects) {
             self.pending.push(Order { effects, starts: vec![BTreeMap::new()], from });
         }
+    }
+
+    /// Whether a model error is allowed for.
+    pub(crate) fn is_misspecified(&self) -> bool {
+        self.noise.iter().any(|one| one.model_error.is_some())
     }
 
     /// Whether what a set leaves was tested and went into orders.
@@ -206,8 +230,10 @@ impl Diagnosis {
     pub(crate) fn with_noise(&self, noise: &[SensorNoise], most_steps: &[u64]) -> Problem {
         let mut problem = Problem { most_steps: most_steps.to_vec(), ..self.problem.clone() };
         for one in noise {
-            fix(&mut problem.measurements[one.measurement], one.sensor, &one.noise);
+            fix(&mut problem.measurements[one.measurement], one.sensor, &one.weighed());
         }
+        problem.noise_freedom = self.noise_freedom(noise);
+        problem.is_misspecified = noise.iter().any(|one| one.model_error.is_some() || self.is_at_first(one));
         problem
     }
 
@@ -219,7 +245,10 @@ impl Diagnosis {
         let begin = Begin { starts: Vec::new(), from_prior: STARTS, scale: 1.0 };
         let declared = self.problem.refit(&[], &begin, &self.key)?;
         let most_steps = self.most_steps(&declared)?;
-        let noise = self.estimate_noise(&self.with_noise(&[], &most_steps), &declared, true)?;
+        let at_first = self.noise_at_first(&declared);
+        let known = self.with_noise(&at_first, &most_steps);
+        let mut noise = self.estimate_noise(&known, &declared, true)?;
+        noise.extend(at_first);
         self.screen_with(&declared, noise, most_steps)
     }
 
@@ -236,7 +265,12 @@ impl Diagnosis {
     }
 
     /// Fits the baseline model, from another fit of it, with estimated noise, and screens all effects and pairs.
-    fn screen_with(&self, fitted: &Refit, noise: Vec<SensorNoise>, most_steps: Vec<u64>) -> Result<State, FitError> {
+    pub(crate) fn screen_with(
+        &self,
+        fitted: &Refit,
+        noise: Vec<SensorNoise>,
+        most_steps: Vec<u64>,
+    ) -> Result<State, FitError> {
         let problem = self.with_noise(&noise, &most_steps);
         let mut baseline = fitted.clone();
         if !noise.is_empty() {
@@ -247,18 +281,29 @@ impl Diagnosis {
         let mut state = State {
             rounds: 0,
             aside: 0,
+            model_errors: 0,
             noise,
             most_steps,
             screening: screening.clone(),
+            stated_family: None,
             refits: vec![baseline],
             pending: Vec::new(),
             remainders: vec![Remainder { effects: Vec::new(), p: screening.family.p }],
             failed: Vec::new(),
             warnings: Vec::new(),
         };
-        let finds = self.finds(&screening);
-        let singles = if finds { SINGLES } else { SINGLES_OF_NOTHING };
-        for lead in screening.leads.iter().take(singles) {
+        let noise_is_settled = state.is_misspecified();
+        // A model error is allowed for where a misfit is certain.
+        let finds = self.finds(&screening) || state.is_misspecified();
+        let singles = if finds && noise_is_settled {
+            SINGLES_AGAIN
+        } else if finds {
+            SINGLES
+        } else {
+            SINGLES_OF_NOTHING
+        };
+        let is_asked = |lead: &&Lead| !(problem.is_misspecified && self.is_last_resort(lead.candidate));
+        for lead in screening.leads.iter().filter(is_asked).take(singles) {
             state.order(&[lead], &[], 0);
         }
         if finds {
@@ -277,7 +322,9 @@ impl Diagnosis {
                 Err(why) => state.warn(why),
             }
         }
-        if finds && self.settings.most > 1 {
+        if problem.is_misspecified {
+            self.order_groups(&mut state);
+        } else if finds && self.settings.most > 1 {
             for pair in screening.pairs.iter().take(PAIRS) {
                 state.order(&[&pair[0], &pair[1]], &[], 0);
             }
@@ -331,7 +378,7 @@ impl Diagnosis {
             start
         });
         // Where something is missing, the baseline model may be bent far from where its parameters are with the effect.
-        let from_prior = usize::from(self.finds(&state.screening));
+        let from_prior = usize::from(self.finds(&state.screening) && !state.is_misspecified());
         let begin = Begin { starts: starts.collect(), from_prior, scale: 1.0 };
         problem.refit(&order.effects, &begin, &self.key).map_err(|error| {
             let ids = order.effects.iter().map(|&effect| self.problem.candidates[effect].id.clone());
@@ -357,9 +404,10 @@ impl Diagnosis {
         let best = (0..state.refits.len()).filter(plain).reduce(better);
         let (false, Some(best)) = (state.noise.is_empty(), best) else { return Ok(None) };
         let best = &state.refits[best];
-        let bounded = self.with_noise(&[], &state.most_steps);
-        let with = bounded.with(best)?;
-        let noise = self.estimate_noise(&with, best, false)?;
+        let fixed: Vec<SensorNoise> = state.noise.iter().filter(|one| self.is_at_first(one)).copied().collect();
+        let with = self.with_noise(&fixed, &state.most_steps).with(best)?;
+        let mut noise = self.estimate_noise(&with, best, false)?;
+        noise.extend(fixed);
         let changed = noise.iter().zip(&state.noise).any(|(new, old)| new.noise.differs(&old.noise));
         if !changed {
             return Ok(None);

@@ -14,6 +14,9 @@ use crate::measurement::{Initial, Measurement, Uncertain};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
+/// Least standard deviation of the start of a node that was added, where it is inferred, K.
+const LEAST_SPREAD_OF_STARTS_K: f64 = 1.0;
+
 /// A model with effects that a problem's model lacks.
 #[derive(Clone, Debug)]
 pub struct Hypothesis {
@@ -83,7 +86,11 @@ impl Hypothesis {
         for parameter in parameters.iter_mut().filter(|parameter| parameter.amplitude && scale != 1.0) {
             parameter.prior = widened(parameter.prior, scale);
         }
-        self.add_as(candidate, effect, &candidate.id, parameters)?;
+        let applied = self.add_as(candidate, effect, &candidate.id, parameters)?;
+        if problem.is_misspecified {
+            let nodes = applied.nodes.iter();
+            nodes.for_each(|&(node, _)| self.measurements.iter_mut().for_each(|own| own.begin_free(node)));
+        }
         Ok(())
     }
 
@@ -149,6 +156,26 @@ impl Hypothesis {
 }
 
 impl Measurement {
+    /// Frees the start temperature of a node within what the readings vary by: a part that a record finds at its host's
+    /// temperature is the exception.
+    fn begin_free(&mut self, node: usize) {
+        let readings: Vec<f64> = self.readings.iter().flatten().copied().collect();
+        let count = readings.len().max(1) as f64;
+        let mean = readings.iter().sum::<f64>() / count;
+        let square = readings.iter().map(|reading| (reading - mean) * (reading - mean)).sum::<f64>();
+        let sd = (square / count).sqrt().max(LEAST_SPREAD_OF_STARTS_K);
+        if let crate::measurement::Rows::Transient {
+            initial: Initial::Temperatures { values, shared, balanced }, ..
+        } = &mut self.rows
+            && let Some(value) = values.get_mut(node)
+            && !shared.contains(&node)
+            && !balanced.contains(&node)
+        {
+            let mean = value.nominal();
+            *value = Uncertain::Inferred(Distribution::Normal { mean, sd, lower: Some(0.0), upper: None });
+        }
+    }
+
     /// Gives a node that was added a start temperature: that of its host.
     pub(crate) fn begin_like(&mut self, node: usize, host: usize) {
         if let crate::measurement::Rows::Transient {

@@ -1,7 +1,7 @@
 //! What physics a model is missing: the model against measurements, with every effect of a catalogue at every place.
 //!
 //! In the order of a diagnosis: `problem` (what is diagnosed), `hypothesis` (its model with a set of effects), `linearisation`, `screening`, `fits`, `noise`, `heat` (what is missing
-//! whatever its name, and what heat a fitted effect carries), `odds`, `verdict`, `output`. `engine` is the course, `search` which sets are fitted next. docs/diagnosis.md says what is computed, and after whom.
+//! whatever its name, and what heat a fitted effect carries), `odds`, `verdict`, `output`. `engine` is the course, `search` which sets are fitted next, `misspecified` what changes where the model is a little wrong everywhere, `story` how effects are added there. docs/diagnosis.md says what is computed, and after whom.
 
 mod engine;
 pub mod error;
@@ -9,6 +9,7 @@ pub mod fits;
 mod heat;
 pub mod hypothesis;
 pub mod linearisation;
+mod misspecified;
 mod noise;
 pub mod odds;
 pub mod output;
@@ -17,6 +18,7 @@ mod query;
 pub mod screening;
 mod search;
 mod settings;
+mod story;
 mod verdict;
 
 pub use engine::{Diagnosis, Order, State};

@@ -187,6 +187,19 @@ pub struct ModelResult {
     pub rmse_k: Rmse,
 }
 
+/// A step from one set of effects to the next.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StoryStep {
+    /// Id of the effect that is added; `None` where the story ends.
+    pub effect: Option<String>,
+    /// Probability of it among all that may be added at this step and nothing; at the end, of nothing.
+    pub probability: f64,
+    /// Errors before and after it, K.
+    pub rmse_k: RmseChange,
+    /// Ids of what else is likely at this step, most probable first.
+    pub alternatives: Vec<String>,
+}
+
 /// An effect that the data cannot see.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Unseen {
@@ -208,8 +221,15 @@ pub struct Detectable {
 /// A sensor's noise as it was used.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct NoiseResult {
-    /// Standard deviation of one reading, SI.
+    /// Standard deviation of the noise of one reading, SI.
     pub sigma: f64,
+    /// Standard deviation of the model error that is allowed for beside it, SI.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model_error: Option<f64>,
+    /// Standard deviation with which a reading counts, SI, where a model error is allowed for: larger than that of both,
+    /// since a model's errors are alike in readings that follow one another.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub counts_as: Option<f64>,
     /// Correlation time, s.
     pub correlation_time_s: Option<f64>,
     /// Share of the variance that is correlated.
@@ -338,8 +358,11 @@ pub struct Output {
     pub effects: Vec<EffectResult>,
     /// Sets, most probable first.
     pub models: Vec<ModelResult>,
-    /// The set that would be adopted.
+    /// The set that would be adopted; in the order of `steps` where there are any.
     pub selected: Vec<String>,
+    /// How the set came about, effect by effect, where the model is taken to be a little wrong everywhere.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub steps: Vec<StoryStep>,
     /// Effects that these data cannot see.
     pub unseen: Vec<Unseen>,
     /// Amplitudes that would have shown with 90 % power, by id.

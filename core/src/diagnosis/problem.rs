@@ -34,9 +34,36 @@ pub struct Problem {
     pub joint: Vec<JointPrior>,
     /// Attempted steps after which a measurement's transient is given up, by measurement; empty: never.
     pub most_steps: Vec<u64>,
+    /// Degrees of freedom with which the size of the errors was estimated; `None` where the noise is stated.
+    pub noise_freedom: Option<f64>,
+    /// Whether the model is taken to be a little wrong everywhere.
+    pub is_misspecified: bool,
+}
+
+/// A reading that is fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FittedReading {
+    /// Position of the measurement.
+    pub measurement: usize,
+    /// Row.
+    pub row: usize,
+    /// Position of the sensor.
+    pub sensor: usize,
 }
 
 impl Problem {
+    /// The readings that are fitted: by measurement, row and sensor.
+    pub fn fitted_readings(&self) -> Vec<FittedReading> {
+        let mut list = Vec::new();
+        for (measurement, own) in self.measurements.iter().enumerate() {
+            for row in (0..own.len()).filter(|&row| !own.ignored(row) && !own.held_out(row)) {
+                let sensors = (0..own.sensors.len()).filter(|&sensor| own.reading(row, sensor).is_some());
+                list.extend(sensors.map(|sensor| FittedReading { measurement, row, sensor }));
+            }
+        }
+        list
+    }
+
     /// A likelihood of the problem's parameters, and perhaps others after them, with the joint priors; `most_steps` are those
     /// of its measurements.
     pub(crate) fn informed(&self, likelihood: Likelihood, most_steps: &[u64]) -> Likelihood {

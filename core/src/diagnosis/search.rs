@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crate::diagnosis::Problem;
 use crate::diagnosis::engine::{Diagnosis, Remainder, SINGLES, State};
 use crate::diagnosis::fits::exchange::exchanges;
+use crate::diagnosis::misspecified::is_unstated;
 use crate::diagnosis::odds::posterior_odds::{best, log_weights, posterior_odds};
 use crate::diagnosis::screening::screen::Lead;
 
@@ -29,10 +30,27 @@ fn near(leads: &[Lead], least: usize, most: usize) -> impl Iterator<Item = &Lead
 }
 
 impl Diagnosis {
+    /// Orders the sets that go on from the best one; where there are none, with another model error, if there is to be one.
+    pub fn extend(&self, state: State) -> State {
+        let mut state = self.search(state);
+        if state.pending.is_empty() {
+            match self.allow_for_model_error(&state) {
+                Ok(Some(next)) => return next,
+                Ok(None) => {}
+                Err(why) => state.warn(why),
+            }
+        }
+        state
+    }
+
     /// Tests what the best set leaves, and orders the sets that go on from it.
-    pub fn extend(&self, mut state: State) -> State {
+    fn search(&self, mut state: State) -> State {
         state.pending.clear();
         state.rounds += 1;
+        if state.model_errors == 0 && self.problem().measurements.iter().any(is_unstated) {
+            // What was fitted so far shows the errors' size.
+            return state;
+        }
         if state.rounds == 1 {
             match self.estimate_noise_again(&state) {
                 Ok(Some(next)) => return next,
@@ -40,9 +58,24 @@ impl Diagnosis {
                 Err(why) => state.warn(why),
             }
         }
+        let problem = self.with_noise(&state.noise, &state.most_steps);
+        if problem.is_misspecified {
+            // Step by step: what a larger set gains there is as likely to be model error.
+            let place = self.story(&state).end();
+            if place == 0 {
+                let curves = state.screening.leads.clone();
+                let curves = curves.iter().filter(|lead| self.is_last_resort(lead.candidate));
+                curves.take(BESIDE).for_each(|lead| state.order(&[lead], &[], 0));
+            }
+            if place > 0 && !state.was_extended(place) {
+                self.extend_set(&problem, &mut state, place);
+                self.order_like(&mut state, place);
+                self.replace_members(&problem, &mut state, place);
+            }
+            return state;
+        }
         let weights = posterior_odds(self.problem(), &state.refits, None);
         let Some(place) = best(&weights) else { return state };
-        let problem = self.with_noise(&state.noise, &state.most_steps);
         if state.was_extended(place) {
             while state.pending.is_empty() && state.aside < MOST_ASIDE {
                 let Some(place) = self.aside(&state, place) else { break };
@@ -50,7 +83,9 @@ impl Diagnosis {
                 self.extend_set(&problem, &mut state, place);
                 self.replace_members(&problem, &mut state, place);
             }
-        } else if !state.refits[place].effects.is_empty() && state.rounds.saturating_sub(state.aside) <= MOST_ROUNDS {
+        } else if !state.refits[place].effects.is_empty()
+            && state.rounds.saturating_sub(state.aside) <= MOST_ROUNDS * (1 + state.model_errors)
+        {
             self.extend_set(&problem, &mut state, place);
             self.order_at_prior_medians(&problem, &mut state, place);
             self.order_like(&mut state, place);
@@ -67,11 +102,14 @@ impl Diagnosis {
             Err(why) => return state.warn(why),
         };
         state.remainders.push(Remainder { effects: set.clone(), p: screening.family.p });
-        if !self.finds(&screening) || set.len() as u64 >= self.settings().most {
+        let finds = self.finds(&screening) || problem.is_misspecified;
+        if !finds || set.len() as u64 >= self.settings().most {
             return;
         }
         for lead in near(&screening.leads, 2 * BESIDE, SINGLES) {
-            state.order(&[lead], &set, place);
+            if !(problem.is_misspecified && self.is_last_resort(lead.candidate)) {
+                state.order(&[lead], &set, place);
+            }
         }
         let with = problem.with(&state.refits[place]);
         // What cannot be made beside this set was tried alone before.
@@ -83,7 +121,7 @@ impl Diagnosis {
             }
             Err(why) => state.warn(why),
         }
-        if set.len() as u64 + 2 <= self.settings().most {
+        if set.len() as u64 + 2 <= self.settings().most && !problem.is_misspecified {
             for pair in screening.pairs.iter().take(BESIDE) {
                 state.order(&[&pair[0], &pair[1]], &set, place);
             }
@@ -187,7 +225,9 @@ impl Diagnosis {
                 Err(why) => state.warn(why),
                 Ok(screening) => {
                     for lead in near(&screening.leads, BESIDE, 2 * BESIDE) {
-                        state.order(&[lead], &rest, from);
+                        if !(problem.is_misspecified && self.is_last_resort(lead.candidate)) {
+                            state.order(&[lead], &rest, from);
+                        }
                     }
                 }
             }

@@ -145,5 +145,7 @@ fn baseline(
         candidates,
         joint: Vec::new(),
         most_steps: Vec::new(),
+        noise_freedom: None,
+        is_misspecified: false,
     })
 }

@@ -164,7 +164,8 @@ fn effects(output: &Output) -> Option<Block> {
         Verdict::Adequate => Text::new("The effects that come nearest to what the noise leaves; none is needed."),
         Verdict::Unexplained => Text::new("The effects that come nearest; none of them explains the misfit."),
         _ => {
-            let mut text = Text::new("Effects that would explain the misfit, most probable first; selected: ");
+            let order = if output.steps.is_empty() { "most probable first" } else { "the steps first" };
+            let mut text = Text::new(&format!("Effects that would explain the misfit, {order}; selected: "));
             for (position, id) in output.selected.iter().enumerate() {
                 text = text.plain(if position == 0 { "" } else { ", " }).code(id);
             }
@@ -181,10 +182,13 @@ fn effects(output: &Output) -> Option<Block> {
         1 => left_out.push_str(" Of 1 more the best size is one that changes nothing."),
         idle => left_out.push_str(&format!(" Of {idle} more the best size is one that changes nothing.")),
     }
-    let caption = what.plain(format!(
-        " The probability counts every set that an effect belongs to; size and errors are those of its best set, \
-         before and after it. These data cannot tell apart what is of one group.{left_out}"
-    ));
+    let meaning = if output.steps.is_empty() {
+        "The probability counts every set that an effect belongs to; size and errors are those of its best set, before and \
+         after it."
+    } else {
+        "The probability is that among all that may be added at the step, and nothing; size and errors are those of the step."
+    };
+    let caption = what.plain(format!(" {meaning} These data cannot tell apart what is of one group.{left_out}"));
     (!rows.is_empty()).then(|| {
         Block::Table(Table {
             caption,
@@ -274,28 +278,36 @@ fn tests(output: &Output) -> Option<Block> {
 
 fn noise(output: &Output) -> Option<Block> {
     let estimated: Vec<_> = output.noise.iter().filter(|(_, noise)| noise.estimated).collect();
+    let with_model_error = estimated.iter().any(|(_, noise)| noise.model_error.is_some());
+    let shown = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), |value| significant(value, 3));
     let rows: Vec<Vec<Cell>> = estimated
         .into_iter()
         .map(|(sensor, noise)| {
-            vec![
-                Cell::code(sensor),
-                significant(noise.sigma, 3).into(),
-                noise.correlation_time_s.map_or_else(|| "white".to_owned(), |time| significant(time, 3)).into(),
-                percent(noise.correlated_share, 0).into(),
-            ]
+            let mut row = vec![Cell::code(sensor), significant(noise.sigma, 3).into()];
+            if with_model_error {
+                row.extend([shown(noise.model_error).into(), shown(noise.counts_as).into()]);
+            } else {
+                row.push(noise.correlation_time_s.map_or_else(|| "white".to_owned(), |time| significant(time, 3)).into());
+                row.push(percent(noise.correlated_share, 0).into());
+            }
+            row
         })
         .collect();
+    let (caption, columns) = if with_model_error {
+        (
+            "Noise of the instruments and model error, as estimated beside what was found; a reading counts as one with white \
+             noise of the last column.",
+            [Column::number("Model error", "K"), Column::number("Counts as", "K")],
+        )
+    } else {
+        (
+            "Noise that was not wholly stated, as estimated from what the best pair of effects leaves.",
+            [Column::number("Correlation time", "s"), Column::number("Correlated share", "")],
+        )
+    };
+    let columns = [Column::text("Sensor"), Column::number("Standard deviation", "K")].into_iter().chain(columns);
     (!rows.is_empty()).then(|| {
-        Block::Table(Table {
-            caption: "Noise that was not wholly stated, as estimated from what the best pair of effects leaves.".into(),
-            columns: vec![
-                Column::text("Sensor"),
-                Column::number("Standard deviation", "K"),
-                Column::number("Correlation time", "s"),
-                Column::number("Correlated share", ""),
-            ],
-            rows,
-        })
+        Block::Table(Table { caption: caption.into(), columns: columns.collect(), rows })
     })
 }
 

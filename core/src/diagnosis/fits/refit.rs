@@ -75,6 +75,8 @@ pub struct Refit {
     pub amplitudes: Vec<Vec<Amplitude>>,
     /// Whitened residuals of the readings that were fitted.
     pub residuals: Vec<f64>,
+    /// Readings that were fitted minus predictions, SI, in the order of [`Problem::fitted_readings`].
+    pub errors: Vec<f64>,
     /// Root mean square error of the fitted readings in K; `None` where no sensor is in kelvin.
     pub rmse_train_k: Option<f64>,
     /// The same of the held-out readings.
@@ -123,6 +125,15 @@ impl Problem {
     ) -> Result<Refit, FitError> {
         let mut places = vec![0; effects.len()];
         let (mut best, mut amplitudes) = self.refit_of_widths(effects, &places, begin, key, moments)?;
+        if self.is_misspecified && self.begins_far(effects, begin) {
+            // From far the written priors lead back to nothing.
+            let widest = vec![WIDTHS.len() - 1; effects.len()];
+            if let Ok(far) = self.refit_of_widths(effects, &widest, begin, key, moments)
+                && far.0.log_evidence > best.log_evidence
+            {
+                (best, amplitudes, places) = (far.0, far.1, widest);
+            }
+        }
         loop {
             let wider = amplitudes.wider(&places);
             if wider == places {
@@ -139,6 +150,17 @@ impl Problem {
         let own = |(&effect, &place): (&usize, &usize)| place.max(usize::from(is_prior(&self.candidates[effect])));
         best.log_evidence += amplitudes.narrower(&effects.iter().zip(&places).map(own).collect::<Vec<usize>>());
         Ok(best)
+    }
+
+    /// Whether a start has an amplitude beyond its written prior.
+    fn begins_far(&self, effects: &[usize], begin: &Begin) -> bool {
+        let Ok(hypothesis) = self.hypothesis(effects, begin.scale) else { return false };
+        let is_far = |index: usize| {
+            let (name, prior) = (&hypothesis.model.parameters[index].name, &hypothesis.priors[index]);
+            let (least, most) = (prior.quantile(0.001), prior.quantile(0.999));
+            begin.starts.iter().filter_map(|start| start.get(name)).any(|value| *value < least || *value > most)
+        };
+        hypothesis.amplitudes.iter().flat_map(|range| range.clone()).any(is_far)
     }
 
     fn refit_of_widths(
@@ -191,6 +213,7 @@ impl Problem {
             unknowns: found.parameters,
             names: likelihood.names().to_vec(),
             residuals,
+            errors: Vec::new(),
             rmse_train_k: None,
             rmse_held_out_k: None,
             held_out: Vec::new(),
@@ -281,7 +304,7 @@ impl Refit {
         let nodes: Vec<String> = hypothesis.model.nodes.iter().map(|node| node.name.clone()).collect();
         let mut workspace = predictor.workspace();
         let (mut train, mut held_out) = (Squares::default(), Squares::default());
-        let mut errors = Vec::new();
+        let (mut fitted, mut errors) = (Vec::new(), Vec::new());
         for (index, measurement) in hypothesis.measurements.iter().enumerate() {
             let fixed = with_unknowns(measurement, &inputs, &nodes, &find);
             let predicted = predictor.predict(&mut workspace, &fixed, &full).readings;
@@ -300,6 +323,7 @@ impl Refit {
                         errors.push(HeldOut { measurement: index, row, sensor, error, sigma });
                         held_out.add(kelvin, error);
                     } else {
+                        fitted.push(error);
                         train.add(kelvin, error);
                     }
                 }
@@ -307,6 +331,7 @@ impl Refit {
         }
         self.rmse_train_k = train.rmse();
         self.rmse_held_out_k = held_out.rmse();
+        self.errors = fitted;
         self.held_out = errors;
         Ok(())
     }

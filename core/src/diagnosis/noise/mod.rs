@@ -1,8 +1,9 @@
 //! Noise that is not wholly known.
 //!
 //! `estimate`: noise that is estimated, so that missing physics is not taken for it, by the `restricted_likelihood`. `overstated`: noise that
-//! is stated too large.
+//! is stated too large. `model_error`: what the model owes beside the noise.
 
 pub(crate) mod estimate;
+pub(crate) mod model_error;
 pub(crate) mod overstated;
 pub(crate) mod restricted_likelihood;

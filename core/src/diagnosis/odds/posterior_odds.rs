@@ -19,10 +19,10 @@ const MISSING: f64 = 0.05;
 /// Sets within this factor of the best are rivals.
 pub const RIVALS_WITHIN: f64 = 10.0;
 /// Most rivals that are taken to hold enough probability.
-const MOST_RIVALS: usize = 5;
+pub const MOST_RIVALS: usize = 5;
 
 /// Probability below which a set that is not near the best is no rival.
-const LEAST_RIVAL: f64 = 0.01;
+pub const LEAST_RIVAL: f64 = 0.01;
 
 /// Log odds by which an unknown function stands behind an effect that has a name.
 const UNKNOWN_FUNCTION: f64 = 3.0;
@@ -30,7 +30,7 @@ const UNKNOWN_FUNCTION: f64 = 3.0;
 /// model may say too little of where it is.
 const OUT_OF_PLACE: f64 = 3.0;
 /// Probability at which "nothing" stands against a test that is not clear.
-const STANDS: f64 = 0.2;
+pub const STANDS: f64 = 0.2;
 /// Probability that a group and its rivals hold together.
 pub const SURE: f64 = 0.91;
 

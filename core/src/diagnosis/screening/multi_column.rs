@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 
 use crate::diagnosis::Direction;
 use crate::diagnosis::linearisation::scalar_products::{add_scaled, project_out};
-use crate::diagnosis::screening::score::{Column, LARGEST_PLAUSIBLE, Prepared, SMALLEST_SHARE, Score, Side};
+use crate::diagnosis::screening::score::{Column, Prepared, SMALLEST_SHARE, Score, Side};
 use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::sqrt;
 use crate::math::special::{normal_quantile, weighted_chi_square_sf};
@@ -101,7 +101,7 @@ impl Prepared {
         let mut order: Vec<usize> = (0..k).collect();
         order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]).then(i.cmp(&j)));
         let largest = order.first().map_or(0.0, |&i| eigen.eigenvalues[i]);
-        if !(LARGEST_PLAUSIBLE * LARGEST_PLAUSIBLE * largest >= 1.0) {
+        if !(self.largest * self.largest * largest >= 1.0) {
             return found;
         }
         for i in order {
@@ -133,7 +133,7 @@ impl Prepared {
             let column = self.project(g);
             let left = dot(&column, &column);
             let norm = sqrt(left);
-            let seen = left >= SMALLEST_SHARE * dot(g, g) && LARGEST_PLAUSIBLE * direction.plausible[0] * norm >= 1.0;
+            let seen = left >= SMALLEST_SHARE * dot(g, g) && self.largest * direction.plausible[0] * norm >= 1.0;
             if !(seen && norm.is_finite()) {
                 return Projected::Unseen;
             }

@@ -36,6 +36,8 @@ pub struct Pinned {
 /// A linear problem, prepared for many directions.
 #[derive(Clone, Debug)]
 pub struct Prepared {
+    /// Times its plausible size by which an effect must show.
+    pub(crate) largest: f64,
     pub(crate) rows: usize,
     pub(crate) readings: usize,
     /// Residuals at the bounded minimum, orthogonal to the free columns.
@@ -201,6 +203,7 @@ impl Prepared {
         let at = |bounds: &[f64]| -> Vec<f64> { bounds.iter().zip(&step).map(|(b, s)| b - s).collect() };
         let chi_square = dot(&residuals, &residuals);
         Self {
+            largest: LARGEST_PLAUSIBLE,
             rows,
             readings: linear.readings,
             slope: (0..p).map(|k| dot(column(k), &residuals)).collect(),
@@ -288,10 +291,7 @@ impl Prepared {
         }
         let share = if square > 0.0 { left / square } else { 0.0 };
         let norm = sqrt(left);
-        if !(share >= SMALLEST_SHARE)
-            || !(LARGEST_PLAUSIBLE * direction.plausible[0] * norm >= 1.0)
-            || !norm.is_finite()
-        {
+        if !(share >= SMALLEST_SHARE) || !(self.largest * direction.plausible[0] * norm >= 1.0) || !norm.is_finite() {
             return Score::unseen(direction, share);
         }
         let z = product / norm;

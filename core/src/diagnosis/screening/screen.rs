@@ -8,10 +8,12 @@ use serde::{Deserialize, Serialize};
 use crate::diagnosis::engine::{Diagnosis, SensorNoise};
 use crate::diagnosis::linearisation::bounded::Place;
 use crate::diagnosis::linearisation::signature;
+use crate::diagnosis::misspecified::is_unstated;
 use crate::diagnosis::noise::estimate;
 use crate::diagnosis::noise::restricted_likelihood::Taken;
 use crate::diagnosis::odds::posterior_odds::nothing_stands;
 use crate::diagnosis::odds::prior_of::is_prior;
+use crate::diagnosis::odds::prior_scale::WIDTHS;
 use crate::diagnosis::screening::detectable::detectable;
 use crate::diagnosis::screening::family::{Extras, Family, MemberKind};
 use crate::diagnosis::screening::null_maximum::Sampling;
@@ -20,7 +22,7 @@ use crate::diagnosis::screening::score::{Column, Prepared, Score};
 use crate::diagnosis::{Direction, Linear, Problem, Refit};
 use crate::effect::Site;
 use crate::inference::likelihood::Likelihood;
-use crate::measurement::{Rows, Uncertain};
+use crate::measurement::{Measurement, Rows, Uncertain};
 
 /// Effects that are kept.
 const MOST_LEADS: usize = 80;
@@ -118,7 +120,12 @@ impl Scored {
         linear: &Linear,
         wanted: impl Fn(&Direction) -> bool,
     ) -> Result<(Self, Vec<signature::Unseen>, u64), FitError> {
-        let mut scored = Self { prepared: Prepared::new(linear), directions: Vec::new(), scores: Vec::new() };
+        let mut prepared = Prepared::new(linear);
+        if problem.is_misspecified {
+            // What a model lacks that is wrong everywhere may be far from what the catalogue takes for plausible.
+            prepared.largest *= WIDTHS[WIDTHS.len() - 1].factor;
+        }
+        let mut scored = Self { prepared, directions: Vec::new(), scores: Vec::new() };
         let (mut left_out, mut held) = (0, 0);
         let mut give = |direction: Direction| {
             if !wanted(&direction) {
@@ -190,7 +197,7 @@ impl Diagnosis {
         let linear = signature::linearise(&likelihood, &refit.unknowns)?;
         let (scored, unseen, left_out) = Scored::best(problem, &likelihood, &refit.unknowns, &linear, |_| true)?;
         let (groups, names) = groups(problem, &likelihood);
-        let estimated = self.estimates_sigma();
+        let estimated = problem.noise_freedom;
         let extras = Extras { groups: &groups, bounds: true, priors: true, omnibus: estimated.is_none() };
         let family = Family::new(&scored.prepared, &scored.directions, &scored.scores, &extras, estimated);
         let sampling = Sampling { key: *self.key(), draws: DRAWS };
@@ -320,7 +327,8 @@ impl Diagnosis {
             let (lower, upper) = (prior.quantile(0.001), prior.quantile(0.999));
             // An amplitude may lie far beyond what was thought plausible; a bound holds.
             let (least, most) = prior.support();
-            let value = if direction.probe.is_empty() { values[place] } else { values[place].max(lower).min(upper) };
+            let anywhere = direction.probe.is_empty() || problem.is_misspecified;
+            let value = if anywhere { values[place] } else { values[place].max(lower).min(upper) };
             let margin = 1e-3 * (upper - lower);
             value.max(least + margin.min(lower - least).max(0.0)).min(most - margin.min(most - upper).max(0.0))
         };
@@ -329,18 +337,29 @@ impl Diagnosis {
             .collect()
     }
 
-    /// Degrees of freedom of an estimated sigma; `None` where all are stated.
-    pub(crate) fn estimates_sigma(&self) -> Option<f64> {
-        let measurements = self.problem().measurements.iter();
-        let open = measurements.filter(|measurement| {
-            measurement.sensors.iter().any(|sensor| {
-                let inferred = |value: &Option<Uncertain>| value.as_ref().is_some_and(|v| v.prior().is_some());
-                inferred(&sensor.sigma) || inferred(&sensor.white)
-            })
-        });
-        let rows = open.map(|measurement| (0..measurement.len()).filter(|&row| !measurement.held_out(row)).count());
-        let parameters = self.problem().parameters.len();
-        rows.min().map(|rows| (rows.saturating_sub(parameters).max(3)) as f64)
+    /// Degrees of freedom with which the size of the errors is estimated where the sensors have this noise; `None` where
+    /// all is stated.
+    pub(crate) fn noise_freedom(&self, noise: &[SensorNoise]) -> Option<f64> {
+        let measurements = self.problem().measurements.iter().enumerate();
+        let parameters = self.problem().parameters.len() as f64;
+        let of = |(position, measurement): (usize, &Measurement)| {
+            let rows = (0..measurement.len()).filter(|&row| !measurement.held_out(row)).count() as f64;
+            let inferred = |value: &Option<Uncertain>| value.as_ref().is_some_and(|v| v.prior().is_some());
+            let is_open = measurement.sensors.iter().any(|sensor| inferred(&sensor.sigma) || inferred(&sensor.white));
+            let own = noise.iter().find(|one| one.measurement == position).and_then(|one| one.model_error);
+            let independent = own.map(|_| {
+                let of = noise.iter().filter(|one| one.measurement == position);
+                let share = |one: &SensorNoise| {
+                    let (error, noise) = (one.model_error.map_or(0.0, |error| error.sd), one.noise.total());
+                    let alone = error * error + noise * noise;
+                    alone / (one.weighed().total() * one.weighed().total())
+                };
+                of.map(|one| rows * share(one)).sum()
+            });
+            independent.or(is_open.then_some(rows)).filter(|_| rows > 0.0)
+        };
+        let fewest = measurements.filter_map(of).reduce(f64::min);
+        fewest.map(|readings| (readings - parameters).max(3.0))
     }
 
     /// Noise of the sensors whose noise is not wholly known, from a fit of the problem; beside the pair of effects that
@@ -355,7 +374,9 @@ impl Diagnosis {
         let mut open = Vec::new();
         for (measurement, entry) in bare.measurements.iter_mut().enumerate() {
             for sensor in 0..entry.sensors.len() {
-                if estimate::is_open(entry, sensor) {
+                // Of the others the noise is known here.
+                let declared = &self.problem().measurements[measurement];
+                if estimate::is_open(declared, sensor) && !is_unstated(declared) {
                     estimate::fix(entry, sensor, &estimate::EstimatedNoise::white(1.0));
                     open.push((measurement, sensor));
                 }
@@ -390,7 +411,7 @@ impl Diagnosis {
                     _ => rms,
                 };
                 let noise = estimate::EstimatedNoise::white(stated);
-                SensorNoise { measurement: one.measurement, sensor: one.sensor, noise }
+                SensorNoise { measurement: one.measurement, sensor: one.sensor, noise, model_error: None }
             })
             .collect();
         for _ in 0..NOISE_ROUNDS {

@@ -10,13 +10,16 @@ use crate::diagnosis::heat;
 use crate::diagnosis::heat::effect_heat_flow::effect_heat_flow;
 use crate::diagnosis::noise::overstated;
 use crate::diagnosis::odds::posterior_odds::{
-    RIVALS_WITHIN, SURE, Weights, best, groups, held, nothing_stands, posterior_odds, veto,
+    LEAST_RIVAL, MOST_RIVALS, RIVALS_WITHIN, STANDS, SURE, Weights, best, groups, held, nothing_stands, posterior_odds,
+    veto,
 };
 use crate::diagnosis::odds::prior_of::{SEPARATE, TITLE, is_prior};
 use crate::diagnosis::output::{
-    Amount, Detectable, EffectResult, Misfit, ModelResult, NoiseResult, Output, Rmse, RmseChange, Test, Unseen, Verdict,
+    Amount, Detectable, EffectResult, Misfit, ModelResult, NoiseResult, Output, Rmse, RmseChange, StoryStep, Test,
+    Unseen, Verdict,
 };
 use crate::diagnosis::problem::is_idle;
+use crate::diagnosis::story::{Step, Story};
 use crate::diagnosis::verdict::discriminating_experiment;
 use crate::diagnosis::verdict::hints::hints;
 use crate::diagnosis::verdict::still;
@@ -43,6 +46,8 @@ pub(crate) struct Findings<'a> {
     pub problem: &'a Problem,
     pub state: &'a State,
     pub weights: Weights,
+    /// The steps that lead to the selected set, where the model is taken to be a little wrong everywhere.
+    pub story: Option<Story>,
     /// Position of the selected fit; that of the baseline model where nothing is selected.
     pub selected: usize,
     /// Members of each group: positions of effects, the selected one first.
@@ -64,8 +69,55 @@ impl Findings<'_> {
         &self.problem.candidates[effect].id
     }
 
+    /// The sets before and after the step of a story at which an effect was added, or was most probable.
+    fn step_of(&self, effect: usize) -> Option<(usize, usize)> {
+        let steps = &self.story.as_ref()?.steps;
+        let of = |step: &Step| {
+            let chance = step.chances.iter().find(|one| one.effect == effect)?;
+            Some((step.chosen == Some(chance.place), chance.probability, (step.before, chance.place)))
+        };
+        let best = steps.iter().filter_map(of).reduce(|a, b| if (b.0, b.1) > (a.0, a.1) { b } else { a });
+        best.map(|(_, _, places)| places)
+    }
+
+    /// The steps of the story to the selected set.
+    fn steps_of_story(&self) -> Vec<StoryStep> {
+        let Some(story) = &self.story else { return Vec::new() };
+        let refits = &self.state.refits;
+        let result = |step: &Step| {
+            let place = step.chosen.unwrap_or(step.before);
+            let (before, after) = (&refits[step.before], &refits[place]);
+            let added = step.chances.iter().find(|one| step.chosen == Some(one.place));
+            let others = step.chances.iter().filter(|one| step.chosen != Some(one.place));
+            let likely = others.filter(|one| one.probability >= LEAST_RIVAL).take(MOST_RIVALS);
+            StoryStep {
+                effect: added.map(|one| self.id(one.effect).to_owned()),
+                probability: added.map_or(step.stays, |one| one.probability),
+                rmse_k: RmseChange {
+                    train: [before.rmse_train_k, after.rmse_train_k],
+                    held_out: [before.rmse_held_out_k, after.rmse_held_out_k],
+                },
+                alternatives: likely.map(|one| self.id(one.effect).to_owned()).collect(),
+            }
+        };
+        story.steps.iter().map(result).collect()
+    }
+
+    /// Effects of the selected set, in the order of the story.
+    fn in_order(&self) -> Vec<usize> {
+        let own = &self.state.refits[self.selected].effects;
+        match &self.story {
+            Some(_) if self.selected > 0 => self.groups.iter().filter_map(|group| group.first()).copied().collect(),
+            _ => own.clone(),
+        }
+    }
+
     /// Probability that an effect is missing.
     pub fn probability(&self, effect: usize) -> f64 {
+        if let Some(story) = &self.story {
+            let chances = story.steps.iter().flat_map(|step| &step.chances).filter(|one| one.effect == effect);
+            return chances.map(|one| one.probability).fold(0.0, f64::max);
+        }
         let with =
             self.state.refits.iter().zip(&self.weights.sets).filter(|(refit, _)| refit.effects.contains(&effect));
         with.map(|(_, weight)| weight).sum()
@@ -76,13 +128,16 @@ impl Diagnosis {
     /// The verdict on what was found.
     pub fn conclude(&self, state: &State) -> Output {
         let problem = self.with_noise(&state.noise, &state.most_steps);
-        let finds = state.screening.family.p <= self.settings().false_alarm;
-        let stated = self.estimates_sigma().is_none();
+        let family = state.stated_family.as_ref().unwrap_or(&state.screening.family);
+        let finds = family.p <= self.settings().false_alarm || state.is_misspecified();
+        let stated = problem.noise_freedom.is_none();
         let moved = finds.then(|| self.moved(state, &problem, stated));
         let state = moved.as_ref().unwrap_or(state);
         let baseline = &state.refits[0];
         let missing = finds.then(|| heat::missing_heat(&problem, baseline)).flatten();
-        let weights = posterior_odds(&problem, &state.refits, missing.as_ref().map(|missing| missing.log_evidence));
+        // A model error that is allowed for is what something else would be.
+        let something_else = missing.as_ref().filter(|_| !state.is_misspecified()).map(|missing| missing.log_evidence);
+        let weights = posterior_odds(&problem, &state.refits, something_else);
         let mut warnings = state.warnings.clone();
         warnings.extend(given_up(state));
         if finds {
@@ -91,10 +146,12 @@ impl Diagnosis {
         if finds && missing.is_none() {
             warnings.push("heat whatever its cause could not be weighed beside the effects: the network is too large or not solved so".to_owned());
         }
+        let story = state.is_misspecified().then(|| self.story(state));
         let mut findings = Findings {
             problem: &problem,
             state,
             weights,
+            story,
             selected: 0,
             groups: Vec::new(),
             rivals: Vec::new(),
@@ -103,9 +160,15 @@ impl Diagnosis {
             vetoed: false,
             fewest_parameters: false,
         };
-        let nothing = findings.weights.sets[0];
+        let nothing = match findings.story.as_ref().and_then(|story| story.steps.first()) {
+            Some(first) => first.stays,
+            None => findings.weights.sets[0],
+        };
         // Where all noise is stated, the p is what it says.
-        findings.doubted = finds && !state.noise.is_empty() && nothing_stands(nothing, state.screening.family.p);
+        findings.doubted = match state.is_misspecified() {
+            true => nothing >= STANDS,
+            false => finds && !state.noise.is_empty() && nothing_stands(nothing, state.screening.family.p),
+        };
         let mut verdict = Verdict::Adequate;
         let mut held_out_test = None;
         let missing = missing.filter(|_| !findings.doubted);
@@ -116,7 +179,8 @@ impl Diagnosis {
             let is_vetoed = |place: usize| {
                 held_out::test(&problem, baseline, &state.refits[place], stated).is_some_and(|test| test.veto)
             };
-            let vetoed = veto(&findings.weights, LEAST_TESTED, is_vetoed);
+            // A story takes no step that the held-out rows speak against.
+            let vetoed = veto(&findings.weights, LEAST_TESTED, |place| findings.story.is_none() && is_vetoed(place));
             findings.weights = vetoed.with.clone();
             for &place in &vetoed.sets {
                 let effects = named(&findings, &state.refits[place].effects);
@@ -131,6 +195,9 @@ impl Diagnosis {
                 }
             }
             findings.select(self.settings().false_alarm);
+            if findings.story.is_some() {
+                held_out_test = held_out::test(&problem, baseline, &state.refits[findings.selected], stated);
+            }
             let chosen = &state.refits[findings.selected];
             let explains = !chosen.effects.is_empty() && !self.leaves_too_much(&findings);
             if explains {
@@ -143,8 +210,12 @@ impl Diagnosis {
                 findings.rivals.clear();
             }
         }
+        if state.is_misspecified() && findings.selected == 0 {
+            // A misfit is certain: what a model error takes up is unexplained unless it is smaller than the noise.
+            verdict = if is_small_error(state) { Verdict::Adequate } else { Verdict::Unexplained };
+        }
         let selected: Vec<String> =
-            state.refits[findings.selected].effects.iter().map(|&effect| findings.id(effect).to_owned()).collect();
+            findings.in_order().into_iter().map(|effect| findings.id(effect).to_owned()).collect();
         warnings.extend(trend::warnings(&problem, &state.refits[findings.selected].effects));
         let chosen = &state.refits[findings.selected];
         // It is about the data themselves.
@@ -167,6 +238,7 @@ impl Diagnosis {
             effects: self.effects(&findings),
             models: models(&findings),
             selected,
+            steps: findings.steps_of_story(),
             unseen: unseen(&findings),
             detectable: detectable(&findings),
             noise: noise(&problem, state),
@@ -257,7 +329,12 @@ impl Diagnosis {
                 (findings.probability(effect), alone.map_or(f64::NEG_INFINITY, |refit| refit.log_evidence), effect)
             })
             .collect();
-        ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)).then(a.2.cmp(&b.2)));
+        // The steps of a story in their order, then what else is probable.
+        let steps = if findings.story.is_some() { findings.in_order() } else { Vec::new() };
+        let step = |effect: usize| steps.iter().position(|&one| one == effect).unwrap_or(steps.len());
+        ranked.sort_by(|a, b| {
+            step(a.2).cmp(&step(b.2)).then(b.0.total_cmp(&a.0)).then(b.1.total_cmp(&a.1)).then(a.2.cmp(&b.2))
+        });
         let most = ranked.into_iter().take(MOST_WRITTEN);
         most.map(|(probability, _, effect)| self.effect(findings, effect, probability)).collect()
     }
@@ -271,9 +348,12 @@ impl Diagnosis {
         let better = |a: usize, b: usize| if findings.weights.sets[b] > findings.weights.sets[a] { b } else { a };
         let own = Some(findings.selected).filter(with).or_else(|| (0..state.refits.len()).filter(with).reduce(better));
         let own = own.unwrap_or(0);
-        let refit = &state.refits[own];
+        let step = findings.step_of(effect);
+        let refit = &state.refits[step.map_or(own, |(_, place)| place)];
         let rest: Vec<usize> = refit.effects.iter().copied().filter(|&other| other != effect).collect();
-        let before = state.refits.iter().find(|other| other.effects == rest).unwrap_or(&state.refits[0]);
+        let before = step.map(|(before, _)| &state.refits[before]);
+        let before =
+            before.or_else(|| state.refits.iter().find(|other| other.effects == rest)).unwrap_or(&state.refits[0]);
         let position = refit.effects.iter().position(|&other| other == effect);
         let amplitudes: BTreeMap<String, Amount> = position
             .map(|position| {
@@ -358,12 +438,37 @@ fn named(findings: &Findings<'_>, effects: &[usize]) -> String {
 }
 
 impl Findings<'_> {
+    /// Selects the set to which the steps of a story lead; the group of a member is what could be added in its stead.
+    fn follow(&mut self, story: &Story) {
+        self.selected = story.end();
+        for step in &story.steps {
+            let Some(chosen) = step.chosen else { continue };
+            let chance = |place: usize| step.chances.iter().find(|one| one.place == place);
+            let Some(own) = chance(chosen) else { continue };
+            let (mut group, mut held) = (vec![own.effect], own.probability);
+            for other in step.chances.iter().filter(|one| one.place != chosen) {
+                let near = other.probability * RIVALS_WITHIN >= own.probability;
+                let unsure = held < SURE && other.probability >= LEAST_RIVAL;
+                if (near || unsure) && group.len() <= MOST_RIVALS {
+                    group.push(other.effect);
+                    held += other.probability;
+                }
+            }
+            self.rivals = step.chances.iter().filter(|one| group.contains(&one.effect)).map(|one| one.place).collect();
+            self.rivals.sort_by_key(|place| *place != chosen);
+            self.groups.push(group);
+        }
+    }
+
     /// Selects the most probable set, its rivals and its groups.
     /// While something is still found beside the most probable set, the likelihood is known to be wrong, and odds made with
     /// it are too sure: their logarithms are divided by how far beyond the level of the tests that is (a likelihood raised
     /// to a power below 1; Miller & Dunson 2019, J. Am. Stat. Assoc. 114, 1113), and of the sets that are rivals then the one
     /// with the fewest parameters goes first.
     fn select(&mut self, false_alarm: f64) {
+        if let Some(story) = self.story.clone() {
+            return self.follow(&story);
+        }
         let place = best(&self.weights).unwrap_or(0);
         self.selected = place;
         if place == 0 {
@@ -405,7 +510,7 @@ impl Findings<'_> {
 
     /// Whether the selected set goes before a more probable one.
     pub fn goes_first(&self) -> bool {
-        best(&self.weights).is_some_and(|place| self.selected != 0 && place != self.selected)
+        self.story.is_none() && best(&self.weights).is_some_and(|place| self.selected != 0 && place != self.selected)
     }
 
     /// The family-wise p of what a set leaves, where that was tested.
@@ -421,6 +526,12 @@ impl Findings<'_> {
     }
 
     fn judge(&self) -> Verdict {
+        if self.story.is_some() {
+            let first = self.groups.iter().filter_map(|group| group.first());
+            let sure = self.groups.iter().all(|group| group.len() == 1)
+                && first.into_iter().all(|&effect| self.probability(effect) >= SURE);
+            return if sure { Verdict::Identified } else { Verdict::Ambiguous };
+        }
         let alone = self.rivals.len() == 1;
         let sure = held(&self.state.refits, &self.weights, &self.groups) >= SURE;
         if alone && sure { Verdict::Identified } else { Verdict::Ambiguous }
@@ -447,6 +558,11 @@ fn changes_nothing(before: &Refit, after: &Refit) -> bool {
     before.residuals.len() == after.residuals.len() && moved.sqrt() < MOVES_NOTHING
 }
 
+/// Whether the model errors that are allowed for are smaller than the noise of their sensors.
+fn is_small_error(state: &State) -> bool {
+    state.noise.iter().all(|one| one.model_error.is_none_or(|error| error.sd <= one.noise.total()))
+}
+
 /// What is doubtful about the data; starts first, since all that follows shows them.
 fn doubts(problem: &Problem) -> Vec<Doubt> {
     let mut doubts: Vec<Doubt> = problem.measurements.iter().flat_map(|own| own.doubts.iter().cloned()).collect();
@@ -459,10 +575,11 @@ fn misfit(state: &State) -> Misfit {
     // As in a calibration: a parameter at a bound counts too, so that both tell one figure where their noise is one.
     let unknowns = baseline.names.iter().filter(|name| !is_idle(name)).count();
     let freedom = (baseline.residuals.len() as f64 - unknowns as f64).max(1.0);
-    let tests = state.screening.family.tests.iter();
+    let family = state.stated_family.as_ref().unwrap_or(&state.screening.family);
+    let tests = family.tests.iter();
     Misfit {
         reduced_chi2: baseline.chi_square / freedom,
-        family_wise_p: state.screening.family.p,
+        family_wise_p: family.p,
         rmse_k: Rmse { train: baseline.rmse_train_k, held_out: baseline.rmse_held_out_k },
         tests: tests.map(|test| Test { name: test.name.clone(), at: test.at.clone(), p: test.p }).collect(),
     }
@@ -518,11 +635,15 @@ fn noise(problem: &Problem, state: &State) -> BTreeMap<String, NoiseResult> {
             let total = total_sd(sigma, white);
             let time = part(&sensor.correlation_time_s).filter(|_| matches!(measurement.rows, Rows::Transient { .. }));
             let share = if time.is_some() && total > 0.0 { sigma * sigma / (total * total) } else { 0.0 };
-            let estimated = state.noise.iter().any(|one| one.measurement == index && one.sensor == place);
+            let own = state.noise.iter().find(|one| one.measurement == index && one.sensor == place);
+            let estimated = own.is_some();
+            let error = own.and_then(|one| one.model_error);
             results.insert(
                 sensor.name.clone(),
                 NoiseResult {
-                    sigma: total,
+                    sigma: own.filter(|_| error.is_some()).map_or(total, |one| one.noise.total()),
+                    model_error: error.map(|error| error.sd),
+                    counts_as: error.map(|_| total),
                     correlation_time_s: time,
                     correlated_share: share,
                     unit: problem.model.quantities[sensor.quantity].unit.clone(),

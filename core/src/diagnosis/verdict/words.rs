@@ -1,6 +1,6 @@
 //! The verdict in sentences.
 
-use crate::diagnosis::output::{EffectResult, OneThing, Output, RISES, SeparatingExperiment, Verdict};
+use crate::diagnosis::output::{EffectResult, OneThing, Output, RISES, SeparatingExperiment, StoryStep, Verdict};
 use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::verdict::conclude::Findings;
 use crate::diagnosis::{PRIOR_OF, Problem};
@@ -166,6 +166,38 @@ fn fall([before, after]: [Option<f64>; 2]) -> Option<String> {
     Some(format!("{before:.2} to {after:.2} K", before = before?, after = after?))
 }
 
+/// What a step does to the errors, after a comma.
+fn falls_to(step: &StoryStep) -> String {
+    let held_out = fall(step.rmse_k.held_out).map_or_else(String::new, |fall| format!(", held out from {fall}"));
+    fall(step.rmse_k.train).map_or_else(String::new, |fall| format!("; the error falls from {fall}{held_out}"))
+}
+
+/// Why a story ends.
+fn ends(step: &StoryStep) -> Option<String> {
+    if step.effect.is_some() {
+        return None;
+    }
+    let next = step.alternatives.first().map_or_else(String::new, |next| format!(" The next would be {next}."));
+    Some(format!(
+        "No further step is taken: with probability {} none of the effects is to be added, or the next does not lower the error on unseen rows.{next}",
+        percent(step.probability)
+    ))
+}
+
+/// How large the model error is that is allowed for.
+fn model_error(output: &Output) -> Option<String> {
+    let sizes = output.noise.values().filter(|own| own.unit == "K");
+    let of: Vec<(f64, f64, f64)> =
+        sizes.filter_map(|own| Some((own.model_error?, own.sigma, own.counts_as?))).collect();
+    let worst = of.iter().copied().reduce(|a, b| if b.0 > a.0 { b } else { a })?;
+    Some(format!(
+        "The model is a little wrong everywhere: beside what is found it owes {} K (standard deviation), while the instruments' noise is {} K. Such errors are alike in readings that follow one another, so that a reading counts as one with a noise of {} K.",
+        short(worst.0, 2),
+        short(worst.1, 2),
+        short(worst.2, 2)
+    ))
+}
+
 /// That a proposed phase goes far beyond all readings so far.
 fn beyond_what_was_measured(experiment: &SeparatingExperiment, problem: &Problem) -> Option<String> {
     let kelvin = |measurement: &Measurement, sensor: usize| {
@@ -224,6 +256,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 .to_owned(),
         );
     }
+    words.extend(model_error(output));
     let selected: Vec<&EffectResult> =
         output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id)).collect();
     match output.verdict {
@@ -258,8 +291,13 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             }
             for effect in selected.iter().filter(|effect| !is_prior(effect)) {
                 let head = if output.verdict == Verdict::Identified { "Missing" } else { "Perhaps missing" };
+                let number = output.steps.iter().position(|step| step.effect.as_ref() == Some(&effect.id));
+                let (head, errors) = match number {
+                    Some(number) => (format!("Step {}, {}", number + 1, lower(head)), falls_to(&output.steps[number])),
+                    None => (head.to_owned(), String::new()),
+                };
                 words.push(format!(
-                    "{head}: {} ({}){}{}; probability {}, log Bayes factor {:.1}.{}",
+                    "{head}: {} ({}){}{}{errors}; probability {}, log Bayes factor {:.1}.{}",
                     effect.title,
                     effect.id,
                     size(effect),
@@ -269,6 +307,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     surprising(effect)
                 ));
             }
+            words.extend(output.steps.last().and_then(ends));
             for effect in &selected {
                 words.extend(effect.hints.iter().map(|hint| format!("{}: {}", effect.id, lower(hint))));
             }

@@ -15,6 +15,9 @@ use crate::random::Distribution;
 /// Most probes of an effect.
 const MOST_PROBES: usize = 9;
 
+/// How many times as large probes are where the model is wrong everywhere.
+const FAR: f64 = 30.0;
+
 /// The directions of an effect's probes.
 pub(super) fn directions(base: &Base<'_>, position: usize, effect: &Effect) -> Found {
     let problem = base.problem;
@@ -41,7 +44,17 @@ pub(super) fn directions(base: &Base<'_>, position: usize, effect: &Effect) -> F
     let mut memory = likelihood.workspace();
     let mut found: Vec<Direction> = Vec::new();
     let mut solved = false;
-    for probe in probes(&written) {
+    let near = probes(&written);
+    let mut all = near.clone();
+    if problem.is_misspecified {
+        // There a part may be far larger than what is plausible, and near ones may not lead to it.
+        let far = |probe: &Vec<f64>| -> Vec<f64> {
+            let of = |(value, own): (&f64, &EffectParameter)| if own.amplitude { FAR * value } else { *value };
+            probe.iter().zip(&written).map(of).collect()
+        };
+        all.extend(near.iter().map(far));
+    }
+    for probe in all {
         unknowns[own..own + probe.len()].copy_from_slice(&probe);
         let Some(residuals) = evaluate(&mut likelihood, &unknowns, &mut memory) else { continue };
         solved = true;

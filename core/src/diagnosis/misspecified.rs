@@ -1,0 +1,373 @@
+//! The second regime of a diagnosis: the model is a little wrong everywhere, so that no set of effects leaves the noise
+//! alone. Then a model error is allowed for beside every set ([`crate::diagnosis::noise::model_error`]), estimated beside
+//! the most probable one, and the search begins anew with it.
+//!
+//! Transients whose noise is not stated are in this regime from the start: what slow errors of an estimated noise would
+//! take up is physics as well. Measurements whose noise is stated enter it where the sets that were found owe it more
+//! than that noise allows.
+
+use std::collections::BTreeMap;
+
+use crate::diagnosis::engine::{Diagnosis, Order, SensorNoise, State};
+use crate::diagnosis::fits::held_out;
+use crate::diagnosis::heat;
+use crate::diagnosis::noise::estimate::EstimatedNoise;
+use crate::diagnosis::noise::model_error::{
+    Errors, ModelError, STEADY_READINGS_OF_ONE, quiet_scatter, readings_of_one,
+};
+use crate::diagnosis::odds::posterior_odds::{Odds, best, posterior_odds};
+use crate::diagnosis::problem::FittedReading;
+use crate::diagnosis::screening::screen::Lead;
+use crate::diagnosis::{FitError, Problem, Refit};
+use crate::math::functions::ln;
+use crate::measurement::{Measurement, Rows, total_sd};
+
+/// Times that a model error is estimated.
+const MOST_TIMES: u32 = 3;
+/// Rounds in which a model error and the set beside which it stands are sought.
+const ROUNDS: usize = 4;
+/// Share of the baseline model's root mean square error that a transient's errors are taken to have at first: fits
+/// follow what is large, whatever the size.
+const AT_FIRST: f64 = 0.3;
+/// Sets that are fitted anew with a model error.
+const MOST_AGAIN: usize = 20;
+/// Effects of a set beside which a model error is estimated.
+const MOST_BESIDE: usize = 2;
+/// Laws of groups that are fitted whatever their linearisation says.
+const MOST_GROUPS: usize = 24;
+/// Log odds by which an effect of several inputs stands behind one of one input, for each further input.
+const FURTHER_INPUT: f64 = 1.1;
+/// Standard deviation of the logarithm of a model error about that of the best set.
+const APART: f64 = 0.35;
+/// Relative changes of a size and of a correlation that matter.
+const CHANGES: f64 = 0.15;
+/// Share of the noise below which a model error is none.
+const NONE: f64 = 0.2;
+/// Least noise, as a share of the errors' root mean square: nothing is known without any.
+const LEAST_NOISE: f64 = 1e-3;
+
+/// Whether the noise of a transient is not stated.
+pub(crate) fn is_unstated(measurement: &Measurement) -> bool {
+    let is_inferred = |sensor: &crate::measurement::Sensor| {
+        sensor.sigma.as_ref().is_none_or(|sigma| sigma.prior().is_some())
+            || sensor.white.as_ref().is_some_and(|white| white.prior().is_some())
+    };
+    matches!(measurement.rows, Rows::Transient { .. }) && measurement.sensors.iter().any(is_inferred)
+}
+
+/// What a model error costs that is larger than that of the best set: sizes are alike whatever the set is.
+fn owes_more(own: f64, first: f64) -> f64 {
+    let times = (ln(own / first) / APART).max(0.0);
+    if own > first && first > 0.0 { 0.5 * times * times } else { 0.0 }
+}
+
+fn is_temperature(problem: &Problem, reading: &FittedReading) -> bool {
+    let sensor = &problem.measurements[reading.measurement].sensors[reading.sensor];
+    problem.model.quantities[sensor.quantity].unit == "K"
+}
+
+/// Errors of one sensor of one measurement, in their order.
+fn series(readings: &[FittedReading], errors: &[f64], measurement: usize, sensor: usize) -> Vec<f64> {
+    let own = readings.iter().zip(errors);
+    own.filter(|(own, _)| own.measurement == measurement && own.sensor == sensor).map(|(_, error)| *error).collect()
+}
+
+fn rms(errors: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = errors.fold((0.0, 0), |(sum, count), error| (sum + error * error, count + 1));
+    (sum / f64::from(count.max(1))).sqrt()
+}
+
+/// What is estimated beside one set.
+struct Beside {
+    /// Position of the set.
+    place: usize,
+    /// Log posterior weight of the set with it.
+    log_weight: f64,
+    /// Standard deviations of the model error, SI, by measurement.
+    sds: Vec<f64>,
+}
+
+impl Diagnosis {
+    /// The noise with which transients of unstated noise are fitted first.
+    pub(crate) fn noise_at_first(&self, declared: &Refit) -> Vec<SensorNoise> {
+        let problem = self.problem();
+        let readings = problem.fitted_readings();
+        let mut noise = Vec::new();
+        for (measurement, own) in problem.measurements.iter().enumerate().filter(|(_, own)| is_unstated(own)) {
+            // As large as elsewhere in a measurement that is held out as a whole.
+            let of = |wanted: &dyn Fn(&FittedReading) -> bool| {
+                let all = readings.iter().zip(&declared.errors);
+                rms(all.filter(|(reading, _)| wanted(reading)).map(|(_, error)| *error))
+            };
+            for sensor in 0..own.sensors.len() {
+                let here = of(&|reading| reading.measurement == measurement);
+                let size = if here > 0.0 { here } else { of(&|_| true) };
+                let white = EstimatedNoise::white((AT_FIRST * size).max(f64::MIN_POSITIVE.sqrt()));
+                noise.push(SensorNoise { measurement, sensor, noise: white, model_error: None });
+            }
+        }
+        noise
+    }
+
+    /// Whether the noise is that of a transient which is not stated.
+    pub(crate) fn is_at_first(&self, one: &SensorNoise) -> bool {
+        is_unstated(&self.problem().measurements[one.measurement])
+    }
+
+    /// Allows for a model error where the fitted sets want one, or for another than before: the diagnosis then begins
+    /// anew with it. `None` where it stays.
+    pub(crate) fn allow_for_model_error(&self, state: &State) -> Result<Option<State>, FitError> {
+        let unstated = self.problem().measurements.iter().any(is_unstated);
+        if state.model_errors >= MOST_TIMES || !(unstated || self.finds(&state.screening) || state.model_errors > 0) {
+            return Ok(None);
+        }
+        let Some(noise) = self.with_model_error(state) else { return Ok(None) };
+        let mut next = self.screen_with(&state.refits[0], noise, state.most_steps.clone())?;
+        next.rounds = state.rounds;
+        next.model_errors = state.model_errors + 1;
+        next.stated_family = if self.problem().measurements.iter().any(is_unstated) {
+            None
+        } else {
+            state.stated_family.clone().or_else(|| Some(state.screening.family.clone()))
+        };
+        next.warnings.clone_from(&state.warnings);
+        next.failed.clone_from(&state.failed);
+        let beside = self.beside_sets(state, &self.instruments(state, 0));
+        for beside in beside.iter().take(MOST_AGAIN) {
+            let refit = &state.refits[beside.place];
+            let order = Order { effects: refit.effects.clone(), starts: vec![refit.by_name()], from: 0 };
+            if let Some(known) = next.pending.iter_mut().find(|known| known.effects == order.effects) {
+                known.starts = order.starts;
+            } else if !next.is_known(&order.effects) {
+                next.pending.push(order);
+            }
+        }
+        Ok(Some(next))
+    }
+
+    /// Orders the laws of whole groups: about a fit that a strong effect has bent their linearisation tells little.
+    pub(crate) fn order_groups(&self, state: &mut State) {
+        let candidates = &self.problem().candidates;
+        let is_wanted = |&place: &usize| {
+            let own = &candidates[place];
+            own.where_kind == "group" && own.input.is_none() && !self.is_unknown_function(place)
+        };
+        for candidate in (0..candidates.len()).filter(is_wanted).take(MOST_GROUPS) {
+            state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &[], 0);
+        }
+    }
+
+    /// Independent readings that the held-out rows are worth.
+    pub(crate) fn independent_unseen(&self, state: &State) -> f64 {
+        let of = |one: &crate::diagnosis::fits::refit::HeldOut| {
+            let same = |own: &&SensorNoise| own.measurement == one.measurement && own.sensor == one.sensor;
+            let own = state.noise.iter().find(same)?;
+            let alone = total_sd(own.noise.total(), own.model_error?.sd);
+            Some(alone * alone / (own.weighed().total() * own.weighed().total()))
+        };
+        state.refits.first().map_or(0.0, |refit| refit.held_out.iter().filter_map(of).sum())
+    }
+
+    /// Log posterior weights of the sets, each with the model error that is most likely beside it.
+    pub(crate) fn log_weights_of_story(&self, state: &State) -> Vec<f64> {
+        let mut logs = vec![f64::NEG_INFINITY; state.refits.len()];
+        let Some((first, instruments)) = self.reference(state) else { return logs };
+        for one in self.beside_sets(state, &instruments) {
+            let inputs = |&effect: &usize| self.problem().candidates[effect].bound.len().saturating_sub(1) as f64;
+            let owed: f64 = one.sds.iter().zip(&first.sds).map(|(own, first)| owes_more(*own, *first)).sum();
+            let more: f64 = state.refits[one.place].effects.iter().map(inputs).sum();
+            logs[one.place] = one.log_weight - FURTHER_INPUT * more - owed;
+        }
+        logs
+    }
+
+    /// The noise with the model error that the fitted sets want; `None` where it is that of before.
+    fn with_model_error(&self, state: &State) -> Option<Vec<SensorNoise>> {
+        let unstated = self.problem().measurements.iter().any(is_unstated);
+        let (first, instruments) = self.reference(state)?;
+        if !unstated && state.model_errors == 0 && !self.owes(state, &first, &instruments) {
+            return None;
+        }
+        let refit = &state.refits[first.place];
+        let freedom = self.freedom(refit, &instruments);
+        let sds: Vec<f64> = instruments.iter().map(|own| own.most_likely(freedom).0).collect();
+        let noise = self.sensors_with(state, refit, &sds, &instruments);
+        let size = |one: &SensorNoise| one.weighed().total();
+        let is_other = |one: &SensorNoise| {
+            let same = |old: &&SensorNoise| old.measurement == one.measurement && old.sensor == one.sensor;
+            let before = state.noise.iter().find(same).map_or_else(|| self.stated(one), size);
+            if state.model_errors > 0 {
+                // What a set leaves need not be more than another was seen to leave.
+                return size(one) < (1.0 - CHANGES) * before;
+            }
+            (size(one) - before).abs() > CHANGES * size(one).max(before)
+        };
+        noise.iter().any(is_other).then_some(noise)
+    }
+
+    /// The most probable plain set with the model error that is most likely beside it, and the instruments' noise.
+    fn reference(&self, state: &State) -> Option<(Beside, Vec<Errors>)> {
+        let mut place = best(&posterior_odds(self.problem(), &state.refits, None)).unwrap_or(0);
+        let mut chosen = None;
+        for _ in 0..ROUNDS {
+            let instruments = self.instruments(state, place);
+            let mut sets = self.beside_sets(state, &instruments);
+            // A curve, or a third effect, could take model error for physics.
+            let is_plain = |effects: &[usize]| {
+                effects.len() <= MOST_BESIDE && effects.iter().all(|&effect| !self.is_unknown_function(effect))
+            };
+            sets.retain(|one| is_plain(&state.refits[one.place].effects));
+            let first = sets.into_iter().next()?;
+            let settled = first.place == place && chosen.is_some();
+            place = first.place;
+            chosen = Some((first, instruments));
+            if settled {
+                break;
+            }
+        }
+        chosen
+    }
+
+    /// Whether the best set leaves more than the stated noise: tests find something beside it, heat whatever its cause is
+    /// more probable, or it fails on the held-out rows.
+    fn owes(&self, state: &State, first: &Beside, instruments: &[Errors]) -> bool {
+        let is_none = |(sd, own): (&f64, &Errors)| *sd <= NONE * rms(own.noise.iter().copied());
+        if first.sds.iter().zip(instruments).all(is_none) {
+            return false;
+        }
+        let problem = self.with_noise(&state.noise, &state.most_steps);
+        let missing = heat::missing_heat(&problem, &state.refits[0]);
+        let weights = posterior_odds(&problem, &state.refits, missing.map(|missing| missing.log_evidence));
+        let Some(place) = best(&weights) else { return false };
+        let left = state.remainders.iter().find(|one| one.effects == state.refits[place].effects);
+        let finds = left.is_some_and(|left| left.p <= self.settings().false_alarm);
+        let fails =
+            || held_out::test(&problem, &state.refits[0], &state.refits[place], problem.noise_freedom.is_none());
+        finds || weights.unexplained > 0.5 || fails().is_some_and(|test| test.veto)
+    }
+
+    fn stated(&self, one: &SensorNoise) -> f64 {
+        self.problem().measurements[one.measurement].sensors[one.sensor].total_sd()
+    }
+
+    /// Share of the independent readings that a fit does not use up.
+    fn freedom(&self, refit: &Refit, instruments: &[Errors]) -> f64 {
+        let independent: f64 = instruments.iter().map(|own| own.errors.len() as f64 / own.readings_of_one).sum();
+        let free = refit.held.iter().filter(|held| !**held).count() as f64;
+        (1.0 - free / independent.max(1.0)).max(0.3)
+    }
+
+    /// The instruments' noise as it is known, or as a set's quiet stretches show it, with the errors of no set.
+    fn instruments(&self, state: &State, place: usize) -> Vec<Errors> {
+        let problem = self.problem();
+        let readings = problem.fitted_readings();
+        let refit = &state.refits[place];
+        let mut all = Vec::new();
+        for (measurement, own) in problem.measurements.iter().enumerate() {
+            let of_sensors: Vec<Vec<f64>> =
+                (0..own.sensors.len()).map(|sensor| series(&readings, &refit.errors, measurement, sensor)).collect();
+            let noise: Vec<f64> = (0..own.sensors.len())
+                .map(|sensor| self.instrument(state, measurement, sensor, &of_sensors[sensor]))
+                .collect();
+            let mine: Vec<usize> = (0..readings.len()).filter(|&k| readings[k].measurement == measurement).collect();
+            let mut errors = Errors {
+                errors: mine.iter().map(|&k| refit.errors[k]).collect(),
+                noise: mine.iter().map(|&k| noise[readings[k].sensor]).collect(),
+                readings_of_one: 1.0,
+            };
+            errors.readings_of_one = match own.rows {
+                Rows::Transient { .. } => readings_of_one(&of_sensors),
+                Rows::Steady(_) => {
+                    let error = errors.most_likely(1.0).0;
+                    let noise = rms(errors.noise.iter().copied());
+                    let (error, noise) = (error * error, noise * noise);
+                    (noise + STEADY_READINGS_OF_ONE * error) / (noise + error)
+                }
+            };
+            all.push(errors);
+        }
+        all
+    }
+
+    /// Standard deviation of the noise of one instrument.
+    fn instrument(&self, state: &State, measurement: usize, sensor: usize, errors: &[f64]) -> f64 {
+        let own = &self.problem().measurements[measurement];
+        if is_unstated(own) {
+            return quiet_scatter(errors).max(LEAST_NOISE * rms(errors.iter().copied())).max(f64::MIN_POSITIVE.sqrt());
+        }
+        let estimated = state.noise.iter().find(|one| one.measurement == measurement && one.sensor == sensor);
+        estimated.map_or_else(|| own.sensors[sensor].total_sd(), |one| one.noise.total())
+    }
+
+    /// The noise of all sensors beside a set, with a model error by measurement.
+    fn sensors_with(&self, state: &State, refit: &Refit, sds: &[f64], instruments: &[Errors]) -> Vec<SensorNoise> {
+        let problem = self.problem();
+        let readings = problem.fitted_readings();
+        let mut all = Vec::new();
+        for (measurement, own) in problem.measurements.iter().enumerate() {
+            let is_fitted = |m: usize| readings.iter().any(|reading| reading.measurement == m);
+            // A measurement that is held out as a whole is as another is.
+            let like = if is_fitted(measurement) { Some(measurement) } else { (0..sds.len()).find(|&m| is_fitted(m)) };
+            let Some(like) = like else { continue };
+            for sensor in 0..own.sensors.len() {
+                let same =
+                    problem.measurements[like].sensors.iter().position(|one| one.name == own.sensors[sensor].name);
+                let source = if like == measurement { Some(sensor) } else { same };
+                let at = source.unwrap_or(0);
+                let noise = self.instrument(state, like, at, &series(&readings, &refit.errors, like, at));
+                let probe = FittedReading { measurement, row: 0, sensor };
+                let sd = if is_temperature(problem, &probe) { sds[like] } else { 0.0 };
+                let counts_as = match own.rows {
+                    Rows::Steady(_) => total_sd(noise, sd * STEADY_READINGS_OF_ONE.sqrt()),
+                    Rows::Transient { .. } => total_sd(noise, sd) * instruments[like].readings_of_one.sqrt(),
+                };
+                let model_error = Some(ModelError { sd, counts_as });
+                all.push(SensorNoise { measurement, sensor, noise: EstimatedNoise::white(noise), model_error });
+            }
+        }
+        all
+    }
+
+    /// All sets with the model errors that are most likely beside them, the most probable first.
+    fn beside_sets(&self, state: &State, instruments: &[Errors]) -> Vec<Beside> {
+        let mut sets: Vec<Beside> = (0..state.refits.len())
+            .map(|place| {
+                let (log_weight, sds) =
+                    self.log_weight(state, &state.refits[place], instruments, |own| own.most_likely(1.0));
+                Beside { place, log_weight, sds }
+            })
+            .filter(|one| one.log_weight.is_finite())
+            .collect();
+        sets.sort_by(|a, b| b.log_weight.total_cmp(&a.log_weight).then(a.place.cmp(&b.place)));
+        sets
+    }
+
+    /// Log posterior weight of a set with model errors as `likely` finds them: its evidence with the likelihood
+    /// exchanged, and the volume that the parameters have with it.
+    fn log_weight(
+        &self,
+        state: &State,
+        refit: &Refit,
+        instruments: &[Errors],
+        likely: impl Fn(&Errors) -> (f64, f64),
+    ) -> (f64, Vec<f64>) {
+        let problem = self.with_noise(&state.noise, &state.most_steps);
+        let readings = problem.fitted_readings();
+        let (mut log, mut sds, mut widening, mut count) = (0.0, Vec::new(), 0.0, 0.0);
+        for (measurement, own) in instruments.iter().enumerate() {
+            let mine: Vec<usize> = (0..readings.len()).filter(|&k| readings[k].measurement == measurement).collect();
+            let errors = Errors { errors: mine.iter().map(|&k| refit.errors[k]).collect(), ..own.clone() };
+            let (sd, value) = likely(&errors);
+            log += value;
+            for (&k, noise) in mine.iter().zip(&own.noise) {
+                let before = problem.measurements[measurement].sensors[readings[k].sensor].total_sd();
+                widening += ln((noise * noise + sd * sd) * own.readings_of_one / (before * before));
+                count += 1.0;
+            }
+            sds.push(sd);
+        }
+        let free = refit.held.iter().filter(|held| !**held).count() as f64;
+        let volume = refit.log_evidence - refit.log_likelihood + 0.5 * free * widening / f64::max(count, 1.0);
+        (log + volume + Odds::new(&problem).of(&problem, &refit.effects), sds)
+    }
+}

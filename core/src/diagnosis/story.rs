@@ -1,0 +1,225 @@
+//! How effects are added one by one where the model is a little wrong everywhere: what a larger set gains there at once is
+//! as likely to be model error.
+
+use crate::diagnosis::engine::{Diagnosis, State};
+use crate::diagnosis::odds::posterior_odds::RIVALS_WITHIN;
+use crate::diagnosis::{RISES, Refit};
+use crate::math::functions::{exp, ln};
+use crate::math::sum::log_sum_exp;
+
+/// Log odds by which a curve goes before a law.
+const CLEARLY: f64 = 10.0;
+/// Log odds, and share of the gain of a step in log odds, within which effects explain as much as one another.
+const ALIKE: f64 = 7.0;
+const ALIKE_SHARE: f64 = 0.1;
+/// Share by which an error is clearly less.
+const CLEARLY_LESS: f64 = 0.05;
+
+/// What may be added at a step.
+#[derive(Clone, Debug)]
+pub(crate) struct Chance {
+    /// The effect.
+    pub effect: usize,
+    /// Position of the set with it.
+    pub place: usize,
+    /// Its probability among all that may be added, and nothing.
+    pub probability: f64,
+}
+
+/// A step of a story.
+#[derive(Clone, Debug)]
+pub(crate) struct Step {
+    /// Position of the set before it.
+    pub before: usize,
+    /// Position of the set after it; `None` where nothing is added.
+    pub chosen: Option<usize>,
+    /// Probability that nothing is to be added.
+    pub stays: f64,
+    /// What may be added, most probable first.
+    pub chances: Vec<Chance>,
+}
+
+/// How effects are added one by one.
+#[derive(Clone, Debug)]
+pub(crate) struct Story {
+    /// Positions of the sets, from nothing on.
+    pub sets: Vec<usize>,
+    /// The steps; the last one may add nothing.
+    pub steps: Vec<Step>,
+}
+
+impl Story {
+    /// The set to which it leads.
+    pub fn end(&self) -> usize {
+        self.sets.last().copied().unwrap_or(0)
+    }
+}
+
+/// Log likelihood that a set gains over one that it follows on unseen rows which are worth so many independent readings,
+/// each set with the model error that it shows there.
+fn gains_unseen(before: &Refit, after: &Refit, independent: f64) -> f64 {
+    let ratio = before.rmse_held_out_k.zip(after.rmse_held_out_k).map(|(before, after)| before / after);
+    ratio.filter(|ratio| ratio.is_finite() && *ratio > 1.0).map_or(0.0, |ratio| independent * ln(ratio))
+}
+
+/// Whether a set predicts unseen rows worse than one that it follows.
+fn rises(before: &Refit, after: &Refit) -> bool {
+    before.rmse_held_out_k.zip(after.rmse_held_out_k).is_some_and(|(before, after)| after > RISES * before)
+}
+
+impl Diagnosis {
+    /// The sets that follow from one another, each with one effect more than the one before, from nothing on: the most
+    /// probable plain law is added while it pays and the error on unseen rows does not rise. A curve of one input goes
+    /// before laws only where it is clearly more probable; other curves only after them. Of laws that are nearly as
+    /// probable the one goes first that predicts the unseen rows best.
+    pub(crate) fn story(&self, state: &State) -> Story {
+        let logs = self.log_weights_of_story(state);
+        let mut story = Story { sets: vec![0], steps: Vec::new() };
+        let mut at = 0;
+        while (state.refits[at].effects.len() as u64) < self.settings().most {
+            let step = self.step(state, &logs, at);
+            let Some(next) = step.chosen else {
+                story.steps.push(step);
+                break;
+            };
+            story.sets.push(next);
+            story.steps.push(step);
+            at = next;
+            while let Some((better, earlier)) = self.exchange(state, &logs, &story) {
+                // What was added first may stand for what is only seen now.
+                let shortened: Vec<usize> = story.sets[..earlier].to_vec();
+                story = self.along(state, &logs, shortened, better);
+                at = better;
+            }
+        }
+        story
+    }
+
+    /// What may be added to a set.
+    fn step(&self, state: &State, logs: &[f64], at: usize) -> Step {
+        let own = &state.refits[at];
+        let added = |place: usize| {
+            let effects = &state.refits[place].effects;
+            let is_next = effects.len() == own.effects.len() + 1 && own.effects.iter().all(|one| effects.contains(one));
+            effects.iter().find(|effect| is_next && !own.effects.contains(effect)).copied()
+        };
+        let next: Vec<(usize, usize)> = (0..logs.len())
+            .filter_map(|place| Some((added(place)?, place)))
+            .filter(|one| logs[one.1].is_finite())
+            .collect();
+        let all: Vec<f64> = next.iter().map(|one| logs[one.1]).chain([logs[at]]).collect();
+        let total = log_sum_exp(&all);
+        let mut chances: Vec<Chance> = next
+            .iter()
+            .map(|&(effect, place)| Chance { effect, place, probability: exp(logs[place] - total) })
+            .collect();
+        chances.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
+        let unseen = self.independent_unseen(state);
+        let pays = |one: &&Chance| {
+            let after = &state.refits[one.place];
+            // Unseen rows may pay for a step; they do not choose between steps that the fitted ones tell apart.
+            logs[one.place] + gains_unseen(own, after, unseen) > logs[at] && !rises(own, after)
+        };
+        let is_curve = |one: &&Chance| self.is_unknown_function(one.effect);
+        let law = chances.iter().filter(pays).find(|one| !is_curve(one));
+        let of_one_input = |one: &&Chance| is_curve(one) && self.problem().candidates[one.effect].bound.len() == 1;
+        let curve = chances.iter().filter(pays).find(of_one_input);
+        let chosen = match (law, curve) {
+            (Some(law), Some(curve)) if logs[curve.place] > logs[law.place] + CLEARLY => Some(curve),
+            (Some(law), _) => {
+                let near = |one: &&Chance| !is_curve(one) && one.probability * RIVALS_WITHIN >= law.probability;
+                let error = |one: &Chance| state.refits[one.place].rmse_held_out_k.unwrap_or(0.0);
+                let of_group = |one: &Chance| self.problem().candidates[one.effect].where_kind == "group";
+                // A law of a whole surface goes before what is as probable at single places.
+                let near = chances.iter().filter(pays).filter(near).filter(|one| !of_group(law) || of_group(one));
+                near.reduce(|a, b| if error(b) < (1.0 - CLEARLY_LESS) * error(a) { b } else { a })
+            }
+            (None, curve) => curve.or_else(|| chances.iter().find(pays)),
+        };
+        let chosen = chosen.cloned();
+        let mut stays = exp(logs[at] - total);
+        if chosen.as_ref().is_some_and(|chosen| !self.is_unknown_function(chosen.effect)) {
+            // Curves are asked only after the laws.
+            chances.retain(|one| !self.is_unknown_function(one.effect));
+            let rest = stays + chances.iter().map(|one| one.probability).sum::<f64>();
+            chances.iter_mut().for_each(|one| one.probability /= rest);
+            stays /= rest;
+        }
+        Step { before: at, chosen: chosen.map(|one| one.place), stays, chances }
+    }
+
+    /// A set of the story's size that is clearly more probable, with another effect in the place of an earlier one which
+    /// explained as much as that one when it was added; and the step of that one.
+    fn exchange(&self, state: &State, logs: &[f64], story: &Story) -> Option<(usize, usize)> {
+        let end = *story.sets.last()?;
+        let members = &state.refits[end].effects;
+        let mut best: Option<(usize, usize)> = None;
+        for (number, step) in story.steps.iter().enumerate().take(story.steps.len().saturating_sub(1)) {
+            let chosen = step.chosen?;
+            let gain = logs[chosen] - logs[step.before];
+            let member =
+                state.refits[chosen].effects.iter().find(|one| !state.refits[step.before].effects.contains(one))?;
+            for other in
+                step.chances.iter().filter(|one| logs[chosen] - logs[one.place] < ALIKE.max(ALIKE_SHARE * gain))
+            {
+                let before = &state.refits[step.before].effects;
+                let is_other = |&place: &usize| {
+                    let effects = &state.refits[place].effects;
+                    effects.len() == members.len()
+                        && effects.contains(&other.effect)
+                        && !effects.contains(member)
+                        && before.iter().all(|one| effects.contains(one))
+                        && effects.iter().all(|&one| members.contains(&one) || !self.is_unknown_function(one))
+                        && !rises(&state.refits[end], &state.refits[place])
+                };
+                let place = (0..logs.len()).filter(is_other).reduce(|a, b| if logs[b] > logs[a] { b } else { a });
+                let place =
+                    place.filter(|&place| logs[place] > logs[best.map_or(end, |best| best.0)] + ln(RIVALS_WITHIN));
+                if let Some(place) = place {
+                    best = Some((place, number + 1));
+                }
+            }
+        }
+        best
+    }
+
+    /// The story that leads to a set along others, as far as these were fitted.
+    fn along(&self, state: &State, logs: &[f64], mut sets: Vec<usize>, end: usize) -> Story {
+        while let Some(&at) = sets.last()
+            && state.refits[at].effects.len() < state.refits[end].effects.len()
+        {
+            let own = &state.refits[at].effects;
+            let is_on_the_way = |place: &usize| {
+                let effects = &state.refits[*place].effects;
+                effects.len() == own.len() + 1
+                    && own.iter().all(|one| effects.contains(one))
+                    && effects.iter().all(|one| state.refits[end].effects.contains(one))
+            };
+            let next = (0..logs.len()).filter(is_on_the_way).reduce(|a, b| if logs[b] > logs[a] { b } else { a });
+            sets.push(next.unwrap_or(end));
+        }
+        let step = |pair: &[usize]| {
+            let own = Step { chosen: Some(pair[1]), ..self.step(state, logs, pair[0]) };
+            let most = own.chances.iter().map(|one| one.probability).fold(0.0, f64::max);
+            let is_likely = |one: &Chance| one.place == pair[1] && one.probability * RIVALS_WITHIN >= most;
+            // What shows only beside the others is judged beside them.
+            let beside = || self.last_of(state, logs, pair, end);
+            if own.chances.iter().any(is_likely) { own } else { beside().unwrap_or(own) }
+        };
+        let steps = sets.windows(2).map(step).collect();
+        Story { sets, steps }
+    }
+
+    /// The step to a set by the effect that another step added, as if that had come last.
+    fn last_of(&self, state: &State, logs: &[f64], pair: &[usize], end: usize) -> Option<Step> {
+        let added = state.refits[pair[1]].effects.iter().find(|one| !state.refits[pair[0]].effects.contains(one))?;
+        let rest: Vec<usize> = state.refits[end].effects.iter().copied().filter(|one| one != added).collect();
+        let before = state.refits.iter().position(|refit| refit.effects == rest)?;
+        Some(Step { chosen: Some(end), ..self.step(state, logs, before) })
+    }
+
+    /// Whether an effect is an unknown function in which several inputs meet, which is asked where no law is found.
+    pub(crate) fn is_last_resort(&self, effect: usize) -> bool {
+        self.is_unknown_function(effect) && self.problem().candidates[effect].bound.len() > 1
+    }
+}
