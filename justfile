@@ -20,6 +20,10 @@ nightly:
 laboratory nulls="2000" cases="1000" seed="1":
     cargo run --release --package bmv-benches --example laboratory -- {{nulls}} {{cases}} {{seed}}
 
+# the diagnosis on campaigns whose truth is written beside them
+told +campaigns:
+    cargo build --release && python3 tests/told.py target/release/bmv {{campaigns}}
+
 # benchmarks of everything that has a speed target
 bench:
     cargo build --release && cargo bench --package bmv-benches

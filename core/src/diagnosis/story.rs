@@ -12,8 +12,6 @@ const CLEARLY: f64 = 10.0;
 /// Log odds, and share of the gain of a step in log odds, within which effects explain as much as one another.
 const ALIKE: f64 = 7.0;
 const ALIKE_SHARE: f64 = 0.1;
-/// Share by which an error is clearly less.
-const CLEARLY_LESS: f64 = 0.05;
 
 /// What may be added at a step.
 #[derive(Clone, Debug)]
@@ -71,7 +69,7 @@ impl Diagnosis {
     /// The sets that follow from one another, each with one effect more than the one before, from nothing on: the most
     /// probable plain law is added while it pays and the error on unseen rows does not rise. A curve of one input goes
     /// before laws only where it is clearly more probable; other curves only after them. Of laws that are nearly as
-    /// probable the one goes first that predicts the unseen rows best.
+    /// probable the one goes first that is most probable with the unseen rows.
     pub(crate) fn story(&self, state: &State) -> Story {
         let logs = self.log_weights_of_story(state);
         let mut story = Story { sets: vec![0], steps: Vec::new() };
@@ -128,11 +126,12 @@ impl Diagnosis {
             (Some(law), Some(curve)) if logs[curve.place] > logs[law.place] + CLEARLY => Some(curve),
             (Some(law), _) => {
                 let near = |one: &&Chance| !is_curve(one) && one.probability * RIVALS_WITHIN >= law.probability;
-                let error = |one: &Chance| state.refits[one.place].rmse_held_out_k.unwrap_or(0.0);
+                // With what the unseen rows say.
+                let value = |one: &Chance| logs[one.place] + gains_unseen(own, &state.refits[one.place], unseen);
                 let of_group = |one: &Chance| self.problem().candidates[one.effect].where_kind == "group";
                 // A law of a whole surface goes before what is as probable at single places.
                 let near = chances.iter().filter(pays).filter(near).filter(|one| !of_group(law) || of_group(one));
-                near.reduce(|a, b| if error(b) < (1.0 - CLEARLY_LESS) * error(a) { b } else { a })
+                near.reduce(|a, b| if value(b) > value(a) { b } else { a })
             }
             (None, curve) => curve.or_else(|| chances.iter().find(pays)),
         };

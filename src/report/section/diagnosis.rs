@@ -165,7 +165,7 @@ fn effects(output: &Output) -> Option<Block> {
         Verdict::Unexplained => Text::new("The effects that come nearest; none of them explains the misfit."),
         _ => {
             let order = if output.steps.is_empty() { "most probable first" } else { "the steps first" };
-            let mut text = Text::new(&format!("Effects that would explain the misfit, {order}; selected: "));
+            let mut text = Text::new(format!("Effects that would explain the misfit, {order}; selected: "));
             for (position, id) in output.selected.iter().enumerate() {
                 text = text.plain(if position == 0 { "" } else { ", " }).code(id);
             }
