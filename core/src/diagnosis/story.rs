@@ -7,10 +7,10 @@ use crate::diagnosis::{RISES, Refit};
 use crate::math::functions::{exp, ln};
 use crate::math::sum::log_sum_exp;
 
-/// Log odds by which a curve goes before a law.
+/// Log odds that are clear: by which a curve goes before a law, or a single place before a whole surface, and within which
+/// effects explain as much as one another.
 const CLEARLY: f64 = 10.0;
-/// Log odds, and share of the gain of a step in log odds, within which effects explain as much as one another.
-const ALIKE: f64 = 7.0;
+/// Share of the gain of a step in log odds within which effects explain as much as one another.
 const ALIKE_SHARE: f64 = 0.1;
 
 /// What may be added at a step.
@@ -53,11 +53,11 @@ impl Story {
     }
 }
 
-/// Log likelihood that a set gains over one that it follows on unseen rows which are worth so many independent readings,
-/// each set with the model error that it shows there.
+/// Log likelihood that a set gains over another on unseen rows which are worth so many independent readings, each set with
+/// the model error that it shows there.
 fn gains_unseen(before: &Refit, after: &Refit, independent: f64) -> f64 {
     let ratio = before.rmse_held_out_k.zip(after.rmse_held_out_k).map(|(before, after)| before / after);
-    ratio.filter(|ratio| ratio.is_finite() && *ratio > 1.0).map_or(0.0, |ratio| independent * ln(ratio))
+    ratio.filter(|ratio| ratio.is_finite() && *ratio > 0.0).map_or(0.0, |ratio| independent * ln(ratio))
 }
 
 /// Whether a set predicts unseen rows worse than one that it follows.
@@ -68,10 +68,12 @@ fn rises(before: &Refit, after: &Refit) -> bool {
 impl Diagnosis {
     /// The sets that follow from one another, each with one effect more than the one before, from nothing on: the most
     /// probable plain law is added while it pays and the error on unseen rows does not rise. A curve of one input goes
-    /// before laws only where it is clearly more probable; other curves only after them. Of laws that are nearly as
-    /// probable the one goes first that is most probable with the unseen rows.
+    /// before laws only where it is clearly more probable; other curves only after them.
     pub(crate) fn story(&self, state: &State) -> Story {
-        let logs = self.log_weights_of_story(state);
+        // With what the unseen rows say: users judge the error there.
+        let unseen = self.independent_unseen(state);
+        let seen = self.log_weights_of_story(state).into_iter().zip(&state.refits);
+        let logs: Vec<f64> = seen.map(|(log, refit)| log + gains_unseen(&state.refits[0], refit, unseen)).collect();
         let mut story = Story { sets: vec![0], steps: Vec::new() };
         let mut at = 0;
         while (state.refits[at].effects.len() as u64) < self.settings().most {
@@ -112,34 +114,27 @@ impl Diagnosis {
             .map(|&(effect, place)| Chance { effect, place, probability: exp(logs[place] - total) })
             .collect();
         chances.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
-        let unseen = self.independent_unseen(state);
-        let pays = |one: &&Chance| {
-            let after = &state.refits[one.place];
-            // Unseen rows may pay for a step; they do not choose between steps that the fitted ones tell apart.
-            logs[one.place] + gains_unseen(own, after, unseen) > logs[at] && !rises(own, after)
-        };
+        let pays = |one: &&Chance| logs[one.place] > logs[at] && !rises(own, &state.refits[one.place]);
         let is_curve = |one: &&Chance| self.is_unknown_function(one.effect);
+        let is_of_group = |one: &Chance| self.problem().candidates[one.effect].where_kind == "group";
         let law = chances.iter().filter(pays).find(|one| !is_curve(one));
         let of_one_input = |one: &&Chance| is_curve(one) && self.problem().candidates[one.effect].bound.len() == 1;
         let curve = chances.iter().filter(pays).find(of_one_input);
         let chosen = match (law, curve) {
             (Some(law), Some(curve)) if logs[curve.place] > logs[law.place] + CLEARLY => Some(curve),
             (Some(law), _) => {
-                let near = |one: &&Chance| !is_curve(one) && one.probability * RIVALS_WITHIN >= law.probability;
-                // With what the unseen rows say.
-                let value = |one: &Chance| logs[one.place] + gains_unseen(own, &state.refits[one.place], unseen);
-                let of_group = |one: &Chance| self.problem().candidates[one.effect].where_kind == "group";
-                // A law of a whole surface goes before what is as probable at single places.
-                let near = chances.iter().filter(pays).filter(near).filter(|one| !of_group(law) || of_group(one));
-                near.reduce(|a, b| if value(b) > value(a) { b } else { a })
+                // A law of a whole surface goes before what explains as much at single places.
+                let alike = |one: &&Chance| logs[one.place] > logs[law.place] - CLEARLY && !is_curve(one);
+                chances.iter().filter(pays).filter(|one| is_of_group(one)).find(alike).or(Some(law))
             }
             (None, curve) => curve.or_else(|| chances.iter().find(pays)),
         };
+        let before_others = law.zip(chosen).is_some_and(|(law, chosen)| is_of_group(chosen) && !is_of_group(law));
         let chosen = chosen.cloned();
         let mut stays = exp(logs[at] - total);
         if chosen.as_ref().is_some_and(|chosen| !self.is_unknown_function(chosen.effect)) {
-            // Curves are asked only after the laws.
-            chances.retain(|one| !self.is_unknown_function(one.effect));
+            // Curves are asked only after the laws, single places after the surfaces that explain what they do.
+            chances.retain(|one| !self.is_unknown_function(one.effect) && (!before_others || is_of_group(one)));
             let rest = stays + chances.iter().map(|one| one.probability).sum::<f64>();
             chances.iter_mut().for_each(|one| one.probability /= rest);
             stays /= rest;
@@ -159,7 +154,7 @@ impl Diagnosis {
             let member =
                 state.refits[chosen].effects.iter().find(|one| !state.refits[step.before].effects.contains(one))?;
             for other in
-                step.chances.iter().filter(|one| logs[chosen] - logs[one.place] < ALIKE.max(ALIKE_SHARE * gain))
+                step.chances.iter().filter(|one| logs[chosen] - logs[one.place] < CLEARLY.max(ALIKE_SHARE * gain))
             {
                 let before = &state.refits[step.before].effects;
                 let is_other = |&place: &usize| {
@@ -172,8 +167,7 @@ impl Diagnosis {
                         && !rises(&state.refits[end], &state.refits[place])
                 };
                 let place = (0..logs.len()).filter(is_other).reduce(|a, b| if logs[b] > logs[a] { b } else { a });
-                let place =
-                    place.filter(|&place| logs[place] > logs[best.map_or(end, |best| best.0)] + ln(RIVALS_WITHIN));
+                let place = place.filter(|&place| logs[place] > logs[best.map_or(end, |best| best.0)]);
                 if let Some(place) = place {
                     best = Some((place, number + 1));
                 }

@@ -3,7 +3,7 @@
 use crate::measurement::total_sd;
 use std::collections::BTreeMap;
 
-use crate::diagnosis::engine::{Diagnosis, Remainder, State, TIMES_THE_STEPS};
+use crate::diagnosis::engine::{Diagnosis, Remainder, SensorNoise, State, TIMES_THE_STEPS};
 use crate::diagnosis::fits::held_out;
 use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::heat;
@@ -18,7 +18,7 @@ use crate::diagnosis::output::{
     Amount, Detectable, EffectResult, Misfit, ModelResult, NoiseResult, Output, Rmse, RmseChange, StoryStep, Test,
     Unseen, Verdict,
 };
-use crate::diagnosis::problem::is_idle;
+use crate::diagnosis::problem::{FittedReading, is_idle};
 use crate::diagnosis::story::{Step, Story};
 use crate::diagnosis::verdict::discriminating_experiment;
 use crate::diagnosis::verdict::hints::hints;
@@ -219,7 +219,10 @@ impl Diagnosis {
         warnings.extend(trend::warnings(&problem, &state.refits[findings.selected].effects));
         let chosen = &state.refits[findings.selected];
         // It is about the data themselves.
-        if let Some(overstated) = overstated::warning(self.problem(), &problem, chosen, free(chosen)) {
+        let overstated = (!state.is_misspecified())
+            .then(|| overstated::warning(self.problem(), &problem, chosen, free(chosen)))
+            .flatten();
+        if let Some(overstated) = overstated {
             warnings.insert(0, overstated);
         }
         let parted = if verdict == Verdict::Ambiguous {
@@ -234,7 +237,7 @@ impl Diagnosis {
             words: Vec::new(),
             probability_nothing: nothing,
             probability_unexplained: findings.weights.unexplained,
-            misfit: misfit(state),
+            misfit: misfit(&problem, state),
             effects: self.effects(&findings),
             models: models(&findings),
             selected,
@@ -570,7 +573,18 @@ fn doubts(problem: &Problem) -> Vec<Doubt> {
     doubts
 }
 
-fn misfit(state: &State) -> Misfit {
+/// Sum of squares of the baseline model's errors in standard deviations of the instruments' noise, where a model error is
+/// allowed for beside it.
+fn by_noise_alone(problem: &Problem, state: &State) -> Option<f64> {
+    let of = |(reading, error): (FittedReading, &f64)| {
+        let same = |own: &&SensorNoise| own.measurement == reading.measurement && own.sensor == reading.sensor;
+        let own = state.noise.iter().find(same).filter(|own| own.model_error.is_some())?;
+        Some((error / own.noise.total()) * (error / own.noise.total()))
+    };
+    problem.fitted_readings().into_iter().zip(&state.refits[0].errors).map(of).sum()
+}
+
+fn misfit(problem: &Problem, state: &State) -> Misfit {
     let baseline = &state.refits[0];
     // As in a calibration: a parameter at a bound counts too, so that both tell one figure where their noise is one.
     let unknowns = baseline.names.iter().filter(|name| !is_idle(name)).count();
@@ -578,7 +592,7 @@ fn misfit(state: &State) -> Misfit {
     let family = state.stated_family.as_ref().unwrap_or(&state.screening.family);
     let tests = family.tests.iter();
     Misfit {
-        reduced_chi2: baseline.chi_square / freedom,
+        reduced_chi2: by_noise_alone(problem, state).unwrap_or(baseline.chi_square) / freedom,
         family_wise_p: family.p,
         rmse_k: Rmse { train: baseline.rmse_train_k, held_out: baseline.rmse_held_out_k },
         tests: tests.map(|test| Test { name: test.name.clone(), at: test.at.clone(), p: test.p }).collect(),

@@ -179,7 +179,7 @@ fn ends(step: &StoryStep) -> Option<String> {
     }
     let next = step.alternatives.first().map_or_else(String::new, |next| format!(" The next would be {next}."));
     Some(format!(
-        "No further step is taken: with probability {} none of the effects is to be added, or the next does not lower the error on unseen rows.{next}",
+        "No further step is taken: that none of the effects is to be added has the probability {}.{next}",
         percent(step.probability)
     ))
 }
@@ -190,8 +190,12 @@ fn model_error(output: &Output) -> Option<String> {
     let of: Vec<(f64, f64, f64)> =
         sizes.filter_map(|own| Some((own.model_error?, own.sigma, own.counts_as?))).collect();
     let worst = of.iter().copied().reduce(|a, b| if b.0 > a.0 { b } else { a })?;
+    let part = match output.misfit.rmse_k.held_out {
+        Some(_) => " Held-out rows take part in the choice of the steps.",
+        None => "",
+    };
     Some(format!(
-        "The model is a little wrong everywhere: beside what is found it owes {} K (standard deviation), while the instruments' noise is {} K. Such errors are alike in readings that follow one another, so that a reading counts as one with a noise of {} K.",
+        "The model is a little wrong everywhere: beside what is found it owes {} K (standard deviation), while the instruments' noise is {} K. Such errors are alike in readings that follow one another, so that a reading counts as one with a noise of {} K.{part}",
         short(worst.0, 2),
         short(worst.1, 2),
         short(worst.2, 2)
@@ -245,7 +249,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             error.push_str(&format!(", {held_out:.2} K on the held-out rows"));
         }
     }
-    if !findings.state.noise.is_empty() {
+    if !findings.state.noise.is_empty() && findings.state.stated_family.is_none() {
         error.push_str(", by the noise that was estimated here (see noise)");
     }
     error.push_str(&format!("; {}.", clearness(misfit.family_wise_p, false_alarm)));
