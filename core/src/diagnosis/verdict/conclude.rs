@@ -533,7 +533,8 @@ impl Findings<'_> {
             let first = self.groups.iter().filter_map(|group| group.first());
             let sure = self.groups.iter().all(|group| group.len() == 1)
                 && first.into_iter().all(|&effect| self.probability(effect) >= SURE);
-            return if sure { Verdict::Identified } else { Verdict::Ambiguous };
+            // A model that is wrong by more than the noise may be so in the steps as well.
+            return if sure && is_small_error(self.state) { Verdict::Identified } else { Verdict::Ambiguous };
         }
         let alone = self.rivals.len() == 1;
         let sure = held(&self.state.refits, &self.weights, &self.groups) >= SURE;
