@@ -27,7 +27,7 @@ pub(crate) const SINGLES: usize = 30;
 const PAIRS: usize = 30;
 /// Most exchanges of channels that are fitted whatever their linearisation says.
 const EXCHANGES: usize = 4;
-/// The same where those that were fitted before are fitted again with a model error.
+/// Single effects that are fitted beside those that were fitted before, where a model error is allowed for.
 const SINGLES_AGAIN: usize = 15;
 /// Single effects that are fitted where no test finds anything.
 const SINGLES_OF_NOTHING: usize = 10;
@@ -292,15 +292,12 @@ impl Diagnosis {
             failed: Vec::new(),
             warnings: Vec::new(),
         };
-        let noise_is_settled = state.is_misspecified();
         // A model error is allowed for where a misfit is certain.
         let finds = self.finds(&screening) || state.is_misspecified();
-        let singles = if finds && noise_is_settled {
-            SINGLES_AGAIN
-        } else if finds {
-            SINGLES
-        } else {
-            SINGLES_OF_NOTHING
+        let singles = match (state.is_misspecified(), finds) {
+            (true, _) => SINGLES_AGAIN,
+            (false, true) => SINGLES,
+            (false, false) => SINGLES_OF_NOTHING,
         };
         let is_asked = |lead: &&Lead| !(problem.is_misspecified && self.is_last_resort(lead.candidate));
         for lead in screening.leads.iter().filter(is_asked).take(singles) {

@@ -39,7 +39,7 @@ const MOST_GROUPS: usize = 24;
 const FURTHER_INPUT: f64 = 1.1;
 /// Standard deviation of the logarithm of a model error about that of the best set.
 const APART: f64 = 0.35;
-/// Relative changes of a size and of a correlation that matter.
+/// Relative change of the size with which readings count that matters.
 const CHANGES: f64 = 0.15;
 /// Share of the noise below which a model error is none.
 const NONE: f64 = 0.2;
@@ -75,6 +75,32 @@ fn series(readings: &[FittedReading], errors: &[f64], measurement: usize, sensor
 fn rms(errors: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = errors.fold((0.0, 0), |(sum, count), error| (sum + error * error, count + 1));
     (sum / f64::from(count.max(1))).sqrt()
+}
+
+/// Log evidence of a set with the most likely model errors, and these by measurement, SI: its evidence with the likelihood
+/// exchanged, and the volume that the parameters have with it.
+fn log_evidence(
+    problem: &Problem,
+    readings: &[FittedReading],
+    refit: &Refit,
+    instruments: &[Errors],
+) -> (f64, Vec<f64>) {
+    let (mut log, mut sds, mut widening, mut count) = (0.0, Vec::new(), 0.0, 0.0);
+    for (measurement, own) in instruments.iter().enumerate() {
+        let mine: Vec<usize> = (0..readings.len()).filter(|&k| readings[k].measurement == measurement).collect();
+        let errors = Errors { errors: mine.iter().map(|&k| refit.errors[k]).collect(), ..own.clone() };
+        let (sd, value) = errors.most_likely(1.0);
+        log += value;
+        for (&k, noise) in mine.iter().zip(&own.noise) {
+            let before = problem.measurements[measurement].sensors[readings[k].sensor].total_sd();
+            widening += ln((noise * noise + sd * sd) * own.readings_of_one / (before * before));
+            count += 1.0;
+        }
+        sds.push(sd);
+    }
+    let free = refit.held.iter().filter(|held| !**held).count() as f64;
+    let volume = refit.log_evidence - refit.log_likelihood + 0.5 * free * widening / f64::max(count, 1.0);
+    (log + volume, sds)
 }
 
 /// What is estimated beside one set.
@@ -246,6 +272,7 @@ impl Diagnosis {
         finds || weights.unexplained > 0.5 || fails().is_some_and(|test| test.veto)
     }
 
+    /// Standard deviation of a sensor's readings as the study states it, SI.
     fn stated(&self, one: &SensorNoise) -> f64 {
         self.problem().measurements[one.measurement].sensors[one.sensor].total_sd()
     }
@@ -257,7 +284,7 @@ impl Diagnosis {
         (1.0 - free / independent.max(1.0)).max(0.3)
     }
 
-    /// The instruments' noise as it is known, or as a set's quiet stretches show it, with the errors of no set.
+    /// By measurement: the errors of a set, and the instruments' noise as it is known or as quiet stretches of these show it.
     fn instruments(&self, state: &State, place: usize) -> Vec<Errors> {
         let problem = self.problem();
         let readings = problem.fitted_readings();
@@ -330,44 +357,17 @@ impl Diagnosis {
 
     /// All sets with the model errors that are most likely beside them, the most probable first.
     fn beside_sets(&self, state: &State, instruments: &[Errors]) -> Vec<Beside> {
+        let problem = self.with_noise(&state.noise, &state.most_steps);
+        let (readings, odds) = (problem.fitted_readings(), Odds::new(&problem));
         let mut sets: Vec<Beside> = (0..state.refits.len())
             .map(|place| {
-                let (log_weight, sds) =
-                    self.log_weight(state, &state.refits[place], instruments, |own| own.most_likely(1.0));
-                Beside { place, log_weight, sds }
+                let refit = &state.refits[place];
+                let (log, sds) = log_evidence(&problem, &readings, refit, instruments);
+                Beside { place, log_weight: log + odds.of(&problem, &refit.effects), sds }
             })
             .filter(|one| one.log_weight.is_finite())
             .collect();
         sets.sort_by(|a, b| b.log_weight.total_cmp(&a.log_weight).then(a.place.cmp(&b.place)));
         sets
-    }
-
-    /// Log posterior weight of a set with model errors as `likely` finds them: its evidence with the likelihood
-    /// exchanged, and the volume that the parameters have with it.
-    fn log_weight(
-        &self,
-        state: &State,
-        refit: &Refit,
-        instruments: &[Errors],
-        likely: impl Fn(&Errors) -> (f64, f64),
-    ) -> (f64, Vec<f64>) {
-        let problem = self.with_noise(&state.noise, &state.most_steps);
-        let readings = problem.fitted_readings();
-        let (mut log, mut sds, mut widening, mut count) = (0.0, Vec::new(), 0.0, 0.0);
-        for (measurement, own) in instruments.iter().enumerate() {
-            let mine: Vec<usize> = (0..readings.len()).filter(|&k| readings[k].measurement == measurement).collect();
-            let errors = Errors { errors: mine.iter().map(|&k| refit.errors[k]).collect(), ..own.clone() };
-            let (sd, value) = likely(&errors);
-            log += value;
-            for (&k, noise) in mine.iter().zip(&own.noise) {
-                let before = problem.measurements[measurement].sensors[readings[k].sensor].total_sd();
-                widening += ln((noise * noise + sd * sd) * own.readings_of_one / (before * before));
-                count += 1.0;
-            }
-            sds.push(sd);
-        }
-        let free = refit.held.iter().filter(|held| !**held).count() as f64;
-        let volume = refit.log_evidence - refit.log_likelihood + 0.5 * free * widening / f64::max(count, 1.0);
-        (log + volume + Odds::new(&problem).of(&problem, &refit.effects), sds)
     }
 }

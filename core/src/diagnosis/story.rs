@@ -142,7 +142,7 @@ impl Diagnosis {
         Step { before: at, chosen: chosen.map(|one| one.place), stays, chances }
     }
 
-    /// A set of the story's size that is clearly more probable, with another effect in the place of an earlier one which
+    /// The most probable set of the story's size that is more probable than its end, with another effect in the place of an earlier one which
     /// explained as much as that one when it was added; and the step of that one.
     fn exchange(&self, state: &State, logs: &[f64], story: &Story) -> Option<(usize, usize)> {
         let end = *story.sets.last()?;

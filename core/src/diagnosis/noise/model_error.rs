@@ -6,12 +6,13 @@
 //!
 //! A model's errors are no noise: in a transient they change slowly, in steady phases they follow the inputs and are alike
 //! at neighbours. So `n` readings tell as much as `n / c` independent ones, and the likelihood counts so. In a transient
-//! `c` is the integrated autocorrelation time of what the best set leaves, in readings (Sokal 1997, eq. 3.20); in steady
-//! phases a constant.
+//! `c` is the integrated autocorrelation time of what the best set leaves, in readings (Sokal 1997), or what counts
+//! errors that come again (Bartlett 1946), whichever is larger; in steady phases a constant.
 
 use serde::{Deserialize, Serialize};
 
 use crate::math::functions::{exp, ln};
+use crate::watch;
 
 /// Model error that is allowed for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -87,6 +88,7 @@ pub fn readings_of_one(series: &[Vec<f64>]) -> f64 {
     let (mut slow, mut again) = (1.0, 1.0);
     let mut is_open = true;
     for lag in 1..longest {
+        watch::check();
         let rho = product(lag) / square;
         if is_open {
             slow += 2.0 * rho;
@@ -147,7 +149,7 @@ mod tests {
     fn slow_errors_and_those_that_come_again_are_worth_few_readings() {
         let white = readings_of_one(&[draws(2000, 3), draws(2000, 4)]);
         assert!(white < 1.6, "{white}");
-        // (1 + phi) / (1 - phi) = 19; its error is some 20 % (Sokal 1997, eq. 3.19, window 5).
+        // (1 + phi) / (1 - phi) = 19; its relative error is sqrt(2 (2 * 95 + 1) / 8000) = 0.22 (Sokal 1997, window of 5 times 19).
         let found = readings_of_one(&[slow(4000, 0.9, 5), slow(4000, 0.9, 6)]);
         assert!((13.0..30.0).contains(&found), "{found}");
         // Twenty orbits with the same pattern sum up to 0 over each.
