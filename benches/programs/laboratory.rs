@@ -1,14 +1,15 @@
 //! What the diagnosis does on cases whose truth is known, over drawn networks: false alarms where nothing is missing, and
 //! how often what is missing is found. Prints the figures, and ends with status 1 where they miss what is asked for.
 //!
-//! `laboratory NULLS CASES SEED`
+//! `laboratory NULLS CASES FINER SEED`: cases with nothing missing, with one or two effects or physics that the catalogue lacks,
+//! and with a truth that is finer than the believed model everywhere.
 
 use std::process::ExitCode;
 use std::sync::Arc;
 
 use bmv::document::Diagnostics;
 use bmv::effect::Catalogue;
-use bmv::twin::{InjectionRequest, Rate, Recipe, Score, TestKind, Trial, drawn_case, score, standard};
+use bmv::twin::{FinerScore, InjectionRequest, Rate, Recipe, TestKind, Trial, drawn_case, finer, score, standard};
 use rayon::prelude::*;
 
 /// Largest upper end of the 95 % interval of false alarms.
@@ -18,11 +19,18 @@ const FOUND: [(f64, f64); 3] = [(0.5, 0.60), (1.0, 0.90), (2.0, 0.97)];
 /// Least share of answers given 0.9 that are right, and of intervals of 95 % that hold the truth.
 const RIGHT: f64 = 0.9;
 
-fn trials(catalogue: &Arc<Catalogue>, cases: u64, seed: u64, recipe: impl Fn(u64) -> Recipe + Sync) -> Score {
+/// Least share of finer truths that are right in the first step, and the largest of those that are wrong and sure.
+const FIRST: f64 = 0.9;
+const WRONG: f64 = 0.02;
+
+fn trials(
+    catalogue: &Arc<Catalogue>,
+    cases: u64,
+    seed: u64,
+    recipe: impl Fn(u64) -> Recipe + Sync,
+) -> Vec<(u64, Trial)> {
     let outcomes = (0..cases).into_par_iter().map(|number| drawn_case(catalogue, &recipe(number), seed, number));
-    let trials: Vec<Trial> =
-        outcomes.filter_map(|own| Some(Trial { truth: own.truth?, answer: own.answer? })).collect();
-    score(&trials)
+    outcomes.filter_map(|own| Some((own.number, Trial { truth: own.truth?, answer: own.answer? }))).collect()
 }
 
 /// Nothing is missing; in every second case a transient with correlated noise that is not stated.
@@ -30,7 +38,31 @@ fn nothing(number: u64) -> Recipe {
     let correlated = number % 2 == 1;
     let request =
         InjectionRequest { effects: 0, size: None, correlated: Some(correlated), ..InjectionRequest::default() };
-    Recipe { topology: None, test: correlated.then_some(TestKind::Steps), request, rivals: false }
+    Recipe { topology: None, test: correlated.then_some(TestKind::Steps), request, rivals: false, stated_noise: None }
+}
+
+fn only(trials: Vec<(u64, Trial)>) -> Vec<Trial> {
+    trials.into_iter().map(|(_, trial)| trial).collect()
+}
+
+/// Writes to the other stream what a reader looks into: `bmv lab --finer --write` makes the case's files.
+fn look_at(number: u64, trial: &Trial) {
+    let is_missed = !trial.truth.effects.is_empty() && !trial.is_first();
+    if is_missed || trial.is_surely_wrong() {
+        let what = if trial.is_surely_wrong() { "wrong and sure" } else { "not first" };
+        let (truth, answer) = (&trial.truth, &trial.answer);
+        let sure: Vec<String> =
+            answer.probabilities.iter().filter(|own| own.1 > 0.3).map(|(id, p)| format!("{id} {p:.2}")).collect();
+        let rivals: usize = truth.rivals.iter().flatten().count();
+        eprintln!(
+            "case {number}, {what}: hidden {} ({rivals} rivals); {:?}, selected {}, first {}, likely {}",
+            truth.ids().join(" + "),
+            answer.verdict,
+            answer.selected.join(" + "),
+            answer.first_step.join(" or "),
+            sure.join(", "),
+        );
+    }
 }
 
 fn line(what: &str, rate: &Rate) {
@@ -40,22 +72,22 @@ fn line(what: &str, rate: &Rate) {
 
 fn main() -> ExitCode {
     let numbers: Option<Vec<u64>> = std::env::args().skip(1).map(|text| text.parse().ok()).collect();
-    let Some([nulls, cases, seed]) = numbers.as_deref() else {
-        eprintln!("usage: laboratory NULLS CASES SEED, as in: laboratory 2000 1000 1");
+    let Some([nulls, cases, finer_cases, seed]) = numbers.as_deref() else {
+        eprintln!("usage: laboratory NULLS CASES FINER SEED, as in: laboratory 2000 1000 400 1");
         return ExitCode::from(2);
     };
     let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
     let mut is_met = true;
     println!("| seed {seed} | cases | of | 95 % interval |\n|---|---|---|---|");
     if *nulls > 0 {
-        let score = trials(&catalogue, *nulls, *seed, nothing);
+        let score = score(&only(trials(&catalogue, *nulls, *seed, nothing)));
         line("nothing missing: not `adequate`", &score.false_alarms);
         line("- noise as stated", &score.false_alarms_stated_noise);
         line("- correlated noise, not stated", &score.false_alarms_correlated);
         is_met &= score.false_alarms.upper <= FALSE_ALARMS;
     }
     if *cases > 0 {
-        let score = trials(&catalogue, *cases, *seed, standard);
+        let score = score(&only(trials(&catalogue, *cases, *seed, standard)));
         for own in &score.sizes {
             let what = format!("{} hidden, size {}", own.effects, own.size);
             line(&format!("{what}: grouped"), &own.all.grouped);
@@ -69,6 +101,18 @@ fn main() -> ExitCode {
         line("intervals of 95 %: hold the truth", &score.coverage);
         let is_right = |rate: &Rate| rate.share().is_none_or(|share| share >= RIGHT);
         is_met &= is_right(&score.sure_and_right) && is_right(&score.coverage) && score.coverage.lower <= 0.95;
+    }
+    if *finer_cases > 0 {
+        let trials = trials(&catalogue, *finer_cases, *seed, finer);
+        eprintln!("{} of {finer_cases} cases could be drawn", trials.len());
+        trials.iter().for_each(|(number, trial)| look_at(*number, trial));
+        let score = FinerScore::of(&only(trials));
+        line("a model wrong everywhere: right in the first step", &score.first);
+        line("- something is said to be missing", &score.found);
+        line("- nothing large hidden: no effect sure", &score.silent);
+        line("- wrong and sure", &score.wrong);
+        is_met &= score.first.share().is_none_or(|share| share >= FIRST);
+        is_met &= score.wrong.share().is_none_or(|share| share <= WRONG);
     }
     if is_met { ExitCode::SUCCESS } else { ExitCode::from(1) }
 }

@@ -13,7 +13,7 @@ use crate::runner::engine::local;
 use crate::runner::{Node, Plan, Progress, Ready, RunnerError, Settings};
 use crate::study::Project;
 use crate::study::file::{self, Existing};
-use crate::twin::{Rate, Score, case, folder, standard};
+use crate::twin::{Rate, Score, case, finer, folder, standard};
 
 /// Arguments of `bmv lab`.
 #[derive(Debug, clap::Args)]
@@ -40,6 +40,9 @@ pub(super) struct LabVerb {
     /// Write cases over drawn networks as studies into this folder, each with its truth.json
     #[arg(long, value_name = "DIR", conflicts_with_all = ["study", "effect", "amplitude"])]
     write: Option<PathBuf>,
+    /// Write cases whose truth is a finer network than the believed one, which is a little wrong everywhere
+    #[arg(long, requires = "write")]
+    finer: bool,
     /// Print one JSON document
     #[arg(long)]
     json: bool,
@@ -123,7 +126,8 @@ impl LabVerb {
         let mut written = Vec::new();
         for number in 0..self.cases {
             let name = format!("case-{}-{number:04}", self.seed);
-            let case = match case(&catalogue, &standard(number), self.seed, number) {
+            let recipe = if self.finer { finer(number) } else { standard(number) };
+            let case = match case(&catalogue, &recipe, self.seed, number) {
                 Ok(case) => case,
                 Err(error) => {
                     tell(&format!("{name}: not drawn: {error}"));

@@ -127,7 +127,7 @@ impl Job for Lab {
     }
 
     fn algorithm_version(&self) -> u32 {
-        7
+        8
     }
 
     fn identity(&self) -> Value {

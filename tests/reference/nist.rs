@@ -46,8 +46,7 @@ impl Regression {
     }
 
     fn fit(&self, start: usize) -> PointEstimate {
-        let settings =
-            PointSettings { starts: 0, most_iterations: 100_000, exact_hessian: false, findings: true, moments: false };
+        let settings = PointSettings { starts: 0, most_iterations: 100_000, ..PointSettings::default() };
         let key = StreamKey::new(1, "nist", "starts");
         estimate(self, &settings, &key, &[self.starts[start].clone()]).expect("an estimate")
     }

@@ -19,7 +19,7 @@ fn catalogue() -> Arc<Catalogue> {
 }
 
 fn recipe(topology: Topology, test: TestKind, request: InjectionRequest) -> Recipe {
-    Recipe { topology: Some(topology), test: Some(test), request, rivals: false }
+    Recipe { topology: Some(topology), test: Some(test), request, rivals: false, stated_noise: None }
 }
 
 /// Positions of the hidden effects among the candidates, and the values of their parameters in that order.

@@ -47,13 +47,17 @@ fn plates(q: [f64; 2], sink: f64, path: f64) -> [f64; 3] {
     [sink + a, sink + 0.5 * (a + c), sink + c]
 }
 
-fn diagnosed(folder: &Path, path: f64) -> Output {
+/// What is simulated: a path from c to the sink, W/K; what the model owes each reading, K; a fault: phase, plate, K.
+fn diagnosed(folder: &Path, path: f64, error_k: f64, fault: Option<(usize, usize, f64)>) -> Output {
     let mut draws = StreamKey::new(11, "model error", "plates").stream(0);
     let mut table = String::from("phase,Q_a [W],Q_c [W],T_s [K],a [K],b [K],c [K]\n");
     for phase in 0..16 {
         let at = |step: usize| 4.0 * (phase * step % 4) as f64;
         let (q, sink) = ([at(1), at(3) + f64::from(phase as u32 / 4)], 255.0 + 3.0 * ((phase * 7) % 16) as f64);
-        let read = plates(q, sink, path).map(|kelvin| kelvin + MODEL_ERROR_K * draws.normal());
+        let mut read = plates(q, sink, path).map(|kelvin| kelvin + error_k * draws.normal());
+        if let Some((_, plate, off)) = fault.filter(|fault| fault.0 == phase) {
+            read[plate] += off;
+        }
         table.push_str(&format!("P{phase:02},{},{},{sink},{:.4},{:.4},{:.4}\n", q[0], q[1], read[0], read[1], read[2]));
     }
     for (name, text) in [("model.json", MODEL), ("data.csv", table.as_str()), ("pass-1.json", PASS)] {
@@ -67,7 +71,7 @@ fn diagnosed(folder: &Path, path: f64) -> Output {
 #[test]
 fn an_effect_is_found_beside_a_model_error_whose_size_is_named() {
     let folder = tempfile::tempdir().unwrap();
-    let output = diagnosed(folder.path(), 0.1);
+    let output = diagnosed(folder.path(), 0.1, MODEL_ERROR_K, None);
     assert!(matches!(output.verdict, Verdict::Identified | Verdict::Ambiguous), "{:?}", output.words);
     let first = &output.steps[0];
     let own =
@@ -87,9 +91,29 @@ fn an_effect_is_found_beside_a_model_error_whose_size_is_named() {
 #[test]
 fn where_no_effect_explains_a_misfit_the_model_error_is_called_unexplained() {
     let folder = tempfile::tempdir().unwrap();
-    let output = diagnosed(folder.path(), 0.0);
+    let output = diagnosed(folder.path(), 0.0, MODEL_ERROR_K, None);
     assert_eq!((output.verdict, output.selected.len()), (Verdict::Unexplained, 0), "{:?}", output.words);
     assert!(output.misfit.family_wise_p < 1e-6, "the stated noise is far too small");
     assert!(output.words.iter().any(|words| words.contains("a little wrong everywhere")), "{:?}", output.words);
     assert!(output.effects.iter().all(|effect| effect.probability < 0.9));
+}
+
+/// A reading of 4 K beside all others, with noise as it is stated.
+#[test]
+fn a_reading_that_stands_out_is_left_out_and_the_effect_is_identified() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = diagnosed(folder.path(), 0.1, 0.1, Some((5, 1, 4.0)));
+    let faults = |output: &Output| -> Vec<String> {
+        output.doubts.iter().filter(|doubt| doubt.code == "outlying").map(|doubt| doubt.message.clone()).collect()
+    };
+    let [fault] = faults(&output).try_into().unwrap();
+    assert!(fault.starts_with("1 reading of b in test (P05) stands out"), "{fault}");
+    assert_eq!(output.verdict, Verdict::Identified, "{:?}", output.words);
+    let effect = &output.effects[0];
+    // The amplitude within 3 of its standard deviations.
+    let size = &effect.amplitudes["conductance"];
+    assert!((size.value - 0.1).abs() < 3.0 * size.sd, "{size:?}");
+    let clean = diagnosed(folder.path(), 0.1, 0.1, None);
+    assert_eq!(faults(&clean), Vec::<String>::new());
+    assert_eq!(clean.selected, output.selected);
 }

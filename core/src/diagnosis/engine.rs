@@ -3,6 +3,8 @@
 
 use crate::diagnosis::FitError;
 use crate::diagnosis::Unfitted;
+use crate::diagnosis::left_out::LeftOut;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt::Display;
 
@@ -43,7 +45,7 @@ pub(crate) const TIMES_THE_STEPS: u64 = 50;
 const LEAST_OF_MOST_STEPS: u64 = 2000;
 
 /// A diagnosis of a problem.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Diagnosis {
     problem: Problem,
     settings: Settings,
@@ -121,6 +123,9 @@ pub struct State {
     /// Effects that cannot be fitted alone, and why.
     #[serde(default)]
     pub failed: Vec<(usize, String)>,
+    /// Readings that are left out as faults of the data.
+    #[serde(default)]
+    pub left_out: Vec<LeftOut>,
     /// What went wrong.
     pub warnings: Vec<String>,
 }
@@ -226,6 +231,18 @@ impl Diagnosis {
         &self.key
     }
 
+    /// The diagnosis without the readings that a state leaves out.
+    pub(crate) fn at(&self, state: &State) -> Cow<'_, Self> {
+        if state.left_out.is_empty() { Cow::Borrowed(self) } else { Cow::Owned(self.without(&state.left_out)) }
+    }
+
+    /// Forgets a reading.
+    pub(crate) fn forget(&mut self, measurement: usize, row: usize, sensor: usize) {
+        let own = &mut self.problem.measurements[measurement];
+        let place = row * own.sensors.len() + sensor;
+        own.readings[place] = None;
+    }
+
     /// The problem with the estimated noise as if it were known, and bounds on the steps of transients.
     pub(crate) fn with_noise(&self, noise: &[SensorNoise], most_steps: &[u64]) -> Problem {
         let mut problem = Problem { most_steps: most_steps.to_vec(), ..self.problem.clone() };
@@ -244,6 +261,17 @@ impl Diagnosis {
     pub fn screen(&self) -> Result<State, FitError> {
         let begin = Begin { starts: Vec::new(), from_prior: STARTS, scale: 1.0 };
         let declared = self.problem.refit(&[], &begin, &self.key)?;
+        let spikes = self.spikes(&declared);
+        if !spikes.is_empty() {
+            let own = self.without(&spikes);
+            let declared = own.problem.refit(&[], &begin, &self.key)?;
+            return Ok(State { left_out: spikes, ..own.screen_beside_noise(declared)? });
+        }
+        self.screen_beside_noise(declared)
+    }
+
+    /// Estimates the noise beside the baseline model as it was fitted, and screens.
+    fn screen_beside_noise(&self, declared: Refit) -> Result<State, FitError> {
         let most_steps = self.most_steps(&declared)?;
         let at_first = self.noise_at_first(&declared);
         let known = self.with_noise(&at_first, &most_steps);
@@ -290,6 +318,7 @@ impl Diagnosis {
             pending: Vec::new(),
             remainders: vec![Remainder { effects: Vec::new(), p: screening.family.p }],
             failed: Vec::new(),
+            left_out: Vec::new(),
             warnings: Vec::new(),
         };
         // A model error is allowed for where a misfit is certain.
@@ -367,7 +396,7 @@ impl Diagnosis {
     /// # Errors
     /// Why it cannot be fitted.
     pub fn refit(&self, state: &State, order: &Order) -> Result<Refit, Unfitted> {
-        let problem = self.with_noise(&state.noise, &state.most_steps);
+        let problem = self.at(state).with_noise(&state.noise, &state.most_steps);
         let base = state.refits.get(order.from).map(Refit::by_name).unwrap_or_default();
         let starts = order.starts.iter().map(|own| {
             let mut start = base.clone();

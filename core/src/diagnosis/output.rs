@@ -135,6 +135,9 @@ pub struct EffectResult {
     pub input: Option<String>,
     /// Probability that it is missing.
     pub probability: f64,
+    /// Whether it explains so little that errors of the model itself may be what it stands for: its probability is then halved.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    pub small: bool,
     /// Log Bayes factor for it, the rest of its best set given.
     pub log_bayes_factor: f64,
     /// The same with the amplitude's prior at half and at double scale.
@@ -391,7 +394,7 @@ pub struct Output {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub converged: Option<bool>,
     /// What is doubtful about the data, a start apart from its first readings first: to be mended before the verdict is
-    /// baseline.
+    /// believed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub doubts: Vec<Doubt>,
     /// What went wrong on the way.

@@ -30,10 +30,25 @@ fn near(leads: &[Lead], least: usize, most: usize) -> impl Iterator<Item = &Lead
 }
 
 impl Diagnosis {
-    /// Orders the sets that go on from the best one; where there are none, with another model error, if there is to be one.
+    /// Orders the sets that go on from the best one; where there are none, without
+    /// readings that are faults of the data, or with another model error, if there are such.
     pub fn extend(&self, state: State) -> State {
+        let left_out = state.left_out.clone();
+        let mut next = self.at(&state).extended(state);
+        if next.left_out.is_empty() {
+            next.left_out = left_out;
+        }
+        next
+    }
+
+    fn extended(&self, state: State) -> State {
         let mut state = self.search(state);
         if state.pending.is_empty() {
+            match self.leave_out(&state) {
+                Ok(Some(next)) => return next,
+                Ok(None) => {}
+                Err(why) => state.warn(why),
+            }
             match self.allow_for_model_error(&state) {
                 Ok(Some(next)) => return next,
                 Ok(None) => {}
@@ -259,7 +274,13 @@ mod tests {
         let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
         let request =
             InjectionRequest { only: Some("heat-load".to_owned()), size: Some(5.0), ..InjectionRequest::default() };
-        let recipe = Recipe { topology: Some(Topology::Star), test: Some(TestKind::Steady), request, rivals: false };
+        let recipe = Recipe {
+            topology: Some(Topology::Star),
+            test: Some(TestKind::Steady),
+            request,
+            rivals: false,
+            stated_noise: None,
+        };
         let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
         let of = |effect: &str| problem.candidates.iter().position(|own| own.effect == effect).unwrap();
         let members = [of("heat-load"), of("conductive-path")];

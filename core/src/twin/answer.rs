@@ -39,6 +39,8 @@ pub struct Answer {
     pub selected: Vec<String>,
     /// Effects that the data cannot tell apart, by group.
     pub groups: Vec<Vec<String>>,
+    /// Ids of the first step's effect and of what else is likely there; none without steps.
+    pub first_step: Vec<String>,
     /// Stated probability of each effect, by id.
     pub probabilities: Vec<(String, f64)>,
     /// Stated probabilities of sets of effects.
@@ -68,6 +70,9 @@ impl From<&Output> for Answer {
             verdict: output.verdict,
             selected: output.selected.clone(),
             groups: groups.into_values().collect(),
+            first_step: (output.steps.iter().take(1))
+                .flat_map(|step| step.effect.iter().chain(&step.alternatives).cloned())
+                .collect(),
             probabilities: output.effects.iter().map(|effect| (effect.id.clone(), effect.probability)).collect(),
             models: output.models.iter().map(stated).collect(),
             nothing: output.probability_nothing,
@@ -137,6 +142,7 @@ mod tests {
     #[test]
     fn probabilities_are_those_of_sets() {
         let answer = Answer {
+            first_step: Vec::new(),
             verdict: Verdict::Ambiguous,
             selected: vec!["a:x".to_owned()],
             groups: vec![vec!["a:x".to_owned(), "b:x".to_owned()]],

@@ -7,16 +7,16 @@ use serde::{Deserialize, Serialize};
 use super::campaign::{TestKind, measurement};
 use super::draw::{Draw, decimals};
 use super::folder;
-use super::inject::{InjectError, InjectionRequest, inject};
+use super::inject::{Hidden, InjectError, InjectionRequest, inject};
 use super::noise::noise;
 use super::rivals;
 use super::specification::NetworkSpecification;
 use super::topology::{Topology, network};
-use super::truth::Truth;
+use super::truth::{Rival, Truth};
 use crate::diagnosis::Problem;
 use crate::document::hash::sha256_hex;
 use crate::effect::{Catalogue, Effect, SensorChange, SensorPlace, candidates};
-use crate::measurement::Rows;
+use crate::measurement::{Rows, Uncertain};
 use crate::random::StreamKey;
 
 /// What a case of a drawn network is to be.
@@ -30,6 +30,8 @@ pub struct Recipe {
     pub request: InjectionRequest,
     /// Whether rivals of the truth are looked for.
     pub rivals: bool,
+    /// Stated standard deviations of the noise, as multiples of the true ones; 1 if `None`.
+    pub stated_noise: Option<f64>,
 }
 
 /// A case with a network of its own.
@@ -84,17 +86,32 @@ fn attempted(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, stream: u64
     let mut problem = baseline(catalogue, &specification, test, &mut Draw::new(seed, "test", stream))?;
     let mut hidden = inject(&problem, &recipe.request, &mut Draw::new(seed, "truth", stream))?;
     if recipe.rivals {
-        hidden.truth.rivals = Some(rivals::rivals(&problem, &hidden)?);
+        hidden.truth.rivals = Some(match recipe.request.finer {
+            Some(error) => within(error, &problem, &hidden)?,
+            None => rivals::rivals(&problem, &hidden)?,
+        });
     }
     let key = StreamKey::new(seed, "laboratory", "noise");
     read(&mut problem, &hidden.clean, &hidden.truth, &key, stream);
     for measurement in &mut problem.measurements {
+        if let Some(factor) = recipe.stated_noise {
+            let stated = measurement.sensors.iter_mut().filter_map(|sensor| sensor.sigma.as_mut());
+            stated.for_each(|sigma| *sigma = Uncertain::Known(factor * sigma.nominal()));
+        }
         for reading in measurement.readings.iter_mut().flatten() {
             *reading = decimals(*reading, DECIMALS);
         }
         measurement.sha256 = sha256_hex(folder::table(&problem.model.inputs, measurement).as_bytes());
     }
     Ok(Case { topology, test, specification, problem, truth: hidden.truth })
+}
+
+/// Rivals that come nearer to what is hidden in the believed network than a model error of this size, in standard
+/// deviations: it hides the difference.
+fn within(error: f64, problem: &Problem, hidden: &Hidden) -> Result<Vec<Rival>, InjectError> {
+    let hidden = hidden.without_finer_nodes(problem)?;
+    let square = error * error * hidden.refit.readings as f64;
+    Ok(rivals::rivals(problem, &hidden)?.into_iter().filter(|rival| rival.delta2 <= square).collect())
 }
 
 /// Fills in readings with noise, where there are any: case `number` has the streams from `1e6 number` on. The noise of a

@@ -5,10 +5,9 @@ use super::inject::InjectError;
 use super::truth::{HiddenEffect, HiddenValue, Outside};
 use crate::diagnosis::Problem;
 use crate::diagnosis::odds::posterior_odds::Odds;
-use crate::effect::EffectParameter;
+use crate::effect::{Effect, EffectParameter};
 use crate::measurement::{Measurement, Rows};
 use crate::thermal::NodeKind;
-use crate::thermal::element::Element;
 
 /// Amplitudes beyond this multiple of their plausible scale are not drawn.
 const REACH: f64 = 3.0;
@@ -83,10 +82,11 @@ fn is_seen(problem: &Problem, position: usize) -> bool {
     (candidate.steady && has(false)) || (candidate.transient && has(true))
 }
 
-/// An effect first, then a place of it: each effect is as frequent as the others.
+/// An effect first, then a place of it: each effect is as frequent as the others. With `laws_only` no unknown function is drawn.
 pub(super) fn draw_effect(
     problem: &Problem,
     only: Option<&str>,
+    laws_only: bool,
     taken: &[Chosen],
     draw: &mut Draw,
 ) -> Result<Chosen, InjectError> {
@@ -95,6 +95,7 @@ pub(super) fn draw_effect(
         let candidate = &problem.candidates[*position];
         is_seen(problem, *position)
             && (only.is_some() || !odds.is_out_of_place(problem, *position))
+            && !(laws_only && problem.catalogue.get(&candidate.effect).is_some_and(Effect::is_unknown_function))
             && only.is_none_or(|only| candidate.id == only || candidate.effect == only)
             && !taken.iter().any(|other| problem.candidates[other.candidate].effect == candidate.effect)
     };
@@ -123,30 +124,6 @@ pub(super) fn draw_effect(
         })
         .collect();
     Ok(Chosen { candidate, parameters, values })
-}
-
-/// A node that stores heat and has two paths or more, and which of the elements move to its other half.
-pub(super) fn draw_split(problem: &Problem, draw: &mut Draw) -> Result<(usize, Vec<bool>), InjectError> {
-    let model = &problem.model;
-    let at = |element: &Element, node: usize| {
-        let physics = element.physics();
-        physics.is_passive() && physics.joined().contains(&node)
-    };
-    let fits = |node: &usize| {
-        matches!(model.nodes[*node].kind, NodeKind::Diffusion { .. })
-            && model.elements.iter().filter(|element| at(element, *node)).count() > 1
-    };
-    let nodes: Vec<usize> = (0..model.nodes.len()).filter(fits).collect();
-    if nodes.is_empty() {
-        return Err(InjectError::NoPlace);
-    }
-    let node = nodes[draw.position(nodes.len())];
-    let mut moved: Vec<bool> = model.elements.iter().map(|_| draw.happens(0.5)).collect();
-    let paths: Vec<usize> = (0..moved.len()).filter(|&element| at(&model.elements[element], node)).collect();
-    // One path at least stays, and one goes.
-    moved[paths[0]] = true;
-    moved[paths[1]] = false;
-    Ok((node, moved))
 }
 
 /// Physics that the catalogue lacks, the phase of its swing, and the states of its switch by measurement and row.

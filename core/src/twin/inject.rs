@@ -4,8 +4,9 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::choice::{Chosen, OutsideDraw, draw_effect, draw_outside, draw_split};
+use super::choice::{Chosen, OutsideDraw, draw_effect, draw_outside};
 use super::draw::{Draw, short};
+use super::finer::Finer;
 use super::refit::{self, Refit};
 use super::truth::{NoiseTruth, Truth};
 use super::world::World;
@@ -49,15 +50,16 @@ pub struct InjectionRequest {
     pub amplitude: Option<f64>,
     /// Physics that the catalogue lacks, instead of effects.
     pub outside: bool,
-    /// Size of what a node that is two in truth leaves, beside all else.
-    pub split: Option<f64>,
+    /// Size of what a network with finer nodes leaves by itself, in standard deviations, beside all else that is hidden: a law then, no
+    /// unknown function.
+    pub finer: Option<f64>,
     /// Whether noise is correlated in transients that do not say so; drawn with even odds if `None`.
     pub correlated: Option<bool>,
 }
 
 impl Default for InjectionRequest {
     fn default() -> Self {
-        Self { effects: 1, only: None, size: Some(1.0), amplitude: None, outside: false, split: None, correlated: None }
+        Self { effects: 1, only: None, size: Some(1.0), amplitude: None, outside: false, finer: None, correlated: None }
     }
 }
 
@@ -72,12 +74,32 @@ pub struct Hidden {
     pub refit: Refit,
 }
 
+impl Hidden {
+    /// The same in the believed network, where the truth's is finer.
+    ///
+    /// # Errors
+    /// [`InjectError`] where it has no plausible solution there.
+    pub(super) fn without_finer_nodes(&self, problem: &Problem) -> Result<Self, InjectError> {
+        let problem = with_stated_noise(problem);
+        let find = |id: &String| problem.candidates.iter().position(|own| own.id == *id).ok_or(InjectError::NoPlace);
+        let effects: Vec<usize> =
+            self.truth.effects.iter().map(|effect| find(&effect.id)).collect::<Result<_, InjectError>>()?;
+        let values: Vec<f64> =
+            self.truth.effects.iter().flat_map(|effect| effect.parameters.iter().map(|own| own.value)).collect();
+        let own: Vec<f64> = self.truth.parameters.iter().map(|(_, value)| *value).collect();
+        let clean = World::new(&problem, &effects, &own, &values)?.readings()?;
+        let likelihood = refit::likelihood(&problem, &clean)?;
+        let refit = refit::fit(&likelihood, &[refit::start(&likelihood, &self.truth.parameters)])?;
+        Ok(Self { truth: self.truth.clone(), clean, refit })
+    }
+}
+
 /// A size is hit when it is this near, relatively.
 const NEAR: f64 = 0.005;
 /// Largest power outside the catalogue, W.
 const MOST_OUTSIDE_W: f64 = 5.0;
 /// Largest resistance within a node, K/W.
-const MOST_SPLIT_K_PER_W: f64 = 100.0;
+const MOST_COARSENESS_K_PER_W: f64 = 100.0;
 /// Rounds of the search for a size.
 const MOST_ROUNDS: usize = 24;
 /// Least share of the largest factor.
@@ -117,24 +139,24 @@ pub fn inject(problem: &Problem, request: &InjectionRequest, draw: &mut Draw) ->
 fn attempt(problem: &Problem, request: &InjectionRequest, draw: &mut Draw) -> Result<Hidden, InjectError> {
     let own = own_parameters(problem, draw);
     let noise = noise(problem, request, draw);
-    let split = match request.split {
-        Some(size) => Some((draw_split(problem, draw)?, size)),
-        None => None,
-    };
+    let finer = request.finer.map(|size| (Finer::draw(problem, draw), size));
     let outside = if request.outside { Some(draw_outside(problem, draw)?) } else { None };
     let mut chosen = Vec::new();
     if outside.is_none() {
         for number in 0..request.effects {
             let only = request.only.as_deref().filter(|_| number == 0);
-            chosen.push(draw_effect(problem, only, &chosen, draw)?);
+            chosen.push(draw_effect(problem, only, request.finer.is_some(), &chosen, draw)?);
         }
     }
-    let scene = Scene { problem, own: &own, split: split.as_ref().map(|(split, _)| split), outside: outside.as_ref() };
-    let resistance = match &split {
-        Some((_, size)) => scene.solve(*size, MOST_SPLIT_K_PER_W, |split| Sizes { split, ..Sizes::default() }, &[])?.0,
+    let scene = Scene { problem, own: &own, finer: finer.as_ref().map(|(finer, _)| finer), outside: outside.as_ref() };
+    let coarseness = match &finer {
+        Some((_, size)) => {
+            let form = |coarseness| Sizes { coarseness, ..Sizes::default() };
+            scene.solve(*size, MOST_COARSENESS_K_PER_W, form, &[])?.0
+        }
         None => 0.0,
     };
-    let base = Sizes { split: resistance, ..Sizes::default() };
+    let base = Sizes { coarseness, ..Sizes::default() };
     let mut alone = vec![0.0; chosen.len()];
     if chosen.len() > 1
         && let Some(size) = request.size
@@ -179,7 +201,7 @@ fn attempt(problem: &Problem, request: &InjectionRequest, draw: &mut Draw) -> Re
     let truth = Truth {
         effects: effects.collect(),
         outside: outside.map(|(outside, ..)| outside),
-        split: split.map(|((node, _), _)| problem.model.nodes[node].name.clone()),
+        finer: request.finer,
         parameters: (problem.model.parameters.iter().zip(&own))
             .map(|(own, value)| (own.name.clone(), *value))
             .collect(),
@@ -244,8 +266,8 @@ struct Sizes {
     effects: f64,
     /// Of the power outside the catalogue, W.
     outside: f64,
-    /// Resistance within the split node, K/W.
-    split: f64,
+    /// Resistance within the nodes, K/W.
+    coarseness: f64,
 }
 
 /// Readings without noise by measurement, and the refit to them.
@@ -255,7 +277,7 @@ type Measured = (Vec<Vec<f64>>, Refit);
 struct Scene<'a> {
     problem: &'a Problem,
     own: &'a [f64],
-    split: Option<&'a (usize, Vec<bool>)>,
+    finer: Option<&'a Finer>,
     outside: Option<&'a OutsideDraw>,
 }
 
@@ -269,10 +291,10 @@ impl Scene<'_> {
         if let Some((outside, phase, switch)) = self.outside {
             world.add_outside(outside, *phase, switch)?;
         }
-        if let Some((node, moved)) = self.split {
-            world.split(*node, moved)?;
+        if let Some(finer) = self.finer {
+            world.refine(finer)?;
         }
-        for (place, value) in [(world.outside, sizes.outside), (world.split, sizes.split)] {
+        for (place, value) in [(world.outside, sizes.outside), (world.coarseness, sizes.coarseness)] {
             if let Some(place) = place {
                 world.parameters[place] = value;
             }

@@ -2,15 +2,15 @@
 
 use crate::diagnosis::{FitError, Hypothesis, Problem};
 use crate::inference::estimate::natural::NaturalObjective;
-use crate::inference::estimate::optimise::{Minimum, free_variables, minimise};
+use crate::inference::estimate::optimise::{Effort, Minimum, free_variables, minimise};
 use crate::inference::likelihood::{Definition, Likelihood};
 use crate::inference::target::Target;
 use crate::measurement::Measurement;
 
 use super::inject::InjectError;
 
-/// Most steps of a fit.
-const MOST_ITERATIONS: u64 = 60;
+/// Steps of a fit.
+const EFFORT: Effort = Effort { most_iterations: 60, least_gain: 1e-6 };
 
 /// A fit in natural coordinates.
 #[derive(Clone, Debug)]
@@ -96,7 +96,7 @@ pub fn fit(likelihood: &Likelihood, starts: &[Vec<f64>]) -> Result<Refit, Inject
     let mut best: Option<Minimum> = None;
     for start in starts {
         let from = objective.coordinates(start);
-        if let Some(minimum) = minimise(&mut objective, &from, &bounds, MOST_ITERATIONS)
+        if let Some(minimum) = minimise(&mut objective, &from, &bounds, EFFORT)
             && best.as_ref().is_none_or(|known| minimum.value < known.value)
         {
             best = Some(minimum);

@@ -96,6 +96,36 @@ pub struct Bin {
     pub true_rate: Rate,
 }
 
+/// How trials fare whose truth is finer than the believed model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FinerScore {
+    /// One effect is hidden: it, or what the model error hides from it, is first in the story or selected.
+    pub first: Rate,
+    /// One effect is hidden: something is said to be missing.
+    pub found: Rate,
+    /// Nothing large is hidden: no effect is `identified` and none given more than 0.9.
+    pub silent: Rate,
+    /// An effect that is not hidden is given more than 0.9, or `identified`.
+    pub wrong: Rate,
+}
+
+impl FinerScore {
+    /// The score of trials.
+    pub fn of(trials: &[Trial]) -> Self {
+        let hidden = || trials.iter().filter(|trial| !trial.truth.effects.is_empty());
+        let nothing = trials.iter().filter(|trial| trial.truth.effects.is_empty());
+        Self {
+            first: Rate::of(hidden().map(Trial::is_first)),
+            found: Rate::of(hidden().map(Trial::found)),
+            silent: Rate::of(nothing.map(|trial| !trial.is_surely_wrong())),
+            wrong: Rate::of(trials.iter().map(Trial::is_surely_wrong)),
+        }
+    }
+}
+
+/// Probabilities above this one are taken for an answer.
+const SURE: f64 = 0.9;
+
 /// The score of a list of trials.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Score {
@@ -163,9 +193,32 @@ impl Trial {
         !ids.is_empty() && self.found() && ids.iter().all(stands)
     }
 
+    /// Whether an effect is a hidden one, or explains the same within the model error.
+    fn stands_for_truth(&self, id: &str) -> bool {
+        let rivals = self.truth.rivals.iter().flatten().flat_map(|rival| &rival.effects);
+        self.truth.effects.iter().map(|effect| &effect.id).chain(rivals).any(|own| own == id)
+    }
+
+    /// Whether the first step, or without steps what is selected with its groups, has what stands for the truth.
+    pub fn is_first(&self) -> bool {
+        let steps = self.answer.first_step.iter().map(String::as_str);
+        let groups = self.answer.selected.iter().flat_map(|id| self.answer.group_of(id));
+        let selected = self.answer.selected.iter().map(String::as_str).chain(groups);
+        let mut first: Box<dyn Iterator<Item = &str>> =
+            if self.answer.first_step.is_empty() { Box::new(selected) } else { Box::new(steps) };
+        self.found() && first.any(|id| self.stands_for_truth(id))
+    }
+
+    /// Whether an effect that does not stand for the truth is given more than 0.9, or identified.
+    pub fn is_surely_wrong(&self) -> bool {
+        let sure = self.answer.probabilities.iter().filter(|(_, probability)| *probability > SURE).map(|(id, _)| id);
+        let identified = self.answer.selected.iter().filter(|_| self.answer.verdict == Verdict::Identified);
+        sure.chain(identified).any(|id| !self.stands_for_truth(id))
+    }
+
     /// The stated probability of the truth: of its set, of nothing, or of something unexplained.
     pub fn stated_of_truth(&self) -> f64 {
-        if self.truth.outside.is_some() || (self.truth.effects.is_empty() && self.truth.split.is_some()) {
+        if self.truth.outside.is_some() || (self.truth.effects.is_empty() && self.truth.finer.is_some()) {
             return self.answer.unexplained;
         }
         self.answer.probability_of(&self.truth.ids())
@@ -318,7 +371,7 @@ fn sure(trials: &[Trial]) -> Rate {
                 let mut truth = truth;
                 own.sort_unstable();
                 truth.sort_unstable();
-                let whole = trial.truth.outside.is_none() && trial.truth.split.is_none();
+                let whole = trial.truth.outside.is_none() && trial.truth.finer.is_none();
                 Some(own == truth && whole)
             }
             _ if nothing >= 0.9 => Some(trial.truth.is_null()),
@@ -351,7 +404,7 @@ mod tests {
         Truth {
             effects: ids.iter().map(effect).collect(),
             outside: None,
-            split: None,
+            finer: None,
             parameters: Vec::new(),
             noise: NoiseTruth::AsStated,
             size,
@@ -369,6 +422,7 @@ mod tests {
             models: vec![StatedModel { effects: ids.clone(), probability }],
             nothing: if ids.is_empty() { probability } else { 1.0 - probability },
             unexplained: 0.0,
+            first_step: Vec::new(),
             amplitudes: ids
                 .iter()
                 .map(|id| StatedAmplitude { id: id.clone(), parameter: "a".into(), lower: 0.9, upper: 1.05 })

@@ -68,7 +68,27 @@ pub fn standard(number: u64) -> Recipe {
             (InjectionRequest { outside: true, ..one(if (round + place).is_multiple_of(2) { 1.0 } else { 2.0 }) }, None)
         }
     };
-    Recipe { topology: None, test, request, rivals: true }
+    Recipe { topology: None, test, request, rivals: true, stated_noise: None }
+}
+
+/// The recipe of case `number` of the laboratory over truths that are finer than the believed model, which is then wrong by
+/// one to three standard deviations everywhere: nothing else hidden in every tenth case; else one effect, all of it three to
+/// six times as large. The stated noise is right, half or twice as large, in turn. Every eighth case is a transient.
+pub fn finer(number: u64) -> Recipe {
+    let error = [1.0, 2.0, 3.0][(number % 3) as usize];
+    let times = [3.0, 4.0, 6.0][(number / 3 % 3) as usize];
+    let is_null = number % 10 == 9;
+    let request = InjectionRequest {
+        effects: usize::from(!is_null),
+        size: (!is_null).then_some(times * error),
+        finer: Some(error),
+        correlated: Some(false),
+        ..InjectionRequest::default()
+    };
+    let stated_noise = Some([1.0, 0.5, 2.0][(number / 9 % 3) as usize]);
+    // Transients take a hundred times as long.
+    let test = Some(if number % 8 == 7 { TestKind::Steps } else { TestKind::Steady });
+    Recipe { topology: None, test, request, rivals: true, stated_noise }
 }
 
 /// A problem with readings of its own simulated from a truth that is drawn; `template` has the test's phases, inputs and

@@ -102,8 +102,8 @@ pub struct Truth {
     pub effects: Vec<HiddenEffect>,
     /// Physics that the catalogue lacks.
     pub outside: Option<Outside>,
-    /// A node that is two in truth.
-    pub split: Option<String>,
+    /// Size of what a network with finer nodes leaves by itself, in standard deviations.
+    pub finer: Option<f64>,
     /// The model's parameters, SI.
     pub parameters: Vec<(String, f64)>,
     /// The noise.
@@ -123,7 +123,7 @@ pub const SEPARABLE_DELTA2: f64 = 9.0;
 impl Truth {
     /// Whether anything is missing from the baseline model.
     pub fn is_null(&self) -> bool {
-        self.effects.is_empty() && self.outside.is_none() && self.split.is_none()
+        self.effects.is_empty() && self.outside.is_none() && self.finer.is_none()
     }
 
     /// Ids of the hidden effects.

@@ -3,16 +3,14 @@
 use super::inject::InjectError;
 use super::truth::Outside;
 use crate::diagnosis::{Hypothesis, Problem};
-use crate::expression::{Binary, Names, Scope, Symbol, parse};
+use crate::expression::{Names, Scope, Symbol, parse};
 use crate::measurement::prediction::Predictor;
 use crate::measurement::{InputColumn, Rows};
-use crate::thermal::element::{Conductor, Element, ElementKind, Load};
-use crate::thermal::{Input, Limits, Node, NodeKind, Parameter};
+use crate::thermal::element::{Element, ElementKind, Load};
+use crate::thermal::{Input, Parameter};
 
 /// Temperatures outside are no test that anybody made, K.
 const PLAUSIBLE_K: [f64; 2] = [2.0, 900.0];
-/// Least resistance between the halves of a node, K/W: 1 W makes a microkelvin.
-const LEAST_RESISTANCE_K_PER_W: f64 = 1e-6;
 
 /// The true model with the values of all its parameters.
 #[derive(Clone, Debug)]
@@ -23,8 +21,8 @@ pub struct World {
     pub parameters: Vec<f64>,
     /// Index of the parameter that sizes physics outside the catalogue, if there is any.
     pub outside: Option<usize>,
-    /// Index of the resistance within a split node, K/W, if there is one.
-    pub split: Option<usize>,
+    /// Index of the resistance within the nodes of a finer network, K/W, if it is one.
+    pub coarseness: Option<usize>,
 }
 
 /// An element of a chosen name.
@@ -41,10 +39,10 @@ impl World {
     pub fn new(problem: &Problem, effects: &[usize], own: &[f64], values: &[f64]) -> Result<Self, InjectError> {
         let hypothesis = problem.hypothesis(effects, 1.0).map_err(InjectError::Hypothesis)?;
         let parameters = own.iter().chain(values).copied().collect();
-        Ok(Self { hypothesis, parameters, outside: None, split: None })
+        Ok(Self { hypothesis, parameters, outside: None, coarseness: None })
     }
 
-    fn add_parameter(&mut self, name: &str, value: f64) -> usize {
+    pub(super) fn add_parameter(&mut self, name: &str, value: f64) -> usize {
         self.hypothesis.model.parameters.push(Parameter {
             name: name.to_owned(),
             unit: String::new(),
@@ -112,54 +110,6 @@ impl World {
         let power =
             parse(&text, &mut model.graph, &Scope::new(&names)).map_err(|error| InjectError::Fit(error.message))?;
         model.elements.push(named("hidden heat", ElementKind::Load(Load { into, power })));
-        Ok(())
-    }
-
-    /// Makes a node two, each with half of its capacity, the paths at one end only where `moved` says so by element; the
-    /// resistance between them is 0 K/W at first.
-    ///
-    /// # Errors
-    /// [`InjectError::NoPlace`] where the node stores no heat or no path moves.
-    pub fn split(&mut self, node: usize, moved: &[bool]) -> Result<(), InjectError> {
-        let resistance = self.add_parameter("hidden.resistance", 0.0);
-        self.split = Some(resistance);
-        let model = &mut self.hypothesis.model;
-        let NodeKind::Diffusion { capacity } = model.nodes[node].kind else { return Err(InjectError::NoPlace) };
-        let half = model.graph.number(0.5);
-        let capacity = model.graph.multiply(half, capacity);
-        model.nodes[node].kind = NodeKind::Diffusion { capacity };
-        let other = model.nodes.len();
-        model.nodes.push(Node {
-            name: "hidden half".to_owned(),
-            kind: NodeKind::Diffusion { capacity },
-            area: None,
-            alias: None,
-            limits: Limits::default(),
-        });
-        let mut any = false;
-        for (element, moved) in model.elements.iter_mut().zip(moved) {
-            if !element.physics().is_passive() {
-                continue;
-            }
-            let Some(between) = element.kind.physics_mut().between_mut() else { continue };
-            for end in between.iter_mut().filter(|end| **end == node && *moved) {
-                *end = other;
-                any = true;
-            }
-        }
-        if !any {
-            return Err(InjectError::NoPlace);
-        }
-        let id = model.graph.symbol(Symbol::Parameter(u32::try_from(resistance).unwrap_or(u32::MAX)));
-        let least = model.graph.number(LEAST_RESISTANCE_K_PER_W);
-        let id = model.graph.binary(Binary::Maximum, id, least);
-        let one = model.graph.number(1.0);
-        let conductance = model.graph.divide(one, id);
-        let kind = ElementKind::Conductor(Conductor { between: [node, other], conductance });
-        model.elements.push(named("hidden path", kind));
-        for measurement in &mut self.hypothesis.measurements {
-            measurement.begin_like(other, node);
-        }
         Ok(())
     }
 

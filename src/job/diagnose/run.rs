@@ -163,7 +163,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        14
+        15
     }
 
     fn identity(&self) -> Value {

@@ -101,6 +101,9 @@ pub struct Begin {
 
 /// Most steps of a descent.
 const MOST_STEPS: u64 = 60;
+/// Steps that gain less in log posterior density end it: sets differ by far more, and no estimate moves by a hundredth of its
+/// standard deviation.
+const LEAST_GAIN: f64 = 1e-5;
 
 impl Problem {
     /// Fits the model with effects.
@@ -178,6 +181,7 @@ impl Problem {
         let settings = PointSettings {
             starts: begin.from_prior,
             most_iterations: MOST_STEPS,
+            least_gain: LEAST_GAIN,
             findings: false,
             moments,
             ..PointSettings::default()

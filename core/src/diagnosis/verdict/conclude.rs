@@ -22,6 +22,7 @@ use crate::diagnosis::problem::{FittedReading, is_idle};
 use crate::diagnosis::story::{Step, Story};
 use crate::diagnosis::verdict::discriminating_experiment;
 use crate::diagnosis::verdict::hints::hints;
+use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::diagnosis::verdict::still;
 use crate::diagnosis::verdict::{trend, words};
 use crate::diagnosis::{Problem, Refit};
@@ -62,6 +63,8 @@ pub(crate) struct Findings<'a> {
     pub vetoed: bool,
     /// Whether the selected set goes before a more probable one since odds are doubted.
     pub fewest_parameters: bool,
+    /// Effects that explain so little that errors of the model itself may be what they explain.
+    pub small: Vec<usize>,
 }
 
 impl Findings<'_> {
@@ -70,7 +73,7 @@ impl Findings<'_> {
     }
 
     /// The sets before and after the step of a story at which an effect was added, or was most probable.
-    fn step_of(&self, effect: usize) -> Option<(usize, usize)> {
+    pub(super) fn step_of(&self, effect: usize) -> Option<(usize, usize)> {
         let steps = &self.story.as_ref()?.steps;
         let of = |step: &Step| {
             let chance = step.chances.iter().find(|one| one.effect == effect)?;
@@ -92,7 +95,7 @@ impl Findings<'_> {
             let likely = others.filter(|one| one.probability >= LEAST_RIVAL).take(MOST_RIVALS);
             StoryStep {
                 effect: added.map(|one| self.id(one.effect).to_owned()),
-                probability: added.map_or(step.stays, |one| one.probability),
+                probability: added.map_or(step.stays, |one| self.unless_model_error(one.effect, one.probability)),
                 rmse_k: RmseChange {
                     train: [before.rmse_train_k, after.rmse_train_k],
                     held_out: [before.rmse_held_out_k, after.rmse_held_out_k],
@@ -114,6 +117,16 @@ impl Findings<'_> {
 
     /// Probability that an effect is missing.
     pub fn probability(&self, effect: usize) -> f64 {
+        self.unless_model_error(effect, self.probability_as_weighed(effect))
+    }
+
+    /// A probability of an effect, less where it is so small that it may be none.
+    fn unless_model_error(&self, effect: usize, probability: f64) -> f64 {
+        if self.small.contains(&effect) { (1.0 - IS_MODEL_ERROR) * probability } else { probability }
+    }
+
+    /// The same as if models had no errors of their own.
+    fn probability_as_weighed(&self, effect: usize) -> f64 {
         if let Some(story) = &self.story {
             let chances = story.steps.iter().flat_map(|step| &step.chances).filter(|one| one.effect == effect);
             return chances.map(|one| one.probability).fold(0.0, f64::max);
@@ -127,6 +140,10 @@ impl Findings<'_> {
 impl Diagnosis {
     /// The verdict on what was found.
     pub fn conclude(&self, state: &State) -> Output {
+        self.at(state).concluded(state)
+    }
+
+    fn concluded(&self, state: &State) -> Output {
         let problem = self.with_noise(&state.noise, &state.most_steps);
         let family = state.stated_family.as_ref().unwrap_or(&state.screening.family);
         let finds = family.p <= self.settings().false_alarm || state.is_misspecified();
@@ -159,6 +176,7 @@ impl Diagnosis {
             doubted: false,
             vetoed: false,
             fewest_parameters: false,
+            small: Vec::new(),
         };
         let nothing = match findings.story.as_ref().and_then(|story| story.steps.first()) {
             Some(first) => first.stays,
@@ -198,6 +216,7 @@ impl Diagnosis {
             if findings.story.is_some() {
                 held_out_test = held_out::test(&problem, baseline, &state.refits[findings.selected], stated);
             }
+            findings.small = findings.small_effects();
             let chosen = &state.refits[findings.selected];
             let explains = !chosen.effects.is_empty() && !self.leaves_too_much(&findings);
             if explains {
@@ -208,6 +227,7 @@ impl Diagnosis {
                 findings.selected = 0;
                 findings.groups.clear();
                 findings.rivals.clear();
+                findings.small.clear();
             }
         }
         if state.is_misspecified() && findings.selected == 0 {
@@ -258,7 +278,7 @@ impl Diagnosis {
             ],
             posterior_priors: Vec::new(),
             converged: None,
-            doubts: doubts(&problem),
+            doubts: [self.doubts_of(&state.left_out), doubts(&problem)].concat(),
             warnings,
         };
         output.words = words::verdict(&output, &findings, self.settings().false_alarm);
@@ -390,6 +410,7 @@ impl Diagnosis {
             where_kind: candidate.where_kind.to_owned(),
             input: candidate.input.clone(),
             probability,
+            small: findings.small.contains(&effect),
             log_bayes_factor: refit.log_evidence - before.log_evidence,
             log_bayes_factor_scales: scales,
             changes_nothing: changes_nothing(before, refit),
@@ -538,7 +559,8 @@ impl Findings<'_> {
         }
         let alone = self.rivals.len() == 1;
         let sure = held(&self.state.refits, &self.weights, &self.groups) >= SURE;
-        if alone && sure { Verdict::Identified } else { Verdict::Ambiguous }
+        let all_large = !self.state.refits[self.selected].effects.iter().any(|effect| self.small.contains(effect));
+        if alone && sure && all_large { Verdict::Identified } else { Verdict::Ambiguous }
     }
 }
 

@@ -1,11 +1,13 @@
 //! From fits to the verdict and its sentences.
 //!
-//! `conclude`: the verdict. `discriminating_experiment`: the test that would part rivals. `hints`, `trend`, `still` (channels that stand still while the model moves): what to check first. `words`: the
+//! `conclude`: the verdict. `discriminating_experiment`: the test that would part rivals. `hints`, `trend`, `still` (channels that stand still while the model moves): what to check first. `small_effects`: which of them
+//! errors of the model may be. `words`: the
 //! sentences.
 
 pub(crate) mod conclude;
 pub(crate) mod discriminating_experiment;
 pub(crate) mod hints;
+mod small_effects;
 pub(crate) mod still;
 pub(crate) mod trend;
 pub(crate) mod words;

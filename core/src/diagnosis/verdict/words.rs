@@ -67,6 +67,10 @@ fn lower(sentence: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
 }
 
+/// That an effect is small.
+const SMALL: &str =
+    " It explains little beside what else is missing: errors of the model itself may be all that it stands for.";
+
 /// That an effect is larger than thought.
 fn surprising(effect: &EffectResult) -> String {
     if effect.prior_width <= 1.0 {
@@ -301,14 +305,15 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     None => (head.to_owned(), String::new()),
                 };
                 words.push(format!(
-                    "{head}: {} ({}){}{}{errors}; probability {}, log Bayes factor {:.1}.{}",
+                    "{head}: {} ({}){}{}{errors}; probability {}, log Bayes factor {:.1}.{}{}",
                     effect.title,
                     effect.id,
                     size(effect),
                     carried(effect),
                     percent(effect.probability),
                     effect.log_bayes_factor,
-                    surprising(effect)
+                    surprising(effect),
+                    if effect.small { SMALL } else { "" }
                 ));
             }
             words.extend(output.steps.last().and_then(ends));

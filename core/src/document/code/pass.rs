@@ -48,6 +48,9 @@ codes! { PASS_CODES:
     NOT_STABILISED = "not-stabilised", "a phase that drifts (warning)",
         "A phase cut from a log as a window is compared with a steady state, but a sensor's readings rise or fall in it: faster than the stabilisation of the criteria, and more surely than their scatter explains (Student's t about a parabola, with the correlation of neighbouring readings, at a level of 1 % a phase). The heat stored meanwhile is missing in the balance. Choose a later window, ignore the phase with a reason, or compare the log as a transient.",
         "\"windows\": {\"P03\": {\"file\": \"data/log.csv\", \"from\": {\"value\": 9, \"unit\": \"h\"}, \"to\": {\"value\": 10, \"unit\": \"h\"}}} instead of the first hour after a step";
+    OUTLYING = "outlying", "readings that stand out and are left out (warning)",
+        "A diagnosis leaves out readings that are faults of the data: in a transient those that jump away from the rows about them and back, or show one value meanwhile; in steady phases a few that no effect explains while a set of effects explains all others. It says which.",
+        "suspicious: a reading of 0 degC between 31.2 and 31.3\nright: an empty cell, or a phase that is ignored with a reason";
     TABLE_SHAPE = "table-shape", "a table that is not rectangular",
         "Measured data are CSV: a line of headers, then a line a row with as many cells as headers. Another separator than the comma is declared with \"separator\" in the measurement.",
         "wrong: phase,a,b and then P01,1\nright: phase,a,b and then P01,1,2";

@@ -34,6 +34,15 @@ pub struct Bounds {
     pub upper: Vec<f64>,
 }
 
+/// When a descent ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// Most steps.
+    pub most_iterations: u64,
+    /// A step that lowers the objective by less, as foreseen, is the last one; 0 for the precision of the arithmetic.
+    pub least_gain: f64,
+}
+
 /// Where a descent ended.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Minimum {
@@ -88,12 +97,7 @@ fn half_square(residuals: &[f64]) -> f64 {
 }
 
 /// Descends from a start (moved into the bounds). `None` where the start has no value.
-pub fn minimise<O: Objective>(
-    objective: &mut O,
-    start: &[f64],
-    bounds: &Bounds,
-    most_iterations: u64,
-) -> Option<Minimum> {
+pub fn minimise<O: Objective>(objective: &mut O, start: &[f64], bounds: &Bounds, effort: Effort) -> Option<Minimum> {
     let n = objective.dimension();
     let mut x: Vec<f64> = (0..n).map(|i| start[i].max(bounds.lower[i]).min(bounds.upper[i])).collect();
     let mut at = linearise(objective, &x)?;
@@ -102,7 +106,7 @@ pub fn minimise<O: Objective>(
     let (mut damping, mut growth) = (1e-3, 2.0);
     let mut penalised = false;
     let (mut iterations, mut converged, mut small_gains) = (0, false, 0);
-    while iterations < most_iterations && !converged {
+    while iterations < effort.most_iterations && !converged {
         iterations += 1;
         penalised |= at.penalty_gradient.iter().any(|g| *g != 0.0);
         for (i, s) in scale.iter_mut().enumerate() {
@@ -136,7 +140,7 @@ pub fn minimise<O: Objective>(
             };
             // Twice in a row, lest one lucky step near a plateau end the descent.
             small_gains = if gain <= 1e-14 * at.value.abs() { small_gains + 1 } else { 0 };
-            converged = small_gains >= 2;
+            converged = small_gains >= 2 || gain.max(predicted) < effort.least_gain;
             at = next;
             x = trial;
             let ratio = 2.0 * gain / predicted - 1.0;
@@ -144,7 +148,8 @@ pub fn minimise<O: Objective>(
             growth = 2.0;
         } else {
             // Nothing to gain within rounding, or no room left for a shorter step.
-            converged = negligible || predicted <= 1e-15 * at.value.abs() || damping > 1e30;
+            let least = f64::max(1e-15 * at.value.abs(), 1e-3 * effort.least_gain);
+            converged = negligible || predicted <= least || damping > 1e30;
             damping *= growth;
             growth *= 2.0;
         }
@@ -341,7 +346,9 @@ mod tests {
         let mut objective = StepAtThreshold { readings: [0.1, -0.2, 0.0, -0.1, 3.1, 2.9, 3.0, 3.2, 2.8, 3.0] };
         let bounds = Bounds { lower: vec![-10.0, 0.0], upper: vec![10.0, 9.0] };
         for threshold in [3.3, 3.5, 3.75] {
-            let found = minimise(&mut objective, &[0.5, threshold], &bounds, 60).unwrap();
+            let found =
+                minimise(&mut objective, &[0.5, threshold], &bounds, Effort { most_iterations: 60, least_gain: 0.0 })
+                    .unwrap();
             assert!((found.x[0] - 3.0).abs() < 1e-6, "from {threshold}: {:?}", found.x);
             assert!(found.x[1] > 3.0 && found.x[1] < 4.0, "from {threshold}: {:?}", found.x);
         }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::inference::estimate::identifiability::{self, Finding};
 use crate::inference::estimate::laplace::Laplace;
 use crate::inference::estimate::natural::NaturalObjective;
-use crate::inference::estimate::optimise::{Bounds, Minimum, free_variables, hessian, minimise};
+use crate::inference::estimate::optimise::{Bounds, Effort, Minimum, free_variables, hessian, minimise};
 use crate::inference::estimate::truncated_moments::{Moments, moments};
 use crate::inference::posterior::Work;
 use crate::inference::prior::triangular_transport::NormalApproximation;
@@ -25,6 +25,8 @@ pub struct PointSettings {
     pub starts: usize,
     /// Most steps from each start.
     pub most_iterations: u64,
+    /// Steps that gain less in log posterior density end a descent; 0 for the precision of the arithmetic.
+    pub least_gain: f64,
     /// Take the Hessian by differences of the gradient instead of the Jacobian's product; done in any case where a noise
     /// parameter is inferred or a prior is triangular.
     pub exact_hessian: bool,
@@ -36,7 +38,7 @@ pub struct PointSettings {
 
 impl Default for PointSettings {
     fn default() -> Self {
-        Self { starts: 8, most_iterations: 200, exact_hessian: false, findings: true, moments: false }
+        Self { starts: 8, most_iterations: 200, least_gain: 0.0, exact_hessian: false, findings: true, moments: false }
     }
 }
 
@@ -121,11 +123,12 @@ pub fn estimate<T: LeastSquares>(
     let starts = starts(target, settings, key, given);
     let count = starts.len() as u64;
     let mut descents = Vec::with_capacity(starts.len());
+    let effort = Effort { most_iterations: settings.most_iterations, least_gain: settings.least_gain };
     let mut best: Option<Minimum> = None;
     for start in starts {
         watch::at(descents.len() as u64, count);
         let from = objective.coordinates(&start);
-        let minimum = minimise(&mut objective, &from, &bounds, settings.most_iterations);
+        let minimum = minimise(&mut objective, &from, &bounds, effort);
         descents.push(Descent {
             start,
             end: minimum.as_ref().map(|m| objective.parameters(&m.x)),

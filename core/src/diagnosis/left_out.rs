@@ -1,0 +1,293 @@
+//! Readings that are faults of the data: spikes and drop-outs. They are found, said and left out.
+//!
+//! In a transient a spike is a reading, or a few, whose error jumps away from that of the rows about it and back; a drop-out
+//! jumps likewise and shows one value meanwhile. A model that is wrong errs smoothly there, or jumps and stays. In steady
+//! phases no row has a neighbour: there a reading is a fault where a set of effects explains all but a few readings, and these not at all.
+
+use crate::diagnosis::engine::{Diagnosis, Order, State};
+use crate::diagnosis::fits::refit::Begin;
+use crate::diagnosis::odds::posterior_odds::log_weights;
+use crate::diagnosis::{FitError, Problem, Refit};
+use crate::document::code::OUTLYING;
+use crate::document::counted;
+use crate::math::functions::ln;
+use crate::measurement::{Doubt, Measurement, Rows};
+use serde::{Deserialize, Serialize};
+
+/// A reading that is left out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LeftOut {
+    /// Position of the measurement.
+    pub measurement: usize,
+    /// Row.
+    pub row: usize,
+    /// Position of the sensor.
+    pub sensor: usize,
+    /// Reading minus what the others say, SI.
+    pub off: f64,
+}
+
+/// Rows to either side of which the median is what a spike stands out from.
+const BESIDE: usize = 4;
+/// Least height of a spike, in robust standard deviations of such distances: normal noise has one of it in 10^15 readings.
+const SPIKE: f64 = 8.0;
+/// Most rows of a spike that shows several values.
+const LONGEST_SPIKE: usize = 3;
+/// Most readings of a sensor, as a share, that are taken for faults of a transient.
+const MOST_OF_TRANSIENT: f64 = 0.05;
+/// Least error of a reading in a steady phase, in standard deviations of the noise and of what the others leave.
+const OUTLYING_SDS: f64 = 6.0;
+/// Most readings of steady phases, as a share, that are taken for faults.
+const MOST_OF_STEADY: f64 = 0.04;
+/// Log odds of a fault beforehand: one reading in a thousand is one, which may be anything within a hundred standard deviations.
+const COSTS: f64 = 10.6;
+/// Sets that are fitted without their faults.
+const MOST_REFITTED: usize = 4;
+/// Ln of the square root of 2 pi.
+const LN_SQRT_TAU: f64 = 0.918_938_533_204_672_8;
+/// Ratio of a robust to a standard deviation (median absolute deviation of a normal variable).
+const MEDIAN_TO_SD: f64 = 1.482_602_218_505_602;
+
+/// The median; `None` of nothing.
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
+/// Positions of spikes and drop-outs in a sensor's errors, row by row; `readings` are what it showed.
+fn spikes(errors: &[f64], readings: &[f64]) -> Vec<usize> {
+    let n = errors.len();
+    if n < 4 * BESIDE {
+        return Vec::new();
+    }
+    let beside = |at: usize, until: usize| {
+        let before = errors[at.saturating_sub(BESIDE)..at].iter();
+        median(before.chain(&errors[until..n.min(until + BESIDE)]).copied().collect()).unwrap_or(0.0)
+    };
+    let distances = (0..n).map(|at| (errors[at] - beside(at, at + 1)).abs()).collect();
+    let steps = readings.windows(2).map(|two| (two[1] - two[0]).abs()).filter(|step| *step > 0.0);
+    // A channel that shows whole steps does not stand out by one.
+    let resolution = steps.fold(f64::INFINITY, f64::min);
+    let scale = MEDIAN_TO_SD * median(distances).unwrap_or(0.0);
+    let least = SPIKE * scale.max(if resolution.is_finite() { 0.5 * resolution } else { 0.0 });
+    let jumps = |a: usize, b: usize| (errors[b] - errors[a]).abs() > least;
+    let mut found = Vec::new();
+    let mut at = 1;
+    while at + 1 < n {
+        if !jumps(at - 1, at) {
+            at += 1;
+            continue;
+        }
+        let frozen = readings[at..].iter().take_while(|value| **value == readings[at]).count();
+        let longest = frozen.max(LONGEST_SPIKE);
+        // It comes back to where it was.
+        let is_back = |until: &usize| {
+            let level = beside(at, *until);
+            (errors[*until] - level).abs() < 0.5 * least && (at..*until).all(|row| (errors[row] - level).abs() > least)
+        };
+        match (at + 1..n.min(at + longest + 1)).find(is_back) {
+            Some(until) => {
+                found.extend(at..until);
+                at = until + 1;
+            }
+            None => at += 1,
+        }
+    }
+    if found.len() as f64 > MOST_OF_TRANSIENT * n as f64 { Vec::new() } else { found }
+}
+
+/// Errors of a fit by measurement, row and sensor: of what it saw, and of what it did not.
+fn all_errors(problem: &Problem, refit: &Refit) -> Vec<LeftOut> {
+    let fitted = problem.fitted_readings();
+    let fitted = fitted.iter().zip(&refit.errors).map(|(own, error)| LeftOut {
+        measurement: own.measurement,
+        row: own.row,
+        sensor: own.sensor,
+        off: *error,
+    });
+    let unseen = refit.held_out.iter().map(|own| LeftOut {
+        measurement: own.measurement,
+        row: own.row,
+        sensor: own.sensor,
+        off: own.error,
+    });
+    let mut all: Vec<LeftOut> = fitted.chain(unseen).collect();
+    all.sort_by_key(|one| (one.measurement, one.sensor, one.row));
+    all
+}
+
+fn is_steady(measurement: &Measurement) -> bool {
+    matches!(measurement.rows, Rows::Steady(_))
+}
+
+impl Problem {
+    /// Spikes and drop-outs of the transients, at a fit.
+    fn spikes(&self, refit: &Refit) -> Vec<LeftOut> {
+        let all = all_errors(self, refit);
+        let series = all.chunk_by(|a, b| (a.measurement, a.sensor) == (b.measurement, b.sensor));
+        let of_series = |own: &[LeftOut]| -> Vec<LeftOut> {
+            let measurement = &self.measurements[own[0].measurement];
+            if is_steady(measurement) {
+                return Vec::new();
+            }
+            let errors: Vec<f64> = own.iter().map(|one| one.off).collect();
+            let readings: Vec<f64> = own.iter().filter_map(|one| measurement.reading(one.row, one.sensor)).collect();
+            spikes(&errors, &readings).into_iter().map(|at| own[at]).collect()
+        };
+        series.flat_map(of_series).collect()
+    }
+
+    /// Readings of steady phases that a fit does not explain while it explains all others; none where they would be too many,
+    /// with so many that are left out already.
+    fn outlying(&self, refit: &Refit, left_out: usize) -> Vec<LeftOut> {
+        let mut all = all_errors(self, refit);
+        all.retain(|one| is_steady(&self.measurements[one.measurement]));
+        let in_sds = |one: &LeftOut| {
+            let sd = self.measurements[one.measurement].sensors[one.sensor].total_sd();
+            (one.off / sd.max(f64::MIN_POSITIVE)).abs()
+        };
+        let scale = MEDIAN_TO_SD * median(all.iter().map(in_sds).collect()).unwrap_or(0.0);
+        let far: Vec<LeftOut> = all.iter().filter(|one| in_sds(one) > OUTLYING_SDS * scale.max(1.0)).copied().collect();
+        let most = (MOST_OF_STEADY * (all.len() + left_out) as f64).max(1.0);
+        if (far.len() + left_out) as f64 > most { Vec::new() } else { far }
+    }
+}
+
+impl Diagnosis {
+    /// The diagnosis without readings.
+    pub(crate) fn without(&self, left_out: &[LeftOut]) -> Self {
+        let mut own = self.clone();
+        for one in left_out {
+            own.forget(one.measurement, one.row, one.sensor);
+        }
+        own
+    }
+
+    /// Spikes and drop-outs of the transients beside the baseline model.
+    pub(crate) fn spikes(&self, declared: &Refit) -> Vec<LeftOut> {
+        self.problem().spikes(declared)
+    }
+
+    /// The diagnosis begun anew without readings of steady phases that the best set does not explain, which explains the others;
+    /// again and again, since one fault hides another. Sets are weighed with such readings as faults, the most promising fitted
+    /// without them. `None` where there are none.
+    pub(crate) fn leave_out(&self, state: &State) -> Result<Option<State>, FitError> {
+        if !self.problem().measurements.iter().any(is_steady) || !self.finds(&state.screening) {
+            return Ok(None);
+        }
+        let problem = self.with_noise(&state.noise, &state.most_steps);
+        let logs = log_weights(&problem, &state.refits);
+        let cost = |one: &LeftOut| {
+            COSTS + ln(problem.measurements[one.measurement].sensors[one.sensor].total_sd()) + LN_SQRT_TAU
+        };
+        let is_seen = |one: &&LeftOut| !problem.measurements[one.measurement].held_out(one.row);
+        let mut with_faults: Vec<(f64, Vec<LeftOut>, usize)> = (0..state.refits.len())
+            .filter_map(|place| {
+                let faults = problem.outlying(&state.refits[place], state.left_out.len());
+                let square = |one: &LeftOut| {
+                    let ratio = one.off / problem.measurements[one.measurement].sensors[one.sensor].total_sd();
+                    0.5 * ratio * ratio - COSTS
+                };
+                let log = logs[place] + faults.iter().filter(is_seen).map(square).sum::<f64>();
+                (!faults.is_empty()).then_some((log, faults, place))
+            })
+            .collect();
+        with_faults.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.cmp(&b.2)));
+        let without_faults = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        for (_, faults, place) in with_faults.into_iter().take(MOST_REFITTED) {
+            let effects = &state.refits[place].effects;
+            let own = self.without(&faults);
+            let begin = Begin { starts: vec![state.refits[place].by_name()], from_prior: 0, scale: 1.0 };
+            let Ok(refit) = own.with_noise(&state.noise, &state.most_steps).refit(effects, &begin, self.key()) else {
+                continue;
+            };
+            let log = log_weights(&problem, std::slice::from_ref(&refit))[0];
+            if log - faults.iter().filter(is_seen).map(cost).sum::<f64>() <= without_faults {
+                continue;
+            }
+            let mut next = own.screen()?;
+            next.left_out = [state.left_out.as_slice(), &faults].concat();
+            next.warnings.clone_from(&state.warnings);
+            if !effects.is_empty() && !next.is_known(effects) {
+                next.pending.push(Order { effects: effects.clone(), starts: vec![refit.by_name()], from: 0 });
+            }
+            return Ok(Some(next));
+        }
+        Ok(None)
+    }
+
+    /// What is said of readings that were left out, a sensor a sentence.
+    pub(crate) fn doubts_of(&self, left_out: &[LeftOut]) -> Vec<Doubt> {
+        let problem = self.problem();
+        let series = left_out.chunk_by(|a, b| (a.measurement, a.sensor) == (b.measurement, b.sensor));
+        let one = |own: &[LeftOut]| {
+            let measurement = &problem.measurements[own[0].measurement];
+            let sensor = &measurement.sensors[own[0].sensor];
+            let place = |one: &LeftOut| match &measurement.rows {
+                Rows::Steady(phases) => phases[one.row].name.clone(),
+                Rows::Transient { inputs, .. } => format!("{} s", inputs.times_s[one.row]),
+            };
+            let most = own.iter().map(|one| one.off).fold(0.0_f64, |a, b| if b.abs() > a.abs() { b } else { a });
+            let [stand, are, most_word] =
+                if own.len() == 1 { ["stands", "is", "by"] } else { ["stand", "are", "by up to"] };
+            let message = format!(
+                "{} of {} in {} ({}{}) {stand} out from what all others say, {most_word} {most:.2} {}, and {are} left out",
+                counted(own.len(), "reading"),
+                sensor.name,
+                measurement.name,
+                own.iter().take(3).map(place).collect::<Vec<_>>().join(", "),
+                if own.len() > 3 { ", ..." } else { "" },
+                problem.model.quantities[sensor.quantity].unit,
+            );
+            Doubt {
+                code: OUTLYING.name.to_owned(),
+                message,
+                repair: Some("empty their cells, or find what made them".to_owned()),
+            }
+        };
+        series.map(one).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::spikes;
+    use crate::random::StreamKey;
+
+    /// A slow error of 3 K, noise of 0.1 K.
+    fn errors(n: usize) -> Vec<f64> {
+        let mut stream = StreamKey::new(4, "test", "spikes").stream(0);
+        (0..n).map(|k| 3.0 * (k as f64 / 40.0).sin() + 0.1 * stream.normal()).collect()
+    }
+
+    #[test]
+    fn spikes_and_drop_outs_are_found_and_nothing_else() {
+        let clean = errors(600);
+        let readings: Vec<f64> = clean.iter().map(|error| 300.0 + error).collect();
+        assert!(spikes(&clean, &readings).is_empty());
+        let (mut bad, mut shown) = (clean.clone(), readings.clone());
+        for (row, off) in [(50, 5.0), (200, -4.0), (201, -3.0)] {
+            bad[row] += off;
+            shown[row] += off;
+        }
+        // Ten rows of exact zeros.
+        for row in 400..410 {
+            bad[row] -= shown[row];
+            shown[row] = 0.0;
+        }
+        let expected: Vec<usize> = [50, 200, 201].into_iter().chain(400..410).collect();
+        assert_eq!(spikes(&bad, &shown), expected);
+    }
+
+    #[test]
+    fn a_step_that_stays_is_no_spike() {
+        let mut bad = errors(300);
+        bad.iter_mut().skip(150).for_each(|error| *error += 4.0);
+        let shown: Vec<f64> = bad.iter().map(|error| 300.0 + error).collect();
+        assert!(spikes(&bad, &shown).is_empty());
+        // Nor are whole steps of a coarse channel.
+        let coarse: Vec<f64> =
+            (0..300).map(|k| f64::from(k / 50) * 0.5 + if k % 17 == 0 { 0.5 } else { 0.0 }).collect();
+        assert!(spikes(&coarse, &coarse).is_empty());
+    }
+}
