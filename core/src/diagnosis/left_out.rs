@@ -31,6 +31,8 @@ pub struct LeftOut {
 const BESIDE: usize = 4;
 /// Least height of a spike, in robust standard deviations of such distances: normal noise has one of it in 10^15 readings.
 const SPIKE: f64 = 8.0;
+/// Share of its height to which a spike comes back.
+const COMES_BACK: f64 = 0.25;
 /// Most rows of a spike that shows several values.
 const LONGEST_SPIKE: usize = 3;
 /// Most readings of a sensor, as a share, that are taken for faults of a transient.
@@ -83,7 +85,10 @@ fn spikes(errors: &[f64], readings: &[f64]) -> Vec<usize> {
         // It comes back to where it was.
         let is_back = |until: &usize| {
             let level = beside(at, *until);
-            (errors[*until] - level).abs() < 0.5 * least && (at..*until).all(|row| (errors[row] - level).abs() > least)
+            let back = (errors[*until] - level).abs();
+            // The model's own error moves on meanwhile.
+            back < f64::max(0.5 * least, COMES_BACK * (errors[at] - level).abs())
+                && (at..*until).all(|row| (errors[row] - level).abs() > least)
         };
         match (at + 1..n.min(at + longest + 1)).find(is_back) {
             Some(until) => {
@@ -252,12 +257,13 @@ impl Diagnosis {
 #[cfg(test)]
 mod tests {
     use super::spikes;
+    use crate::math::functions::sin;
     use crate::random::StreamKey;
 
     /// A slow error of 3 K, noise of 0.1 K.
     fn errors(n: usize) -> Vec<f64> {
         let mut stream = StreamKey::new(4, "test", "spikes").stream(0);
-        (0..n).map(|k| 3.0 * (k as f64 / 40.0).sin() + 0.1 * stream.normal()).collect()
+        (0..n).map(|k| 3.0 * sin(k as f64 / 40.0) + 0.1 * stream.normal()).collect()
     }
 
     #[test]
