@@ -18,10 +18,6 @@ fn catalogue() -> Arc<Catalogue> {
     Arc::new(Catalogue::embedded(&mut Diagnostics::new()))
 }
 
-fn recipe(topology: Topology, test: TestKind, request: InjectionRequest) -> Recipe {
-    Recipe { topology: Some(topology), test: Some(test), request, rivals: false, stated_noise: None }
-}
-
 /// Positions of the hidden effects among the candidates, and the values of their parameters in that order.
 fn hidden(case: &Case) -> (Vec<usize>, Vec<f64>) {
     let find = |id: &str| case.problem.candidates.iter().position(|own| own.id == id).expect("a candidate");
@@ -79,7 +75,8 @@ fn what_is_hidden_has_the_size_that_was_asked_for() {
     let catalogue = catalogue();
     for (number, size, effects) in [(0, 0.5, 1), (1, 1.0, 1), (2, 2.0, 1), (3, 2.0, 2)] {
         let request = InjectionRequest { effects, size: Some(size), ..InjectionRequest::default() };
-        let case = case(&catalogue, &recipe(Topology::Star, TestKind::Steady, request), SEED, number).expect("drawn");
+        let case =
+            case(&catalogue, &Recipe::of(Topology::Star, TestKind::Steady, request), SEED, number).expect("drawn");
         assert_eq!(case.truth.effects.len(), effects);
         check(&case, size);
     }
@@ -88,7 +85,7 @@ fn what_is_hidden_has_the_size_that_was_asked_for() {
 #[test]
 fn a_case_is_the_same_each_time_and_another_for_another_number() {
     let catalogue = catalogue();
-    let recipe = recipe(Topology::Chain, TestKind::Steady, InjectionRequest::default());
+    let recipe = Recipe::of(Topology::Chain, TestKind::Steady, InjectionRequest::default());
     let text = |number| format!("{:?}", folder::files(&case(&catalogue, &recipe, SEED, number).expect("drawn")));
     assert_eq!(text(5), text(5));
     assert_ne!(text(5), text(6));
@@ -119,7 +116,7 @@ fn a_case_is_the_same_in_memory_and_as_a_study() {
     ];
     for (number, (topology, test)) in (0..).zip(tests) {
         let request = InjectionRequest { effects: 0, size: None, ..InjectionRequest::default() };
-        let case = case(&catalogue, &recipe(topology, test, request), SEED, number).expect("drawn");
+        let case = case(&catalogue, &Recipe::of(topology, test, request), SEED, number).expect("drawn");
         let study = loaded(&case);
         let own = &case.problem;
         assert_eq!(study.model.identity(), own.model.identity());
@@ -136,7 +133,7 @@ fn a_case_is_the_same_in_memory_and_as_a_study() {
 fn what_cannot_be_hidden_is_refused() {
     let catalogue = catalogue();
     let request = InjectionRequest { only: Some("cooler-contact".to_owned()), ..InjectionRequest::default() };
-    let refused = case(&catalogue, &recipe(Topology::Chain, TestKind::Steady, request), SEED, 0);
+    let refused = case(&catalogue, &Recipe::of(Topology::Chain, TestKind::Steady, request), SEED, 0);
     assert_eq!(refused.map(|case| case.truth).unwrap_err(), InjectError::NoPlace);
 }
 
@@ -147,7 +144,7 @@ fn rivals_are_told_with_their_distance() {
     let catalogue = catalogue();
     let request =
         InjectionRequest { only: Some("conductive-path".to_owned()), size: Some(2.0), ..InjectionRequest::default() };
-    let recipe = Recipe { rivals: true, ..recipe(Topology::Star, TestKind::Steady, request) };
+    let recipe = Recipe { rivals: true, ..Recipe::of(Topology::Star, TestKind::Steady, request) };
     let case = case(&catalogue, &recipe, SEED, 1).expect("drawn");
     let rivals = case.truth.rivals.as_ref().expect("looked for");
     assert!(!rivals.is_empty() && rivals.windows(2).all(|two| two[0].delta2 <= two[1].delta2), "{rivals:?}");
@@ -173,7 +170,7 @@ fn every_effect_can_be_hidden() {
         };
         let kinds = Topology::ALL.into_iter().flat_map(|topology| TestKind::ALL.map(|test| (topology, test)));
         let drawn = kinds.into_iter().find_map(|(topology, test)| {
-            (0..2).find_map(|number| case(&catalogue, &recipe(topology, test, request()), SEED, number).ok())
+            (0..2).find_map(|number| case(&catalogue, &Recipe::of(topology, test, request()), SEED, number).ok())
         });
         let case = drawn.unwrap_or_else(|| panic!("`{}` finds no place", effect.name));
         assert_eq!(case.truth.effects[0].effect, effect.name);
@@ -187,7 +184,7 @@ fn every_effect_can_be_hidden() {
 fn a_strong_path_is_found_and_all_laws_are_fitted_at_its_place() {
     let only = Some("conductive-path".to_owned());
     let request = InjectionRequest { only, size: None, amplitude: Some(2.0), ..InjectionRequest::default() };
-    let case = case(&catalogue(), &recipe(Topology::Chain, TestKind::Steady, request), SEED, 17).expect("drawn");
+    let case = case(&catalogue(), &Recipe::of(Topology::Chain, TestKind::Steady, request), SEED, 17).expect("drawn");
     let diagnosis = Diagnosis::new(case.problem.clone(), Settings::default(), StreamKey::new(SEED, "test", "laws"));
     let mut state = diagnosis.screen().expect("screened");
     loop {

@@ -261,7 +261,7 @@ impl Diagnosis {
     pub fn screen(&self) -> Result<State, FitError> {
         let begin = Begin { starts: Vec::new(), from_prior: STARTS, scale: 1.0 };
         let declared = self.problem.refit(&[], &begin, &self.key)?;
-        let spikes = self.spikes(&declared);
+        let spikes = self.problem.spikes(&declared);
         if !spikes.is_empty() {
             let own = self.without(&spikes);
             let declared = own.problem.refit(&[], &begin, &self.key)?;

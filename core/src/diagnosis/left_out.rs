@@ -2,7 +2,8 @@
 //!
 //! In a transient a spike is a reading, or a few, whose error jumps away from that of the rows about it and back; a drop-out
 //! jumps likewise and shows one value meanwhile. A model that is wrong errs smoothly there, or jumps and stays. In steady
-//! phases no row has a neighbour: there a reading is a fault where a set of effects explains all but a few readings, and these not at all.
+//! phases no row has a neighbour: there a reading is a fault where a set of effects explains all but a few readings, and these
+//! not at all.
 
 use crate::diagnosis::engine::{Diagnosis, Order, State};
 use crate::diagnosis::fits::refit::Begin;
@@ -10,8 +11,10 @@ use crate::diagnosis::odds::posterior_odds::log_weights;
 use crate::diagnosis::{FitError, Problem, Refit};
 use crate::document::code::OUTLYING;
 use crate::document::counted;
+use crate::inference::likelihood::HALF_LN_TAU;
 use crate::math::functions::ln;
 use crate::measurement::{Doubt, Measurement, Rows};
+use crate::statistics::quantile::quantile_sorted;
 use serde::{Deserialize, Serialize};
 
 /// A reading that is left out.
@@ -41,19 +44,18 @@ const MOST_OF_TRANSIENT: f64 = 0.05;
 const OUTLYING_SDS: f64 = 6.0;
 /// Most readings of steady phases, as a share, that are taken for faults.
 const MOST_OF_STEADY: f64 = 0.04;
-/// Log odds of a fault beforehand: one reading in a thousand is one, which may be anything within a hundred standard deviations.
-const COSTS: f64 = 10.6;
+/// Minus the log density of a fault, in standard deviations: one reading in a thousand is one, anywhere in a range of a hundred
+/// standard deviations; `ln 1e5`.
+const COSTS: f64 = 11.512_925_464_970_229;
 /// Sets that are fitted without their faults.
 const MOST_REFITTED: usize = 4;
-/// Ln of the square root of 2 pi.
-const LN_SQRT_TAU: f64 = 0.918_938_533_204_672_8;
 /// Ratio of a robust to a standard deviation (median absolute deviation of a normal variable).
 const MEDIAN_TO_SD: f64 = 1.482_602_218_505_602;
 
 /// The median; `None` of nothing.
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
+    (!values.is_empty()).then(|| quantile_sorted(&values, 0.5))
 }
 
 /// Positions of spikes and drop-outs in a sensor's errors, row by row; `readings` are what it showed.
@@ -73,6 +75,7 @@ fn spikes(errors: &[f64], readings: &[f64]) -> Vec<usize> {
     let scale = MEDIAN_TO_SD * median(distances).unwrap_or(0.0);
     let least = SPIKE * scale.max(if resolution.is_finite() { 0.5 * resolution } else { 0.0 });
     let jumps = |a: usize, b: usize| (errors[b] - errors[a]).abs() > least;
+    let most = (MOST_OF_TRANSIENT * n as f64) as usize;
     let mut found = Vec::new();
     let mut at = 1;
     while at + 1 < n {
@@ -80,7 +83,8 @@ fn spikes(errors: &[f64], readings: &[f64]) -> Vec<usize> {
             at += 1;
             continue;
         }
-        let frozen = readings[at..].iter().take_while(|value| **value == readings[at]).count();
+        // A longer stretch would be more than the share that is allowed.
+        let frozen = readings[at..].iter().take(most).take_while(|value| **value == readings[at]).count();
         let longest = frozen.max(LONGEST_SPIKE);
         // It comes back to where it was.
         let is_back = |until: &usize| {
@@ -98,7 +102,7 @@ fn spikes(errors: &[f64], readings: &[f64]) -> Vec<usize> {
             None => at += 1,
         }
     }
-    if found.len() as f64 > MOST_OF_TRANSIENT * n as f64 { Vec::new() } else { found }
+    if found.len() > most { Vec::new() } else { found }
 }
 
 /// Errors of a fit by measurement, row and sensor: of what it saw, and of what it did not.
@@ -127,7 +131,7 @@ fn is_steady(measurement: &Measurement) -> bool {
 
 impl Problem {
     /// Spikes and drop-outs of the transients, at a fit.
-    fn spikes(&self, refit: &Refit) -> Vec<LeftOut> {
+    pub(crate) fn spikes(&self, refit: &Refit) -> Vec<LeftOut> {
         let all = all_errors(self, refit);
         let series = all.chunk_by(|a, b| (a.measurement, a.sensor) == (b.measurement, b.sensor));
         let of_series = |own: &[LeftOut]| -> Vec<LeftOut> {
@@ -168,11 +172,6 @@ impl Diagnosis {
         own
     }
 
-    /// Spikes and drop-outs of the transients beside the baseline model.
-    pub(crate) fn spikes(&self, declared: &Refit) -> Vec<LeftOut> {
-        self.problem().spikes(declared)
-    }
-
     /// The diagnosis begun anew without readings of steady phases that the best set does not explain, which explains the others;
     /// again and again, since one fault hides another. Sets are weighed with such readings as faults, the most promising fitted
     /// without them. `None` where there are none.
@@ -182,16 +181,14 @@ impl Diagnosis {
         }
         let problem = self.with_noise(&state.noise, &state.most_steps);
         let logs = log_weights(&problem, &state.refits);
-        let cost = |one: &LeftOut| {
-            COSTS + ln(problem.measurements[one.measurement].sensors[one.sensor].total_sd()) + LN_SQRT_TAU
-        };
+        let cost = |one: &LeftOut| COSTS + ln(problem.measurements[one.measurement].sensors[one.sensor].total_sd());
         let is_seen = |one: &&LeftOut| !problem.measurements[one.measurement].held_out(one.row);
         let mut with_faults: Vec<(f64, Vec<LeftOut>, usize)> = (0..state.refits.len())
             .filter_map(|place| {
                 let faults = problem.outlying(&state.refits[place], state.left_out.len());
                 let square = |one: &LeftOut| {
                     let ratio = one.off / problem.measurements[one.measurement].sensors[one.sensor].total_sd();
-                    0.5 * ratio * ratio - COSTS
+                    0.5 * ratio * ratio + HALF_LN_TAU - COSTS
                 };
                 let log = logs[place] + faults.iter().filter(is_seen).map(square).sum::<f64>();
                 (!faults.is_empty()).then_some((log, faults, place))
@@ -211,7 +208,8 @@ impl Diagnosis {
                 continue;
             }
             let mut next = own.screen()?;
-            next.left_out = [state.left_out.as_slice(), &faults].concat();
+            next.left_out = [state.left_out.as_slice(), &faults, &next.left_out].concat();
+            next.left_out.sort_by_key(|one| (one.measurement, one.sensor, one.row));
             next.warnings.clone_from(&state.warnings);
             if !effects.is_empty() && !next.is_known(effects) {
                 next.pending.push(Order { effects: effects.clone(), starts: vec![refit.by_name()], from: 0 });

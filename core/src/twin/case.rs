@@ -34,6 +34,13 @@ pub struct Recipe {
     pub stated_noise: Option<f64>,
 }
 
+impl Recipe {
+    /// Of a network and a test of these kinds, without rivals, the noise stated as it is.
+    pub fn of(topology: Topology, test: TestKind, request: InjectionRequest) -> Self {
+        Self { topology: Some(topology), test: Some(test), request, ..Self::default() }
+    }
+}
+
 /// A case with a network of its own.
 #[derive(Clone, Debug)]
 pub struct Case {

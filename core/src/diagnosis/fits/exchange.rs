@@ -77,13 +77,7 @@ mod tests {
         let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
         let request =
             InjectionRequest { only: Some("heat-load".to_owned()), size: Some(5.0), ..InjectionRequest::default() };
-        let recipe = Recipe {
-            topology: Some(Topology::Star),
-            test: Some(TestKind::Steady),
-            request,
-            rivals: false,
-            stated_noise: None,
-        };
+        let recipe = Recipe::of(Topology::Star, TestKind::Steady, request);
         let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
         let is_swap = |candidate: &crate::effect::Candidate| candidate.effect == "swapped-channels";
         let broken = problem.candidates.iter().position(is_swap).unwrap();

@@ -212,13 +212,7 @@ mod tests {
         let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
         let request =
             InjectionRequest { only: Some("heat-load".to_owned()), size: Some(5.0), ..InjectionRequest::default() };
-        let recipe = Recipe {
-            topology: Some(Topology::Star),
-            test: Some(TestKind::Steady),
-            request,
-            rivals: false,
-            stated_noise: None,
-        };
+        let recipe = Recipe::of(Topology::Star, TestKind::Steady, request);
         let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
         let begin = Begin { starts: Vec::new(), from_prior: 2, scale: 1.0 };
         let fitted = problem.refit(&[], &begin, &StreamKey::new(1, "test", "heat")).unwrap();

@@ -71,13 +71,7 @@ mod tests {
     fn warm() -> Problem {
         let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
         let request = InjectionRequest { effects: 0, size: None, ..InjectionRequest::default() };
-        let recipe = Recipe {
-            topology: Some(Topology::Star),
-            test: Some(TestKind::Steady),
-            request,
-            rivals: false,
-            stated_noise: None,
-        };
+        let recipe = Recipe::of(Topology::Star, TestKind::Steady, request);
         let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
         let mut model = (*problem.model).clone();
         let room = model.graph.number(290.0);

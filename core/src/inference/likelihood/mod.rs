@@ -37,7 +37,7 @@ use transient::TransientPart;
 pub use whitening::Whitening;
 
 /// Half of ln(2 pi).
-const HALF_LN_TAU: f64 = 0.918_938_533_204_672_7;
+pub(crate) const HALF_LN_TAU: f64 = 0.918_938_533_204_672_7;
 
 /// The own error of an input.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
