@@ -17,8 +17,8 @@ nightly:
     cargo run --release -- report && cargo test --release -- --include-ignored
 
 # the diagnosis on cases of known truth: hours; prints the tables of docs/verification.md
-laboratory nulls="2000" cases="1000" finer="400" seed="1":
-    cargo run --release --package bmv-benches --example laboratory -- {{nulls}} {{cases}} {{finer}} {{seed}}
+laboratory nulls="2000" cases="1000" finer="400" dated="200" seed="1":
+    cargo run --release --package bmv-benches --example laboratory -- {{nulls}} {{cases}} {{finer}} {{dated}} {{seed}}
 
 # the diagnosis on campaigns whose truth is written beside them
 told +campaigns:

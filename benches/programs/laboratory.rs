@@ -1,21 +1,29 @@
 //! What the diagnosis does on cases whose truth is known, over drawn networks: false alarms where nothing is missing, and
 //! how often what is missing is found. Prints the figures, and ends with status 1 where they miss what is asked for.
 //!
-//! `laboratory NULLS CASES FINER SEED`: cases with nothing missing, with one or two effects or physics that the catalogue lacks,
-//! and with a truth that is finer than the believed model everywhere.
+//! `laboratory NULLS CASES FINER DATED SEED`: cases with nothing missing, with one or two effects or physics that the
+//! catalogue lacks, with a truth that is finer than the believed model everywhere, and with what changes at a date.
 
 use std::process::ExitCode;
 use std::sync::Arc;
 
 use bmv::document::Diagnostics;
 use bmv::effect::Catalogue;
-use bmv::twin::{FinerScore, InjectionRequest, Rate, Recipe, TestKind, Trial, drawn_case, finer, score, standard};
+use bmv::measurement::Rows;
+use bmv::twin::{
+    FinerScore, InjectionRequest, Rate, Recipe, Score, TestKind, Trial, case, dated, drawn_case, finer, score, standard,
+};
 use rayon::prelude::*;
 
 /// Largest upper end of the 95 % interval of false alarms.
 const FALSE_ALARMS: f64 = 0.015;
 /// Size of what is hidden, and the least share of separable cases that are to be found.
 const FOUND: [(f64, f64); 3] = [(0.5, 0.60), (1.0, 0.90), (2.0, 0.97)];
+/// The same of what changes at a date, and rows within which its date is to be found.
+const FOUND_DATED: [(f64, f64); 3] = [(0.5, 0.85), (1.0, 1.0), (2.0, 1.0)];
+const ROWS: f64 = 3.0;
+/// The parameter that says when.
+const DATE: &str = "date";
 /// Least share of answers given 0.9 that are right, and of intervals of 95 % that hold the truth.
 const RIGHT: f64 = 0.9;
 
@@ -65,6 +73,41 @@ fn look_at(number: u64, trial: &Trial) {
     }
 }
 
+/// Rows between the date of a change that was selected and the true one. `None` where it was not selected.
+fn rows_off(catalogue: &Arc<Catalogue>, seed: u64, number: u64, trial: &Trial) -> Option<f64> {
+    let hidden = trial.truth.effects.first().filter(|hidden| trial.answer.selected.contains(&hidden.id))?;
+    let truth = hidden.parameters.iter().find(|one| one.name == DATE)?.value;
+    let stated = trial.answer.amplitudes.iter().find(|one| one.id == hidden.id && one.parameter == DATE)?;
+    let drawn = case(catalogue, &dated(number), seed, number).ok()?;
+    let spacing = match &drawn.problem.measurements.first()?.rows {
+        Rows::Steady(_) => 1.0,
+        Rows::Transient { inputs, .. } => {
+            let times = &inputs.times_s;
+            (times.last()? - times.first()?) / (times.len() - 1) as f64
+        }
+    };
+    Some((0.5 * (stated.lower + stated.upper) - truth).abs() / spacing)
+}
+
+/// Prints, by size, how often what is hidden is grouped where data can tell it. Returns the shares.
+fn by_size(score: &Score) -> Vec<(f64, Option<f64>)> {
+    let mut shares = Vec::new();
+    for own in &score.sizes {
+        let what = format!("{} hidden, size {}", own.effects, own.size);
+        line(&format!("{what}: grouped"), &own.all.grouped);
+        line(&format!("{what}: grouped, separable"), &own.separable.grouped);
+        if own.effects == 1 {
+            shares.push((own.size, own.separable.grouped.share()));
+        }
+    }
+    shares
+}
+
+fn is_found(shares: &[(f64, Option<f64>)], least: &[(f64, f64)]) -> bool {
+    let of = |size: f64| least.iter().find(|own| own.0 == size).map(|own| own.1);
+    shares.iter().all(|&(size, share)| of(size).zip(share).is_none_or(|(least, share)| share >= least))
+}
+
 fn line(what: &str, rate: &Rate) {
     let share = |value: f64| format!("{:.1}", 100.0 * value);
     println!("| {what} | {} | {} | {} to {} % |", rate.hits, rate.of, share(rate.lower), share(rate.upper));
@@ -72,8 +115,8 @@ fn line(what: &str, rate: &Rate) {
 
 fn main() -> ExitCode {
     let numbers: Option<Vec<u64>> = std::env::args().skip(1).map(|text| text.parse().ok()).collect();
-    let Some([nulls, cases, finer_cases, seed]) = numbers.as_deref() else {
-        eprintln!("usage: laboratory NULLS CASES FINER SEED, as in: laboratory 2000 1000 400 1");
+    let Some([nulls, cases, finer_cases, dated_cases, seed]) = numbers.as_deref() else {
+        eprintln!("usage: laboratory NULLS CASES FINER DATED SEED, as in: laboratory 2000 1000 400 200 1");
         return ExitCode::from(2);
     };
     let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
@@ -88,14 +131,7 @@ fn main() -> ExitCode {
     }
     if *cases > 0 {
         let score = score(&only(trials(&catalogue, *cases, *seed, standard)));
-        for own in &score.sizes {
-            let what = format!("{} hidden, size {}", own.effects, own.size);
-            line(&format!("{what}: grouped"), &own.all.grouped);
-            line(&format!("{what}: grouped, separable"), &own.separable.grouped);
-            let least = FOUND.iter().find(|(size, _)| own.effects == 1 && *size == own.size).map(|own| own.1);
-            let share = own.separable.grouped.share();
-            is_met &= least.zip(share).is_none_or(|(least, share)| share >= least);
-        }
+        is_met &= is_found(&by_size(&score), &FOUND);
         line("outside the catalogue: `unexplained`", &score.outside_unexplained);
         line("answers given 0.9 or more: right", &score.sure_and_right);
         line("intervals of 95 %: hold the truth", &score.coverage);
@@ -113,6 +149,16 @@ fn main() -> ExitCode {
         line("- wrong and sure", &score.wrong);
         is_met &= score.first.share().is_none_or(|share| share >= FIRST);
         is_met &= score.wrong.share().is_none_or(|share| share <= WRONG);
+    }
+    if *dated_cases > 0 {
+        println!("| what changes at a date | | | |");
+        let trials = trials(&catalogue, *dated_cases, *seed, dated);
+        let rows: Vec<f64> =
+            trials.iter().filter_map(|(number, trial)| rows_off(&catalogue, *seed, *number, trial)).collect();
+        is_met &= is_found(&by_size(&score(&only(trials))), &FOUND_DATED);
+        let near = Rate::of(rows.iter().map(|rows| *rows <= ROWS));
+        line("selected: date within three rows", &near);
+        is_met &= near.share().is_none_or(|share| share >= RIGHT);
     }
     if is_met { ExitCode::SUCCESS } else { ExitCode::from(1) }
 }

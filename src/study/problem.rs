@@ -20,10 +20,11 @@ pub fn problem(pass: &Pass) -> Problem {
 
 /// The problem of a pass over these of its measurements, with these of its parameters inferred.
 pub fn problem_with(pass: &Pass, measurements: Vec<Measurement>, parameters: Vec<usize>) -> Problem {
+    let (model, measurements) = dated(pass, measurements);
     let sensors = sensor_places(measurements.iter());
     Problem {
-        candidates: candidates(&pass.model, &pass.groups, &sensors, &pass.catalogue),
-        model: Arc::new(Model { keeps_signs: false, ..pass.model.clone() }),
+        candidates: candidates(&model, &pass.groups, &sensors, &pass.catalogue),
+        model: Arc::new(Model { keeps_signs: false, ..model }),
         priors: pass.priors.clone(),
         parameters,
         measurements,
@@ -34,6 +35,13 @@ pub fn problem_with(pass: &Pass, measurements: Vec<Measurement>, parameters: Vec
         noise_freedom: None,
         is_misspecified: false,
     }
+}
+
+/// The model of a pass with the input that says when, and these measurements with their values of it.
+pub fn dated(pass: &Pass, mut measurements: Vec<Measurement>) -> (Model, Vec<Measurement>) {
+    let mut model = pass.model.clone();
+    model.set_dates(&mut measurements);
+    (model, measurements)
 }
 
 /// Own errors of the inputs; a prior from draws was refused when the pass was read.

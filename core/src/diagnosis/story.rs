@@ -44,6 +44,8 @@ pub(crate) struct Story {
     pub sets: Vec<usize>,
     /// The steps; the last one may add nothing.
     pub steps: Vec<Step>,
+    /// Log posterior weights of all sets, with what unseen rows say.
+    pub logs: Vec<f64>,
 }
 
 impl Story {
@@ -74,7 +76,7 @@ impl Diagnosis {
         let unseen = self.independent_unseen(state);
         let seen = self.log_weights_of_story(state).into_iter().zip(&state.refits);
         let logs: Vec<f64> = seen.map(|(log, refit)| log + gains_unseen(&state.refits[0], refit, unseen)).collect();
-        let mut story = Story { sets: vec![0], steps: Vec::new() };
+        let mut story = Story { sets: vec![0], steps: Vec::new(), logs: logs.clone() };
         let mut at = 0;
         while (state.refits[at].effects.len() as u64) < self.settings().most {
             let step = self.step(state, &logs, at);
@@ -200,7 +202,7 @@ impl Diagnosis {
             if own.chances.iter().any(is_likely) { own } else { beside().unwrap_or(own) }
         };
         let steps = sets.windows(2).map(step).collect();
-        Story { sets, steps }
+        Story { sets, steps, logs: logs.to_vec() }
     }
 
     /// The step to a set by the effect that another step added, as if that had come last.

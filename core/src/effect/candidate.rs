@@ -70,7 +70,10 @@ pub fn candidates(
 fn candidate(effect: &Effect, model: &Model, spot: &Spot, bound: Vec<Bound>, sensors: &[SensorPlace]) -> Candidate {
     let of_sensor = effect.places.contains(&PlaceKind::Sensor);
     let mut place = spot.names.clone();
-    let names: Vec<&str> = bound.iter().map(|one| one.name(model)).collect();
+    // When is no name of a place.
+    let dates = effect.form.inputs.iter().map(|entry| entry.value.date);
+    let bound_names = bound.iter().zip(dates).filter(|(_, date)| !date).map(|(one, _)| one.name(model));
+    let names: Vec<&str> = bound_names.collect();
     // A node that a sensor's reading depends on is part of the sensor's place.
     let node = of_sensor && matches!(bound.as_slice(), [Bound::Node(_)]);
     if node {
@@ -220,8 +223,13 @@ fn without_doubles(model: &Model, choices: &[Bound], of_sensor: bool) -> Vec<Bou
 impl EffectInputForm {
     /// Whether it may stand for an input or node of the model.
     pub fn fits(&self, model: &Model, bound: Bound) -> bool {
+        if let Bound::Input(input) = bound
+            && (self.date || model.date == Some(input))
+        {
+            return self.date && model.date == Some(input);
+        }
         let (allowed, dimension) = match bound {
-            Bound::Node(_) => (self.temperature, None),
+            Bound::Node(_) => (self.temperature && !self.date, None),
             Bound::Input(_) => (self.input, Some(bound.dimension(model))),
         };
         let fits = match (&self.unit, dimension) {

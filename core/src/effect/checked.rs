@@ -102,6 +102,11 @@ impl Effect {
         self.form.medium == Some(Medium::Gas)
     }
 
+    /// Whether it depends on when readings were taken.
+    pub fn depends_on_date(&self) -> bool {
+        self.form.inputs.iter().any(|entry| entry.value.date)
+    }
+
     /// Whether it exchanges the channels of two sensors.
     pub fn exchanges_channels(&self) -> bool {
         self.form.adds.value.swap.is_some()

@@ -117,6 +117,8 @@ written_struct! {
         default(false) temperature: bool,
         /// Whether an input of the model may be bound.
         default(true) input: bool,
+        /// Whether it says when: the number of a steady phase from 1 on, or what to add to `t` in a transient. It is bound by itself.
+        default(false) date: bool,
         /// What it is.
         optional description: String,
     }

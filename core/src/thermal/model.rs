@@ -19,6 +19,8 @@ pub struct Model {
     pub parameters: Vec<Parameter>,
     /// Inputs in the order of the file.
     pub inputs: Vec<Input>,
+    /// The input that says when, where there is one: what changes at a date depends on it and on the time that has passed.
+    pub date: Option<usize>,
     /// Nodes in the order of the file, boundaries included.
     pub nodes: Vec<Node>,
     /// Elements: conductors, radiations, loads, flows, coolers, heaters, each in the order of the file.

@@ -147,7 +147,9 @@ fn baseline(
     draw: &mut Draw,
 ) -> Result<Problem, InjectError> {
     let mut model = specification.model().map_err(|error| InjectError::Fit(error.message))?;
-    let measurement = measurement(test, specification, &mut model, draw);
+    let mut measurements = vec![measurement(test, specification, &mut model, draw)];
+    model.set_dates(&mut measurements);
+    let measurement = &measurements[0];
     let transient = matches!(measurement.rows, Rows::Transient { .. });
     let sensors: Vec<SensorPlace> = (measurement.sensors.iter())
         .map(|sensor| SensorPlace {
@@ -163,7 +165,7 @@ fn baseline(
         parameters: (0..priors.len()).filter(|&index| !priors[index].is_fixed()).collect(),
         priors,
         model: Arc::new(model),
-        measurements: vec![measurement],
+        measurements,
         input_errors: Vec::new(),
         catalogue: Arc::clone(catalogue),
         candidates,

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::case::Case;
 use super::specification::object;
 use crate::measurement::{Initial, Measurement, Rows};
-use crate::thermal::Input;
+use crate::thermal::{Input, Model};
 
 /// The files of a case: name within the folder, and text.
 pub fn files(case: &Case) -> Vec<(String, String)> {
@@ -15,9 +15,15 @@ pub fn files(case: &Case) -> Vec<(String, String)> {
         ("pass-1.json".to_owned(), pass(case)),
         ("truth.json".to_owned(), format!("{truth}\n")),
     ];
+    files.extend(
+        case.problem.measurements.iter().map(|own| (own.file.clone(), table(written(&case.problem.model), own))),
+    );
     files
-        .extend(case.problem.measurements.iter().map(|own| (own.file.clone(), table(&case.problem.model.inputs, own))));
-    files
+}
+
+/// The inputs that a file states.
+fn written(model: &Model) -> &[Input] {
+    &model.inputs[..model.date.unwrap_or(model.inputs.len())]
 }
 
 /// A measurement as a table: inputs and readings in SI.
@@ -64,7 +70,7 @@ fn pass(case: &Case) -> String {
         .problem
         .measurements
         .iter()
-        .map(|own| format!("  {}: {}", json!(own.name), measurement(&case.problem.model.inputs, own)))
+        .map(|own| format!("  {}: {}", json!(own.name), measurement(written(&case.problem.model), own)))
         .collect();
     let title = json!(case.specification.title);
     let jobs = json!({"tuned": {"calibrate": {"data": names}}, "missing": {"diagnose": {"data": names}}});

@@ -29,5 +29,5 @@ pub use case::{Case, Recipe, case};
 pub use inject::{Hidden, InjectError, InjectionRequest, inject};
 pub use score::{FinerScore, Rate, Score, Trial, score};
 pub use topology::Topology;
-pub use trial::{Outcome, ask, drawn_case, finer, own_case, own_request, simulate, standard};
+pub use trial::{Outcome, ask, dated, drawn_case, finer, own_case, own_request, simulate, standard};
 pub use truth::{HiddenEffect, NoiseTruth, Outside, Rival, Truth};

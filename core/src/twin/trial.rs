@@ -91,6 +91,20 @@ pub fn finer(number: u64) -> Recipe {
     Recipe { topology: None, test, request, rivals: true, stated_noise }
 }
 
+/// The recipe of case `number` of the laboratory over changes at a date: heat, a conductance and a sensor in turn, by 0.5, 1 and
+/// 2 standard deviations. Every fourth case is a transient.
+pub fn dated(number: u64) -> Recipe {
+    let effect = ["dated-load", "dated-conductance", "dated-bias"][(number % 3) as usize];
+    let request = InjectionRequest {
+        only: Some(effect.to_owned()),
+        size: Some([0.5, 1.0, 2.0][(number / 3 % 3) as usize]),
+        correlated: Some(false),
+        ..InjectionRequest::default()
+    };
+    let test = Some(if number % 4 == 3 { TestKind::Steps } else { TestKind::Steady });
+    Recipe { topology: None, test, request, rivals: true, stated_noise: None }
+}
+
 /// A problem with readings of its own simulated from a truth that is drawn; `template` has the test's phases, inputs and
 /// sensors. The same for the same seed and number.
 ///

@@ -24,19 +24,22 @@ const PRIOR_FIELDS: &[&str] = &["mean", "sd", "lower", "upper", "median", "facto
 
 /// What the effect's inputs stand for, in the order of its file. `None` where the finding's names are not the model's.
 pub fn bound(effect: &Effect, finding: &EffectResult, model: &Model) -> Option<Vec<Bound>> {
-    let inputs: Vec<_> = effect.form.inputs.iter().collect();
+    let inputs: Vec<_> = effect.form.inputs.iter().filter(|entry| !entry.value.date).collect();
     let find = |position: usize, name: &str| {
         let input = model.inputs.iter().position(|input| input.name == name).map(Bound::Input);
         let node = model.nodes.iter().position(|node| node.name == name).map(Bound::Node);
         input.into_iter().chain(node).find(|&bound| inputs[position].value.fits(model, bound))
     };
-    match (&finding.input, inputs.len()) {
-        (None, 0) => Some(Vec::new()),
+    let mut named = match (&finding.input, inputs.len()) {
+        (None, 0) => Vec::new(),
         // A node that a sensor's reading depends on is part of the sensor's place.
-        (None, 1) => Some(vec![find(0, finding.place.get(1)?)?]),
-        (Some(input), count) => split(input, count, &find),
-        (None, _) => None,
+        (None, 1) => vec![find(0, finding.place.get(1)?)?],
+        (Some(input), count) => split(input, count, &find)?,
+        (None, _) => return None,
     }
+    .into_iter();
+    let all = effect.form.inputs.iter();
+    all.map(|entry| if entry.value.date { model.date.map(Bound::Input) } else { named.next() }).collect()
 }
 
 /// Names joined by `*`, a name for each input; a node's name may hold the sign itself.
@@ -94,8 +97,8 @@ pub fn usage(effect: &Effect, finding: &EffectResult, bound: &[Bound], model: &M
     let mut fields = vec![("where".to_owned(), place(finding))];
     let is_in_place = finding.input.is_none();
     if !bound.is_empty() && !is_in_place {
-        let names = effect.form.inputs.names().zip(bound);
-        let inputs = names.map(|(name, bound)| (name.to_owned(), Item::text(bound.name(model)))).collect();
+        let names = effect.form.inputs.iter().zip(bound).filter(|(entry, _)| !entry.value.date);
+        let inputs = names.map(|(entry, bound)| (entry.name.clone(), Item::text(bound.name(model)))).collect();
         fields.push(("inputs".to_owned(), Item::Object(inputs)));
     }
     let mut parameters: Vec<(String, Item)> = Vec::new();

@@ -27,6 +27,7 @@ use crate::study::discover::number;
 use crate::study::folder::Folder;
 use crate::study::inherit::folder_diagnostic_at;
 use crate::study::pass::FORMAT;
+use crate::study::problem::dated;
 use crate::study::resolve::effects;
 use crate::study::resolved::Pass;
 use choose::Chosen;
@@ -141,7 +142,8 @@ fn adopt<'f>(
     catalogue: &Catalogue,
     before: &[Adoption<'f>],
 ) -> Option<Adoption<'f>> {
-    let model = &pass.model;
+    let (model, _) = dated(pass, pass.measurements.clone());
+    let model = &model;
     if finding.effect == PRIOR_OF {
         let [key] = finding.place.as_slice() else { return None };
         let (mut item, fitted) = entry::wider_prior(finding, pass, key)?;

@@ -198,6 +198,16 @@ impl ResolvedModel {
         index
     }
 
+    /// The input that says when, added where the model has none.
+    pub fn date_input(&mut self) -> usize {
+        let date = self.model.date_input();
+        if date == self.input_scales.len() {
+            self.input_scales.push(Scale { unit: None });
+            self.input_errors.push(InputError::default());
+        }
+        date
+    }
+
     /// Takes note of what an effect has added to the model: its parameters with their units and priors, its nodes,
     /// elements and quantities.
     pub fn note_additions(&mut self, parameters: impl IntoIterator<Item = (Unit, Distribution)>) {

@@ -74,6 +74,13 @@ pub fn adopt(scope: &mut Scope, form: &PassForm, catalogue: &Catalogue) -> Adopt
     adoption
 }
 
+/// Whether an adopted effect depends on when readings were taken.
+pub fn depends_on_dates(folder: &Folder, form: &PassForm) -> bool {
+    let (catalogue, _) = catalogue(folder, &mut Diagnostics::new());
+    let mut used = form.adopt.iter().flat_map(|entry| entry.value.effect.iter());
+    used.any(|usage| catalogue.get(&usage.name).is_some_and(Effect::depends_on_date))
+}
+
 fn of_sensors(effect: &Effect) -> bool {
     effect.places.iter().any(|place| matches!(place, PlaceKind::Sensor | PlaceKind::SensorPair))
 }
@@ -140,8 +147,8 @@ impl Adoption {
             }
             _ => None,
         };
-        let inputs = effect.form.inputs.names().zip(&bound);
-        let inputs = inputs.map(|(name, bound)| (name.to_owned(), bound.name(&scope.resolved.model).to_owned()));
+        let inputs = effect.form.inputs.iter().zip(&bound).filter(|(entry, _)| !entry.value.date);
+        let inputs = inputs.map(|(entry, bound)| (entry.name.clone(), bound.name(&scope.resolved.model).to_owned()));
         let inputs: Vec<(String, String)> = inputs.collect();
         let id = id(effect, &placed, &bound, &inputs);
         let instance = Instance { name: &entry.name, effect, site: placed.site, bound, parameters, switch };

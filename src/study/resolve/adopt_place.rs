@@ -203,9 +203,10 @@ pub fn bound(
     node: Option<&Spanned<String>>,
 ) -> Option<Vec<Bound>> {
     let before = scope.diagnostics.errors();
-    let known: Vec<&str> = effect.form.inputs.names().collect();
+    let known: Vec<&str> =
+        effect.form.inputs.iter().filter(|entry| !entry.value.date).map(|entry| entry.name.as_str()).collect();
     for entry in &usage.value.inputs {
-        if effect.form.inputs.get(&entry.name).is_none() {
+        if !known.contains(&entry.name.as_str()) {
             let message = format!("`{}` has no input `{}`", effect.name, entry.name);
             let expected = suggest::listed(known.iter().copied(), 12);
             scope.error(&code::EFFECT_INPUT, &entry.name_place, message, &expected);
@@ -213,6 +214,10 @@ pub fn bound(
     }
     let mut bound = Vec::new();
     for entry in &effect.form.inputs {
+        if entry.value.date {
+            bound.push(Bound::Input(scope.resolved.date_input()));
+            continue;
+        }
         let given = usage.value.inputs.get(&entry.name).map(|given| &given.value);
         let Some(given) = given.or(node) else {
             let message = format!("the input `{}` of `{}` is not bound", entry.name, effect.name);

@@ -173,11 +173,17 @@ struct Files<'a> {
 /// ranges, so a pass that adopts some must know them before it reads what the effects may be needed for: it is resolved
 /// twice.
 fn with_ranges_of_data(files: &Files, form: &PassForm, mut resolved: ResolvedModel) -> (ResolvedModel, Vec<String>) {
-    let is_needed = !form.adopt.is_empty() && resolved.model.inputs.iter().any(|input| input.range.is_none());
+    let lacks_range = || resolved.model.inputs.iter().any(|input| input.range.is_none());
+    let is_needed = !form.adopt.is_empty() && (lacks_range() || adopt::depends_on_dates(files.folder, form));
     // What is wrong is said when the pass is resolved for good.
     let mut unheard = Diagnostics::new();
     let tried = is_needed.then(|| resolve(files, form, resolved.clone(), &mut unheard)).flatten();
     let Some(tried) = tried else { return (resolved, Vec::new()) };
+    if let (Some(date), None) = (tried.model.date, resolved.model.date) {
+        // Adopted effects alone need it; its range and unit are those of the data.
+        let own = resolved.date_input();
+        resolved.model.inputs[own] = tried.model.inputs[date].clone();
+    }
     for input in &mut resolved.model.inputs {
         let found = tried.model.inputs.iter().find(|other| other.name == input.name);
         input.range = input.range.or(found.and_then(|other| other.range));
@@ -253,6 +259,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     }
     adoption.adopt_at_sensors(&mut scope, form, &catalogue, &mut measurements);
     adoption.switch_on(&mut measurements, &mut environments);
+    set_dates(&mut scope, &mut measurements, &mut environments);
     priors.extend(adoption.priors.iter().copied());
     let mut upstreams = Upstreams::new(files.reader, files.chain);
     let posterior_priors = posterior_prior::resolve(&mut scope, &mut upstreams, &mut priors);
@@ -403,6 +410,21 @@ fn put_quantity(resolved: &mut ResolvedModel, quantity: Quantity) {
             resolved.model.quantities.push(quantity);
             resolved.quantity_dimensions.push(dimension);
         }
+    }
+}
+
+/// Says when measurements were made, where an adopted effect depends on it; environments come after them.
+fn set_dates(
+    scope: &mut Scope,
+    measurements: &mut [crate::measurement::Measurement],
+    environments: &mut [super::requirement::Environment],
+) {
+    let model = &mut scope.resolved.model;
+    let Some(date) = model.date else { return };
+    model.set_dates(measurements);
+    for environment in environments {
+        environment.inputs.resize(environment.inputs.len().max(date + 1), 0.0);
+        environment.inputs[date] = model.inputs[date].nominal;
     }
 }
 

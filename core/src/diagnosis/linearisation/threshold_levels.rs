@@ -91,9 +91,9 @@ pub(crate) fn level_of_row(
     measurement: &Measurement,
     row: usize,
 ) -> Option<f64> {
-    let Rows::Steady(phases) = &measurement.rows else { return None };
+    let Rows::Steady(_) = &measurement.rows else { return None };
     match bound(candidate, effect, parameter)? {
-        Bound::Input(input) => phases[row].inputs.get(input).copied(),
+        Bound::Input(input) => measurement.level(&problem.model, row, input),
         Bound::Node(node) => {
             on_node(problem, measurement, node).into_iter().find_map(|sensor| measurement.reading(row, sensor))
         }
@@ -137,14 +137,11 @@ fn all_levels(
     let mut levels = Vec::new();
     for measurement in &problem.measurements {
         let fitted = (0..measurement.len()).filter(|&row| !measurement.held_out(row) && !measurement.ignored(row));
-        match (bound, &measurement.rows) {
-            (Bound::Input(input), Rows::Steady(phases)) => {
-                levels.extend(fitted.filter_map(|row| phases[row].inputs.get(input).copied()));
+        match bound {
+            Bound::Input(input) => {
+                levels.extend(fitted.filter_map(|row| measurement.level(&problem.model, row, input)));
             }
-            (Bound::Input(input), Rows::Transient { inputs, .. }) => {
-                levels.extend(fitted.map(|row| inputs.in_row(row, input)));
-            }
-            (Bound::Node(node), _) => {
+            Bound::Node(node) => {
                 let sensors = on_node(problem, measurement, node);
                 for row in fitted {
                     levels.extend(sensors.iter().filter_map(|&sensor| measurement.reading(row, sensor)));

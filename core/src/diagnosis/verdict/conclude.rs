@@ -65,6 +65,8 @@ pub(crate) struct Findings<'a> {
     pub fewest_parameters: bool,
     /// Effects that explain so little that errors of the model itself may be what they explain.
     pub small: Vec<usize>,
+    /// Probabilities of effects beside which others explain nearly as much.
+    pub shared: BTreeMap<usize, f64>,
 }
 
 impl Findings<'_> {
@@ -93,14 +95,21 @@ impl Findings<'_> {
             let added = step.chances.iter().find(|one| step.chosen == Some(one.place));
             let others = step.chances.iter().filter(|one| step.chosen != Some(one.place));
             let likely = others.filter(|one| one.probability >= LEAST_RIVAL).take(MOST_RIVALS);
+            let group = self.groups.iter().find(|group| added.is_some_and(|one| group[0] == one.effect));
+            let mut alternatives: Vec<usize> = likely.map(|one| one.effect).collect();
+            let others = group.iter().flat_map(|group| &group[1..]);
+            let others: Vec<usize> = others.copied().filter(|effect| !alternatives.contains(effect)).collect();
+            alternatives.extend(others);
             StoryStep {
                 effect: added.map(|one| self.id(one.effect).to_owned()),
-                probability: added.map_or(step.stays, |one| self.unless_model_error(one.effect, one.probability)),
+                probability: added.map_or(step.stays, |one| {
+                    self.probability(one.effect).min(self.unless_model_error(one.effect, one.probability))
+                }),
                 rmse_k: RmseChange {
                     train: [before.rmse_train_k, after.rmse_train_k],
                     held_out: [before.rmse_held_out_k, after.rmse_held_out_k],
                 },
-                alternatives: likely.map(|one| self.id(one.effect).to_owned()).collect(),
+                alternatives: alternatives.into_iter().map(|effect| self.id(effect).to_owned()).collect(),
             }
         };
         story.steps.iter().map(result).collect()
@@ -117,7 +126,8 @@ impl Findings<'_> {
 
     /// Probability that an effect is missing.
     pub fn probability(&self, effect: usize) -> f64 {
-        self.unless_model_error(effect, self.probability_as_weighed(effect))
+        let shared = self.shared.get(&effect).copied();
+        self.unless_model_error(effect, shared.unwrap_or_else(|| self.probability_as_weighed(effect)))
     }
 
     /// A probability of an effect, less where it is so small that it may be none.
@@ -126,7 +136,7 @@ impl Findings<'_> {
     }
 
     /// The same as if models had no errors of their own.
-    fn probability_as_weighed(&self, effect: usize) -> f64 {
+    pub(super) fn probability_as_weighed(&self, effect: usize) -> f64 {
         if let Some(story) = &self.story {
             let chances = story.steps.iter().flat_map(|step| &step.chances).filter(|one| one.effect == effect);
             return chances.map(|one| one.probability).fold(0.0, f64::max);
@@ -177,6 +187,7 @@ impl Diagnosis {
             vetoed: false,
             fewest_parameters: false,
             small: Vec::new(),
+            shared: BTreeMap::new(),
         };
         let nothing = match findings.story.as_ref().and_then(|story| story.steps.first()) {
             Some(first) => first.stays,
@@ -220,6 +231,7 @@ impl Diagnosis {
             let chosen = &state.refits[findings.selected];
             let explains = !chosen.effects.is_empty() && !self.leaves_too_much(&findings);
             if explains {
+                findings.add_nearly_as_good();
                 verdict = findings.judge();
             } else {
                 // The test was that of a set which is not adopted.

@@ -7,6 +7,7 @@
 pub(crate) mod conclude;
 pub(crate) mod discriminating_experiment;
 pub(crate) mod hints;
+mod nearly_as_good;
 mod small_effects;
 pub(crate) mod still;
 pub(crate) mod trend;

@@ -1,12 +1,14 @@
 //! The verdict in sentences.
 
-use crate::diagnosis::output::{EffectResult, OneThing, Output, RISES, SeparatingExperiment, StoryStep, Verdict};
+use crate::diagnosis::output::{
+    Amount, EffectResult, OneThing, Output, RISES, SeparatingExperiment, StoryStep, Verdict,
+};
 use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::verdict::conclude::Findings;
 use crate::diagnosis::{PRIOR_OF, Problem};
 use crate::document::{counted, p_stated, percent};
 use crate::expression::Unit;
-use crate::measurement::Measurement;
+use crate::measurement::{Measurement, Rows};
 
 /// The first parameter of a curve.
 const FIRST_KNOT: &str = "knot_1";
@@ -32,6 +34,31 @@ fn size(effect: &EffectResult) -> String {
         }
         format!(", {name} {mean}{unit} (most probable with all others {}{unit})", short(amount.most_probable, 4))
     })
+}
+
+/// When an effect sets in, after a comma: between two phases, or at a time.
+fn date(effect: &EffectResult, problem: &Problem) -> String {
+    let Some((when, amount)) = dated(effect, problem) else { return String::new() };
+    let all: Vec<&str> = (problem.measurements.iter())
+        .filter_map(|own| match &own.rows {
+            Rows::Steady(phases) => Some(phases.iter().map(|phase| phase.name.as_str())),
+            Rows::Transient { .. } => None,
+        })
+        .flatten()
+        .collect();
+    let phase = |number: f64| all.get((number as usize).checked_sub(1)?).copied();
+    match (phase(when.floor()), phase(when.floor() + 1.0)) {
+        (Some(before), Some(after)) => format!(", between the phases {before} and {after}"),
+        _ => format!(", from {} {} on", with_error(amount.value, amount.sd), amount.unit),
+    }
+}
+
+/// The parameter that says when an effect sets in, with its most probable value.
+fn dated<'e>(effect: &'e EffectResult, problem: &Problem) -> Option<(f64, &'e Amount)> {
+    let own = problem.catalogue.get(&effect.effect).filter(|own| own.depends_on_date())?;
+    let is_date = |name: &str| own.form.parameters.get(name).is_some_and(|form| form.value.unit_of.is_some());
+    let (_, amount) = effect.amplitudes.iter().find(|(name, _)| is_date(name))?;
+    Some((amount.most_probable, amount))
 }
 
 /// That a prior is too narrow, and by how much.
@@ -305,10 +332,11 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     None => (head.to_owned(), String::new()),
                 };
                 words.push(format!(
-                    "{head}: {} ({}){}{}{errors}; probability {}, log Bayes factor {:.1}.{}{}",
+                    "{head}: {} ({}){}{}{}{errors}; probability {}, log Bayes factor {:.1}.{}{}",
                     effect.title,
                     effect.id,
                     size(effect),
+                    date(effect, findings.problem),
                     carried(effect),
                     percent(effect.probability),
                     effect.log_bayes_factor,

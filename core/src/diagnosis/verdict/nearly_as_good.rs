@@ -1,0 +1,122 @@
+//! Which effects explain nearly as much as a selected one, where the model has errors of its own.
+//!
+//! Errors of a model decide between effects that resemble each other: the same loss at the next node, another law between
+//! the same two. How far they can go is seen from small effects that were selected as well: what one of them gains, a
+//! wrong effect may gain on the right one.
+
+use crate::diagnosis::odds::posterior_odds::{MOST_RIVALS, RIVALS_WITHIN};
+use crate::diagnosis::verdict::conclude::Findings;
+use crate::math::functions::{exp, ln};
+
+/// Log odds by which the small effect that gains most stands before another one, in squares of a standard normal deviate: the largest
+/// of about ten has twice their logarithm (Cramér 1946, Mathematical Methods of Statistics, section 28.6).
+const LARGEST_OF_SOME: f64 = 4.6;
+
+/// An effect that explains nearly as much as a member of the selected set.
+#[derive(Clone, Debug, PartialEq)]
+struct Alternative {
+    /// Position of the group of the member.
+    group: usize,
+    effect: usize,
+    /// Position of the set with it that lags least.
+    place: usize,
+    /// Log odds by which that set stands behind the best one with the member.
+    lag: f64,
+}
+
+impl Findings<'_> {
+    /// Adds the effects that explain nearly as much to the groups, and takes their share from the members.
+    pub(super) fn add_nearly_as_good(&mut self) {
+        let has_small = self.members().iter().any(|effect| self.small.contains(effect));
+        let logs: Vec<f64> = match &self.story {
+            Some(story) => story.logs.clone(),
+            None if has_small => self.weights.sets.iter().map(|weight| ln(*weight)).collect(),
+            None => return,
+        };
+        let tempering = self.tempering(&logs);
+        let mut all = self.lags(&logs);
+        all.sort_by(|a, b| a.lag.total_cmp(&b.lag).then(a.effect.cmp(&b.effect)));
+        for group in 0..self.groups.len() {
+            let odds = |own: &Alternative| exp(-own.lag.max(0.0) / tempering);
+            let near = |own: &&Alternative| own.group == group && odds(own) * RIVALS_WITHIN >= 1.0;
+            let near: Vec<&Alternative> = all.iter().filter(near).take(MOST_RIVALS).collect();
+            let total = 1.0 + near.iter().map(|own| odds(own)).sum::<f64>();
+            let member = self.groups[group][0];
+            let most = self.probability_as_weighed(member).min(1.0 / total);
+            self.shared.insert(member, most);
+            for own in near {
+                let share = self.probability_as_weighed(own.effect).max(odds(own) / total);
+                self.shared.insert(own.effect, share);
+                if !self.groups.iter().any(|group| group.contains(&own.effect)) {
+                    self.groups[group].push(own.effect);
+                }
+                if !self.rivals.contains(&own.place) && self.rivals.len() <= MOST_RIVALS {
+                    self.rivals.push(own.place);
+                }
+            }
+        }
+    }
+
+    /// Members of the selected set, in the order of the groups.
+    fn members(&self) -> Vec<usize> {
+        self.groups.iter().filter_map(|group| group.first()).copied().collect()
+    }
+
+    /// By what log odds are divided: the variance of what errors of the model gain along one direction, beside that of the
+    /// noise. Half the square of a deviate is what it gains.
+    fn tempering(&self, logs: &[f64]) -> f64 {
+        let refits = &self.state.refits;
+        let own = &refits[self.selected].effects;
+        let gain = |effect: &usize| {
+            let rest = own.iter().filter(|other| *other != effect);
+            let before = refits.iter().position(|refit| refit.effects.iter().eq(rest.clone()))?;
+            Some(logs[self.selected] - logs[before]).filter(|gain| gain.is_finite())
+        };
+        let small = own.iter().filter(|effect| self.small.contains(effect));
+        1.0 + 2.0 * small.filter_map(gain).fold(0.0, f64::max) / LARGEST_OF_SOME
+    }
+
+    /// The least lag of every effect that can stand in the place of a large member, among sets of one size.
+    fn lags(&self, logs: &[f64]) -> Vec<Alternative> {
+        let refits = &self.state.refits;
+        let members = self.members();
+        let large: Vec<usize> = (0..members.len()).filter(|&group| !self.small.contains(&members[group])).collect();
+        let alone = |effect: usize| {
+            let place = refits.iter().position(|refit| refit.effects == [effect]);
+            place.map_or(f64::NEG_INFINITY, |place| logs[place])
+        };
+        let is_unknown = |effect: usize| {
+            let name = &self.problem.candidates[effect].effect;
+            self.problem.catalogue.get(name).is_some_and(crate::effect::Effect::is_unknown_function)
+        };
+        let mut found: Vec<Alternative> = Vec::new();
+        for size in large.len().max(1)..=members.len() + 1 {
+            let of_size =
+                || (0..refits.len()).filter(|&place| refits[place].effects.len() == size && logs[place].is_finite());
+            let has_all = |place: &usize| large.iter().all(|&group| refits[*place].effects.contains(&members[group]));
+            let Some(best) = of_size().filter(has_all).map(|place| logs[place]).reduce(f64::max) else { continue };
+            for place in of_size() {
+                let effects = &refits[place].effects;
+                let absent: Vec<usize> =
+                    large.iter().copied().filter(|&group| !effects.contains(&members[group])).collect();
+                let mut others: Vec<usize> =
+                    effects.iter().copied().filter(|effect| !members.contains(effect)).collect();
+                // The strongest stands for the strongest.
+                others.sort_by(|&a, &b| alone(b).total_cmp(&alone(a)).then(a.cmp(&b)));
+                for (position, &effect) in others.iter().enumerate() {
+                    let Some(&group) = absent.get(position).or(absent.last()) else { continue };
+                    if is_unknown(effect) && !is_unknown(members[group]) {
+                        continue;
+                    }
+                    let lag = best - logs[place];
+                    match found.iter_mut().find(|own| own.group == group && own.effect == effect) {
+                        Some(known) if known.lag <= lag => {}
+                        Some(known) => (known.lag, known.place) = (lag, place),
+                        None => found.push(Alternative { group, effect, place, lag }),
+                    }
+                }
+            }
+        }
+        found
+    }
+}
