@@ -5,6 +5,7 @@ use bmv::diagnosis::Output;
 use bmv::document::Diagnostics;
 use bmv::effect::{Bound, Candidate, Catalogue, GroupPlace, Site, candidates};
 use bmv::random::Distribution;
+use bmv::study::problem::dated;
 use bmv::study::resolve::adopt::sensor_places;
 use serde_json::{Value, json};
 
@@ -129,12 +130,13 @@ fn every_effect_at_every_kind_of_place_is_written_and_read_again() {
     let study = study();
     let pass = study.load();
     let catalogue = Catalogue::embedded(&mut Diagnostics::new());
-    let all = candidates(&pass.model, &groups(&pass), &sensor_places(pass.measurements.iter()), &catalogue);
+    let (model, measurements) = dated(&pass, pass.measurements.clone());
+    let all = candidates(&model, &groups(&pass), &sensor_places(measurements.iter()), &catalogue);
     let mut seen: Vec<(String, &str, String)> = Vec::new();
     for candidate in &all {
         // Once for each kind of place, and of what inputs stand for.
         let bound = candidate.bound.iter().map(|bound| match bound {
-            Bound::Input(index) => pass.model.inputs[*index].unit.as_str(),
+            Bound::Input(index) => model.inputs[*index].unit.as_str(),
             Bound::Node(_) => "node",
         });
         let kind = (candidate.effect.clone(), candidate.where_kind, bound.collect::<Vec<_>>().join("*"));
@@ -153,7 +155,7 @@ fn every_effect_at_every_kind_of_place_is_written_and_read_again() {
         let [adopted] = read.adopted.as_slice() else { panic!("{}: one effect", candidate.id) };
         assert_eq!((&adopted.id, &adopted.name), (&candidate.id, &next.adopted[0].0));
         let effect = catalogue.get(&candidate.effect).expect("there");
-        let expected = effect.parameters(&pass.model, &candidate.bound);
+        let expected = effect.parameters(&model, &candidate.bound);
         assert_eq!(adopted.parameters.len(), expected.len());
         for (index, expected) in adopted.parameters.clone().zip(&expected) {
             let parameter = &read.model.parameters[index];

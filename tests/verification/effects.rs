@@ -66,6 +66,7 @@ pub fn model() -> Model {
     let element = b.model.elements.iter().position(|element| element.name == "bolts").expect("there");
     let through = b.model.elements[element].clone().contribution(b.graph(), &mut Vec::new(), false).through;
     b.quantity("leak", through.expect("a conductor"));
+    b.model.date_input();
     b.model
 }
 
@@ -256,7 +257,8 @@ fn pairs_exchange_heat_and_make_none() {
 }
 
 fn evaluate(graph: &Graph, id: bmv::expression::ExprId, parameters: &[f64]) -> f64 {
-    let inputs = [290.0, 120.0, 6.0, 2.0, 0.8];
+    // The last is the date at which what is dated sets in: half of it is there.
+    let inputs = [290.0, 120.0, 6.0, 2.0, 0.8, 1e9];
     graph.evaluate(id, &|symbol| match symbol {
         Symbol::Parameter(index) => parameters[index as usize],
         Symbol::Input(index) => inputs[index as usize],
@@ -289,6 +291,9 @@ fn heats_follow_their_equations() {
         ("product-load:box:Q*i", 0.5 / (9.0 * 1.2) * 6.0 * 0.8),
         ("input-function-load:box:Q", 0.5),
         ("product-function-load:box:Q*i", 0.5 / 9.0 * 6.0),
+        ("dated-load:box", 0.5 * 0.5),
+        // Far below its threshold of 300 K.
+        ("missing-heater:box:box", 1.0),
         ("evaporation:box", -0.1 * bmv::math::functions::exp(5309.0 * (1.0 / 293.15 - 1.0 / cabinet))),
     ];
     for &(id, expected) in cases {
@@ -318,6 +323,9 @@ fn changes_of_what_is_there_follow_their_equations() {
             0.03 * (1.0 + 180_000.0 / (panel * panel + shroud * shroud)),
         ),
         ("conductance-step:strap:Q", "strap", 0.25 * 1.25),
+        ("conductance-lost-below:strap:box", "strap", 0.25 * (1.0 - 0.5)),
+        ("dated-conductance:strap", "strap", 0.25 * (1.0 + 0.5 * 0.5)),
+        ("dated-conductance:panel to shroud", "panel to shroud", 0.03 * (1.0 + 0.5 * 0.5)),
         ("dissipation-temperature:board", "board", 6.0 * (1.0 + 0.005 * (cabinet - 293.15))),
         ("heater-efficiency:board", "board", 6.0 * 1.1),
     ];
@@ -336,6 +344,7 @@ fn changes_of_what_is_there_follow_their_equations() {
     }
     let readings: &[(&str, f64)] = &[
         ("sensor-bias:TC box", cabinet + 0.5),
+        ("dated-bias:TC box", cabinet + 0.5 * 0.5),
         ("sensor-gain:TC box", cabinet + 0.01 * (cabinet - 273.15)),
         ("sensor-conduction:TC box:panel", cabinet + 0.05 * (panel - cabinet)),
         ("sensor-self-heating:TC box", cabinet + 0.5),

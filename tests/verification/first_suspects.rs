@@ -95,7 +95,8 @@ fn a_prior_that_excludes_the_truth_is_named_before_any_effect() {
     // Below its prior no path can help; the plate's conductor lets through too much.
     let study = Study::steady("[0.45, 0.55]", "Q", [0.35, 0.3, 1.0], [0.1, 0.1], ALL);
     let output = study.diagnosed();
-    assert_eq!((output.verdict, output.selected.as_slice()), (Verdict::Identified, &["prior-of:G".to_owned()][..]));
+    let said = (output.verdict, output.selected.as_slice());
+    assert_eq!(said, (Verdict::Identified, &["prior-of:G".to_owned()][..]), "{:?}", output.words);
     let own = output.effects.iter().find(|effect| effect.id == "prior-of:G").expect("told");
     let fitted = &own.amplitudes["G"];
     assert!((fitted.value - 0.35).abs() < 3.0 * fitted.sd && fitted.sd < 0.01, "{fitted:?}");

@@ -9,50 +9,56 @@ const NAME: &str = "date";
 /// Value where no measurement says when: after all of them, s.
 const AFTER_ALL_S: f64 = 1e9;
 
-/// When the rows of measurements were taken: numbers of the steady phases from 1 on, or seconds of the transients.
+/// When the rows of the measurements of a pass were taken: numbers of the steady phases from 1 on, or seconds where there are
+/// transients.
 struct Dates {
     unit: &'static str,
     /// The first and the last.
     range: [f64; 2],
-    /// By measurement: what is added to its times, s, or to the numbers of its phases from 0 on.
-    starts: Vec<f64>,
+    /// From one steady phase to the next.
+    step: f64,
+    /// By name of a measurement: what is added to its times, s; of steady ones the first phase.
+    starts: Vec<(String, f64)>,
+}
+
+/// The first and the last instant of a transient, s.
+fn span(measurement: &Measurement) -> Option<[f64; 2]> {
+    let Rows::Transient { inputs, .. } = &measurement.rows else { return None };
+    Some([*inputs.times_s.first()?, *inputs.times_s.last()?])
 }
 
 impl Dates {
-    /// Phases follow one another as they are written. Transients are at the times that they state where these do not
-    /// overlap, else they follow one another. `None` of steady phases beside transients, and of fewer than two rows.
+    /// Measurements follow one another as they are written, a steady phase beside transients as long as one of these on
+    /// average. Transients alone are at the times that they state where these do not overlap. `None` of less than two instants.
     fn of(measurements: &[Measurement]) -> Option<Self> {
-        let mut starts = Vec::new();
-        let mut spans: Vec<[f64; 2]> = Vec::new();
-        let mut phases = 0;
-        for measurement in measurements {
-            match &measurement.rows {
-                Rows::Steady(own) => {
-                    starts.push((phases + 1) as f64);
-                    phases += own.len();
+        let spans: Vec<[f64; 2]> = measurements.iter().filter_map(span).collect();
+        let named = |own: &Measurement, start: f64| (own.name.clone(), start);
+        if spans.len() == measurements.len() && spans.is_sorted_by(|a, b| a[1] <= b[0]) {
+            let range = [spans.first()?[0], spans.last()?[1]];
+            let starts = measurements.iter().map(|own| named(own, 0.0)).collect();
+            return (range[0] < range[1]).then_some(Self { unit: "s", range, step: 0.0, starts });
+        }
+        let passed: f64 = spans.iter().map(|span| span[1] - span[0]).sum();
+        let (unit, first, step) = match spans.len() {
+            0 => ("1", 1.0, 1.0),
+            count => ("s", 0.0, passed / count as f64),
+        };
+        let (mut now, mut last, mut starts) = (first, first, Vec::new());
+        for own in measurements {
+            match span(own) {
+                None => {
+                    starts.push(named(own, now));
+                    now += step * own.len() as f64;
+                    last = now - step;
                 }
-                Rows::Transient { inputs, .. } => {
-                    let [first, .., last] = inputs.times_s.as_slice() else { return None };
-                    spans.push([*first, *last]);
+                Some([from, to]) => {
+                    starts.push(named(own, now - from));
+                    now += to - from;
+                    last = now;
                 }
             }
         }
-        if spans.is_empty() {
-            return (phases > 1).then(|| Self { unit: "1", range: [1.0, phases as f64], starts });
-        }
-        if !starts.is_empty() {
-            return None;
-        }
-        if !spans.is_sorted_by(|a, b| a[1] <= b[0]) {
-            let mut end = 0.0;
-            for span in &mut spans {
-                starts.push(end - span[0]);
-                *span = [end, end + span[1] - span[0]];
-                end = span[1];
-            }
-        }
-        starts.resize(spans.len(), 0.0);
-        Some(Self { unit: "s", range: [spans.first()?[0], spans.last()?[1]], starts })
+        (first < last).then_some(Self { unit, range: [first, last], step, starts })
     }
 }
 
@@ -81,24 +87,27 @@ impl Model {
         self.inputs.len() - 1
     }
 
-    /// Gives the input that says when its unit and range, and the measurements their values of it. A model without it gets
-    /// it where dates can be said of these measurements.
-    pub fn set_dates(&mut self, measurements: &mut [Measurement]) {
-        let Some(dates) = Dates::of(measurements) else { return };
+    /// Gives the input that says when its unit and range, and measurements their values of it, `all` being those of the
+    /// pass. A model without it gets it where dates can be said.
+    pub fn set_dates(&mut self, all: &[Measurement], measurements: &mut [Measurement]) {
+        let Some(dates) = Dates::of(all) else { return };
         let date = self.date_input();
         let input = &mut self.inputs[date];
         dates.unit.clone_into(&mut input.unit);
         (input.range, input.nominal) = (Some(dates.range), dates.range[1]);
-        for (measurement, start) in measurements.iter_mut().zip(&dates.starts) {
+        for measurement in measurements {
+            let known = dates.starts.iter().find(|(name, _)| *name == measurement.name);
+            let start = known.map_or(dates.range[1], |(_, start)| *start);
             let put = |inputs: &mut Vec<f64>, value: f64| {
                 inputs.resize(inputs.len().max(date + 1), 0.0);
                 inputs[date] = value;
             };
             match &mut measurement.rows {
                 Rows::Steady(phases) => {
-                    phases.iter_mut().enumerate().for_each(|(row, phase)| put(&mut phase.inputs, start + row as f64));
+                    let phases = phases.iter_mut().enumerate();
+                    phases.for_each(|(row, phase)| put(&mut phase.inputs, start + dates.step * row as f64));
                 }
-                Rows::Transient { inputs, .. } => put(&mut inputs.base, *start),
+                Rows::Transient { inputs, .. } => put(&mut inputs.base, start),
             }
         }
     }

@@ -108,7 +108,7 @@ fn attempted(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, stream: u64
         for reading in measurement.readings.iter_mut().flatten() {
             *reading = decimals(*reading, DECIMALS);
         }
-        measurement.sha256 = sha256_hex(folder::table(&problem.model.inputs, measurement).as_bytes());
+        measurement.sha256 = sha256_hex(folder::table(folder::written(&problem.model), measurement).as_bytes());
     }
     Ok(Case { topology, test, specification, problem, truth: hidden.truth })
 }
@@ -148,7 +148,7 @@ fn baseline(
 ) -> Result<Problem, InjectError> {
     let mut model = specification.model().map_err(|error| InjectError::Fit(error.message))?;
     let mut measurements = vec![measurement(test, specification, &mut model, draw)];
-    model.set_dates(&mut measurements);
+    model.set_dates(&measurements.clone(), &mut measurements);
     let measurement = &measurements[0];
     let transient = matches!(measurement.rows, Rows::Transient { .. });
     let sensors: Vec<SensorPlace> = (measurement.sensors.iter())

@@ -22,7 +22,7 @@ pub fn files(case: &Case) -> Vec<(String, String)> {
 }
 
 /// The inputs that a file states.
-fn written(model: &Model) -> &[Input] {
+pub(super) fn written(model: &Model) -> &[Input] {
     &model.inputs[..model.date.unwrap_or(model.inputs.len())]
 }
 

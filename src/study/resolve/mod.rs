@@ -421,7 +421,7 @@ fn set_dates(
 ) {
     let model = &mut scope.resolved.model;
     let Some(date) = model.date else { return };
-    model.set_dates(measurements);
+    model.set_dates(&measurements.to_vec(), measurements);
     for environment in environments {
         environment.inputs.resize(environment.inputs.len().max(date + 1), 0.0);
         environment.inputs[date] = model.inputs[date].nominal;

@@ -3,7 +3,7 @@
 
 use crate::diagnosis::FitError;
 use crate::diagnosis::fits::refit::Begin;
-use crate::diagnosis::linearisation::threshold_levels::{beside, gap, log_share};
+use crate::diagnosis::linearisation::threshold_levels::{beside, gap, is_crossed, log_share};
 use crate::diagnosis::{Problem, Refit};
 use crate::effect::EffectParameter;
 use crate::inference::estimate::point_estimate::PointEstimate;
@@ -75,6 +75,15 @@ impl Problem {
                 }
             }
         }
+        // A threshold that no reading crosses is none: what changes then is what was there.
+        let is_crossed = |refit: &Refit| {
+            let known = refit.by_name();
+            let mut all = self.thresholds_of(effects).into_iter();
+            all.all(|threshold| known.get(&threshold.name).is_some_and(|&value| self.is_crossed(&threshold, value)))
+        };
+        if refits.iter().any(is_crossed) {
+            refits.retain(is_crossed);
+        }
         // Moments take longer than fits; only those of likely gaps count.
         let highest = refits[best(&refits)].log_evidence;
         for refit in refits.iter_mut().filter(|refit| refit.log_evidence + LIKELY >= highest) {
@@ -125,6 +134,13 @@ impl Problem {
         let candidate = &self.candidates[threshold.candidate];
         let effect = self.catalogue.get(&candidate.effect);
         effect.map_or([None; 2], |effect| beside(self, candidate, effect, &threshold.parameter, value))
+    }
+
+    /// Whether rows lie on both sides of a threshold.
+    fn is_crossed(&self, threshold: &Threshold, value: f64) -> bool {
+        let candidate = &self.candidates[threshold.candidate];
+        let effect = self.catalogue.get(&candidate.effect);
+        effect.is_some_and(|effect| is_crossed(self, candidate, effect, &threshold.parameter, value))
     }
 
     /// The gaps in which a fit has its thresholds, SI.

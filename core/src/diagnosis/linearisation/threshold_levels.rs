@@ -75,6 +75,18 @@ pub(crate) fn beside(
     [above.checked_sub(2).and_then(middle), middle(above)]
 }
 
+/// Whether there are levels on both sides of a value (SI) of such a parameter; so where it has none.
+pub(crate) fn is_crossed(
+    problem: &Problem,
+    candidate: &Candidate,
+    effect: &Effect,
+    parameter: &EffectParameter,
+    value: f64,
+) -> bool {
+    let levels = levels(problem, candidate, effect, parameter).unwrap_or_default();
+    levels.is_empty() || (levels.iter().any(|level| *level <= value) && levels.iter().any(|level| *level > value))
+}
+
 /// Logarithm of the share of the prior that lies between these levels.
 pub(crate) fn log_share(parameter: &EffectParameter, [below, above]: [f64; 2]) -> f64 {
     let (lower, upper) = parameter.prior.support();

@@ -39,16 +39,16 @@ fn size(effect: &EffectResult) -> String {
 /// When an effect sets in, after a comma: between two phases, or at a time.
 fn date(effect: &EffectResult, problem: &Problem) -> String {
     let Some((when, amount)) = dated(effect, problem) else { return String::new() };
-    let all: Vec<&str> = (problem.measurements.iter())
-        .filter_map(|own| match &own.rows {
-            Rows::Steady(phases) => Some(phases.iter().map(|phase| phase.name.as_str())),
-            Rows::Transient { .. } => None,
-        })
-        .flatten()
-        .collect();
-    let phase = |number: f64| all.get((number as usize).checked_sub(1)?).copied();
-    match (phase(when.floor()), phase(when.floor() + 1.0)) {
-        (Some(before), Some(after)) => format!(", between the phases {before} and {after}"),
+    let mut phases: Vec<(f64, &str)> = Vec::new();
+    for measurement in &problem.measurements {
+        let Rows::Steady(own) = &measurement.rows else { continue };
+        let level = |row: usize| measurement.level(&problem.model, row, problem.model.date?);
+        phases.extend(own.iter().enumerate().filter_map(|(row, phase)| Some((level(row)?, phase.name.as_str()))));
+    }
+    phases.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let after = phases.partition_point(|phase| phase.0 <= when);
+    match (after.checked_sub(1).map(|before| phases[before].1), phases.get(after)) {
+        (Some(before), Some((_, after))) => format!(", between the phases {before} and {after}"),
         _ => format!(", from {} {} on", with_error(amount.value, amount.sd), amount.unit),
     }
 }
