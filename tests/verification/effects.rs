@@ -308,6 +308,25 @@ fn heats_follow_their_equations() {
     }
 }
 
+/// A clock that is behind by a minute adds a minute's change: all heat into the box over its 900 J/K.
+#[test]
+fn a_clock_that_is_behind_reads_ahead_by_the_rate_of_the_node() {
+    let catalogue = catalogue();
+    let candidate = all(&catalogue).into_iter().find(|own| own.id == "sensor-clock:TC box").expect("there");
+    let (mut model, _, probe, _) = applied(catalogue.get("sensor-clock").expect("there"), &candidate);
+    let reading = model.quantities.last().expect("added").value.expression();
+    let cabinet = model.nodes.iter().position(|node| node.name == "box").expect("there");
+    let mut heat = 0.0;
+    for element in model.elements.clone() {
+        let contribution = element.contribution(&mut model.graph, &mut Vec::new(), false);
+        let own = contribution.heat.into_iter().filter(|(node, _)| *node == cabinet);
+        heat += own.map(|(_, heat)| evaluate(&model.graph, heat, &probe)).sum::<f64>();
+    }
+    let expected = 250.0 + 7.0 * cabinet as f64 + 60.0 * heat / 900.0;
+    assert!(heat.abs() > 1.0, "{heat} W");
+    assert!((evaluate(&model.graph, reading, &probe) - expected).abs() < 1e-9);
+}
+
 /// Factors and readings by hand.
 #[test]
 fn changes_of_what_is_there_follow_their_equations() {

@@ -19,6 +19,7 @@ use crate::diagnosis::odds::posterior_odds::{Odds, best, posterior_odds};
 use crate::diagnosis::problem::FittedReading;
 use crate::diagnosis::screening::screen::Lead;
 use crate::diagnosis::{FitError, Problem, Refit};
+use crate::effect::Effect;
 use crate::math::functions::ln;
 use crate::measurement::{Measurement, Rows, total_sd};
 
@@ -176,7 +177,8 @@ impl Diagnosis {
         let candidates = &self.problem().candidates;
         let is_wanted = |&place: &usize| {
             let own = &candidates[place];
-            own.where_kind == "group" && own.input.is_none() && !self.is_unknown_function(place)
+            let is_dated = self.problem().catalogue.get(&own.effect).is_some_and(Effect::depends_on_date);
+            own.where_kind == "group" && own.input.is_none() && !is_dated && !self.is_unknown_function(place)
         };
         for candidate in (0..candidates.len()).filter(is_wanted).take(MOST_GROUPS) {
             state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &[], 0);

@@ -43,6 +43,7 @@ const EMBEDDED: &[(&str, &str)] = &[
     ("sensor-bias", include_str!("catalogue/sensor-bias.json")),
     ("sensor-gain", include_str!("catalogue/sensor-gain.json")),
     ("sensor-lag", include_str!("catalogue/sensor-lag.json")),
+    ("sensor-clock", include_str!("catalogue/sensor-clock.json")),
     ("sensor-drift", include_str!("catalogue/sensor-drift.json")),
     ("dated-bias", include_str!("catalogue/dated-bias.json")),
     ("sensor-conduction", include_str!("catalogue/sensor-conduction.json")),

@@ -5,7 +5,7 @@ use crate::thermal::{Input, Model};
 use super::{Measurement, Rows};
 
 /// Name of the input, unless the model has one of that name.
-const NAME: &str = "date";
+const NAME: &str = "date of the row";
 /// Value where no measurement says when: after all of them, s.
 const AFTER_ALL_S: f64 = 1e9;
 

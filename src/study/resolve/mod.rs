@@ -8,6 +8,7 @@ pub mod chosen;
 pub mod data;
 pub mod design_variable;
 mod drift;
+mod gaps;
 mod influence;
 mod initial;
 pub mod measurement;

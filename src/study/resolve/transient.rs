@@ -7,6 +7,7 @@ use crate::study::pinned::Pinned;
 use crate::study::resolved::IgnoredSensor;
 
 use super::data::{Layout, columns, data, pin, separator};
+use super::gaps;
 use super::initial::{self, FirstRows, Stated};
 use super::measurement::{
     Outcome, has_content, held_out_rows, parted, rows_within, said, said_twice, sensors, test_inputs, wanted,
@@ -89,7 +90,7 @@ pub fn transient(
         }
     };
     initial::compare(scope, &entry.name, &entry.name_place, &initial, &first, &sensors);
-    let measurement = Measurement {
+    let mut measurement = Measurement {
         name: entry.name.clone(),
         rows: Rows::Transient {
             inputs: InputTable { times_s, columns: table_columns, base },
@@ -104,6 +105,7 @@ pub fn transient(
         unused_columns: columns.unused,
         doubts: Vec::new(),
     };
+    gaps::doubts(scope, &mut measurement, &entry.name_place);
     if has_content(scope, &measurement, &form.file.place) {
         Outcome::Ready(Box::new(measurement))
     } else {

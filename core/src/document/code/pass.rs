@@ -48,6 +48,9 @@ codes! { PASS_CODES:
     NOT_STABILISED = "not-stabilised", "a phase that drifts (warning)",
         "A phase cut from a log as a window is compared with a steady state, but a sensor's readings rise or fall in it: faster than the stabilisation of the criteria, and more surely than their scatter explains (Student's t about a parabola, with the correlation of neighbouring readings, at a level of 1 % a phase). The heat stored meanwhile is missing in the balance. Choose a later window, ignore the phase with a reason, or compare the log as a transient.",
         "\"windows\": {\"P03\": {\"file\": \"data/log.csv\", \"from\": {\"value\": 9, \"unit\": \"h\"}, \"to\": {\"value\": 10, \"unit\": \"h\"}}} instead of the first hour after a step";
+    GAP = "gap", "a transient with a stretch without rows (warning)",
+        "Between two rows a transient's inputs go straight from one value to the next, or stay where they are held. Over a stretch that is far longer than the usual distance of the rows nothing is known of them, and the model after it starts from a state that nobody measured.",
+        "suspicious: rows every minute until 02:00 and again from 09:00\nright: two measurements, each with \"initial\": {\"measured\": {}}";
     OUTLYING = "outlying", "readings that stand out and are left out (warning)",
         "A diagnosis leaves out readings that are faults of the data: in a transient those that jump away from the rows about them and back, or show one value meanwhile; in steady phases a few that no effect explains while a set of effects explains all others. It says which.",
         "suspicious: a reading of 0 degC between 31.2 and 31.3\nright: an empty cell, or a phase that is ignored with a reason";

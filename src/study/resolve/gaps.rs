@@ -1,0 +1,67 @@
+//! Stretches without rows in a transient: what its inputs did meanwhile is not known.
+
+use crate::document::{Diagnostic, Place, code};
+use crate::measurement::{Doubt, Measurement, Rows};
+
+use super::plausible::short;
+use super::scope::Scope;
+
+/// Times the usual distance between rows from which one is a gap.
+const LONGER: f64 = 20.0;
+/// Least share of the whole record that a gap takes.
+const LEAST_SHARE: f64 = 0.02;
+/// Gaps named in a message.
+const NAMED: usize = 3;
+
+/// Says where the rows of a transient whose inputs vary have gaps.
+pub(super) fn doubts(scope: &mut Scope, measurement: &mut Measurement, place: &Place) {
+    let Rows::Transient { inputs, .. } = &measurement.rows else { return };
+    if inputs.columns.is_empty() {
+        return;
+    }
+    let gaps = gaps(&inputs.times_s);
+    if gaps.is_empty() {
+        return;
+    }
+    let mut named: Vec<String> =
+        gaps.iter().take(NAMED).map(|[from, to]| format!("{} to {} s", short(*from), short(*to))).collect();
+    if gaps.len() > NAMED {
+        named.push(format!("{} more", gaps.len() - NAMED));
+    }
+    let message = format!(
+        "`{}` has no rows for more than {LONGER} times their usual distance ({}): its inputs are taken to go straight from one row to the next, or to stay where they are held",
+        measurement.name,
+        named.join(", ")
+    );
+    let help = "make a measurement of each part, with \"initial\": {\"measured\": {}}; or ignore the rows after the gap that still show it, with the reason";
+    let doubt = Diagnostic::warning(&code::GAP, place, message).help(help);
+    measurement.doubts.push(Doubt::from(&doubt));
+    scope.doubts.push(doubt);
+}
+
+/// The gaps between ascending instants, each with its ends.
+fn gaps(times_s: &[f64]) -> Vec<[f64; 2]> {
+    let mut steps: Vec<f64> = times_s.windows(2).map(|two| two[1] - two[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    let (Some(&usual), Some(first), Some(last)) = (steps.get(steps.len() / 2), times_s.first(), times_s.last()) else {
+        return Vec::new();
+    };
+    let least = (LONGER * usual).max(LEAST_SHARE * (last - first));
+    times_s.windows(2).filter(|two| two[1] - two[0] > least).map(|two| [two[0], two[1]]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::gaps;
+
+    #[test]
+    fn a_gap_is_far_longer_than_the_usual_distance() {
+        let mut times: Vec<f64> = (0..100).map(|row| 60.0 * f64::from(row)).collect();
+        assert!(gaps(&times).is_empty());
+        // One lost row, and six hours.
+        times.remove(50);
+        times.iter_mut().skip(80).for_each(|time| *time += 21_600.0);
+        assert_eq!(gaps(&times), [[4800.0, 26_460.0]]);
+        assert!(gaps(&[]).is_empty() && gaps(&[1.0]).is_empty() && gaps(&[0.0, 5.0]).is_empty());
+    }
+}
