@@ -2,6 +2,7 @@
 
 pub mod build;
 mod comparison;
+mod dated_diagnosis;
 mod derivatives;
 mod design;
 mod effects;

@@ -1,0 +1,105 @@
+//! What changes at a date: a joint between two steady phases, a sensor likewise, and heat in a transient, all by hand.
+
+use bmv::diagnosis::{Diagnosis, Output, Problem, Settings};
+use bmv::random::StreamKey;
+
+const MODEL: &str = r#"{
+  "format": "bmv-network/1",
+  "title": "A box on a plate on a sink",
+  "inputs": {"Q": {"unit": "W", "nominal": 0, "range": [0, 30]}, "P": {"unit": "W", "nominal": 0, "range": [0, 10]}},
+  "parameters": {
+    "G": {"unit": "W/K", "nominal": 0.5, "prior": {"normal": {"mean": 0.5, "sd": 0.1}}, "source": "assumed"},
+    "H": {"unit": "W/K", "nominal": 0.2, "prior": {"normal": {"mean": 0.2, "sd": 0.05}}, "source": "assumed"}},
+  "nodes": {"sink": {"boundary": "290"}, "plate": {"capacity": 200}, "box": {"capacity": 100}},
+  "conductors": {"feet": {"between": ["plate", "sink"], "conductance": "G"}, "strap": {"between": ["box", "plate"], "conductance": "H"}},
+  "loads": {"heater": {"into": "plate", "power": "Q"}, "board": {"into": "box", "power": "P"}}
+}"#;
+
+const SIGMA: f64 = 0.2;
+
+fn diagnosed(table: &str, measurement: &str) -> (Problem, Output) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let pass = format!(
+        r#"{{"format": "bmv-pass/1", "title": "Dates", "parent": null, "model": "model.json", "seed": 3,
+        "measurements": {{"test": {measurement}}}, "jobs": {{"missing": {{"diagnose": {{}}}}}}}}"#
+    );
+    for (name, text) in [("model.json", MODEL), ("data.csv", table), ("pass-1.json", &pass)] {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    }
+    let pass = bmv::job::load(&folder.path().join("pass-1.json"));
+    let problem = bmv::study::problem(&pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20))));
+    let key = StreamKey::new(7, "dates", "diagnosis");
+    let output = Diagnosis::new(problem.clone(), Settings::default(), key).run().expect("a diagnosis");
+    (problem, output)
+}
+
+const SENSORS: &str = r#""sensors": {"plate": {"measures": "plate", "sigma": {"value": 0.2, "unit": "K"}},
+    "box": {"measures": "box", "sigma": {"value": 0.2, "unit": "K"}}}"#;
+
+/// Sixteen phases; from the tenth on the strap conducts `strap` W/K and the box' sensor reads `bias` too high.
+fn steady(strap: f64, bias: f64) -> Output {
+    let mut noise = StreamKey::new(8, "dates", "noise").stream(0);
+    let mut table = String::from("phase,Q [W],P [W],plate [K],box [K]\n");
+    for row in 1..=16_u32 {
+        let (q, p) = (3.0 + f64::from(row * 7 % 16), 1.0 + 0.5 * f64::from(row * 5 % 16));
+        let (h, b) = if row >= 10 { (strap, bias) } else { (0.2, 0.0) };
+        let plate = 290.0 + (q + p) / 0.5;
+        let cabinet = plate + p / h;
+        let read = [plate, cabinet + b].map(|value| value + SIGMA * noise.normal());
+        table.push_str(&format!("P{row:02},{q},{p},{:.4},{:.4}\n", read[0], read[1]));
+    }
+    diagnosed(&table, &format!(r#"{{"steady": {{"file": "data.csv", {SENSORS}}}}}"#)).1
+}
+
+#[test]
+fn a_joint_that_opens_for_good_is_dated_between_two_phases() {
+    let output = steady(0.14, 0.0);
+    assert_eq!(output.selected, ["dated-conductance:strap"], "{:?}", output.words);
+    let own = &output.effects[0].amplitudes;
+    assert!(9.0 < own["date"].most_probable && own["date"].most_probable < 10.0, "{own:?}");
+    // The truth is -0.3; four standard deviations.
+    assert!((own["change"].value + 0.3).abs() < 4.0 * own["change"].sd && own["change"].sd < 0.02, "{own:?}");
+    assert!(output.words.iter().any(|said| said.contains("between the phases P09 and P10")), "{:?}", output.words);
+}
+
+#[test]
+fn a_sensor_that_jumps_and_stays_is_dated() {
+    let output = steady(0.2, 1.5);
+    assert_eq!(output.selected, ["dated-bias:box"], "{:?}", output.words);
+    let own = &output.effects[0].amplitudes;
+    assert!(9.0 < own["date"].most_probable && own["date"].most_probable < 10.0, "{own:?}");
+    assert!((own["bias"].value - 1.5).abs() < 4.0 * own["bias"].sd, "{own:?}");
+}
+
+/// 10 W in turn on and off for 1500 s, and 2 W more from 4210 s on, in steps of half a second by Euler's rule, whose error is below
+/// 10 mK.
+#[test]
+fn heat_that_sets_in_during_a_transient_is_dated_within_three_rows() {
+    const DATE_S: f64 = 4210.0;
+    let mut noise = StreamKey::new(9, "dates", "noise").stream(0);
+    let mut table = String::from("time [s],Q [W],plate [K],box [K]\n");
+    let power = |t: f64| if (t / 1500.0) as u64 % 2 == 0 { 10.0 } else { 0.0 };
+    let (mut plate, mut cabinet) = (290.0, 290.0);
+    for half in 0..=16_000 {
+        let t = 0.5 * f64::from(half);
+        if half % 100 == 0 {
+            let read = [plate, cabinet].map(|value| value + SIGMA * noise.normal());
+            table.push_str(&format!("{t},{},{:.4},{:.4}\n", power(t), read[0], read[1]));
+        }
+        let more = if t >= DATE_S { 2.0 } else { 0.0 };
+        let through = 0.2 * (plate - cabinet);
+        plate += 0.5 * (power(t) + more - 0.5 * (plate - 290.0) - through) / 200.0;
+        cabinet += 0.5 * through / 100.0;
+    }
+    let measurement = format!(
+        r#"{{"transient": {{"file": "data.csv", "hold": ["Q"], "inputs": {{"P": {{"value": 0, "unit": "W"}}}},
+        "initial": {{"temperatures": {{"all": 290}}}}, {SENSORS}}}}}"#
+    );
+    let (problem, output) = diagnosed(&table, &measurement);
+    assert!(problem.candidates.iter().any(|own| own.id == "dated-conductance:feet"), "what competes with it");
+    assert_eq!(output.selected, ["dated-load:plate"], "{:?}", output.words);
+    let own = &output.effects[0].amplitudes;
+    assert!((own["date"].value - DATE_S).abs() < 150.0, "{own:?}");
+    // Four standard deviations.
+    assert!((own["power"].value - 2.0).abs() < 4.0 * own["power"].sd && own["power"].sd < 0.1, "{own:?}");
+}
