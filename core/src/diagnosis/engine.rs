@@ -261,11 +261,11 @@ impl Diagnosis {
     pub fn screen(&self) -> Result<State, FitError> {
         let begin = Begin { starts: Vec::new(), from_prior: STARTS, scale: 1.0 };
         let declared = self.problem.refit(&[], &begin, &self.key)?;
-        let spikes = self.problem.spikes(&declared);
-        if !spikes.is_empty() {
-            let own = self.without(&spikes);
+        let faults = self.problem.faults_of_transients(&declared);
+        if !faults.is_empty() {
+            let own = self.without(&faults);
             let declared = own.problem.refit(&[], &begin, &self.key)?;
-            return Ok(State { left_out: spikes, ..own.screen_beside_noise(declared)? });
+            return Ok(State { left_out: faults, ..own.screen_beside_noise(declared)? });
         }
         self.screen_beside_noise(declared)
     }

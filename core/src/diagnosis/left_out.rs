@@ -1,4 +1,4 @@
-//! Readings that are faults of the data: spikes and drop-outs. They are found, said and left out.
+//! Readings that are faults of the data: spikes, drop-outs and channels that froze. They are found, said and left out.
 //!
 //! In a transient a spike is a reading, or a few, whose error jumps away from that of the rows about it and back; a drop-out
 //! jumps likewise and shows one value meanwhile. A model that is wrong errs smoothly there, or jumps and stays. In steady
@@ -49,6 +49,13 @@ const MOST_OF_STEADY: f64 = 0.04;
 const COSTS: f64 = 11.512_925_464_970_229;
 /// Sets that are fitted without their faults.
 const MOST_REFITTED: usize = 4;
+/// Fewest readings of a stretch of one value, and times the length that nine of ten such stretches of the channel stay below.
+const LEAST_RUN: f64 = 8.0;
+const LONGER_RUN: f64 = 4.0;
+/// The model moves meanwhile by this many typical changes of its error and steps of the channel.
+const MOVES: f64 = 8.0;
+/// Most readings of a sensor, as a share, that are taken for those of a frozen channel.
+const MOST_FROZEN: f64 = 0.5;
 /// Ratio of a robust to a standard deviation (median absolute deviation of a normal variable).
 const MEDIAN_TO_SD: f64 = 1.482_602_218_505_602;
 
@@ -105,6 +112,37 @@ fn spikes(errors: &[f64], readings: &[f64]) -> Vec<usize> {
     if found.len() > most { Vec::new() } else { found }
 }
 
+/// Positions of readings in stretches of one value that are far longer than others of the channel, while the model moves: the
+/// channel froze, or was at the end of its range. Of each stretch the first reading may be right.
+fn frozen(errors: &[f64], readings: &[f64]) -> Vec<usize> {
+    let runs: Vec<(usize, usize)> = (readings.chunk_by(|a, b| a == b))
+        .scan(0, |at, run| {
+            let first = *at;
+            *at += run.len();
+            Some((first, run.len()))
+        })
+        .collect();
+    let mut lengths: Vec<f64> = runs.iter().map(|run| run.1 as f64).collect();
+    lengths.sort_by(f64::total_cmp);
+    if lengths.is_empty() {
+        return Vec::new();
+    }
+    let least = (LONGER_RUN * quantile_sorted(&lengths, 0.9)).max(LEAST_RUN);
+    let differences = errors.windows(2).map(|two| (two[1] - two[0]).abs()).collect();
+    let steps = readings.windows(2).map(|two| (two[1] - two[0]).abs()).filter(|step| *step > 0.0);
+    let step = steps.fold(f64::INFINITY, f64::min);
+    let scale = median(differences).unwrap_or(0.0) + if step.is_finite() { step } else { 0.0 };
+    let moves = |&(first, length): &(usize, usize)| {
+        let predicted = (first..first + length).map(|at| readings[at] - errors[at]);
+        let ends = predicted.fold([f64::INFINITY, f64::NEG_INFINITY], |ends, own| [own.min(ends[0]), own.max(ends[1])]);
+        ends[1] - ends[0] > MOVES * scale
+    };
+    let is_frozen = |run: &&(usize, usize)| run.1 as f64 >= least && moves(run);
+    let found: Vec<usize> =
+        runs.iter().filter(is_frozen).flat_map(|&(first, length)| first + 1..first + length).collect();
+    if found.len() as f64 > MOST_FROZEN * readings.len() as f64 { Vec::new() } else { found }
+}
+
 /// Errors of a fit by measurement, row and sensor: of what it saw, and of what it did not.
 fn all_errors(problem: &Problem, refit: &Refit) -> Vec<LeftOut> {
     let fitted = problem.fitted_readings();
@@ -130,8 +168,8 @@ fn is_steady(measurement: &Measurement) -> bool {
 }
 
 impl Problem {
-    /// Spikes and drop-outs of the transients, at a fit.
-    pub(crate) fn spikes(&self, refit: &Refit) -> Vec<LeftOut> {
+    /// Spikes, drop-outs and frozen stretches of the transients, at a fit.
+    pub(crate) fn faults_of_transients(&self, refit: &Refit) -> Vec<LeftOut> {
         let all = all_errors(self, refit);
         let series = all.chunk_by(|a, b| (a.measurement, a.sensor) == (b.measurement, b.sensor));
         let of_series = |own: &[LeftOut]| -> Vec<LeftOut> {
@@ -141,7 +179,10 @@ impl Problem {
             }
             let errors: Vec<f64> = own.iter().map(|one| one.off).collect();
             let readings: Vec<f64> = own.iter().filter_map(|one| measurement.reading(one.row, one.sensor)).collect();
-            spikes(&errors, &readings).into_iter().map(|at| own[at]).collect()
+            let mut found = [spikes(&errors, &readings), frozen(&errors, &readings)].concat();
+            found.sort_unstable();
+            found.dedup();
+            found.into_iter().map(|at| own[at]).collect()
         };
         series.flat_map(of_series).collect()
     }
@@ -254,7 +295,7 @@ impl Diagnosis {
 
 #[cfg(test)]
 mod tests {
-    use super::spikes;
+    use super::{frozen, spikes};
     use crate::math::functions::sin;
     use crate::random::StreamKey;
 
@@ -281,6 +322,23 @@ mod tests {
         }
         let expected: Vec<usize> = [50, 200, 201].into_iter().chain(400..410).collect();
         assert_eq!(spikes(&bad, &shown), expected);
+    }
+
+    #[test]
+    fn a_channel_that_freezes_is_found_and_a_coarse_one_at_rest_is_not() {
+        let mut stream = StreamKey::new(5, "test", "frozen").stream(0);
+        let truth: Vec<f64> = (0..400).map(|k| 300.0 + 10.0 * sin(f64::from(k) / 40.0)).collect();
+        let readings: Vec<f64> = truth.iter().map(|own| own + 0.1 * stream.normal()).collect();
+        let against =
+            |shown: &[f64]| -> Vec<f64> { shown.iter().zip(&truth).map(|(own, truth)| own - truth).collect() };
+        assert!(frozen(&against(&readings), &readings).is_empty());
+        let mut stuck = readings.clone();
+        (301..400).for_each(|row| stuck[row] = stuck[300]);
+        assert_eq!(frozen(&against(&stuck), &stuck), (301..400).collect::<Vec<_>>());
+        // Steps of 2 K: long stretches at the turns, where the model rests as well.
+        let coarse: Vec<f64> = truth.iter().map(|own| (own / 2.0).round() * 2.0).collect();
+        assert!(frozen(&against(&coarse), &coarse).is_empty());
+        assert!(frozen(&[], &[]).is_empty() && frozen(&[0.0], &[300.0]).is_empty());
     }
 
     #[test]
