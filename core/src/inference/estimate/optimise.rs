@@ -106,6 +106,7 @@ pub fn minimise<O: Objective>(objective: &mut O, start: &[f64], bounds: &Bounds,
     let (mut damping, mut growth) = (1e-3, 2.0);
     let mut penalised = false;
     let (mut iterations, mut converged, mut small_gains) = (0, false, 0);
+    let mut descends = false;
     while iterations < effort.most_iterations && !converged {
         iterations += 1;
         penalised |= at.penalty_gradient.iter().any(|g| *g != 0.0);
@@ -128,12 +129,20 @@ pub fn minimise<O: Objective>(objective: &mut O, start: &[f64], bounds: &Bounds,
         // Rounding must not take a step to a bound beyond it.
         let trial: Vec<f64> = (0..n).map(|i| (x[i] + step[i]).max(bounds.lower[i]).min(bounds.upper[i])).collect();
         let negligible = x.iter().zip(&step).all(|(x, s)| s.abs() <= 1e-14 * x.abs());
-        let value = objective
-            .value(&trial, &mut trial_residuals)
-            .map_or(f64::INFINITY, |penalty| half_square(&trial_residuals) + penalty);
+        // After a step that was taken the next one most likely is: then its slopes are wanted at once.
+        let at_once = if descends { linearise(objective, &trial) } else { None };
+        let value = match &at_once {
+            Some(next) => next.value,
+            None if descends => f64::INFINITY,
+            None => objective
+                .value(&trial, &mut trial_residuals)
+                .map_or(f64::INFINITY, |penalty| half_square(&trial_residuals) + penalty),
+        };
         let gain = at.value - value;
-        if gain > 0.0 && gain >= 1e-4 * predicted {
-            let Some(next) = linearise(objective, &trial) else {
+        descends = gain > 0.0 && gain >= 1e-4 * predicted;
+        if descends {
+            let Some(next) = at_once.or_else(|| linearise(objective, &trial)) else {
+                descends = false;
                 damping *= growth;
                 growth *= 2.0;
                 continue;
