@@ -89,12 +89,18 @@ impl Findings<'_> {
             let name = &self.problem.candidates[effect].effect;
             self.problem.catalogue.get(name).is_some_and(crate::effect::Effect::is_unknown_function)
         };
+        let is_of_group = |effect: usize| self.problem.candidates[effect].where_kind == "group";
         let mut found: Vec<Alternative> = Vec::new();
+        let mut best = f64::NEG_INFINITY;
         for size in large.len().max(1)..=members.len() + 1 {
             let of_size =
                 || (0..refits.len()).filter(|&place| refits[place].effects.len() == size && logs[place].is_finite());
             let has_all = |place: &usize| large.iter().all(|&group| refits[*place].effects.contains(&members[group]));
-            let Some(best) = of_size().filter(has_all).map(|place| logs[place]).reduce(f64::max) else { continue };
+            // What a larger set may gain beside the members was perhaps not tried.
+            best = of_size().filter(has_all).map(|place| logs[place]).fold(best, f64::max);
+            if best == f64::NEG_INFINITY {
+                continue;
+            }
             for place in of_size() {
                 let effects = &refits[place].effects;
                 let absent: Vec<usize> =
@@ -105,7 +111,9 @@ impl Findings<'_> {
                 others.sort_by(|&a, &b| alone(b).total_cmp(&alone(a)).then(a.cmp(&b)));
                 for (position, &effect) in others.iter().enumerate() {
                     let Some(&group) = absent.get(position).or(absent.last()) else { continue };
-                    if is_unknown(effect) && !is_unknown(members[group]) {
+                    // Curves come after laws, single places after whole surfaces.
+                    let (one, other) = (members[group], effect);
+                    if (is_unknown(other) && !is_unknown(one)) || (is_of_group(one) && !is_of_group(other)) {
                         continue;
                     }
                     let lag = best - logs[place];

@@ -64,6 +64,9 @@ pub struct Minimum {
     pub converged: bool,
 }
 
+/// Least gain up to which a descent ends with Newton steps, each of which takes as many slopes as there are variables, twice.
+const POLISHED: f64 = 1e-4;
+
 struct Linearised {
     residuals: Vec<f64>,
     jacobian: Vec<f64>,
@@ -163,7 +166,7 @@ pub fn minimise<O: Objective>(objective: &mut O, start: &[f64], bounds: &Bounds,
             growth *= 2.0;
         }
     }
-    if penalised {
+    if penalised && effort.least_gain <= POLISHED {
         (x, at) = polish(objective, x, at, bounds);
     }
     Some(Minimum {
