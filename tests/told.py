@@ -33,6 +33,9 @@ def main(bmv, campaigns):
             continue
         truth = json.loads((folder / "truth.json").read_text())
         listed = (truth.get("truth") or []) + (truth.get("alternatives") or [])
+        if truth.get("event_phase"):
+            # A change for good, told before there were effects that set in at a date.
+            listed += [{**one, "effect": "dated-conductance"} for one in listed if one["effect"] == "conductance-step"]
         listed += [{"effect": "prior-of", "where": [name]} for name in truth.get("widen") or []]
         with tempfile.TemporaryDirectory() as cache:
             command = [str(pathlib.Path(bmv).resolve()), "diagnose", "pass-1.json", "--json", "--cache", cache]

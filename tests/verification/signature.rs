@@ -78,8 +78,9 @@ fn transient(model: &Model) -> Measurement {
     measurement("course", rows, sensors, readings)
 }
 
-fn problem(measurements: Vec<Measurement>, input_errors: Vec<InputError>) -> Problem {
-    let model = model();
+fn problem(mut measurements: Vec<Measurement>, input_errors: Vec<InputError>) -> Problem {
+    let mut model = model();
+    model.set_dates(&measurements.clone(), &mut measurements);
     let catalogue = Arc::new(catalogue());
     let candidates = candidates(&model, &groups(&model), &sensors(&model), &catalogue);
     Problem {

@@ -163,7 +163,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        15
+        16
     }
 
     fn identity(&self) -> Value {
