@@ -78,7 +78,7 @@ fn heat_that_sets_in_during_a_transient_is_dated_within_three_rows() {
     const DATE_S: f64 = 4210.0;
     let mut noise = StreamKey::new(9, "dates", "noise").stream(0);
     let mut table = String::from("time [s],Q [W],plate [K],box [K]\n");
-    let power = |t: f64| if (t / 1500.0) as u64 % 2 == 0 { 10.0 } else { 0.0 };
+    let power = |t: f64| if ((t / 1500.0) as u64).is_multiple_of(2) { 10.0 } else { 0.0 };
     let (mut plate, mut cabinet) = (290.0, 290.0);
     for half in 0..=16_000 {
         let t = 0.5 * f64::from(half);

@@ -422,7 +422,8 @@ fn set_dates(
 ) {
     let model = &mut scope.resolved.model;
     let Some(date) = model.date else { return };
-    model.set_dates(&measurements.to_vec(), measurements);
+    let all = measurements.to_vec();
+    model.set_dates(&all, measurements);
     for environment in environments {
         environment.inputs.resize(environment.inputs.len().max(date + 1), 0.0);
         environment.inputs[date] = model.inputs[date].nominal;
