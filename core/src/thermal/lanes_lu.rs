@@ -1,5 +1,8 @@
 //! Dense LU factors in lanes: several small matrices eliminated side by side, each with its own row exchanges, with
 //! the bits that each would have alone.
+//!
+//! Networks have few conductors a node, so most entries are 0 and stay 0: they are passed over in the elimination, and
+//! solutions go through lists of the others.
 
 use crate::expression::Lanes;
 
@@ -11,11 +14,21 @@ pub(super) struct LanesLu<V> {
     pub matrix: Vec<V>,
     /// Row exchanged with row `k`, for each step and lane.
     pivots: Vec<usize>,
+    /// Columns of the factors' entries that are not 0 in every lane, row by row, without the diagonal.
+    columns: Vec<u32>,
+    /// Where a row's columns left and right of the diagonal begin in `columns`, and one end more.
+    bounds: Vec<u32>,
 }
 
 impl<V: Lanes> LanesLu<V> {
     pub fn new(size: usize) -> Self {
-        Self { size, matrix: vec![V::splat(0.0); size * size], pivots: vec![0; size * V::COUNT] }
+        Self {
+            size,
+            matrix: vec![V::splat(0.0); size * size],
+            pivots: vec![0; size * V::COUNT],
+            columns: Vec::with_capacity(size * size.saturating_sub(1)),
+            bounds: vec![0; 2 * size + 1],
+        }
     }
 
     /// Factors in place. A lane with a singular matrix ends with non-finite numbers.
@@ -51,6 +64,9 @@ impl<V: Lanes> LanesLu<V> {
             let pivot_row = &above[k * n..];
             let pivot = pivot_row[k];
             for row in below.chunks_exact_mut(n) {
+                if is_zero(&row[k]) {
+                    continue;
+                }
                 let factor = row[k].zip(pivot, |a, b| a / b);
                 row[k] = factor;
                 for (value, &upper) in row[k + 1..].iter_mut().zip(&pivot_row[k + 1..]) {
@@ -59,6 +75,28 @@ impl<V: Lanes> LanesLu<V> {
                 }
             }
         }
+        self.list_entries();
+    }
+
+    /// Lists the factors' entries that are not 0.
+    fn list_entries(&mut self) {
+        let n = self.size;
+        self.columns.clear();
+        for (row, entries) in self.matrix.chunks_exact(n.max(1)).enumerate() {
+            let (left, right) = entries.split_at(row);
+            for (place, (first, part)) in [(0, left), (row + 1, &right[1..])].into_iter().enumerate() {
+                self.bounds[2 * row + place] = self.columns.len() as u32;
+                let columns = part.iter().enumerate().filter(|(_, entry)| !is_zero(*entry));
+                self.columns.extend(columns.map(|(column, _)| (first + column) as u32));
+            }
+        }
+        self.bounds[2 * n] = self.columns.len() as u32;
+    }
+
+    /// Columns of a row's entries left (`0`) or right (`1`) of the diagonal.
+    fn entries(&self, row: usize, side: usize) -> &[u32] {
+        let from = 2 * row + side;
+        &self.columns[self.bounds[from] as usize..self.bounds[from + 1] as usize]
     }
 
     fn exchange_rows(&mut self, k: usize, same: bool) {
@@ -98,21 +136,23 @@ impl<V: Lanes> LanesLu<V> {
             }
         }
         for row in 1..n {
-            let mut value = rhs[row];
-            for (&factor, &x) in self.matrix[row * n..row * n + row].iter().zip(rhs.iter()) {
-                let product = factor.zip(x, |a, b| a * b);
-                value = value.zip(product, |a, b| a - b);
-            }
-            rhs[row] = value;
+            rhs[row] = self.without(row, 0, rhs);
         }
         for row in (0..n).rev() {
-            let mut value = rhs[row];
-            for (&factor, &x) in self.matrix[row * n + row + 1..(row + 1) * n].iter().zip(&rhs[row + 1..]) {
-                let product = factor.zip(x, |a, b| a * b);
-                value = value.zip(product, |a, b| a - b);
-            }
-            rhs[row] = value.zip(self.matrix[row * n + row], |a, b| a / b);
+            rhs[row] = self.without(row, 1, rhs).zip(self.matrix[row * n + row], |a, b| a / b);
         }
+    }
+
+    /// An entry of `rhs` without what the row's entries on one side of the diagonal contribute.
+    #[inline]
+    fn without(&self, row: usize, side: usize, rhs: &[V]) -> V {
+        let factors = &self.matrix[row * self.size..(row + 1) * self.size];
+        let mut value = rhs[row];
+        for &column in self.entries(row, side) {
+            let product = factors[column as usize].zip(rhs[column as usize], |a, b| a * b);
+            value = value.zip(product, |a, b| a - b);
+        }
+        value
     }
 
     /// Replaces `rhs` by the solution with the transposed matrix.
@@ -121,14 +161,16 @@ impl<V: Lanes> LanesLu<V> {
         for row in 0..n {
             let value = rhs[row].zip(self.matrix[row * n + row], |a, b| a / b);
             rhs[row] = value;
-            for column in row + 1..n {
+            for &column in self.entries(row, 1) {
+                let column = column as usize;
                 let product = self.matrix[row * n + column].zip(value, |a, b| a * b);
                 rhs[column] = rhs[column].zip(product, |a, b| a - b);
             }
         }
         for row in (1..n).rev() {
             let value = rhs[row];
-            for column in 0..row {
+            for &column in self.entries(row, 0) {
+                let column = column as usize;
                 let product = self.matrix[row * n + column].zip(value, |a, b| a * b);
                 rhs[column] = rhs[column].zip(product, |a, b| a - b);
             }
@@ -144,6 +186,54 @@ impl<V: Lanes> LanesLu<V> {
             }
         }
     }
+}
+
+impl LanesLu<f64> {
+    /// Replaces each of several right-hand sides, `size x columns`, by its solution, with the bits that it would have alone.
+    pub fn solve_columns(&self, rhs: &mut [f64], columns: usize) {
+        let n = self.size;
+        for (k, &other) in self.pivots.iter().enumerate() {
+            if other != k {
+                let (above, below) = rhs.split_at_mut(other * columns);
+                above[k * columns..(k + 1) * columns].swap_with_slice(&mut below[..columns]);
+            }
+        }
+        for row in 1..n {
+            let (above, rest) = rhs.split_at_mut(row * columns);
+            let own = &mut rest[..columns];
+            for &column in self.entries(row, 0) {
+                let column = column as usize;
+                subtract(own, self.matrix[row * n + column], &above[column * columns..(column + 1) * columns]);
+            }
+        }
+        for row in (0..n).rev() {
+            let (above, below) = rhs.split_at_mut((row + 1) * columns);
+            let own = &mut above[row * columns..];
+            for &column in self.entries(row, 1) {
+                let column = column as usize;
+                let from = (column - row - 1) * columns;
+                subtract(own, self.matrix[row * n + column], &below[from..from + columns]);
+            }
+            let pivot = self.matrix[row * n + row];
+            for value in own {
+                *value /= pivot;
+            }
+        }
+    }
+}
+
+/// `x -= factor * y`.
+#[inline]
+fn subtract(x: &mut [f64], factor: f64, y: &[f64]) {
+    for (x, y) in x.iter_mut().zip(y) {
+        *x -= factor * y;
+    }
+}
+
+/// Whether a value is 0 in every lane.
+#[inline]
+fn is_zero<V: Lanes>(value: &V) -> bool {
+    (0..V::COUNT).all(|lane| value.lane(lane) == 0.0)
 }
 
 #[cfg(test)]
@@ -183,8 +273,16 @@ mod tests {
             alone.factor();
             let mut x: Vec<f64> = given.iter().map(|v| v[lane]).collect();
             let mut y: Vec<f64> = given_transposed.iter().map(|v| v[lane]).collect();
+            let mut columns: Vec<f64> =
+                given.iter().zip(&given_transposed).flat_map(|(a, b)| [a[lane], b[lane]]).collect();
+            let mut other: Vec<f64> = given_transposed.iter().map(|v| v[lane]).collect();
             alone.solve(&mut x);
+            alone.solve(&mut other);
             alone.solve_transposed(&mut y);
+            alone.solve_columns(&mut columns, 2);
+            for (row, pair) in columns.chunks_exact(2).enumerate() {
+                assert_eq!([pair[0].to_bits(), pair[1].to_bits()], [x[row].to_bits(), other[row].to_bits()]);
+            }
             for row in 0..size {
                 assert_eq!(x[row].to_bits(), rhs[row][lane].to_bits());
                 assert_eq!(y[row].to_bits(), transposed[row][lane].to_bits());
@@ -193,5 +291,31 @@ mod tests {
                 assert!((y[row] - (row + 1) as f64).abs() < 1e-12, "{y:?}");
             }
         }
+    }
+
+    /// A chain of nodes in which the first also joins the last, in an order that fills in: what is passed over must not matter.
+    #[test]
+    fn entries_that_are_zero_are_passed_over_without_a_trace() {
+        let size = 9;
+        let mut lu = LanesLu::<f64>::new(size);
+        let mut rhs = vec![0.0; size];
+        for row in 0..size {
+            for (column, value) in [(row, 4.0 + row as f64), ((row + 1) % size, -1.0), ((row + size - 1) % size, -1.5)]
+            {
+                lu.matrix[row * size + column] = value;
+                rhs[row] += value * (column + 1) as f64;
+            }
+        }
+        lu.factor();
+        let transposed = rhs.clone();
+        lu.solve(&mut rhs);
+        // Diagonally dominant, entries below 13.
+        assert!(rhs.iter().enumerate().all(|(row, x)| (x - (row + 1) as f64).abs() < 1e-13), "{rhs:?}");
+        assert!(lu.columns.len() < size * (size - 1) / 2, "{} entries", lu.columns.len());
+        // b' (A^-1 b) = (A^-T b)' b.
+        let mut y = transposed.clone();
+        lu.solve_transposed(&mut y);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        assert!((dot(&transposed, &rhs) / dot(&y, &transposed) - 1.0).abs() < 1e-13);
     }
 }

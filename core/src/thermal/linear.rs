@@ -137,6 +137,27 @@ impl<V: Lanes> Linear<V> {
     }
 }
 
+impl Linear<f64> {
+    /// Replaces each of several right-hand sides, `unknowns x columns`, by its solution.
+    pub fn solve_columns(&mut self, rhs: &mut [f64], columns: usize) {
+        match self {
+            Self::Dense { lu, .. } => lu.solve_columns(rhs, columns),
+            Self::Sparse(sparse) => {
+                let mut one = vec![0.0; rhs.len() / columns.max(1)];
+                for column in 0..columns {
+                    for (value, row) in one.iter_mut().zip(rhs.chunks_exact(columns)) {
+                        *value = row[column];
+                    }
+                    sparse.solve(&mut one, false);
+                    for (value, row) in one.iter().zip(rhs.chunks_exact_mut(columns)) {
+                        row[column] = *value;
+                    }
+                }
+            }
+        }
+    }
+}
+
 impl Sparse {
     fn solve<V: Lanes>(&mut self, rhs: &mut [V], transposed: bool) {
         if !self.usable {

@@ -64,7 +64,7 @@ impl Network {
         Ok(workspace.temperatures().to_vec())
     }
 
-    /// Newton's method on the cycle's map. Returns the state and, if asked, its derivatives (`columns x unknowns`).
+    /// Newton's method on the cycle's map. Returns the state and, if asked, its derivatives (`unknowns x columns`).
     fn shoot(
         &self,
         request: &TransientRequest<'_>,
@@ -145,7 +145,7 @@ impl Network {
                         let mut rhs: Vec<f64> = (0..n).map(|row| slope(row, column)).collect();
                         lu.solve(&mut rhs);
                         for (row, value) in rhs.into_iter().enumerate() {
-                            field[column * size + rows[row]] = value;
+                            field[rows[row] * symbols + column] = value;
                         }
                     }
                     derivatives = Some(field);
@@ -223,7 +223,7 @@ impl Network {
                 }
                 for column in 0..symbols {
                     if !matches!(self.differentiate[column], crate::expression::Symbol::Node(_)) {
-                        out[column * size + row] = result.temperature_tangent[node * symbols + column];
+                        out[row * symbols + column] = result.temperature_tangent[node * symbols + column];
                     }
                 }
             }

@@ -15,7 +15,8 @@ use super::events::hermite;
 use super::integrator::Integrator;
 use super::tableau::{COEFFICIENTS, GAMMA, NODES, STAGES};
 
-/// Derivatives of the state, column by column (`columns x unknowns`).
+/// Derivatives of the state: fields of `unknowns x columns`, so that a step of an elimination takes all columns of a row at
+/// once.
 pub(super) struct Tangent {
     size: usize,
     symbols: usize,
@@ -39,12 +40,12 @@ impl Tangent {
             if let Symbol::Node(node) = symbol
                 && let Some(row) = equations.unknowns.iter().position(|&unknown| unknown == *node as usize)
             {
-                values[0][column * size + row] = 1.0;
+                values[0][row * columns + column] = 1.0;
             }
         }
         for (seed, direction) in seeds.iter().enumerate() {
             for (row, &node) in equations.unknowns.iter().enumerate() {
-                values[0][(symbols + seed) * size + row] = direction.get(node).copied().unwrap_or(0.0);
+                values[0][row * columns + symbols + seed] = direction.get(node).copied().unwrap_or(0.0);
             }
         }
         Self {
@@ -63,7 +64,7 @@ impl Tangent {
         self.columns
     }
 
-    /// Starts from given derivatives of the state.
+    /// Starts from given derivatives of the state, `unknowns x columns`.
     pub fn set_state(&mut self, state: &[f64]) {
         self.values[0].copy_from_slice(state);
     }
@@ -75,7 +76,7 @@ impl Tangent {
         if network.temperature_tangent(workspace, &mut all).is_ok() {
             for (row, &node) in network.steady.unknowns.iter().enumerate() {
                 for column in 0..self.symbols {
-                    self.values[0][column * self.size + row] = all[node * self.symbols + column];
+                    self.values[0][row * self.columns + column] = all[node * self.symbols + column];
                 }
             }
         }
@@ -88,9 +89,9 @@ impl Tangent {
     }
 
     /// Adds `weight` times the entries' registers to a field of columns.
-    fn add(field: &mut [f64], size: usize, entries: &[Entry], file: &[f64], weight: impl Fn(usize) -> f64) {
+    fn add(field: &mut [f64], columns: usize, entries: &[Entry], file: &[f64], weight: impl Fn(usize) -> f64) {
         for entry in entries {
-            field[entry.column * size + entry.row] += weight(entry.row) * file[entry.register.index()];
+            field[entry.row * columns + entry.column] += weight(entry.row) * file[entry.register.index()];
         }
     }
 }
@@ -109,7 +110,7 @@ impl Integrator<'_> {
     pub(super) fn step_tangent(&mut self, step_s: f64) {
         let Some(mut tangent) = self.tangent.take() else { return };
         let implicit = GAMMA * step_s;
-        let size = tangent.size;
+        let (size, columns) = (tangent.size, tangent.columns);
         for stage in 1..STAGES {
             self.set_instant(self.time_s + NODES[stage] * step_s);
             self.evaluate(stage);
@@ -133,23 +134,31 @@ impl Integrator<'_> {
             }
             let own = &mut tangent.values[stage];
             own.fill(0.0);
-            Tangent::add(own, size, &self.equations.residual_tangent, &self.file, |_| -1.0);
+            Tangent::add(own, columns, &self.equations.residual_tangent, &self.file, |_| -1.0);
             let slopes = &self.stage_slopes[stage];
-            Tangent::add(own, size, &self.equations.capacity_tangent, &self.file, |row| slopes[row]);
-            for column in 0..tangent.columns {
-                let rhs = &mut own[column * size..(column + 1) * size];
-                let base = &tangent.base[column * size..(column + 1) * size];
-                for row in 0..size {
-                    if let Some(register) = self.equations.capacity[row] {
-                        rhs[row] -= self.file[register.index()] * base[row] / implicit;
+            Tangent::add(own, columns, &self.equations.capacity_tangent, &self.file, |row| slopes[row]);
+            for (row, rhs) in own.chunks_exact_mut(columns.max(1)).enumerate() {
+                let base = &tangent.base[row * columns..(row + 1) * columns];
+                if let Some(register) = self.equations.capacity[row] {
+                    let capacity = self.file[register.index()];
+                    for (rhs, base) in rhs.iter_mut().zip(base) {
+                        *rhs -= capacity * base / implicit;
                     }
                 }
-                self.linear.solve(rhs);
-                self.stats.solves += 1;
-                let slope = &mut tangent.slopes[stage][column * size..(column + 1) * size];
-                for row in 0..size {
-                    slope[row] =
-                        if self.equations.capacity[row].is_some() { (rhs[row] - base[row]) / implicit } else { 0.0 };
+            }
+            self.linear.solve_columns(own, columns);
+            self.stats.solves += columns as u64;
+            let slopes = &mut tangent.slopes[stage];
+            for (row, slopes) in slopes.chunks_exact_mut(columns.max(1)).enumerate() {
+                let range = row * columns..(row + 1) * columns;
+                if self.equations.capacity[row].is_some() {
+                    for (slope, (value, base)) in
+                        slopes.iter_mut().zip(own[range.clone()].iter().zip(&tangent.base[range]))
+                    {
+                        *slope = (value - base) / implicit;
+                    }
+                } else {
+                    slopes.fill(0.0);
                 }
             }
         }
@@ -160,32 +169,32 @@ impl Integrator<'_> {
     /// Derivatives of arithmetic nodes and of the slopes at the present state.
     pub(super) fn restart_tangent(&mut self) {
         let Some(mut tangent) = self.tangent.take() else { return };
-        let size = tangent.size;
+        let columns = tangent.columns;
         self.set_instant(self.time_s);
         self.evaluate(0);
         self.evaluate_slopes();
-        self.close_tangent(&mut tangent.values[0], tangent.columns);
+        self.close_tangent(&mut tangent.values[0], columns);
         let slopes = &mut tangent.slopes[0];
         slopes.fill(0.0);
-        Tangent::add(slopes, size, &self.equations.residual_tangent, &self.file, |_| 1.0);
-        for column in 0..tangent.columns {
-            for entry in &self.equations.jacobian {
-                slopes[column * size + entry.row] +=
-                    self.file[entry.register.index()] * tangent.values[0][column * size + entry.column];
+        Tangent::add(slopes, columns, &self.equations.residual_tangent, &self.file, |_| 1.0);
+        for entry in &self.equations.jacobian {
+            let slope = self.file[entry.register.index()];
+            let values = &tangent.values[0][entry.column * columns..(entry.column + 1) * columns];
+            for (out, value) in slopes[entry.row * columns..(entry.row + 1) * columns].iter_mut().zip(values) {
+                *out += slope * value;
             }
         }
         let own = &self.stage_slopes[0];
-        Tangent::add(slopes, size, &self.equations.capacity_tangent, &self.file, |row| -own[row]);
-        for column in 0..tangent.columns {
-            for row in 0..size {
-                let slope = &mut slopes[column * size + row];
-                let capacity = self.capacity(row);
-                if capacity > 0.0 {
-                    let rate = self.equations.capacity_slope[row].map_or(0.0, |r| self.file[r.index()] * own[row]);
-                    *slope = (*slope - rate * tangent.values[0][column * size + row]) / capacity;
-                } else {
-                    *slope = 0.0;
-                }
+        Tangent::add(slopes, columns, &self.equations.capacity_tangent, &self.file, |row| -own[row]);
+        for (row, slopes) in slopes.chunks_exact_mut(columns.max(1)).enumerate() {
+            let capacity = self.capacity(row);
+            if !(capacity > 0.0) {
+                slopes.fill(0.0);
+                continue;
+            }
+            let rate = self.equations.capacity_slope[row].map_or(0.0, |r| self.file[r.index()] * own[row]);
+            for (slope, value) in slopes.iter_mut().zip(&tangent.values[0][row * columns..(row + 1) * columns]) {
+                *slope = (*slope - rate * value) / capacity;
             }
         }
         self.tangent = Some(tangent);
@@ -195,20 +204,20 @@ impl Integrator<'_> {
     /// and derivatives of the balances at the state.
     fn close_tangent(&mut self, field: &mut [f64], columns: usize) {
         let Some(mut linear) = self.algebraic.take() else { return };
-        let size = self.equations.size();
         self.hold_diffusion(&mut linear);
-        for column in 0..columns {
-            for row in 0..size {
-                let value = &mut field[column * size + row];
-                *value = if self.follows(row) { 0.0 } else { -HOLD_W_PER_K * *value };
+        for (row, values) in field.chunks_exact_mut(columns.max(1)).enumerate() {
+            if self.follows(row) {
+                values.fill(0.0);
+            } else {
+                for value in values {
+                    *value *= -HOLD_W_PER_K;
+                }
             }
         }
         for entry in self.equations.residual_tangent.iter().filter(|e| self.follows(e.row)) {
-            field[entry.column * size + entry.row] -= self.file[entry.register.index()];
+            field[entry.row * columns + entry.column] -= self.file[entry.register.index()];
         }
-        for column in field.chunks_exact_mut(size.max(1)) {
-            linear.solve(column);
-        }
+        linear.solve_columns(field, columns);
         self.stats.factorisations += 1;
         self.stats.solves += columns as u64;
         self.algebraic = Some(linear);
@@ -217,7 +226,6 @@ impl Integrator<'_> {
     /// How the instant of a switching moves, from the function that crosses zero; before the mode changes.
     pub(super) fn switch_shift(&mut self, mode: usize) {
         let Some(mut tangent) = self.tangent.take() else { return };
-        let size = tangent.size;
         self.equations.program.run(segment::SWITCH_TANGENT, &mut self.file);
         let on = self.file[self.equations.modes().start + mode] > 0.5;
         let row = 2 * mode + usize::from(on);
@@ -227,7 +235,7 @@ impl Integrator<'_> {
             let slope = self.file[entry.register.index()];
             rate += slope * self.stage_slopes[0][entry.column];
             for column in 0..tangent.columns {
-                tangent.shift[column] += slope * tangent.values[0][column * size + entry.column];
+                tangent.shift[column] += slope * tangent.values[0][entry.column * tangent.columns + column];
             }
         }
         for entry in self.equations.switch_symbol.iter().filter(|entry| entry.row == row) {
@@ -242,12 +250,10 @@ impl Integrator<'_> {
     /// The derivative's jump at a switching, from the slopes before it; after the restart.
     pub(super) fn jump_tangent(&mut self, before: &[f64]) {
         let Some(mut tangent) = self.tangent.take() else { return };
-        let size = tangent.size;
-        for column in 0..tangent.columns {
-            for row in 0..size {
-                if self.stores(row) {
-                    tangent.values[0][column * size + row] +=
-                        (before[row] - self.stage_slopes[0][row]) * tangent.shift[column];
+        for (row, values) in tangent.values[0].chunks_exact_mut(tangent.columns.max(1)).enumerate() {
+            if self.stores(row) {
+                for (value, shift) in values.iter_mut().zip(&tangent.shift) {
+                    *value += (before[row] - self.stage_slopes[0][row]) * shift;
                 }
             }
         }
@@ -255,8 +261,8 @@ impl Integrator<'_> {
         self.restart_tangent();
     }
 
-    /// Derivatives of the temperatures at a share of the step just tried, at the state in the file; `columns x
-    /// unknowns`.
+    /// Derivatives of the temperatures at a share of the step just tried, at the state in the file; `unknowns x
+    /// columns`.
     fn tangent_at(&mut self, share: f64, step_s: f64) -> (Vec<f64>, usize) {
         let Some(tangent) = self.tangent.take() else { return (Vec::new(), 0) };
         let columns = tangent.columns;
@@ -291,14 +297,13 @@ impl Integrator<'_> {
     }
 
     fn quantity_slopes(&mut self, field: &[f64], columns: usize) -> Vec<f64> {
-        let size = self.equations.size();
         self.equations.program.run(segment::QUANTITY, &mut self.file);
         self.equations.program.run(segment::QUANTITY_TANGENT, &mut self.file);
         let mut out = vec![0.0; self.network.quantities() * columns];
         for entry in &self.equations.quantity_temperature {
             let slope = self.file[entry.register.index()];
             for column in 0..columns {
-                out[entry.row * columns + column] += slope * field[column * size + entry.column];
+                out[entry.row * columns + column] += slope * field[entry.column * columns + column];
             }
         }
         for entry in &self.equations.quantity_symbol {
@@ -313,7 +318,6 @@ impl Integrator<'_> {
             return;
         }
         let (field, columns) = self.tangent_at(share, step_s);
-        let size = self.equations.size();
         let quantities = self.quantity_slopes(&field, columns);
         result.quantity_tangent.extend(quantities);
         let nodes = self.network.nodes.len();
@@ -321,9 +325,7 @@ impl Integrator<'_> {
         result.temperature_tangent.resize(from + nodes * columns, 0.0);
         let out = &mut result.temperature_tangent[from..];
         for (row, &node) in self.equations.unknowns.iter().enumerate() {
-            for column in 0..columns {
-                out[node * columns + column] = field[column * size + row];
-            }
+            out[node * columns..(node + 1) * columns].copy_from_slice(&field[row * columns..(row + 1) * columns]);
         }
         self.equations.program.run(segment::BOUNDARY_TANGENT, &mut self.file);
         for entry in &self.equations.boundary_tangent {
