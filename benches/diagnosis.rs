@@ -56,14 +56,15 @@ fn campaign(c: &mut Criterion) {
     let problem = problem(Path::new(&path)).unwrap();
     let likelihood = likelihood(&problem);
     let unknowns = middle(&likelihood);
+    let all: Vec<usize> = (0..problem.candidates.len()).collect();
     let mut count = 0;
-    let unseen = for_each_direction(&problem, &likelihood, &unknowns, &mut |_| count += 1).unwrap();
+    let unseen = for_each_direction(&problem, &likelihood, &unknowns, &all, &mut |_| count += 1).unwrap();
     eprintln!("{} candidates: {count} directions, {} unseen", problem.candidates.len(), unseen.len());
     let mut group = c.benchmark_group("campaign");
     group.sample_size(10);
     group.bench_function("linearise", |b| b.iter(|| linearise(black_box(&likelihood), &unknowns)));
     group.bench_function("directions", |b| {
-        b.iter(|| for_each_direction(black_box(&problem), &likelihood, &unknowns, &mut |one| drop(black_box(one))));
+        b.iter(|| for_each_direction(black_box(&problem), &likelihood, &unknowns, &all, &mut |one| drop(black_box(one))));
     });
     group.finish();
 }
@@ -174,8 +175,9 @@ fn large(_: &mut Criterion) {
     let linear = linearise(&likelihood, &unknowns).unwrap();
     eprintln!("panel: linearised ({} rows, {} unknowns) in {:.2?}", linear.rows, linear.parameters(), began.elapsed());
     let began = Instant::now();
+    let all: Vec<usize> = (0..problem.candidates.len()).collect();
     let mut count = 0_usize;
-    let unseen = for_each_direction(&problem, &likelihood, &unknowns, &mut |one| {
+    let unseen = for_each_direction(&problem, &likelihood, &unknowns, &all, &mut |one| {
         black_box(one);
         count += 1;
     });

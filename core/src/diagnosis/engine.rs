@@ -91,6 +91,9 @@ pub struct Remainder {
     pub effects: Vec<usize>,
     /// Its family-wise p.
     pub p: f64,
+    /// The effects that explain most of it; none where the set was fitted anew since.
+    #[serde(default)]
+    pub leads: Vec<Lead>,
 }
 
 /// What was found so far.
@@ -136,7 +139,13 @@ impl State {
         for (order, refit) in std::mem::take(&mut self.pending).into_iter().zip(refits) {
             match refit {
                 Ok(refit) => match self.refits.iter_mut().find(|known| known.effects == refit.effects) {
-                    Some(known) if refit.log_evidence > known.log_evidence => *known = refit,
+                    Some(known) if refit.log_evidence > known.log_evidence => {
+                        self.remainders
+                            .iter_mut()
+                            .filter(|left| left.effects == refit.effects)
+                            .for_each(|left| left.leads.clear());
+                        *known = refit;
+                    }
                     Some(_) => {}
                     None => self.refits.push(refit),
                 },
@@ -259,7 +268,7 @@ impl Diagnosis {
     /// # Errors
     /// Why the baseline model cannot be fitted.
     pub fn screen(&self) -> Result<State, FitError> {
-        let begin = Begin { starts: Vec::new(), from_prior: STARTS, scale: 1.0 };
+        let begin = Begin { from_prior: STARTS, scale: 1.0, ..Begin::default() };
         let declared = self.problem.refit(&[], &begin, &self.key)?;
         let faults = self.problem.faults_of_transients(&declared);
         if !faults.is_empty() {
@@ -302,7 +311,7 @@ impl Diagnosis {
         let problem = self.with_noise(&noise, &most_steps);
         let mut baseline = fitted.clone();
         if !noise.is_empty() {
-            let begin = Begin { starts: vec![baseline.by_name()], from_prior: 2, scale: 1.0 };
+            let begin = Begin { starts: vec![baseline.by_name()], from_prior: 2, scale: 1.0, ..Begin::default() };
             baseline = problem.refit(&[], &begin, &self.key)?;
         }
         let screening = self.screen_problem(&problem, &baseline, true)?;
@@ -316,7 +325,7 @@ impl Diagnosis {
             stated_family: None,
             refits: vec![baseline],
             pending: Vec::new(),
-            remainders: vec![Remainder { effects: Vec::new(), p: screening.family.p }],
+            remainders: vec![Remainder { effects: Vec::new(), p: screening.family.p, leads: Vec::new() }],
             failed: Vec::new(),
             left_out: Vec::new(),
             warnings: Vec::new(),
@@ -405,7 +414,8 @@ impl Diagnosis {
         });
         // Where something is missing, the baseline model may be bent far from where its parameters are with the effect.
         let from_prior = usize::from(self.finds(&state.screening) && !state.is_misspecified());
-        let begin = Begin { starts: starts.collect(), from_prior, scale: 1.0 };
+        let widths = state.refits.get(order.from).map(Refit::widths).unwrap_or_default();
+        let begin = Begin { starts: starts.collect(), from_prior, scale: 1.0, widths };
         problem.refit(&order.effects, &begin, &self.key).map_err(|error| {
             let ids = order.effects.iter().map(|&effect| self.problem.candidates[effect].id.clone());
             Unfitted { effects: ids.collect(), reason: error.to_string() }

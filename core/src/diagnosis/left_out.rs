@@ -240,7 +240,12 @@ impl Diagnosis {
         for (_, faults, place) in with_faults.into_iter().take(MOST_REFITTED) {
             let effects = &state.refits[place].effects;
             let own = self.without(&faults);
-            let begin = Begin { starts: vec![state.refits[place].by_name()], from_prior: 0, scale: 1.0 };
+            let begin = Begin {
+                starts: vec![state.refits[place].by_name()],
+                from_prior: 0,
+                scale: 1.0,
+                widths: state.refits[place].widths(),
+            };
             let Ok(refit) = own.with_noise(&state.noise, &state.most_steps).refit(effects, &begin, self.key()) else {
                 continue;
             };

@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnosis::Problem;
+use rayon::prelude::*;
+
 use crate::diagnosis::engine::{Diagnosis, Remainder, SINGLES, State};
 use crate::diagnosis::fits::exchange::exchanges;
 use crate::diagnosis::misspecified::is_unstated;
 use crate::diagnosis::odds::posterior_odds::{best, log_weights, posterior_odds};
-use crate::diagnosis::screening::screen::Lead;
+use crate::diagnosis::screening::screen::{Lead, Screening};
+use crate::diagnosis::{FitError, Problem};
 
 /// Effects that are tried beside a set, or in the place of one of its members.
 const BESIDE: usize = 8;
@@ -27,6 +29,17 @@ fn near(leads: &[Lead], least: usize, most: usize) -> impl Iterator<Item = &Lead
     let best = leads.first().map_or(0.0, |lead| lead.fall);
     let count = leads.iter().filter(|lead| best - lead.fall < NEAR).count();
     leads.iter().take(count.clamp(least, most))
+}
+
+/// What screenings found, by the position of the set beside which they were made.
+type Screened = BTreeMap<usize, Result<Screening, FitError>>;
+
+impl State {
+    /// The effects that explain most of what a set leaves, where that is known.
+    fn leads_beside(&self, effects: &[usize]) -> Option<&[Lead]> {
+        let of = self.remainders.iter().rev().find(|left| left.effects == effects);
+        of.map(|left| left.leads.as_slice()).filter(|leads| !leads.is_empty())
+    }
 }
 
 impl Diagnosis {
@@ -83,9 +96,10 @@ impl Diagnosis {
                 curves.take(BESIDE).for_each(|lead| state.order(&[lead], &[], 0));
             }
             if place > 0 && !state.was_extended(place) {
-                self.extend_set(&problem, &mut state, place);
+                let mut screened = self.screen_around(&problem, &state, place);
+                self.extend_set(&problem, &mut state, place, &mut screened);
                 self.order_like(&mut state, place);
-                self.replace_members(&problem, &mut state, place);
+                self.replace_members(&problem, &mut state, place, &mut screened);
             }
             return state;
         }
@@ -95,28 +109,46 @@ impl Diagnosis {
             while state.pending.is_empty() && state.aside < MOST_ASIDE {
                 let Some(place) = self.aside(&state, place) else { break };
                 state.aside += 1;
-                self.extend_set(&problem, &mut state, place);
-                self.replace_members(&problem, &mut state, place);
+                let mut screened = self.screen_around(&problem, &state, place);
+                self.extend_set(&problem, &mut state, place, &mut screened);
+                self.replace_members(&problem, &mut state, place, &mut screened);
             }
         } else if !state.refits[place].effects.is_empty()
             && state.rounds.saturating_sub(state.aside) <= MOST_ROUNDS * (1 + state.model_errors)
         {
-            self.extend_set(&problem, &mut state, place);
+            let mut screened = self.screen_around(&problem, &state, place);
+            self.extend_set(&problem, &mut state, place, &mut screened);
             self.order_at_prior_medians(&problem, &mut state, place);
             self.order_like(&mut state, place);
-            self.replace_members(&problem, &mut state, place);
+            self.replace_members(&problem, &mut state, place, &mut screened);
         }
         state
     }
 
+    /// Screens what a set leaves, and what it leaves without each of its members where that is not known.
+    fn screen_around(&self, problem: &Problem, state: &State, place: usize) -> Screened {
+        let set = &state.refits[place].effects;
+        let mut places = vec![place];
+        for &member in set.iter().filter(|_| set.len() > 1) {
+            let rest: Vec<usize> = set.iter().copied().filter(|&other| other != member).collect();
+            if state.leads_beside(&rest).is_none() {
+                places.extend(state.refits.iter().position(|refit| refit.effects == rest));
+            }
+        }
+        let screen = |&place: &usize| (place, self.screen_beside(problem, &state.refits[place]));
+        places.par_iter().map(screen).collect()
+    }
+
     /// Tests what a set leaves, and orders those with one or two effects more where that is something.
-    fn extend_set(&self, problem: &Problem, state: &mut State, place: usize) {
+    fn extend_set(&self, problem: &Problem, state: &mut State, place: usize, screened: &mut Screened) {
         let set = state.refits[place].effects.clone();
-        let screening = match self.screen_beside(problem, &state.refits[place]) {
-            Ok(screening) => screening,
-            Err(why) => return state.warn(why),
+        let screening = match screened.remove(&place) {
+            Some(Ok(screening)) => screening,
+            Some(Err(why)) => return state.warn(why),
+            None => return,
         };
-        state.remainders.push(Remainder { effects: set.clone(), p: screening.family.p });
+        let leads = screening.leads.iter().take(2 * BESIDE).cloned().collect();
+        state.remainders.push(Remainder { effects: set.clone(), p: screening.family.p, leads });
         let finds = self.finds(&screening) || problem.is_misspecified;
         if !finds || set.len() as u64 >= self.settings().most {
             return;
@@ -221,7 +253,7 @@ impl Diagnosis {
     }
 
     /// Orders the sets in which another effect stands in the place of a member, and those without it.
-    fn replace_members(&self, problem: &Problem, state: &mut State, place: usize) {
+    fn replace_members(&self, problem: &Problem, state: &mut State, place: usize, screened: &mut Screened) {
         let set = state.refits[place].effects.clone();
         if set.len() < 2 {
             return;
@@ -236,14 +268,17 @@ impl Diagnosis {
             if state.refits[place].does_nothing(member) && !rest.is_empty() {
                 state.order_again(rest.clone(), place);
             }
-            match self.screen_beside(problem, &state.refits[from]) {
-                Err(why) => state.warn(why),
-                Ok(screening) => {
-                    for lead in near(&screening.leads, BESIDE, 2 * BESIDE) {
-                        if !(problem.is_misspecified && self.is_last_resort(lead.candidate)) {
-                            state.order(&[lead], &rest, from);
-                        }
-                    }
+            let leads = match screened.remove(&from) {
+                Some(Ok(screening)) => screening.leads,
+                Some(Err(why)) => {
+                    state.warn(why);
+                    continue;
+                }
+                None => state.leads_beside(&rest).unwrap_or_default().to_vec(),
+            };
+            for lead in near(&leads, BESIDE, 2 * BESIDE) {
+                if !(problem.is_misspecified && self.is_last_resort(lead.candidate)) {
+                    state.order(&[lead], &rest, from);
                 }
             }
         }
@@ -299,7 +334,7 @@ mod tests {
 
         fn done(&mut self, place: usize, p: f64) {
             let effects = self.state.refits[place].effects.clone();
-            self.state.remainders.push(Remainder { effects, p });
+            self.state.remainders.push(Remainder { effects, p, leads: Vec::new() });
         }
     }
 

@@ -102,6 +102,8 @@ pub struct Begin {
     pub from_prior: usize,
     /// Factor of the priors' scales of the effects' amplitudes.
     pub scale: f64,
+    /// Widths of effects in the fit from which it starts: where the model is wrong everywhere, it begins with these.
+    pub widths: BTreeMap<usize, f64>,
 }
 
 /// Most steps of a descent.
@@ -132,15 +134,21 @@ impl Problem {
         key: &StreamKey,
         moments: bool,
     ) -> Result<Refit, FitError> {
-        let mut places = vec![0; effects.len()];
+        let known = |effect: &usize| begin.widths.get(effect).filter(|_| self.is_misspecified);
+        let place = |width: &f64| WIDTHS.iter().rposition(|own| begin.scale * own.factor <= *width).unwrap_or(0);
+        let mut places: Vec<usize> = effects.iter().map(|effect| known(effect).map_or(0, place)).collect();
         let (mut best, mut amplitudes) = self.refit_of_widths(effects, &places, begin, key, moments)?;
-        if self.is_misspecified && self.begins_far(effects, begin) {
+        let is_far = self.are_far(effects, begin);
+        if self.is_misspecified
+            && effects.iter().zip(&is_far).any(|(effect, is_far)| *is_far && known(effect).is_none())
+        {
             // From far the written priors lead back to nothing.
-            let widest = vec![WIDTHS.len() - 1; effects.len()];
-            if let Ok(far) = self.refit_of_widths(effects, &widest, begin, key, moments)
-                && far.0.log_evidence > best.log_evidence
+            let far = places.iter().zip(&is_far).map(|(&place, &is_far)| if is_far { WIDTHS.len() - 1 } else { place });
+            let far: Vec<usize> = far.collect();
+            if let Ok(found) = self.refit_of_widths(effects, &far, begin, key, moments)
+                && found.0.log_evidence > best.log_evidence
             {
-                (best, amplitudes, places) = (far.0, far.1, widest);
+                (best, amplitudes, places) = (found.0, found.1, far);
             }
         }
         loop {
@@ -148,7 +156,7 @@ impl Problem {
             if wider == places {
                 break;
             }
-            let begin = Begin { starts: vec![best.by_name()], from_prior: 0, scale: begin.scale };
+            let begin = Begin { starts: vec![best.by_name()], scale: begin.scale, ..Begin::default() };
             match self.refit_of_widths(effects, &wider, &begin, key, moments) {
                 Ok(next) if next.0.log_evidence > best.log_evidence => (best, amplitudes) = next,
                 _ => break,
@@ -161,15 +169,15 @@ impl Problem {
         Ok(best)
     }
 
-    /// Whether a start has an amplitude beyond its written prior.
-    fn begins_far(&self, effects: &[usize], begin: &Begin) -> bool {
-        let Ok(hypothesis) = self.hypothesis(effects, begin.scale) else { return false };
+    /// Of each effect whether a start has an amplitude beyond its written prior.
+    fn are_far(&self, effects: &[usize], begin: &Begin) -> Vec<bool> {
+        let Ok(hypothesis) = self.hypothesis(effects, begin.scale) else { return vec![false; effects.len()] };
         let is_far = |index: usize| {
             let (name, prior) = (&hypothesis.model.parameters[index].name, &hypothesis.priors[index]);
             let (least, most) = (prior.quantile(0.001), prior.quantile(0.999));
             begin.starts.iter().filter_map(|start| start.get(name)).any(|value| *value < least || *value > most)
         };
-        hypothesis.amplitudes.iter().flat_map(|range| range.clone()).any(is_far)
+        hypothesis.amplitudes.iter().map(|range| range.clone().any(is_far)).collect()
     }
 
     fn refit_of_widths(
@@ -289,6 +297,11 @@ fn amplitudes(
 }
 
 impl Refit {
+    /// The widths of its effects' priors.
+    pub fn widths(&self) -> BTreeMap<usize, f64> {
+        self.effects.iter().copied().zip(self.widths.iter().copied()).collect()
+    }
+
     /// Its unknowns by name, SI.
     pub fn by_name(&self) -> BTreeMap<String, f64> {
         self.names.iter().cloned().zip(self.unknowns.iter().copied()).collect()

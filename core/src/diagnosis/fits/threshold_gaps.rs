@@ -55,17 +55,23 @@ impl Problem {
         if thresholds.is_empty() {
             return Ok(vec![self.refit_here(effects, begin, key, true)?]);
         }
-        let at = |start| Begin { starts: vec![start], from_prior: 0, scale: begin.scale };
+        let at = |start, from: &Refit| Begin {
+            starts: vec![start],
+            from_prior: 0,
+            scale: begin.scale,
+            widths: from.widths(),
+        };
         let mut refits = vec![self.refit_here(effects, begin, key, false)?];
         for threshold in thresholds {
-            let from = refits[best(&refits)].by_name();
+            let highest = refits[best(&refits)].clone();
+            let from = highest.by_name();
             for upwards in [false, true] {
                 let mut value = from.get(&threshold.name).copied();
                 while let Some(next) = value.and_then(|value| self.beside(&threshold, value)[usize::from(upwards)]) {
                     value = Some(next);
                     let mut start = from.clone();
                     start.insert(threshold.name.clone(), next);
-                    let Ok(refit) = self.refit_here(effects, &at(start), key, false) else { break };
+                    let Ok(refit) = self.refit_here(effects, &at(start, &highest), key, false) else { break };
                     let highest = &refits[best(&refits)];
                     let is_near = refit.log_likelihood + NEAR >= highest.log_likelihood;
                     self.add(&mut refits, refit);
@@ -87,7 +93,7 @@ impl Problem {
         // Moments take longer than fits; only those of likely gaps count.
         let highest = refits[best(&refits)].log_evidence;
         for refit in refits.iter_mut().filter(|refit| refit.log_evidence + LIKELY >= highest) {
-            *refit = self.refit_here(effects, &at(refit.by_name()), key, true)?;
+            *refit = self.refit_here(effects, &at(refit.by_name(), refit), key, true)?;
         }
         Ok(refits)
     }

@@ -214,7 +214,7 @@ mod tests {
             InjectionRequest { only: Some("heat-load".to_owned()), size: Some(5.0), ..InjectionRequest::default() };
         let recipe = Recipe::of(Topology::Star, TestKind::Steady, request);
         let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
-        let begin = Begin { starts: Vec::new(), from_prior: 2, scale: 1.0 };
+        let begin = Begin { from_prior: 2, scale: 1.0, ..Begin::default() };
         let fitted = problem.refit(&[], &begin, &StreamKey::new(1, "test", "heat")).unwrap();
         let best = missing_heat(&problem, &fitted).unwrap();
         assert!(best.log_evidence > fitted.log_evidence + 10.0, "{} {}", best.log_evidence, fitted.log_evidence);

@@ -34,6 +34,8 @@ const MOST_PARTNERS: usize = 12;
 const MOST_IN_PAIRS: usize = 1500;
 /// The same for the pair beside which the noise is estimated.
 const MOST_BESIDE_NOISE: usize = 400;
+/// Pairs of nodes with an effect that is tried at finite values; all those of fourteen nodes.
+const MOST_PAIRS_PROBED: usize = 100;
 /// Numbers of all columns above which only the best directions are held: 200 MB, of which a screening needs a few copies.
 const MOST_ENTRIES: usize = 25_000_000;
 /// Draws of the family-wise probability.
@@ -102,51 +104,95 @@ struct Scored {
     prepared: Prepared,
     directions: Vec<Direction>,
     scores: Vec<Score>,
+    /// Numbers of all columns.
+    held: usize,
+    /// Directions that were not kept, and pairs that were not tried.
+    left_out: u64,
 }
 
 impl Scored {
-    /// Takes a direction and scores it.
-    fn take(&mut self, direction: Direction) {
-        self.scores.push(self.prepared.score(&direction));
-        self.directions.push(direction);
+    fn new(prepared: Prepared) -> Self {
+        Self { prepared, directions: Vec::new(), scores: Vec::new(), held: 0, left_out: 0 }
     }
 
-    /// Scores all wanted directions at a fit. Where they are too many to be held, only the best are kept; the number of the
-    /// others stands last.
+    /// Takes a direction and scores it; in between only the best are kept.
+    fn take(&mut self, direction: Direction) {
+        self.held += direction.columns.len();
+        self.scores.push(self.prepared.score(&direction));
+        self.directions.push(direction);
+        if self.held >= 2 * MOST_ENTRIES {
+            self.keep(MOST_ENTRIES);
+        }
+    }
+
+    /// Scores all wanted directions at a fit. Where they are too many to be held, only the best are kept.
     fn best(
         problem: &Problem,
         likelihood: &Likelihood,
         unknowns: &[f64],
         linear: &Linear,
         wanted: impl Fn(&Direction) -> bool,
-    ) -> Result<(Self, Vec<signature::Unseen>, u64), FitError> {
+    ) -> Result<(Self, Vec<signature::Unseen>), FitError> {
         let mut prepared = Prepared::new(linear);
         if problem.is_misspecified {
             // What a model lacks that is wrong everywhere may be far from what the catalogue takes for plausible.
             prepared.largest *= WIDTHS[WIDTHS.len() - 1].factor;
         }
-        let mut scored = Self { prepared, directions: Vec::new(), scores: Vec::new() };
-        let (mut left_out, mut held) = (0, 0);
-        let mut give = |direction: Direction| {
-            if !wanted(&direction) {
-                return;
-            }
-            held += direction.columns.len();
-            scored.take(direction);
-            if held >= 2 * MOST_ENTRIES {
-                left_out += scored.keep(MOST_ENTRIES);
-                held = scored.directions.iter().map(|direction| direction.columns.len()).sum();
-            }
+        let mut scored = Self::new(prepared);
+        let find = |scored: &mut Self, positions: &[usize]| {
+            let mut give = |direction: Direction| {
+                if wanted(&direction) {
+                    scored.take(direction);
+                }
+            };
+            signature::for_each_direction(problem, likelihood, unknowns, positions, &mut give)
         };
-        let unseen = signature::for_each_direction(problem, likelihood, unknowns, &mut give);
-        let unseen = unseen?;
-        left_out += scored.keep(MOST_ENTRIES);
-        Ok((scored, unseen, left_out))
+        let mut late = signature::probed_pairs(problem);
+        if late.len() <= MOST_PAIRS_PROBED {
+            late.clear();
+        }
+        let first: Vec<usize> =
+            (0..problem.candidates.len()).filter(|place| late.binary_search(place).is_err()).collect();
+        let mut unseen = find(&mut scored, &first)?;
+        if !late.is_empty() {
+            let all = late.len();
+            let chosen = scored.likeliest_pairs(problem, late);
+            scored.left_out += (all - chosen.len()) as u64;
+            unseen.extend(find(&mut scored, &chosen)?);
+        }
+        scored.keep(MOST_ENTRIES);
+        Ok((scored, unseen))
     }
 
-    /// Keeps the best directions whose columns have no more numbers together, in their order, and gives the number of the
-    /// others.
-    fn keep(&mut self, entries: usize) -> u64 {
+    /// Of pairs of nodes those where other effects explain most: at both nodes, as a path does, or the same one at one of
+    /// them. A part between two nodes is a path that also stores heat.
+    fn likeliest_pairs(&self, problem: &Problem, pairs: Vec<usize>) -> Vec<usize> {
+        let mut falls: BTreeMap<(&str, Vec<usize>), f64> = BTreeMap::new();
+        for (place, direction) in self.directions.iter().enumerate() {
+            let candidate = &problem.candidates[direction.candidate];
+            let key = match &candidate.site {
+                Site::Pair(nodes) => ("", nodes.to_vec()),
+                Site::Nodes(nodes) if nodes.len() == 1 => (candidate.effect.as_str(), vec![nodes[0].0]),
+                _ => continue,
+            };
+            let fall = falls.entry(key).or_insert(0.0);
+            *fall = fall.max(self.fall(place));
+        }
+        let of = |position: usize| {
+            let Site::Pair([a, b]) = problem.candidates[position].site else { return 0.0 };
+            let fall = |key: (&str, Vec<usize>)| falls.get(&key).copied().unwrap_or(0.0);
+            let own = problem.candidates[position].effect.as_str();
+            fall(("", vec![a, b])) + fall((own, vec![a])).max(fall((own, vec![b])))
+        };
+        let mut order: Vec<(f64, usize)> = pairs.into_iter().map(|position| (of(position), position)).collect();
+        order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let mut chosen: Vec<usize> = order.into_iter().take(MOST_PAIRS_PROBED).map(|(_, position)| position).collect();
+        chosen.sort_unstable();
+        chosen
+    }
+
+    /// Keeps the best directions whose columns have no more numbers together, in their order.
+    fn keep(&mut self, entries: usize) {
         let before = self.directions.len();
         let mut order: Vec<usize> = (0..before).collect();
         order.sort_by(|&a, &b| self.fall(b).total_cmp(&self.fall(a)).then(a.cmp(&b)));
@@ -158,7 +204,8 @@ impl Scored {
         order.sort_unstable();
         self.directions = order.iter().map(|&place| std::mem::take(&mut self.directions[place])).collect();
         self.scores = order.iter().map(|&place| self.scores[place].clone()).collect();
-        (before - order.len()) as u64
+        self.held = self.directions.iter().map(|direction| direction.columns.len()).sum();
+        self.left_out += (before - order.len()) as u64;
     }
 
     /// What orders directions: the fall of the sum of squares, less two for each freedom beyond the first.
@@ -195,16 +242,16 @@ impl Diagnosis {
     pub(crate) fn screen_problem(&self, problem: &Problem, refit: &Refit, whole: bool) -> Result<Screening, FitError> {
         let likelihood = self.likelihood(problem)?;
         let linear = signature::linearise(&likelihood, &refit.unknowns)?;
-        let (scored, unseen, left_out) = Scored::best(problem, &likelihood, &refit.unknowns, &linear, |_| true)?;
+        let (scored, unseen) = Scored::best(problem, &likelihood, &refit.unknowns, &linear, |_| true)?;
         let (groups, names) = groups(problem, &likelihood);
         let estimated = problem.noise_freedom;
         let extras = Extras { groups: &groups, bounds: true, priors: true, omnibus: estimated.is_none() };
         let family = Family::new(&scored.prepared, &scored.directions, &scored.scores, &extras, estimated);
         let sampling = Sampling { key: *self.key(), draws: DRAWS };
         let judged = family.test(&sampling);
-        // What was left out for its size was tested too: all of them are paid for (Bonferroni).
-        let all = (judged.members.len() as u64 + left_out) as f64;
-        let p = if left_out > 0 { judged.p.max(judged.smallest_p * all) } else { judged.p }.clamp(0.0, 1.0);
+        // What was left out might have been found: all of them are paid for (Bonferroni).
+        let all = (judged.members.len() as u64 + scored.left_out) as f64;
+        let p = if scored.left_out > 0 { judged.p.max(judged.smallest_p * all) } else { judged.p }.clamp(0.0, 1.0);
         let mut tests: Vec<FamilyTest> = Vec::new();
         for member in &judged.members {
             let (name, at) = match member.kind {
@@ -464,7 +511,7 @@ impl Diagnosis {
                 white.jacobian[row * n + parameter] = value;
             }
         }
-        let mut scored = Scored { prepared: Prepared::new(&white), directions: Vec::new(), scores: Vec::new() };
+        let mut scored = Scored::new(Prepared::new(&white));
         for direction in directions {
             let mut own = direction.clone();
             whiten(&mut own.columns);

@@ -308,7 +308,7 @@ impl Diagnosis {
             if *weight < LEAST_TESTED || !problem.has_thresholds(&refit.effects) || !is_vetoed(refit) {
                 continue;
             }
-            let begin = Begin { starts: vec![refit.by_name()], from_prior: 0, scale: 1.0 };
+            let begin = Begin { starts: vec![refit.by_name()], from_prior: 0, scale: 1.0, widths: refit.widths() };
             let all = match problem.refits_over_gaps(&refit.effects, &begin, self.key()) {
                 Ok(all) => all,
                 Err(why) => {
@@ -336,7 +336,7 @@ impl Diagnosis {
         let p = known.or_else(|| Some(self.screen_beside(findings.problem, refit).ok()?.family.p));
         let Some(p) = p else { return false };
         if known.is_none() {
-            findings.late.push(Remainder { effects: refit.effects.clone(), p });
+            findings.late.push(Remainder { effects: refit.effects.clone(), p, leads: Vec::new() });
         }
         p > self.settings().false_alarm
     }
@@ -447,7 +447,7 @@ impl Diagnosis {
     /// Log Bayes factors with the amplitudes' priors at half and at double scale.
     fn at_scales(&self, findings: &Findings<'_>, refit: &Refit, before: &Refit) -> Option<[f64; 2]> {
         let at = |scale: f64| {
-            let begin = Begin { starts: vec![refit.by_name()], from_prior: 0, scale };
+            let begin = Begin { starts: vec![refit.by_name()], scale, ..Begin::default() };
             let found = findings.problem.refit(&refit.effects, &begin, self.key()).ok()?;
             Some(found.log_evidence - before.log_evidence).filter(|value| value.is_finite())
         };

@@ -1,6 +1,10 @@
 //! Minimum of `|r(x)|^2 / 2 + penalty(x)` within bounds: Levenberg-Marquardt on the residuals with their exact Jacobian
 //! (Marquardt 1963; damping after Madsen, Nielsen & Tingleff 2004; scaling after More 1978), steps cut at the bounds,
 //! followed by Newton steps with a Hessian by differences of the gradient where the penalty bends the objective.
+//!
+//! Where slopes are costly, what the Jacobian alone does not tell of the curvature is learned on the way by a secant update,
+//! and enters the steps while it foretells them better (Dennis, Gay & Welsch 1981, ACM TOMS 7, 348): large residuals would
+//! otherwise make the steps swing about the minimum.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -64,8 +68,9 @@ pub struct Minimum {
     pub converged: bool,
 }
 
-/// Least gain up to which a descent ends with Newton steps, each of which takes as many slopes as there are variables, twice.
-const POLISHED: f64 = 1e-4;
+/// Least gain above which slopes are taken for costly: up to it a descent ends with Newton steps, each of which takes as many
+/// slopes as there are variables, twice.
+const COSTLY: f64 = 1e-4;
 
 struct Linearised {
     residuals: Vec<f64>,
@@ -110,6 +115,7 @@ pub fn minimise<O: Objective>(objective: &mut O, start: &[f64], bounds: &Bounds,
     let mut penalised = false;
     let (mut iterations, mut converged, mut small_gains) = (0, false, 0);
     let mut descends = false;
+    let mut bend = (effort.least_gain > COSTLY).then(|| Bend::new(n));
     while iterations < effort.most_iterations && !converged {
         iterations += 1;
         penalised |= at.penalty_gradient.iter().any(|g| *g != 0.0);
@@ -124,7 +130,11 @@ pub fn minimise<O: Objective>(objective: &mut O, start: &[f64], bounds: &Bounds,
             converged = true;
             break;
         }
-        let Some((step, predicted)) = damped_step(&at, &free, &scale, damping, &x, bounds) else {
+        let bent = bend
+            .as_ref()
+            .filter(|bend| bend.is_used)
+            .and_then(|bend| bend.step(&at, &free, &scale, damping, &x, bounds));
+        let Some((step, predicted)) = bent.or_else(|| damped_step(&at, &free, &scale, damping, &x, bounds)) else {
             damping = damping.max(1e-12) * growth;
             growth *= 2.0;
             continue;
@@ -153,6 +163,9 @@ pub fn minimise<O: Objective>(objective: &mut O, start: &[f64], bounds: &Bounds,
             // Twice in a row, lest one lucky step near a plateau end the descent.
             small_gains = if gain <= 1e-14 * at.value.abs() { small_gains + 1 } else { 0 };
             converged = small_gains >= 2 || gain.max(predicted) < effort.least_gain;
+            if let Some(bend) = &mut bend {
+                bend.learn(&at, &next, &x, &trial);
+            }
             at = next;
             x = trial;
             let ratio = 2.0 * gain / predicted - 1.0;
@@ -166,7 +179,7 @@ pub fn minimise<O: Objective>(objective: &mut O, start: &[f64], bounds: &Bounds,
             growth *= 2.0;
         }
     }
-    if penalised && effort.least_gain <= POLISHED {
+    if penalised && effort.least_gain <= COSTLY {
         (x, at) = polish(objective, x, at, bounds);
     }
     Some(Minimum {
@@ -219,18 +232,105 @@ fn damped_step(
         right -= r.tr_solve_upper_triangular(&pull)?;
     }
     let solution = r.solve_upper_triangular(&right)?;
-    let mut step = vec![0.0; n];
+    let step = cut(&solution, free, scale, x, bounds);
+    let model = at.predicted(&step);
+    (step.iter().all(|s| s.is_finite()) && model > 0.0).then_some((step, model))
+}
+
+/// A step of the scaled free variables as one of all variables, cut at the bounds.
+fn cut(solution: &DVector<f64>, free: &[usize], scale: &[f64], x: &[f64], bounds: &Bounds) -> Vec<f64> {
+    let mut step = vec![0.0; x.len()];
     for (column, &i) in free.iter().enumerate() {
         let wanted = x[i] + solution[column] / scale[i];
         step[i] = wanted.max(bounds.lower[i]).min(bounds.upper[i]) - x[i];
     }
-    let mut model = 0.0;
-    for row in 0..m {
-        let along: f64 = (0..n).map(|i| at.jacobian[row * n + i] * step[i]).sum();
-        model -= along * (at.residuals[row] + 0.5 * along);
+    step
+}
+
+impl Linearised {
+    /// By how much a step lowers the objective according to the linear residuals.
+    fn predicted(&self, step: &[f64]) -> f64 {
+        let mut model = 0.0;
+        for (row, residual) in self.jacobian.chunks_exact(step.len()).zip(&self.residuals) {
+            let along: f64 = row.iter().zip(step).map(|(j, s)| j * s).sum();
+            model -= along * (residual + 0.5 * along);
+        }
+        model - self.penalty_gradient.iter().zip(step).map(|(g, s)| g * s).sum::<f64>()
     }
-    model -= at.penalty_gradient.iter().zip(&step).map(|(g, s)| g * s).sum::<f64>();
-    (step.iter().all(|s| s.is_finite()) && model > 0.0).then_some((step, model))
+}
+
+/// Curvature of the objective beyond that of the linear residuals: `sum r_i r_i''` and the penalty's.
+struct Bend {
+    matrix: DMatrix<f64>,
+    /// Whether it foretold the last step better than the linear residuals alone.
+    is_used: bool,
+}
+
+impl Bend {
+    fn new(n: usize) -> Self {
+        Self { matrix: DMatrix::zeros(n, n), is_used: false }
+    }
+
+    /// The damped step with it; `None` where the curvature is not positive.
+    fn step(
+        &self,
+        at: &Linearised,
+        free: &[usize],
+        scale: &[f64],
+        damping: f64,
+        x: &[f64],
+        bounds: &Bounds,
+    ) -> Option<(Vec<f64>, f64)> {
+        let n = x.len();
+        let scaled = |i: usize, j: usize| {
+            let square: f64 = at.jacobian.chunks_exact(n).map(|row| row[i] * row[j]).sum();
+            (square + self.matrix[(i, j)]) / (scale[i] * scale[j])
+        };
+        let mut curvature = DMatrix::from_fn(free.len(), free.len(), |a, b| scaled(free[a], free[b]));
+        for place in 0..free.len() {
+            curvature[(place, place)] += damping;
+        }
+        let downhill = DVector::from_fn(free.len(), |row, _| -at.gradient[free[row]] / scale[free[row]]);
+        let step = cut(&curvature.cholesky()?.solve(&downhill), free, scale, x, bounds);
+        let model = at.predicted(&step) - 0.5 * self.along(&step);
+        (step.iter().all(|s| s.is_finite()) && model > 0.0).then_some((step, model))
+    }
+
+    /// `s' S s`.
+    fn along(&self, step: &[f64]) -> f64 {
+        let step = DVector::from_column_slice(step);
+        step.dot(&(&self.matrix * &step))
+    }
+
+    /// Learns from a step that was taken.
+    fn learn(&mut self, at: &Linearised, next: &Linearised, from: &[f64], to: &[f64]) {
+        let n = from.len();
+        let step = DVector::from_fn(n, |i, _| to[i] - from[i]);
+        let gain = at.value - next.value;
+        let linear = at.predicted(step.as_slice());
+        self.is_used = (linear - 0.5 * self.along(step.as_slice()) - gain).abs() < (linear - gain).abs();
+        let change = DVector::from_fn(n, |i, _| next.gradient[i] - at.gradient[i]);
+        let mut beyond = DVector::from_fn(n, |i, _| next.penalty_gradient[i] - at.penalty_gradient[i]);
+        let rows = next.jacobian.chunks_exact(n).zip(at.jacobian.chunks_exact(n)).zip(&next.residuals);
+        for ((after, before), residual) in rows {
+            for i in 0..n {
+                beyond[i] += (after[i] - before[i]) * residual;
+            }
+        }
+        let (bent, turned) = (self.along(step.as_slice()).abs(), step.dot(&beyond).abs());
+        if bent > turned {
+            // What was learned far away is too large here.
+            self.matrix *= turned / bent;
+        }
+        let along = change.dot(&step);
+        if along > f64::EPSILON * change.norm() * step.norm() {
+            let missing = beyond - &self.matrix * &step;
+            let square = missing.dot(&step) / along;
+            self.matrix += (&missing * change.transpose() + &change * missing.transpose()
+                - &change * change.transpose() * square)
+                / along;
+        }
+    }
 }
 
 /// Newton steps on the free variables while they lower the objective.

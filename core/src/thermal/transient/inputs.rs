@@ -42,6 +42,8 @@ pub(super) struct InputReader<'a> {
     corners: Vec<usize>,
     /// Row from which constant columns take their value.
     held: usize,
+    /// The first row after the instant that was read last.
+    after: usize,
 }
 
 impl<'a> InputReader<'a> {
@@ -49,7 +51,7 @@ impl<'a> InputReader<'a> {
         let rows = table.times_s.len();
         let corners =
             (0..rows).filter(|&row| table.columns.iter().any(|c| c.has_corner(&table.times_s, row))).collect();
-        Self { table, corners, held: 0 }
+        Self { table, corners, held: 0, after: 0 }
     }
 
     /// Whether any input varies.
@@ -63,18 +65,32 @@ impl<'a> InputReader<'a> {
         self.corners.get(at).map(|&row| self.table.times_s[row])
     }
 
+    /// Whether the value of a constant column steps at the row of an instant.
+    pub fn steps_at(&self, time_s: f64) -> bool {
+        let row = self.table.times_s.partition_point(|&t| t < time_s);
+        let steps = |column: &InputColumn| column.hold && column.has_corner(&self.table.times_s, row);
+        self.table.times_s.get(row) == Some(&time_s) && self.table.columns.iter().any(steps)
+    }
+
     /// From now on constant columns take the value that holds right after this instant.
     pub fn enter(&mut self, time_s: f64) {
         self.held = self.table.times_s.partition_point(|&t| t <= time_s).saturating_sub(1);
     }
 
     /// Writes the inputs at an instant over the base values in `out`.
-    pub fn read(&self, time_s: f64, out: &mut [f64]) {
+    pub fn read(&mut self, time_s: f64, out: &mut [f64]) {
         if !self.varies() {
             return;
         }
         let times = &self.table.times_s;
-        let after = times.partition_point(|&t| t <= time_s);
+        // Instants come one after another, so the row is near the last one.
+        while times.get(self.after).is_some_and(|&t| t <= time_s) {
+            self.after += 1;
+        }
+        while self.after > 0 && times[self.after - 1] > time_s {
+            self.after -= 1;
+        }
+        let after = self.after;
         for column in &self.table.columns {
             let Some(slot) = out.get_mut(column.input) else { continue };
             *slot = if column.hold {
@@ -131,6 +147,7 @@ mod tests {
         assert_eq!(reader.next_corner(0.0), Some(20.0));
         assert_eq!(reader.next_corner(20.0), Some(30.0));
         assert_eq!(reader.next_corner(30.0), None);
+        assert_eq!([0.0, 10.0, 20.0, 30.0, 21.0].map(|t| reader.steps_at(t)), [false, false, true, false, false]);
     }
 
     #[test]
@@ -146,5 +163,9 @@ mod tests {
         assert_eq!(out, [1.0, 7.0, 3.0]);
         reader.read(99.0, &mut out);
         assert_eq!(out[0], 0.0);
+        reader.read(-1.0, &mut out);
+        assert_eq!(out[0], 0.0);
+        reader.read(15.0, &mut out);
+        assert_eq!(out[0], 1.5);
     }
 }

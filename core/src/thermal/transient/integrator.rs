@@ -265,6 +265,7 @@ impl<'a> Integrator<'a> {
             return Err(self.not_finite());
         }
         self.refresh_slopes(0);
+        self.contraction = 1.0;
         self.previous_step_s = None;
         self.restart_tangent();
         Ok(())
@@ -294,7 +295,6 @@ impl<'a> Integrator<'a> {
         }
         self.matrix.factored_for_s = None;
         self.matrix.age = 0;
-        self.contraction = 1.0;
         self.stats.jacobians += 1;
     }
 
@@ -428,9 +428,15 @@ impl<'a> Integrator<'a> {
                 self.pass_discontinuity(after)?;
                 last_error = 1.0;
             } else if reaches_stop && corner.is_some() {
+                // At a corner of linear inputs the slopes go on without a jump.
+                let jumps = self.reader.steps_at(self.time_s);
                 self.reader.enter(self.time_s);
-                self.restart()?;
-                last_error = 1.0;
+                self.forget_instant();
+                self.previous_step_s = None;
+                if jumps {
+                    self.restart()?;
+                    last_error = 1.0;
+                }
             }
         }
         // A discontinuity at the very end takes the state across it.
@@ -459,6 +465,7 @@ impl<'a> Integrator<'a> {
         self.set_instant(self.time_s);
         self.evaluate(0);
         self.refresh_slopes(0);
+        self.contraction = 1.0;
     }
 
     /// Tries a step; the state moves only in [`Integrator::commit`].

@@ -20,6 +20,7 @@ use rayon::prelude::*;
 use crate::diagnosis::FitError;
 use crate::diagnosis::linearisation::linear::{Direction, Linear};
 use crate::diagnosis::problem::Problem;
+use crate::effect::Site;
 use crate::inference::estimate::natural::NaturalObjective;
 use crate::inference::estimate::optimise::Objective;
 use crate::inference::likelihood::{Likelihood, Whitening};
@@ -103,11 +104,20 @@ pub fn directions(
     unknowns: &[f64],
 ) -> Result<(Vec<Direction>, Vec<Unseen>), FitError> {
     let mut all = Vec::new();
-    let unseen = for_each_direction(problem, likelihood, unknowns, &mut |direction| all.push(direction))?;
+    let positions: Vec<usize> = (0..problem.candidates.len()).collect();
+    let unseen = for_each_direction(problem, likelihood, unknowns, &positions, &mut |direction| all.push(direction))?;
     Ok((all, unseen))
 }
 
-/// Gives every candidate's directions one after another, in the order of the candidates: a direction for each value
+/// Candidates between two nodes that are tried at finite values, each of which takes some transients of its own.
+pub fn probed_pairs(problem: &Problem) -> Vec<usize> {
+    let forms = Forms::new(problem);
+    let is_pair = |&position: &usize| matches!(problem.candidates[position].site, Site::Pair(_));
+    let is_probed = |&position: &usize| matches!(forms.of(problem, position), Form::Probe { .. });
+    (0..problem.candidates.len()).filter(is_pair).filter(is_probed).collect()
+}
+
+/// Gives the directions of candidates one after another, in the order of their positions: a direction for each value
 /// of an effect's shape parameters that is tried, or for each probe of an effect that is not smooth at amplitude 0.
 /// `likelihood` is that of the problem without effects, `unknowns` (SI) its fit. What comes back are the candidates
 /// that have none.
@@ -118,6 +128,7 @@ pub fn for_each_direction(
     problem: &Problem,
     likelihood: &Likelihood,
     unknowns: &[f64],
+    positions: &[usize],
     give: &mut dyn FnMut(Direction),
 ) -> Result<Vec<Unseen>, FitError> {
     let base = Base::new(problem, likelihood, unknowns)?;
@@ -128,7 +139,6 @@ pub fn for_each_direction(
     let mut parameters = parameter::Parameters::default();
     let mut unseen = Vec::new();
     let together = (MOST_ENTRIES / base.rows.max(1)).clamp(16, MOST_TOGETHER);
-    let positions: Vec<usize> = (0..problem.candidates.len()).collect();
     for block in positions.chunks(together) {
         let forms: Vec<Form<'_>> = block.iter().map(|&position| forms.of(problem, position)).collect();
         let smooth: Vec<(usize, &Form<'_>)> =
