@@ -40,6 +40,7 @@ fn problem(path: &Path) -> Option<Problem> {
         most_steps: Vec::new(),
         noise_freedom: None,
         is_misspecified: false,
+        missing_probability: Default::default(),
     })
 }
 
@@ -64,7 +65,9 @@ fn campaign(c: &mut Criterion) {
     group.sample_size(10);
     group.bench_function("linearise", |b| b.iter(|| linearise(black_box(&likelihood), &unknowns)));
     group.bench_function("directions", |b| {
-        b.iter(|| for_each_direction(black_box(&problem), &likelihood, &unknowns, &all, &mut |one| drop(black_box(one))));
+        b.iter(|| {
+            for_each_direction(black_box(&problem), &likelihood, &unknowns, &all, &mut |one| drop(black_box(one)))
+        });
     });
     group.finish();
 }
@@ -156,6 +159,7 @@ fn panel() -> Problem {
         most_steps: Vec::new(),
         noise_freedom: None,
         is_misspecified: false,
+        missing_probability: Default::default(),
     }
 }
 

@@ -127,7 +127,7 @@ impl Job for Lab {
     }
 
     fn algorithm_version(&self) -> u32 {
-        9
+        10
     }
 
     fn identity(&self) -> Value {

@@ -34,6 +34,7 @@ pub fn problem_with(pass: &Pass, measurements: Vec<Measurement>, parameters: Vec
         most_steps: Vec::new(),
         noise_freedom: None,
         is_misspecified: false,
+        missing_probability: Default::default(),
     }
 }
 

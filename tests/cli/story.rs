@@ -164,8 +164,16 @@ fn what_cannot_be_asked_is_refused_before_anything_runs() {
         pass["measurements"]["balance test"]["steady"]["held_out"] = serde_json::json!({"all": {}});
         pass["jobs"].as_object_mut().unwrap().clear();
     });
+    let missing = |name: &str, probability: f64| {
+        changed(|pass| {
+            pass["jobs"]["missing"]["diagnose"]["missing_probability"] = serde_json::json!({name: probability})
+        })
+    };
+    let (unknown, certain) = (missing("heat-lod", 0.1), missing("heat-load", 1.0));
     let whole = hidden();
-    let cases: [(&TempDir, &[&str], &str); 5] = [
+    let cases: [(&TempDir, &[&str], &str); 7] = [
+        (&unknown, &["diagnose"], "`heat-lod`"),
+        (&certain, &["diagnose"], "a probability of 1 that `heat-load` is missing"),
         (&no_effect, &["diagnose"], "`missing` considers no effect"),
         (&held_out, &["lab", "--cases", "2"], "no reading to fit"),
         (&whole, &["lab", "--cases", "0"], "0 is not in"),

@@ -199,7 +199,7 @@ fn a_prior_that_outvotes_the_data_is_widened() {
         sensor.sigma = Some(Uncertain::Known(sigma));
     }
     let heat = problem.candidates.iter().position(|own| own.id == "heat-load:A").expect("a candidate");
-    let begin = Begin { starts: vec![BTreeMap::new()], from_prior: 0, scale: 1.0 };
+    let begin = Begin { starts: vec![BTreeMap::new()], scale: 1.0, ..Begin::default() };
     let fit = problem.refit(&[heat], &begin, &key).expect("a fit");
     let effects = ["heat-load:A".to_owned()];
     let of_width = |width: f64, odds: f64| log_evidence_of_widths(&measured, &effects, &[width], sigma) + ln(odds);

@@ -95,6 +95,7 @@ fn problem(mut measurements: Vec<Measurement>, input_errors: Vec<InputError>) ->
         most_steps: Vec::new(),
         noise_freedom: None,
         is_misspecified: false,
+        missing_probability: Default::default(),
     }
 }
 

@@ -215,7 +215,8 @@ impl State {
 
 impl Diagnosis {
     /// A diagnosis; all random numbers come from `key`.
-    pub fn new(problem: Problem, settings: Settings, key: StreamKey) -> Self {
+    pub fn new(mut problem: Problem, settings: Settings, key: StreamKey) -> Self {
+        problem.missing_probability.clone_from(&settings.missing_probability);
         Self { problem, settings, key }
     }
 

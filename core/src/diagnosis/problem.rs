@@ -1,5 +1,6 @@
 //! What is diagnosed.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::diagnosis::FitError;
@@ -38,6 +39,8 @@ pub struct Problem {
     pub noise_freedom: Option<f64>,
     /// Whether the model is taken to be a little wrong everywhere.
     pub is_misspecified: bool,
+    /// Probabilities beforehand that kinds of effects are missing, by their names, where they are not those of all.
+    pub missing_probability: BTreeMap<String, f64>,
 }
 
 /// A reading that is fitted.

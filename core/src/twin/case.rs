@@ -173,5 +173,6 @@ fn baseline(
         most_steps: Vec::new(),
         noise_freedom: None,
         is_misspecified: false,
+        missing_probability: Default::default(),
     })
 }

@@ -1,6 +1,6 @@
 //! Settings of `diagnose` as written.
 
-use crate::document::{Spanned, written_struct};
+use crate::document::{Map, Spanned, written_struct};
 
 written_struct! {
     /// Settings of `diagnose`.
@@ -17,5 +17,7 @@ written_struct! {
         optional most: Spanned<u64>,
         /// Family-wise probability of a false alarm, 0.005 where it is left out.
         optional false_alarm: Spanned<f64>,
+        /// Probability beforehand that a kind of effect is missing, by its name: 0.05 where it is left out.
+        default(Map::default()) missing_probability: Map<f64>,
     }
 }

@@ -3,7 +3,7 @@
 use super::form::DiagnoseForm;
 use super::run::Spec;
 use crate::diagnosis::{PRIOR_OF, Settings};
-use crate::document::{Spanned, code};
+use crate::document::{Place, code};
 use crate::study::job::{Entry, JobSpec};
 use crate::study::resolve::adopt::own_file;
 use crate::study::resolve::chosen::{data, parameters_or_all};
@@ -12,6 +12,8 @@ use crate::study::resolve::settings::{Offered, number};
 
 /// Most effects at once that can be asked for.
 const MOST: u64 = 6;
+/// Least probability that a kind of effect is missing, or is not.
+const LEAST_PROBABILITY: f64 = 1e-9;
 
 /// Resolves the settings of a diagnosis.
 pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DiagnoseForm, offered: &Offered) -> Option<JobSpec> {
@@ -27,7 +29,15 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DiagnoseForm, off
         }
         written.value
     });
-    check(scope, form.effects.iter().flatten().chain(&form.without), offered);
+    let named = form.effects.iter().flatten().chain(&form.without).map(|name| (name.value.as_str(), &name.place));
+    check(scope, named.chain(form.missing_probability.iter().map(|own| (own.name.as_str(), &own.name_place))), offered);
+    for own in &form.missing_probability {
+        if !(own.value >= LEAST_PROBABILITY && own.value <= 1.0 - LEAST_PROBABILITY) {
+            let message = format!("a probability of {} that `{}` is missing", own.value, own.name);
+            let help = "a number from 1e-9 to 0.999999999; what cannot be missing stands under `without`";
+            scope.error(&code::JOB_SETTING, &own.place, message, help);
+        }
+    }
     if form.effects.as_ref().is_some_and(Vec::is_empty) {
         let expected = "names of effects; without `effects` the whole catalogue is considered";
         scope.error(&code::JOB_SETTING, &entry.place, format!("`{}` considers no effect", entry.name), expected);
@@ -42,20 +52,21 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DiagnoseForm, off
     if scope.diagnostics.errors() > before {
         return None;
     }
+    let missing_probability = form.missing_probability.iter().map(|own| (own.name.clone(), own.value)).collect();
     if !missing.is_empty() {
         let command = offered.command.clone();
         return Some(JobSpec::Waiting { kind: "diagnose", measurements: missing, command });
     }
-    Some(JobSpec::of(Spec { data, parameters, effects, settings: Settings { most, false_alarm } }))
+    Some(JobSpec::of(Spec { data, parameters, effects, settings: Settings { most, false_alarm, missing_probability } }))
 }
 
-fn check<'a>(scope: &mut Scope, names: impl Iterator<Item = &'a Spanned<String>>, offered: &Offered) {
-    for name in names {
+fn check<'a>(scope: &mut Scope, names: impl Iterator<Item = (&'a str, &'a Place)>, offered: &Offered) {
+    for (name, place) in names {
         // What is wrong with a file of the study's own was said at its place.
-        let is_own = || scope.folder.has_file(&own_file(&name.value));
-        if offered.catalogue.get(&name.value).is_none() && name.value != PRIOR_OF && !is_own() {
+        let is_own = || scope.folder.has_file(&own_file(name));
+        if offered.catalogue.get(name).is_none() && name != PRIOR_OF && !is_own() {
             let known: Vec<&str> = offered.catalogue.names().chain([PRIOR_OF]).collect();
-            scope.unknown(&code::UNKNOWN_EFFECT, "effect", &name.value, &name.place, &known);
+            scope.unknown(&code::UNKNOWN_EFFECT, "effect", name, place, &known);
         }
     }
 }

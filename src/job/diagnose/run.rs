@@ -163,7 +163,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        16
+        17
     }
 
     fn identity(&self) -> Value {

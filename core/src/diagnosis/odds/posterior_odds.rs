@@ -1,6 +1,6 @@
 //! Probabilities of sets of effects.
 //!
-//! Beforehand each kind of effect is missing with probability 0.05, at any of its places in this network alike, and so is
+//! Beforehand each kind of effect is missing with probability 0.05 if the study does not say otherwise, at any of its places in this network alike, and so is
 //! physics that no kind describes: so the number of places is paid for. What is out of place, such as convection in
 //! vacuum, is less probable. A hidden node between two nodes that the model does not join is two things at once, a path
 //! and a part. Probabilities sum to one over "nothing", the refitted sets and "something else".
@@ -51,7 +51,8 @@ impl Odds {
         let odds = |effect: &str, count: usize| {
             let unknown = problem.catalogue.get(effect).is_some_and(Effect::is_unknown_function);
             let behind = if unknown { UNKNOWN_FUNCTION } else { 0.0 };
-            ln(MISSING / (1.0 - MISSING)) - ln(count.max(1) as f64) - behind
+            let missing = problem.missing_probability.get(effect).copied().unwrap_or(MISSING);
+            ln(missing / (1.0 - missing)) - ln(count.max(1) as f64) - behind
         };
         let kinds = counts.into_iter().map(|(effect, count)| (effect.clone(), odds(&effect, count))).collect();
         Self { kinds, vacuum: is_vacuum(problem) }
@@ -236,7 +237,30 @@ pub fn held(refits: &[Refit], weights: &Weights, groups: &[Vec<usize>]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::document::Diagnostics;
+    use crate::effect::Catalogue;
+    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
+
+    /// A kind that is held for likely gains the ratio of its odds to the conventional 1/19 at each of its places, others nothing.
+    #[test]
+    fn the_study_may_say_how_probable_a_kind_of_effect_is() {
+        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+        let mut problem =
+            case(&catalogue, &Recipe::of(Topology::Star, TestKind::Steady, InjectionRequest::default()), 1, 0)
+                .unwrap()
+                .problem;
+        let of = |effect: &str| problem.candidates.iter().position(|own| own.effect == effect).unwrap();
+        let (load, path) = (of("heat-load"), of("conductive-path"));
+        let before = Odds::new(&problem);
+        problem.missing_probability.insert("heat-load".to_owned(), 0.5);
+        let after = Odds::new(&problem);
+        let gain = |effects: &[usize]| after.of(&problem, effects) - before.of(&problem, effects);
+        assert!((gain(&[load]) - ln(19.0)).abs() < 1e-12 && gain(&[path]) == 0.0);
+        assert!((gain(&[load, path]) - ln(19.0)).abs() < 1e-12);
+    }
 
     #[test]
     fn nothing_stands_while_no_test_is_clear_and_no_set_takes_its_probability() {

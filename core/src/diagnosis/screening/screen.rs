@@ -34,8 +34,8 @@ const MOST_PARTNERS: usize = 12;
 const MOST_IN_PAIRS: usize = 1500;
 /// The same for the pair beside which the noise is estimated.
 const MOST_BESIDE_NOISE: usize = 400;
-/// Pairs of nodes with an effect that is tried at finite values; all those of fourteen nodes.
-const MOST_PAIRS_PROBED: usize = 100;
+/// Pairs of nodes with an effect that is tried at finite values; all those of ten nodes.
+const MOST_PAIRS_PROBED: usize = 45;
 /// Numbers of all columns above which only the best directions are held: 200 MB, of which a screening needs a few copies.
 const MOST_ENTRIES: usize = 25_000_000;
 /// Draws of the family-wise probability.

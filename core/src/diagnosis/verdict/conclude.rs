@@ -23,8 +23,7 @@ use crate::diagnosis::story::{Step, Story};
 use crate::diagnosis::verdict::discriminating_experiment;
 use crate::diagnosis::verdict::hints::hints;
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
-use crate::diagnosis::verdict::still;
-use crate::diagnosis::verdict::{trend, words};
+use crate::diagnosis::verdict::{few_readings, still, trend, words};
 use crate::diagnosis::{Problem, Refit};
 use crate::document::counted;
 use crate::math::functions::{ln, pow};
@@ -166,6 +165,7 @@ impl Diagnosis {
         let something_else = missing.as_ref().filter(|_| !state.is_misspecified()).map(|missing| missing.log_evidence);
         let weights = posterior_odds(&problem, &state.refits, something_else);
         let mut warnings = state.warnings.clone();
+        warnings.extend(few_readings::warnings(&problem, free(baseline)));
         warnings.extend(given_up(state));
         if finds {
             warnings.extend(still::warnings(&problem, baseline));

@@ -296,11 +296,19 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
         output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id)).collect();
     match output.verdict {
         Verdict::Adequate => {
-            words.push(format!(
-                "Nothing is missing that these data could show: {} and {} were tried.",
-                counted(output.looked_at[0], "effect"),
-                counted(output.looked_at[1], "pair")
-            ));
+            let unseen = &findings.state.screening.unseen;
+            words.push(if unseen.len() >= findings.problem.candidates.len() {
+                format!(
+                    "These data would show none of {}, however large: they say nothing of what is missing.",
+                    counted(output.looked_at[0], "effect")
+                )
+            } else {
+                format!(
+                    "Nothing is missing that these data could show: {} and {} were tried.",
+                    counted(output.looked_at[0], "effect"),
+                    counted(output.looked_at[1], "pair")
+                )
+            });
             if findings.doubted {
                 words.push(format!(
                     "A test finds something, but nothing that could have made it is likely enough: that nothing is missing keeps a probability of {}. More data, or stated noise, would decide it.",

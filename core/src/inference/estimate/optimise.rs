@@ -465,4 +465,49 @@ mod tests {
             assert!(found.x[1] > 3.0 && found.x[1] < 4.0, "from {threshold}: {:?}", found.x);
         }
     }
+
+    /// `r = (x, 0.65 + x^2 / 2)`: near 0 the objective is bent 1.65 times as much as the Jacobian tells, so that its steps end
+    /// 0.65 times as far on the other side.
+    struct LargeResidual;
+
+    impl Objective for LargeResidual {
+        fn dimension(&self) -> usize {
+            1
+        }
+
+        fn rows(&self) -> usize {
+            2
+        }
+
+        fn value(&mut self, x: &[f64], residuals: &mut [f64]) -> Option<f64> {
+            residuals.copy_from_slice(&[x[0], 0.65 + 0.5 * x[0] * x[0]]);
+            Some(0.0)
+        }
+
+        fn slopes(
+            &mut self,
+            x: &[f64],
+            residuals: &mut [f64],
+            jacobian: &mut [f64],
+            penalty_gradient: &mut [f64],
+        ) -> Option<f64> {
+            penalty_gradient.fill(0.0);
+            jacobian.copy_from_slice(&[1.0, x[0]]);
+            self.value(x, residuals)
+        }
+    }
+
+    /// A foreseen gain below 1e-4 beside a curvature of 1.65 is a step below 0.012.
+    #[test]
+    fn the_curvature_of_large_residuals_is_learned_where_slopes_are_costly() {
+        let bounds = Bounds { lower: vec![-10.0], upper: vec![10.0] };
+        let descend = |least_gain: f64| {
+            let effort = Effort { most_iterations: 60, least_gain };
+            let found = minimise(&mut LargeResidual, &[4.0], &bounds, effort).unwrap();
+            assert!(found.x[0].abs() < 0.012, "{found:?}");
+            found.iterations
+        };
+        let (costly, cheap) = (descend(1.01 * COSTLY), descend(COSTLY));
+        assert!(3 * costly <= 2 * cheap, "{costly} and {cheap}");
+    }
 }

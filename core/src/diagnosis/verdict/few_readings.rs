@@ -1,0 +1,110 @@
+//! Data that cannot show what is missing, or hardly where: few readings, one sensor, one phase, inputs that never move.
+
+use crate::diagnosis::Problem;
+use crate::diagnosis::problem::FittedReading;
+use crate::measurement::Rows;
+
+/// What is said of the readings that are fitted with so many free parameters.
+pub(crate) fn warnings(problem: &Problem, free: usize) -> Vec<String> {
+    let readings = problem.fitted_readings();
+    let mut said = Vec::new();
+    if readings.len() <= free {
+        said.push(format!(
+            "{} readings are fitted with {free} free parameters: the model can follow whatever is measured, so that these data test \
+             nothing. Measure more phases, add sensors, or fix parameters that are known",
+            readings.len()
+        ));
+    }
+    let name = |one: &FittedReading| problem.measurements[one.measurement].sensors[one.sensor].name.as_str();
+    if let Some(first) = readings.first()
+        && readings.iter().all(|one| name(one) == name(first))
+    {
+        said.push(format!(
+            "only one sensor is fitted, `{}`: it can show that something is missing, but hardly where",
+            name(first)
+        ));
+    }
+    let rows = |one: &FittedReading| (one.measurement, one.row);
+    if let Some(first) = readings.first()
+        && let Rows::Steady(phases) = &problem.measurements[first.measurement].rows
+        && readings.iter().all(|one| rows(one) == rows(first))
+    {
+        said.push(format!(
+            "only one phase is fitted, `{}`: what goes with an input or a temperature looks like something constant",
+            phases[first.row].name
+        ));
+    } else {
+        said.extend(still_inputs(problem, &readings));
+    }
+    said
+}
+
+/// What is said of inputs of effects that are the same in all rows that are fitted.
+fn still_inputs(problem: &Problem, readings: &[FittedReading]) -> Option<String> {
+    let is_used = |name: &str| {
+        let used = |own: &str| own.split('*').any(|one| one == name);
+        problem.candidates.iter().any(|candidate| candidate.input.as_deref().is_some_and(used))
+    };
+    let is_still = |&input: &usize| {
+        let level = |one: &FittedReading| problem.measurements[one.measurement].level(&problem.model, one.row, input);
+        let first = readings.first().and_then(level);
+        first.is_some() && readings.iter().all(|one| level(one) == first)
+    };
+    let inputs =
+        (0..problem.model.inputs.len()).filter(is_still).map(|input| problem.model.inputs[input].name.as_str());
+    let named: Vec<String> = inputs.filter(|name| is_used(name)).map(|name| format!("`{name}`")).collect();
+    (!named.is_empty()).then(|| {
+        format!(
+            "the same in all rows that are fitted: {}; an effect that goes with such an input looks like a constant one",
+            named.join(", ")
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::document::Diagnostics;
+    use crate::effect::Catalogue;
+    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
+
+    fn problem() -> Problem {
+        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+        let request =
+            InjectionRequest { only: Some("heat-load".to_owned()), size: Some(5.0), ..InjectionRequest::default() };
+        case(&catalogue, &Recipe::of(Topology::Star, TestKind::Steady, request), 1, 0).unwrap().problem
+    }
+
+    fn phases(problem: &mut Problem) -> &mut Vec<crate::measurement::Phase> {
+        match &mut problem.measurements[0].rows {
+            Rows::Steady(phases) => phases,
+            Rows::Transient { .. } => unreachable!("the recipe is steady"),
+        }
+    }
+
+    #[test]
+    fn data_that_test_little_are_said_to() {
+        let whole = problem();
+        assert_eq!(warnings(&whole, 5), Vec::<String>::new());
+        let count = whole.fitted_readings().len();
+        assert!(warnings(&whole, count)[0].starts_with(&format!("{count} readings are fitted with {count} free")));
+
+        let mut one_phase = problem();
+        let fitted = one_phase.fitted_readings()[0].row;
+        for (row, phase) in phases(&mut one_phase).iter_mut().enumerate() {
+            phase.held_out = row != fitted;
+        }
+        let said = warnings(&one_phase, 0);
+        assert!(said.len() == 1 && said[0].starts_with("only one phase is fitted"), "{said:?}");
+
+        let mut still = problem();
+        let input = still.model.inputs.iter().position(|input| input.name.starts_with('Q')).unwrap();
+        let name = still.model.inputs[input].name.clone();
+        let level = phases(&mut still)[0].inputs[input];
+        phases(&mut still).iter_mut().for_each(|phase| phase.inputs[input] = level);
+        let said = warnings(&still, 0);
+        assert!(said.len() == 1 && said[0].contains(&format!("`{name}`")), "{said:?}");
+    }
+}
