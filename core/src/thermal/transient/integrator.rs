@@ -238,12 +238,18 @@ impl<'a> Integrator<'a> {
         Ok(())
     }
 
-    /// After a start or a jump: consistent arithmetic nodes, slopes from the equations, new matrix.
-    pub fn restart(&mut self) -> Result<(), TransientError> {
+    /// Sets the present instant anew, with the inputs that hold from it on, and checks the temperatures that are given.
+    fn enter_instant(&mut self) -> Result<(), TransientError> {
         self.forget_instant();
         self.set_instant(self.time_s);
         self.equations.program.run(segment::BOUNDARY, &mut self.file);
         self.equations.check_given(&self.file, 0, &self.network.nodes)?;
+        Ok(())
+    }
+
+    /// After a start or a jump: consistent arithmetic nodes, slopes from the equations, new matrix.
+    pub fn restart(&mut self) -> Result<(), TransientError> {
+        self.enter_instant()?;
         self.make_consistent(0)?;
         self.evaluate(0);
         for row in 0..self.equations.size() {
@@ -428,14 +434,15 @@ impl<'a> Integrator<'a> {
                 self.pass_discontinuity(after)?;
                 last_error = 1.0;
             } else if reaches_stop && corner.is_some() {
-                // At a corner of linear inputs the slopes go on without a jump.
                 let jumps = self.reader.steps_at(self.time_s);
                 self.reader.enter(self.time_s);
-                self.forget_instant();
-                self.previous_step_s = None;
                 if jumps {
                     self.restart()?;
                     last_error = 1.0;
+                } else {
+                    // At a corner of linear inputs the slopes go on without a jump.
+                    self.enter_instant()?;
+                    self.previous_step_s = None;
                 }
             }
         }
