@@ -9,7 +9,7 @@
 use std::collections::BTreeMap;
 
 use crate::diagnosis::engine::{Diagnosis, Order, SensorNoise, State};
-use crate::diagnosis::fits::held_out;
+use crate::diagnosis::fits::{held_out, other_noise};
 use crate::diagnosis::heat;
 use crate::diagnosis::noise::estimate::EstimatedNoise;
 use crate::diagnosis::noise::model_error::{
@@ -20,7 +20,7 @@ use crate::diagnosis::problem::FittedReading;
 use crate::diagnosis::screening::screen::Lead;
 use crate::diagnosis::{FitError, Problem, Refit};
 use crate::effect::Effect;
-use crate::math::functions::ln;
+use crate::math::functions::{exp, ln};
 use crate::measurement::{Measurement, Rows, total_sd};
 
 /// Times that a model error is estimated.
@@ -35,7 +35,7 @@ const MOST_AGAIN: usize = 20;
 /// Effects of a set beside which a model error is estimated.
 const MOST_BESIDE: usize = 2;
 /// Laws of groups that are fitted whatever their linearisation says.
-const MOST_GROUPS: usize = 24;
+const MOST_GROUPS: usize = 32;
 /// Log odds by which an effect of several inputs stands behind one of one input, for each further input.
 const FURTHER_INPUT: f64 = 1.1;
 /// Standard deviation of the logarithm of a model error about that of the best set.
@@ -78,14 +78,9 @@ fn rms(errors: impl Iterator<Item = f64>) -> f64 {
     (sum / f64::from(count.max(1))).sqrt()
 }
 
-/// Log evidence of a set with the most likely model errors, and these by measurement, SI: its evidence with the likelihood
-/// exchanged, and the volume that the parameters have with it.
-fn log_evidence(
-    problem: &Problem,
-    readings: &[FittedReading],
-    refit: &Refit,
-    instruments: &[Errors],
-) -> (f64, Vec<f64>) {
+/// A set with the most likely model errors: its evidence has the likelihood exchanged, and the prior density and the volume
+/// that the parameters have with it.
+fn beside(problem: &Problem, readings: &[FittedReading], refit: &Refit, instruments: &[Errors]) -> Beside {
     let (mut log, mut sds, mut widening, mut count) = (0.0, Vec::new(), 0.0, 0.0);
     for (measurement, own) in instruments.iter().enumerate() {
         let mine: Vec<usize> = (0..readings.len()).filter(|&k| readings[k].measurement == measurement).collect();
@@ -99,9 +94,9 @@ fn log_evidence(
         }
         sds.push(sd);
     }
-    let free = refit.held.iter().filter(|held| !**held).count() as f64;
-    let volume = refit.log_evidence - refit.log_likelihood + 0.5 * free * widening / f64::max(count, 1.0);
-    (log + volume, sds)
+    let times = exp(widening / f64::max(count, 1.0));
+    log += refit.log_evidence - refit.log_likelihood + other_noise::gain(&refit.directions, times);
+    Beside { place: 0, log_weight: log, sds, determined: other_noise::determined(&refit.directions, times) }
 }
 
 /// What is estimated beside one set.
@@ -112,6 +107,8 @@ struct Beside {
     log_weight: f64,
     /// Standard deviations of the model error, SI, by measurement.
     sds: Vec<f64>,
+    /// Parameters that the data determine with them.
+    determined: f64,
 }
 
 impl Diagnosis {
@@ -172,15 +169,18 @@ impl Diagnosis {
         Ok(Some(next))
     }
 
-    /// Orders the laws of whole groups: about a fit that a strong effect has bent their linearisation tells little.
+    /// Orders the laws of whole groups, of no input before those of one: about a fit that a strong effect has bent their linearisation tells little.
     pub(crate) fn order_groups(&self, state: &mut State) {
         let candidates = &self.problem().candidates;
+        let inputs = |place: usize| candidates[place].bound.len();
         let is_wanted = |&place: &usize| {
             let own = &candidates[place];
             let is_dated = self.problem().catalogue.get(&own.effect).is_some_and(Effect::depends_on_date);
-            own.where_kind == "group" && own.input.is_none() && !is_dated && !self.is_unknown_function(place)
+            own.where_kind == "group" && inputs(place) < 2 && !is_dated && !self.is_unknown_function(place)
         };
-        for candidate in (0..candidates.len()).filter(is_wanted).take(MOST_GROUPS) {
+        let mut wanted: Vec<usize> = (0..candidates.len()).filter(is_wanted).collect();
+        wanted.sort_by_key(|&place| inputs(place));
+        for candidate in wanted.into_iter().take(MOST_GROUPS) {
             state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &[], 0);
         }
     }
@@ -217,7 +217,7 @@ impl Diagnosis {
             return None;
         }
         let refit = &state.refits[first.place];
-        let freedom = self.freedom(refit, &instruments);
+        let freedom = self.freedom(&first, &instruments);
         let sds: Vec<f64> = instruments.iter().map(|own| own.most_likely(freedom).0).collect();
         let noise = self.sensors_with(state, refit, &sds, &instruments);
         let size = |one: &SensorNoise| one.weighed().total();
@@ -279,11 +279,10 @@ impl Diagnosis {
         self.problem().measurements[one.measurement].sensors[one.sensor].total_sd()
     }
 
-    /// Share of the independent readings that a fit does not use up.
-    fn freedom(&self, refit: &Refit, instruments: &[Errors]) -> f64 {
+    /// Share of the independent readings that the fit of a set does not use up.
+    fn freedom(&self, set: &Beside, instruments: &[Errors]) -> f64 {
         let independent: f64 = instruments.iter().map(|own| own.errors.len() as f64 / own.readings_of_one).sum();
-        let free = refit.held.iter().filter(|held| !**held).count() as f64;
-        (1.0 - free / independent.max(1.0)).max(0.3)
+        (1.0 - set.determined / independent.max(1.0)).max(0.3)
     }
 
     /// By measurement: the errors of a set, and the instruments' noise as it is known or as quiet stretches of these show it.
@@ -364,8 +363,8 @@ impl Diagnosis {
         let mut sets: Vec<Beside> = (0..state.refits.len())
             .map(|place| {
                 let refit = &state.refits[place];
-                let (log, sds) = log_evidence(&problem, &readings, refit, instruments);
-                Beside { place, log_weight: log + odds.of(&problem, &refit.effects), sds }
+                let own = beside(&problem, &readings, refit, instruments);
+                Beside { place, log_weight: own.log_weight + odds.of(&problem, &refit.effects), ..own }
             })
             .filter(|one| one.log_weight.is_finite())
             .collect();

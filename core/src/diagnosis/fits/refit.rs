@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::diagnosis::fits::other_noise::{Direction, directions};
 use crate::diagnosis::fits::threshold_gaps::{Flat, together};
 use crate::diagnosis::odds::prior_of::is_prior;
 use crate::diagnosis::odds::prior_scale::{Amplitudes, WIDTHS};
@@ -76,6 +77,8 @@ pub struct Refit {
     pub names: Vec<String>,
     /// Which of the unknowns are held at a bound.
     pub held: Vec<bool>,
+    /// What the data and the priors say along each direction of the free unknowns.
+    pub directions: Vec<Direction>,
     /// Parameters of each effect.
     pub amplitudes: Vec<Vec<Amplitude>>,
     /// Whitened residuals of the readings that were fitted.
@@ -226,6 +229,7 @@ impl Problem {
             log_likelihood: found.log_likelihood,
             chi_square: found.chi_square,
             held: found.held.iter().map(Option::is_some).collect(),
+            directions: directions(&found, likelihood.priors()),
             amplitudes: amplitudes(&hypothesis, &likelihood, &found, &flat),
             given_up: found.work.rejections.given_up,
             unknowns: found.parameters,

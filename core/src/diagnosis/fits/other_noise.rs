@@ -1,0 +1,122 @@
+//! A fit's log evidence with another noise than that it was made with.
+//!
+//! Where the variance of all readings is `k` times as large, the data weigh `1/k`. About the fit the posterior density is
+//! normal (Laplace): in coordinates whose prior is the standard normal distribution, and along the eigenvectors of the
+//! covariance, the data's curvature is `l`, the covariance `1 / (1 + l)` and the most probable value `m`. With the curvature
+//! `l/k` the most probable value moves towards the prior's, and the volume grows, but not beyond the prior's.
+
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+
+use crate::inference::estimate::point_estimate::PointEstimate;
+use crate::math::functions::{ln, sqrt};
+use crate::random::Distribution;
+
+/// Least share of the prior's variance that is left: less than rounding leaves of a covariance.
+const LEAST_LEFT: f64 = 1e-12;
+
+/// A direction in the space of the parameters, along which neither data nor priors tie it to the others.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Direction {
+    /// Curvature of half the data's sum of squares, in that of the prior.
+    pub data: f64,
+    /// Most probable value, in the prior's standard deviations from its centre.
+    pub away: f64,
+}
+
+/// The distance of a value from a prior's centre, in standard deviations, and these in SI. Priors without a slope pull
+/// nowhere.
+fn scale(prior: &Distribution, value: f64) -> (f64, f64) {
+    match *prior {
+        Distribution::Normal { mean, sd, .. } => ((value - mean) / sd, sd),
+        Distribution::HalfNormal { scale } => (value / scale, scale),
+        Distribution::LogNormal { median, factor } => (ln(value / median) / ln(factor), ln(factor) * value),
+        Distribution::LogUniform { lower, upper } => (0.0, ln(upper / lower) / sqrt(12.0) * value),
+        _ => (0.0, prior.sd()),
+    }
+}
+
+/// The directions of a fit's free parameters.
+pub fn directions(found: &PointEstimate, priors: &[Distribution]) -> Vec<Direction> {
+    let width = found.parameters.len();
+    let scaled: Vec<(usize, f64, f64)> = (0..width)
+        .filter(|&place| found.held[place].is_none())
+        .map(|place| {
+            let (away, sd) = scale(&priors[place], found.parameters[place]);
+            (place, away, sd)
+        })
+        .filter(|(_, away, sd)| away.is_finite() && *sd > 0.0 && sd.is_finite())
+        .collect();
+    let n = scaled.len();
+    let covariance = DMatrix::from_fn(n, n, |a, b| {
+        let ((i, _, own), (j, _, other)) = (scaled[a], scaled[b]);
+        found.covariance[i * width + j] / (own * other)
+    });
+    if n == 0 || covariance.iter().any(|value| !value.is_finite()) {
+        return Vec::new();
+    }
+    let eigen = covariance.symmetric_eigen();
+    (0..n)
+        .map(|e| Direction {
+            data: 1.0 / eigen.eigenvalues[e].clamp(LEAST_LEFT, 1.0) - 1.0,
+            away: (0..n).map(|a| eigen.eigenvectors[(a, e)] * scaled[a].1).sum(),
+        })
+        .collect()
+}
+
+/// What the priors and the volume add to the log evidence where the variance of all readings is `times` as large: beyond
+/// what they add at the fit, and beside the likelihood of the fit's own errors with that variance.
+///
+/// Along a direction the evidence without constants is `-l/k d^2 / (2 (1 + l/k)) - ln(1 + l/k) / 2`, with `d = m (1 + l) / l`
+/// where the data alone would have it. The fit's errors and its prior density give `-l/k (m - d)^2 / 2 - m^2 / 2`.
+pub fn gain(directions: &[Direction], times: f64) -> f64 {
+    let one = |own: &Direction| {
+        let moves = (times - 1.0) * (times - 1.0) / (times * (times + own.data));
+        0.5 * (own.away * own.away * moves + ln((1.0 + own.data) / (1.0 + own.data / times)))
+    };
+    directions.iter().map(one).sum()
+}
+
+/// Parameters that the data determine where the variance of all readings is `times` as large (MacKay 1992, eq. 4.9).
+pub fn determined(directions: &[Direction], times: f64) -> f64 {
+    directions.iter().map(|own| own.data / (own.data + times)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::functions::exp;
+
+    /// A parameter with a standard normal prior, read `n` times with unit noise, the readings' mean `y`: the evidence is
+    /// normal in closed form, whatever the noise.
+    #[test]
+    fn the_evidence_with_another_noise_is_that_of_a_new_fit() {
+        let (n, y, square) = (5.0, 3.0, 52.0);
+        let fit = |variance: f64| {
+            let data: f64 = n / variance;
+            let mode = data * y / (1.0 + data);
+            let errors = square - 2.0 * mode * n * y + n * mode * mode;
+            // Without the constants of the noise, which are those of the likelihood.
+            (data, mode, errors, -0.5 * errors / variance - 0.5 * mode * mode - 0.5 * ln(1.0 + data))
+        };
+        let (data, away, errors, known) = fit(1.0);
+        let directions = [Direction { data, away }];
+        for times in [0.2, 1.0, 3.0, 100.0] {
+            let at_fit = known + 0.5 * errors - 0.5 * errors / times;
+            let expected = fit(times).3;
+            assert!((at_fit + gain(&directions, times) - expected).abs() < 1e-12, "{times}");
+        }
+        assert!((determined(&directions, 5.0) - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn directions_are_those_of_the_covariance_in_the_priors_units() {
+        let normal = |mean: f64, sd: f64| Distribution::Normal { mean, sd, lower: None, upper: None };
+        assert_eq!(scale(&normal(2.0, 0.5), 3.0), (2.0, 0.5));
+        assert_eq!(scale(&Distribution::HalfNormal { scale: 4.0 }, 2.0), (0.5, 4.0));
+        let log = Distribution::LogNormal { median: 10.0, factor: exp(0.5) };
+        let (away, sd) = scale(&log, 10.0 * exp(1.0));
+        assert!((away - 2.0).abs() < 1e-12 && (sd - 5.0 * exp(1.0)).abs() < 1e-12, "{away} {sd}");
+        assert_eq!(scale(&Distribution::Uniform { lower: 0.0, upper: 6.0 }, 1.0).0, 0.0, "no pull");
+    }
+}
