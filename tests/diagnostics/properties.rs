@@ -18,7 +18,7 @@ fn one_of_everything_loads() {
     assert_eq!(model.model.nodes.len(), 7);
     assert_eq!(model.model.elements.len(), 3 + 2 + 2 + 1 + 1 + 2);
     assert_eq!(model.model.quantities.len(), 10);
-    assert_eq!(model.groups.len(), 5);
+    assert_eq!(model.groups.len(), 5, "those of the file and those that it implies");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 pub mod element;
 pub mod form;
 pub mod group;
+mod implied_groups;
 pub mod quantity;
 pub mod resolve;
 

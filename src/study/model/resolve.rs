@@ -15,6 +15,7 @@ use crate::thermal::{Input, Limits, Model, Node, NodeKind, Parameter};
 use super::element;
 use super::form::{InputForm, LimitsForm, ModelForm, NodeForm, ParameterForm, TableForm};
 use super::group::{self, Group};
+use super::implied_groups;
 use super::name;
 use super::quantity;
 
@@ -101,7 +102,7 @@ pub struct ResolvedModel {
     pub input_errors: Vec<InputError>,
     /// Of each input of the model's file whether every test sets it; those of adopted effects stand behind them.
     pub test_sets: Vec<bool>,
-    /// Groups, in the order of the file.
+    /// Groups, in the order of the file, and then those that the model implies.
     pub groups: Vec<Group>,
     /// Dimension of each quantity.
     pub quantity_dimensions: Vec<Dimension>,
@@ -277,6 +278,7 @@ pub fn resolve(form: &ModelForm, diagnostics: &mut Diagnostics) -> Option<Resolv
     }
     model.reconstructed.clone_from(&form.reconstructed);
     model.groups = group::resolve(&form.groups, &model, diagnostics);
+    model.groups.extend(implied_groups::implied(&model, &model.groups));
     quantity::resolve_all(&form.quantities, &mut model, diagnostics);
     if model.model.nodes.is_empty() && model.model.quantities.is_empty() {
         diagnostics.push(

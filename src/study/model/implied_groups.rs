@@ -1,0 +1,170 @@
+//! Groups that a model implies: members that share a parameter, as surfaces of one coating, nodes of one material or joints
+//! of one kind do. What is wrong with one of them is often wrong with all.
+
+use std::collections::BTreeMap;
+
+use crate::expression::{ExprId, Symbol};
+use crate::thermal::NodeKind;
+
+use super::group::{Group, Members};
+use super::resolve::ResolvedModel;
+
+/// Most groups that are implied: each is a place for a dozen effects.
+const MOST: usize = 12;
+
+/// Groups beside those of the file, none with members of another: nodes whose joints with the same boundary share a
+/// parameter, weighted by these joints' nominal values; nodes whose heat capacities share one, weighted by these;
+/// conductors and radiations that share one. Weights add up to 1.
+pub(super) fn implied(model: &ResolvedModel, written: &[Group]) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    for (name, members) in surfaces(model).into_iter().chain(materials(model)).chain(joints(model)) {
+        let is_known = |group: &Group| group.name == name || have_same_members(&group.members, &members);
+        if groups.len() < MOST && !written.iter().chain(&groups).any(is_known) {
+            groups.push(Group { name, members });
+        }
+    }
+    groups
+}
+
+fn indices(members: &Members) -> Vec<usize> {
+    let mut all: Vec<usize> = match members {
+        Members::Nodes(nodes) => nodes.iter().map(|(node, _)| *node).collect(),
+        Members::Conductors(elements) | Members::Radiations(elements) | Members::Loads(elements) => elements.clone(),
+        Members::Sensors(_) => Vec::new(),
+    };
+    all.sort_unstable();
+    all
+}
+
+fn have_same_members(one: &Members, other: &Members) -> bool {
+    std::mem::discriminant(one) == std::mem::discriminant(other) && indices(one) == indices(other)
+}
+
+/// Nodes with weights that add up to 1; `None` of fewer than two, or where a weight is not above 0.
+fn weighted(nodes: &BTreeMap<usize, f64>) -> Option<Members> {
+    let total: f64 = nodes.values().sum();
+    let is_sound = nodes.len() > 1 && total.is_finite() && nodes.values().all(|weight| *weight > 0.0);
+    is_sound.then(|| Members::Nodes(nodes.iter().map(|(&node, weight)| (node, weight / total)).collect()))
+}
+
+/// Nodes whose joints of one kind with one boundary share a parameter.
+fn surfaces(model: &ResolvedModel) -> Vec<(String, Members)> {
+    let mut found: BTreeMap<(usize, &str, usize), BTreeMap<usize, f64>> = BTreeMap::new();
+    let is_boundary = |node: usize| matches!(model.model.nodes[node].kind, NodeKind::Boundary { .. });
+    for element in &model.model.elements {
+        let Some([a, b]) = element.physics().between() else { continue };
+        let (node, boundary) = if is_boundary(b) { (a, b) } else { (b, a) };
+        if !is_boundary(boundary) || is_boundary(node) {
+            continue;
+        }
+        let value = element.physics().description(&|node| node.to_string()).value;
+        for parameter in parameters(model, value) {
+            let key = (parameter, element.physics().kind(), boundary);
+            *found.entry(key).or_default().entry(node).or_default() += nominal(model, value);
+        }
+    }
+    let name = |(parameter, _, boundary): (usize, &str, usize)| {
+        format!("nodes with {} to {}", model.model.parameters[parameter].name, model.model.nodes[boundary].name)
+    };
+    found.into_iter().filter_map(|(key, nodes)| Some((name(key), weighted(&nodes)?))).collect()
+}
+
+/// Nodes whose heat capacities share a parameter.
+fn materials(model: &ResolvedModel) -> Vec<(String, Members)> {
+    let mut found: BTreeMap<usize, BTreeMap<usize, f64>> = BTreeMap::new();
+    for (index, node) in model.model.nodes.iter().enumerate() {
+        let NodeKind::Diffusion { capacity } = node.kind else { continue };
+        for parameter in parameters(model, capacity) {
+            found.entry(parameter).or_default().insert(index, nominal(model, capacity));
+        }
+    }
+    let name = |parameter: usize| format!("nodes with {}", model.model.parameters[parameter].name);
+    found.into_iter().filter_map(|(parameter, nodes)| Some((name(parameter), weighted(&nodes)?))).collect()
+}
+
+/// Conductors and radiations that share a parameter.
+fn joints(model: &ResolvedModel) -> Vec<(String, Members)> {
+    let mut all = Vec::new();
+    for (kind, of) in
+        [("conductor", Members::Conductors as fn(Vec<usize>) -> Members), ("radiation", Members::Radiations)]
+    {
+        let mut found: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (index, element) in model.model.elements.iter().enumerate() {
+            if element.physics().kind() == kind {
+                let value = element.physics().description(&|node| node.to_string()).value;
+                parameters(model, value).for_each(|parameter| found.entry(parameter).or_default().push(index));
+            }
+        }
+        let name = |parameter: usize| format!("{kind}s with {}", model.model.parameters[parameter].name);
+        all.extend(found.into_iter().filter(|(_, own)| own.len() > 1).map(|(key, own)| (name(key), of(own))));
+    }
+    all
+}
+
+/// The parameters in an expression.
+fn parameters(model: &ResolvedModel, value: ExprId) -> impl Iterator<Item = usize> {
+    let symbols = model.model.graph.symbols(value);
+    symbols.into_iter().filter_map(|symbol| match symbol {
+        Symbol::Parameter(index) => Some(index as usize),
+        _ => None,
+    })
+}
+
+/// The value of an expression with nominal parameters and inputs, at 293 K and at the start.
+fn nominal(model: &ResolvedModel, value: ExprId) -> f64 {
+    let of = |symbol: Symbol| match symbol {
+        Symbol::Parameter(index) => model.model.parameters[index as usize].nominal,
+        Symbol::Input(index) => model.model.inputs[index as usize].nominal,
+        Symbol::Node(_) => 293.15,
+        Symbol::Time | Symbol::Mode(_) | Symbol::Local(_) => 0.0,
+    };
+    model.model.graph.evaluate(value, &of)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::document::Diagnostics;
+    use crate::study::model::{Members, load};
+
+    /// Name, members by name and weights.
+    fn groups(text: &str) -> Vec<(String, Vec<(String, f64)>)> {
+        let mut diagnostics = Diagnostics::new();
+        let model = load("model.json", text.as_bytes(), &mut diagnostics).expect("a sound model");
+        let node = |index: usize| model.model.nodes[index].name.clone();
+        let element = |index: &usize| (model.model.elements[*index].name.clone(), 1.0);
+        let members = |members: &Members| match members {
+            Members::Nodes(nodes) => nodes.iter().map(|(index, weight)| (node(*index), *weight)).collect(),
+            Members::Conductors(own) | Members::Radiations(own) | Members::Loads(own) => {
+                own.iter().map(element).collect()
+            }
+            Members::Sensors(_) => Vec::new(),
+        };
+        model.groups.iter().map(|group| (group.name.clone(), members(&group.members))).collect()
+    }
+
+    const PANELS: &str = r#"{"format": "bmv-network/1",
+        "parameters": {"eps": {"nominal": 0.8}, "c": {"nominal": 100, "unit": "J/K"}, "G": {"nominal": 0.2, "unit": "W/K"}},
+        "nodes": {"space": {"boundary": "3"}, "wide": {"capacity": "2*c"}, "narrow": {"capacity": "c"}, "box": {"capacity": "c"}},
+        "radiations": {"view wide": {"between": ["wide", "space"], "exchange_area": "0.03*eps"},
+                       "view narrow": {"between": ["space", "narrow"], "exchange_area": "0.01*eps"}},
+        "conductors": {"mount": {"between": ["wide", "box"], "conductance": "G"}}GROUPS}"#;
+
+    #[test]
+    fn surfaces_materials_and_joints_that_share_a_parameter_are_groups() {
+        let of = |name: &str, weight: f64| (name.to_owned(), weight);
+        let found = groups(&PANELS.replace("GROUPS", ""));
+        let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["nodes with eps to space", "nodes with c", "radiations with eps"]);
+        assert_eq!(found[0].1, [of("wide", 0.75), of("narrow", 0.25)]);
+        assert_eq!(found[1].1, [of("wide", 0.5), of("narrow", 0.25), of("box", 0.25)]);
+        assert_eq!(found[2].1.len(), 2);
+    }
+
+    #[test]
+    fn what_the_file_groups_is_not_grouped_again() {
+        let written = r#", "groups": {"panels": {"nodes": {"narrow": 1, "wide": 1}}}"#;
+        let found = groups(&PANELS.replace("GROUPS", written));
+        let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["panels", "nodes with c", "radiations with eps"]);
+    }
+}
