@@ -313,14 +313,20 @@ fn noise(output: &Output) -> Option<Block> {
 
 fn method(output: &Output) -> String {
     let [effects, pairs, sets] = output.looked_at;
+    let weighed = if output.unseen.len() as u64 == effects {
+        // Then the probabilities are those stated beforehand, or nothing.
+        "no probability is stated where none can be seen".to_owned()
+    } else {
+        let (nothing, unexplained) = (chance(output.probability_nothing), chance(output.probability_unexplained));
+        format!(
+            "probability that nothing is missing {nothing}, that something is missing which no set explains {unexplained}"
+        )
+    };
     let mut text = format!(
-        "{} at their places and {} were screened, {} fitted; probability that nothing is missing {}, that something is missing \
-         which no set explains {}. {} cannot be seen with these data.",
+        "{} at their places and {} were screened, {} fitted; {weighed}. {} cannot be seen with these data.",
         counted(effects, "effect"),
         counted(pairs, "pair"),
         counted(sets, "set"),
-        chance(output.probability_nothing),
-        chance(output.probability_unexplained),
         counted(output.unseen.len(), "effect")
     );
     for own in &output.posterior_priors {
