@@ -138,17 +138,19 @@ impl State {
     pub fn take(&mut self, refits: Vec<Result<Refit, Unfitted>>) {
         for (order, refit) in std::mem::take(&mut self.pending).into_iter().zip(refits) {
             match refit {
-                Ok(refit) => match self.refits.iter_mut().find(|known| known.effects == refit.effects) {
-                    Some(known) if refit.log_evidence > known.log_evidence => {
-                        self.remainders
-                            .iter_mut()
-                            .filter(|left| left.effects == refit.effects)
-                            .for_each(|left| left.leads.clear());
-                        *known = refit;
+                Ok(refit) => {
+                    match self.refits.iter_mut().find(|earlier_refit| earlier_refit.effects == refit.effects) {
+                        Some(earlier_refit) if refit.log_evidence > earlier_refit.log_evidence => {
+                            self.remainders
+                                .iter_mut()
+                                .filter(|left| left.effects == refit.effects)
+                                .for_each(|left| left.leads.clear());
+                            *earlier_refit = refit;
+                        }
+                        Some(_) => {}
+                        None => self.refits.push(refit),
                     }
-                    Some(_) => {}
-                    None => self.refits.push(refit),
-                },
+                }
                 Err(why) => {
                     if let [effect] = order.effects[..] {
                         self.failed.push((effect, why.to_string()));
@@ -199,10 +201,10 @@ impl State {
         let mut starts = vec![BTreeMap::new()];
         for lead in leads {
             let mut longer = Vec::new();
-            for own in &lead.starts {
+            for lead_start in &lead.starts {
                 for start in &starts {
                     let mut both = start.clone();
-                    both.extend(own.iter().map(|(name, value)| (name.clone(), *value)));
+                    both.extend(lead_start.iter().map(|(name, value)| (name.clone(), *value)));
                     longer.push(both);
                 }
             }
@@ -248,9 +250,9 @@ impl Diagnosis {
 
     /// Forgets a reading.
     pub(crate) fn forget(&mut self, measurement: usize, row: usize, sensor: usize) {
-        let own = &mut self.problem.measurements[measurement];
-        let place = row * own.sensors.len() + sensor;
-        own.readings[place] = None;
+        let measurement_of_reading = &mut self.problem.measurements[measurement];
+        let place = row * measurement_of_reading.sensors.len() + sensor;
+        measurement_of_reading.readings[place] = None;
     }
 
     /// The problem with the estimated noise as if it were known, and bounds on the steps of transients.
@@ -273,9 +275,9 @@ impl Diagnosis {
         let declared = self.problem.refit(&[], &begin, &self.key)?;
         let faults = self.problem.faults_of_transients(&declared);
         if !faults.is_empty() {
-            let own = self.without(&faults);
-            let declared = own.problem.refit(&[], &begin, &self.key)?;
-            return Ok(State { left_out: faults, ..own.screen_beside_noise(declared)? });
+            let without_faulty_readings = self.without(&faults);
+            let declared = without_faulty_readings.problem.refit(&[], &begin, &self.key)?;
+            return Ok(State { left_out: faults, ..without_faulty_readings.screen_beside_noise(declared)? });
         }
         self.screen_beside_noise(declared)
     }
@@ -284,8 +286,8 @@ impl Diagnosis {
     fn screen_beside_noise(&self, declared: Refit) -> Result<State, FitError> {
         let most_steps = self.most_steps(&declared)?;
         let at_first = self.noise_at_first(&declared);
-        let known = self.with_noise(&at_first, &most_steps);
-        let mut noise = self.estimate_noise(&known, &declared, true)?;
+        let at_first_noise = self.with_noise(&at_first, &most_steps);
+        let mut noise = self.estimate_noise(&at_first_noise, &declared, true)?;
         noise.extend(at_first);
         self.screen_with(&declared, noise, most_steps)
     }
@@ -293,10 +295,10 @@ impl Diagnosis {
     /// Attempted steps after which a transient is given up: many times those of the baseline model at its fit. In a wrong
     /// hypothesis an integrator may crawl, and what it would find there counts for nothing.
     fn most_steps(&self, fitted: &Refit) -> Result<Vec<u64>, FitError> {
-        if !self.problem.measurements.iter().any(|own| matches!(own.rows, Rows::Transient { .. })) {
+        if !self.problem.measurements.iter().any(|measurement| matches!(measurement.rows, Rows::Transient { .. })) {
             return Ok(Vec::new());
         }
-        let baseline = self.problem.hypothesis(&[], 1.0).and_then(|own| own.likelihood(&self.problem));
+        let baseline = self.problem.hypothesis(&[], 1.0).and_then(|hypothesis| hypothesis.likelihood(&self.problem));
         let likelihood = baseline?;
         let steps = likelihood.transient_steps(&fitted.unknowns)?;
         Ok(steps.into_iter().map(|steps| steps.saturating_mul(TIMES_THE_STEPS).max(LEAST_OF_MOST_STEPS)).collect())
@@ -344,11 +346,11 @@ impl Diagnosis {
         }
         if finds {
             match exchanges(&problem, &state.refits[0], EXCHANGES) {
-                Ok(found) => {
-                    for candidate in found.likeliest {
+                Ok(exchange_search) => {
+                    for candidate in exchange_search.likeliest {
                         state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &[], 0);
                     }
-                    state.failed.extend(found.impossible);
+                    state.failed.extend(exchange_search.impossible);
                 }
                 Err(why) => state.warn(why),
             }
@@ -385,8 +387,8 @@ impl Diagnosis {
         }
         let mut leads = self.screen_problem(problem, &at_medians, false)?.leads;
         for start in leads.iter_mut().flat_map(|lead| &mut lead.starts) {
-            let own = std::mem::replace(start, at_medians.by_name());
-            start.extend(own);
+            let screened_start = std::mem::replace(start, at_medians.by_name());
+            start.extend(screened_start);
         }
         Ok(leads)
     }
@@ -408,9 +410,9 @@ impl Diagnosis {
     pub fn refit(&self, state: &State, order: &Order) -> Result<Refit, Unfitted> {
         let problem = self.at(state).with_noise(&state.noise, &state.most_steps);
         let base = state.refits.get(order.from).map(Refit::by_name).unwrap_or_default();
-        let starts = order.starts.iter().map(|own| {
+        let starts = order.starts.iter().map(|order_start| {
             let mut start = base.clone();
-            start.extend(own.iter().map(|(name, value)| (name.clone(), *value)));
+            start.extend(order_start.iter().map(|(name, value)| (name.clone(), *value)));
             start
         });
         // Where something is missing, the baseline model may be bent far from where its parameters are with the effect.

@@ -89,7 +89,9 @@ impl Hypothesis {
         let applied = self.add_as(candidate, effect, &candidate.id, parameters)?;
         if problem.is_misspecified {
             let nodes = applied.nodes.iter();
-            nodes.for_each(|&(node, _)| self.measurements.iter_mut().for_each(|own| own.begin_free(node)));
+            nodes.for_each(|&(node, _)| {
+                self.measurements.iter_mut().for_each(|measurement| measurement.begin_free(node))
+            });
         }
         Ok(())
     }
@@ -132,8 +134,8 @@ impl Hypothesis {
     fn site(&self, site: &Site) -> Site {
         let Site::Sensors(sensors) = site else { return site.clone() };
         let now = |place: &SensorPlace| {
-            let own = self.measurements.iter().flat_map(|m| &m.sensors).find(|sensor| sensor.name == place.name);
-            SensorPlace { quantity: own.map_or(place.quantity, |sensor| sensor.quantity), ..place.clone() }
+            let sensor_now = self.measurements.iter().flat_map(|m| &m.sensors).find(|sensor| sensor.name == place.name);
+            SensorPlace { quantity: sensor_now.map_or(place.quantity, |sensor| sensor.quantity), ..place.clone() }
         };
         Site::Sensors(sensors.iter().map(now).collect())
     }

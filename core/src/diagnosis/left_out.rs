@@ -83,7 +83,7 @@ fn spikes(errors: &[f64], readings: &[f64]) -> Vec<usize> {
     let least = SPIKE * scale.max(if resolution.is_finite() { 0.5 * resolution } else { 0.0 });
     let jumps = |a: usize, b: usize| (errors[b] - errors[a]).abs() > least;
     let most = (MOST_OF_TRANSIENT * n as f64) as usize;
-    let mut found = Vec::new();
+    let mut spike_rows = Vec::new();
     let mut at = 1;
     while at + 1 < n {
         if !jumps(at - 1, at) {
@@ -103,13 +103,13 @@ fn spikes(errors: &[f64], readings: &[f64]) -> Vec<usize> {
         };
         match (at + 1..n.min(at + longest + 1)).find(is_back) {
             Some(until) => {
-                found.extend(at..until);
+                spike_rows.extend(at..until);
                 at = until + 1;
             }
             None => at += 1,
         }
     }
-    if found.len() > most { Vec::new() } else { found }
+    if spike_rows.len() > most { Vec::new() } else { spike_rows }
 }
 
 /// Positions of readings in stretches of one value that are far longer than others of the channel, while the model moves: the
@@ -134,29 +134,31 @@ fn frozen(errors: &[f64], readings: &[f64]) -> Vec<usize> {
     let scale = median(differences).unwrap_or(0.0) + if step.is_finite() { step } else { 0.0 };
     let moves = |&(first, length): &(usize, usize)| {
         let predicted = (first..first + length).map(|at| readings[at] - errors[at]);
-        let ends = predicted.fold([f64::INFINITY, f64::NEG_INFINITY], |ends, own| [own.min(ends[0]), own.max(ends[1])]);
+        let ends = predicted.fold([f64::INFINITY, f64::NEG_INFINITY], |ends, temperature| {
+            [temperature.min(ends[0]), temperature.max(ends[1])]
+        });
         ends[1] - ends[0] > MOVES * scale
     };
     let is_frozen = |run: &&(usize, usize)| run.1 as f64 >= least && moves(run);
-    let found: Vec<usize> =
+    let frozen_rows: Vec<usize> =
         runs.iter().filter(is_frozen).flat_map(|&(first, length)| first + 1..first + length).collect();
-    if found.len() as f64 > MOST_FROZEN * readings.len() as f64 { Vec::new() } else { found }
+    if frozen_rows.len() as f64 > MOST_FROZEN * readings.len() as f64 { Vec::new() } else { frozen_rows }
 }
 
 /// Errors of a fit by measurement, row and sensor: of what it saw, and of what it did not.
 fn all_errors(problem: &Problem, refit: &Refit) -> Vec<LeftOut> {
     let fitted = problem.fitted_readings();
-    let fitted = fitted.iter().zip(&refit.errors).map(|(own, error)| LeftOut {
-        measurement: own.measurement,
-        row: own.row,
-        sensor: own.sensor,
+    let fitted = fitted.iter().zip(&refit.errors).map(|(reading, error)| LeftOut {
+        measurement: reading.measurement,
+        row: reading.row,
+        sensor: reading.sensor,
         off: *error,
     });
-    let unseen = refit.held_out.iter().map(|own| LeftOut {
-        measurement: own.measurement,
-        row: own.row,
-        sensor: own.sensor,
-        off: own.error,
+    let unseen = refit.held_out.iter().map(|reading| LeftOut {
+        measurement: reading.measurement,
+        row: reading.row,
+        sensor: reading.sensor,
+        off: reading.error,
     });
     let mut all: Vec<LeftOut> = fitted.chain(unseen).collect();
     all.sort_by_key(|one| (one.measurement, one.sensor, one.row));
@@ -172,17 +174,18 @@ impl Problem {
     pub(crate) fn faults_of_transients(&self, refit: &Refit) -> Vec<LeftOut> {
         let all = all_errors(self, refit);
         let series = all.chunk_by(|a, b| (a.measurement, a.sensor) == (b.measurement, b.sensor));
-        let of_series = |own: &[LeftOut]| -> Vec<LeftOut> {
-            let measurement = &self.measurements[own[0].measurement];
+        let of_series = |series_errors: &[LeftOut]| -> Vec<LeftOut> {
+            let measurement = &self.measurements[series_errors[0].measurement];
             if is_steady(measurement) {
                 return Vec::new();
             }
-            let errors: Vec<f64> = own.iter().map(|one| one.off).collect();
-            let readings: Vec<f64> = own.iter().filter_map(|one| measurement.reading(one.row, one.sensor)).collect();
-            let mut found = [spikes(&errors, &readings), frozen(&errors, &readings)].concat();
-            found.sort_unstable();
-            found.dedup();
-            found.into_iter().map(|at| own[at]).collect()
+            let errors: Vec<f64> = series_errors.iter().map(|one| one.off).collect();
+            let readings: Vec<f64> =
+                series_errors.iter().filter_map(|one| measurement.reading(one.row, one.sensor)).collect();
+            let mut faulty = [spikes(&errors, &readings), frozen(&errors, &readings)].concat();
+            faulty.sort_unstable();
+            faulty.dedup();
+            faulty.into_iter().map(|at| series_errors[at]).collect()
         };
         series.flat_map(of_series).collect()
     }
@@ -206,11 +209,11 @@ impl Problem {
 impl Diagnosis {
     /// The diagnosis without readings.
     pub(crate) fn without(&self, left_out: &[LeftOut]) -> Self {
-        let mut own = self.clone();
+        let mut remaining = self.clone();
         for one in left_out {
-            own.forget(one.measurement, one.row, one.sensor);
+            remaining.forget(one.measurement, one.row, one.sensor);
         }
-        own
+        remaining
     }
 
     /// The diagnosis begun anew without readings of steady phases that the best set does not explain, which explains the others;
@@ -239,21 +242,23 @@ impl Diagnosis {
         let without_faults = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         for (_, faults, place) in with_faults.into_iter().take(MOST_REFITTED) {
             let effects = &state.refits[place].effects;
-            let own = self.without(&faults);
+            let without_faults_diagnosis = self.without(&faults);
             let begin = Begin {
                 starts: vec![state.refits[place].by_name()],
                 from_prior: 0,
                 scale: 1.0,
                 widths: state.refits[place].widths(),
             };
-            let Ok(refit) = own.with_noise(&state.noise, &state.most_steps).refit(effects, &begin, self.key()) else {
+            let Ok(refit) =
+                without_faults_diagnosis.with_noise(&state.noise, &state.most_steps).refit(effects, &begin, self.key())
+            else {
                 continue;
             };
             let log = log_weights(&problem, std::slice::from_ref(&refit))[0];
             if log - faults.iter().filter(is_seen).map(cost).sum::<f64>() <= without_faults {
                 continue;
             }
-            let mut next = own.screen()?;
+            let mut next = without_faults_diagnosis.screen()?;
             next.left_out = [state.left_out.as_slice(), &faults, &next.left_out].concat();
             next.left_out.sort_by_key(|one| (one.measurement, one.sensor, one.row));
             next.warnings.clone_from(&state.warnings);
@@ -269,23 +274,23 @@ impl Diagnosis {
     pub(crate) fn doubts_of(&self, left_out: &[LeftOut]) -> Vec<Doubt> {
         let problem = self.problem();
         let series = left_out.chunk_by(|a, b| (a.measurement, a.sensor) == (b.measurement, b.sensor));
-        let one = |own: &[LeftOut]| {
-            let measurement = &problem.measurements[own[0].measurement];
-            let sensor = &measurement.sensors[own[0].sensor];
+        let one = |of_sensor: &[LeftOut]| {
+            let measurement = &problem.measurements[of_sensor[0].measurement];
+            let sensor = &measurement.sensors[of_sensor[0].sensor];
             let place = |one: &LeftOut| match &measurement.rows {
                 Rows::Steady(phases) => phases[one.row].name.clone(),
                 Rows::Transient { inputs, .. } => format!("{} s", inputs.times_s[one.row]),
             };
-            let most = own.iter().map(|one| one.off).fold(0.0_f64, |a, b| if b.abs() > a.abs() { b } else { a });
+            let most = of_sensor.iter().map(|one| one.off).fold(0.0_f64, |a, b| if b.abs() > a.abs() { b } else { a });
             let [stand, are, most_word] =
-                if own.len() == 1 { ["stands", "is", "by"] } else { ["stand", "are", "by up to"] };
+                if of_sensor.len() == 1 { ["stands", "is", "by"] } else { ["stand", "are", "by up to"] };
             let message = format!(
                 "{} of {} in {} ({}{}) {stand} out from what all others say, {most_word} {most:.2} {}, and {are} left out",
-                counted(own.len(), "reading"),
+                counted(of_sensor.len(), "reading"),
                 sensor.name,
                 measurement.name,
-                own.iter().take(3).map(place).collect::<Vec<_>>().join(", "),
-                if own.len() > 3 { ", ..." } else { "" },
+                of_sensor.iter().take(3).map(place).collect::<Vec<_>>().join(", "),
+                if of_sensor.len() > 3 { ", ..." } else { "" },
                 problem.model.quantities[sensor.quantity].unit,
             );
             Doubt {
@@ -333,15 +338,15 @@ mod tests {
     fn a_channel_that_freezes_is_found_and_a_coarse_one_at_rest_is_not() {
         let mut stream = StreamKey::new(5, "test", "frozen").stream(0);
         let truth: Vec<f64> = (0..400).map(|k| 300.0 + 10.0 * sin(f64::from(k) / 40.0)).collect();
-        let readings: Vec<f64> = truth.iter().map(|own| own + 0.1 * stream.normal()).collect();
+        let readings: Vec<f64> = truth.iter().map(|temperature| temperature + 0.1 * stream.normal()).collect();
         let against =
-            |shown: &[f64]| -> Vec<f64> { shown.iter().zip(&truth).map(|(own, truth)| own - truth).collect() };
+            |shown: &[f64]| -> Vec<f64> { shown.iter().zip(&truth).map(|(reading, truth)| reading - truth).collect() };
         assert!(frozen(&against(&readings), &readings).is_empty());
         let mut stuck = readings.clone();
         (301..400).for_each(|row| stuck[row] = stuck[300]);
         assert_eq!(frozen(&against(&stuck), &stuck), (301..400).collect::<Vec<_>>());
         // Steps of 2 K: long stretches at the turns, where the model rests as well.
-        let coarse: Vec<f64> = truth.iter().map(|own| (own / 2.0).round() * 2.0).collect();
+        let coarse: Vec<f64> = truth.iter().map(|temperature| (temperature / 2.0).round() * 2.0).collect();
         assert!(frozen(&against(&coarse), &coarse).is_empty());
         assert!(frozen(&[], &[]).is_empty() && frozen(&[0.0], &[300.0]).is_empty());
     }

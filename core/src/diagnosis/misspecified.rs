@@ -57,9 +57,9 @@ pub(crate) fn is_unstated(measurement: &Measurement) -> bool {
 }
 
 /// What a model error costs that is larger than that of the best set: sizes are alike whatever the set is.
-fn owes_more(own: f64, first: f64) -> f64 {
-    let times = (ln(own / first) / APART).max(0.0);
-    if own > first && first > 0.0 { 0.5 * times * times } else { 0.0 }
+fn owes_more(sd: f64, first: f64) -> f64 {
+    let times = (ln(sd / first) / APART).max(0.0);
+    if sd > first && first > 0.0 { 0.5 * times * times } else { 0.0 }
 }
 
 fn is_temperature(problem: &Problem, reading: &FittedReading) -> bool {
@@ -69,8 +69,11 @@ fn is_temperature(problem: &Problem, reading: &FittedReading) -> bool {
 
 /// Errors of one sensor of one measurement, in their order.
 fn series(readings: &[FittedReading], errors: &[f64], measurement: usize, sensor: usize) -> Vec<f64> {
-    let own = readings.iter().zip(errors);
-    own.filter(|(own, _)| own.measurement == measurement && own.sensor == sensor).map(|(_, error)| *error).collect()
+    let fitted_errors = readings.iter().zip(errors);
+    fitted_errors
+        .filter(|(reading, _)| reading.measurement == measurement && reading.sensor == sensor)
+        .map(|(_, error)| *error)
+        .collect()
 }
 
 fn rms(errors: impl Iterator<Item = f64>) -> f64 {
@@ -82,14 +85,14 @@ fn rms(errors: impl Iterator<Item = f64>) -> f64 {
 /// that the parameters have with it.
 fn beside(problem: &Problem, readings: &[FittedReading], refit: &Refit, instruments: &[Errors]) -> Beside {
     let (mut log, mut sds, mut widening, mut count) = (0.0, Vec::new(), 0.0, 0.0);
-    for (measurement, own) in instruments.iter().enumerate() {
+    for (measurement, measurement_errors) in instruments.iter().enumerate() {
         let mine: Vec<usize> = (0..readings.len()).filter(|&k| readings[k].measurement == measurement).collect();
-        let errors = Errors { errors: mine.iter().map(|&k| refit.errors[k]).collect(), ..own.clone() };
+        let errors = Errors { errors: mine.iter().map(|&k| refit.errors[k]).collect(), ..measurement_errors.clone() };
         let (sd, value) = errors.most_likely(1.0);
         log += value;
-        for (&k, noise) in mine.iter().zip(&own.noise) {
+        for (&k, noise) in mine.iter().zip(&measurement_errors.noise) {
             let before = problem.measurements[measurement].sensors[readings[k].sensor].total_sd();
-            widening += ln((noise * noise + sd * sd) * own.readings_of_one / (before * before));
+            widening += ln((noise * noise + sd * sd) * measurement_errors.readings_of_one / (before * before));
             count += 1.0;
         }
         sds.push(sd);
@@ -117,13 +120,15 @@ impl Diagnosis {
         let problem = self.problem();
         let readings = problem.fitted_readings();
         let mut noise = Vec::new();
-        for (measurement, own) in problem.measurements.iter().enumerate().filter(|(_, own)| is_unstated(own)) {
+        for (measurement, measured) in
+            problem.measurements.iter().enumerate().filter(|(_, measured)| is_unstated(measured))
+        {
             // As large as elsewhere in a measurement that is held out as a whole.
             let of = |wanted: &dyn Fn(&FittedReading) -> bool| {
                 let all = readings.iter().zip(&declared.errors);
                 rms(all.filter(|(reading, _)| wanted(reading)).map(|(_, error)| *error))
             };
-            for sensor in 0..own.sensors.len() {
+            for sensor in 0..measured.sensors.len() {
                 let here = of(&|reading| reading.measurement == measurement);
                 let size = if here > 0.0 { here } else { of(&|_| true) };
                 let white = EstimatedNoise::white((AT_FIRST * size).max(f64::MIN_POSITIVE.sqrt()));
@@ -160,8 +165,10 @@ impl Diagnosis {
         for beside in beside.iter().take(MOST_AGAIN) {
             let refit = &state.refits[beside.place];
             let order = Order { effects: refit.effects.clone(), starts: vec![refit.by_name()], from: 0 };
-            if let Some(known) = next.pending.iter_mut().find(|known| known.effects == order.effects) {
-                known.starts = order.starts;
+            if let Some(pending_order) =
+                next.pending.iter_mut().find(|pending_order| pending_order.effects == order.effects)
+            {
+                pending_order.starts = order.starts;
             } else if !next.is_known(&order.effects) {
                 next.pending.push(order);
             }
@@ -169,14 +176,15 @@ impl Diagnosis {
         Ok(Some(next))
     }
 
-    /// Orders the laws of whole groups, of no input before those of one: about a fit that a strong effect has bent their linearisation tells little.
+    /// Orders the laws of whole groups, of no input before those of one: about a fit that a strong effect has bent their
+    /// linearisation tells little.
     pub(crate) fn order_groups(&self, state: &mut State) {
         let candidates = &self.problem().candidates;
         let inputs = |place: usize| candidates[place].bound.len();
         let is_wanted = |&place: &usize| {
-            let own = &candidates[place];
-            let is_dated = self.problem().catalogue.get(&own.effect).is_some_and(Effect::depends_on_date);
-            own.where_kind == "group" && inputs(place) < 2 && !is_dated && !self.is_unknown_function(place)
+            let group = &candidates[place];
+            let is_dated = self.problem().catalogue.get(&group.effect).is_some_and(Effect::depends_on_date);
+            group.where_kind == "group" && inputs(place) < 2 && !is_dated && !self.is_unknown_function(place)
         };
         let mut wanted: Vec<usize> = (0..candidates.len()).filter(is_wanted).collect();
         wanted.sort_by_key(|&place| inputs(place));
@@ -188,10 +196,12 @@ impl Diagnosis {
     /// Independent readings that the held-out rows are worth.
     pub(crate) fn independent_unseen(&self, state: &State) -> f64 {
         let of = |one: &crate::diagnosis::fits::refit::HeldOut| {
-            let same = |own: &&SensorNoise| own.measurement == one.measurement && own.sensor == one.sensor;
-            let own = state.noise.iter().find(same)?;
-            let alone = total_sd(own.noise.total(), own.model_error?.sd);
-            Some(alone * alone / (own.weighed().total() * own.weighed().total()))
+            let same = |sensor_noise: &&SensorNoise| {
+                sensor_noise.measurement == one.measurement && sensor_noise.sensor == one.sensor
+            };
+            let sensor_noise = state.noise.iter().find(same)?;
+            let alone = total_sd(sensor_noise.noise.total(), sensor_noise.model_error?.sd);
+            Some(alone * alone / (sensor_noise.weighed().total() * sensor_noise.weighed().total()))
         };
         state.refits.first().map_or(0.0, |refit| refit.held_out.iter().filter_map(of).sum())
     }
@@ -202,7 +212,7 @@ impl Diagnosis {
         let Some((first, instruments)) = self.reference(state) else { return logs };
         for one in self.beside_sets(state, &instruments) {
             let inputs = |&effect: &usize| self.problem().candidates[effect].bound.len().saturating_sub(1) as f64;
-            let owed: f64 = one.sds.iter().zip(&first.sds).map(|(own, first)| owes_more(*own, *first)).sum();
+            let owed: f64 = one.sds.iter().zip(&first.sds).map(|(sd, first)| owes_more(*sd, *first)).sum();
             let more: f64 = state.refits[one.place].effects.iter().map(inputs).sum();
             logs[one.place] = one.log_weight - FURTHER_INPUT * more - owed;
         }
@@ -218,7 +228,7 @@ impl Diagnosis {
         }
         let refit = &state.refits[first.place];
         let freedom = self.freedom(&first, &instruments);
-        let sds: Vec<f64> = instruments.iter().map(|own| own.most_likely(freedom).0).collect();
+        let sds: Vec<f64> = instruments.iter().map(|errors| errors.most_likely(freedom).0).collect();
         let noise = self.sensors_with(state, refit, &sds, &instruments);
         let size = |one: &SensorNoise| one.weighed().total();
         let is_other = |one: &SensorNoise| {
@@ -259,7 +269,7 @@ impl Diagnosis {
     /// Whether the best set leaves more than the stated noise: tests find something beside it, heat whatever its cause is
     /// more probable, or it fails on the held-out rows.
     fn owes(&self, state: &State, first: &Beside, instruments: &[Errors]) -> bool {
-        let is_none = |(sd, own): (&f64, &Errors)| *sd <= NONE * rms(own.noise.iter().copied());
+        let is_none = |(sd, errors): (&f64, &Errors)| *sd <= NONE * rms(errors.noise.iter().copied());
         if first.sds.iter().zip(instruments).all(is_none) {
             return false;
         }
@@ -281,7 +291,8 @@ impl Diagnosis {
 
     /// Share of the independent readings that the fit of a set does not use up.
     fn freedom(&self, set: &Beside, instruments: &[Errors]) -> f64 {
-        let independent: f64 = instruments.iter().map(|own| own.errors.len() as f64 / own.readings_of_one).sum();
+        let independent: f64 =
+            instruments.iter().map(|errors| errors.errors.len() as f64 / errors.readings_of_one).sum();
         (1.0 - set.determined / independent.max(1.0)).max(0.3)
     }
 
@@ -291,10 +302,11 @@ impl Diagnosis {
         let readings = problem.fitted_readings();
         let refit = &state.refits[place];
         let mut all = Vec::new();
-        for (measurement, own) in problem.measurements.iter().enumerate() {
-            let of_sensors: Vec<Vec<f64>> =
-                (0..own.sensors.len()).map(|sensor| series(&readings, &refit.errors, measurement, sensor)).collect();
-            let noise: Vec<f64> = (0..own.sensors.len())
+        for (measurement, measured) in problem.measurements.iter().enumerate() {
+            let of_sensors: Vec<Vec<f64>> = (0..measured.sensors.len())
+                .map(|sensor| series(&readings, &refit.errors, measurement, sensor))
+                .collect();
+            let noise: Vec<f64> = (0..measured.sensors.len())
                 .map(|sensor| self.instrument(state, measurement, sensor, &of_sensors[sensor]))
                 .collect();
             let mine: Vec<usize> = (0..readings.len()).filter(|&k| readings[k].measurement == measurement).collect();
@@ -303,7 +315,7 @@ impl Diagnosis {
                 noise: mine.iter().map(|&k| noise[readings[k].sensor]).collect(),
                 readings_of_one: 1.0,
             };
-            errors.readings_of_one = match own.rows {
+            errors.readings_of_one = match measured.rows {
                 Rows::Transient { .. } => readings_of_one(&of_sensors),
                 Rows::Steady(_) => {
                     let error = errors.most_likely(1.0).0;
@@ -319,12 +331,12 @@ impl Diagnosis {
 
     /// Standard deviation of the noise of one instrument.
     fn instrument(&self, state: &State, measurement: usize, sensor: usize, errors: &[f64]) -> f64 {
-        let own = &self.problem().measurements[measurement];
-        if is_unstated(own) {
+        let measured = &self.problem().measurements[measurement];
+        if is_unstated(measured) {
             return quiet_scatter(errors).max(LEAST_NOISE * rms(errors.iter().copied())).max(f64::MIN_POSITIVE.sqrt());
         }
         let estimated = state.noise.iter().find(|one| one.measurement == measurement && one.sensor == sensor);
-        estimated.map_or_else(|| own.sensors[sensor].total_sd(), |one| one.noise.total())
+        estimated.map_or_else(|| measured.sensors[sensor].total_sd(), |one| one.noise.total())
     }
 
     /// The noise of all sensors beside a set, with a model error by measurement.
@@ -332,20 +344,20 @@ impl Diagnosis {
         let problem = self.problem();
         let readings = problem.fitted_readings();
         let mut all = Vec::new();
-        for (measurement, own) in problem.measurements.iter().enumerate() {
+        for (measurement, measured) in problem.measurements.iter().enumerate() {
             let is_fitted = |m: usize| readings.iter().any(|reading| reading.measurement == m);
             // A measurement that is held out as a whole is as another is.
             let like = if is_fitted(measurement) { Some(measurement) } else { (0..sds.len()).find(|&m| is_fitted(m)) };
             let Some(like) = like else { continue };
-            for sensor in 0..own.sensors.len() {
+            for sensor in 0..measured.sensors.len() {
                 let same =
-                    problem.measurements[like].sensors.iter().position(|one| one.name == own.sensors[sensor].name);
+                    problem.measurements[like].sensors.iter().position(|one| one.name == measured.sensors[sensor].name);
                 let source = if like == measurement { Some(sensor) } else { same };
                 let at = source.unwrap_or(0);
                 let noise = self.instrument(state, like, at, &series(&readings, &refit.errors, like, at));
                 let probe = FittedReading { measurement, row: 0, sensor };
                 let sd = if is_temperature(problem, &probe) { sds[like] } else { 0.0 };
-                let counts_as = match own.rows {
+                let counts_as = match measured.rows {
                     Rows::Steady(_) => total_sd(noise, sd * STEADY_READINGS_OF_ONE.sqrt()),
                     Rows::Transient { .. } => total_sd(noise, sd) * instruments[like].readings_of_one.sqrt(),
                 };
@@ -363,8 +375,8 @@ impl Diagnosis {
         let mut sets: Vec<Beside> = (0..state.refits.len())
             .map(|place| {
                 let refit = &state.refits[place];
-                let own = beside(&problem, &readings, refit, instruments);
-                Beside { place, log_weight: own.log_weight + odds.of(&problem, &refit.effects), ..own }
+                let set = beside(&problem, &readings, refit, instruments);
+                Beside { place, log_weight: set.log_weight + odds.of(&problem, &refit.effects), ..set }
             })
             .filter(|one| one.log_weight.is_finite())
             .collect();

@@ -267,8 +267,12 @@ mod tests {
         let reach = [2.0_f64.min(-30.0 / b[0]), 2.0_f64.min(-30.0 / b[1])];
         let volume = rule.integrate(0.0, reach[0], |d| rule.integrate(0.0, reach[1], |e| exp(fall(d, e))));
         let constant = -3.0 * ln(2.0 * std::f64::consts::PI) - 0.5 * dot(&linear.residuals, &linear.residuals);
-        let found = Evidence::new(&linear).log_evidence(&[]).unwrap();
+        let log_evidence = Evidence::new(&linear).log_evidence(&[]).unwrap();
         // The parameters' correlation at the corner is left out: relative 1 / (40 x 40).
-        assert!((found - constant - ln(0.25 * volume)).abs() < 2e-3, "{found} {}", constant + ln(0.25 * volume));
+        assert!(
+            (log_evidence - constant - ln(0.25 * volume)).abs() < 2e-3,
+            "{log_evidence} {}",
+            constant + ln(0.25 * volume)
+        );
     }
 }

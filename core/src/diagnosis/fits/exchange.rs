@@ -22,22 +22,25 @@ pub(crate) struct Exchanges {
 /// Why nothing can be predicted without any of them.
 pub(crate) fn exchanges(problem: &Problem, baseline: &Refit, count: usize) -> Result<Exchanges, FitError> {
     let is_one = |effect: &str| problem.catalogue.get(effect).is_some_and(Effect::exchanges_channels);
-    let mut all = (0..problem.candidates.len()).filter(|&own| is_one(&problem.candidates[own].effect)).peekable();
-    let (mut found, mut impossible) = (Vec::new(), Vec::new());
+    let mut all =
+        (0..problem.candidates.len()).filter(|&candidate| is_one(&problem.candidates[candidate].effect)).peekable();
+    let (mut improving, mut impossible) = (Vec::new(), Vec::new());
     if all.peek().is_none() {
         return Ok(Exchanges::default());
     }
     let without = left(problem, baseline, &[])?;
     for position in all {
         match left(problem, baseline, &[position]) {
-            Ok(with) if with[0] < without[0] || with[1] < without[1] => found.push((with[0].min(with[1]), position)),
+            Ok(with) if with[0] < without[0] || with[1] < without[1] => {
+                improving.push((with[0].min(with[1]), position))
+            }
             Ok(_) => {}
             Err(why) => impossible.push((position, why.to_string())),
         }
     }
-    found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    found.truncate(count);
-    Ok(Exchanges { likeliest: found.into_iter().map(|(_, position)| position).collect(), impossible })
+    improving.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    improving.truncate(count);
+    Ok(Exchanges { likeliest: improving.into_iter().map(|(_, position)| position).collect(), impossible })
 }
 
 /// Sums of squares with effects at the baseline model's fit and at the medians of all priors; infinite where the model has
@@ -46,12 +49,12 @@ pub(crate) fn exchanges(problem: &Problem, baseline: &Refit, count: usize) -> Re
 /// # Errors
 /// Why no model can be made with these effects.
 fn left(problem: &Problem, baseline: &Refit, effects: &[usize]) -> Result<[f64; 2], FitError> {
-    let hypothesis = problem.hypothesis(effects, 1.0).and_then(|own| own.likelihood(problem));
+    let hypothesis = problem.hypothesis(effects, 1.0).and_then(|extended| extended.likelihood(problem));
     let likelihood = hypothesis?;
-    let known = baseline.by_name();
+    let baseline_values = baseline.by_name();
     let medians: Vec<f64> = likelihood.priors().iter().map(|prior| prior.quantile(0.5)).collect();
     let fitted: Vec<f64> = (likelihood.names().iter().zip(&medians))
-        .map(|(name, median)| known.get(name).copied().unwrap_or(*median))
+        .map(|(name, median)| baseline_values.get(name).copied().unwrap_or(*median))
         .collect();
     let mut workspace = likelihood.workspace();
     let mut residuals = vec![0.0; likelihood.residual_count()];
@@ -84,10 +87,12 @@ mod tests {
         problem.candidates[broken].site = Site::Nodes(vec![(0, 1.0)]);
         let diagnosis = Diagnosis::new(problem.clone(), Settings::default(), StreamKey::new(1, "test", "exchange"));
         let state = diagnosis.screen().unwrap();
-        let found = exchanges(&problem, &state.refits[0], usize::MAX).unwrap();
-        assert!(!found.likeliest.contains(&broken));
-        let [(position, why)] = found.impossible.as_slice() else { panic!("{:?}", found.impossible) };
+        let exchange_search = exchanges(&problem, &state.refits[0], usize::MAX).unwrap();
+        assert!(!exchange_search.likeliest.contains(&broken));
+        let [(position, why)] = exchange_search.impossible.as_slice() else {
+            panic!("{:?}", exchange_search.impossible)
+        };
         assert!(*position == broken && why.contains("swapped-channels"), "{why}");
-        assert!(state.failed.contains(&found.impossible[0]), "{:?}", state.failed);
+        assert!(state.failed.contains(&exchange_search.impossible[0]), "{:?}", state.failed);
     }
 }

@@ -96,7 +96,7 @@ fn chi_square(problem: &Problem, chosen: &Refit, left_out: &BTreeSet<(usize, usi
     for (index, measurement) in exchanged.measurements.iter_mut().enumerate() {
         exchange(measurement);
         let width = measurement.sensors.len();
-        for &(_, row) in left_out.iter().filter(|(own, _)| *own == index) {
+        for &(_, row) in left_out.iter().filter(|(of_measurement, _)| *of_measurement == index) {
             measurement.readings[row * width..(row + 1) * width].fill(None);
         }
     }
@@ -134,13 +134,13 @@ fn chi_square(problem: &Problem, chosen: &Refit, left_out: &BTreeSet<(usize, usi
 
 /// Held-out rows on which the fitted rows do not decide: those between the two levels where a set has a threshold.
 fn undecided(problem: &Problem, chosen: &Refit) -> BTreeSet<(usize, usize)> {
-    let known = chosen.by_name();
+    let fitted_values = chosen.by_name();
     let mut rows = BTreeSet::new();
     for &position in &chosen.effects {
         let candidate = &problem.candidates[position];
         let Some(effect) = problem.catalogue.get(&candidate.effect) else { continue };
         for parameter in effect.parameters(&problem.model, &candidate.bound) {
-            let value = known.get(&format!("{}.{}", candidate.id, parameter.name));
+            let value = fitted_values.get(&format!("{}.{}", candidate.id, parameter.name));
             let gap = value.and_then(|value| gap(problem, candidate, effect, &parameter, *value));
             let Some([below, above]) = gap else { continue };
             for (index, measurement) in problem.measurements.iter().enumerate() {
@@ -158,9 +158,9 @@ fn undecided(problem: &Problem, chosen: &Refit) -> BTreeSet<(usize, usize)> {
 
 fn linear(problem: &Problem, chosen: &Refit) -> Option<Linear> {
     let likelihood = problem.hypothesis(&[], 1.0).ok()?.likelihood(problem).ok()?;
-    let known = chosen.by_name();
+    let fitted_values = chosen.by_name();
     let at: Vec<f64> =
-        likelihood.unknowns().names.iter().map(|name| known.get(name).copied()).collect::<Option<_>>()?;
+        likelihood.unknowns().names.iter().map(|name| fitted_values.get(name).copied()).collect::<Option<_>>()?;
     linearise(&likelihood, &at).ok()
 }
 

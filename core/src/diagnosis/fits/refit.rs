@@ -137,21 +137,23 @@ impl Problem {
         key: &StreamKey,
         moments: bool,
     ) -> Result<Refit, FitError> {
-        let known = |effect: &usize| begin.widths.get(effect).filter(|_| self.is_misspecified);
-        let place = |width: &f64| WIDTHS.iter().rposition(|own| begin.scale * own.factor <= *width).unwrap_or(0);
-        let mut places: Vec<usize> = effects.iter().map(|effect| known(effect).map_or(0, place)).collect();
+        let fitted_width = |effect: &usize| begin.widths.get(effect).filter(|_| self.is_misspecified);
+        let place = |width: &f64| {
+            WIDTHS.iter().rposition(|prior_width| begin.scale * prior_width.factor <= *width).unwrap_or(0)
+        };
+        let mut places: Vec<usize> = effects.iter().map(|effect| fitted_width(effect).map_or(0, place)).collect();
         let (mut best, mut amplitudes) = self.refit_of_widths(effects, &places, begin, key, moments)?;
         let is_far = self.are_far(effects, begin);
         if self.is_misspecified
-            && effects.iter().zip(&is_far).any(|(effect, is_far)| *is_far && known(effect).is_none())
+            && effects.iter().zip(&is_far).any(|(effect, is_far)| *is_far && fitted_width(effect).is_none())
         {
             // From far the written priors lead back to nothing.
             let far = places.iter().zip(&is_far).map(|(&place, &is_far)| if is_far { WIDTHS.len() - 1 } else { place });
             let far: Vec<usize> = far.collect();
-            if let Ok(found) = self.refit_of_widths(effects, &far, begin, key, moments)
-                && found.0.log_evidence > best.log_evidence
+            if let Ok(refit_from_far) = self.refit_of_widths(effects, &far, begin, key, moments)
+                && refit_from_far.0.log_evidence > best.log_evidence
             {
-                (best, amplitudes, places) = (found.0, found.1, far);
+                (best, amplitudes, places) = (refit_from_far.0, refit_from_far.1, far);
             }
         }
         loop {
@@ -167,8 +169,10 @@ impl Problem {
             places = wider;
         }
         // A prior that is wider than the written one is none of the catalogue's, and no narrower one stands beside it.
-        let own = |(&effect, &place): (&usize, &usize)| place.max(usize::from(is_prior(&self.candidates[effect])));
-        best.log_evidence += amplitudes.narrower(&effects.iter().zip(&places).map(own).collect::<Vec<usize>>());
+        let place_at_least_written =
+            |(&effect, &place): (&usize, &usize)| place.max(usize::from(is_prior(&self.candidates[effect])));
+        best.log_evidence +=
+            amplitudes.narrower(&effects.iter().zip(&places).map(place_at_least_written).collect::<Vec<usize>>());
         Ok(best)
     }
 
@@ -204,35 +208,37 @@ impl Problem {
             ..PointSettings::default()
         };
         let place = |start: &BTreeMap<String, f64>| -> Vec<f64> {
-            let own = likelihood.names().iter().zip(likelihood.priors());
+            let unknowns = likelihood.names().iter().zip(likelihood.priors());
             // A start may come from a set with a wider prior.
             let (least, most) = (1e-3, 1.0 - 1e-3);
-            own.map(|(name, prior)| match start.get(name).copied() {
-                Some(value) if value < prior.support().0 => prior.quantile(least),
-                Some(value) if value > prior.support().1 => prior.quantile(most),
-                value => value.unwrap_or_else(|| prior.quantile(0.5)),
-            })
-            .collect()
+            unknowns
+                .map(|(name, prior)| match start.get(name).copied() {
+                    Some(value) if value < prior.support().0 => prior.quantile(least),
+                    Some(value) if value > prior.support().1 => prior.quantile(most),
+                    value => value.unwrap_or_else(|| prior.quantile(0.5)),
+                })
+                .collect()
         };
         let starts: Vec<Vec<f64>> = begin.starts.iter().map(place).collect();
-        let found = estimate(&likelihood, &settings, key, &starts)?;
+        let point_estimate = estimate(&likelihood, &settings, key, &starts)?;
         let mut residuals = vec![0.0; likelihood.residual_count()];
-        likelihood.residuals(&found.parameters, &mut likelihood.workspace(), &mut residuals)?;
-        let log_evidence = found.log_evidence.filter(|value| value.is_finite()).ok_or(FitError::NoCurvature)?;
-        let widths_at = Amplitudes::at(&hypothesis, &found, &self.which_are_amplitudes(effects));
+        likelihood.residuals(&point_estimate.parameters, &mut likelihood.workspace(), &mut residuals)?;
+        let log_evidence =
+            point_estimate.log_evidence.filter(|value| value.is_finite()).ok_or(FitError::NoCurvature)?;
+        let widths_at = Amplitudes::at(&hypothesis, &point_estimate, &self.which_are_amplitudes(effects));
         // Laplace's evidence is too high where the likelihood is flat in a gap and falls beyond it, which no curvature tells.
-        let flat = self.flat(effects, &likelihood, &found);
+        let flat = self.flat(effects, &likelihood, &point_estimate);
         let mut refit = Refit {
             effects: effects.to_vec(),
             widths,
             log_evidence: log_evidence + odds + flat.iter().map(|flat| flat.log_share).sum::<f64>(),
-            log_likelihood: found.log_likelihood,
-            chi_square: found.chi_square,
-            held: found.held.iter().map(Option::is_some).collect(),
-            directions: directions(&found, likelihood.priors()),
-            amplitudes: amplitudes(&hypothesis, &likelihood, &found, &flat),
-            given_up: found.work.rejections.given_up,
-            unknowns: found.parameters,
+            log_likelihood: point_estimate.log_likelihood,
+            chi_square: point_estimate.chi_square,
+            held: point_estimate.held.iter().map(Option::is_some).collect(),
+            directions: directions(&point_estimate, likelihood.priors()),
+            amplitudes: amplitudes(&hypothesis, &likelihood, &point_estimate, &flat),
+            given_up: point_estimate.work.rejections.given_up,
+            unknowns: point_estimate.parameters,
             names: likelihood.names().to_vec(),
             residuals,
             errors: Vec::new(),
@@ -262,8 +268,10 @@ impl Problem {
             if is_prior(candidate) {
                 return vec![true];
             }
-            let own = self.catalogue.get(&candidate.effect);
-            let parameters = own.map(|own| own.parameters(&self.model, &candidate.bound)).unwrap_or_default();
+            let catalogue_effect = self.catalogue.get(&candidate.effect);
+            let parameters = catalogue_effect
+                .map(|catalogue_effect| catalogue_effect.parameters(&self.model, &candidate.bound))
+                .unwrap_or_default();
             parameters.iter().map(|parameter| parameter.amplitude).collect()
         };
         effects.iter().map(of).collect()
@@ -273,14 +281,15 @@ impl Problem {
 fn amplitudes(
     hypothesis: &Hypothesis,
     likelihood: &Likelihood,
-    found: &PointEstimate,
+    point_estimate: &PointEstimate,
     flat: &[Flat],
 ) -> Vec<Vec<Amplitude>> {
-    let full = likelihood.full_parameters(&found.parameters);
-    let own = found.truncated_moments.clone();
-    let mut own = own.unwrap_or_else(|| Moments { mean: found.parameters.clone(), sd: found.sd() });
+    let full = likelihood.full_parameters(&point_estimate.parameters);
+    let moments = point_estimate.truncated_moments.clone();
+    let mut moments =
+        moments.unwrap_or_else(|| Moments { mean: point_estimate.parameters.clone(), sd: point_estimate.sd() });
     for flat in flat {
-        [own.mean[flat.place], own.sd[flat.place]] = flat.moments();
+        [moments.mean[flat.place], moments.sd[flat.place]] = flat.moments();
     }
     let one = |index: usize| {
         let parameter = &hypothesis.model.parameters[index];
@@ -292,9 +301,9 @@ fn amplitudes(
             name: parameter.name.rsplit('.').next().unwrap_or(&parameter.name).to_owned(),
             unit: parameter.unit.clone(),
             mode: shown(full[index]),
-            mean: shown(place.map_or(full[index], |place| own.mean[place])),
-            sd: place.map_or(0.0, |place| spread(own.sd[place])),
-            at_bound: place.is_some_and(|place| found.held[place].is_some()),
+            mean: shown(place.map_or(full[index], |place| moments.mean[place])),
+            sd: place.map_or(0.0, |place| spread(moments.sd[place])),
+            at_bound: place.is_some_and(|place| point_estimate.held[place].is_some()),
         }
     };
     hypothesis.amplitudes.iter().map(|range| range.clone().map(one).collect()).collect()
@@ -313,7 +322,7 @@ impl Refit {
 
     /// Whether an effect of the set does nothing: a bound holds its first parameter at 0.
     pub fn does_nothing(&self, effect: usize) -> bool {
-        let position = self.effects.iter().position(|&own| own == effect);
+        let position = self.effects.iter().position(|&fitted_effect| fitted_effect == effect);
         let first = position.and_then(|position| self.amplitudes[position].first());
         first.is_some_and(|amplitude| amplitude.at_bound && amplitude.mode == 0.0)
     }
@@ -326,7 +335,7 @@ impl Refit {
         let predictor = Predictor::new(&hypothesis.model, &[])?;
         let full = likelihood.full_parameters(&self.unknowns);
         let names = likelihood.names();
-        let find = |name: &str| names.iter().position(|known| known == name).map(|place| self.unknowns[place]);
+        let find = |name: &str| names.iter().position(|unknown| unknown == name).map(|place| self.unknowns[place]);
         let inputs: Vec<String> = hypothesis.model.inputs.iter().map(|input| input.name.clone()).collect();
         let nodes: Vec<String> = hypothesis.model.nodes.iter().map(|node| node.name.clone()).collect();
         let mut workspace = predictor.workspace();

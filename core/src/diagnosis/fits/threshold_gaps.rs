@@ -83,9 +83,11 @@ impl Problem {
         }
         // A threshold that no reading crosses is none: what changes then is what was there.
         let is_crossed = |refit: &Refit| {
-            let known = refit.by_name();
+            let fitted_values = refit.by_name();
             let mut all = self.thresholds_of(effects).into_iter();
-            all.all(|threshold| known.get(&threshold.name).is_some_and(|&value| self.is_crossed(&threshold, value)))
+            all.all(|threshold| {
+                fitted_values.get(&threshold.name).is_some_and(|&value| self.is_crossed(&threshold, value))
+            })
         };
         if refits.iter().any(is_crossed) {
             refits.retain(is_crossed);
@@ -101,8 +103,8 @@ impl Problem {
     /// Adds a fit; of two in the same gaps, as a descent may leave its own, the better one stays.
     fn add(&self, refits: &mut Vec<Refit>, refit: Refit) {
         let gaps = self.gaps_of(&refit);
-        match refits.iter_mut().find(|known| self.gaps_of(known) == gaps) {
-            Some(known) if refit.log_evidence > known.log_evidence => *known = refit,
+        match refits.iter_mut().find(|refit_of_gaps| self.gaps_of(refit_of_gaps) == gaps) {
+            Some(refit_of_gaps) if refit.log_evidence > refit_of_gaps.log_evidence => *refit_of_gaps = refit,
             Some(_) => {}
             None => refits.push(refit),
         }
@@ -151,18 +153,18 @@ impl Problem {
 
     /// The gaps in which a fit has its thresholds, SI.
     fn gaps_of(&self, refit: &Refit) -> Vec<Option<[f64; 2]>> {
-        let known = refit.by_name();
-        let own = self.thresholds_of(&refit.effects);
-        own.iter().map(|threshold| self.gap(threshold, *known.get(&threshold.name)?)).collect()
+        let fitted_values = refit.by_name();
+        let thresholds = self.thresholds_of(&refit.effects);
+        thresholds.iter().map(|threshold| self.gap(threshold, *fitted_values.get(&threshold.name)?)).collect()
     }
 
     /// The thresholds of a fit that the data place in a gap and no closer. One that they see better is held where they say, and
     /// its curvature is known.
-    pub(crate) fn flat(&self, effects: &[usize], likelihood: &Likelihood, found: &PointEstimate) -> Vec<Flat> {
-        let sds = found.sd();
+    pub(crate) fn flat(&self, effects: &[usize], likelihood: &Likelihood, point_estimate: &PointEstimate) -> Vec<Flat> {
+        let sds = point_estimate.sd();
         let one = |threshold: Threshold| {
-            let place = likelihood.names().iter().position(|own| *own == threshold.name)?;
-            let gap = self.gap(&threshold, found.parameters[place])?;
+            let place = likelihood.names().iter().position(|name| *name == threshold.name)?;
+            let gap = self.gap(&threshold, point_estimate.parameters[place])?;
             let log_share = log_share(&threshold.parameter, gap);
             let (lower, upper) = threshold.parameter.prior.support();
             let is_flat = sds[place] == 0.0 || sds[place] > exp(log_share) * (upper - lower);
@@ -198,10 +200,12 @@ pub(crate) fn together(mut refits: Vec<Refit>) -> Option<Refit> {
     best.log_evidence = total;
     for (effect, list) in best.amplitudes.iter_mut().enumerate() {
         for (place, amplitude) in list.iter_mut().enumerate().filter(|(_, amplitude)| !amplitude.at_bound) {
-            let own = || weights.iter().zip(&refits).map(|(weight, refit)| (weight, &refit.amplitudes[effect][place]));
-            let mean: f64 = own().map(|(weight, one)| weight * one.mean).sum();
+            let weighted_amplitudes =
+                || weights.iter().zip(&refits).map(|(weight, refit)| (weight, &refit.amplitudes[effect][place]));
+            let mean: f64 = weighted_amplitudes().map(|(weight, one)| weight * one.mean).sum();
             let square = |value: f64| value * value;
-            let variance: f64 = own().map(|(weight, one)| weight * (square(one.sd) + square(one.mean - mean))).sum();
+            let variance: f64 =
+                weighted_amplitudes().map(|(weight, one)| weight * (square(one.sd) + square(one.mean - mean))).sum();
             (amplitude.mean, amplitude.sd) = (mean, sqrt(variance));
         }
     }

@@ -57,9 +57,9 @@ pub(crate) fn effect_heat_flow(problem: &Problem, refit: &Refit, effect: usize) 
 
 /// A node's heat by phase, or its mean over stretches of time.
 fn of_node(node: &str, rows: &[Row], measurements: &[Measurement]) -> Vec<EffectHeat> {
-    let mut told = Vec::new();
+    let mut effect_heats = Vec::new();
     for (index, measurement) in measurements.iter().enumerate() {
-        let own: Vec<(usize, f64)> = rows
+        let node_watts: Vec<(usize, f64)> = rows
             .iter()
             .filter(|row| row.measurement == index)
             .filter_map(|row| Some((row.row, *row.watts.get(node)?)))
@@ -73,16 +73,17 @@ fn of_node(node: &str, rows: &[Row], measurements: &[Measurement]) -> Vec<Effect
         };
         match &measurement.rows {
             Rows::Steady(phases) => {
-                told.extend(own.iter().map(|part| one(Some(phases[part.0].name.clone()), None, &[*part])));
+                effect_heats
+                    .extend(node_watts.iter().map(|part| one(Some(phases[part.0].name.clone()), None, &[*part])));
             }
             Rows::Transient { inputs, .. } => {
-                for part in own.chunks(own.len().div_ceil(STRETCHES).max(1)) {
-                    told.push(one(None, Some(inputs.times_s[part[part.len() / 2].0]), part));
+                for part in node_watts.chunks(node_watts.len().div_ceil(STRETCHES).max(1)) {
+                    effect_heats.push(one(None, Some(inputs.times_s[part[part.len() / 2].0]), part));
                 }
             }
         }
     }
-    told
+    effect_heats
 }
 
 /// The heat of the effect in every fitted row. `None` where a model does not compile.
@@ -91,23 +92,30 @@ fn rows(problem: &Problem, refit: &Refit, with: &Hypothesis, without: &Hypothesi
     let predictor = Predictor::new(&with.model, &[]).ok()?;
     let other = Network::compile(&without.model, &[]).ok()?;
     let full = likelihood.full_parameters(&refit.unknowns);
-    let value_of = |name: &str| with.model.parameters.iter().position(|own| own.name == name).map(|place| full[place]);
-    let parameters: Vec<f64> =
-        without.model.parameters.iter().map(|own| value_of(&own.name).unwrap_or(own.nominal)).collect();
+    let value_of =
+        |name: &str| with.model.parameters.iter().position(|parameter| parameter.name == name).map(|place| full[place]);
+    let parameters: Vec<f64> = without
+        .model
+        .parameters
+        .iter()
+        .map(|parameter| value_of(&parameter.name).unwrap_or(parameter.nominal))
+        .collect();
     // The nodes of both models, by their positions in each.
     let shared: Vec<(usize, usize)> = (without.model.nodes.iter().enumerate())
-        .filter_map(|(place, node)| Some((with.model.nodes.iter().position(|own| own.name == node.name)?, place)))
+        .filter_map(|(place, node)| {
+            Some((with.model.nodes.iter().position(|node_with| node_with.name == node.name)?, place))
+        })
         .collect();
-    let find = |name: &str| refit.names.iter().position(|own| own == name).map(|place| refit.unknowns[place]);
+    let find = |name: &str| refit.names.iter().position(|unknown| unknown == name).map(|place| refit.unknowns[place]);
     let inputs: Vec<String> = with.model.inputs.iter().map(|input| input.name.clone()).collect();
     let nodes: Vec<String> = with.model.nodes.iter().map(|node| node.name.clone()).collect();
     let count = nodes.len();
     let mut workspace = predictor.workspace();
-    let mut own = predictor.workspace();
+    let mut with_workspace = predictor.workspace();
     let mut others = other.workspace();
-    predictor.network().set_parameters(&mut own, &full);
+    predictor.network().set_parameters(&mut with_workspace, &full);
     other.set_parameters(&mut others, &parameters);
-    let mut found = Vec::new();
+    let mut heat_rows = Vec::new();
     for (index, measurement) in with.measurements.iter().enumerate() {
         let fixed = with_unknowns(measurement, &inputs, &nodes, &find);
         let prediction = predictor.predict(&mut workspace, &fixed, &full);
@@ -127,7 +135,7 @@ fn rows(problem: &Problem, refit: &Refit, with: &Hypothesis, without: &Hypothesi
             for &(from, to) in &shared {
                 elsewhere[to] = temperatures[from];
             }
-            let heat = heat_at(predictor.network(), &mut own, &values, time_s, temperatures);
+            let heat = heat_at(predictor.network(), &mut with_workspace, &values, time_s, temperatures);
             let before = heat_at(&other, &mut others, &values, time_s, &elsewhere);
             let mut watts = BTreeMap::new();
             for old in &before {
@@ -139,10 +147,10 @@ fn rows(problem: &Problem, refit: &Refit, with: &Hypothesis, without: &Hypothesi
                 };
                 watts.insert(nodes[place].clone(), share * new.heat_w - old.heat_w);
             }
-            found.push(Row { measurement: index, row, watts });
+            heat_rows.push(Row { measurement: index, row, watts });
         }
     }
-    Some(found)
+    Some(heat_rows)
 }
 
 fn heat_at(

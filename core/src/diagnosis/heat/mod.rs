@@ -61,28 +61,28 @@ fn needed(state: &State, list: &[Source], norms: &[f64], without: f64) -> (Neede
     let (mut taken, mut chosen, mut highest): (Vec<(Kind, f64)>, Needed, f64) = (Vec::new(), Vec::new(), 0.0);
     while taken.len() < MOST_KINDS {
         let mut best: Option<(f64, (Kind, f64), Needed)> = None;
-        for &kind in kinds.iter().filter(|kind| !taken.iter().any(|(known, _)| known == *kind)) {
+        for &kind in kinds.iter().filter(|kind| !taken.iter().any(|(taken_kind, _)| taken_kind == *kind)) {
             for size in SIZES {
                 watch::check();
                 let with: Vec<(Kind, f64)> = taken.iter().copied().chain([(kind, size)]).collect();
-                let own: Needed = (0..list.len())
+                let needed_sources: Needed = (0..list.len())
                     .filter(|&place| norms[place] > 0.0)
                     .filter_map(|place| {
-                        let (_, size) = with.iter().find(|(own, _)| *own == list[place].kind)?;
+                        let (_, size) = with.iter().find(|(sized_kind, _)| *sized_kind == list[place].kind)?;
                         Some((place, size / norms[place]))
                     })
                     .collect();
-                let Some(value) = evidence.log_evidence(&amplitudes(state, &own)) else { continue };
+                let Some(value) = evidence.log_evidence(&amplitudes(state, &needed_sources)) else { continue };
                 let gain = value - without - with.len() as f64 * price;
-                if best.as_ref().is_none_or(|(known, _, _)| gain > *known) {
-                    best = Some((gain, (kind, size), own));
+                if best.as_ref().is_none_or(|(best_gain, _, _)| gain > *best_gain) {
+                    best = Some((gain, (kind, size), needed_sources));
                 }
             }
         }
         match best {
-            Some((gain, kind, own)) if gain > highest => {
+            Some((gain, kind, best_needed)) if gain > highest => {
                 taken.push(kind);
-                chosen = own;
+                chosen = best_needed;
                 highest = gain;
             }
             _ => break,
@@ -223,11 +223,16 @@ mod tests {
             *value *= if *held { 1.0 } else { 1.001 };
         }
         stopped.log_evidence -= 1e6;
-        let found = missing_heat(&problem, &stopped).unwrap();
+        let missing = missing_heat(&problem, &stopped).unwrap();
         // Both settle until half the sum of squares falls by less than 0.02, and the model is nearly linear.
-        assert!((found.log_evidence - best.log_evidence).abs() < 0.5, "{} {}", found.log_evidence, best.log_evidence);
-        assert_eq!(found.heat.len(), best.heat.len());
-        for (one, other) in found.heat.iter().zip(&best.heat) {
+        assert!(
+            (missing.log_evidence - best.log_evidence).abs() < 0.5,
+            "{} {}",
+            missing.log_evidence,
+            best.log_evidence
+        );
+        assert_eq!(missing.heat.len(), best.heat.len());
+        for (one, other) in missing.heat.iter().zip(&best.heat) {
             assert!((one.watts - other.watts).abs() < 0.1 * one.sd, "{one:?} {other:?}");
         }
         // Where all is nearly linear and the fit is at its end, it is the difference that it was.

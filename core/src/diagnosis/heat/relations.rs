@@ -12,15 +12,16 @@ const GOES: f64 = 0.01;
 pub(super) fn relations(problem: &Problem, watts: &[(&Source, f64)]) -> Vec<GoesWith> {
     let nodes: Vec<usize> = (0..problem.model.nodes.len()).collect();
     let tests = (nodes.len() * problem.model.inputs.len()).max(1) as f64;
-    let mut found = Vec::new();
+    let mut significant = Vec::new();
     for node in nodes {
-        let own: Vec<&(&Source, f64)> = watts.iter().filter(|(source, _)| source.kind == Kind::Node(node)).collect();
-        let heat: Vec<f64> = own.iter().map(|(_, watts)| *watts).collect();
-        if own.len() < 4 {
+        let node_heats: Vec<&(&Source, f64)> =
+            watts.iter().filter(|(source, _)| source.kind == Kind::Node(node)).collect();
+        let heat: Vec<f64> = node_heats.iter().map(|(_, watts)| *watts).collect();
+        if node_heats.len() < 4 {
             continue;
         }
         for (input, entry) in problem.model.inputs.iter().enumerate() {
-            let x: Vec<f64> = own.iter().filter_map(|(source, _)| source.inputs.get(input).copied()).collect();
+            let x: Vec<f64> = node_heats.iter().filter_map(|(source, _)| source.inputs.get(input).copied()).collect();
             if x.len() != heat.len() {
                 continue;
             }
@@ -36,7 +37,7 @@ pub(super) fn relations(problem: &Problem, watts: &[(&Source, f64)]) -> Vec<Goes
             let t = (square * (count - 2.0) / (1.0 - square)).sqrt();
             let p = (tests * 2.0 * student_t_cdf(-t, count - 2.0)).min(1.0);
             if p < GOES {
-                found.push(GoesWith {
+                significant.push(GoesWith {
                     node: problem.model.nodes[node].name.clone(),
                     input: entry.name.clone(),
                     slope: sxy / sxx,
@@ -45,6 +46,6 @@ pub(super) fn relations(problem: &Problem, watts: &[(&Source, f64)]) -> Vec<Goes
             }
         }
     }
-    found.sort_by(|a, b| a.p.total_cmp(&b.p));
-    found
+    significant.sort_by(|a, b| a.p.total_cmp(&b.p));
+    significant
 }

@@ -88,10 +88,10 @@ impl Sources {
         }
         for (index, measurement) in problem.measurements.iter().enumerate() {
             for sensor in 0..measurement.sensors.len() {
-                let own = |datum: &crate::inference::likelihood::Datum| {
+                let is_of_sensor = |datum: &crate::inference::likelihood::Datum| {
                     f64::from(u8::from(datum.measurement == index && datum.sensor == sensor))
                 };
-                all.biases.push((all.list.len(), all.likelihood.data().iter().map(own).collect()));
+                all.biases.push((all.list.len(), all.likelihood.data().iter().map(is_of_sensor).collect()));
                 all.list.push(Source {
                     kind: Kind::Sensor(index, sensor),
                     phase: None,
@@ -123,8 +123,11 @@ impl Sources {
                 let names: Vec<String> =
                     nodes.iter().map(|&node| add_source(&mut model, node, 0, None)).collect::<Option<_>>()?;
                 for (row, phase) in phases.iter().enumerate() {
-                    let rows: Vec<usize> =
-                        data.iter().filter(|(_, own)| *own == row).map(|(position, _)| *position).collect();
+                    let rows: Vec<usize> = data
+                        .iter()
+                        .filter(|(_, row_of_datum)| *row_of_datum == row)
+                        .map(|(position, _)| *position)
+                        .collect();
                     if rows.is_empty() {
                         continue;
                     }
@@ -195,9 +198,11 @@ impl Sources {
         let likelihood = problem.informed(likelihood, problem.most_steps.get(index..=index).unwrap_or_default());
         let of_believed: BTreeMap<&str, usize> =
             self.likelihood.names().iter().enumerate().map(|(place, name)| (name.as_str(), place)).collect();
-        let own = likelihood.names().iter();
-        let unknowns = own.clone().map(|name| of_believed.get(name.as_str()).copied()).collect();
-        let sources = own.map(|name| names.iter().position(|own| own == name).map(|place| first + place)).collect();
+        let unknown_names = likelihood.names().iter();
+        let unknowns = unknown_names.clone().map(|name| of_believed.get(name.as_str()).copied()).collect();
+        let sources = unknown_names
+            .map(|name| names.iter().position(|source_name| source_name == name).map(|place| first + place))
+            .collect();
         self.fields.push(Field { likelihood, rows, unknowns, sources });
         Some(())
     }
@@ -214,15 +219,15 @@ impl Sources {
                     unknown.map(|place| unknowns[place]).or(amplitude).unwrap_or(0.0)
                 })
                 .collect();
-            let own = linearise(&field.likelihood, &at).ok()?;
-            if own.readings != field.rows.len() {
+            let field_linear = linearise(&field.likelihood, &at).ok()?;
+            if field_linear.readings != field.rows.len() {
                 return None;
             }
             for (row, &position) in field.rows.iter().enumerate() {
-                linear.residuals[position] = own.residuals[row];
+                linear.residuals[position] = field_linear.residuals[row];
                 linear.jacobian[position * n..(position + 1) * n].fill(0.0);
                 for place in 0..at.len() {
-                    let slope = own.jacobian[row * at.len() + place];
+                    let slope = field_linear.jacobian[row * at.len() + place];
                     if let Some(unknown) = field.unknowns[place] {
                         linear.jacobian[position * n + unknown] = slope;
                     }

@@ -72,9 +72,9 @@ pub(crate) fn coordinates(columns: &[&[f64]], largest: usize) -> Option<(Vec<f64
     for (index, column) in columns.iter().enumerate() {
         let mut row: Vec<f64> = Vec::with_capacity(pivots.len() + 1);
         for (k, &pivot) in pivots.iter().enumerate() {
-            let known = &rows[pivot];
-            let product = dot(column, columns[pivot]) - dot(&row, &known[..k]);
-            row.push(product / known[k]);
+            let pivot_row = &rows[pivot];
+            let product = dot(column, columns[pivot]) - dot(&row, &pivot_row[..k]);
+            row.push(product / pivot_row[k]);
         }
         let left = 1.0 - dot(&row, &row);
         if left > 1e-9 {

@@ -86,10 +86,14 @@ impl EstimatedNoise {
 
 /// Whether a sensor's noise leaves something to estimate.
 pub fn is_open(measurement: &Measurement, sensor: usize) -> bool {
-    let own = &measurement.sensors[sensor];
+    let measured_sensor = &measurement.sensors[sensor];
     let inferred = |value: &Option<Uncertain>| value.as_ref().is_some_and(|value| value.prior().is_some());
-    let unstated = own.correlation_time_s.is_none() && matches!(measurement.rows, Rows::Transient { .. });
-    own.sigma.is_none() || inferred(&own.sigma) || inferred(&own.white) || inferred(&own.correlation_time_s) || unstated
+    let unstated = measured_sensor.correlation_time_s.is_none() && matches!(measurement.rows, Rows::Transient { .. });
+    measured_sensor.sigma.is_none()
+        || inferred(&measured_sensor.sigma)
+        || inferred(&measured_sensor.white)
+        || inferred(&measured_sensor.correlation_time_s)
+        || unstated
 }
 
 /// What is known of a sensor's noise beforehand.
@@ -118,16 +122,16 @@ const STATED_WITHIN: f64 = 0.1;
 const LEAST_READINGS: usize = 30;
 
 fn known(measurement: &Measurement, sensor: usize, times_s: &[f64]) -> Known {
-    let own = &measurement.sensors[sensor];
+    let measured_sensor = &measurement.sensors[sensor];
     let fixed = |value: &Option<Uncertain>| match value {
         Some(value) if value.prior().is_none() => Some(value.nominal()),
         _ => None,
     };
-    let white_is_open = own.white.as_ref().is_some_and(|white| white.prior().is_some());
-    let total = match (fixed(&own.sigma), &own.white) {
+    let white_is_open = measured_sensor.white.as_ref().is_some_and(|white| white.prior().is_some());
+    let total = match (fixed(&measured_sensor.sigma), &measured_sensor.white) {
         (Some(sigma), None) => Some(sigma),
         (Some(sigma), Some(_)) if !white_is_open => {
-            let white = fixed(&own.white).unwrap_or(0.0);
+            let white = fixed(&measured_sensor.white).unwrap_or(0.0);
             Some(total_sd(sigma, white))
         }
         _ => None,
@@ -138,7 +142,7 @@ fn known(measurement: &Measurement, sensor: usize, times_s: &[f64]) -> Known {
     let (shares, times) = if steady || times_s.len() < LEAST_READINGS || !(step > 0.0) {
         (vec![0.0], vec![1.0])
     } else {
-        let range = match &own.correlation_time_s {
+        let range = match &measured_sensor.correlation_time_s {
             Some(value) => value.prior().map_or([value.nominal(); 2], |prior| {
                 [prior.quantile(0.001).max(0.2 * step), prior.quantile(0.999).min(span)]
             }),
@@ -151,10 +155,10 @@ fn known(measurement: &Measurement, sensor: usize, times_s: &[f64]) -> Known {
         } else {
             vec![range[0]]
         };
-        let shares = match (&own.correlation_time_s, &own.white) {
+        let shares = match (&measured_sensor.correlation_time_s, &measured_sensor.white) {
             (Some(_), None) => vec![1.0],
             (Some(_), Some(_)) if total.is_some() => {
-                let sigma = fixed(&own.sigma).unwrap_or(0.0);
+                let sigma = fixed(&measured_sensor.sigma).unwrap_or(0.0);
                 vec![sigma * sigma / total.map_or(1.0, |total| total * total)]
             }
             _ => SHARES.to_vec(),
@@ -209,9 +213,9 @@ impl Sought<'_> {
 }
 
 /// Shares and times of correlated noise that are tried.
-fn grid(known: &Known) -> impl Iterator<Item = (f64, f64)> {
-    let correlated = known.shares.iter().filter(|share| **share > 0.0);
-    correlated.flat_map(|&share| known.times_s.iter().map(move |&time| (share, time)))
+fn grid(stated: &Known) -> impl Iterator<Item = (f64, f64)> {
+    let correlated = stated.shares.iter().filter(|share| **share > 0.0);
+    correlated.flat_map(|&share| stated.times_s.iter().map(move |&time| (share, time)))
 }
 
 /// The mean of what is tried, as the logarithm of that of the exponentials, and the best.
@@ -221,7 +225,7 @@ fn of_grid<T>(tried: impl Iterator<Item = T>, value: impl Fn(&T) -> f64) -> Opti
     for one in tried {
         watch::check();
         logs.push(value(&one));
-        if best.as_ref().is_none_or(|known| value(&one) > value(known)) {
+        if best.as_ref().is_none_or(|best_so_far| value(&one) > value(best_so_far)) {
             best = Some(one);
         }
     }
@@ -245,16 +249,18 @@ pub fn most_likely(
         series.iter().map(|one| one.rows.iter().map(|&row| taken.errors[row]).collect()).collect();
     let sought: Vec<Sought<'_>> = (series.iter().zip(&errors))
         .map(|(series, errors)| {
-            let known = known(&measurements[series.measurement], series.sensor, &series.times_s);
-            Sought { series, errors, freedom, known }
+            let stated = known(&measurements[series.measurement], series.sensor, &series.times_s);
+            Sought { series, errors, freedom, known: stated }
         })
         .collect();
     let alone: Vec<Weighed> = sought.iter().map(Sought::alone).collect();
-    let mut found: Vec<EstimatedNoise> = alone.iter().map(|(_, noise)| *noise).collect();
+    let mut noises: Vec<EstimatedNoise> = alone.iter().map(|(_, noise)| *noise).collect();
     for (position, measurement) in measurements.iter().enumerate() {
         let is_open = |one: &Sought<'_>| {
-            let own = &measurement.sensors[one.series.sensor];
-            one.series.measurement == position && own.correlation_time_s.is_none() && own.white.is_none()
+            let measured_sensor = &measurement.sensors[one.series.sensor];
+            one.series.measurement == position
+                && measured_sensor.correlation_time_s.is_none()
+                && measured_sensor.white.is_none()
         };
         let members: Vec<usize> = (0..sought.len()).filter(|&place| is_open(&sought[place])).collect();
         let correction = |noises: &[Weighed]| {
@@ -263,22 +269,22 @@ pub fn most_likely(
             taken.correction(series, &all)
         };
         for (place, noise) in together(&sought, &alone, &members, correction) {
-            found[place] = noise;
+            noises[place] = noise;
         }
     }
-    found
+    noises
 }
 
 /// The noise of sensors of which, in their measurement, so many readings are fitted: where none is, as in one that is
 /// held out as a whole, that of the sensor of the same name with most readings, else that of the one with most.
-pub fn where_nothing_is_fitted(names: &[&str], fitted: &[usize], own: &[EstimatedNoise]) -> Vec<EstimatedNoise> {
+pub fn where_nothing_is_fitted(names: &[&str], fitted: &[usize], estimates: &[EstimatedNoise]) -> Vec<EstimatedNoise> {
     let of = |place: usize| {
-        let others = (0..own.len()).filter(|&other| fitted[other] > 0);
+        let others = (0..estimates.len()).filter(|&other| fitted[other] > 0);
         // The first of equals.
         let best = others.rev().max_by_key(|&other| (names[other] == names[place], fitted[other]));
-        best.filter(|_| fitted[place] == 0).map_or(own[place], |best| own[best])
+        best.filter(|_| fitted[place] == 0).map_or(estimates[place], |best| estimates[best])
     };
-    (0..own.len()).map(of).collect()
+    (0..estimates.len()).map(of).collect()
 }
 
 /// The noise of those members that have the same.
@@ -294,8 +300,10 @@ fn together(
     let Some(longest) = longest.map(|place| &sought[place].known) else { return Vec::new() };
     // With the same noise, but for those that depart.
     let at = |share: f64, time: f64| -> (f64, Vec<Weighed>) {
-        let own = members.iter().map(|&m| (sought[m].at(share, time), (alone[m].0 - LIKE_THE_OTHERS, alone[m].1)));
-        let all: Vec<Weighed> = own.map(|(own, departs)| if own.0 >= departs.0 { own } else { departs }).collect();
+        let at_common =
+            members.iter().map(|&m| (sought[m].at(share, time), (alone[m].0 - LIKE_THE_OTHERS, alone[m].1)));
+        let all: Vec<Weighed> =
+            at_common.map(|(common, departs)| if common.0 >= departs.0 { common } else { departs }).collect();
         (all.iter().map(|(value, _)| value).sum(), all)
     };
     let mut tried: Vec<(f64, f64, Vec<Weighed>)> = Vec::new();
@@ -348,10 +356,10 @@ fn split(total: f64, share: f64, time_s: f64) -> EstimatedNoise {
 
 /// Writes noise into a measurement as known.
 pub fn fix(measurement: &mut Measurement, sensor: usize, noise: &EstimatedNoise) {
-    let own = &mut measurement.sensors[sensor];
-    own.sigma = Some(Uncertain::Known(noise.sigma));
-    own.correlation_time_s = noise.correlation_time_s.map(Uncertain::Known);
-    own.white = noise.white.map(Uncertain::Known);
+    let measured_sensor = &mut measurement.sensors[sensor];
+    measured_sensor.sigma = Some(Uncertain::Known(noise.sigma));
+    measured_sensor.correlation_time_s = noise.correlation_time_s.map(Uncertain::Known);
+    measured_sensor.white = noise.white.map(Uncertain::Known);
 }
 
 #[cfg(test)]
@@ -416,8 +424,8 @@ mod tests {
         let times_s: Vec<f64> = (0..rows).map(|k| k as f64 * step).collect();
         let series: Vec<SensorRows> = (0..noises.len())
             .map(|sensor| {
-                let own = (sensor * rows..(sensor + 1) * rows).collect();
-                SensorRows { measurement: 0, sensor, rows: own, times_s: times_s.clone() }
+                let sensor_rows = (sensor * rows..(sensor + 1) * rows).collect();
+                SensorRows { measurement: 0, sensor, rows: sensor_rows, times_s: times_s.clone() }
             })
             .collect();
         let errors =
@@ -438,9 +446,9 @@ mod tests {
             lone += usize::from(of_many(&[correlated], 150, seed)[0].correlation_time_s.is_some());
             let mut mixed = [EstimatedNoise::white(0.3); 6];
             mixed[0] = split(0.3, 0.9, 900.0);
-            let found = of_many(&mixed, 150, seed);
-            assert!(found[0].correlation_time_s.is_some(), "{found:?}");
-            few += found[1..].iter().filter(|noise| noise.correlation_time_s.is_some()).count();
+            let estimates = of_many(&mixed, 150, seed);
+            assert!(estimates[0].correlation_time_s.is_some(), "{estimates:?}");
+            few += estimates[1..].iter().filter(|noise| noise.correlation_time_s.is_some()).count();
         }
         assert!(all >= 108 && lone <= 14, "{all} of 120, {lone} of 20");
         // The odds against one that departs are passed by chance in less than 1 of 100.
@@ -460,9 +468,9 @@ mod tests {
         let mut white = 0;
         for seed in 0..40 {
             let errors = drawn(rows, step, &EstimatedNoise::white(0.4), seed);
-            let found = alone(&stated, &series, &errors);
-            white += usize::from(found.correlation_time_s.is_none());
-            assert!((found.total() - 0.4).abs() < 1e-12);
+            let estimate = alone(&stated, &series, &errors);
+            white += usize::from(estimate.correlation_time_s.is_none());
+            assert!((estimate.total() - 0.4).abs() < 1e-12);
         }
         // The mean over shares and times passes the likelihood of white noise by chance in 5 of 100 at 400 readings; more than 6 of 40
         // then come in 1 of 200 such tests.
@@ -470,12 +478,12 @@ mod tests {
         let truth = EstimatedNoise { sigma: 0.4, correlation_time_s: Some(600.0), white: None };
         for seed in 0..20 {
             let errors = drawn(rows, step, &truth, seed);
-            let found = alone(&stated, &series, &errors);
-            let tau = found.correlation_time_s.unwrap();
+            let estimate = alone(&stated, &series, &errors);
+            let tau = estimate.correlation_time_s.unwrap();
             // At a known size 400 differences tell the time to sqrt(2 / 400) = 0.07; 3.5 of them, and half a step of the grid,
             // which is a factor of 1.29. With a size left free the relative error would be sqrt(2 tau / T) = 0.22.
-            assert!(tau > 600.0 / 1.45 && tau < 600.0 * 1.45, "{found:?}");
-            assert!(found.white.unwrap_or(0.0) < 0.2, "{found:?}");
+            assert!(tau > 600.0 / 1.45 && tau < 600.0 * 1.45, "{estimate:?}");
+            assert!(estimate.white.unwrap_or(0.0) < 0.2, "{estimate:?}");
         }
     }
 
@@ -490,8 +498,8 @@ mod tests {
             times_s: (0..rows).map(|k| k as f64 * step).collect(),
         };
         let stated = measurement(rows, step, Some(0.25));
-        let found = |seed| alone(&stated, &series, &drawn(rows, step, &EstimatedNoise::white(0.2), seed));
-        let white = (0..40).filter(|&seed| found(seed) == EstimatedNoise::white(0.25)).count();
+        let estimate = |seed| alone(&stated, &series, &drawn(rows, step, &EstimatedNoise::white(0.2), seed));
+        let white = (0..40).filter(|&seed| estimate(seed) == EstimatedNoise::white(0.25)).count();
         // As with a sigma that is right.
         assert!(white >= 34, "{white}");
     }
@@ -500,10 +508,10 @@ mod tests {
     #[test]
     fn a_sensor_without_fitted_readings_has_the_noise_that_it_has_elsewhere() {
         let noise = [0.3, f64::MIN_POSITIVE.sqrt(), 0.7, 0.2].map(EstimatedNoise::white);
-        let found = where_nothing_is_fitted(&["a", "b", "a", "b"], &[40, 0, 90, 20], &noise);
-        assert_eq!(found, [0.3, 0.2, 0.7, 0.2].map(EstimatedNoise::white));
-        let found = where_nothing_is_fitted(&["a", "c"], &[40, 0], &noise[..2]);
-        assert_eq!(found, [0.3, 0.3].map(EstimatedNoise::white), "another where it is fitted nowhere");
+        let estimates = where_nothing_is_fitted(&["a", "b", "a", "b"], &[40, 0, 90, 20], &noise);
+        assert_eq!(estimates, [0.3, 0.2, 0.7, 0.2].map(EstimatedNoise::white));
+        let estimates = where_nothing_is_fitted(&["a", "c"], &[40, 0], &noise[..2]);
+        assert_eq!(estimates, [0.3, 0.3].map(EstimatedNoise::white), "another where it is fitted nowhere");
         assert_eq!(where_nothing_is_fitted(&["a"], &[0], &noise[1..2]), noise[1..2], "nothing is known of any");
     }
 
@@ -518,8 +526,8 @@ mod tests {
         };
         let open = measurement(rows, step, None);
         let errors = drawn(rows, step, &EstimatedNoise::white(0.1), 3);
-        let found = alone(&open, &series, &errors);
+        let estimate = alone(&open, &series, &errors);
         // The relative error of a standard deviation from 600 is 0.03; 3.5 of them.
-        assert!((found.total() - 0.1).abs() < 0.0105, "{found:?}");
+        assert!((estimate.total() - 0.1).abs() < 0.0105, "{estimate:?}");
     }
 }

@@ -79,7 +79,7 @@ pub fn readings_of_one(series: &[Vec<f64>]) -> f64 {
     let longest = series.iter().map(Vec::len).max().unwrap_or(0);
     let total: usize = series.iter().map(Vec::len).sum();
     let product = |lag: usize| -> f64 {
-        series.iter().map(|own| own.iter().zip(own.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>()).sum()
+        series.iter().map(|errors| errors.iter().zip(errors.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>()).sum()
     };
     let square = product(0);
     if !(square > 0.0) {
@@ -134,14 +134,15 @@ mod tests {
         let count = 2000;
         // 0.3 K of noise and 0.4 K of model error are 0.5 K together.
         let errors: Vec<f64> = draws(count, 1).iter().map(|draw| 0.5 * draw).collect();
-        let own = Errors { errors, noise: vec![0.3; count], readings_of_one: 1.0 };
-        let (sd, value) = own.most_likely(1.0);
+        let measurement_errors = Errors { errors, noise: vec![0.3; count], readings_of_one: 1.0 };
+        let (sd, value) = measurement_errors.most_likely(1.0);
         // 0.5 K is known to 0.5 / sqrt(4000) = 0.008 K, the size to 0.008 * 0.5 / 0.4; 3.5 of them, and half a step of 8 %.
         assert!((sd - 0.4).abs() < 0.035 + 0.017, "{sd}");
-        assert!(value > own.log_likelihood(0.0, 1.0));
-        let white = Errors { errors: draws(count, 2).iter().map(|draw| 0.3 * draw).collect(), ..own.clone() };
+        assert!(value > measurement_errors.log_likelihood(0.0, 1.0));
+        let white =
+            Errors { errors: draws(count, 2).iter().map(|draw| 0.3 * draw).collect(), ..measurement_errors.clone() };
         assert!(white.most_likely(1.0).0 < 0.1, "noise alone leaves no model error");
-        let few = Errors { readings_of_one: 10.0, ..own };
+        let few = Errors { readings_of_one: 10.0, ..measurement_errors };
         assert!((few.most_likely(1.0).1 - value / 10.0).abs() < 1e-9, "dependent readings tell less of the same");
     }
 
@@ -150,8 +151,8 @@ mod tests {
         let white = readings_of_one(&[draws(2000, 3), draws(2000, 4)]);
         assert!(white < 1.6, "{white}");
         // (1 + phi) / (1 - phi) = 19; its relative error is sqrt(2 (2 * 95 + 1) / 8000) = 0.22 (Sokal 1997, window of 5 times 19).
-        let found = readings_of_one(&[slow(4000, 0.9, 5), slow(4000, 0.9, 6)]);
-        assert!((13.0..30.0).contains(&found), "{found}");
+        let dependence = readings_of_one(&[slow(4000, 0.9, 5), slow(4000, 0.9, 6)]);
+        assert!((13.0..30.0).contains(&dependence), "{dependence}");
         // Twenty orbits with the same pattern sum up to 0 over each.
         let orbit = slow(100, 0.5, 7);
         let again: Vec<f64> = (0..2000).map(|k| orbit[k % 100]).collect();
@@ -167,8 +168,8 @@ mod tests {
         let mixed: Vec<f64> =
             slow(3000, 0.999, 9).iter().zip(&noise).map(|(slow, noise)| 5.0 * slow + 0.1 * noise).collect();
         // The slow part adds 5 sqrt(1 - 0.999^2) = 0.22 K a step, as much as 0.16 K of noise.
-        let found = quiet_scatter(&mixed);
-        assert!((0.15..0.22).contains(&found), "{found}");
+        let scatter = quiet_scatter(&mixed);
+        assert!((0.15..0.22).contains(&scatter), "{scatter}");
         let mut jumps: Vec<f64> = noise.iter().map(|noise| 0.1 * noise).collect();
         (0..3000).step_by(50).for_each(|row| jumps[row] += 40.0);
         assert!((quiet_scatter(&jumps) - 0.1).abs() < 0.01, "spikes in 2 % of the rows");

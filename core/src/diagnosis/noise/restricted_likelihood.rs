@@ -29,9 +29,9 @@ impl Taken {
         let whitened = |column: &[f64]| {
             let mut column = column.to_vec();
             for (series, noise) in series.iter().zip(noises) {
-                let mut own: Vec<f64> = series.rows.iter().map(|&row| column[row]).collect();
-                noise.whiten(&series.times_s, &mut own);
-                for (&row, value) in series.rows.iter().zip(own) {
+                let mut sensor_values: Vec<f64> = series.rows.iter().map(|&row| column[row]).collect();
+                noise.whiten(&series.times_s, &mut sensor_values);
+                for (&row, value) in series.rows.iter().zip(sensor_values) {
                     column[row] = value;
                 }
             }
@@ -96,7 +96,7 @@ mod tests {
         ] {
             let mut whitened = taken.errors.clone();
             let scales = noise.whiten(&times_s, &mut whitened);
-            let own = scales - 0.5 * dot(&whitened, &whitened)
+            let restricted = scales - 0.5 * dot(&whitened, &whitened)
                 + taken.correction(std::slice::from_ref(&series), std::slice::from_ref(&noise));
             let covariance = DMatrix::from_fn(rows, rows, |a, b| {
                 let slow = noise
@@ -112,7 +112,7 @@ mod tests {
             let dense = -0.5 * libm::log(covariance.determinant())
                 - 0.5 * libm::log(information.determinant())
                 - 0.5 * (left.transpose() * &inverse * &left)[(0, 0)];
-            sums.push(own - dense);
+            sums.push(restricted - dense);
         }
         assert!(sums.iter().all(|sum| (sum - sums[0]).abs() < 1e-8), "{sums:?}");
     }

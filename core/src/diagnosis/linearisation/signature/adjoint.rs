@@ -48,7 +48,7 @@ impl Phases {
     }
 
     /// Adds the directions of variants to what was found of their candidates.
-    pub fn directions(&self, base: &Base<'_>, variants: &[Variant<'_>], found: &mut [Found]) {
+    pub fn directions(&self, base: &Base<'_>, variants: &[Variant<'_>], directions: &mut [Found]) {
         let mut bench = Bench {
             original: &base.problem.model,
             model: (*base.problem.model).clone(),
@@ -70,7 +70,7 @@ impl Phases {
             });
             let direction: Result<Option<Direction>, FitError> =
                 columns.and_then(|columns| variant.direction(base, columns.into_iter()));
-            variant::put(&mut found[variant.asked], direction);
+            variant::put(&mut directions[variant.asked], direction);
         }
     }
 
@@ -127,9 +127,12 @@ impl Phases {
                 }
                 if !slopes.quantities.is_empty() || !slopes.readings.is_empty() {
                     let sensor = &base.problem.measurements[data[row].measurement].sensors[data[row].sensor];
-                    let own = slopes.readings.iter().find(|(name, _)| *name == sensor.name).map(|&(_, output)| output);
+                    let reading_slope =
+                        slopes.readings.iter().find(|(name, _)| *name == sensor.name).map(|&(_, output)| output);
                     let direct = || slopes.quantities.iter().find(|(quantity, _)| *quantity == sensor.quantity);
-                    change += own.or_else(|| direct().map(|&(_, output)| output)).map_or(0.0, |output| values[output]);
+                    change += reading_slope
+                        .or_else(|| direct().map(|&(_, output)| output))
+                        .map_or(0.0, |output| values[output]);
                 }
                 column[row] = change;
             }
@@ -209,17 +212,17 @@ impl Bench<'_> {
     /// What a boundary's temperature does to heats and quantities that know it.
     fn through_boundary(&mut self, symbol: Symbol, node: usize, temperature: ExprId, slopes: &mut Slopes) {
         let rise = self.model.graph.derivative(temperature, symbol);
-        let own = Symbol::Node(u32::try_from(node).unwrap_or(u32::MAX));
+        let node_symbol = Symbol::Node(u32::try_from(node).unwrap_or(u32::MAX));
         for element in 0..self.model.elements.len() {
             for (into, heat) in self.heats(element) {
-                let slope = self.model.graph.derivative(heat, own);
+                let slope = self.model.graph.derivative(heat, node_symbol);
                 let product = self.model.graph.multiply(slope, rise);
                 self.output(product).into_iter().for_each(|output| slopes.heats.push((into, output)));
             }
         }
         for quantity in 0..self.original.quantities.len() {
             let expression = self.model.quantities[quantity].value.expression();
-            let slope = self.model.graph.derivative(expression, own);
+            let slope = self.model.graph.derivative(expression, node_symbol);
             let product = self.model.graph.multiply(slope, rise);
             self.output(product).into_iter().for_each(|output| slopes.quantities.push((quantity, output)));
         }

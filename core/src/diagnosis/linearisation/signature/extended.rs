@@ -14,10 +14,10 @@ use crate::inference::target::{LeastSquares, Target};
 const TOGETHER: usize = 256;
 
 /// Solves variants together; where they do not go together, in halves, so that one that fails spoils no other.
-pub(super) fn solve(base: &Base<'_>, variants: &[Variant<'_>], found: &mut [Found]) {
+pub(super) fn solve(base: &Base<'_>, variants: &[Variant<'_>], directions: &mut [Found]) {
     let blocks: Vec<Vec<Solved>> = variants.par_chunks(TOGETHER).map(|block| solved(base, block)).collect();
     for (variant, direction) in variants.iter().zip(blocks.into_iter().flatten()) {
-        variant::put(&mut found[variant.asked], direction);
+        variant::put(&mut directions[variant.asked], direction);
     }
 }
 
@@ -40,11 +40,11 @@ fn solved(base: &Base<'_>, variants: &[Variant<'_>]) -> Vec<Solved> {
 /// A direction for each variant; `None` where nothing depends on it.
 fn together(base: &Base<'_>, variants: &[Variant<'_>]) -> Result<Vec<Option<Direction>>, FitError> {
     let (likelihood, widths) = extended(base, variants)?;
-    let own = base.likelihood.model_parameters();
+    let model_parameters = base.likelihood.model_parameters();
     let added: usize = widths.iter().sum();
-    let mut unknowns = base.unknowns[..own].to_vec();
+    let mut unknowns = base.unknowns[..model_parameters].to_vec();
     unknowns.extend(std::iter::repeat_n(0.0, added));
-    unknowns.extend(&base.unknowns[own..]);
+    unknowns.extend(&base.unknowns[model_parameters..]);
     let (readings, n) = (likelihood.residual_count(), unknowns.len());
     if readings != base.residuals.len() || n != likelihood.dimension() {
         return Err(NoDirection::ChangesMeasurement.into());
@@ -53,7 +53,7 @@ fn together(base: &Base<'_>, variants: &[Variant<'_>]) -> Result<Vec<Option<Dire
     let (mut residuals, mut gradient) = (vec![0.0; readings], vec![0.0; n]);
     let mut memory = likelihood.workspace();
     likelihood.jacobian(&unknowns, &mut memory, &mut residuals, &mut jacobian, &mut gradient)?;
-    let mut first = own;
+    let mut first = model_parameters;
     let mut directions = Vec::with_capacity(variants.len());
     for (variant, width) in variants.iter().zip(widths) {
         let columns = (first..first + width).map(|place| {

@@ -185,7 +185,7 @@ fn is_smooth(effect: &Effect) -> bool {
             let slope = graph.derivative(root, symbol);
             for state in states {
                 let value = graph.evaluate(slope, &|symbol| match symbol {
-                    Symbol::Parameter(own) if shapes.get(own as usize) == Some(&true) => 5.0,
+                    Symbol::Parameter(index) if shapes.get(index as usize) == Some(&true) => 5.0,
                     Symbol::Parameter(_) | Symbol::Local(0) => 0.0,
                     Symbol::Local(_) => 10.0,
                     Symbol::Node(node) => 280.0 + 3.0 * f64::from(node) * state,

@@ -151,15 +151,15 @@ pub fn for_each_direction(
         let probed: Vec<Found> = block.par_iter().zip(&forms).filter_map(probe).collect();
         let mut probed = probed.into_iter();
         for (&position, form) in block.iter().zip(&forms) {
-            let found = match form {
+            let candidate_directions = match form {
                 Form::Unseen(reason) => Err((*reason).into()),
                 Form::Smooth { .. } => exact.next().unwrap_or(Err(NoDirection::NotScreened.into())),
                 Form::Probe { .. } => probed.next().unwrap_or(Err(NoDirection::NotScreened.into())),
                 Form::Swap => swaps.direction(&base, position),
                 Form::Parameter(index) => parameters.direction(&base, position, *index),
             };
-            match found {
-                Ok(found) => found.into_iter().for_each(&mut *give),
+            match candidate_directions {
+                Ok(candidate_directions) => candidate_directions.into_iter().for_each(&mut *give),
                 Err(error) => unseen.push(Unseen { candidate: position, reason: error.to_string() }),
             }
         }
@@ -170,15 +170,15 @@ pub fn for_each_direction(
 /// The directions of effects that are smooth at amplitude 0.
 fn exact(base: &Base<'_>, phases: Option<&Phases>, asked: &[(usize, &Form<'_>)]) -> Vec<Found> {
     let variants = variant::variants(base, asked);
-    let mut found: Vec<Found> = asked.iter().map(|_| Ok(Vec::new())).collect();
+    let mut exact_directions: Vec<Found> = asked.iter().map(|_| Ok(Vec::new())).collect();
     match phases {
-        Some(phases) => phases.directions(base, &variants, &mut found),
-        None => extended::solve(base, &variants, &mut found),
+        Some(phases) => phases.directions(base, &variants, &mut exact_directions),
+        None => extended::solve(base, &variants, &mut exact_directions),
     }
-    for found in found.iter_mut().filter(|found| found.as_ref().is_ok_and(Vec::is_empty)) {
-        *found = Err(NoDirection::NoReading.into());
+    for directions in exact_directions.iter_mut().filter(|directions| directions.as_ref().is_ok_and(Vec::is_empty)) {
+        *directions = Err(NoDirection::NoReading.into());
     }
-    found
+    exact_directions
 }
 
 /// The directions of a candidate, or why there is none.
@@ -207,9 +207,9 @@ impl<'a> Base<'a> {
 
     /// Unknowns of another likelihood that has most of these: by name, others at their prior's median.
     fn carried(&self, other: &Likelihood) -> Vec<f64> {
-        let own = self.likelihood.unknowns();
+        let base_unknowns = self.likelihood.unknowns();
         let values: std::collections::HashMap<&str, f64> =
-            own.names.iter().map(String::as_str).zip(self.unknowns.iter().copied()).collect();
+            base_unknowns.names.iter().map(String::as_str).zip(self.unknowns.iter().copied()).collect();
         (other.unknowns().names.iter().zip(&other.unknowns().priors))
             .map(|(name, prior)| values.get(name.as_str()).copied().unwrap_or_else(|| prior.quantile(0.5)))
             .collect()

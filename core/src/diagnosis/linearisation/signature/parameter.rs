@@ -17,8 +17,9 @@ impl Parameters {
     /// The direction of a parameter; its amplitude is what is added to the value at the fit, which stands as its shape.
     pub fn direction(&mut self, base: &Base<'_>, position: usize, index: usize) -> Found {
         let problem = base.problem;
-        let place = problem.parameters.iter().position(|&own| own == index).ok_or(NoDirection::NotInferred)?;
-        if problem.joint.iter().any(|own| own.places().contains(&place)) {
+        let place =
+            problem.parameters.iter().position(|&inferred| inferred == index).ok_or(NoDirection::NotInferred)?;
+        if problem.joint.iter().any(|joint_prior| joint_prior.places().contains(&place)) {
             return Err(NoDirection::PosteriorAsPrior.into());
         }
         let wide = problem.wider_prior(index, 1.0).ok_or(NoDirection::Known)?;

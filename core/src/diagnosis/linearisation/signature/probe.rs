@@ -39,23 +39,24 @@ pub(super) fn directions(base: &Base<'_>, position: usize, effect: &Effect) -> F
     if likelihood.residual_count() != base.residuals.len() {
         return Err(NoDirection::ChangesMeasurement.into());
     }
-    let own = base.likelihood.model_parameters();
+    let model_parameters = base.likelihood.model_parameters();
     let mut unknowns = base.carried(&likelihood);
     let mut memory = likelihood.workspace();
-    let mut found: Vec<Direction> = Vec::new();
+    let mut probe_directions: Vec<Direction> = Vec::new();
     let mut solved = false;
     let near = probes(&written);
     let mut all = near.clone();
     if problem.is_misspecified {
         // There a part may be far larger than what is plausible, and near ones may not lead to it.
         let far = |probe: &Vec<f64>| -> Vec<f64> {
-            let of = |(value, own): (&f64, &EffectParameter)| if own.amplitude { FAR * value } else { *value };
+            let of =
+                |(value, parameter): (&f64, &EffectParameter)| if parameter.amplitude { FAR * value } else { *value };
             probe.iter().zip(&written).map(of).collect()
         };
         all.extend(near.iter().map(far));
     }
     for probe in all {
-        unknowns[own..own + probe.len()].copy_from_slice(&probe);
+        unknowns[model_parameters..model_parameters + probe.len()].copy_from_slice(&probe);
         let Some(residuals) = evaluate(&mut likelihood, &unknowns, &mut memory) else { continue };
         solved = true;
         let mut columns: Vec<f64> =
@@ -63,12 +64,12 @@ pub(super) fn directions(base: &Base<'_>, position: usize, effect: &Effect) -> F
         let usable = columns.iter().all(|value| value.is_finite()) && columns.iter().any(|value| *value != 0.0);
         columns.resize(base.rows, 0.0);
         // A parameter that the data do not see gives the same column again.
-        if usable && found.iter().all(|other| other.columns != columns) {
-            found.push(share(position, columns, probe));
+        if usable && probe_directions.iter().all(|other| other.columns != columns) {
+            probe_directions.push(share(position, columns, probe));
         }
     }
-    match (found.is_empty(), solved) {
-        (false, _) => Ok(found),
+    match (probe_directions.is_empty(), solved) {
+        (false, _) => Ok(probe_directions),
         (true, true) => Err(NoDirection::NoReading.into()),
         (true, false) => Err(NoDirection::NoSolution.into()),
     }
@@ -112,7 +113,7 @@ fn begin_as_fitted(base: &Base<'_>, hypothesis: &mut Hypothesis, added: &[(usize
         };
         for &(node, host) in added.iter().filter(|(node, _)| !shared.contains(node)) {
             let host = hypothesis.model.nodes.get(host).map_or("", |node| node.name.as_str());
-            let place = unknowns.names.iter().position(|own| *own == start_name(&name, host));
+            let place = unknowns.names.iter().position(|unknown| *unknown == start_name(&name, host));
             if let (Some(value), Some(place)) = (values.get_mut(node), place) {
                 *value = Uncertain::Known(base.unknowns[place]);
             }

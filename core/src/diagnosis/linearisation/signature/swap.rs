@@ -34,8 +34,8 @@ impl Swaps {
         for (value, datum) in column.iter_mut().zip(base.likelihood.data()) {
             let Some([a, b]) = pairs[datum.measurement] else { continue };
             let other = match datum.sensor {
-                own if own == a => b,
-                own if own == b => a,
+                sensor if sensor == a => b,
+                sensor if sensor == b => a,
                 _ => continue,
             };
             let count = base.problem.measurements[datum.measurement].sensors.len();
@@ -69,7 +69,8 @@ fn predictions(base: &Base<'_>) -> Result<Vec<Vec<f64>>, FitError> {
     let likelihood = problem.informed(likelihood, &problem.most_steps);
     let mut residuals = vec![0.0; likelihood.residual_count()];
     likelihood.residuals(&base.carried(&likelihood), &mut likelihood.workspace(), &mut residuals)?;
-    let mut predictions: Vec<Vec<f64>> = blank.iter().map(|own| vec![0.0; own.len() * own.sensors.len()]).collect();
+    let mut predictions: Vec<Vec<f64>> =
+        blank.iter().map(|measurement| vec![0.0; measurement.len() * measurement.sensors.len()]).collect();
     for (datum, residual) in likelihood.data().iter().zip(residuals) {
         predictions[datum.measurement][datum.row * blank[datum.measurement].sensors.len() + datum.sensor] = -residual;
     }

@@ -31,8 +31,8 @@ pub(super) fn variants<'a>(base: &Base<'_>, asked: &[(usize, &Form<'a>)]) -> Vec
     for (place, &(candidate, form)) in asked.iter().enumerate() {
         let &Form::Smooth { effect } = form else { continue };
         let written = effect.parameters(&base.problem.model, &base.problem.candidates[candidate].bound);
-        let own = &base.problem.candidates[candidate];
-        for shape in shapes(&written, |parameter| thresholds(base.problem, own, effect, parameter)) {
+        let bound_candidate = &base.problem.candidates[candidate];
+        for shape in shapes(&written, |parameter| thresholds(base.problem, bound_candidate, effect, parameter)) {
             let mut values = shape.iter();
             let parameters = (written.iter())
                 .map(|parameter| {
@@ -53,11 +53,11 @@ pub(super) fn variants<'a>(base: &Base<'_>, asked: &[(usize, &Form<'a>)]) -> Vec
 }
 
 /// Adds what was found of a variant to what was found of its candidate.
-pub(super) fn put(found: &mut Found, direction: Result<Option<Direction>, FitError>) {
-    match (found, direction) {
-        (Ok(found), Ok(Some(direction))) => found.push(direction),
-        (found, Err(reason)) if found.as_ref().is_ok_and(Vec::is_empty) => *found = Err(reason),
-        (found @ Err(_), Ok(Some(direction))) => *found = Ok(vec![direction]),
+pub(super) fn put(directions: &mut Found, direction: Result<Option<Direction>, FitError>) {
+    match (directions, direction) {
+        (Ok(directions), Ok(Some(direction))) => directions.push(direction),
+        (directions, Err(reason)) if directions.as_ref().is_ok_and(Vec::is_empty) => *directions = Err(reason),
+        (directions @ Err(_), Ok(Some(direction))) => *directions = Ok(vec![direction]),
         _ => {}
     }
 }
