@@ -21,8 +21,8 @@ laboratory nulls="2000" cases="1000" finer="400" dated="200" seed="1":
     cargo run --release --package bmv-benches --example laboratory -- {{nulls}} {{cases}} {{finer}} {{dated}} {{seed}}
 
 # the diagnosis on campaigns whose truth is written beside them
-told +campaigns:
-    cargo build --release && python3 tests/told.py target/release/bmv {{campaigns}}
+known-truth +campaigns:
+    cargo build --release && python3 tests/known_truth.py target/release/bmv {{campaigns}}
 
 # benchmarks of everything that has a speed target
 bench:

@@ -113,13 +113,13 @@ pub fn folded(lead: &str, text: &str, fold: Option<usize>) -> String {
     let indent = lead.chars().count();
     let room = fold.and_then(|width| width.checked_sub(indent)).filter(|&room| room >= LEAST_ROOM);
     let lines = room.map_or_else(|| vec![text.to_owned()], |room| wrapped(text, room));
-    let mut told = String::new();
+    let mut wrapped = String::new();
     for (position, line) in lines.iter().enumerate() {
         let before = if position == 0 { lead.to_owned() } else { " ".repeat(indent) };
-        told.push_str(format!("{before}{line}").trim_end());
-        told.push('\n');
+        wrapped.push_str(format!("{before}{line}").trim_end());
+        wrapped.push('\n');
     }
-    told
+    wrapped
 }
 
 #[cfg(test)]

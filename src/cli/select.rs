@@ -22,8 +22,8 @@ pub fn one_pass(path: &Path) -> Result<PathBuf, Failure> {
     Err(Failure::input(format!("`{}` holds several passes; name one: {}", output::shown(path), names.join(", "))))
 }
 
-/// The job of a kind: the one of this name, else the first, in the order of the file; where there are several, it is
-/// told which.
+/// The job of a kind: the one of this name, else the first, in the order of the file; where there are several, a note
+/// says which.
 ///
 /// # Errors
 /// A pass that cannot be loaded, or that has no such job.

@@ -126,7 +126,7 @@ fn not_finite<T: Serialize + DeserializeOwned>(output: &T) -> Option<String> {
         alone.deserialized::<T>().is_err()
     };
     let (place, value) = found.iter().find(|(place, _)| needed(place))?;
-    Some(format!("{}: {value}", told(&tree, place)))
+    Some(format!("{}: {value}", place_name(&tree, place)))
 }
 
 /// Places of all numbers that are not finite: positions among the children from the root on.
@@ -161,7 +161,7 @@ fn replace(tree: &mut Tree, place: &[usize], by: Tree) {
 }
 
 /// A place in words: `cases[0] (hot).quantities[1] (T).nominal`.
-fn told(tree: &Tree, place: &[usize]) -> String {
+fn place_name(tree: &Tree, place: &[usize]) -> String {
     let (mut text, mut at) = (String::new(), tree);
     for &position in place {
         match at {

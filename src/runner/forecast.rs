@@ -103,7 +103,7 @@ pub fn left(seen: &Seen) -> Left {
 mod tests {
     use super::*;
 
-    /// A block of a recorded run: when it began and ended after the stage did, s, and whether it told its share, which then
+    /// A block of a recorded run: when it began and ended after the stage did, s, and whether it reported its share, which then
     /// grows evenly.
     type Recorded = (f64, f64, bool);
 
@@ -174,8 +174,8 @@ mod tests {
     #[test]
     fn one_block_alone_is_known_by_its_share_only() {
         assert_eq!(left(&seen(&[(0.0, 50.0, false)], 2, true, 20.0)), Left::Unknown);
-        let told = left(&seen(&[(0.0, 50.0, true)], 2, true, 20.0));
-        assert!(matches!(told, Left::About(left_s) if (left_s - 30.0).abs() < 1e-9), "{told:?}");
+        let forecast = left(&seen(&[(0.0, 50.0, true)], 2, true, 20.0));
+        assert!(matches!(forecast, Left::About(left_s) if (left_s - 30.0).abs() < 1e-9), "{forecast:?}");
         assert_eq!(left(&seen(&[(0.0, 50.0, true)], 2, true, 1.0)), Left::Unknown, "too early");
         assert_eq!(left(&Seen { threads: 2, is_last: true, ..Seen::default() }), Left::Unknown, "not begun");
     }

@@ -1,8 +1,8 @@
 //! The address of pinned data: what may be fetched from where.
 //!
 //! A study from elsewhere must not make the program ask machines that only this one can reach. So an origin is https, its
-//! host is resolved here, and every address of it must be one of the public internet; the program that fetches is told to
-//! use these addresses, and each redirect is looked at in the same way.
+//! host is resolved here, and every address of it must be one of the public internet. The program that fetches is
+//! given these addresses alone, and each redirect is looked at in the same way.
 
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, ToSocketAddrs};

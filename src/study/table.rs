@@ -3,7 +3,7 @@
 //! A first line of headers, `NAME [unit]`, then a line a row. Blanks round headers and cells are trimmed, an empty
 //! cell is a missing reading, empty lines are skipped, quotes are those of RFC 4180. Cells are read column by column
 //! as asked for, so that what nothing uses is never an error, and every problem keeps its place in the text. Problems
-//! that repeat down a column are told a few times and then counted.
+//! that repeat down a column are reported a few times and then counted.
 
 use std::borrow::Cow;
 use std::collections::HashMap;

@@ -3,7 +3,7 @@
 //! A program owns a file of registers: the symbols first, then the constants, then one register for each
 //! subexpression. Instructions stand in segments, in the order in which their outputs were asked for; what an
 //! earlier segment computed is not computed again. So a solver runs the segment of the parameters once, that of
-//! the temperatures in every iteration, and nothing allocates. A segment may be told on which earlier ones it
+//! the temperatures in every iteration, and nothing allocates. A segment may state on which earlier ones it
 //! builds ([`Program::compile_branches`]), so that the others need not have run before it.
 
 use std::collections::HashMap;

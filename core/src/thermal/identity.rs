@@ -60,7 +60,7 @@ fn number(value: f64) -> Value {
 
 impl Model {
     /// What of the model decides a result. The parameters' nominal values are included: they are what a job uses
-    /// that is not told otherwise.
+    /// where nothing else is stated.
     pub fn identity(&self) -> Value {
         let mut terms = Terms { graph: &self.graph, numbers: HashMap::new(), written: Vec::new() };
         let nodes: Vec<Value> = self

@@ -56,7 +56,7 @@ impl Chosen {
         pairs.map(largest).fold(f64::INFINITY, f64::min)
     }
 
-    pub fn told(&self, problem: &Problem, alone: f64) -> HiddenEffect {
+    pub fn hidden(&self, problem: &Problem, alone: f64) -> HiddenEffect {
         let candidate = &problem.candidates[self.candidate];
         let value = |(parameter, value): (&EffectParameter, &f64)| {
             let name = parameter.name.clone();

@@ -111,13 +111,13 @@ const LEAST_SWAP: f64 = 0.3;
 
 /// The problem with the noise known at its nominal values: what sizes are measured with.
 pub fn with_stated_noise(problem: &Problem) -> Problem {
-    let mut told = problem.clone();
-    for sensor in told.measurements.iter_mut().flat_map(|measurement| &mut measurement.sensors) {
+    let mut stated = problem.clone();
+    for sensor in stated.measurements.iter_mut().flat_map(|measurement| &mut measurement.sensors) {
         for value in [&mut sensor.sigma, &mut sensor.white, &mut sensor.correlation_time_s].into_iter().flatten() {
             *value = Uncertain::Known(value.nominal());
         }
     }
-    told
+    stated
 }
 
 /// Draws a truth for a problem. The same draws come from the same `draw`.
@@ -196,7 +196,7 @@ fn attempt(problem: &Problem, request: &InjectionRequest, draw: &mut Draw) -> Re
     }
     let effects = chosen.iter_mut().zip(alone).map(|(effect, alone)| {
         effect.scale(scale);
-        effect.told(problem, alone * scale)
+        effect.hidden(problem, alone * scale)
     });
     let truth = Truth {
         effects: effects.collect(),

@@ -133,7 +133,7 @@ pub struct Score {
     pub cases: u64,
     /// Something is said to be missing where nothing is: with the noise that is stated.
     pub false_alarms_stated_noise: Rate,
-    /// The same, with correlated noise that is not told.
+    /// The same, with correlated noise that is not stated.
     pub false_alarms_correlated: Rate,
     /// The same, of both.
     pub false_alarms: Rate,

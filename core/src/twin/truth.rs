@@ -75,7 +75,7 @@ pub enum NoiseTruth {
     /// As the sensors state it.
     #[serde(alias = "as-told")]
     AsStated,
-    /// Ornstein-Uhlenbeck and white noise, together of the stated standard deviation: a correlation that is not told.
+    /// Ornstein-Uhlenbeck and white noise, together of the stated standard deviation: a correlation that is not stated.
     Correlated {
         /// The correlation time, s.
         correlation_time_s: f64,

@@ -102,7 +102,7 @@ pub fn usage(effect: &Effect, finding: &EffectResult, bound: &[Bound], model: &M
         fields.push(("inputs".to_owned(), Item::Object(inputs)));
     }
     let mut parameters: Vec<(String, Item)> = Vec::new();
-    let mut told = Vec::new();
+    let mut sizes = Vec::new();
     for parameter in effect.parameters(model, bound) {
         let unit = unit(effect, &parameter, bound, model);
         let fitted = finding.amplitudes.get(&parameter.name).and_then(|own| fitted(&parameter, own, &unit));
@@ -117,13 +117,13 @@ pub fn usage(effect: &Effect, finding: &EffectResult, bound: &[Bound], model: &M
             if is_knot {
                 parameters.push((parameter.name, Item::one("nominal", Item::number(fitted.value))));
             }
-            told.push(fitted);
+            sizes.push(fitted);
         }
     }
     if !parameters.is_empty() {
         fields.push(("parameters".to_owned(), Item::Object(parameters)));
     }
-    (Item::one(&effect.name, Item::Object(fields)), told)
+    (Item::one(&effect.name, Item::Object(fields)), sizes)
 }
 
 fn place(finding: &EffectResult) -> Item {

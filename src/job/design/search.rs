@@ -13,7 +13,7 @@ use crate::inference::information::search::{self, next};
 const AT_ONCE: u64 = 4;
 /// Steps of an input's range to which its values are rounded.
 const STEPS: f64 = 1000.0;
-/// Most candidates that the search is told of, the most telling ones: its cost grows with their third power.
+/// Most candidates that the search takes, the most informative ones: its cost grows with their third power.
 const MOST_KNOWN: usize = 160;
 
 impl Design {

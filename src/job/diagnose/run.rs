@@ -108,7 +108,7 @@ impl Diagnose {
         Ok(Self { diagnosis, posterior_priors, priors, ..self })
     }
 
-    /// What is told of the priors beside the diagnosis.
+    /// What is stated of the priors beside the diagnosis.
     pub(super) fn finish(&self, mut output: Output) -> Output {
         for own in &self.priors {
             output.warnings.extend(own.fit.doubts.iter().map(|doubt| {

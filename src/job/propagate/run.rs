@@ -413,8 +413,8 @@ impl Job for Propagate {
                 } else {
                     format!("more than the limit of {} %", 100.0 * self.spec.failure_limit)
                 };
-                let told = |f: &FailedSample| format!("; sample {}: {} ({})", f.index, f.reason, listed(&f.parameters));
-                let example = failures.first().map_or(String::new(), told);
+                let described = |f: &FailedSample| format!("; sample {}: {} ({})", f.index, f.reason, listed(&f.parameters));
+                let example = failures.first().map_or(String::new(), described);
                 return Err(JobError::Failed(format!(
                     "{failed} of {} samples failed, {why}{example}",
                     self.spec.samples

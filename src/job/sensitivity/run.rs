@@ -173,8 +173,8 @@ impl Sensitivity {
             let rows = |scramble: &block::OfScramble| scramble.sums.iter().all(|sums| sums.rows() == 0);
             let is_empty = found.scrambles.iter().any(rows);
             if share > self.spec.failure_limit || is_empty {
-                let told = |f: &FailedSolve| format!("; {}: {} ({})", f.place, f.reason, listed(&f.parameters));
-                let example = found.failures.first().map_or(String::new(), told);
+                let described = |f: &FailedSolve| format!("; {}: {} ({})", f.place, f.reason, listed(&f.parameters));
+                let example = found.failures.first().map_or(String::new(), described);
                 let why = if is_empty {
                     "no row of a scramble is left".to_owned()
                 } else {

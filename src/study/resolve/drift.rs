@@ -1,4 +1,4 @@
-//! Phases that drift, told of the measurements so that what rests on them can repeat it.
+//! Phases that drift, noted in the measurements so that what rests on them can repeat it.
 
 use crate::document::{Diagnostic, code, counted};
 use crate::measurement::{Doubt, Measurement, Rows};

@@ -34,8 +34,8 @@ use crate::measurement::{Doubt, Rows};
 const MOST_WRITTEN: usize = 60;
 /// Probability of a set below which the held-out rows are not asked.
 const LEAST_TESTED: f64 = 1e-3;
-/// Probability of an effect below which the heat that it would carry is not told.
-const LEAST_TOLD: f64 = 1e-3;
+/// Probability of an effect below which the heat that it would carry is not stated.
+const LEAST_STATED: f64 = 1e-3;
 /// Length of the change of all predictions, in standard deviations of the noise, below which an effect changes nothing.
 const MOVES_NOTHING: f64 = 0.01;
 /// p-value of the remaining sum of squares below which a set does not bring the model near the noise.
@@ -404,15 +404,15 @@ impl Diagnosis {
             .unwrap_or_default();
         let group = findings.groups.iter().position(|group| group.contains(&effect)).map(|group| group as u64 + 1);
         let scales = group.and_then(|_| self.at_scales(findings, refit, before));
-        let is_told = probability >= LEAST_TOLD || group.is_some();
-        let carries = if is_told { effect_heat_flow(problem, refit, effect) } else { Vec::new() };
+        let is_stated = probability >= LEAST_STATED || group.is_some();
+        let carries = if is_stated { effect_heat_flow(problem, refit, effect) } else { Vec::new() };
         let first = carries.first().map(|first| first.node.clone());
         let most = carries.iter().filter(|one| Some(&one.node) == first.as_ref()).map(|one| one.watts);
         let watts = most.fold(None, |range: Option<[f64; 2]>, watts| {
             let [least, most] = range.unwrap_or([watts; 2]);
             Some([least.min(watts), most.max(watts)])
         });
-        let hints = if is_told { hints(problem, refit, effect) } else { Vec::new() };
+        let hints = if is_stated { hints(problem, refit, effect) } else { Vec::new() };
         EffectResult {
             hints,
             id: candidate.id.clone(),
@@ -652,16 +652,16 @@ fn models(findings: &Findings<'_>) -> Vec<ModelResult> {
 }
 
 fn unseen(findings: &Findings<'_>) -> Vec<Unseen> {
-    let told = |effect: usize, why: String| Unseen { id: findings.id(effect).to_owned(), why };
+    let unseen_effect = |effect: usize, why: String| Unseen { id: findings.id(effect).to_owned(), why };
     let mut list: Vec<Unseen> =
-        findings.state.screening.unseen.iter().map(|(effect, why)| told(*effect, why.clone())).collect();
+        findings.state.screening.unseen.iter().map(|(effect, why)| unseen_effect(*effect, why.clone())).collect();
     // What no set was fitted with is not judged either.
     let is_fitted = |effect: &usize| findings.state.refits.iter().any(|refit| refit.effects.contains(effect));
     for (effect, why) in findings.state.failed.iter().filter(|(effect, _)| !is_fitted(effect)) {
         let id = findings.id(*effect);
         if !list.iter().any(|known| known.id == id) {
             let own = why.strip_prefix(id).and_then(|rest| rest.strip_prefix(": ")).unwrap_or(why);
-            list.push(told(*effect, format!("it cannot be fitted: {own}")));
+            list.push(unseen_effect(*effect, format!("it cannot be fitted: {own}")));
         }
     }
     list

@@ -45,7 +45,7 @@ pub(crate) struct Parted {
 }
 
 /// The probability with which two hypotheses of so large a squared distance are told apart.
-fn told(square: f64) -> f64 {
+fn distinguishing_probability(square: f64) -> f64 {
     normal_cdf(0.5 * square.max(0.0).sqrt())
 }
 
@@ -85,8 +85,9 @@ fn parted(findings: &Findings<'_>) -> Option<Parted> {
         ids.join(" + ")
     };
     // Of each rival by itself: whether any phase parts it from the selected set.
-    let probability =
-        |list: &[Judged], rival: usize| greatest(list, &[rival]).map_or(0.5, |best| told(best.square(&[rival])));
+    let probability = |list: &[Judged], rival: usize| {
+        greatest(list, &[rival]).map_or(0.5, |best| distinguishing_probability(best.square(&[rival])))
+    };
     let mut alike = Vec::new();
     let mut others = Vec::new();
     for rival in 0..fits.len() - 1 {
@@ -105,7 +106,7 @@ fn parted(findings: &Findings<'_>) -> Option<Parted> {
     if others.is_empty() {
         return Some(Parted { experiment: None, one_thing });
     }
-    if !is_useful(told(greatest(&first, &others)?.square(&others))) {
+    if !is_useful(distinguishing_probability(greatest(&first, &others)?.square(&others))) {
         // No phase parts all of them at once: the most probable goes first.
         others.truncate(1);
     }
@@ -125,8 +126,8 @@ fn parted(findings: &Findings<'_>) -> Option<Parted> {
     let experiment = SeparatingExperiment {
         between: told_apart().map(|rival| of(fits[rival])).collect(),
         conditions: conditions.collect(),
-        probability: told(best.square(&others)),
-        repeat_probability: repeat.map_or(0.5, |repeat| told(repeat.square(&others))),
+        probability: distinguishing_probability(best.square(&others)),
+        repeat_probability: repeat.map_or(0.5, |repeat| distinguishing_probability(repeat.square(&others))),
         limits_ok: best.within_limits,
         predictions: sensors
             .map(|(place, sensor)| (sensor.name.clone(), predicted(place)))
@@ -399,6 +400,10 @@ mod tests {
     #[test]
     fn a_phase_that_is_little_better_than_a_coin_is_not_proposed() {
         // 55.7 % against the 50 % of any guess.
-        assert!(!is_useful(0.557) && !is_useful(told(0.0)) && is_useful(told(1.0)));
+        assert!(
+            !is_useful(0.557)
+                && !is_useful(distinguishing_probability(0.0))
+                && is_useful(distinguishing_probability(1.0))
+        );
     }
 }

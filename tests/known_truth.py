@@ -1,6 +1,6 @@
 """Diagnoses campaigns whose truth is written beside them and counts what is right.
 
-usage: told.py BMV CAMPAIGN...
+usage: known_truth.py BMV CAMPAIGN...
 
 Each CAMPAIGN is a folder with `pass-1.json` and `truth.json`: `truth` and `alternatives` list effects with their places, `rmse_after.held_out`
 is the error that an ordinary fit with the truth reaches, K; `widen` lists parameters whose priors are too narrow. Right: an effect of either list is selected first, or in the first step's group.
@@ -34,7 +34,7 @@ def main(bmv, campaigns):
         truth = json.loads((folder / "truth.json").read_text())
         listed = (truth.get("truth") or []) + (truth.get("alternatives") or [])
         if truth.get("event_phase"):
-            # A change for good, told before there were effects that set in at a date.
+            # A change for good, described before there were effects that set in at a date.
             listed += [{**one, "effect": "dated-conductance"} for one in listed if one["effect"] == "conductance-step"]
         listed += [{"effect": "prior-of", "where": [name]} for name in truth.get("widen") or []]
         with tempfile.TemporaryDirectory() as cache:
