@@ -24,13 +24,13 @@ laboratory nulls="2000" cases="1000" finer="400" dated="200" seed="1":
 known-truth +campaigns:
     cargo build --release && python3 tests/known_truth.py target/release/bmv {{campaigns}}
 
-# the picture of docs/diagnosis.md
-pictures:
-    cargo build --release && rm -rf target/pictures && target/release/bmv lab --finer --seed 2 --cases 6 --write target/pictures && cd target/pictures && ../release/bmv report case-2-0005 && cp reports/case-2-0005/pass-1/plots/missing-probabilities.svg ../../docs/second-regime.svg
-
 # the campaigns of other people's data in tests/real, from the files of their origins
 real building satellite:
     cargo build --release && python3 tests/real/prepare.py {{building}} {{satellite}} target/real && python3 tests/known_truth.py target/release/bmv target/real/building target/real/qb50-p1
+
+# the picture of the second regime in docs/diagnosis.md, after `just real`
+pictures:
+    cargo build --release && cd target/real && ../release/bmv report building && cp reports/building/pass-1/plots/missing-probabilities.svg ../../docs/second-regime.svg
 
 # benchmarks of everything that has a speed target
 bench:
