@@ -102,7 +102,7 @@ fn a_boundary_where_a_node_is_wanted() {
      --> study/pass-1.json:8:58
       |
     8 |  "adopt": {"harness": {"effect": {"heat-load": {"where": "plate"}},
-      |                                                          ^^^^^^^ a node that is no boundary: `box` and `panel`
+      |                                                          ^^^^^^^ a node that is no boundary, or {"group": NAME}: `box` and `panel`
       |
       = note: at $.adopt.harness.effect["heat-load"].where
     "##);
