@@ -66,7 +66,7 @@ pub fn left(seen: &Seen) -> Left {
         (block.share >= SHARE_TOLD).then(|| block.elapsed_s * (1.0 - block.share.min(1.0)) / block.share.min(1.0))
     };
     let projected = seen.running.iter().filter_map(|block| Some(block.elapsed_s + carried(block)?));
-    let known: Vec<f64> = seen.ended_s.iter().copied().chain(projected).collect();
+    let block_times_s: Vec<f64> = seen.ended_s.iter().copied().chain(projected).collect();
     if seen.running.is_empty() && seen.waiting == 0 {
         return Left::Unknown;
     }
@@ -77,7 +77,7 @@ pub fn left(seen: &Seen) -> Left {
         let running_s = seen.running.iter().filter_map(carried).fold(0.0, f64::max);
         return if running_s > 0.0 { Left::AtLeast(running_s) } else { Left::Unknown };
     }
-    let mean_s = known.iter().sum::<f64>() / known.len().max(1) as f64;
+    let mean_s = block_times_s.iter().sum::<f64>() / block_times_s.len().max(1) as f64;
     // When each thread is free; what waits goes to the one that is free first.
     let mut free_s: Vec<f64> = seen
         .running
@@ -174,8 +174,8 @@ mod tests {
     #[test]
     fn one_block_alone_is_known_by_its_share_only() {
         assert_eq!(left(&seen(&[(0.0, 50.0, false)], 2, true, 20.0)), Left::Unknown);
-        let told = left(&seen(&[(0.0, 50.0, true)], 2, true, 20.0));
-        assert!(matches!(told, Left::About(left_s) if (left_s - 30.0).abs() < 1e-9), "{told:?}");
+        let time_left = left(&seen(&[(0.0, 50.0, true)], 2, true, 20.0));
+        assert!(matches!(time_left, Left::About(left_s) if (left_s - 30.0).abs() < 1e-9), "{time_left:?}");
         assert_eq!(left(&seen(&[(0.0, 50.0, true)], 2, true, 1.0)), Left::Unknown, "too early");
         assert_eq!(left(&Seen { threads: 2, is_last: true, ..Seen::default() }), Left::Unknown, "not begun");
     }

@@ -31,8 +31,8 @@ impl Brief for Design {
     fn essentials(output: &Output) -> Vec<(String, String)> {
         let mut rows = vec![("estimator".to_owned(), output.estimator.clone())];
         let best = output.best.as_ref();
-        let told = best.map_or_else(|| NONE.to_owned(), |best| conditions(output, best.candidate));
-        rows.push(("best candidate".to_owned(), told));
+        let best_conditions = best.map_or_else(|| NONE.to_owned(), |best| conditions(output, best.candidate));
+        rows.push(("best candidate".to_owned(), best_conditions));
         let nats = best.map_or_else(|| NONE.to_owned(), |best| number::with_error(best.information_nats, best.se));
         rows.push(("information expected of it, nats".to_owned(), nats));
         for (position, pick) in output.picks.iter().enumerate() {
