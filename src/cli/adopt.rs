@@ -84,13 +84,13 @@ impl Adopt {
             tell(&next.warnings.render(context.coloured, MOST_DIAGNOSTICS));
         }
         write(&next.text, &path, self.force && self.out.is_some(), &asked.command()).map_err(refused)?;
-        print(&told(pass, &path, &next, &diagnosis))?;
+        print(&described(pass, &path, &next, &diagnosis))?;
         Ok(Status::of(&executed))
     }
 }
 
 /// What was written, what stays open, and the next commands.
-fn told(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, diagnosis: &Output) -> String {
+fn described(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, diagnosis: &Output) -> String {
     let shown = escaped(&path.display().to_string());
     let mut text = format!("wrote {shown}: {} with\n", escaped(&pass.file));
     for (name, finding) in &next.adopted {

@@ -19,7 +19,7 @@ pub(super) struct PinnedFile {
     pub good: bool,
 }
 
-/// Checks pinned measurements, or brings them where it is told from where.
+/// Checks pinned measurements, or brings them where it is stated from where.
 ///
 /// # Errors
 /// What is wrong with the files.

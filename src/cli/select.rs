@@ -23,7 +23,7 @@ pub fn one_pass(path: &Path) -> Result<PathBuf, Failure> {
 }
 
 /// The job of a kind: the one of this name, else the first, in the order of the file; where there are several, it is
-/// told which.
+/// stated which.
 ///
 /// # Errors
 /// A pass that cannot be loaded, or that has no such job.

@@ -1,14 +1,14 @@
-//! What is told of a sample without a result.
+//! What is stated of a sample without a result.
 
 /// Parameters that are stated.
-const TOLD: usize = 8;
+const MOST_LISTED: usize = 8;
 
 /// Parameters by name, SI, the first few: `a = 1, b = 2.5`.
 pub fn listed(parameters: &[(String, f64)]) -> String {
-    let told = parameters.iter().take(TOLD).map(|(name, value)| format!("{name} = {value}"));
-    let mut text = told.collect::<Vec<_>>().join(", ");
-    if parameters.len() > TOLD {
-        text.push_str(&format!(" and {} more", parameters.len() - TOLD));
+    let parameter_texts = parameters.iter().take(MOST_LISTED).map(|(name, value)| format!("{name} = {value}"));
+    let mut text = parameter_texts.collect::<Vec<_>>().join(", ");
+    if parameters.len() > MOST_LISTED {
+        text.push_str(&format!(" and {} more", parameters.len() - MOST_LISTED));
     }
     text
 }

@@ -8,7 +8,7 @@
 use super::progress::duration_text;
 
 /// A block's share of its work from which its time is carried on.
-const SHARE_TOLD: f64 = 0.05;
+const LEAST_SHARE: f64 = 0.05;
 /// A forecast from fewer blocks that ended, for each that runs at once, is none.
 const ENDS_PER_THREAD: usize = 2;
 
@@ -63,16 +63,16 @@ pub fn left(seen: &Seen) -> Left {
     let threads = seen.threads.max(1);
     // How long each block that runs still takes, where that follows from itself.
     let carried = |block: &RunningBlock| {
-        (block.share >= SHARE_TOLD).then(|| block.elapsed_s * (1.0 - block.share.min(1.0)) / block.share.min(1.0))
+        (block.share >= LEAST_SHARE).then(|| block.elapsed_s * (1.0 - block.share.min(1.0)) / block.share.min(1.0))
     };
     let projected = seen.running.iter().filter_map(|block| Some(block.elapsed_s + carried(block)?));
     let block_times_s: Vec<f64> = seen.ended_s.iter().copied().chain(projected).collect();
     if seen.running.is_empty() && seen.waiting == 0 {
         return Left::Unknown;
     }
-    let is_told = seen.running.iter().all(|block| carried(block).is_some());
+    let is_projected = seen.running.iter().all(|block| carried(block).is_some());
     let at_once = threads.min(seen.ended_s.len() + seen.running.len() + seen.waiting);
-    if (seen.waiting > 0 || !is_told) && seen.ended_s.len() < ENDS_PER_THREAD * at_once {
+    if (seen.waiting > 0 || !is_projected) && seen.ended_s.len() < ENDS_PER_THREAD * at_once {
         // Too few have ended to speak for those that do not speak for themselves.
         let running_s = seen.running.iter().filter_map(carried).fold(0.0, f64::max);
         return if running_s > 0.0 { Left::AtLeast(running_s) } else { Left::Unknown };
@@ -103,8 +103,8 @@ pub fn left(seen: &Seen) -> Left {
 mod tests {
     use super::*;
 
-    /// A block of a recorded run: when it began and ended after the stage did, s, and whether it told its share, which then
-    /// grows evenly.
+    /// A block of a recorded run: when it began and ended after the stage did, s, and whether it reported its share,
+    /// which then grows evenly.
     type Recorded = (f64, f64, bool);
 
     /// What was seen of a recorded stage at an instant.

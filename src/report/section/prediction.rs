@@ -45,7 +45,8 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
             for q in &case.quantities {
                 folded.extend([histogram(case, q, name), cumulative(case, q, name)].map(Block::Figure));
             }
-            folded.extend(case.joint.iter().map(|quantity_pair| Block::Figure(joint(report, case, quantity_pair, name))));
+            folded
+                .extend(case.joint.iter().map(|quantity_pair| Block::Figure(joint(report, case, quantity_pair, name))));
         }
         if !folded.is_empty() {
             blocks.push(Block::Details(format!("Distributions with the posterior ({})", folded.len()), folded));
@@ -66,7 +67,9 @@ fn opening(name: &str, output: &Output) -> Text {
         ));
     }
     let added: Vec<String> = (output.posterior.discrepancy.iter())
-        .map(|discrepancy| format!("{} {} to {}", significant(discrepancy.sd, 3), discrepancy.unit, discrepancy.quantity))
+        .map(|discrepancy| {
+            format!("{} {} to {}", significant(discrepancy.sd, 3), discrepancy.unit, discrepancy.quantity)
+        })
         .collect();
     if !added.is_empty() {
         let list = added.join(", ");
@@ -126,14 +129,18 @@ fn requirements(report: &PassReport<'_>, output: &Output) -> Block {
 fn reached(output: &Output) -> Option<Block> {
     let design = output.posterior.design_variable.as_ref()?;
     let shown = Shown::written(&output.posterior.design_unit);
-    let text = |reached: Option<&propagate::Reached>| match reached.and_then(|reached| Some((reached.design_value?, reached.interval))) {
+    let text = |reached: Option<&propagate::Reached>| match reached
+        .and_then(|reached| Some((reached.design_value?, reached.interval)))
+    {
         Some((value, Some([a, b]))) => format!("{} ({} to {})", shown.number(value), shown.number(a), shown.number(b)),
         Some((value, None)) => shown.number(value),
         None => NONE.to_owned(),
     };
     let rows = output.posterior.reached.iter().map(|posterior_reached| {
         let prior =
-            output.prior.reached.iter().find(|p| p.environment == posterior_reached.environment && p.requirement == posterior_reached.requirement);
+            output.prior.reached.iter().find(|p| {
+                p.environment == posterior_reached.environment && p.requirement == posterior_reached.requirement
+            });
         let change = prior.and_then(|prior| Some(posterior_reached.design_value? - prior.design_value?));
         vec![
             Cell::code(&posterior_reached.environment),
@@ -246,12 +253,14 @@ fn sweep(output: &Output) -> Option<Block> {
 fn distributions(output: &Output) -> Block {
     let mut rows = Vec::new();
     for case in nominal_cases(&output.posterior) {
-        let same =
-            |prior_case: &&propagate::Case| prior_case.environment == case.environment && prior_case.design_value == case.design_value;
+        let same = |prior_case: &&propagate::Case| {
+            prior_case.environment == case.environment && prior_case.design_value == case.design_value
+        };
         let prior = output.prior.cases.iter().find(same);
         for q in &case.quantities {
             let shown = Shown::quantity(&q.unit, q.is_temperature);
-            let before = prior.and_then(|prior| prior.quantities.iter().find(|prior_quantity| prior_quantity.name == q.name));
+            let before =
+                prior.and_then(|prior| prior.quantities.iter().find(|prior_quantity| prior_quantity.name == q.name));
             let prior = before.map_or_else(
                 || [NONE.to_owned(), NONE.to_owned()],
                 |prior_quantity| {

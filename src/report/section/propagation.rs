@@ -14,7 +14,7 @@ use super::problem::limits;
 
 /// Figures of distributions that stand open; the others are folded away.
 const OPEN_FIGURES: usize = 2;
-/// Parameters told of each quantity.
+/// Parameters listed of each quantity.
 const MOST_MAIN_EFFECTS: usize = 4;
 
 /// The section, and its kind's results in brief.

@@ -212,7 +212,9 @@ fn sizes(report: &PassReport<'_>, output: &Output, pair: (&str, &str)) -> Block 
     for size in sizes_of(output, pair) {
         let against = match (size.size, reached.and_then(|r| r.design_value)) {
             // A share of an absolute temperature says nothing; its difference does.
-            (Some(size_value), Some(probabilistic)) if design.is_celsius() => number::signed(size_value - probabilistic, 1),
+            (Some(size_value), Some(probabilistic)) if design.is_celsius() => {
+                number::signed(size_value - probabilistic, 1)
+            }
             (Some(size_value), Some(probabilistic)) if probabilistic != 0.0 => {
                 number::signed(100.0 * (size_value / probabilistic - 1.0), 1)
             }

@@ -113,8 +113,9 @@ pub(super) fn main_picture(report: &PassReport<'_>) -> Option<Figure> {
     {
         return Some(sizing::figure(report, job, output, pair));
     }
-    if let Some(figure) =
-        report.outputs::<predict::Kind>().find_map(|(job, prediction)| prediction::figures(prediction, job).into_iter().next())
+    if let Some(figure) = report
+        .outputs::<predict::Kind>()
+        .find_map(|(job, prediction)| prediction::figures(prediction, job).into_iter().next())
     {
         return Some(figure);
     }
@@ -328,7 +329,8 @@ fn of_prediction(output: &predict::Output) -> Vec<Statement> {
         let is_whole = |reached: &&propagate::Reached| {
             reached.environment == case.environment && (reached.requirement == "all" || case.requirements.len() == 1)
         };
-        let find = |from: &propagate::Output| from.reached.iter().find(is_whole).and_then(|reached| reached.design_value);
+        let find =
+            |from: &propagate::Output| from.reached.iter().find(is_whole).and_then(|reached| reached.design_value);
         let Some(value) = find(&output.posterior) else { continue };
         let text = find(&output.prior).map_or_else(
             || "no value of the sweep reached it with the priors.".to_owned(),

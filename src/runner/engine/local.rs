@@ -111,7 +111,7 @@ struct Run<'a> {
     stop: &'a StopFlag,
     listener: &'a dyn Listener,
     slots: Vec<Slot>,
-    /// Whether it was told that something could not be stored.
+    /// Whether it was reported that something could not be stored.
     told_not_stored: AtomicBool,
 }
 

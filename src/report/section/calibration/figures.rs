@@ -23,8 +23,9 @@ pub(super) fn figures(job: &str, output: &Output) -> Vec<Block> {
         blocks.push(Block::Details("Posterior predictions in time".into(), predictions));
     }
     let mut worst: Vec<usize> = (0..output.order.len()).collect();
-    let rhat =
-        |place: &usize| output.parameters.get(&output.order[*place]).and_then(|summary| summary.rhat).unwrap_or(f64::INFINITY);
+    let rhat = |place: &usize| {
+        output.parameters.get(&output.order[*place]).and_then(|summary| summary.rhat).unwrap_or(f64::INFINITY)
+    };
     worst.sort_by(|a, b| rhat(b).total_cmp(&rhat(a)));
     let chains: Vec<Block> = worst
         .into_iter()

@@ -20,7 +20,10 @@ impl Brief for Prediction {
             for reached in &output.prior.reached {
                 let value =
                     reached.design_value.map_or_else(|| format!("no {name} of the sweep"), |value| design.text(value));
-                lines.push(format!("with the priors, {} in {}: {value} reaches it", reached.requirement, reached.environment));
+                lines.push(format!(
+                    "with the priors, {} in {}: {value} reaches it",
+                    reached.requirement, reached.environment
+                ));
             }
         }
         if !output.converged {
