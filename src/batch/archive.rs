@@ -31,10 +31,10 @@ pub struct Target {
 impl Target {
     /// The folder of a pass's report: below `out` where that is named, else below `reports` of the study's project.
     fn new(pass: &LoadedPass, out: Option<&Path>) -> Self {
-        let own = Path::new(&study_name(&pass.study)).join(pass.file.trim_end_matches(".json"));
+        let study_and_pass = Path::new(&study_name(&pass.study)).join(pass.file.trim_end_matches(".json"));
         match out {
-            Some(out) => Self { base: out.to_owned(), relative: own },
-            None => Self { base: pass.project.folder(), relative: Path::new(REPORTS).join(own) },
+            Some(out) => Self { base: out.to_owned(), relative: study_and_pass },
+            None => Self { base: pass.project.folder(), relative: Path::new(REPORTS).join(study_and_pass) },
         }
     }
 
@@ -63,15 +63,15 @@ pub fn targets(passes: &[LoadedPass], out: Option<&Path>) -> Result<Vec<Target>,
                 escaped(&pass.shown)
             )));
         }
-        let own = pass.project.path_of(&pass.study, &pass.file);
+        let pass_path = pass.project.path_of(&pass.study, &pass.file);
         // What is no manifest says of no study that the folder is its own.
-        if let Some(earlier) = Manifest::read(&folder).ok().filter(|earlier| !earlier.inputs.contains_key(&own)) {
+        if let Some(earlier) = Manifest::read(&folder).ok().filter(|earlier| !earlier.inputs.contains_key(&pass_path)) {
             let of = earlier.command.strip_prefix(COMMAND).unwrap_or(&earlier.command).trim().to_owned();
             return Err(BatchError::input(format!(
                 "`{shown}` holds the report of `{}`, a study of the same name: name another folder with --out DIR; or, \
                  if that study has become `{}`, delete the old report first",
                 escaped(&of),
-                escaped(&own)
+                escaped(&pass_path)
             )));
         }
         targets.push(target);

@@ -118,8 +118,8 @@ pub(super) fn add_upstream(
 pub(super) fn remove_orphans(nodes: &mut Vec<Node>) -> Vec<(String, String)> {
     let mut orphans = Vec::new();
     loop {
-        let known: BTreeSet<String> = nodes.iter().map(|node| node.id.clone()).collect();
-        let missing = |node: &Node| node.from.iter().find(|from| !known.contains(*from)).cloned();
+        let node_ids: BTreeSet<String> = nodes.iter().map(|node| node.id.clone()).collect();
+        let missing = |node: &Node| node.from.iter().find(|from| !node_ids.contains(*from)).cloned();
         let before = orphans.len();
         orphans.extend(nodes.iter().filter_map(|node| Some((node.id.clone(), missing(node)?))));
         if orphans.len() == before {

@@ -47,24 +47,24 @@ fn role_by_folder(file: &str) -> &'static str {
 fn named_files(lineage: &[&Pass]) -> Vec<(&'static str, String)> {
     let mut files: Vec<(&'static str, String)> = Vec::new();
     for pass in lineage.iter().rev() {
-        let mut own = vec![("model", pass.model_file.clone())];
+        let mut pass_files = vec![("model", pass.model_file.clone())];
         let is_first = files.is_empty();
-        own.extend(is_first.then(|| ("pass", pass.file.clone())));
-        own.extend(pass.parents.iter().map(|parent| ("parent pass", parent.clone())));
-        own.extend(pass.adopted.iter().filter_map(|adopted| Some(("effect", adopted.file.clone()?))));
-        own.extend(pass.measurements.iter().map(|measurement| ("data", measurement.file.clone())));
-        let draws = pass.posterior_priors.iter().filter(|own| own.draws.sha256.is_some());
-        own.extend(draws.map(|own| ("draws", own.draws.source.trim_matches('`').to_owned())));
+        pass_files.extend(is_first.then(|| ("pass", pass.file.clone())));
+        pass_files.extend(pass.parents.iter().map(|parent| ("parent pass", parent.clone())));
+        pass_files.extend(pass.adopted.iter().filter_map(|adopted| Some(("effect", adopted.file.clone()?))));
+        pass_files.extend(pass.measurements.iter().map(|measurement| ("data", measurement.file.clone())));
+        let draws = pass.posterior_priors.iter().filter(|reference| reference.draws.sha256.is_some());
+        pass_files.extend(draws.map(|reference| ("draws", reference.draws.source.trim_matches('`').to_owned())));
         for upstream in &pass.upstream {
             let behind = named_files(&[upstream]).into_iter();
-            own.extend(behind.map(|(role, file)| match role {
+            pass_files.extend(behind.map(|(role, file)| match role {
                 "pass" => ("pass whose posterior is used", file),
                 role => (role, file),
             }));
         }
-        for (role, file) in own {
+        for (role, file) in pass_files {
             let file = plain_name(&file);
-            if !files.iter().any(|(_, known)| *known == file) {
+            if !files.iter().any(|(_, listed_file)| *listed_file == file) {
                 files.push((role, file));
             }
         }

@@ -19,7 +19,7 @@ pub fn check(needed: &[Preview]) -> Result<(), BatchError> {
 
 fn refused(needed: &[Preview], there_bytes: u64) -> Result<(), BatchError> {
     let too_large = needed.iter().filter(|job| job.memory_bytes > there_bytes);
-    let messages: Vec<String> = too_large
+    let refusals: Vec<String> = too_large
         .map(|job| {
             format!(
                 "`{}` needs about {} of memory, this machine has {}: give it fewer `samples` (or `draws`), or a sweep of \
@@ -30,13 +30,13 @@ fn refused(needed: &[Preview], there_bytes: u64) -> Result<(), BatchError> {
             )
         })
         .collect();
-    if messages.is_empty() { Ok(()) } else { Err(BatchError::input(messages.join("\n"))) }
+    if refusals.is_empty() { Ok(()) } else { Err(BatchError::input(refusals.join("\n"))) }
 }
 
 /// Memory of the machine, bytes.
 fn machine_bytes() -> u64 {
-    let meminfo = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
-    let total = meminfo.lines().find_map(|line| line.strip_prefix("MemTotal:"));
+    let memory_info = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    let total = memory_info.lines().find_map(|line| line.strip_prefix("MemTotal:"));
     let kibibytes = total.and_then(|rest| rest.trim().strip_suffix("kB")?.trim().parse::<u64>().ok());
     kibibytes.map_or(ASSUMED_BYTES, |kibibytes| kibibytes << 10)
 }

@@ -57,8 +57,8 @@ impl Adopt {
         let options = self.options.clone().into();
         let executed = execute(std::slice::from_ref(&self.pass), &options, context, |_, name| name == job)?;
         let Some(pass) = executed.passes.first() else { return Ok(Status::of(&executed)) };
-        let found = executed.results(pass).find(|(at, _)| executed.plan.nodes()[*at].name == job);
-        let Some((_, result)) = found else { return Ok(Status::of_wanted(&executed)) };
+        let diagnosis_result = executed.results(pass).find(|(at, _)| executed.plan.nodes()[*at].name == job);
+        let Some((_, result)) = diagnosis_result else { return Ok(Status::of_wanted(&executed)) };
         let diagnosis = Output::deserialize(&*result.stored.value).map_err(|error| {
             Failure::job(format!("{}: the result of `{job}` is no diagnosis: {error}", escaped(&pass.shown)))
         })?;
@@ -71,8 +71,8 @@ impl Adopt {
         if self.out.is_none() {
             let ids: Vec<&str> = next.adopted.iter().map(|(_, finding)| finding.id.as_str()).collect();
             if let Some(twin) = twin(&pass.pass, &ids) {
-                let (shown, own) = (escaped(&twin.display().to_string()), escaped(&pass.file));
-                let there = format!("{shown} is {own} with the same effects already; nothing is written");
+                let (shown, parent_file) = (escaped(&twin.display().to_string()), escaped(&pass.file));
+                let there = format!("{shown} is {parent_file} with the same effects already; nothing is written");
                 print(&format!("{there} (--out FILE writes another pass all the same)\n{}", now_try(pass, &twin)))?;
                 return Ok(Status::of(&executed));
             }
@@ -84,13 +84,13 @@ impl Adopt {
             tell(&next.warnings.render(context.coloured, MOST_DIAGNOSTICS));
         }
         write(&next.text, &path, self.force && self.out.is_some(), &asked.command()).map_err(refused)?;
-        print(&summary(pass, &path, &next, &diagnosis))?;
+        print(&described(pass, &path, &next, &diagnosis))?;
         Ok(Status::of(&executed))
     }
 }
 
 /// What was written, what stays open, and the next commands.
-fn summary(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, diagnosis: &Output) -> String {
+fn described(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, diagnosis: &Output) -> String {
     let shown = escaped(&path.display().to_string());
     let mut text = format!("wrote {shown}: {} with\n", escaped(&pass.file));
     for (name, finding) in &next.adopted {
@@ -108,9 +108,9 @@ fn summary(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, diagnosis: &Outp
         text.push_str(&format!("{} names its parameters; those of the effects were added\n", escaped(&jobs)));
     }
     for (name, kind) in &next.added {
-        let own = escaped(&pass.file);
+        let parent_file = escaped(&pass.file);
         text.push_str(&format!(
-            "{own} has no job of kind {kind}; `{}` was added, so that `bmv history` can tell the error\n",
+            "{parent_file} has no job of kind {kind}; `{}` was added, so that `bmv history` can tell the error\n",
             escaped(name)
         ));
     }

@@ -53,9 +53,9 @@ impl CacheVerb {
         match self {
             Self::Stat { cache, json } => {
                 let cache = cache.cache(&[]);
-                let found = cache.statistics()?;
+                let statistics = cache.statistics()?;
                 if json {
-                    print_json(&found)?;
+                    print_json(&statistics)?;
                     return Ok(Status::Done);
                 }
                 let row = |name: &str, count: u64, bytes: Option<u64>| {
@@ -66,27 +66,31 @@ impl CacheVerb {
                     ]
                 };
                 let rows = [
-                    row("results", found.results, Some(found.result_bytes)),
-                    row("blocks", found.blocks, Some(found.block_bytes)),
-                    row("unfinished or foreign files", found.leftovers, None),
-                    row("damaged, in quarantine", found.quarantined, None),
-                    row("not reproducible, in conflict", found.conflicts, None),
-                    row("in the trash", found.trashed, None),
+                    row("results", statistics.results, Some(statistics.result_bytes)),
+                    row("blocks", statistics.blocks, Some(statistics.block_bytes)),
+                    row("unfinished or foreign files", statistics.leftovers, None),
+                    row("damaged, in quarantine", statistics.quarantined, None),
+                    row("not reproducible, in conflict", statistics.conflicts, None),
+                    row("in the trash", statistics.trashed, None),
                 ];
                 print(&format!("{}\n{}", shown(cache.root()), table(&rows, None)))?;
                 Ok(Status::Done)
             }
             Self::Verify { cache, json } => {
-                let found = cache.cache(&[]).verify()?;
+                let verification = cache.cache(&[]).verify()?;
                 if json {
-                    print_json(&found)?;
+                    print_json(&verification)?;
                 } else {
-                    for name in &found.damaged {
+                    for name in &verification.damaged {
                         print(&format!("damaged: {name}\n"))?;
                     }
-                    print(&format!("{} sound, {} damaged\n", counted(found.sound, "object"), found.damaged.len()))?;
+                    print(&format!(
+                        "{} sound, {} damaged\n",
+                        counted(verification.sound, "object"),
+                        verification.damaged.len()
+                    ))?;
                 }
-                Ok(if found.damaged.is_empty() { Status::Done } else { Status::CheckFailed })
+                Ok(if verification.damaged.is_empty() { Status::Done } else { Status::CheckFailed })
             }
             Self::Prune { paths, cache, json } => {
                 let loaded = batch::load(&paths.paths, context.coloured)?;

@@ -44,21 +44,21 @@ impl Check {
                     text.push_str(&format!("archived {}\n", shown(&path)));
                     continue;
                 }
-                let Some(found) = baseline::compare(&path, &finished.stored.value)? else {
+                let Some(differences) = baseline::compare(&path, &finished.stored.value)? else {
                     text.push_str(&format!("{}: nothing archived\n", escaped(&node.id)));
                     continue;
                 };
                 compared += 1;
-                drifted += usize::from(!found.is_empty());
-                let verdict = if found.is_empty() { "the same" } else { "DRIFTED" };
+                drifted += usize::from(!differences.is_empty());
+                let verdict = if differences.is_empty() { "the same" } else { "DRIFTED" };
                 text.push_str(&format!("{}: {verdict}\n", escaped(&node.id)));
-                for difference in found.iter().take(SHOWN) {
+                for difference in differences.iter().take(SHOWN) {
                     text.push_str(&format!("  {}\n", escaped(&difference.to_string())));
                 }
-                if found.len() > SHOWN {
-                    text.push_str(&format!("  and {} more\n", found.len() - SHOWN));
+                if differences.len() > SHOWN {
+                    text.push_str(&format!("  and {} more\n", differences.len() - SHOWN));
                 }
-                report.push(json!({ "job": node.id, "differences": found }));
+                report.push(json!({ "job": node.id, "differences": differences }));
             }
         }
         if self.json {

@@ -59,8 +59,8 @@ impl Diagnose {
             }
             let report = batch::view(pass, &executed)?;
             if self.json {
-                let found = report.results.iter().find(|job| job.output_of::<diagnose::Kind>().is_some());
-                if let Some(job) = found {
+                let diagnosis = report.results.iter().find(|job| job.output_of::<diagnose::Kind>().is_some());
+                if let Some(job) = diagnosis {
                     print_json(&batch::document(job, true)?)?;
                 }
                 continue;

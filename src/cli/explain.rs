@@ -18,14 +18,14 @@ impl Explain {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         let Some(name) = self.code else {
             let rows: Vec<_> = code::all().map(|code| vec![code.name.to_owned(), code.title.to_owned()]).collect();
-            let words = OTHER_WORDS.iter().map(|own| vec![own.word.to_owned(), own.meaning.to_owned()]);
+            let words = OTHER_WORDS.iter().map(|entry| vec![entry.word.to_owned(), entry.meaning.to_owned()]);
             let words = table(&words.collect::<Vec<_>>(), context.fold);
             print(&format!("{}\nWords of other tools:\n{words}", table(&rows, context.fold)))?;
             return Ok(Status::Done);
         };
         let Some(code) = code::find(&name) else {
-            if let Some(own) = other_word(&name) {
-                print(&format!("{}: {}\n\nWrite {}\n", own.word, own.meaning, own.write))?;
+            if let Some(other) = other_word(&name) {
+                print(&format!("{}: {}\n\nWrite {}\n", other.word, other.meaning, other.write))?;
                 return Ok(Status::Done);
             }
             let near = suggest::nearest(&name, code::all().map(|code| code.name));

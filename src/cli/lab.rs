@@ -76,13 +76,13 @@ impl LabVerb {
                 if pass.measurements.is_empty() {
                     return Err(Failure::input(format!("`{}` has no measurement to simulate", shown(&path))));
                 }
-                if let Some(own) = pass.posterior_priors.first() {
+                if let Some(reference) = pass.posterior_priors.first() {
                     return Err(Failure::input(format!(
                         "the laboratory draws truths from distributions, and in `{}` {} has the draws of {} as its prior; \
                          name a pass with the prior that they began with",
                         shown(&path),
-                        suggest::listed(own.draws.names.iter().map(String::as_str), 6),
-                        own.draws.source
+                        suggest::listed(reference.draws.names.iter().map(String::as_str), 6),
+                        reference.draws.source
                     )));
                 }
                 let problem = Arc::new(crate::study::problem(&pass));
@@ -175,9 +175,9 @@ fn table_of(output: &Output, fold: Option<usize>) -> String {
             if nothing { String::new() } else { percent(&row.separable) },
         ];
         if diagnosed {
-            let own = [&row.found, &row.named, &row.grouped];
+            let rates = [&row.found, &row.named, &row.grouped];
             let shown = |rate: &Option<Rate>| rate.as_ref().map(percent).unwrap_or_default();
-            cells.extend(own.into_iter().take(if nothing { 1 } else { 3 }).map(shown));
+            cells.extend(rates.into_iter().take(if nothing { 1 } else { 3 }).map(shown));
         }
         rows.push(cells);
     }
@@ -204,10 +204,10 @@ fn summary(score: &Score, fold: Option<usize>) -> String {
     line("false alarms, correlated noise".to_owned(), &score.false_alarms_correlated);
     for size in &score.sizes {
         let what = format!("{} hidden of size {}", size.effects, size.size);
-        for (which, own) in [("all", &size.all), ("separable", &size.separable)] {
-            line(format!("{what}, {which}: found"), &own.found);
-            line(format!("{what}, {which}: named"), &own.named);
-            line(format!("{what}, {which}: in a small group"), &own.grouped);
+        for (which, rates) in [("all", &size.all), ("separable", &size.separable)] {
+            line(format!("{what}, {which}: found"), &rates.found);
+            line(format!("{what}, {which}: named"), &rates.named);
+            line(format!("{what}, {which}: in a small group"), &rates.grouped);
         }
     }
     line("outside the catalogue: said to be unexplained".to_owned(), &score.outside_unexplained);

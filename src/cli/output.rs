@@ -113,13 +113,13 @@ pub fn folded(lead: &str, text: &str, fold: Option<usize>) -> String {
     let indent = lead.chars().count();
     let room = fold.and_then(|width| width.checked_sub(indent)).filter(|&room| room >= LEAST_ROOM);
     let lines = room.map_or_else(|| vec![text.to_owned()], |room| wrapped(text, room));
-    let mut wrapped = String::new();
+    let mut folded = String::new();
     for (position, line) in lines.iter().enumerate() {
         let before = if position == 0 { lead.to_owned() } else { " ".repeat(indent) };
-        wrapped.push_str(format!("{before}{line}").trim_end());
-        wrapped.push('\n');
+        folded.push_str(format!("{before}{line}").trim_end());
+        folded.push('\n');
     }
-    wrapped
+    folded
 }
 
 #[cfg(test)]
@@ -128,8 +128,8 @@ mod tests {
 
     #[test]
     fn nothing_but_colours_steers_the_terminal() {
-        let own = "\u{1b}[1;31merror:\u{1b}[0m a\n\u{1b}[94mb\u{1b}[m";
-        assert_eq!(safe(own), own);
+        let styled = "\u{1b}[1;31merror:\u{1b}[0m a\n\u{1b}[94mb\u{1b}[m";
+        assert_eq!(safe(styled), styled);
         for (wild, shown) in [
             ("a\u{1b}[2Jb", "a\\u{1b}[2Jb"),
             ("\u{1b}[8mhidden\u{1b}[0m", "\\u{1b}[8mhidden\u{1b}[0m"),

@@ -19,17 +19,17 @@ pub(super) struct PinnedFile {
     pub good: bool,
 }
 
-/// Checks pinned measurements, or brings them where it is told from where.
+/// Checks pinned measurements, or brings them where it is stated from where.
 ///
 /// # Errors
 /// What is wrong with the files.
 pub(super) fn pinned(paths: &[PathBuf], from: Option<&Sources>) -> Result<Vec<PinnedFile>, Failure> {
-    let mut found: Vec<PinnedFile> = Vec::new();
+    let mut pinned_files: Vec<PinnedFile> = Vec::new();
     for (study, _, pass) in batch::passes(&Reader::new(crate::job::kinds()), paths, false)? {
         let folder = Folder::open(&study).map_err(|error| Failure::input(error.to_string()))?;
         for entry in &pass.pinned {
             let file = study.join(&entry.file).display().to_string();
-            if found.iter().any(|known| known.file == file) {
+            if pinned_files.iter().any(|listed_file| listed_file.file == file) {
                 continue;
             }
             let (state, good) = if let Some(from) = from {
@@ -47,8 +47,8 @@ pub(super) fn pinned(paths: &[PathBuf], from: Option<&Sources>) -> Result<Vec<Pi
                     Err(error) => (error.to_string(), false),
                 }
             };
-            found.push(PinnedFile { file, state, good });
+            pinned_files.push(PinnedFile { file, state, good });
         }
     }
-    Ok(found)
+    Ok(pinned_files)
 }

@@ -60,13 +60,14 @@ impl PlanVerb {
         let missing = || lines.iter().filter(|line| !line.cached);
         let to_run = missing().count();
         // Only of the very same definition is it known that it takes as long again.
-        let known: Vec<f64> = missing().filter(|line| line.is_same_work).filter_map(|line| line.work_s).collect();
+        let work_times_s: Vec<f64> =
+            missing().filter(|line| line.is_same_work).filter_map(|line| line.work_s).collect();
         let threads = settings.threads();
-        let length = match (known.len(), to_run - known.len()) {
+        let length = match (work_times_s.len(), to_run - work_times_s.len()) {
             (0, 0) => String::new(),
             (0, _) => "; how long they take is not known yet".to_owned(),
             (_, unknown) => {
-                let least = duration_text(known.iter().sum::<f64>() / threads as f64);
+                let least = duration_text(work_times_s.iter().sum::<f64>() / threads as f64);
                 let more = if unknown > 0 { format!(", and {unknown} of unknown length") } else { String::new() };
                 format!("; at least {least} on {}{more}", counted(threads, "thread"))
             }

@@ -13,8 +13,8 @@ use crate::study::{Reader, discover};
 /// # Errors
 /// A folder of several passes, each named; a path that is none.
 pub fn one_pass(path: &Path) -> Result<PathBuf, Failure> {
-    let found = discover(&[path.to_owned()]).map_err(|error| Failure::input(error.to_string()))?;
-    let passes: Vec<_> = found.iter().flat_map(|study| &study.passes).collect();
+    let studies = discover(&[path.to_owned()]).map_err(|error| Failure::input(error.to_string()))?;
+    let passes: Vec<_> = studies.iter().flat_map(|study| &study.passes).collect();
     if let [pass] = passes.as_slice() {
         return Ok((*pass).clone());
     }
@@ -22,8 +22,8 @@ pub fn one_pass(path: &Path) -> Result<PathBuf, Failure> {
     Err(Failure::input(format!("`{}` holds several passes; name one: {}", output::shown(path), names.join(", "))))
 }
 
-/// The job of a kind: the one of this name, else the first, in the order of the file; where there are several, a note
-/// says which.
+/// The job of a kind: the one of this name, else the first, in the order of the file; where there are several, it is
+/// stated which.
 ///
 /// # Errors
 /// A pass that cannot be loaded, or that has no such job.
@@ -63,11 +63,11 @@ pub fn has_job(pass: &LoadedPass, job: &str) -> Result<(), Failure> {
     if names().any(|name| name == job) {
         return Ok(());
     }
-    let known: Vec<_> = names().map(|name| format!("`{}`", escaped(name))).collect();
+    let job_names: Vec<_> = names().map(|name| format!("`{}`", escaped(name))).collect();
     let (shown, job) = (escaped(&pass.shown), escaped(job));
-    Err(Failure::input(if known.is_empty() {
+    Err(Failure::input(if job_names.is_empty() {
         format!("`{shown}` has no job `{job}`, and no other")
     } else {
-        format!("`{shown}` has no job `{job}`; its jobs are {}", known.join(", "))
+        format!("`{shown}` has no job `{job}`; its jobs are {}", job_names.join(", "))
     }))
 }

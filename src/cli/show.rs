@@ -85,11 +85,14 @@ impl Show {
 
 /// Tells which results are not in the cache, and the commands that make them.
 pub(super) fn tell_not_there(not_there: &[NotThere]) {
-    let mut passes: Vec<&str> = not_there.iter().map(|own| own.pass.as_str()).collect();
+    let mut passes: Vec<&str> = not_there.iter().map(|missing_result| missing_result.pass.as_str()).collect();
     passes.dedup();
     for shown in passes {
-        let names: Vec<String> =
-            not_there.iter().filter(|own| own.pass == shown).map(|own| format!("`{}`", escaped(&own.job))).collect();
+        let names: Vec<String> = not_there
+            .iter()
+            .filter(|missing_result| missing_result.pass == shown)
+            .map(|missing_result| format!("`{}`", escaped(&missing_result.job)))
+            .collect();
         let shown = escaped(shown);
         let (have, them) = if names.len() == 1 { ("has", "it") } else { ("have", "them") };
         tell(&format!(

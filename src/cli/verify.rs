@@ -30,33 +30,34 @@ impl Verify {
         }
         let manifest = Manifest::read(&self.report).map_err(|error| Failure::input(error.to_string()))?;
         let root = self.root.clone().unwrap_or_else(|| root(&manifest, &self.report));
-        let mut found = manifest.verify(&self.report, &root)?;
-        found.contradictions = contradictions(&manifest, &self.report)
+        let mut verification = manifest.verify(&self.report, &root)?;
+        verification.contradictions = contradictions(&manifest, &self.report)
             .map_err(|error| Failure::input(format!("`{}` cannot be read: {error}", shown(&self.report))))?;
-        let status = if found.is_intact() { Status::Done } else { Status::CheckFailed };
+        let status = if verification.is_intact() { Status::Done } else { Status::CheckFailed };
         if self.json {
-            print_json(&found)?;
+            print_json(&verification)?;
             return Ok(status);
         }
         let lists = [
-            ("changed", &found.changed),
-            ("missing", &found.missing),
-            ("extra", &found.extra),
-            ("contradiction", &found.contradictions),
-            ("input changed", &found.changed_inputs),
-            ("input not here", &found.missing_inputs),
+            ("changed", &verification.changed),
+            ("missing", &verification.missing),
+            ("extra", &verification.extra),
+            ("contradiction", &verification.contradictions),
+            ("input changed", &verification.changed_inputs),
+            ("input not here", &verification.missing_inputs),
         ];
         let mut text = String::new();
         for (what, names) in lists {
             text.extend(names.iter().map(|name| format!("{what}: {}\n", escaped(name))));
         }
-        if let Some((theirs, ours)) = found.other_engine {
+        if let Some((theirs, ours)) = verification.other_engine {
             text.push_str(&format!(
                 "made by numeric engine {theirs}, this is {ours}: a new run may give other numbers\n"
             ));
         }
-        let verdict = if found.is_intact() { "the report is as it was written" } else { "the report was altered" };
-        print(&format!("{text}{} unchanged; {verdict}\n", counted(found.unchanged, "file")))?;
+        let verdict =
+            if verification.is_intact() { "the report is as it was written" } else { "the report was altered" };
+        print(&format!("{text}{} unchanged; {verdict}\n", counted(verification.unchanged, "file")))?;
         Ok(status)
     }
 }
@@ -66,6 +67,6 @@ impl Verify {
 fn root(manifest: &Manifest, report: &Path) -> PathBuf {
     let (report, here) = (whole(report), whole(Path::new("")));
     let holds = |folder: &&Path| manifest.inputs.keys().any(|input| folder.join(input).symlink_metadata().is_ok());
-    let found = report.ancestors().skip(1).chain(here.ancestors()).find(holds);
-    found.unwrap_or(&here).to_owned()
+    let holding_folder = report.ancestors().skip(1).chain(here.ancestors()).find(holds);
+    holding_folder.unwrap_or(&here).to_owned()
 }

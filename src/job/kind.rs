@@ -206,7 +206,7 @@ mod tests {
     fn every_kind_stands_once_and_is_found_by_its_name() {
         for (position, kind) in KINDS.iter().enumerate() {
             assert!(KINDS[..position].iter().all(|other| other.name() != kind.name()), "{} stands twice", kind.name());
-            assert_eq!(find(kind.name()).map(|found| found.name()), Some(kind.name()));
+            assert_eq!(find(kind.name()).map(|listed_kind| listed_kind.name()), Some(kind.name()));
         }
         assert!(find("discrepancy").is_none());
     }

@@ -84,9 +84,11 @@ impl Lab {
     /// An effect that has no place in the problem.
     pub fn new(spec: Spec, problem: Arc<Problem>) -> Result<Self, JobError> {
         if let Some(effect) = &spec.effect {
-            let known = problem.candidates.iter().any(|own| own.id == *effect || own.effect == *effect);
-            if !known {
-                let ids = problem.candidates.iter().flat_map(|own| [own.id.as_str(), own.effect.as_str()]);
+            let is_candidate =
+                problem.candidates.iter().any(|candidate| candidate.id == *effect || candidate.effect == *effect);
+            if !is_candidate {
+                let ids =
+                    problem.candidates.iter().flat_map(|candidate| [candidate.id.as_str(), candidate.effect.as_str()]);
                 let near =
                     suggest::nearest(effect, ids).map_or(String::new(), |near| format!("; the nearest is `{near}`"));
                 return Err(JobError::Failed(format!("`{effect}` is no effect with a place in this model{near}")));
@@ -101,8 +103,8 @@ impl Lab {
             let form = problem.catalogue.get(name).map(|effect| &effect.form.parameters);
             let first = form.and_then(|form| form.iter().find(|entry| !entry.value.shape));
             if let Some(entry) = first.filter(|entry| !entry.value.sign.allows(amplitude)) {
-                let (own, word) = (&entry.name, entry.value.sign.word());
-                return Err(JobError::Failed(format!("`{own}` of `{name}` is {word}; {amplitude} is not")));
+                let (parameter_name, word) = (&entry.name, entry.value.sign.word());
+                return Err(JobError::Failed(format!("`{parameter_name}` of `{name}` is {word}; {amplitude} is not")));
             }
         }
         Ok(Self { spec, ground: Ground::Own(problem) })
@@ -142,8 +144,8 @@ impl Job for Lab {
                 "priors": problem.priors,
                 "parameters": problem.parameters,
                 "input_errors": problem.input_errors,
-                "measurements": problem.measurements.iter().map(|own| own.identity()).collect::<Vec<_>>(),
-                "candidates": problem.candidates.iter().map(|own| own.id.as_str()).collect::<Vec<_>>(),
+                "measurements": problem.measurements.iter().map(|data| data.identity()).collect::<Vec<_>>(),
+                "candidates": problem.candidates.iter().map(|candidate| candidate.id.as_str()).collect::<Vec<_>>(),
                 "effects": effects(&problem.catalogue),
             }),
         }
@@ -206,9 +208,9 @@ fn rows(cases: &[Outcome]) -> Vec<Row> {
     });
     kinds.dedup();
     let row = |kind: (String, Option<f64>)| {
-        let own: Vec<&Outcome> = cases.iter().filter(|case| of(case).as_ref() == Some(&kind)).collect();
-        let truths: Vec<&Truth> = own.iter().filter_map(|case| case.truth.as_ref()).collect();
-        let trials = trials(own.iter().copied());
+        let kind_cases: Vec<&Outcome> = cases.iter().filter(|case| of(case).as_ref() == Some(&kind)).collect();
+        let truths: Vec<&Truth> = kind_cases.iter().filter_map(|case| case.truth.as_ref()).collect();
+        let trials = trials(kind_cases.iter().copied());
         let rate = |right: fn(&Trial) -> bool| (!trials.is_empty()).then(|| Rate::of(trials.iter().map(right)));
         Row {
             mean_size: truths.iter().map(|truth| truth.size).sum::<f64>() / truths.len().max(1) as f64,

@@ -144,8 +144,8 @@ pub trait Job: Send + Sync + Sized {
     fn memory_bytes(&self) -> u64 {
         0
     }
-    /// Whether no other stage follows this one, as far as is known when it begins: for the time left, which is not shown
-    /// of stages that nobody has counted yet.
+    /// Whether no other stage follows this one, as far as is known when it begins: for the time left, which is not
+    /// stated of stages that nobody has counted yet.
     fn is_last(&self, _state: &Self::State) -> bool {
         false
     }

@@ -103,8 +103,8 @@ pub fn ready(pass: &Pass) -> Vec<(String, Readiness)> {
     let cannot = made.iter().filter(|(_, readiness)| matches!(readiness, Readiness::Refused(_)));
     shared.refused.extend(cannot.map(|(name, _)| (*name).to_owned()));
     let mut take = |named: &NamedJob| {
-        let known = made.iter().position(|(name, _)| *name == named.name);
-        known.map_or_else(|| shared.readiness(named), |known| made.swap_remove(known).1)
+        let position = made.iter().position(|(name, _)| *name == named.name);
+        position.map_or_else(|| shared.readiness(named), |position| made.swap_remove(position).1)
     };
     pass.jobs.iter().map(|named| (named.name.clone(), take(named))).collect()
 }
@@ -136,16 +136,16 @@ pub fn filled(
     results: &mut std::slice::Iter<'_, Arc<Value>>,
 ) -> Result<Vec<PosteriorPrior>, JobError> {
     let missing = || JobError::Failed("a result is not there".to_owned());
-    let fill = |own: &PosteriorReference| match own.from {
-        None => Ok(own.draws.clone()),
-        Some(_) => Ok(own.draws.filled(results.next().ok_or_else(missing)?)?),
+    let fill = |reference: &PosteriorReference| match reference.from {
+        None => Ok(reference.draws.clone()),
+        Some(_) => Ok(reference.draws.filled(results.next().ok_or_else(missing)?)?),
     };
     draws.iter().map(fill).collect()
 }
 
 /// The draws as far as they are known before.
 pub fn unfilled(draws: &[PosteriorReference]) -> Vec<PosteriorPrior> {
-    draws.iter().map(|own| own.draws.clone()).collect()
+    draws.iter().map(|reference| reference.draws.clone()).collect()
 }
 
 /// A job that waits for the calibrations behind these draws; ready at once where they are of none.
@@ -157,7 +157,8 @@ pub fn after(
     known: Arc<dyn Runnable>,
     prepare: Prepare,
 ) -> Result<Readiness, JobError> {
-    let from: Vec<Upstream> = draws.iter().flat_map(|list| list.iter()).filter_map(|own| own.from.clone()).collect();
+    let from: Vec<Upstream> =
+        draws.iter().flat_map(|list| list.iter()).filter_map(|reference| reference.from.clone()).collect();
     if from.is_empty() { prepare(&[]).map(Readiness::Ready) } else { Ok(Readiness::after(from, known, prepare)) }
 }
 
@@ -168,10 +169,10 @@ impl<'p> Shared<'p> {
     }
 
     fn readiness(&self, named: &NamedJob) -> Readiness {
-        let own = self.pass.refused.iter().filter(|refused| refused.job == named.name);
-        let own: Vec<Diagnostic> = own.map(|refused| refused.diagnostic.clone()).collect();
+        let refusals = self.pass.refused.iter().filter(|refused| refused.job == named.name);
+        let diagnostics: Vec<Diagnostic> = refusals.map(|refused| refused.diagnostic.clone()).collect();
         match blocked(self.pass, &named.name) {
-            Some(_) if !own.is_empty() => Readiness::Refused(own),
+            Some(_) if !diagnostics.is_empty() => Readiness::Refused(diagnostics),
             Some(Blocked { reason, is_wrong: false }) => Readiness::NotRun(reason),
             Some(Blocked { reason, is_wrong: true }) => Readiness::Refused(vec![refusal(named, reason)]),
             None => self.made(named).unwrap_or_else(|error| Readiness::Refused(vec![refusal(named, error)])),

@@ -113,11 +113,11 @@ fn decoded<T: DeserializeOwned>(bytes: &[u8]) -> Result<(T, &[u8]), String> {
 /// The first number that is not finite and that its type needs: its place, with the names on the way, and its value.
 fn not_finite<T: Serialize + DeserializeOwned>(output: &T) -> Option<String> {
     let tree = Tree::serialized(output).ok()?;
-    let mut found = Vec::new();
-    search(&tree, &mut Vec::new(), &mut found);
+    let mut not_finite_places = Vec::new();
+    search(&tree, &mut Vec::new(), &mut not_finite_places);
     // With every other one finite, only the one that is missing can be what does not read back.
     let mut finite = tree.clone();
-    for (place, _) in &found {
+    for (place, _) in &not_finite_places {
         replace(&mut finite, place, Tree::Float(0.0));
     }
     let needed = |place: &[usize]| {
@@ -125,8 +125,8 @@ fn not_finite<T: Serialize + DeserializeOwned>(output: &T) -> Option<String> {
         replace(&mut alone, place, Tree::Null);
         alone.deserialized::<T>().is_err()
     };
-    let (place, value) = found.iter().find(|(place, _)| needed(place))?;
-    Some(format!("{}: {value}", place_name(&tree, place)))
+    let (place, value) = not_finite_places.iter().find(|(place, _)| needed(place))?;
+    Some(format!("{}: {value}", described(&tree, place)))
 }
 
 /// Places of all numbers that are not finite: positions among the children from the root on.
@@ -161,7 +161,7 @@ fn replace(tree: &mut Tree, place: &[usize], by: Tree) {
 }
 
 /// A place in words: `cases[0] (hot).quantities[1] (T).nominal`.
-fn place_name(tree: &Tree, place: &[usize]) -> String {
+fn described(tree: &Tree, place: &[usize]) -> String {
     let (mut text, mut at) = (String::new(), tree);
     for &position in place {
         match at {

@@ -87,7 +87,9 @@ pub fn assemble<'p>(
         model: &pass.model,
         priors: names.zip(pass.priors.iter().copied()).collect(),
         posterior_priors: (pass.posterior_priors.iter())
-            .flat_map(|own| own.draws.parameters.iter().map(|&index| (index, own.draws.source.clone())))
+            .flat_map(|reference| {
+                reference.draws.parameters.iter().map(|&index| (index, reference.draws.source.clone()))
+            })
             .map(|(index, source)| (pass.model.parameters[index].name.clone(), source))
             .collect(),
         requirements: pass.requirements.clone(),
@@ -110,7 +112,7 @@ pub fn assemble<'p>(
         engine_version: surroundings.engine_version,
         command: surroundings.command,
         warnings: (surroundings.warnings.into_iter())
-            .chain(pass.measurements.iter().flat_map(|own| own.doubts.iter().map(Doubt::in_words)))
+            .chain(pass.measurements.iter().flat_map(|measurement| measurement.doubts.iter().map(Doubt::in_words)))
             .collect(),
     })
 }

@@ -144,8 +144,8 @@ impl PassErrors {
 
     /// Whether there is an error to be stated.
     pub fn is_measured(&self) -> bool {
-        let known = |split: &Split| split.train.is_some() || split.held_out.is_some();
-        known(&self.rmse_k.delivered) || known(&self.rmse_k.tuned)
+        let is_stated = |split: &Split| split.train.is_some() || split.held_out.is_some();
+        is_stated(&self.rmse_k.delivered) || is_stated(&self.rmse_k.tuned)
     }
 }
 
@@ -167,11 +167,11 @@ impl History {
         let mut parent = pass.parent.as_deref();
         // As many steps as there are passes: a circle ends too.
         for _ in &self.passes {
-            let found = self.passes.iter().find(|other| Some(other.pass.as_str()) == parent)?;
-            if found.is_measured() {
-                return Some(found);
+            let earlier = self.passes.iter().find(|other| Some(other.pass.as_str()) == parent)?;
+            if earlier.is_measured() {
+                return Some(earlier);
             }
-            parent = found.parent.as_deref();
+            parent = earlier.parent.as_deref();
         }
         None
     }

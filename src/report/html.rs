@@ -155,7 +155,7 @@ impl<'a> Flat<'a> {
                     rows: (table.rows.iter())
                         .map(|row| {
                             let cells = row.iter().enumerate();
-                            cells.map(|(i, own)| cell(own, table.columns.get(i), stacks(table))).collect()
+                            cells.map(|(i, table_cell)| cell(table_cell, table.columns.get(i), stacks(table))).collect()
                         })
                         .collect(),
                 },

@@ -26,10 +26,10 @@ const LARGEST: u64 = 1 << 30;
 impl RenderedReport {
     /// The files of the report by their path in its folder.
     pub fn files(&self) -> BTreeMap<String, &str> {
-        let own = [("report.md", &self.markdown), ("report.html", &self.html), (RESULTS, &self.results_json)];
-        let own = own.into_iter().map(|(name, text)| (name.to_owned(), text.as_str()));
+        let texts = [("report.md", &self.markdown), ("report.html", &self.html), (RESULTS, &self.results_json)];
+        let texts = texts.into_iter().map(|(name, text)| (name.to_owned(), text.as_str()));
         let plots = self.figures.iter().map(|(name, svg)| (format!("plots/{name}.svg"), svg.as_str()));
-        own.chain(plots).collect()
+        texts.chain(plots).collect()
     }
 
     /// The report with its seal; `origin` is the hash of where it comes from, [`Manifest::origin_sha256`].
@@ -63,14 +63,14 @@ fn hash_of_list(files: impl Iterator<Item = (String, String)>) -> String {
 /// # Errors
 /// What the system says of a file that is there.
 pub fn contradictions(manifest: &Manifest, folder: &Path) -> std::io::Result<Vec<String>> {
-    let mut found = Vec::new();
+    let mut contradictions = Vec::new();
     for name in SEALED.into_iter().chain([RESULTS]) {
         if !manifest.outputs.contains_key(name) {
-            found.push(format!("{} lists no {name}", manifest::FILE_NAME));
+            contradictions.push(format!("{} lists no {name}", manifest::FILE_NAME));
         }
     }
     if manifest.inputs.is_empty() {
-        found.push(format!("{} lists no file of a study", manifest::FILE_NAME));
+        contradictions.push(format!("{} lists no file of a study", manifest::FILE_NAME));
     }
     let origin = manifest.origin_sha256().map_err(std::io::Error::other)?;
     let files = manifest.outputs.iter().map(|(name, record)| (name.clone(), record.sha256.to_string()));
@@ -79,22 +79,22 @@ pub fn contradictions(manifest: &Manifest, folder: &Path) -> std::io::Result<Vec
         let Some(text) = read(&folder.join(name))? else { continue };
         let sealed = text.strip_suffix('\n').unwrap_or(&text).rfind('\n').map(|end| text.split_at(end + 1));
         let Some((above, seal)) = sealed.filter(|(_, seal)| seal.starts_with(&format!("<!-- {FORMAT} "))) else {
-            found.push(format!("{name} has no seal: it was altered, or rendered by an earlier version"));
+            contradictions.push(format!("{name} has no seal: it was altered, or rendered by an earlier version"));
             continue;
         };
-        let own = sha256_hex(above.as_bytes());
-        let whole = line([origin.as_str(), &files, &own]);
+        let hash_above = sha256_hex(above.as_bytes());
+        let whole = line([origin.as_str(), &files, &hash_above]);
         if seal != whole {
-            let parts = seal.split(' ').zip(whole.split(' ')).filter(|(found, expected)| found != expected);
+            let parts = seal.split(' ').zip(whole.split(' ')).filter(|(sealed_part, expected)| sealed_part != expected);
             let parts: Vec<&str> = parts.filter_map(|(_, expected)| meaning(expected)).collect();
             let parts = if parts.is_empty() { "another line".to_owned() } else { parts.join(", ") };
-            found.push(format!("the seal of {name} is that of {parts}"));
+            contradictions.push(format!("the seal of {name} is that of {parts}"));
         }
     }
     if let Some(text) = read(&folder.join(RESULTS))? {
-        found.extend(results(manifest, &text));
+        contradictions.extend(results(manifest, &text));
     }
-    Ok(found)
+    Ok(contradictions)
 }
 
 /// Of what another part of a seal speaks.
@@ -115,7 +115,7 @@ fn results(manifest: &Manifest, text: &str) -> Vec<String> {
     };
     // Other passes' jobs stand behind the history only.
     let pass = whole.get("pass").and_then(Value::as_str).unwrap_or_default();
-    let mut own: BTreeMap<&str, _> = manifest
+    let mut pass_jobs: BTreeMap<&str, _> = manifest
         .jobs
         .iter()
         .filter_map(|(id, job)| {
@@ -123,24 +123,25 @@ fn results(manifest: &Manifest, text: &str) -> Vec<String> {
             (path.rsplit('/').next() == Some(pass)).then_some((name, job))
         })
         .collect();
-    let mut found = Vec::new();
+    let mut contradictions = Vec::new();
     for (name, job) in whole.get("jobs").and_then(Value::as_object).into_iter().flatten() {
-        let Some(record) = own.remove(name.as_str()) else {
-            found.push(format!("{} does not list the job `{name}` of {RESULTS}", manifest::FILE_NAME));
+        let Some(record) = pass_jobs.remove(name.as_str()) else {
+            contradictions.push(format!("{} does not list the job `{name}` of {RESULTS}", manifest::FILE_NAME));
             continue;
         };
         let says = |field: &str| job.get(field).and_then(Value::as_str);
         if says("key") != Some(record.key.as_str()) || says("kind") != Some(&record.kind) {
-            found.push(format!("the job `{name}` has another key in {RESULTS} than in {}", manifest::FILE_NAME));
+            contradictions
+                .push(format!("the job `{name}` has another key in {RESULTS} than in {}", manifest::FILE_NAME));
         }
         let output = job.get("output").and_then(|output| canonical(output).ok());
         if output.is_none_or(|text| sha256_hex(text.as_bytes()) != record.result_sha256.as_str()) {
             let file = manifest::FILE_NAME;
-            found.push(format!("the result of `{name}` in {RESULTS} has not the hash that {file} lists"));
+            contradictions.push(format!("the result of `{name}` in {RESULTS} has not the hash that {file} lists"));
         }
     }
-    found.extend(own.into_keys().map(|name| format!("{RESULTS} lacks the job `{name}`")));
-    found
+    contradictions.extend(pass_jobs.into_keys().map(|name| format!("{RESULTS} lacks the job `{name}`")));
+    contradictions
 }
 
 /// A file's text; nothing where that is missing or no regular file, which the verification tells by itself.

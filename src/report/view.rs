@@ -128,7 +128,7 @@ impl PassReport<'_> {
     /// Whether a measurement is one of steady phases; from its rows where it is not at hand.
     pub fn is_steady(&self, measurement: &str, rows: &[compare::Row]) -> bool {
         match self.measurements.iter().find(|m| m.name == measurement) {
-            Some(found) => matches!(found.rows, Rows::Steady(_)),
+            Some(measurement) => matches!(measurement.rows, Rows::Steady(_)),
             None => rows.iter().filter(|r| r.measurement == measurement).all(|r| r.time_s.is_none()),
         }
     }

@@ -76,9 +76,9 @@ mod tests {
         archive(study.path(), &inside, &result).unwrap();
         assert_eq!(compare(&path, &result).unwrap(), Some(Vec::new()));
         let drifted = json!({"mean": 0.3, "count": u64::MAX, "whole": 2});
-        let found = compare(&path, &drifted).unwrap().unwrap();
-        assert_eq!(found.len(), 1, "the last bit counts");
-        assert_eq!(found[0].path, "mean");
+        let differences = compare(&path, &drifted).unwrap().unwrap();
+        assert_eq!(differences.len(), 1, "the last bit counts");
+        assert_eq!(differences[0].path, "mean");
     }
 
     #[test]

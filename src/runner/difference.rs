@@ -39,9 +39,9 @@ impl fmt::Display for Difference {
 /// All places at which two values differ, from top to bottom. Numbers are equal if they are the same number, however
 /// written (2 and 2.0).
 pub fn differences(before: &Value, after: &Value) -> Vec<Difference> {
-    let mut found = Vec::new();
-    compare("", Some(before), Some(after), &mut found);
-    found
+    let mut differences = Vec::new();
+    compare("", Some(before), Some(after), &mut differences);
+    differences
 }
 
 fn compare(path: &str, before: Option<&Value>, after: Option<&Value>, found: &mut Vec<Difference>) {
@@ -97,8 +97,8 @@ mod tests {
 
     #[test]
     fn a_whole_that_differs_and_long_values_read_well() {
-        let found = differences(&json!("x".repeat(100)), &json!([]));
-        assert_eq!(found[0].to_string(), format!("everything: \"{}... -> []", "x".repeat(56)));
+        let differences = differences(&json!("x".repeat(100)), &json!([]));
+        assert_eq!(differences[0].to_string(), format!("everything: \"{}... -> []", "x".repeat(56)));
     }
 
     #[test]

@@ -63,7 +63,7 @@ pub enum Event {
         /// Name of the object.
         object: Key,
     },
-    /// What was computed cannot be stored; the run goes on without. Told once a run.
+    /// What was computed cannot be stored; the run goes on without. Reported once a run.
     NotStored {
         /// Why.
         reason: String,

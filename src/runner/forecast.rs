@@ -8,7 +8,7 @@
 use super::progress::duration_text;
 
 /// A block's share of its work from which its time is carried on.
-const SHARE_TOLD: f64 = 0.05;
+const LEAST_SHARE: f64 = 0.05;
 /// A forecast from fewer blocks that ended, for each that runs at once, is none.
 const ENDS_PER_THREAD: usize = 2;
 
@@ -63,21 +63,21 @@ pub fn left(seen: &Seen) -> Left {
     let threads = seen.threads.max(1);
     // How long each block that runs still takes, where that follows from itself.
     let carried = |block: &RunningBlock| {
-        (block.share >= SHARE_TOLD).then(|| block.elapsed_s * (1.0 - block.share.min(1.0)) / block.share.min(1.0))
+        (block.share >= LEAST_SHARE).then(|| block.elapsed_s * (1.0 - block.share.min(1.0)) / block.share.min(1.0))
     };
     let projected = seen.running.iter().filter_map(|block| Some(block.elapsed_s + carried(block)?));
-    let known: Vec<f64> = seen.ended_s.iter().copied().chain(projected).collect();
+    let block_times_s: Vec<f64> = seen.ended_s.iter().copied().chain(projected).collect();
     if seen.running.is_empty() && seen.waiting == 0 {
         return Left::Unknown;
     }
-    let is_told = seen.running.iter().all(|block| carried(block).is_some());
+    let is_projected = seen.running.iter().all(|block| carried(block).is_some());
     let at_once = threads.min(seen.ended_s.len() + seen.running.len() + seen.waiting);
-    if (seen.waiting > 0 || !is_told) && seen.ended_s.len() < ENDS_PER_THREAD * at_once {
+    if (seen.waiting > 0 || !is_projected) && seen.ended_s.len() < ENDS_PER_THREAD * at_once {
         // Too few have ended to speak for those that do not speak for themselves.
         let running_s = seen.running.iter().filter_map(carried).fold(0.0, f64::max);
         return if running_s > 0.0 { Left::AtLeast(running_s) } else { Left::Unknown };
     }
-    let mean_s = known.iter().sum::<f64>() / known.len().max(1) as f64;
+    let mean_s = block_times_s.iter().sum::<f64>() / block_times_s.len().max(1) as f64;
     // When each thread is free; what waits goes to the one that is free first.
     let mut free_s: Vec<f64> = seen
         .running
@@ -103,8 +103,8 @@ pub fn left(seen: &Seen) -> Left {
 mod tests {
     use super::*;
 
-    /// A block of a recorded run: when it began and ended after the stage did, s, and whether it reported its share, which then
-    /// grows evenly.
+    /// A block of a recorded run: when it began and ended after the stage did, s, and whether it reported its share,
+    /// which then grows evenly.
     type Recorded = (f64, f64, bool);
 
     /// What was seen of a recorded stage at an instant.
@@ -174,8 +174,8 @@ mod tests {
     #[test]
     fn one_block_alone_is_known_by_its_share_only() {
         assert_eq!(left(&seen(&[(0.0, 50.0, false)], 2, true, 20.0)), Left::Unknown);
-        let forecast = left(&seen(&[(0.0, 50.0, true)], 2, true, 20.0));
-        assert!(matches!(forecast, Left::About(left_s) if (left_s - 30.0).abs() < 1e-9), "{forecast:?}");
+        let time_left = left(&seen(&[(0.0, 50.0, true)], 2, true, 20.0));
+        assert!(matches!(time_left, Left::About(left_s) if (left_s - 30.0).abs() < 1e-9), "{time_left:?}");
         assert_eq!(left(&seen(&[(0.0, 50.0, true)], 2, true, 1.0)), Left::Unknown, "too early");
         assert_eq!(left(&Seen { threads: 2, is_last: true, ..Seen::default() }), Left::Unknown, "not begun");
     }

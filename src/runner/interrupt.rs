@@ -31,8 +31,8 @@ impl Interrupts {
     pub fn catch(status: i32) -> Result<Self, RunnerError> {
         let refused = |error: std::io::Error| RunnerError::Threads { threads: 1, reason: error.to_string() };
         let mut signals = Signals::new([SIGINT, SIGTERM]).map_err(refused)?;
-        let own = Self { stop: StopFlag::default(), is_running: Arc::default() };
-        let Self { stop, is_running } = own.clone();
+        let interrupt = Self { stop: StopFlag::default(), is_running: Arc::default() };
+        let Self { stop, is_running } = interrupt.clone();
         let wait = move || {
             for _ in signals.forever() {
                 if stop.is_stopped() || !is_running.load(Ordering::SeqCst) {
@@ -48,7 +48,7 @@ impl Interrupts {
             }
         };
         std::thread::Builder::new().name("signals".to_owned()).spawn(wait).map_err(refused)?;
-        Ok(own)
+        Ok(interrupt)
     }
 
     /// Runs what looks at the flag: meanwhile a signal raises it.

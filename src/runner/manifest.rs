@@ -178,17 +178,17 @@ impl Manifest {
     /// # Errors
     /// [`RunnerError::File`] if the folder cannot be listed, or a file is there and cannot be read.
     pub fn verify(&self, folder: &Path, root: &Path) -> Result<Verification, RunnerError> {
-        let mut found = Verification::default();
+        let mut verification = Verification::default();
         if self.engine_version != ENGINE_VERSION {
-            found.other_engine = Some((self.engine_version, ENGINE_VERSION));
+            verification.other_engine = Some((self.engine_version, ENGINE_VERSION));
         }
-        let outputs = (&self.outputs, folder, false, &mut found.changed, &mut found.missing);
-        let inputs = (&self.inputs, root, true, &mut found.changed_inputs, &mut found.missing_inputs);
+        let outputs = (&self.outputs, folder, false, &mut verification.changed, &mut verification.missing);
+        let inputs = (&self.inputs, root, true, &mut verification.changed_inputs, &mut verification.missing_inputs);
         for (records, base, follows, changed, missing) in [outputs, inputs] {
             for (name, record) in records {
                 let path = base.join(name);
                 match is_as_recorded(&path, record, follows) {
-                    Ok(true) => found.unchanged += 1,
+                    Ok(true) => verification.unchanged += 1,
                     Ok(false) => changed.push(name.clone()),
                     Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
                         missing.push(name.clone());
@@ -198,8 +198,8 @@ impl Manifest {
             }
         }
         let present: BTreeSet<String> = files(folder)?.into_keys().collect();
-        found.extra = present.into_iter().filter(|name| !self.outputs.contains_key(name)).collect();
-        Ok(found)
+        verification.extra = present.into_iter().filter(|name| !self.outputs.contains_key(name)).collect();
+        Ok(verification)
     }
 }
 
@@ -293,9 +293,9 @@ mod tests {
         let (root, manifest) = report();
         assert_eq!(Manifest::read(&root.path().join("reports")).unwrap(), manifest);
         assert_eq!(manifest.outputs.keys().collect::<Vec<_>>(), ["plots/a.svg", "report.md"]);
-        let found = verify(root.path());
-        assert!(found.is_intact());
-        assert_eq!(found, Verification { unchanged: 3, ..Verification::default() });
+        let verification = verify(root.path());
+        assert!(verification.is_intact());
+        assert_eq!(verification, Verification { unchanged: 3, ..Verification::default() });
     }
 
     #[test]
@@ -305,22 +305,22 @@ mod tests {
         fs::remove_file(root.path().join("reports/plots/a.svg")).unwrap();
         fs::write(root.path().join("reports/plots/b.svg"), "<svg/>").unwrap();
         fs::write(root.path().join("model.json"), "{ }").unwrap();
-        let found = verify(root.path());
-        assert!(!found.is_intact());
-        assert_eq!(found.changed, ["report.md"]);
-        assert_eq!(found.missing, ["plots/a.svg"]);
-        assert_eq!(found.extra, ["plots/b.svg"]);
-        assert_eq!(found.changed_inputs, ["model.json"]);
-        assert_eq!(found.unchanged, 0);
+        let verification = verify(root.path());
+        assert!(!verification.is_intact());
+        assert_eq!(verification.changed, ["report.md"]);
+        assert_eq!(verification.missing, ["plots/a.svg"]);
+        assert_eq!(verification.extra, ["plots/b.svg"]);
+        assert_eq!(verification.changed_inputs, ["model.json"]);
+        assert_eq!(verification.unchanged, 0);
     }
 
     #[test]
     fn missing_data_are_told_and_leave_the_report_intact() {
         let (root, _) = report();
         fs::remove_file(root.path().join("model.json")).unwrap();
-        let found = verify(root.path());
-        assert_eq!(found.missing_inputs, ["model.json"]);
-        assert!(found.is_intact());
+        let verification = verify(root.path());
+        assert_eq!(verification.missing_inputs, ["model.json"]);
+        assert!(verification.is_intact());
     }
 
     #[test]
@@ -368,9 +368,9 @@ mod tests {
         fs::copy(folder.join("plots/a.svg"), root.path().join("a.svg")).unwrap();
         fs::remove_file(folder.join("plots/a.svg")).unwrap();
         std::os::unix::fs::symlink("../../a.svg", folder.join("plots/a.svg")).unwrap();
-        let found = verify(root.path());
-        assert_eq!(found.changed, ["plots/a.svg", "report.md"]);
-        assert_eq!(found.changed_inputs, ["model.json"]);
+        let verification = verify(root.path());
+        assert_eq!(verification.changed, ["plots/a.svg", "report.md"]);
+        assert_eq!(verification.changed_inputs, ["model.json"]);
         fs::remove_file(folder.join(FILE_NAME)).unwrap();
         assert!(std::process::Command::new("mkfifo").arg(folder.join(FILE_NAME)).status().unwrap().success());
         assert!(Manifest::read(&folder).unwrap_err().to_string().contains("is no regular file"));

@@ -141,10 +141,10 @@ impl Shown {
                 self.line(&format!("warning: not all results are kept in the cache: {reason}"));
             }
             Event::JobFinished { job, blocks_run, blocks_cached, .. } => {
-                let found = if *blocks_cached > 0 { format!(", {blocks_cached} found") } else { String::new() };
+                let cached_clause = if *blocks_cached > 0 { format!(", {blocks_cached} found") } else { String::new() };
                 let elapsed_s = self.close(job);
                 let blocks = counted(*blocks_run as u64, "block");
-                self.line(&format!("{job}: done in {} ({blocks} run{found})", duration_text(elapsed_s)));
+                self.line(&format!("{job}: done in {} ({blocks} run{cached_clause})", duration_text(elapsed_s)));
             }
             Event::JobCached { job, .. } => {
                 self.close(job);

@@ -50,14 +50,15 @@ impl PosteriorReference {
 
 /// Draws that stand in for priors of the parameters that a job infers.
 pub fn draws_among(pass: &Pass, parameters: &[usize]) -> Vec<PosteriorReference> {
-    let used = |own: &&PosteriorReference| own.draws.parameters.iter().any(|index| parameters.contains(index));
+    let used =
+        |reference: &&PosteriorReference| reference.draws.parameters.iter().any(|index| parameters.contains(index));
     pass.posterior_priors.iter().filter(used).cloned().collect()
 }
 
 /// Why a job that takes independent distributions as priors does not run where some are draws.
 pub fn by_draws(pass: &Pass) -> Option<Blocked> {
-    let own = pass.posterior_priors.first()?;
-    let names = suggest::listed(own.draws.names.iter().map(String::as_str), NAMED);
-    let source = &own.draws.source;
+    let reference = pass.posterior_priors.first()?;
+    let names = suggest::listed(reference.draws.names.iter().map(String::as_str), NAMED);
+    let source = &reference.draws.source;
     Some(Blocked::wrong(format!("it takes independent distributions as priors, and {names} has the draws of {source}")))
 }

@@ -37,16 +37,17 @@ pub fn changed(before: &Pass, after: &Pass) -> Result<Vec<ChangedEntry>, Diagnos
     let mut diagnostics = Diagnostics::new();
     let trees = [before, after].map(|pass| trees(pass, &mut diagnostics));
     let [Some([old_model, old_pass]), Some([new_model, new_pass])] = trees else { return Err(diagnostics) };
-    let mut found = Vec::new();
-    walk("", Some(&old_model), Some(&new_model), &mut found);
+    let mut changed_entries = Vec::new();
+    walk("", Some(&old_model), Some(&new_model), &mut changed_entries);
     let old = without_words(old_pass);
     let new = without_words(new_pass);
-    walk("", Some(&old), Some(&new), &mut found);
+    walk("", Some(&old), Some(&new), &mut changed_entries);
     for measurement in &after.measurements {
         let other = before.measurements.iter().find(|other| other.name == measurement.name);
-        let is_told = found.iter().any(|one| one.entry.starts_with(&format!("measurements.{}", measurement.name)));
-        if !is_told && other.is_some_and(|other| other.identity() != measurement.identity()) {
-            found.push(ChangedEntry {
+        let is_listed =
+            changed_entries.iter().any(|one| one.entry.starts_with(&format!("measurements.{}", measurement.name)));
+        if !is_listed && other.is_some_and(|other| other.identity() != measurement.identity()) {
+            changed_entries.push(ChangedEntry {
                 at: after.folder.join(&after.file).display().to_string(),
                 entry: format!("measurements.{}", measurement.name),
                 before: Some("the readings of its file".to_owned()),
@@ -54,7 +55,7 @@ pub fn changed(before: &Pass, after: &Pass) -> Result<Vec<ChangedEntry>, Diagnos
             });
         }
     }
-    Ok(found)
+    Ok(changed_entries)
 }
 
 /// A pass's model and the pass with what it inherits.
@@ -184,10 +185,10 @@ mod tests {
         let mut diagnostics = Diagnostics::new();
         let mut tree = |name: &str, text: &str| json::parse(&Source::new(name, text), &mut diagnostics).expect("JSON");
         let (before, after) = (tree("a.json", before), tree("b.json", after));
-        let mut found = Vec::new();
-        walk("", Some(&without_words(before)), Some(&without_words(after)), &mut found);
+        let mut changed_entries = Vec::new();
+        walk("", Some(&without_words(before)), Some(&without_words(after)), &mut changed_entries);
         let text = |value: Option<String>| value.unwrap_or_else(|| "-".to_owned());
-        found
+        changed_entries
             .into_iter()
             .map(|one| format!("{} {}: {} | {}", one.at, one.entry, text(one.before), text(one.after)))
             .collect()

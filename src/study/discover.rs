@@ -45,11 +45,11 @@ pub enum DiscoverError {
 /// # Errors
 /// A path that does not exist or has no pass under it.
 pub fn discover(paths: &[PathBuf]) -> Result<Vec<Found>, DiscoverError> {
-    let mut found: Vec<Found> = Vec::new();
+    let mut studies: Vec<Found> = Vec::new();
     for path in paths {
         let shown = path.display().to_string();
         if path.is_dir() {
-            let before = found.len();
+            let before = studies.len();
             let visible = |entry: &walkdir::DirEntry| {
                 let name = entry.file_name().to_string_lossy();
                 entry.depth() == 0 || !(name.starts_with('.') || name == "target")
@@ -59,11 +59,11 @@ pub fn discover(paths: &[PathBuf]) -> Result<Vec<Found>, DiscoverError> {
                     let passes = passes(entry.path());
                     if !passes.is_empty() {
                         let passes = passes.iter().map(|pass| plain(pass)).collect();
-                        found.push(Found { folder: plain(entry.path()), passes });
+                        studies.push(Found { folder: plain(entry.path()), passes });
                     }
                 }
             }
-            if found.len() == before {
+            if studies.len() == before {
                 return Err(DiscoverError::NoPass { path: shown });
             }
         } else if path.is_file() {
@@ -71,19 +71,19 @@ pub fn discover(paths: &[PathBuf]) -> Result<Vec<Found>, DiscoverError> {
                 return Err(DiscoverError::NotAPass { path: shown });
             }
             let folder = path.parent().map_or_else(PathBuf::new, plain);
-            found.push(Found { folder, passes: vec![plain(path)] });
+            studies.push(Found { folder, passes: vec![plain(path)] });
         } else {
             return Err(DiscoverError::Missing { path: path.clone() });
         }
     }
-    found.sort_by(|a, b| a.folder.cmp(&b.folder));
+    studies.sort_by(|a, b| a.folder.cmp(&b.folder));
     let mut merged: Vec<(PathBuf, Found)> = Vec::new();
-    for study in found {
+    for study in studies {
         let place = whole(&study.folder);
-        match merged.iter_mut().find(|(known, _)| *known == place) {
-            Some((_, known)) => {
+        match merged.iter_mut().find(|(merged_place, _)| *merged_place == place) {
+            Some((_, merged_study)) => {
                 let names = study.passes.iter().filter_map(|pass| pass.file_name());
-                known.passes.extend(names.map(|name| known.folder.join(name)));
+                merged_study.passes.extend(names.map(|name| merged_study.folder.join(name)));
             }
             None => merged.push((place, study)),
         }
@@ -148,9 +148,9 @@ mod tests {
             "target/pass-1.json",
             "c/model.json",
         ]);
-        let found = discover(&[root.path().to_owned()]).expect("found");
+        let studies = discover(&[root.path().to_owned()]).expect("found");
         assert_eq!(
-            names(root.path(), &found),
+            names(root.path(), &studies),
             ["a/deep/pass-1.json", "b/pass-1.json", "b/pass-2.json", "b/pass-10.json"]
         );
     }
@@ -169,8 +169,8 @@ mod tests {
     fn other_spellings_of_a_path_are_the_same_study() {
         let root = tree(&["b/pass-1.json", "b/pass-2.json", "b/data/x.csv"]);
         let spellings = ["b", "./b/", "b/./pass-1.json", "b/data/../pass-1.json"].map(|path| root.path().join(path));
-        let found = discover(&spellings).expect("found");
-        assert_eq!(names(root.path(), &found), ["b/pass-1.json", "b/pass-2.json"]);
+        let studies = discover(&spellings).expect("found");
+        assert_eq!(names(root.path(), &studies), ["b/pass-1.json", "b/pass-2.json"]);
         assert_eq!(plain(Path::new("./a/./b/")), Path::new("a/b"));
         assert_eq!(plain(Path::new("./pass-1.json")), Path::new("pass-1.json"));
     }

@@ -241,9 +241,9 @@ mod tests {
         sparse.set_len(6 << 30).expect("sized");
         let folder = Folder::open(inside.path()).expect("opened");
         let limits = [(folder.read("a.csv"), json::SIZE), (folder.read_table("a.csv"), TABLE_SIZE)];
-        for (read, own) in limits {
+        for (read, most) in limits {
             assert!(
-                matches!(read, Err(FolderError::TooLarge { limit, bytes, .. }) if limit == own && bytes == 6 << 30)
+                matches!(read, Err(FolderError::TooLarge { limit, bytes, .. }) if limit == most && bytes == 6 << 30)
             );
         }
         sparse.set_len(json::SIZE as u64 + 1).expect("sized");

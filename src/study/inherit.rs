@@ -50,9 +50,9 @@ pub fn lineage(
     name: &str,
     diagnostics: &mut Diagnostics,
 ) -> Result<Option<Lineage>, FolderError> {
-    let own = reader.tree(folder, name)?;
-    diagnostics.extend(&own.diagnostics);
-    let Some(tree) = own.tree else { return Ok(None) };
+    let parsed = reader.tree(folder, name)?;
+    diagnostics.extend(&parsed.diagnostics);
+    let Some(tree) = parsed.tree else { return Ok(None) };
     let mut files = vec![PassFile { name: plain_name(name), tree }];
     while let Some(next) = parent(reader, folder, &files, diagnostics) {
         files.push(next);
@@ -172,11 +172,11 @@ fn overlay(before: Option<&Node>, section: &str, own: &Node, diagnostics: &mut D
         Some(_) | None => Vec::new(),
     };
     // Keys of a section are unique, so that places stay as they are until the end.
-    let known: HashMap<String, usize> =
+    let positions: HashMap<String, usize> =
         entries.iter().enumerate().map(|(position, entry)| (entry.key.clone(), position)).collect();
     let mut removed = Vec::new();
     for entry in new {
-        match (known.get(&entry.key).copied(), &entry.node.value) {
+        match (positions.get(&entry.key).copied(), &entry.node.value) {
             (Some(position), Value::Null) => removed.push(position),
             (Some(position), _) => entries[position] = entry.clone(),
             (None, Value::Null) => {

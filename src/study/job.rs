@@ -237,12 +237,12 @@ impl Kinds {
     ) -> Vec<NamedJob> {
         let mut jobs: Vec<(usize, NamedJob)> = Vec::new();
         for is_after_others in [false, true] {
-            let known: Vec<NamedJob> = jobs.iter().map(|(_, job)| job.clone()).collect();
-            for (position, own) in forms.0.iter().enumerate() {
-                if own.kind.is_after_others() == is_after_others {
-                    let mut asked = Asked { offered, forms, jobs: &known, upstreams };
-                    let spec = own.form.resolve(scope, &own.entry, &mut asked);
-                    let Entry { name, name_place, .. } = &own.entry;
+            let resolved_jobs: Vec<NamedJob> = jobs.iter().map(|(_, job)| job.clone()).collect();
+            for (position, job_form) in forms.0.iter().enumerate() {
+                if job_form.kind.is_after_others() == is_after_others {
+                    let mut asked = Asked { offered, forms, jobs: &resolved_jobs, upstreams };
+                    let spec = job_form.form.resolve(scope, &job_form.entry, &mut asked);
+                    let Entry { name, name_place, .. } = &job_form.entry;
                     let named = |spec| NamedJob { name: name.clone(), place: name_place.clone(), spec };
                     jobs.extend(spec.map(|spec| (position, named(spec))));
                 }
@@ -283,23 +283,23 @@ struct NamedForm {
 impl Forms {
     /// Where each job is asked for.
     pub(super) fn entries(&self) -> impl Iterator<Item = &Entry> {
-        self.0.iter().map(|own| &own.entry)
+        self.0.iter().map(|job_form| &job_form.entry)
     }
 
     /// The kind of the job of this name.
     pub fn kind(&self, name: &str) -> Option<&'static str> {
-        self.0.iter().find(|own| own.entry.name == name).map(|own| own.kind.name())
+        self.0.iter().find(|job_form| job_form.entry.name == name).map(|job_form| job_form.kind.name())
     }
 
     /// Names of the jobs of a kind.
     pub fn of_kind(&self, kind: &str) -> Vec<&str> {
-        let own = self.0.iter().filter(|own| own.kind.name() == kind);
-        own.map(|own| own.entry.name.as_str()).collect()
+        let forms_of_kind = self.0.iter().filter(|job_form| job_form.kind.name() == kind);
+        forms_of_kind.map(|job_form| job_form.entry.name.as_str()).collect()
     }
 
     /// The settings of the job of this name, where they are of this type.
     pub fn get<T: Form>(&self, name: &str) -> Option<&T> {
-        let form: &dyn Any = self.0.iter().find(|own| own.entry.name == name)?.form.as_ref();
+        let form: &dyn Any = self.0.iter().find(|job_form| job_form.entry.name == name)?.form.as_ref();
         form.downcast_ref()
     }
 }

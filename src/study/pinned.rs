@@ -199,9 +199,9 @@ fn get_with(
 ) -> Result<Obtained, PinnedError> {
     match verify(folder, pinned)? {
         State::Good => return Ok(Obtained::AlreadyThere),
-        State::Other { sha256: found } => {
+        State::Other { sha256: actual_sha256 } => {
             let (file, sha256) = (pinned.file.clone(), pinned.sha256.clone());
-            return Err(PinnedError::Other { file, found, pinned: sha256 });
+            return Err(PinnedError::Other { file, found: actual_sha256, pinned: sha256 });
         }
         State::Absent => {}
     }
@@ -215,13 +215,13 @@ fn get_with(
         reason: error.to_string(),
     };
     let draft = || Draft::new(folder.root(), Path::new(&plain_name(&pinned.file))).map_err(unwritable);
-    if let Some(found) = from.folders.iter().find_map(|root| search(root, pinned)) {
-        let mut file = std::fs::File::open(&found).map_err(unwritable)?;
+    if let Some(same_file) = from.folders.iter().find_map(|root| search(root, pinned)) {
+        let mut file = std::fs::File::open(&same_file).map_err(unwritable)?;
         let arrived = arrive(&mut file, u64::MAX, draft()?).map_err(unwritable)?;
         // The file may have changed since it was hashed.
         if arrived.sha256 == pinned.sha256 {
             arrived.keep().map_err(unwritable)?;
-            return Ok(Obtained::Copied(found));
+            return Ok(Obtained::Copied(same_file));
         }
     }
     let Some(origin) = &pinned.origin else {
@@ -244,8 +244,8 @@ fn get_with(
             return Err(PinnedError::TooLarge { origin: origin.clone(), limit });
         }
         if arrived.sha256 != pinned.sha256 {
-            let (found, sha256) = (arrived.sha256.clone(), pinned.sha256.clone());
-            return Err(PinnedError::WrongHash { origin: origin.clone(), found, pinned: sha256 });
+            let (arrived_sha256, sha256) = (arrived.sha256.clone(), pinned.sha256.clone());
+            return Err(PinnedError::WrongHash { origin: origin.clone(), found: arrived_sha256, pinned: sha256 });
         }
         arrived.keep().map_err(unwritable)?;
         return Ok(Obtained::Fetched(origin.clone()));
@@ -265,7 +265,7 @@ fn allowed(address: &str, internal: bool, resolve: &Resolve) -> Result<Option<St
         reason: format!("`{}` has no address: {error}", origin.host),
     })?;
     match addresses.iter().find(|address| is_internal(**address)) {
-        Some(found) => Err(PinnedError::Internal { origin: address.to_owned(), address: *found }),
+        Some(internal_address) => Err(PinnedError::Internal { origin: address.to_owned(), address: *internal_address }),
         None => Ok(origin.pin(&addresses)),
     }
 }

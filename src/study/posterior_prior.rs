@@ -84,24 +84,25 @@ impl PosteriorPrior {
     /// A result without draws of these parameters.
     pub fn filled(&self, result: &Value) -> Result<Self, PosteriorError> {
         let failed = |reason: String| PosteriorError(format!("the posterior of {}: {reason}", self.source));
-        let found = Calibrated::deserialize(result).map_err(|error| failed(error.to_string()))?;
+        let calibrated = Calibrated::deserialize(result).map_err(|error| failed(error.to_string()))?;
         let mut columns = Vec::new();
-        let mut effective = found.draws.values.len() as f64;
+        let mut effective = calibrated.draws.values.len() as f64;
         for name in &self.names {
-            let column = found.order.iter().position(|known| known == name);
+            let column = calibrated.order.iter().position(|inferred_name| inferred_name == name);
             columns.push(column.ok_or_else(|| failed(format!("`{name}` was not inferred")))?);
-            let own = found.parameters.get(name).map(|own| [own.ess_bulk, own.ess_tail]);
+            let effective_sizes = calibrated.parameters.get(name).map(|summary| [summary.ess_bulk, summary.ess_tail]);
             // Where it has no value the draws do not vary: nothing is known of their number.
-            effective = own.into_iter().flatten().fold(effective, |least, ess| least.min(ess.unwrap_or(1.0)));
+            effective =
+                effective_sizes.into_iter().flatten().fold(effective, |least, ess| least.min(ess.unwrap_or(1.0)));
         }
         let draw =
             |all: &Vec<f64>| columns.iter().map(|&column| all.get(column).copied()).collect::<Option<Vec<f64>>>();
-        let draws = found.draws.values.iter().map(draw).collect::<Option<Vec<_>>>();
+        let draws = calibrated.draws.values.iter().map(draw).collect::<Option<Vec<_>>>();
         let draws = draws.ok_or_else(|| failed("a draw is too short".to_owned()))?;
         if draws.is_empty() || draws.iter().flatten().any(|value| !value.is_finite()) {
             return Err(failed("it has no draws, or one that is not finite".to_owned()));
         }
-        Ok(Self { draws, effective, converged: found.converged, ..self.clone() })
+        Ok(Self { draws, effective, converged: calibrated.converged, ..self.clone() })
     }
 
     /// What of it decides a result, beside the calibration that it comes from.
@@ -150,16 +151,16 @@ impl PosteriorPrior {
     /// A parameter's interval between the quantiles that lie three standard deviations from the mean of a normal
     /// distribution, as a prior: what a stack of worst cases takes the ends of. One value where the draws do not vary.
     pub fn interval(&self, place: usize) -> Distribution {
-        let own = sorted(&self.column(place));
-        let (lower, upper) = (quantile_sorted(&own, THREE_SIGMA), quantile_sorted(&own, 1.0 - THREE_SIGMA));
+        let draws = sorted(&self.column(place));
+        let (lower, upper) = (quantile_sorted(&draws, THREE_SIGMA), quantile_sorted(&draws, 1.0 - THREE_SIGMA));
         if lower < upper { Distribution::Uniform { lower, upper } } else { Distribution::Fixed(lower) }
     }
 
     /// Mean, standard deviation and the quantiles of 2.5, 50 and 97.5 % of a parameter, SI.
     pub fn moments(&self, place: usize) -> [f64; 5] {
-        let own = sorted(&self.column(place));
-        let moments = Moments::of(&own);
-        let quantile = |share: f64| quantile_sorted(&own, share);
+        let draws = sorted(&self.column(place));
+        let moments = Moments::of(&draws);
+        let quantile = |share: f64| quantile_sorted(&draws, share);
         [moments.mean(), moments.sd(), quantile(0.025), quantile(0.5), quantile(0.975)]
     }
 
@@ -172,7 +173,7 @@ impl PosteriorPrior {
     pub fn density(&self, chosen: &[usize], base: &[Distribution]) -> Result<Option<JointPrior>, JointPriorError> {
         let (mut places, mut columns) = (Vec::new(), Vec::new());
         for (column, parameter) in self.parameters.iter().enumerate() {
-            if let Some(place) = chosen.iter().position(|own| own == parameter) {
+            if let Some(place) = chosen.iter().position(|chosen_parameter| chosen_parameter == parameter) {
                 places.push(place);
                 columns.push(column);
             }

@@ -83,13 +83,13 @@ pub fn from_project(path: &Path) -> Option<PathBuf> {
     if path.is_absolute() || path.exists() {
         return None;
     }
-    let found = Project::here().folder().join(path);
-    found.exists().then_some(found)
+    let in_project = Project::here().folder().join(path);
+    in_project.exists().then_some(in_project)
 }
 
 /// That nothing is at a path, and where it lies where it is in the project.
 pub fn missing(path: &Path) -> String {
-    let hint = from_project(path).map(|found| format!("; from here it is `{}`", found.display()));
+    let hint = from_project(path).map(|in_project| format!("; from here it is `{}`", in_project.display()));
     format!("`{}` does not exist{}", path.display(), hint.unwrap_or_default())
 }
 
@@ -151,8 +151,8 @@ mod tests {
         for folder in folders.iter().chain([&study]) {
             std::fs::create_dir_all(tree.path().join(folder)).expect("made");
         }
-        let found = Project::of(&tree.path().join(study)).root;
-        let below = found.strip_prefix(whole(tree.path())).expect("inside the tree");
+        let root = Project::of(&tree.path().join(study)).root;
+        let below = root.strip_prefix(whole(tree.path())).expect("inside the tree");
         below.display().to_string()
     }
 

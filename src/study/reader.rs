@@ -51,8 +51,8 @@ impl Reader {
 
     /// A pass that is read because one of the study's passes of this chain uses it.
     pub(super) fn load_in_chain(&self, pass: &Path, chain: &[String]) -> Loaded {
-        if let Some(known) = self.passes.borrow().get(pass) {
-            return known.clone();
+        if let Some(loaded) = self.passes.borrow().get(pass) {
+            return loaded.clone();
         }
         let loaded = resolve::load(self, pass, chain).map(Arc::new).map_err(Arc::new);
         self.passes.borrow_mut().insert(pass.to_owned(), loaded.clone());
@@ -63,9 +63,9 @@ impl Reader {
     pub(super) fn tree(&self, folder: &Folder, name: &str) -> Result<Parsed, FolderError> {
         let shown = folder.shown_name(name);
         let path = PathBuf::from(&shown);
-        if let Some(known) = self.trees.borrow().get(&path) {
-            folder.note(name, known.content.clone())?;
-            return Ok(known.clone());
+        if let Some(parsed) = self.trees.borrow().get(&path) {
+            folder.note(name, parsed.content.clone())?;
+            return Ok(parsed.clone());
         }
         let bytes = folder.read(name)?;
         let mut diagnostics = Diagnostics::new();

@@ -233,9 +233,9 @@ impl<'t> Table<'t> {
             }
             if ranges.len() != self.headers.len() {
                 let range = ranges[0].start..ranges[ranges.len() - 1].end;
-                let (found, expected) = (ranges.len(), self.headers.len());
-                let message = || format!("this row has {found} cells, the line of headers has {expected}");
-                let comma = self.separator == b',' && found > expected;
+                let (cell_count, expected) = (ranges.len(), self.headers.len());
+                let message = || format!("this row has {cell_count} cells, the line of headers has {expected}");
+                let comma = self.separator == b',' && cell_count > expected;
                 let help = comma.then_some(
                     "a decimal is written with a point, 0.6, or the cells are separated by something else than a \
                      comma: \"separator\": \";\"",
@@ -429,11 +429,11 @@ mod tests {
     #[test]
     fn what_is_not_a_number_has_its_place() {
         let text = "phase,a\nP1,NaN\nP2,inf\nP3,abc\nP4,1e999\nP5,0x10\n";
-        let found = messages(text, &[(1, Cells::Readings)]);
-        let cells: Vec<_> = found.iter().map(|(cell, _)| cell.as_str()).collect();
+        let problems = messages(text, &[(1, Cells::Readings)]);
+        let cells: Vec<_> = problems.iter().map(|(cell, _)| cell.as_str()).collect();
         assert_eq!(cells, ["NaN", "inf", "abc", "1e999", "0x10"]);
-        assert_eq!(found[0].1, "`NaN` is not a finite number");
-        assert_eq!(found[2].1, "`abc` is not a number");
+        assert_eq!(problems[0].1, "`NaN` is not a finite number");
+        assert_eq!(problems[2].1, "`abc` is not a number");
     }
 
     #[test]

@@ -148,10 +148,10 @@ mod tests {
     fn noise_is_seldom_a_drift() {
         for (count, correlation, most) in [(8, 0.0, 20), (30, 0.0, 20), (120, 0.0, 20), (30, 0.5, 80), (120, 0.5, 40)] {
             let times: Vec<f64> = (0..count).map(|i| 60.0 * i as f64).collect();
-            let found = (0..1000)
+            let detected = (0..1000)
                 .filter(|&seed| window(&times, &noise(seed, count, correlation)).is_some_and(|w| w.chance < Some(0.01)))
                 .count();
-            assert!(found <= most, "{found} of 1000 with {count} readings and a correlation of {correlation}");
+            assert!(detected <= most, "{detected} of 1000 with {count} readings and a correlation of {correlation}");
         }
     }
 
@@ -160,7 +160,7 @@ mod tests {
     fn an_approach_to_equilibrium_is_a_drift() {
         for lengths in [0.3, 1.0, 3.0] {
             let times: Vec<f64> = (0..60).map(f64::from).collect();
-            let found = (0..100)
+            let detected = (0..100)
                 .filter(|&seed| {
                     let scatter = noise(seed, 60, 0.0);
                     let reading = |(t, e): (&f64, &f64)| 20.0 * exp(-t / 59.0 * lengths) + e;
@@ -168,7 +168,7 @@ mod tests {
                     window(&times, &readings).is_some_and(|w| w.chance < Some(0.01))
                 })
                 .count();
-            assert!(found >= 99, "{found} of 100 over {lengths} time constants");
+            assert!(detected >= 99, "{detected} of 100 over {lengths} time constants");
         }
     }
 

@@ -123,8 +123,8 @@ fn find<'f>(
     let exchanged = |finding: &&EffectResult| {
         matches!(finding.where_kind.as_str(), "nodes" | "sensors") && parts(&finding.id) == parts(text)
     };
-    if let Some(found) = diagnosis.effect(text).or_else(|| diagnosis.effects.iter().find(exchanged)) {
-        return Some(found);
+    if let Some(finding) = diagnosis.effect(text).or_else(|| diagnosis.effects.iter().find(exchanged)) {
+        return Some(finding);
     }
     let is_meant =
         |finding: &EffectResult| !text.is_empty() && (finding.effect == text || finding.id.starts_with(text));
@@ -155,9 +155,9 @@ fn find<'f>(
         );
         return None;
     }
-    let known = || diagnosis.effects.iter().map(|finding| finding.id.as_str());
-    let help = match nearest(text, known()).as_slice() {
-        [] => format!("best first, it has {}", suggest::listed(known(), MOST_LISTED)),
+    let finding_ids = || diagnosis.effects.iter().map(|finding| finding.id.as_str());
+    let help = match nearest(text, finding_ids()).as_slice() {
+        [] => format!("best first, it has {}", suggest::listed(finding_ids(), MOST_LISTED)),
         near => format!("the nearest: {}", suggest::listed(near.iter().copied(), MOST_LISTED)),
     };
     diagnostics.push(
@@ -180,14 +180,14 @@ fn parts(id: &str) -> Vec<&str> {
 /// The nearest of some ids, nearest first.
 fn nearest<'a>(text: &str, known: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let mut left: Vec<&str> = known.collect();
-    let mut found = Vec::new();
-    while found.len() < 3
+    let mut nearest_ids = Vec::new();
+    while nearest_ids.len() < 3
         && let Some(near) = suggest::nearest(text, left.iter().copied())
     {
         left.retain(|other| *other != near);
-        found.push(near);
+        nearest_ids.push(near);
     }
-    found
+    nearest_ids
 }
 
 fn selected(diagnosis: &Output) -> String {
@@ -200,7 +200,9 @@ fn selected(diagnosis: &Output) -> String {
 /// Supported effects that are not selected.
 fn further(diagnosis: &Output) -> Vec<&str> {
     let all = diagnosis.effects.iter().filter(|finding| diagnosis.supports(finding));
-    all.map(|finding| finding.id.as_str()).filter(|id| !diagnosis.selected.iter().any(|own| own == id)).collect()
+    all.map(|finding| finding.id.as_str())
+        .filter(|id| !diagnosis.selected.iter().any(|selected_id| selected_id == id))
+        .collect()
 }
 
 fn refused(diagnosis: &Output, finding: &EffectResult, place: &Place, job: &str) -> Diagnostic {
@@ -277,7 +279,7 @@ fn not_settled(diagnosis: &Output, selected: &[&EffectResult], asked: &Asked, jo
 /// How probable some effects are, and what else it could be.
 fn odds(diagnosis: &Output, chosen: &[&EffectResult]) -> String {
     let ids: Vec<&str> = chosen.iter().map(|finding| finding.id.as_str()).collect();
-    let own = diagnosis.odds(chosen).map(probability_text);
+    let joint_probability = diagnosis.odds(chosen).map(probability_text);
     let rivals = diagnosis.rivals(chosen);
     let more = rivals.len().saturating_sub(MOST_LISTED);
     let mut named: Vec<String> = (rivals.into_iter().take(MOST_LISTED))
@@ -287,13 +289,13 @@ fn odds(diagnosis: &Output, chosen: &[&EffectResult]) -> String {
         named.push(format!("{more} more"));
     }
     let rivals = if named.is_empty() { String::new() } else { format!("; its rivals: {}", named.join(", ")) };
-    let own = own.map_or_else(String::new, |odds| format!(" (probability {odds})"));
-    format!("these data leave open whether it is {}{own}{rivals}", suggest::listed(ids, MOST_LISTED))
+    let probability_clause = joint_probability.map_or_else(String::new, |odds| format!(" (probability {odds})"));
+    format!("these data leave open whether it is {}{probability_clause}{rivals}", suggest::listed(ids, MOST_LISTED))
 }
 
 /// What would part the rivals, or that no phase does: as the diagnosis decided it.
 fn parting(diagnosis: &Output, model: &Model) -> Option<String> {
-    let phase = diagnosis.separating_experiment.as_ref().and_then(|own| experiment(own, model));
+    let phase = diagnosis.separating_experiment.as_ref().and_then(|separating| experiment(separating, model));
     let none = diagnosis.one_thing.as_ref().map(OneThing::clause);
     let words: Vec<String> = phase.into_iter().chain(none).collect();
     (!words.is_empty()).then(|| words.join("; "))

@@ -102,10 +102,10 @@ pub fn usage(effect: &Effect, finding: &EffectResult, bound: &[Bound], model: &M
         fields.push(("inputs".to_owned(), Item::Object(inputs)));
     }
     let mut parameters: Vec<(String, Item)> = Vec::new();
-    let mut sizes = Vec::new();
+    let mut fitted_amplitudes = Vec::new();
     for parameter in effect.parameters(model, bound) {
         let unit = unit(effect, &parameter, bound, model);
-        let fitted = finding.amplitudes.get(&parameter.name).and_then(|own| fitted(&parameter, own, &unit));
+        let fitted = finding.amplitudes.get(&parameter.name).and_then(|amplitude| fitted(&parameter, amplitude, &unit));
         // A curve's knots are described together; each has a size of its own.
         let is_knot = parameter.name != parameter.written;
         if !parameters.iter().any(|(name, _)| *name == parameter.written) {
@@ -117,13 +117,13 @@ pub fn usage(effect: &Effect, finding: &EffectResult, bound: &[Bound], model: &M
             if is_knot {
                 parameters.push((parameter.name, Item::one("nominal", Item::number(fitted.value))));
             }
-            sizes.push(fitted);
+            fitted_amplitudes.push(fitted);
         }
     }
     if !parameters.is_empty() {
         fields.push(("parameters".to_owned(), Item::Object(parameters)));
     }
-    (Item::one(&effect.name, Item::Object(fields)), sizes)
+    (Item::one(&effect.name, Item::Object(fields)), fitted_amplitudes)
 }
 
 fn place(finding: &EffectResult) -> Item {
@@ -146,13 +146,13 @@ fn parameter(
     let mut fields = Vec::new();
     let fitted = fitted.map(|fitted| Item::number(fitted.value));
     let form = effect.form.parameters.get(&parameter.written).map(|entry| &entry.value);
-    let own = |field: &str| effect.json.pointer(&format!("/parameters/{}/{field}", parameter.written));
+    let catalogue_field = |field: &str| effect.json.pointer(&format!("/parameters/{}/{field}", parameter.written));
     // What the diagnosis took for the amplitude's prior; the catalogue's would pull it back.
     let width = Some(finding.prior_width).filter(|width| parameter.amplitude && *width != 1.0);
     let prior = width.map_or(parameter.prior, |width| widened(parameter.prior, width));
     fields.push(("unit".to_owned(), Item::text(&unit.text)));
-    if let (Some(_), Some(in_file)) = (stated_unit(effect, parameter), own("prior")) {
-        let nominal = fitted.or_else(|| own("nominal").map(catalogued));
+    if let (Some(_), Some(in_file)) = (stated_unit(effect, parameter), catalogue_field("prior")) {
+        let nominal = fitted.or_else(|| catalogue_field("nominal").map(catalogued));
         fields.extend(nominal.map(|nominal| ("nominal".to_owned(), nominal)));
         let is_other = width.is_some() || parameter.enlarged != 1.0;
         let wide = is_other.then(|| distribution(&prior, unit, parameter.sense));
@@ -184,11 +184,12 @@ fn unit(effect: &Effect, parameter: &EffectParameter, bound: &[Bound], model: &M
 /// What the diagnosis fitted, in a unit and to four digits; nothing where it is 0, which is no effect, or lies outside
 /// the prior.
 fn fitted(parameter: &EffectParameter, amplitude: &Amount, unit: &Unit) -> Option<Fitted> {
-    let own = Unit::parse(&amplitude.unit).ok().filter(|own| own.dimension == unit.dimension)?;
+    let amplitude_unit =
+        Unit::parse(&amplitude.unit).ok().filter(|parsed_unit| parsed_unit.dimension == unit.dimension)?;
     let value = amplitude.most_probable;
     let si = match parameter.sense {
-        Sense::Absolute => own.to_si(value),
-        Sense::Difference => own.difference_to_si(value),
+        Sense::Absolute => amplitude_unit.to_si(value),
+        Sense::Difference => amplitude_unit.difference_to_si(value),
     };
     let short: f64 = format!("{:.3e}", in_unit(si, unit, parameter.sense)).parse().ok()?;
     let back = match parameter.sense {
@@ -196,7 +197,7 @@ fn fitted(parameter: &EffectParameter, amplitude: &Amount, unit: &Unit) -> Optio
         Sense::Difference => unit.difference_to_si(short),
     };
     let [lower, upper] = support(&parameter.prior);
-    let sd = unit.difference_from_si(own.difference_to_si(amplitude.sd));
+    let sd = unit.difference_from_si(amplitude_unit.difference_to_si(amplitude.sd));
     let is_usable = short != 0.0 && !parameter.prior.is_fixed() && lower <= back && back <= upper;
     is_usable.then(|| Fitted { name: parameter.name.clone(), value: short, sd, unit: unit.text.clone() })
 }
@@ -204,14 +205,14 @@ fn fitted(parameter: &EffectParameter, amplitude: &Amount, unit: &Unit) -> Optio
 /// Nominal value and prior of a parameter whose own prior is too narrow; the former is the one that the diagnosis fitted, which
 /// is given beside them.
 pub fn wider_prior(finding: &EffectResult, pass: &Pass, name: &str) -> Option<(Fields, Option<Fitted>)> {
-    let index = pass.model.parameters.iter().position(|own| own.name == name)?;
-    let own = &pass.model.parameters[index];
-    let unit = Unit::parse(&own.unit).ok()?;
-    let prior = wider(pass.priors.get(index)?, &own.unit, finding.prior_width)?;
+    let index = pass.model.parameters.iter().position(|declared| declared.name == name)?;
+    let model_parameter = &pass.model.parameters[index];
+    let unit = Unit::parse(&model_parameter.unit).ok()?;
+    let prior = wider(pass.priors.get(index)?, &model_parameter.unit, finding.prior_width)?;
     let mut fields = Vec::new();
     let fitted = finding.amplitudes.iter().next().and_then(|(name, amplitude)| {
         let value = format!("{:.3e}", amplitude.most_probable).parse().ok()?;
-        Some(Fitted { name: name.clone(), value, sd: amplitude.sd, unit: own.unit.clone() })
+        Some(Fitted { name: name.clone(), value, sd: amplitude.sd, unit: model_parameter.unit.clone() })
     });
     fields.extend(fitted.iter().map(|fitted| ("nominal".to_owned(), Item::number(fitted.value))));
     fields.push(("prior".to_owned(), distribution(&prior, &unit, Sense::Absolute)));
@@ -252,7 +253,7 @@ fn bound_unit(effect: &Effect, parameter: &EffectParameter, bound: &[Bound], mod
         for input in &form.per {
             let unit = of(&input.value)?;
             let text = unit.difference_text();
-            match below.iter_mut().find(|(known, _)| known == text) {
+            match below.iter_mut().find(|(unit_below, _)| unit_below == text) {
                 Some((_, power)) => *power += 1,
                 None => below.push((text.to_owned(), 1)),
             }
@@ -265,11 +266,11 @@ fn bound_unit(effect: &Effect, parameter: &EffectParameter, bound: &[Bound], mod
                 (false, power) => vec![format!("({text})"); *power].join(" "),
             })
             .collect();
-        let own = &form.unit.as_ref()?.unit.text;
+        let own_unit = &form.unit.as_ref()?.unit.text;
         let text = match below.as_slice() {
-            [] => own.clone(),
-            [one] if !one.contains(' ') => format!("{own}/{one}"),
-            several => format!("{own}/({})", several.join(" ")),
+            [] => own_unit.clone(),
+            [one] if !one.contains(' ') => format!("{own_unit}/{one}"),
+            several => format!("{own_unit}/({})", several.join(" ")),
         };
         Unit::parse(&text).ok()
     });
@@ -340,8 +341,8 @@ pub fn because(finding: &EffectResult, fitted: &[Fitted], diagnosis: &Output, jo
     let _ = write!(text, "; probability {}", probability_text(finding.probability));
     let _ = write!(text, ", log Bayes factor {:.1}", finding.log_bayes_factor);
     for (name, amplitude) in &finding.amplitudes {
-        let own = fitted.iter().find(|fitted| fitted.name == *name);
-        text.push_str(&own.map_or_else(|| amplitude_text(name, amplitude), Fitted::in_words));
+        let fitted_amplitude = fitted.iter().find(|fitted| fitted.name == *name);
+        text.push_str(&fitted_amplitude.map_or_else(|| amplitude_text(name, amplitude), Fitted::in_words));
     }
     text.push_str(&rmse_text(&finding.rmse_k));
     let rivals: Vec<&str> = diagnosis.confused_with(finding).map(|other| other.id.as_str()).collect();

@@ -16,8 +16,8 @@ use crate::study::file::{self, Existing};
 /// An `out` outside the pass's folder, without `.json`, or one of the files that the next pass builds upon.
 pub fn destination(pass: &Pass, out: Option<&Path>, place: &Place) -> Result<PathBuf, Box<Diagnostic>> {
     let Some(out) = out else {
-        let own = number(Path::new(&pass.file)).unwrap_or(0);
-        let mut paths = (own.saturating_add(1)..).map(|number| pass.folder.join(format!("pass-{number}.json")));
+        let pass_number = number(Path::new(&pass.file)).unwrap_or(0);
+        let mut paths = (pass_number.saturating_add(1)..).map(|number| pass.folder.join(format!("pass-{number}.json")));
         // A folder has fewer files than there are numbers.
         return Ok(paths.find(|path| path.symlink_metadata().is_err()).unwrap_or_else(|| pass.folder.join(&pass.file)));
     };
@@ -54,8 +54,8 @@ pub fn twin(pass: &Pass, ids: &[&str]) -> Option<PathBuf> {
     let mut wanted: Vec<&str> = ids.to_vec();
     wanted.sort_unstable();
     let is_twin = |other: &Pass| {
-        let before = |id: &str| pass.adopted.iter().any(|own| own.id == id);
-        let effects = other.adopted.iter().map(|own| own.id.clone()).filter(|id| !before(id));
+        let before = |id: &str| pass.adopted.iter().any(|adopted| adopted.id == id);
+        let effects = other.adopted.iter().map(|adopted| adopted.id.clone()).filter(|id| !before(id));
         let changed = |index: &usize| other.priors.get(*index) != pass.priors.get(*index);
         let priors = (0..pass.priors.len()).filter(changed);
         let priors = priors.map(|index| format!("{PRIOR_OF}:{}", pass.model.parameters[index].name));

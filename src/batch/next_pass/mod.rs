@@ -86,8 +86,8 @@ pub fn next_pass<'f>(
     let mut jobs = jobs(tree.get("jobs"), &parameters, &mut extended);
     let added = add_judges(pass, job, &mut jobs);
     let entries = |is_prior: bool| -> Vec<(String, Item)> {
-        let own = adopted.iter().filter(|one| one.is_prior == is_prior);
-        own.map(|one| (one.key.clone(), one.item.clone())).collect()
+        let of_role = adopted.iter().filter(|one| one.is_prior == is_prior);
+        of_role.map(|one| (one.key.clone(), one.item.clone())).collect()
     };
     let (priors, effects) = (entries(true), entries(false));
     let mut sections = vec![
@@ -237,8 +237,8 @@ fn jobs(own: Option<&Node>, parameters: &[&str], extended: &mut Vec<String>) -> 
 /// Adds the jobs by which a pass's error is stated, as far as the parent has none of the kind: a calibration and a comparison,
 /// on the data of the diagnosis.
 fn add_judges(pass: &Pass, diagnosis: &str, jobs: &mut Vec<(String, Item)>) -> Vec<(String, &'static str)> {
-    let own = pass.jobs.iter().find(|job| job.name == diagnosis);
-    let data = own.and_then(|job| job.spec.inference()).map(|inference| inference.data);
+    let diagnosis_job = pass.jobs.iter().find(|job| job.name == diagnosis);
+    let data = diagnosis_job.and_then(|job| job.spec.inference()).map(|inference| inference.data);
     let names = data.into_iter().flatten().filter_map(|&position| pass.measurements.get(position));
     let data = Item::one("data", Item::List(names.map(|measurement| Item::text(&measurement.name)).collect()));
     let mut added = Vec::new();

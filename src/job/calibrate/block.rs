@@ -64,7 +64,7 @@ enum Head {
 impl stored::Block for Partial {
     fn into_bytes(self) -> Result<Vec<u8>, JobError> {
         let (head, lists) = match self {
-            Self::Estimate(found) => (Head::Estimate(found), Default::default()),
+            Self::Estimate(estimate) => (Head::Estimate(estimate), Default::default()),
             Self::Chain(mut chain) => {
                 let lists = take(&mut chain);
                 (Head::Chain(chain), lists)
@@ -73,8 +73,10 @@ impl stored::Block for Partial {
                 let lists = take(&mut island.chain);
                 (Head::Island(island), lists)
             }
-            Self::Evidence(found) => (Head::Evidence(found), Default::default()),
-            Self::Predicted(own) => (Head::Predicted, [own.readings, own.pointwise, own.squares]),
+            Self::Evidence(evidence) => (Head::Evidence(evidence), Default::default()),
+            Self::Predicted(predicted) => {
+                (Head::Predicted, [predicted.readings, predicted.pointwise, predicted.squares])
+            }
         };
         stored::with_numbers(&(head, lists.each_ref().map(Vec::len)), &lists.concat())
     }
@@ -83,13 +85,13 @@ impl stored::Block for Partial {
         let ((head, lengths), numbers): ((Head, [usize; 3]), _) = stored::split_numbers(bytes, stage)?;
         let [first, second, third] = cut(&numbers, lengths, stage)?;
         Ok(match head {
-            Head::Estimate(found) => Self::Estimate(found),
+            Head::Estimate(estimate) => Self::Estimate(estimate),
             Head::Chain(chain) => Self::Chain(Chain { draws: first, log_likelihoods: second, ..chain }),
             Head::Island(mut island) => {
                 (island.chain.draws, island.chain.log_likelihoods) = (first, second);
                 Self::Island(island)
             }
-            Head::Evidence(found) => Self::Evidence(found),
+            Head::Evidence(evidence) => Self::Evidence(evidence),
             Head::Predicted => Self::Predicted(Predicted { readings: first, pointwise: second, squares: third }),
         })
     }

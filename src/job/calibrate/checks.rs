@@ -59,7 +59,7 @@ impl Calibrate {
         let mut predicted = Predicted::default();
         for draw in draws {
             let full = self.likelihood().full_parameters(draw);
-            let find = |name: &str| names.iter().position(|known| known == name).map(|place| draw[place]);
+            let find = |name: &str| names.iter().position(|unknown_name| unknown_name == name).map(|place| draw[place]);
             for measurement in self.measurements() {
                 let fixed = with_unknowns(measurement, &inputs, &nodes, &find);
                 predicted.readings.extend(self.predictor.predict(&mut workspace, &fixed, &full).readings);
@@ -95,11 +95,11 @@ impl Calibrate {
         let (mut posterior, mut before) = (empty(), empty());
         for block in blocks {
             let (Task::Predict { prior, draws }, Partial::Predicted(block)) = block else { continue };
-            let own = if prior { &mut before } else { &mut posterior };
-            own.values.extend(draws);
-            own.predicted.readings.extend(block.readings);
-            own.predicted.pointwise.extend(block.pointwise);
-            own.predicted.squares.extend(block.squares);
+            let collected = if prior { &mut before } else { &mut posterior };
+            collected.values.extend(draws);
+            collected.predicted.readings.extend(block.readings);
+            collected.predicted.pointwise.extend(block.pointwise);
+            collected.predicted.squares.extend(block.squares);
         }
         let (measurements, spread) = (self.measurements(), self.input_spread());
         let (model, order) = (&self.inputs.model, &output.order);
@@ -113,11 +113,11 @@ impl Calibrate {
         output.p_value = (!tails.is_empty()).then(|| tails.iter().sum::<f64>() / tails.len() as f64);
         let pointwise = &posterior.predicted.pointwise;
         let good = psis::greatest_good_shape(posterior.values.len());
-        let validated = |found: &LeaveOneOut| CrossValidation {
-            expected_log_density: found.expected_log_density,
-            standard_error: found.standard_error,
-            effective_parameters: found.effective_parameters,
-            unreliable: found.pareto_k.iter().filter(|k| !(**k <= good)).count() as u64,
+        let validated = |left_out: &LeaveOneOut| CrossValidation {
+            expected_log_density: left_out.expected_log_density,
+            standard_error: left_out.standard_error,
+            effective_parameters: left_out.effective_parameters,
+            unreliable: left_out.pareto_k.iter().filter(|k| !(**k <= good)).count() as u64,
         };
         output.leave_one_out = psis::leave_one_out(pointwise, readings, 1.0).as_ref().map(validated);
         let (groups, summed) = scores::by_phase(&measurements, self.likelihood().data(), pointwise);

@@ -68,18 +68,19 @@ impl JobKind for Kind {
             measurements: Arc::clone(&shared.measurements),
             input_errors: input_errors(shared.pass),
         };
-        let known = Calibrate::new(spec.clone(), inputs.clone(), shared.pass.seed, name)?;
+        let unprepared = Calibrate::new(spec.clone(), inputs.clone(), shared.pass.seed, name)?;
         if draws.is_empty() {
-            return Ok(Readiness::Ready(Arc::new(known)));
+            return Ok(Readiness::Ready(Arc::new(unprepared)));
         }
-        let known =
-            known.with_posterior_priors(unfilled(&draws).into_iter().map(|own| own.with_no_draws()).collect())?;
-        let (own, spec, seed, name) = (draws.clone(), spec.clone(), shared.pass.seed, name.to_owned());
+        let unprepared = unprepared.with_posterior_priors(
+            unfilled(&draws).into_iter().map(|posterior_prior| posterior_prior.with_no_draws()).collect(),
+        )?;
+        let (references, spec, seed, name) = (draws.clone(), spec.clone(), shared.pass.seed, name.to_owned());
         let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
             let job = Calibrate::new(spec.clone(), inputs.clone(), seed, &name)?;
-            Ok(Arc::new(job.with_posterior_priors(filled(&own, &mut results.iter())?)?))
+            Ok(Arc::new(job.with_posterior_priors(filled(&references, &mut results.iter())?)?))
         };
-        after(&[&draws], Arc::new(known), Box::new(prepare))
+        after(&[&draws], Arc::new(unprepared), Box::new(prepare))
     }
 }
 

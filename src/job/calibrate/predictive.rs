@@ -47,17 +47,18 @@ impl Draws {
 
     /// Standard deviation of a sensor's noise at each draw, SI; 0 where it is not stated.
     pub fn noise(&self, measurement: &Measurement, sensor: usize, order: &[String]) -> Vec<f64> {
-        let own = &measurement.sensors[sensor];
+        let sensor_model = &measurement.sensors[sensor];
         let value = |draw: &[f64], what: &str, written: &Option<_>| -> f64 {
             let Some(written): &Option<crate::measurement::Uncertain> = written else { return 0.0 };
-            let name = sensor_name(&measurement.name, &own.name, what);
-            let place = order.iter().position(|known| *known == name);
+            let name = sensor_name(&measurement.name, &sensor_model.name, what);
+            let place = order.iter().position(|unknown_name| *unknown_name == name);
             place.and_then(|place| draw.get(place)).copied().unwrap_or_else(|| written.nominal())
         };
         self.values
             .iter()
             .map(|draw| {
-                let (sigma, white) = (value(draw, "sigma", &own.sigma), value(draw, "white", &own.white));
+                let (sigma, white) =
+                    (value(draw, "sigma", &sensor_model.sigma), value(draw, "white", &sensor_model.white));
                 total_sd(sigma, white)
             })
             .collect()
@@ -106,13 +107,13 @@ pub(super) fn checks(
     let mut first = 0;
     for (measurement, spread) in measurements.iter().zip(spread) {
         let width = measurement.sensors.len();
-        for (sensor, own) in measurement.sensors.iter().enumerate() {
+        for (sensor, sensor_model) in measurement.sensors.iter().enumerate() {
             let noise = posterior.noise(measurement, sensor, order);
             let prior_noise = prior.noise(measurement, sensor, order);
             let mut check = SensorPredictive {
                 measurement: measurement.name.clone(),
-                sensor: own.name.clone(),
-                unit: model.quantities[own.quantity].unit.clone(),
+                sensor: sensor_model.name.clone(),
+                unit: model.quantities[sensor_model.quantity].unit.clone(),
                 rows: Vec::new(),
                 train: Coverage::default(),
                 held_out: Coverage::default(),

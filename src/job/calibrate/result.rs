@@ -36,7 +36,7 @@ impl Calibrate {
                     island.chain = self.target.chain(island.chain);
                     islands.push(island);
                 }
-                Partial::Evidence(found) => importance = found,
+                Partial::Evidence(evidence) => importance = evidence,
                 Partial::Estimate(_) | Partial::Predicted(_) => {}
             }
         }
@@ -65,11 +65,11 @@ impl Calibrate {
             weights = Some(result.weights);
             result.chains
         } else {
-            if let Some(found) = &importance {
-                evidence.value = Some(found.log_evidence);
-                evidence.sd = Some(found.log_evidence_error);
+            if let Some(estimated) = &importance {
+                evidence.value = Some(estimated.log_evidence);
+                evidence.sd = Some(estimated.log_evidence_error);
                 evidence.method = "importance sampling".to_owned();
-                evidence.pareto_k = found.pareto_k;
+                evidence.pareto_k = estimated.pareto_k;
             }
             Chains { names: names.clone(), chains }
         };
@@ -78,13 +78,16 @@ impl Calibrate {
         }
         let judged = convergence::judge(&chains, self.likelihood().priors(), &ConvergenceLimits::default());
         objections.extend(words::objections(&judged, &names));
-        for own in self.posterior_priors.iter().filter(|own| !own.converged) {
-            objections.push(format!("the prior is the posterior of {}, whose chains did not converge", own.source));
+        for posterior_prior in self.posterior_priors.iter().filter(|posterior_prior| !posterior_prior.converged) {
+            objections.push(format!(
+                "the prior is the posterior of {}, whose chains did not converge",
+                posterior_prior.source
+            ));
         }
         let mut work = chains.work();
         work.merge(&estimate.work);
-        if let Some(found) = &importance {
-            work.merge(&found.work);
+        if let Some(estimated) = &importance {
+            work.merge(&estimated.work);
         }
         let output = self.output(&estimate, &chains, weights.as_deref(), &judged, evidence, objections, &work);
         self.predict_blocks(output)
@@ -108,7 +111,7 @@ impl Calibrate {
             let unit = Unit::parse(text).ok();
             let shown = |value: f64| unit.as_ref().map_or(value, |unit| unit.from_si(value));
             let spread = |value: f64| unit.as_ref().map_or(value, |unit| unit.difference_from_si(value));
-            let own = &judged.parameters[place];
+            let diagnostics = &judged.parameters[place];
             let quantiles = weighted.quantiles(place, &[0.025, 0.5, 0.975]);
             let summary = ParameterSummary {
                 unit: text.clone(),
@@ -119,11 +122,11 @@ impl Calibrate {
                 q025: shown(quantiles[0]),
                 q50: shown(quantiles[1]),
                 q975: shown(quantiles[2]),
-                rhat: own.r_hat,
-                ess_bulk: own.ess_bulk,
-                ess_tail: own.ess_tail,
-                mcse_mean: own.mcse_mean.map(spread),
-                at_bound: own.share_at_lower.unwrap_or(0.0) + own.share_at_upper.unwrap_or(0.0),
+                rhat: diagnostics.r_hat,
+                ess_bulk: diagnostics.ess_bulk,
+                ess_tail: diagnostics.ess_tail,
+                mcse_mean: diagnostics.mcse_mean.map(spread),
+                at_bound: diagnostics.share_at_lower.unwrap_or(0.0) + diagnostics.share_at_upper.unwrap_or(0.0),
                 map: shown(estimate.parameters[place]),
                 laplace_sd: spread(sd[place]),
             };
@@ -187,11 +190,11 @@ impl Calibrate {
         spread: &dyn Fn(f64) -> f64,
     ) -> Option<PosteriorPriorOf> {
         let parameter = self.likelihood().unknowns().model.get(place)?;
-        self.posterior_priors.iter().find_map(|own| {
-            let column = own.parameters.iter().position(|known| known == parameter)?;
-            let [mean, sd, q025, q50, q975] = own.moments(column);
+        self.posterior_priors.iter().find_map(|posterior_prior| {
+            let column = posterior_prior.parameters.iter().position(|inferred| inferred == parameter)?;
+            let [mean, sd, q025, q50, q975] = posterior_prior.moments(column);
             let [mean, q025, q50, q975] = [mean, q025, q50, q975].map(shown);
-            Some(PosteriorPriorOf { source: own.source.clone(), mean, sd: spread(sd), q025, q50, q975 })
+            Some(PosteriorPriorOf { source: posterior_prior.source.clone(), mean, sd: spread(sd), q025, q50, q975 })
         })
     }
 
@@ -225,7 +228,7 @@ impl Calibrate {
 
     /// What is doubtful about the data; a start apart from its first readings, or all else.
     fn doubts(&self, of_start: bool) -> impl Iterator<Item = String> {
-        let all = self.measurements().into_iter().flat_map(|own| &own.doubts);
+        let all = self.measurements().into_iter().flat_map(|measurement| &measurement.doubts);
         all.filter(move |doubt| doubt.is_of_start() == of_start).map(Doubt::in_words)
     }
 

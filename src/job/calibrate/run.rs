@@ -85,13 +85,17 @@ impl Calibrate {
     /// Draws that no density describes, with what deviates.
     pub fn with_posterior_priors(self, posterior_priors: Vec<PosteriorPrior>) -> Result<Self, JobError> {
         let (mut joint, mut fits) = (Vec::new(), Vec::new());
-        for own in posterior_priors.iter().filter(|own| !own.draws.is_empty()) {
-            let density =
-                own.density(&self.target.target().unknowns().model, &self.inputs.priors).map_err(|error| {
-                    JobError::Failed(format!("the posterior of {} cannot be a prior here: {error}", own.source))
+        for posterior_prior in posterior_priors.iter().filter(|posterior_prior| !posterior_prior.draws.is_empty()) {
+            let density = posterior_prior
+                .density(&self.target.target().unknowns().model, &self.inputs.priors)
+                .map_err(|error| {
+                    JobError::Failed(format!(
+                        "the posterior of {} cannot be a prior here: {error}",
+                        posterior_prior.source
+                    ))
                 })?;
             if let Some(density) = density {
-                fits.push((own.source.clone(), density.fit().clone()));
+                fits.push((posterior_prior.source.clone(), density.fit().clone()));
                 joint.push(density);
             }
         }
@@ -149,8 +153,10 @@ impl Job for Calibrate {
     }
 
     fn begin(&self) -> Result<Step<Self>, JobError> {
-        if let Some(own) = self.posterior_priors.iter().find(|own| own.draws.is_empty()) {
-            return Err(JobError::Failed(format!("the posterior of {} has no draws", own.source)));
+        if let Some(posterior_prior) =
+            self.posterior_priors.iter().find(|posterior_prior| posterior_prior.draws.is_empty())
+        {
+            return Err(JobError::Failed(format!("the posterior of {} has no draws", posterior_prior.source)));
         }
         Ok(Step::Blocks { stage: ESTIMATE.to_owned(), state: State::Nothing, inputs: vec![Task::Estimate] })
     }
@@ -162,8 +168,8 @@ impl Job for Calibrate {
             _ => {
                 let key = self.stream("calibrate estimate");
                 let settings = PointSettings::default();
-                let found = point_estimate::estimate(&self.target, &settings, &key, &[]);
-                Ok(Partial::Estimate(Box::new(found.map_err(|e| JobError::Failed(e.to_string()))?)))
+                let best_fit = point_estimate::estimate(&self.target, &settings, &key, &[]);
+                Ok(Partial::Estimate(Box::new(best_fit.map_err(|e| JobError::Failed(e.to_string()))?)))
             }
         }
     }

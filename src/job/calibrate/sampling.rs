@@ -76,12 +76,12 @@ impl Calibrate {
             Task::Evidence => {
                 let settings = ImportanceSettings::default();
                 let key = self.stream("calibrate evidence");
-                let found = importance::estimate(&target, &settings, &key, 0, Some(&estimate.parameters));
-                let usable = |found: &ImportanceEstimate| {
-                    let numbers = [found.log_evidence, found.log_evidence_error, found.effective];
-                    (numbers.iter().chain(&found.mean).chain(&found.sd)).all(|number| number.is_finite())
+                let evidence = importance::estimate(&target, &settings, &key, 0, Some(&estimate.parameters));
+                let usable = |candidate: &ImportanceEstimate| {
+                    let numbers = [candidate.log_evidence, candidate.log_evidence_error, candidate.effective];
+                    (numbers.iter().chain(&candidate.mean).chain(&candidate.sd)).all(|number| number.is_finite())
                 };
-                Ok(Partial::Evidence(found.ok().filter(usable)))
+                Ok(Partial::Evidence(evidence.ok().filter(usable)))
             }
             Task::Estimate | Task::Predict { .. } => Err(JobError::Failed("a block samples nothing".to_owned())),
         }

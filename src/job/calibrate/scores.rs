@@ -87,10 +87,10 @@ pub(super) fn phases(
                         scores.push(score(readings, density, true, true));
                     }
                 } else if let Some(place) = groups.iter().position(|g| g.measurement == index && g.row == row)
-                    && let Some(found) = left_out
+                    && let Some(cross_validated) = left_out
                 {
-                    let reliable = found.pareto_k[place] <= good;
-                    scores.push(score(groups[place].readings, found.pointwise[place], false, reliable));
+                    let reliable = cross_validated.pareto_k[place] <= good;
+                    scores.push(score(groups[place].readings, cross_validated.pointwise[place], false, reliable));
                 }
             }
         }
@@ -120,9 +120,9 @@ fn density(
             measured - posterior.predicted.readings[draw * whole + first + row * width + sensor]
         };
         let Some(inputs) = inputs else {
-            return read.iter().fold(0.0, |log, own| {
-                let sd = noise[own.0][draw];
-                let scaled = deviation(own) / sd;
+            return read.iter().fold(0.0, |log, reading| {
+                let sd = noise[reading.0][draw];
+                let scaled = deviation(reading) / sd;
                 log - (0.5 * scaled * scaled + ln(sd) + HALF_LN_TAU)
             });
         };
@@ -147,18 +147,19 @@ fn density(
 
 /// The phases held out, together.
 pub(super) fn held_out(phases: &[PhaseScore]) -> Option<HeldOutScore> {
-    let own: Vec<&PhaseScore> = phases.iter().filter(|phase| phase.held_out).collect();
-    if own.is_empty() {
+    let held_out_scores: Vec<&PhaseScore> = phases.iter().filter(|phase| phase.held_out).collect();
+    if held_out_scores.is_empty() {
         return None;
     }
-    let count = own.len() as f64;
-    let log_density: f64 = own.iter().map(|phase| phase.log_density).sum();
+    let count = held_out_scores.len() as f64;
+    let log_density: f64 = held_out_scores.iter().map(|phase| phase.log_density).sum();
     let mean = log_density / count;
-    let squares: f64 = own.iter().map(|phase| (phase.log_density - mean) * (phase.log_density - mean)).sum();
+    let squares: f64 =
+        held_out_scores.iter().map(|phase| (phase.log_density - mean) * (phase.log_density - mean)).sum();
     Some(HeldOutScore {
         log_density,
-        standard_error: (own.len() > 1).then(|| (squares * count / (count - 1.0)).sqrt()),
-        phases: own.len() as u64,
-        readings: own.iter().map(|phase| phase.readings).sum(),
+        standard_error: (held_out_scores.len() > 1).then(|| (squares * count / (count - 1.0)).sqrt()),
+        phases: held_out_scores.len() as u64,
+        readings: held_out_scores.iter().map(|phase| phase.readings).sum(),
     })
 }

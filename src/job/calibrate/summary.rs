@@ -18,7 +18,8 @@ impl<'a> Weighted<'a> {
                 of_chains.and_then(|all| all.get(index)).copied().unwrap_or(1.0) / chain.len().max(1) as f64
             })
             .collect();
-        let all = chains.chains.iter().zip(&weights).flat_map(|(chain, own)| std::iter::repeat_n(own, chain.len()));
+        let all =
+            chains.chains.iter().zip(&weights).flat_map(|(chain, weight)| std::iter::repeat_n(weight, chain.len()));
         let total: f64 = all.sum();
         for weight in &mut weights {
             *weight /= total;
@@ -48,8 +49,8 @@ impl<'a> Weighted<'a> {
     pub fn quantiles(&self, parameter: usize, shares: &[f64]) -> Vec<f64> {
         let mut pairs: Vec<(f64, u32)> = Vec::with_capacity(self.chains.len());
         for (index, chain) in (0..).zip(&self.chains.chains) {
-            let own = chain.draws.iter().skip(parameter).step_by(chain.dimension.max(1));
-            pairs.extend(own.map(|&value| (value, index)));
+            let column = chain.draws.iter().skip(parameter).step_by(chain.dimension.max(1));
+            pairs.extend(column.map(|&value| (value, index)));
         }
         // Draws of one chain weigh the same, so that only the order of equal draws of different chains is to be kept.
         pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -91,7 +92,7 @@ impl<'a> Weighted<'a> {
         let all = self.chains.len();
         let count = most.min(all);
         let mut places = (self.chains.chains.iter().enumerate())
-            .flat_map(|(chain, own)| (0..own.len()).map(move |draw| (chain, draw)));
+            .flat_map(|(chain, draws)| (0..draws.len()).map(move |draw| (chain, draw)));
         let mut kept = KeptDraws::default();
         let Some(mut place) = places.next() else { return kept };
         let (mut position, mut below) = (0, self.weights[place.0]);
@@ -104,10 +105,10 @@ impl<'a> Weighted<'a> {
                 below += self.weights[place.0];
             }
             let (chain, draw) = place;
-            let own = &self.chains.chains[chain];
+            let chain_draws = &self.chains.chains[chain];
             kept.index.push([chain as u64, draw as u64]);
-            kept.values.push(own.draw(draw).to_vec());
-            kept.log_likelihoods.push(own.log_likelihoods[draw]);
+            kept.values.push(chain_draws.draw(draw).to_vec());
+            kept.log_likelihoods.push(chain_draws.log_likelihoods[draw]);
         }
         kept
     }

@@ -72,14 +72,14 @@ impl JobKind for Kind {
         let spec = Spec { calibration: shown.clone(), ..spec.clone() };
         let (model, measurements) = (Arc::clone(&shared.model), Arc::clone(&shared.measurements));
         let make = move || Compare::new(spec.clone(), Arc::clone(&model), Arc::clone(&measurements), nominal.clone());
-        let known: Arc<dyn Runnable> = Arc::new(make()?);
-        let Some(name) = shown else { return Ok(Readiness::Ready(known)) };
+        let untuned: Arc<dyn Runnable> = Arc::new(make()?);
+        let Some(name) = shown else { return Ok(Readiness::Ready(untuned)) };
         let from = vec![Upstream { file: shared.pass.file.clone(), job: name.clone() }];
         let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
             let result = results.first().ok_or_else(|| JobError::Failed("a result is not there".to_owned()))?;
             Ok(Arc::new(make()?.with_tuned(Tuned::from_result(&name, result)?)))
         };
-        Ok(Readiness::after(from, known, Box::new(prepare)))
+        Ok(Readiness::after(from, untuned, Box::new(prepare)))
     }
 }
 
@@ -101,7 +101,10 @@ impl study::job::Spec for Spec {
         let is_refused = |name: &&String| pass.refused.iter().any(|refused| refused.job == **name);
         let calibration = self.calibration.as_ref().filter(|name| !is_refused(name))?;
         let runs = pass.jobs.iter().any(|other| other.name == *calibration && other.spec.resolved().is_some());
-        let own = if runs { blocked(pass, calibration)? } else { Blocked::waits(String::new()) };
-        Some(Blocked { reason: format!("it shows the tuned state of `{calibration}`, which does not run"), ..own })
+        let calibration_blocked = if runs { blocked(pass, calibration)? } else { Blocked::waits(String::new()) };
+        Some(Blocked {
+            reason: format!("it shows the tuned state of `{calibration}`, which does not run"),
+            ..calibration_blocked
+        })
     }
 }

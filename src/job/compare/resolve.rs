@@ -23,8 +23,8 @@ pub(super) fn resolve(
     let name = form.criteria.as_ref().map_or(profile::DEFAULT, |name| name.value.as_str());
     let criteria = offered.profiles.iter().find(|profile| profile.name == name).cloned();
     if let (None, Some(written)) = (&criteria, &form.criteria) {
-        let known: Vec<&str> = offered.profiles.iter().map(|profile| profile.name.as_str()).collect();
-        scope.unknown(&code::JOB_REFERENCE, "criteria profile", name, &written.place, &known);
+        let profile_names: Vec<&str> = offered.profiles.iter().map(|profile| profile.name.as_str()).collect();
+        scope.unknown(&code::JOB_REFERENCE, "criteria profile", name, &written.place, &profile_names);
     }
     let mut calibration = None;
     if let Some(from) = form.from.as_ref().filter(|from| from.value != NOMINAL) {
@@ -35,9 +35,15 @@ pub(super) fn resolve(
                 scope.error(&code::JOB_REFERENCE, &from.place, message, "`nominal`, or a `calibrate` job");
             }
             None => {
-                let mut known = vec![NOMINAL];
-                known.extend(forms.of_kind(CALIBRATION));
-                scope.unknown(&code::JOB_REFERENCE, "state of the parameters", &from.value, &from.place, &known);
+                let mut listed_states = vec![NOMINAL];
+                listed_states.extend(forms.of_kind(CALIBRATION));
+                scope.unknown(
+                    &code::JOB_REFERENCE,
+                    "state of the parameters",
+                    &from.value,
+                    &from.place,
+                    &listed_states,
+                );
             }
         }
     }
@@ -75,8 +81,8 @@ pub(super) fn show_calibrations(jobs: &mut [NamedJob], forms: &Forms) {
         let Some(spec) = job.spec.get::<Spec>() else { continue };
         let says = forms.get::<FormOf<Kind>>(&job.name).is_some_and(|form| form.0.from.is_some());
         if !says {
-            let found = calibrations.iter().find(|(_, data)| data.iter().all(|index| spec.data.contains(index)));
-            job.spec = JobSpec::of(Spec { calibration: found.map(|(name, _)| name.clone()), ..spec.clone() });
+            let covering = calibrations.iter().find(|(_, data)| data.iter().all(|index| spec.data.contains(index)));
+            job.spec = JobSpec::of(Spec { calibration: covering.map(|(name, _)| name.clone()), ..spec.clone() });
         }
     }
 }

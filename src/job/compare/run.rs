@@ -132,9 +132,9 @@ impl Compare {
     pub(super) fn phases(&self, measurement: &Measurement, rows: &[Row]) -> Vec<PhaseSummary> {
         let (unit, rows) = of_one_unit(rows);
         let limit = self.spec.criteria.each_k.filter(|_| unit == KELVIN);
-        let summary = |phase: String, held_out: bool, own: &[&Row]| {
-            let deviations: Vec<f64> = own.iter().map(|row| row.measured - row.predicted).collect();
-            let worst = own
+        let summary = |phase: String, held_out: bool, phase_rows: &[&Row]| {
+            let deviations: Vec<f64> = phase_rows.iter().map(|row| row.measured - row.predicted).collect();
+            let worst = phase_rows
                 .iter()
                 .max_by(|a, b| (a.measured - a.predicted).abs().total_cmp(&(b.measured - b.predicted).abs()))?;
             Some(PhaseSummary {
@@ -150,18 +150,18 @@ impl Compare {
             Rows::Steady(phases) => phases
                 .iter()
                 .filter_map(|phase| {
-                    let own: Vec<&Row> =
+                    let phase_rows: Vec<&Row> =
                         rows.iter().copied().filter(|row| row.phase.as_deref() == Some(phase.name.as_str())).collect();
-                    summary(phase.name.clone(), phase.held_out, &own)
+                    summary(phase.name.clone(), phase.held_out, &phase_rows)
                 })
                 .collect(),
             Rows::Transient { inputs, .. } => stretches(measurement)
                 .into_iter()
                 .filter_map(|stretch| {
                     let (from, to) = (inputs.times_s[stretch.from], inputs.times_s[stretch.to - 1]);
-                    let own: Vec<&Row> =
+                    let stretch_rows: Vec<&Row> =
                         rows.iter().copied().filter(|row| row.time_s.is_some_and(|t| t >= from && t <= to)).collect();
-                    summary(stretch::name(&inputs.times_s, stretch), stretch.held_out, &own)
+                    summary(stretch::name(&inputs.times_s, stretch), stretch.held_out, &stretch_rows)
                 })
                 .collect(),
         }
@@ -267,8 +267,8 @@ impl Compare {
     /// there is none. Sensors whose noise is correlated are left out: their errors are not independent.
     pub(super) fn overstated(&self, rows: &[Row]) -> Option<String> {
         let residual = |row: &Row| {
-            let measurement = self.measurements.iter().find(|own| own.name == row.measurement)?;
-            let sensor = measurement.sensors.iter().find(|own| own.name == row.sensor)?;
+            let measurement = self.measurements.iter().find(|declared| declared.name == row.measurement)?;
+            let sensor = measurement.sensors.iter().find(|declared| declared.name == row.sensor)?;
             let (Some(Uncertain::Known(sigma)), None) = (&sensor.sigma, &sensor.correlation_time_s) else {
                 return None;
             };
@@ -381,13 +381,13 @@ pub(super) fn chi2(measurement: &Measurement, rows: &[Row]) -> Option<(f64, u64)
 
 /// The profile's criteria, over the rows that a fit may use and those held out apart.
 pub(super) fn verdicts(criteria: &Criteria, train: &Deviation, held_out: &Deviation) -> Vec<Verdict> {
-    let mut found = Vec::new();
+    let mut verdicts = Vec::new();
     for (rows, statistics) in [("", train), (" on held-out rows", held_out)] {
         if statistics.count == 0 {
             continue;
         }
         let mut judge = |criterion: String, value: f64, limit: f64, kept: bool| {
-            found.push(Verdict { criterion, value, limit, kept });
+            verdicts.push(Verdict { criterion, value, limit, kept });
         };
         if let Some(limit) = criteria.mean_k {
             let kept = statistics.mean.abs() <= limit;
@@ -402,7 +402,7 @@ pub(super) fn verdicts(criteria: &Criteria, train: &Deviation, held_out: &Deviat
             judge(format!("share of readings within {limit} K{rows}"), statistics.within_limit, share, kept);
         }
     }
-    found
+    verdicts
 }
 
 impl Output {

@@ -8,15 +8,15 @@ use crate::thermal::Model;
 
 /// Trends of every sensor against time (of a transient) and every input that varies.
 pub fn trends(measurement: &Measurement, model: &Model, rows: &[Row]) -> Vec<Trend> {
-    let mut found = Vec::new();
+    let mut trends = Vec::new();
     for sensor in &measurement.sensors {
-        let own: Vec<&Row> = rows.iter().filter(|row| row.sensor == sensor.name).collect();
-        let residuals: Vec<f64> = own.iter().map(|row| row.measured - row.predicted).collect();
-        for (against, unit, values) in abscissae(measurement, model, &own) {
+        let sensor_rows: Vec<&Row> = rows.iter().filter(|row| row.sensor == sensor.name).collect();
+        let residuals: Vec<f64> = sensor_rows.iter().map(|row| row.measured - row.predicted).collect();
+        for (against, unit, values) in abscissae(measurement, model, &sensor_rows) {
             let Some(line) = Line::fit(&values, &residuals) else { continue };
             let left = line.residuals(&values, &residuals);
             let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
-            found.push(Trend {
+            trends.push(Trend {
                 measurement: measurement.name.clone(),
                 sensor: sensor.name.clone(),
                 against,
@@ -28,8 +28,8 @@ pub fn trends(measurement: &Measurement, model: &Model, rows: &[Row]) -> Vec<Tre
             });
         }
     }
-    strongest_first(&mut found);
-    found
+    strongest_first(&mut trends);
+    trends
 }
 
 /// Sorts trends by the magnitude of their correlation, names deciding between equals.
@@ -59,7 +59,7 @@ fn abscissae(measurement: &Measurement, model: &Model, rows: &[&Row]) -> Vec<(St
         Rows::Transient { inputs, .. } => {
             let times: Vec<f64> = rows.iter().filter_map(|row| row.time_s).collect();
             let row_of = |time_s: f64| inputs.times_s.partition_point(|&t| t < time_s);
-            let mut found: Vec<(String, String, Vec<f64>)> = inputs
+            let mut abscissae: Vec<(String, String, Vec<f64>)> = inputs
                 .columns
                 .iter()
                 .map(|column| {
@@ -68,8 +68,8 @@ fn abscissae(measurement: &Measurement, model: &Model, rows: &[&Row]) -> Vec<(St
                     (input.name.clone(), si(&input.unit), values)
                 })
                 .collect();
-            found.insert(0, ("time".to_owned(), "s".to_owned(), times));
-            found
+            abscissae.insert(0, ("time".to_owned(), "s".to_owned(), times));
+            abscissae
         }
     }
 }

@@ -42,10 +42,10 @@ impl Tuned {
     /// # Errors
     /// A result that holds no tuned state.
     pub fn from_result(job: &str, result: &Value) -> Result<Self, JobError> {
-        let found = Calibrated::deserialize(result)
+        let calibrated = Calibrated::deserialize(result)
             .map_err(|error| JobError::Failed(format!("the result of `{job}` has no tuned state: {error}")))?;
-        let unknowns = if found.order.is_empty() { found.tuned.len() } else { found.order.len() };
-        Ok(Self { job: job.to_owned(), values: found.tuned, unknowns, converged: found.converged })
+        let unknowns = if calibrated.order.is_empty() { calibrated.tuned.len() } else { calibrated.order.len() };
+        Ok(Self { job: job.to_owned(), values: calibrated.tuned, unknowns, converged: calibrated.converged })
     }
 
     /// Number of unknowns that the calibration inferred, at most.
@@ -59,13 +59,13 @@ impl Tuned {
     }
 
     fn find(&self, name: &str) -> Option<f64> {
-        self.values.iter().find(|(known, _)| known == name).map(|(_, value)| *value)
+        self.values.iter().find(|(parameter_name, _)| parameter_name == name).map(|(_, value)| *value)
     }
 
     /// All parameters of the model, SI: tuned, or as delivered where the calibration did not choose them.
     fn parameters(&self, model: &Model, delivered: &[f64]) -> Vec<f64> {
-        let own = model.parameters.iter().zip(delivered);
-        own.map(|(parameter, delivered)| self.find(&parameter.name).unwrap_or(*delivered)).collect()
+        let delivered_parameters = model.parameters.iter().zip(delivered);
+        delivered_parameters.map(|(parameter, delivered)| self.find(&parameter.name).unwrap_or(*delivered)).collect()
     }
 
     /// Adds the tuned predictions to the rows of a measurement, and their statistics to its sensors.
@@ -90,14 +90,14 @@ impl Tuned {
                 Rows::Steady(phases) => phases.iter().position(|phase| Some(&phase.name) == row.phase.as_ref())?,
                 Rows::Transient { inputs, .. } => {
                     let time_s = row.time_s?;
-                    inputs.times_s.partition_point(|known| *known < time_s)
+                    inputs.times_s.partition_point(|instant_s| *instant_s < time_s)
                 }
             };
             Some(position * measurement.sensors.len() + sensor)
         };
         for row in rows.iter_mut() {
-            let found = place(row).and_then(|place| prediction.readings.get(place)).copied();
-            row.predicted_tuned = found.filter(|value| value.is_finite());
+            let tuned_reading = place(row).and_then(|place| prediction.readings.get(place)).copied();
+            row.predicted_tuned = tuned_reading.filter(|value| value.is_finite());
         }
         for (summary, sensor) in sensors.iter_mut().zip(&fixed.sensors) {
             let of = |held_out: bool| {
@@ -118,7 +118,7 @@ impl Tuned {
         TunedState {
             job: self.job.clone(),
             parameters: (model.parameters.iter().zip(parameters))
-                .map(|(own, value)| (own.name.clone(), own.unit.clone(), value))
+                .map(|(parameter, value)| (parameter.name.clone(), parameter.unit.clone(), value))
                 .collect(),
             train: statistics(rows.iter().copied(), false, limit),
             held_out: statistics(rows.iter().copied(), true, limit),
@@ -127,8 +127,8 @@ impl Tuned {
 }
 
 fn statistics<'r>(rows: impl Iterator<Item = &'r Row>, held_out: bool, limit: Option<f64>) -> Deviation {
-    let own = rows.filter(|row| row.held_out == held_out);
-    let deviations: Vec<f64> = own.filter_map(|row| Some(row.measured - row.predicted_tuned?)).collect();
+    let chosen_rows = rows.filter(|row| row.held_out == held_out);
+    let deviations: Vec<f64> = chosen_rows.filter_map(|row| Some(row.measured - row.predicted_tuned?)).collect();
     deviation(&deviations, limit)
 }
 
@@ -146,12 +146,12 @@ fn noise_rmse(measurement: &Measurement, sensor: &Sensor, rows: &[Row]) -> Optio
     let sigma = known(&sensor.sigma)?;
     let white = known(&sensor.white).unwrap_or(0.0);
     let total = sigma * sigma + white * white;
-    let own: Vec<&Row> = rows.iter().filter(|row| row.sensor == sensor.name).collect();
-    let count = own.len() as f64;
+    let sensor_rows: Vec<&Row> = rows.iter().filter(|row| row.sensor == sensor.name).collect();
+    let count = sensor_rows.len() as f64;
     let mut squares = count;
     if let (Rows::Transient { .. }, Some(correlation)) = (&measurement.rows, &sensor.correlation_time_s) {
         let tau_s = correlation.nominal();
-        let times: Vec<f64> = own.iter().filter_map(|row| row.time_s).collect();
+        let times: Vec<f64> = sensor_rows.iter().filter_map(|row| row.time_s).collect();
         let share = sigma * sigma / total;
         for first in 0..times.len() {
             for second in first + 1..times.len() {

@@ -71,27 +71,27 @@ fn filled(deviation: &Deviation) -> Value {
 }
 
 fn by_name(output: &Output) -> Map<String, Value> {
-    let mut found = Map::new();
+    let mut entries = Map::new();
     for sensor in &output.sensors {
         let same: Vec<&SensorSummary> = output.sensors.iter().filter(|other| other.sensor == sensor.sensor).collect();
         if same.iter().all(|other| other.unit == sensor.unit) {
-            if !found.contains_key(&sensor.sensor) {
-                found.insert(sensor.sensor.clone(), statistics(output, &same));
+            if !entries.contains_key(&sensor.sensor) {
+                entries.insert(sensor.sensor.clone(), statistics(output, &same));
             }
         } else {
-            found.insert(format!("{}/{}", sensor.measurement, sensor.sensor), statistics(output, &[sensor]));
+            entries.insert(format!("{}/{}", sensor.measurement, sensor.sensor), statistics(output, &[sensor]));
         }
     }
-    found
+    entries
 }
 
 fn by_measurement(output: &Output) -> Map<String, Value> {
-    let mut found = Map::new();
+    let mut entries = Map::new();
     for sensor in &output.sensors {
-        let own = found.entry(sensor.measurement.clone()).or_insert_with(|| json!({}));
-        own[sensor.sensor.as_str()] = statistics(output, &[sensor]);
+        let entry = entries.entry(sensor.measurement.clone()).or_insert_with(|| json!({}));
+        entry[sensor.sensor.as_str()] = statistics(output, &[sensor]);
     }
-    found
+    entries
 }
 
 /// Statistics of one sensor over its measurements.
@@ -184,8 +184,8 @@ mod tests {
         let rows = vec![row("a", 1.0, false), row("a", 3.0, false), row("b", 5.0, false), row("b", -2.0, true)];
         let summary = |measurement: &str, unit: &str| {
             let of = |held_out: bool| -> Vec<f64> {
-                let own = rows.iter().filter(|r| r.measurement == measurement && r.held_out == held_out);
-                own.map(|r| r.measured - r.predicted).collect()
+                let measurement_rows = rows.iter().filter(|r| r.measurement == measurement && r.held_out == held_out);
+                measurement_rows.map(|r| r.measured - r.predicted).collect()
             };
             SensorSummary {
                 measurement: measurement.into(),

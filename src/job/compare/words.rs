@@ -41,9 +41,9 @@ pub fn fails(
 }
 
 fn sentence(sensor: &SensorSummary, phases: &[PhaseSummary], trends: &[Trend], rows: &[Row]) -> String {
-    let own: Vec<&Row> =
+    let sensor_rows: Vec<&Row> =
         rows.iter().filter(|row| row.measurement == sensor.measurement && row.sensor == sensor.sensor).collect();
-    let all: Vec<f64> = own.iter().map(|row| row.measured - row.predicted).collect();
+    let all: Vec<f64> = sensor_rows.iter().map(|row| row.measured - row.predicted).collect();
     let overall = super::deviation::deviation(&all, None);
     let one_sided = all.iter().filter(|d| (**d > 0.0) == (overall.mean > 0.0)).count() as f64 / all.len().max(1) as f64;
     let temperature = sensor.unit == KELVIN;
@@ -67,7 +67,8 @@ fn sentence(sensor: &SensorSummary, phases: &[PhaseSummary], trends: &[Trend], r
             signed(sensor.held_out.rmse, &sensor.unit).trim_start_matches('+'),
         ));
     }
-    let worst = own.iter().max_by(|a, b| (a.measured - a.predicted).abs().total_cmp(&(b.measured - b.predicted).abs()));
+    let worst =
+        sensor_rows.iter().max_by(|a, b| (a.measured - a.predicted).abs().total_cmp(&(b.measured - b.predicted).abs()));
     if let Some(row) = worst {
         let place = match (&row.phase, row.time_s) {
             (Some(phase), _) => format!("in phase {phase}"),

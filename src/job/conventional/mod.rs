@@ -51,21 +51,21 @@ impl JobKind for Kind {
         let (spec, model, priors) = (spec.clone(), Arc::clone(&shared.model), shared.pass.priors.clone());
         let make = move |draws: &[PosteriorPrior]| {
             let mut priors = priors.clone();
-            for own in draws.iter().filter(|own| !own.draws.is_empty()) {
-                for (place, &parameter) in own.parameters.iter().enumerate() {
-                    priors[parameter] = own.interval(place);
+            for posterior_prior in draws.iter().filter(|posterior_prior| !posterior_prior.draws.is_empty()) {
+                for (place, &parameter) in posterior_prior.parameters.iter().enumerate() {
+                    priors[parameter] = posterior_prior.interval(place);
                 }
             }
             Conventional::new(spec.clone(), Arc::clone(&model), priors)
         };
-        let known: Arc<dyn Runnable> = Arc::new(make(&[])?);
+        let unprepared: Arc<dyn Runnable> = Arc::new(make(&[])?);
         // The job itself knows intervals only: whose they are must be stated.
-        let beside: Value = draws.iter().map(|own| own.draws.identity()).collect();
-        let own = draws.clone();
+        let beside: Value = draws.iter().map(|reference| reference.draws.identity()).collect();
+        let references = draws.clone();
         let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
-            Ok(Arc::new(make(&filled(&own, &mut results.iter())?)?))
+            Ok(Arc::new(make(&filled(&references, &mut results.iter())?)?))
         };
-        Ok(after(&[&draws], known, Box::new(prepare))?.beside(beside))
+        Ok(after(&[&draws], unprepared, Box::new(prepare))?.beside(beside))
     }
 }
 

@@ -111,9 +111,9 @@ impl Output {
     /// The size that meets every requirement of an environment under one rule and basis: the one nearest the range's end,
     /// `None` where a requirement has none.
     pub fn governing(&self, environment: &str, rule: &str, basis: Basis) -> Option<&Size> {
-        let own =
+        let matching_sizes =
             || self.sizes.iter().filter(|s| s.environment == environment && s.rule.name == rule && s.basis == basis);
         let from_end = |size: &Size| size.size.map_or(f64::NEG_INFINITY, |value| (value - self.design_range[1]).abs());
-        own().min_by(|a, b| from_end(a).total_cmp(&from_end(b)))
+        matching_sizes().min_by(|a, b| from_end(a).total_cmp(&from_end(b)))
     }
 }

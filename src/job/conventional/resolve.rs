@@ -22,8 +22,8 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &ConventionalForm,
                 match offered.rules.iter().find(|rule| rule.name == name.value) {
                     Some(rule) => rules.push(rule.clone()),
                     None => {
-                        let known: Vec<&str> = offered.rules.iter().map(|rule| rule.name.as_str()).collect();
-                        scope.unknown(&code::JOB_REFERENCE, "margin rule", &name.value, &name.place, &known);
+                        let rule_names: Vec<&str> = offered.rules.iter().map(|rule| rule.name.as_str()).collect();
+                        scope.unknown(&code::JOB_REFERENCE, "margin rule", &name.value, &name.place, &rule_names);
                     }
                 }
             }

@@ -227,7 +227,7 @@ impl Conventional {
             Some(index) if index + 1 == GRID => None,
             Some(index) => {
                 let mut broken = None;
-                let found = root::brent(
+                let size_root = root::brent(
                     |value| {
                         margin_at(value).unwrap_or_else(|error| {
                             broken = Some(error);
@@ -242,7 +242,7 @@ impl Conventional {
                 if let Some(error) = broken {
                     return Err(error);
                 }
-                Some(found.map_err(|e| JobError::Failed(format!("rule `{}`: {e}", rule.name)))?)
+                Some(size_root.map_err(|e| JobError::Failed(format!("rule `{}`: {e}", rule.name)))?)
             }
         };
         Ok(Size {
@@ -329,8 +329,8 @@ impl Job for Conventional {
     }
 
     fn reduce(&self, (): (), blocks: Done<Self>) -> Result<Step<Self>, JobError> {
-        let found = blocks.into_iter().next().map(|(_, output)| Step::Done(Box::new(output)));
-        found.ok_or_else(|| JobError::Failed("there are no sizes".to_owned()))
+        let finished = blocks.into_iter().next().map(|(_, output)| Step::Done(Box::new(output)));
+        finished.ok_or_else(|| JobError::Failed("there are no sizes".to_owned()))
     }
 }
 

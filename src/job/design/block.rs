@@ -43,9 +43,10 @@ impl Block for Known {
         let ((state, lengths), numbers): ((State, Vec<usize>), _) = split_numbers(bytes, stage)?;
         let (mut readings, mut rest) = (Vec::new(), numbers.as_slice());
         for length in lengths {
-            let own;
-            (own, rest) = rest.split_at_checked(length).ok_or_else(|| unreadable(stage, "its readings are cut off"))?;
-            readings.push(own.to_vec());
+            let candidate_readings;
+            (candidate_readings, rest) =
+                rest.split_at_checked(length).ok_or_else(|| unreadable(stage, "its readings are cut off"))?;
+            readings.push(candidate_readings.to_vec());
         }
         if rest.is_empty() { Ok(Self { state, readings }) } else { Err(unreadable(stage, "it is too long")) }
     }

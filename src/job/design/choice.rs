@@ -24,19 +24,19 @@ pub(super) enum Choice {
 /// How far the estimates of several sets can be relied on for finding the best: all must be of use, and good are those
 /// that may be the best.
 fn trust(sets: &[&[Replicate]]) -> Trust {
-    let estimates: Vec<Estimate> = sets.iter().filter_map(|own| Estimate::of(own)).collect();
+    let estimates: Vec<Estimate> = sets.iter().filter_map(|replicates| Estimate::of(replicates)).collect();
     let least = estimates.iter().map(Estimate::trust).min();
     if least.is_none_or(|least| least == Trust::No) {
         return Trust::No;
     }
-    let highest = estimates.iter().map(|own| own.range()[0]).fold(f64::NEG_INFINITY, f64::max);
-    let leading = estimates.iter().filter(|own| own.range()[1] >= highest);
+    let highest = estimates.iter().map(|estimate| estimate.range()[0]).fold(f64::NEG_INFINITY, f64::max);
+    let leading = estimates.iter().filter(|estimate| estimate.range()[1] >= highest);
     leading.map(Estimate::trust).min().unwrap_or(Trust::No)
 }
 
 /// The diagnostics of the leading set in words.
 fn diagnostics(sets: &[&[Replicate]]) -> String {
-    let estimates = sets.iter().filter_map(|own| Estimate::of(own));
+    let estimates = sets.iter().filter_map(|replicates| Estimate::of(replicates));
     let Some(worst) = estimates.max_by(|a, b| a.bias_bound.total_cmp(&b.bias_bound)) else {
         return "there is no estimate".to_owned();
     };
@@ -58,7 +58,9 @@ impl Design {
     /// Of the allowed candidates with an estimate.
     fn allowed<'a>(candidates: &[Candidate], replicates: &'a [Vec<Replicate>]) -> Vec<&'a [Replicate]> {
         let both = candidates.iter().zip(replicates).filter(|(candidate, _)| candidate.allowed);
-        both.map(|(_, own)| own.as_slice()).filter(|own| Estimate::of(own).is_some()).collect()
+        both.map(|(_, replicates_of_one)| replicates_of_one.as_slice())
+            .filter(|replicates_of_one| Estimate::of(replicates_of_one).is_some())
+            .collect()
     }
 
     /// How far what an estimator gave can be relied on; an approximation has no diagnostics.
@@ -85,11 +87,11 @@ impl Design {
         if self.spec.estimator != Estimator::Automatic {
             return Choice::Keep;
         }
-        let own = self.trust_in_candidates(state);
+        let current_trust = self.trust_in_candidates(state);
         let words = diagnostics(&Self::allowed(&state.output.candidates, &state.replicates));
         let is_first = state.tried.is_empty();
         match state.estimator {
-            Estimator::Nested if is_first && own == Trust::Good => {
+            Estimator::Nested if is_first && current_trust == Trust::Good => {
                 state.output.because =
                     "its bias and its inner samples are good at all candidates that may be the best".into();
                 Choice::Keep
@@ -98,7 +100,7 @@ impl Design {
                 state.output.because = format!("`nested` is not good: {words}");
                 self.extend_set(state, Estimator::Importance)
             }
-            Estimator::Importance if own == Trust::No => {
+            Estimator::Importance if current_trust == Trust::No => {
                 let usable = |(estimator, replicates): &(Estimator, Vec<Vec<Replicate>>)| {
                     self.trust_in(*estimator, &Self::allowed(&state.output.candidates, replicates)) > Trust::No
                 };
@@ -131,7 +133,7 @@ impl Design {
         let is_open = self.spec.estimator == Estimator::Automatic
             && state.estimator == Estimator::Nested
             && state.tried.is_empty();
-        let replicates: Vec<&[Replicate]> = sets.iter().map(|(_, own)| own.as_slice()).collect();
+        let replicates: Vec<&[Replicate]> = sets.iter().map(|(_, set_replicates)| set_replicates.as_slice()).collect();
         if !is_open || self.trust_in(state.estimator, &replicates) == Trust::Good {
             return false;
         }

@@ -60,8 +60,8 @@ impl Whitening {
         if !place.covariance.is_empty() {
             for (a, &row) in read.iter().enumerate() {
                 for (b, &column) in read.iter().enumerate() {
-                    let own = if a == b { sigmas[a] * sigmas[a] } else { 0.0 };
-                    factor.push(place.covariance[row * sensors.len() + column] + own);
+                    let noise_variance = if a == b { sigmas[a] * sigmas[a] } else { 0.0 };
+                    factor.push(place.covariance[row * sensors.len() + column] + noise_variance);
                 }
             }
             // Finite derivatives leave it positive definite; others are caught where they arise.
@@ -106,7 +106,7 @@ impl ForwardModel {
         let mut quantities: Vec<usize> = Vec::new();
         let mut of_sensor = Vec::new();
         for sensor in &spec.sensors {
-            let place = quantities.iter().position(|own| *own == sensor.quantity);
+            let place = quantities.iter().position(|chosen_quantity| *chosen_quantity == sensor.quantity);
             of_sensor.push(place.unwrap_or(quantities.len()));
             if place.is_none() {
                 quantities.push(sensor.quantity);
@@ -130,8 +130,11 @@ impl ForwardModel {
             Distribution::Fixed(value) => *value,
             _ => parameter.nominal,
         });
-        let noisy: Vec<(usize, f64)> =
-            spec.input_errors.iter().filter_map(|own| Some((own.input, own.sigma.filter(|s| *s > 0.0)?))).collect();
+        let noisy: Vec<(usize, f64)> = spec
+            .input_errors
+            .iter()
+            .filter_map(|input_error| Some((input_error.input, input_error.sigma.filter(|s| *s > 0.0)?)))
+            .collect();
         let noisy = if noisy.is_empty() {
             None
         } else {

@@ -73,20 +73,20 @@ impl Question<'_> {
     /// Estimates of a range of replicates, and how many solutions they took.
     pub fn replicates(&self, range: std::ops::Range<usize>) -> (Vec<Replicate>, u64) {
         let mut work = self.work();
-        let found = range
+        let estimates = range
             .map(|replicate| match self.estimator {
                 Estimator::Linear => self.linear(&mut work),
                 _ => self.replicate(replicate, &mut work),
             })
             .collect();
-        (found, work.room.solutions)
+        (estimates, work.room.solutions)
     }
 
     fn work(&self) -> Work {
         let (unknowns, sensors, channels) = (self.samples.unknowns, self.forward_model.sensors(), self.channels());
         Work {
             room: self.forward_model.room(),
-            whitenings: self.phases.iter().map(|own| Whitening::new(own, self.sensors, self.read)).collect(),
+            whitenings: self.phases.iter().map(|place| Whitening::new(place, self.sensors, self.read)).collect(),
             picked: vec![0.0; self.read.len()],
             readings: vec![0.0; sensors],
             slopes: vec![0.0; sensors * unknowns],
@@ -153,7 +153,7 @@ impl Question<'_> {
             for (slot, &u) in coordinates.iter_mut().zip(row) {
                 *slot = normal_quantile(u);
             }
-            let (mut own, mut count) = (Replicate::default(), 0_u32);
+            let (mut estimate, mut count) = (Replicate::default(), 0_u32);
             for step in 0..noises {
                 for (phase, slots) in readings.chunks_exact_mut(self.read.len()).enumerate() {
                     let noise = &row[unknowns + phase * self.forward_model.sensors()..];
@@ -165,7 +165,7 @@ impl Question<'_> {
                 for (slot, truth) in readings.iter_mut().zip(&true_readings) {
                     *slot += truth;
                 }
-                let found = match (&inner, self.estimator) {
+                let terms = match (&inner, self.estimator) {
                     (_, Estimator::Laplace) => {
                         self.laplace(&coordinates, &readings, work).map(|value| (value, None, None))
                     }
@@ -175,17 +175,21 @@ impl Question<'_> {
                     }
                     (None, _) => self.terms((replicate, sample), &coordinates, &readings, None, work),
                 };
-                let Some((value, marginal, conditional)) = found.filter(|found| found.0.is_finite()) else { continue };
+                let Some((value, marginal, conditional)) = terms.filter(|sample_terms| sample_terms.0.is_finite())
+                else {
+                    continue;
+                };
                 count += 1;
-                own.sum += value;
-                own.marginal_rise += marginal.map_or(0.0, |own| own.rise().min(value.abs() + 50.0));
-                own.conditional_rise += conditional.map_or(0.0, |own| own.rise().min(value.abs() + 50.0));
-                let effective = marginal.iter().chain(&conditional).map(|own| own.effective).reduce(f64::min);
-                own.effective += effective.unwrap_or(0.0);
-                own.few += u64::from(effective.is_some_and(|effective| effective < FEW));
+                estimate.sum += value;
+                estimate.marginal_rise += marginal.map_or(0.0, |log_mean| log_mean.rise().min(value.abs() + 50.0));
+                estimate.conditional_rise +=
+                    conditional.map_or(0.0, |log_mean| log_mean.rise().min(value.abs() + 50.0));
+                let effective = marginal.iter().chain(&conditional).map(|log_mean| log_mean.effective).reduce(f64::min);
+                estimate.effective += effective.unwrap_or(0.0);
+                estimate.few += u64::from(effective.is_some_and(|effective| effective < FEW));
             }
             if count > 0 {
-                sums.add_mean(&own, count);
+                sums.add_mean(&estimate, count);
             }
         }
         sums
@@ -201,7 +205,7 @@ impl Question<'_> {
         work: &mut Work,
     ) -> Option<(f64, Option<LogMean>, Option<LogMean>)> {
         let marginal = match marginal {
-            Some(known) => known,
+            Some(log_mean) => log_mean,
             None => self.integrated(sample, 0, coordinates, readings, work)?,
         };
         if self.learn == self.samples.unknowns {
@@ -236,13 +240,13 @@ impl Question<'_> {
         work.draws = draws;
         for (phase, place) in self.phases.iter().enumerate() {
             self.forward_model.readings(place, &work.values, &mut work.room, &mut work.drawn, None);
-            let own = &readings[phase * self.read.len()..][..self.read.len()];
+            let phase_readings = &readings[phase * self.read.len()..][..self.read.len()];
             for (term, row) in work.terms.iter_mut().zip(work.drawn.chunks_exact(sensors)) {
                 for (slot, &sensor) in work.picked.iter_mut().zip(self.read) {
                     *slot = row[sensor];
                 }
                 work.whitenings[phase].apply(&mut work.picked);
-                for (reading, predicted) in own.iter().zip(&work.picked) {
+                for (reading, predicted) in phase_readings.iter().zip(&work.picked) {
                     let apart = reading - predicted;
                     *term -= 0.5 * apart * apart;
                 }
@@ -260,8 +264,8 @@ impl Question<'_> {
             sums[(index / PRIOR_EVERY) % 2] += weight;
             squares += weight * weight;
         }
-        let found = LogMean::of_sums(sums, squares, self.draws / 2, shift);
-        Some(found)
+        let log_mean = LogMean::of_sums(sums, squares, self.draws / 2, shift);
+        Some(log_mean)
     }
 
     /// Normal approximation at the most probable point of the unknowns from `first` on: Gauss-Newton steps from the true
@@ -272,14 +276,15 @@ impl Question<'_> {
         let mut trial = at.clone();
         for _ in 0..MOST_STEPS {
             let mixture = self.linear_posterior(first, &at, work)?;
-            let step: Vec<f64> = mixture.mean().iter().zip(&at[first..]).map(|(mean, own)| mean - own).collect();
+            let step: Vec<f64> =
+                mixture.mean().iter().zip(&at[first..]).map(|(mean, coordinate)| mean - coordinate).collect();
             if mixture.distance_squared(&at[first..]) < CLOSE {
                 return Some(mixture.centred(&at[first..]));
             }
             let (mut share, mut accepted) = (1.0, false);
             while share > LEAST_SHARE {
-                for (slot, (own, step)) in trial[first..].iter_mut().zip(at[first..].iter().zip(&step)) {
-                    *slot = own + share * step;
+                for (slot, (coordinate, step)) in trial[first..].iter_mut().zip(at[first..].iter().zip(&step)) {
+                    *slot = coordinate + share * step;
                 }
                 if let Some(new) = self.misfit(first, &trial, readings, work)
                     && new < value
@@ -305,8 +310,8 @@ impl Question<'_> {
             return None;
         }
         let mut sum = 0.5 * at[first..].iter().map(|u| u * u).sum::<f64>();
-        for (slot, (reading, own)) in work.residuals.iter_mut().zip(readings.iter().zip(&work.prediction)) {
-            *slot = reading - own;
+        for (slot, (reading, predicted)) in work.residuals.iter_mut().zip(readings.iter().zip(&work.prediction)) {
+            *slot = reading - predicted;
             sum += 0.5 * *slot * *slot;
         }
         Some(sum)

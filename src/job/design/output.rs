@@ -201,7 +201,8 @@ pub struct Best {
     pub se: f64,
     /// Bound of the bias; `null` where it is not known.
     pub bias_bound: Option<f64>,
-    /// Other allowed candidates that are not told from it: within two standard errors of the difference and the bias.
+    /// Other allowed candidates that are not distinguished from it: within two standard errors of the difference and
+    /// the bias.
     pub rivals: Vec<usize>,
 }
 

@@ -56,7 +56,9 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DesignForm, offer
         scope.error(&code::JOB_REFERENCE, &entry.name_place, message, "a parameter whose prior is not fixed");
     }
     let base = match &form.environment {
-        Some(name) => environments(scope, Some(&vec![name.clone()]), offered).first().map(|own| own.inputs.clone()),
+        Some(name) => environments(scope, Some(&vec![name.clone()]), offered)
+            .first()
+            .map(|environment| environment.inputs.clone()),
         None => Some(scope.nominal_inputs()),
     };
     let base = base.map(|mut base| {
@@ -84,9 +86,9 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DesignForm, offer
     });
     let search = form.search.as_ref().map_or(0, |search| {
         between(scope, search, 0, MOST_SEARCHED, "phases of a search");
-        let is_range = conditions.as_ref().is_none_or(|own| {
+        let is_range = conditions.as_ref().is_none_or(|given| {
             // What could not be read has been reported.
-            own.is_grid && own.varied.iter().any(|axis| axis.values.len() > 1)
+            given.is_grid && given.varied.iter().any(|axis| axis.values.len() > 1)
         });
         if search.value > 0 && !is_range {
             let message = "there is nothing between the candidates to search";
@@ -96,12 +98,12 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DesignForm, offer
         search.value
     });
     let input_errors = (scope.resolved.input_errors.iter().enumerate())
-        .filter_map(|(input, own)| {
-            let bias = match &own.bias {
+        .filter_map(|(input, error)| {
+            let bias = match &error.bias {
                 Some(Prior::Distribution(prior)) => Some(*prior).filter(|prior| !prior.is_fixed()),
                 _ => None,
             };
-            let sigma = own.sigma.filter(|sigma| *sigma > 0.0);
+            let sigma = error.sigma.filter(|sigma| *sigma > 0.0);
             (sigma.is_some() || bias.is_some()).then_some(ErringInput { input, sigma, bias })
         })
         .collect();
@@ -275,15 +277,15 @@ fn settable(scope: &mut Scope, name: &str, place: &Place) -> Option<usize> {
 
 /// Reports a value outside the input's stated range.
 fn within(scope: &mut Scope, input: usize, value: f64, offered: &Offered, place: &Place) {
-    let own = &scope.resolved.model.inputs[input];
-    let from_data = offered.ranges_from_data.contains(&own.name);
-    if let Some([low, high]) = own.range.filter(|_| !from_data)
+    let model_input = &scope.resolved.model.inputs[input];
+    let from_data = offered.ranges_from_data.contains(&model_input.name);
+    if let Some([low, high]) = model_input.range.filter(|_| !from_data)
         && !(low..=high).contains(&value)
     {
         let unit = scope.resolved.input_scales[input].unit.clone();
         let shown = |si: f64| unit.as_ref().map_or(si, |unit| unit.from_si(si));
         let text = unit.as_ref().map_or("SI", |unit| unit.text.as_str());
-        let message = format!("{} {text} lies outside the range of `{}`", shown(value), own.name);
+        let message = format!("{} {text} lies outside the range of `{}`", shown(value), model_input.name);
         let expected = format!("from {} to {} {text}", shown(low), shown(high));
         scope.error(&code::DESIGN_CONDITIONS, place, message, &expected);
     }
@@ -299,7 +301,7 @@ fn sensors(
     match form.map(|form| &form.value) {
         None => {
             for (_, sensor) in of_measurements(offered) {
-                if !chosen.iter().any(|own: &DesignSensor| own.name == sensor.name) {
+                if !chosen.iter().any(|chosen_sensor: &DesignSensor| chosen_sensor.name == sensor.name) {
                     chosen.extend(known(scope, sensor, &entry.name_place, offered.priors));
                 }
             }
@@ -321,8 +323,9 @@ fn sensors(
                 match of_measurements(offered).find(|(_, sensor)| sensor.name == name.value) {
                     Some((_, sensor)) => chosen.extend(known(scope, sensor, &name.place, offered.priors)),
                     None => {
-                        let known: Vec<&str> = of_measurements(offered).map(|(_, own)| own.name.as_str()).collect();
-                        scope.unknown(&code::JOB_REFERENCE, "sensor", &name.value, &name.place, &known);
+                        let sensor_names: Vec<&str> =
+                            of_measurements(offered).map(|(_, sensor)| sensor.name.as_str()).collect();
+                        scope.unknown(&code::JOB_REFERENCE, "sensor", &name.value, &name.place, &sensor_names);
                     }
                 }
             }
@@ -347,7 +350,10 @@ fn sensors(
 }
 
 fn of_measurements<'a>(offered: &'a Offered) -> impl Iterator<Item = (&'a str, &'a Sensor)> {
-    offered.data.iter().flat_map(|own| own.sensors.iter().map(|sensor| (own.name.as_str(), sensor)))
+    offered
+        .data
+        .iter()
+        .flat_map(|measurement| measurement.sensors.iter().map(|sensor| (measurement.name.as_str(), sensor)))
 }
 
 fn bias(value: Option<&Uncertain>, priors: &[Distribution]) -> Option<Distribution> {

@@ -161,27 +161,29 @@ impl Design {
     }
 
     pub(super) fn after_predictions(&self, found: Vec<Found>) -> Step<Self> {
-        let heads: Vec<PredictHead> = found.iter().filter_map(|own| own.head.clone()).collect();
+        let heads: Vec<PredictHead> = found.iter().filter_map(|prediction| prediction.head.clone()).collect();
         let mut state = State { output: self.begun(&heads), estimator: self.first_estimator(), ..State::default() };
-        state.output.solutions = found.iter().map(|own| own.information.solutions).sum();
+        state.output.solutions = found.iter().map(|prediction| prediction.information.solutions).sum();
         state.replicates = vec![Vec::new(); found.len()];
         let both = state.output.candidates.iter().zip(found);
-        let readings = both.map(|(own, found)| if self.has_solutions(own) { found.readings } else { Vec::new() });
-        let known = Known { readings: readings.collect(), state };
-        let sets = self.candidate_sets(&known);
-        Self::inform(INFORMATION.to_owned(), known, sets)
+        let readings = both.map(
+            |(candidate, prediction)| if self.has_solutions(candidate) { prediction.readings } else { Vec::new() },
+        );
+        let progress = Known { readings: readings.collect(), state };
+        let sets = self.candidate_sets(&progress);
+        Self::inform(INFORMATION.to_owned(), progress, sets)
     }
 
     pub(super) fn after_information(&self, mut known: Known, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
         let mut sets: Vec<SetFound> = Vec::new();
-        for (task, found) in blocks {
-            known.state.output.solutions += found.information.solutions;
+        for (task, partial) in blocks {
+            known.state.output.solutions += partial.information.solutions;
             match task {
                 Task::Inform { set, .. } => match sets.last_mut() {
-                    Some((last, replicates)) if *last == set => replicates.extend(found.information.replicates),
-                    _ => sets.push((set, found.information.replicates)),
+                    Some((last, replicates)) if *last == set => replicates.extend(partial.information.replicates),
+                    _ => sets.push((set, partial.information.replicates)),
                 },
-                Task::Search { phase } => self.take_in(&mut known, phase, found),
+                Task::Search { phase } => self.take_in(&mut known, phase, partial),
                 Task::Predict { .. } => {}
             }
         }
@@ -237,15 +239,16 @@ impl Design {
 
     /// A candidate of the settings, or of those that were found.
     pub(super) fn place(&self, candidate: usize, found: &[Phase]) -> Option<Place> {
-        let own = self.places.get(candidate).cloned();
-        own.or_else(|| Some(self.forward_model.place(found.get(candidate.checked_sub(self.places.len())?)?)))
+        let from_settings = self.places.get(candidate).cloned();
+        from_settings.or_else(|| Some(self.forward_model.place(found.get(candidate.checked_sub(self.places.len())?)?)))
     }
 
     /// The next greedy stage, or the result.
     pub(super) fn next(&self, known: Known) -> Step<Self> {
         let Known { state, readings } = &known;
         let output = &state.output;
-        let is_solved = |candidate: usize| readings.get(candidate).is_some_and(|own| !own.is_empty());
+        let is_solved =
+            |candidate: usize| readings.get(candidate).is_some_and(|candidate_readings| !candidate_readings.is_empty());
         let picked: Vec<usize> = output.picks.iter().map(|pick| pick.position).collect();
         if output.best.is_some() && (picked.len() as u64) < self.spec.pick && !state.ended[0] {
             let sets = (output.candidates.iter().enumerate())
@@ -317,8 +320,8 @@ impl Job for Design {
                 let places: Option<Vec<Place>> =
                     set.phases.iter().map(|&phase| self.place(phase, &known.state.found)).collect();
                 let places = places.ok_or_else(|| wrong("there is no such candidate"))?;
-                let own = set.phases.iter().filter_map(|&phase| known.readings.get(phase));
-                let readings: Vec<f64> = own.flatten().copied().collect();
+                let phase_readings = set.phases.iter().filter_map(|&phase| known.readings.get(phase));
+                let readings: Vec<f64> = phase_readings.flatten().copied().collect();
                 let fits = readings.len() == places.len() * self.all_samples() * self.forward_model.sensors()
                     && first + count <= REPLICATES
                     && set.sensors.iter().all(|sensor| *sensor < self.forward_model.sensors());
@@ -334,7 +337,7 @@ impl Job for Design {
 
     fn reduce(&self, known: Known, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
         if known.readings.is_empty() {
-            return Ok(self.after_predictions(blocks.into_iter().map(|(_, found)| found).collect()));
+            return Ok(self.after_predictions(blocks.into_iter().map(|(_, partial)| partial).collect()));
         }
         self.after_information(known, blocks)
     }

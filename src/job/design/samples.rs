@@ -40,10 +40,10 @@ pub(super) fn unknowns(spec: &Spec, model: &Model, priors: &[Distribution]) -> V
         let prior = sensor.bias.filter(|prior| !prior.is_fixed())?;
         Some(Unknown { name: sensor_name("experiment", &sensor.name, "bias"), prior, kind: Kind::Bias(place) })
     });
-    let inputs = spec.input_errors.iter().filter_map(|own| {
-        let prior = own.bias.filter(|prior| !prior.is_fixed())?;
-        let name = format!("{}.bias", model.inputs[own.input].name);
-        Some(Unknown { name, prior, kind: Kind::Input(own.input) })
+    let inputs = spec.input_errors.iter().filter_map(|input_error| {
+        let prior = input_error.bias.filter(|prior| !prior.is_fixed())?;
+        let name = format!("{}.bias", model.inputs[input_error.input].name);
+        Some(Unknown { name, prior, kind: Kind::Input(input_error.input) })
     });
     parameters.chain(biases).chain(inputs).collect()
 }

@@ -13,7 +13,7 @@ use crate::inference::information::search::{self, next};
 const AT_ONCE: u64 = 4;
 /// Steps of an input's range to which its values are rounded.
 const STEPS: f64 = 1000.0;
-/// Most candidates that the search takes, the most informative ones: its cost grows with their third power.
+/// Most candidates that the search is given, the most telling ones: its cost grows with their third power.
 const MOST_KNOWN: usize = 160;
 
 impl Design {
@@ -35,10 +35,10 @@ impl Design {
         }
         let ranges = self.ranges();
         let inputs = |candidate: usize| {
-            let own = self.spec.candidates.get(candidate);
-            own.or_else(|| state.found.get(candidate.checked_sub(self.spec.candidates.len())?))
+            let given_phase = self.spec.candidates.get(candidate);
+            given_phase.or_else(|| state.found.get(candidate.checked_sub(self.spec.candidates.len())?))
         };
-        let mut known: Vec<search::Known> = (state.output.candidates.iter().enumerate())
+        let mut evaluated: Vec<search::Known> = (state.output.candidates.iter().enumerate())
             .filter_map(|(index, candidate)| {
                 let phase = inputs(index)?;
                 let excess = |share: Option<f64>, bound: Option<f64>| Some(share? - bound?);
@@ -55,11 +55,11 @@ impl Design {
                 })
             })
             .collect();
-        let value = |own: &search::Known| own.value.unwrap_or(f64::NEG_INFINITY);
-        known.sort_by(|a, b| value(b).total_cmp(&value(a)));
-        known.truncate(MOST_KNOWN);
+        let value = |point: &search::Known| point.value.unwrap_or(f64::NEG_INFINITY);
+        evaluated.sort_by(|a, b| value(b).total_cmp(&value(a)));
+        evaluated.truncate(MOST_KNOWN);
         let count = usize::try_from(left.min(AT_ONCE)).unwrap_or(1);
-        let points = next(&known, count, STEPS, &self.key);
+        let points = next(&evaluated, count, STEPS, &self.key);
         let base = self.spec.candidates.first().filter(|_| !points.is_empty())?;
         let task = |point: Vec<f64>| {
             let mut phase = Phase { inputs: base.inputs.clone() };
@@ -78,8 +78,9 @@ impl Design {
         let has_solutions = head.failed as f64 <= FAILURE_LIMIT * self.all_samples() as f64;
         let places = [place.clone()];
         let question = self.question(estimator, &places, &read, &readings);
-        let (replicates, own) = if has_solutions { question.replicates(0..REPLICATES) } else { (Vec::new(), 0) };
-        let solutions = own + self.all_samples() as u64;
+        let (replicates, inner_solutions) =
+            if has_solutions { question.replicates(0..REPLICATES) } else { (Vec::new(), 0) };
+        let solutions = inner_solutions + self.all_samples() as u64;
         Found { head: Some(head), information: Information { replicates, solutions }, readings }
     }
 

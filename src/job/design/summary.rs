@@ -145,8 +145,8 @@ impl Design {
         let State { output, replicates, .. } = state;
         output.estimator = estimator.name().to_owned();
         (output.best, output.picks, output.convergence) = (None, Vec::new(), Vec::new());
-        for (candidate, own) in output.candidates.iter_mut().zip(replicates.iter()) {
-            let Some(estimate) = Estimate::of(own) else {
+        for (candidate, candidate_replicates) in output.candidates.iter_mut().zip(replicates.iter()) {
+            let Some(estimate) = Estimate::of(candidate_replicates) else {
                 if candidate.allowed {
                     candidate.allowed = false;
                     candidate.because = Some("no sample has an estimate".to_owned());
@@ -157,9 +157,10 @@ impl Design {
             candidate.se = Some(estimate.standard_error).filter(|error| error.is_finite());
             candidate.bias_bound = Self::bias_bound(estimator, &estimate);
             let of_samples = Some(estimate).filter(|_| estimator.tells_its_bias());
-            candidate.sees_nothing = of_samples.is_none_or(|own| own.trust() > Trust::No) && estimate.is_within_noise();
-            candidate.effective_inner = of_samples.map(|own| own.effective);
-            candidate.few_effective = of_samples.map(|own| own.few);
+            candidate.sees_nothing =
+                of_samples.is_none_or(|sampled| sampled.trust() > Trust::No) && estimate.is_within_noise();
+            candidate.effective_inner = of_samples.map(|sampled| sampled.effective);
+            candidate.few_effective = of_samples.map(|sampled| sampled.few);
             candidate.behind_best = None;
         }
         state.output.is_trusted = self.trust_in_candidates(state) > Trust::No;
@@ -245,7 +246,7 @@ impl Design {
     /// Adds the set that tells most to the greedy choice, which ends where no estimate of the sets can be trusted.
     pub(super) fn add_pick(&self, state: &mut State, sets: &[SetFound]) {
         let is_of_sensors = sets.first().is_some_and(|(set, _)| set.purpose == Purpose::Sensor);
-        let replicates: Vec<&[Replicate]> = sets.iter().map(|(_, own)| own.as_slice()).collect();
+        let replicates: Vec<&[Replicate]> = sets.iter().map(|(_, set_replicates)| set_replicates.as_slice()).collect();
         if self.trust_in(state.estimator, &replicates) == Trust::No {
             state.ended[usize::from(is_of_sensors)] = true;
             return;
@@ -283,8 +284,9 @@ impl Design {
                 output.because, output.estimator
             );
         }
-        let bias = output.candidates.iter().filter_map(|own| own.bias_bound).fold(0.0, f64::max);
-        let least = output.candidates.iter().filter_map(|own| own.effective_inner).fold(f64::INFINITY, f64::min);
+        let bias = output.candidates.iter().filter_map(|candidate| candidate.bias_bound).fold(0.0, f64::max);
+        let least =
+            output.candidates.iter().filter_map(|candidate| candidate.effective_inner).fold(f64::INFINITY, f64::min);
         format!(
             "The estimates by `{}` cannot be trusted, so that no candidate is named: the bias may be {bias:.2} nats and more, and \
              an inner average rests on as few as {least:.1} effective samples. Leave `estimator` out, and the one that fits is \
@@ -339,16 +341,16 @@ impl Design {
             Some(_) => {}
         }
         if let Some(best) = output.best.as_ref().filter(|_| self.spec.search > 0) {
-            let found = output.candidates.iter().filter(|candidate| candidate.is_found).count();
+            let found_count = output.candidates.iter().filter(|candidate| candidate.is_found).count();
             let what = if output.candidates[best.candidate].is_found {
                 "and the best is one of them"
             } else {
                 "and none of them tells more than the best of the grid"
             };
-            findings.push(match found {
+            findings.push(match found_count {
                 0 => "Between the values of the grid nothing more is to be expected.".to_owned(),
                 1 => format!("One further phase was tried between the values of the grid, {what}."),
-                _ => format!("{found} further phases were tried between the values of the grid, {what}."),
+                _ => format!("{found_count} further phases were tried between the values of the grid, {what}."),
             });
         }
         let forbidden = output.candidates.iter().filter(|candidate| !candidate.allowed).count();

@@ -30,12 +30,16 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DiagnoseForm, off
         written.value
     });
     let named = form.effects.iter().flatten().chain(&form.without).map(|name| (name.value.as_str(), &name.place));
-    check(scope, named.chain(form.missing_probability.iter().map(|own| (own.name.as_str(), &own.name_place))), offered);
-    for own in &form.missing_probability {
-        if !(own.value >= LEAST_PROBABILITY && own.value <= 1.0 - LEAST_PROBABILITY) {
-            let message = format!("a probability of {} that `{}` is missing", own.value, own.name);
+    check(
+        scope,
+        named.chain(form.missing_probability.iter().map(|missing| (missing.name.as_str(), &missing.name_place))),
+        offered,
+    );
+    for missing in &form.missing_probability {
+        if !(missing.value >= LEAST_PROBABILITY && missing.value <= 1.0 - LEAST_PROBABILITY) {
+            let message = format!("a probability of {} that `{}` is missing", missing.value, missing.name);
             let help = "a number from 1e-9 to 0.999999999; what cannot be missing stands under `without`";
-            scope.error(&code::JOB_SETTING, &own.place, message, help);
+            scope.error(&code::JOB_SETTING, &missing.place, message, help);
         }
     }
     if form.effects.as_ref().is_some_and(Vec::is_empty) {
@@ -52,7 +56,8 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DiagnoseForm, off
     if scope.diagnostics.errors() > before {
         return None;
     }
-    let missing_probability = form.missing_probability.iter().map(|own| (own.name.clone(), own.value)).collect();
+    let missing_probability =
+        form.missing_probability.iter().map(|missing| (missing.name.clone(), missing.value)).collect();
     if !missing.is_empty() {
         let command = offered.command.clone();
         return Some(JobSpec::Waiting { kind: "diagnose", measurements: missing, command });
@@ -65,8 +70,8 @@ fn check<'a>(scope: &mut Scope, names: impl Iterator<Item = (&'a str, &'a Place)
         // What is wrong with a file of the study's own was said at its place.
         let is_own = || scope.folder.has_file(&own_file(name));
         if offered.catalogue.get(name).is_none() && name != PRIOR_OF && !is_own() {
-            let known: Vec<&str> = offered.catalogue.names().chain([PRIOR_OF]).collect();
-            scope.unknown(&code::UNKNOWN_EFFECT, "effect", name, place, &known);
+            let effect_names: Vec<&str> = offered.catalogue.names().chain([PRIOR_OF]).collect();
+            scope.unknown(&code::UNKNOWN_EFFECT, "effect", name, place, &effect_names);
         }
     }
 }

@@ -88,18 +88,18 @@ impl Diagnose {
     pub fn with_posterior_priors(self, posterior_priors: Vec<PosteriorPrior>) -> Result<Self, JobError> {
         let problem = self.diagnosis.problem();
         let (mut joint, mut priors) = (Vec::new(), Vec::new());
-        for own in posterior_priors.iter().filter(|own| !own.draws.is_empty()) {
-            let density = own.density(&problem.parameters, &problem.priors).map_err(|error| {
-                JobError::Failed(format!("the posterior of {} cannot be a prior here: {error}", own.source))
+        for posterior_prior in posterior_priors.iter().filter(|posterior_prior| !posterior_prior.draws.is_empty()) {
+            let density = posterior_prior.density(&problem.parameters, &problem.priors).map_err(|error| {
+                JobError::Failed(format!("the posterior of {} cannot be a prior here: {error}", posterior_prior.source))
             })?;
             let Some(density) = density else { continue };
             let name = |&place: &usize| problem.model.parameters[problem.parameters[place]].name.clone();
             priors.push(PriorOfDraws {
-                source: own.source.clone(),
+                source: posterior_prior.source.clone(),
                 parameters: density.places().iter().map(name).collect(),
-                draws: own.draws.len() as u64,
-                effective: own.effective,
-                converged: own.converged,
+                draws: posterior_prior.draws.len() as u64,
+                effective: posterior_prior.effective,
+                converged: posterior_prior.converged,
                 fit: density.fit().clone(),
             });
             joint.push(density);
@@ -110,18 +110,19 @@ impl Diagnose {
 
     /// What is stated of the priors beside the diagnosis.
     pub(super) fn finish(&self, mut output: Output) -> Output {
-        for own in &self.priors {
-            output.warnings.extend(own.fit.doubts.iter().map(|doubt| {
+        for prior_of_draws in &self.priors {
+            output.warnings.extend(prior_of_draws.fit.doubts.iter().map(|doubt| {
                 format!(
                     "as a prior, the posterior of {} is described roughly by a normal distribution: {doubt}",
-                    own.source
+                    prior_of_draws.source
                 )
             }));
-            if !own.converged {
+            if !prior_of_draws.converged {
                 output.converged = Some(false);
-                output
-                    .warnings
-                    .push(format!("the prior is the posterior of {}, whose chains did not converge", own.source));
+                output.warnings.push(format!(
+                    "the prior is the posterior of {}, whose chains did not converge",
+                    prior_of_draws.source
+                ));
             }
         }
         output.posterior_priors.clone_from(&self.priors);
@@ -191,8 +192,10 @@ impl Job for Diagnose {
     }
 
     fn begin(&self) -> Result<Step<Self>, JobError> {
-        if let Some(own) = self.posterior_priors.iter().find(|own| own.draws.is_empty()) {
-            return Err(JobError::Failed(format!("the posterior of {} has no draws", own.source)));
+        if let Some(posterior_prior) =
+            self.posterior_priors.iter().find(|posterior_prior| posterior_prior.draws.is_empty())
+        {
+            return Err(JobError::Failed(format!("the posterior of {} has no draws", posterior_prior.source)));
         }
         Ok(Step::Blocks { stage: SCREEN.to_owned(), state: Known::Nothing, inputs: vec![Vec::new()] })
     }
@@ -223,7 +226,7 @@ impl Job for Diagnose {
             match partial {
                 Partial::State(state) => return Ok(self.next(state)),
                 Partial::Output(output) => return Ok(Step::Done(Box::new(self.finish(*output)))),
-                Partial::Refits(found) => refits.extend(found),
+                Partial::Refits(block_refits) => refits.extend(block_refits),
             }
         }
         match known {

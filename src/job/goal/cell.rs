@@ -110,8 +110,8 @@ impl Goal {
             .uncertain
             .iter()
             .map(|&parameter| {
-                let known = known.iter().find(|known| known.parameter == parameter)?;
-                Some(Sharpened::new(&self.priors[parameter], known))
+                let knowledge = known.iter().find(|reading| reading.parameter == parameter)?;
+                Some(Sharpened::new(&self.priors[parameter], knowledge))
             })
             .collect();
         let variable = self.spec.design.as_ref().map(|design| design.variable).zip(design);
@@ -162,8 +162,9 @@ impl Goal {
                         failed.count += 1;
                         failed.first.get_or_insert_with(|| {
                             let name = |index: usize| self.model.parameters[index].name.clone();
-                            let own = self.uncertain.iter().zip(&columns).map(|(&i, column)| (name(i), column[lane]));
-                            let at = listed(&own.collect::<Vec<_>>());
+                            let coordinates =
+                                self.uncertain.iter().zip(&columns).map(|(&i, column)| (name(i), column[lane]));
+                            let at = listed(&coordinates.collect::<Vec<_>>());
                             format!("environment `{}`, sample {}: {fault} ({at})", environment.name, done + lane)
                         });
                         values.fill(f64::NAN);
@@ -205,7 +206,11 @@ impl Goal {
     /// Standard deviation of the discrepancy of a requirement's quantity.
     pub(super) fn discrepancy_of(&self, position: usize) -> f64 {
         let quantity = self.spec.requirements[position].quantity;
-        self.spec.discrepancy.iter().find(|known| known.quantity == quantity).map_or(0.0, |known| known.sd)
+        self.spec
+            .discrepancy
+            .iter()
+            .find(|discrepancy| discrepancy.quantity == quantity)
+            .map_or(0.0, |discrepancy| discrepancy.sd)
     }
 
     /// Probability that all requirements are met by a sample's values; discrepancies of different quantities are independent.

@@ -130,17 +130,17 @@ mod tests {
     fn a_normal_prior_and_a_normal_error_are_conjugate() {
         // Precisions add: 1/4 + 1 = 5/4; mean (3/4 + 5) / (5/4).
         let prior = Distribution::Normal { mean: 3.0, sd: 2.0, lower: None, upper: None };
-        let found = sharpened(prior, 5.0, 1.0);
-        assert!((found.mean() - 4.6).abs() < 1e-3, "{}", found.mean());
+        let moments = sharpened(prior, 5.0, 1.0);
+        assert!((moments.mean() - 4.6).abs() < 1e-3, "{}", moments.mean());
         // The cells cut the tails: a thousandth.
-        assert!((found.sd() / 0.8_f64.sqrt() - 1.0).abs() < 2e-3, "{}", found.sd());
+        assert!((moments.sd() / 0.8_f64.sqrt() - 1.0).abs() < 2e-3, "{}", moments.sd());
     }
 
     #[test]
     fn a_small_error_within_a_uniform_prior_is_left_as_it_is() {
         let prior = Distribution::Uniform { lower: 0.78, upper: 0.92 };
-        let found = sharpened(prior, 0.85, 0.005);
-        assert!((found.mean() - 0.85).abs() < 1e-6 && (found.sd() / 0.005 - 1.0).abs() < 1e-3, "{}", found.sd());
+        let moments = sharpened(prior, 0.85, 0.005);
+        assert!((moments.mean() - 0.85).abs() < 1e-6 && (moments.sd() / 0.005 - 1.0).abs() < 1e-3, "{}", moments.sd());
     }
 
     #[test]
@@ -152,9 +152,9 @@ mod tests {
         ] {
             for ratio in [0.9, 0.5, 0.1, 0.02] {
                 let error = error_for(&prior, ratio);
-                let found = sharpened(prior, prior.mean(), error);
+                let moments = sharpened(prior, prior.mean(), error);
                 // The tails of a lognormal prior are cut by the cells.
-                assert!((found.sd() / prior.sd() / ratio - 1.0).abs() < 0.01, "{prior:?} {ratio}: {}", found.sd());
+                assert!((moments.sd() / prior.sd() / ratio - 1.0).abs() < 0.01, "{prior:?} {ratio}: {}", moments.sd());
             }
         }
     }
@@ -163,8 +163,8 @@ mod tests {
     fn no_error_is_perfect_and_one_without_end_is_the_prior() {
         let prior = Distribution::Uniform { lower: 0.0, upper: 2.0 };
         assert_eq!(error_for(&prior, 0.001), 0.0);
-        let known = |error| Sharpened::new(&prior, &Known { parameter: 0, reading: 1.5, error });
-        assert_eq!(known(0.0).quantile(0.1), 1.5);
-        assert!((known(error_for(&prior, 1.0)).quantile(0.1) - 0.2).abs() < 1e-12);
+        let sharpened_by = |error| Sharpened::new(&prior, &Known { parameter: 0, reading: 1.5, error });
+        assert_eq!(sharpened_by(0.0).quantile(0.1), 1.5);
+        assert!((sharpened_by(error_for(&prior, 1.0)).quantile(0.1) - 0.2).abs() < 1e-12);
     }
 }

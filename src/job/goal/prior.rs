@@ -57,19 +57,19 @@ impl Goal {
                 let count: f64 = column.iter().map(|&value| self.meets_alone(position, value, sd)).sum();
                 let finite: Vec<f64> = column.iter().copied().filter(|value| value.is_finite()).collect();
                 let moments = Moments::of(&finite);
-                let found = probability(count, self.spec.samples);
+                let met_probability = probability(count, self.spec.samples);
                 // Where two are met equally often, the one with fewer standard deviations to its limit drives.
                 let distance = |limit: f64| (limit - moments.mean()).abs() / moments.sd().max(f64::MIN_POSITIVE);
                 let distance = requirement.below.into_iter().chain(requirement.above).map(distance);
                 let distance = distance.fold(f64::INFINITY, f64::min);
-                if found.value < worst.2 || found.value == worst.2 && distance < worst.3 {
-                    worst = (case, position, found.value, distance);
+                if met_probability.value < worst.2 || met_probability.value == worst.2 && distance < worst.3 {
+                    worst = (case, position, met_probability.value, distance);
                 }
                 requirements.push(Met {
                     requirement: requirement.name.clone(),
                     environment: environment.name.clone(),
                     quantity: self.model.quantities[requirement.quantity].name.clone(),
-                    probability: found,
+                    probability: met_probability,
                     mean: if finite.is_empty() { 0.0 } else { moments.mean() },
                     sd: if finite.len() < 2 { 0.0 } else { moments.sd() },
                 });

@@ -39,14 +39,16 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &GoalForm, offered
 /// Standard deviations of the model's errors, by quantity.
 pub fn discrepancies(scope: &mut Scope, written: &Map<Amount>) -> Vec<Discrepancy> {
     let mut discrepancy = Vec::new();
-    for known in written {
-        let name = Spanned { value: known.name.clone(), place: known.name_place.clone() };
+    for model_error in written {
+        let name = Spanned { value: model_error.name.clone(), place: model_error.name_place.clone() };
         let Some(quantity) = scope.quantity(&name) else { continue };
         let unit = unit_of(&scope.resolved.model.quantities[quantity].unit);
-        let Some(sd) = known.value.si(unit.dimension, None, Sense::Difference, scope.diagnostics) else { continue };
+        let Some(sd) = model_error.value.si(unit.dimension, None, Sense::Difference, scope.diagnostics) else {
+            continue;
+        };
         if !(sd >= 0.0 && sd.is_finite()) {
             let message = format!("a discrepancy of {sd}");
-            scope.error(&code::JOB_SETTING, &known.place, message, "a standard deviation, 0 or above");
+            scope.error(&code::JOB_SETTING, &model_error.place, message, "a standard deviation, 0 or above");
         }
         discrepancy.push(Discrepancy { quantity, sd });
     }

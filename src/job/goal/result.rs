@@ -102,7 +102,7 @@ impl Goal {
                 .spec
                 .discrepancy
                 .iter()
-                .map(|known| (self.model.quantities[known.quantity].name.clone(), known.sd))
+                .map(|discrepancy| (self.model.quantities[discrepancy.quantity].name.clone(), discrepancy.sd))
                 .collect(),
             failed,
             solves,

@@ -134,8 +134,8 @@ impl Goal {
             let matters = |(_, leading): &&(usize, output::Leading)| leading.main.is_some_and(|main| main.lower > 0.0);
             prior.leading.iter().filter(matters).map(|(index, _)| *index).take(MOST_TOGETHER).collect()
         } else {
-            let known = self.spec.parameters.iter().copied().filter(|index| self.uncertain.contains(index));
-            known.take(MOST_TOGETHER).collect()
+            let asked_for = self.spec.parameters.iter().copied().filter(|index| self.uncertain.contains(index));
+            asked_for.take(MOST_TOGETHER).collect()
         }
     }
 
@@ -168,15 +168,16 @@ impl Goal {
         let mut cells = Vec::new();
         for set in 1..=parameters.len() {
             for ratio in RATIOS {
-                let known = self.known(&parameters, set, ratio);
-                cells.push(vec![Cell { role: Role::Level { set, ratio }, known, design: None, samples }]);
+                let knowledge = self.known(&parameters, set, ratio);
+                cells.push(vec![Cell { role: Role::Level { set, ratio }, known: knowledge, design: None, samples }]);
             }
         }
         for set in 0..=parameters.len() {
             let ratios: &[f64] = if set == 0 { &[1.0] } else { &DESIGN_RATIOS };
             for &ratio in ratios {
-                let known = self.known(&parameters, set, ratio);
-                let curve = |design| Cell { role: Role::Curve { set, ratio }, known: known.clone(), design, samples };
+                let knowledge = self.known(&parameters, set, ratio);
+                let curve =
+                    |design| Cell { role: Role::Curve { set, ratio }, known: knowledge.clone(), design, samples };
                 cells.push(self.design_values().into_iter().map(|value| curve(Some(value))).collect());
             }
         }
@@ -259,25 +260,26 @@ impl Goal {
     pub(super) fn truths(&self, state: &State) -> Vec<Vec<Cell>> {
         let Some((set, ratio)) = self.experiment(state) else { return Vec::new() };
         let parameters = self.sharpened(&state.prior);
-        let known = self.known(&parameters, set, ratio);
+        let knowledge = self.known(&parameters, set, ratio);
         let samples = TRUTH_SAMPLES.min(self.spec.samples);
         let mut row = vec![0.0; self.truth_points.dimensions()];
         let mut cells = Vec::new();
         for index in 0..TRUTHS {
             self.truth_points.fill_row(index, &mut row);
-            let known: Vec<Known> = known
+            let readings: Vec<Known> = knowledge
                 .iter()
                 .enumerate()
-                .map(|(place, known)| {
-                    let truth = self.priors[known.parameter].quantile(row[2 * place]);
-                    let error = known.error * crate::math::special::normal_quantile(row[2 * place + 1]);
-                    Known { reading: truth + error, ..*known }
+                .map(|(place, planned)| {
+                    let truth = self.priors[planned.parameter].quantile(row[2 * place]);
+                    let error = planned.error * crate::math::special::normal_quantile(row[2 * place + 1]);
+                    Known { reading: truth + error, ..*planned }
                 })
                 .collect();
-            let mut own = vec![Cell { role: Role::Truth { index }, known: known.clone(), design: None, samples }];
-            let curve = |design| Cell { role: Role::TruthCurve { index }, known: known.clone(), design, samples };
-            own.extend(self.design_values().into_iter().map(|value| curve(Some(value))));
-            cells.push(own);
+            let mut truth_cells =
+                vec![Cell { role: Role::Truth { index }, known: readings.clone(), design: None, samples }];
+            let curve = |design| Cell { role: Role::TruthCurve { index }, known: readings.clone(), design, samples };
+            truth_cells.extend(self.design_values().into_iter().map(|value| curve(Some(value))));
+            cells.push(truth_cells);
         }
         cells
     }
@@ -310,8 +312,8 @@ impl Goal {
         let (failed, solves) = self.counts(state);
         let share = failed as f64 / solves.max(1) as f64;
         if share > self.spec.failure_limit {
-            let mut found = std::iter::once(&state.prior.failed).chain(state.outcomes.iter().map(|o| &o.failed));
-            let example = found.find_map(|failed| failed.first.as_ref()).map_or(String::new(), |f| format!("; {f}"));
+            let mut failures = std::iter::once(&state.prior.failed).chain(state.outcomes.iter().map(|o| &o.failed));
+            let example = failures.find_map(|failed| failed.first.as_ref()).map_or(String::new(), |f| format!("; {f}"));
             return Err(JobError::Failed(format!(
                 "{failed} of {solves} solves failed, more than the limit of {} %{example}",
                 100.0 * self.spec.failure_limit
@@ -381,8 +383,8 @@ impl Job for Goal {
         let mut prior = state.as_ref().map(|state| state.prior.clone());
         for (_, partial) in blocks {
             match partial {
-                Partial::Prior(found) => prior = Some(*found),
-                Partial::Cells(found) => outcomes.extend(found),
+                Partial::Prior(block_prior) => prior = Some(*block_prior),
+                Partial::Cells(block_outcomes) => outcomes.extend(block_outcomes),
             }
         }
         let prior = prior.ok_or_else(|| JobError::Failed("the block of the prior is not there".to_owned()))?;

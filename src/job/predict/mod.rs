@@ -56,24 +56,24 @@ impl JobKind for Kind {
         let plain = shared.propagation(name, &spec.propagate, &priors);
         let (discrepancy, seed, named) = (spec.discrepancy.clone(), shared.pass.seed, name.to_owned());
         let make = move || plain()?.with_discrepancy(discrepancy.clone(), seed, &named);
-        let (own, before, rest) =
+        let (references, before, rest) =
             (vec![spec.posterior.clone()], spec.posterior_priors.clone(), rest(shared.pass, spec));
         let join = |first: Vec<PosteriorPrior>, rest: &[PosteriorPrior]| {
             first.into_iter().chain(rest.iter().cloned()).collect()
         };
         let others = unfilled(&rest);
         let prior = make()?.with_posterior_priors(join(unfilled(&before), &others));
-        let known = Predict::new(prior, make()?.with_posterior_priors(join(unfilled(&own), &others)));
-        let draws = [own.clone(), before.clone(), rest.clone()];
+        let unprepared = Predict::new(prior, make()?.with_posterior_priors(join(unfilled(&references), &others)));
+        let draws = [references.clone(), before.clone(), rest.clone()];
         let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
             let mut results = results.iter();
-            let own = filled(&own, &mut results)?;
+            let filled_draws = filled(&references, &mut results)?;
             let before = filled(&before, &mut results)?;
             let others = filled(&rest, &mut results)?;
             let prior = make()?.with_posterior_priors(join(before, &others));
-            Ok(Arc::new(Predict::new(prior, make()?.with_posterior_priors(join(own, &others)))))
+            Ok(Arc::new(Predict::new(prior, make()?.with_posterior_priors(join(filled_draws, &others)))))
         };
-        after(&[&draws[0], &draws[1], &draws[2]], Arc::new(known), Box::new(prepare))
+        after(&[&draws[0], &draws[1], &draws[2]], Arc::new(unprepared), Box::new(prepare))
     }
 }
 
@@ -83,26 +83,26 @@ impl study::job::Spec for Prediction {
     }
 
     fn blocked(&self, pass: &Pass) -> Option<Blocked> {
-        let own = match &self.posterior.from {
+        let calibration_blocked = match &self.posterior.from {
             Some(from) if from.file == pass.file => {
-                blocked(pass, &from.job).map(|own| own.after(&self.posterior.draws.source))
+                blocked(pass, &from.job).map(|blocked_job| blocked_job.after(&self.posterior.draws.source))
             }
             _ => self.posterior.blocks(),
         };
         let others = rest(pass, self);
-        own.or_else(|| others.iter().chain(&self.posterior_priors).find_map(PosteriorReference::blocks))
+        calibration_blocked.or_else(|| others.iter().chain(&self.posterior_priors).find_map(PosteriorReference::blocks))
     }
 }
 
 /// Draws that stand in for priors of the parameters that a prediction's calibration did not infer.
 fn rest(pass: &Pass, spec: &Prediction) -> Vec<PosteriorReference> {
     let mut rest = Vec::new();
-    for own in &pass.posterior_priors {
-        let kept: Vec<usize> = (0..own.draws.parameters.len())
-            .filter(|&place| !spec.posterior.draws.parameters.contains(&own.draws.parameters[place]))
+    for reference in &pass.posterior_priors {
+        let kept: Vec<usize> = (0..reference.draws.parameters.len())
+            .filter(|&place| !spec.posterior.draws.parameters.contains(&reference.draws.parameters[place]))
             .collect();
         if !kept.is_empty() {
-            rest.push(PosteriorReference { draws: own.draws.with(&kept), ..own.clone() });
+            rest.push(PosteriorReference { draws: reference.draws.with(&kept), ..reference.clone() });
         }
     }
     rest

@@ -41,8 +41,8 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &PredictForm, aske
     let spec = propagate::resolve(scope, &written, offered);
     let discrepancy = form.with.as_ref().map_or_else(Vec::new, |with| discrepancies(scope, &with.discrepancy));
     if let (Some(spec), Some(with)) = (&spec, &form.with) {
-        for (own, written) in discrepancy.iter().zip(&with.discrepancy) {
-            if !spec.quantities.contains(&own.quantity) {
+        for (declared, written) in discrepancy.iter().zip(&with.discrepancy) {
+            if !spec.quantities.contains(&declared.quantity) {
                 let message = format!("`{}` is no quantity of this prediction", written.name);
                 let expected = "one of its `quantities`, or of its requirements where it says none";
                 scope.error(&code::JOB_SETTING, &written.name_place, message, expected);
@@ -54,9 +54,9 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &PredictForm, aske
         Some(NameOr::Other(from)) => {
             let PosteriorForm { pass: file, job } = &from.value;
             pass = asked.upstreams.pass(scope, &file.value, &file.place)?;
-            let found = posterior_prior::calibration(scope, &pass, &job.value, &job.place)?;
-            let posterior = posterior_prior::of_calibration(&pass, &job.value, &from.place, found);
-            let Some(found) = found else {
+            let inference_of_job = posterior_prior::calibration(scope, &pass, &job.value, &job.place)?;
+            let posterior = posterior_prior::of_calibration(&pass, &job.value, &from.place, inference_of_job);
+            let Some(inference) = inference_of_job else {
                 let reason = posterior.blocked.map(|blocked| blocked.reason).unwrap_or_default();
                 return Some(JobSpec::NotYet { kind: Kind::NAME, reason });
             };
@@ -65,23 +65,29 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &PredictForm, aske
                 priors: &pass.priors,
                 posterior_priors: &pass.posterior_priors,
                 posterior,
-                inference: found,
+                inference,
             }
         }
-        own => {
-            let written = match own {
+        source_in_pass => {
+            let written = match source_in_pass {
                 Some(NameOr::Name(name)) => Some((name.value.as_str(), &name.place)),
                 _ => None,
             };
             let (job, place) = own_calibration(scope, entry, written, asked.forms)?;
-            let spec = asked.jobs.iter().find(|known| known.name == job).map(|known| &known.spec);
+            let spec = asked.jobs.iter().find(|named_job| named_job.name == job).map(|named_job| &named_job.spec);
             match (spec, spec.and_then(JobSpec::inference)) {
-                (_, Some(found)) => Source {
-                    parameters: scope.resolved.model.parameters.iter().map(|own| own.name.clone()).collect(),
+                (_, Some(inference)) => Source {
+                    parameters: scope
+                        .resolved
+                        .model
+                        .parameters
+                        .iter()
+                        .map(|parameter| parameter.name.clone())
+                        .collect(),
                     priors: offered.priors,
                     posterior_priors: offered.posterior_priors,
                     posterior: of_this_pass(offered.file, &job, &place),
-                    inference: found,
+                    inference,
                 },
                 (Some(JobSpec::Waiting { measurements, command, .. }), None) => {
                     let (measurements, command) = (measurements.clone(), command.clone());
@@ -165,21 +171,21 @@ fn assemble(scope: &Scope, source: Source<'_>, propagate: propagate::Spec) -> Pr
         }
     }
     let mut posterior_priors = Vec::new();
-    for own in source.posterior_priors {
-        let kept: Vec<usize> = (0..own.draws.parameters.len())
+    for reference in source.posterior_priors {
+        let kept: Vec<usize> = (0..reference.draws.parameters.len())
             .filter(|&place| {
-                let position = own.draws.parameters[place];
+                let position = reference.draws.parameters[place];
                 source.inference.parameters.contains(&position) && here(position).is_some()
             })
             .collect();
         if kept.is_empty() {
             continue;
         }
-        let mut own = own.clone();
-        own.draws = own.draws.with(&kept);
-        let indices = own.draws.parameters.iter().filter_map(|&position| here(position)).collect();
-        own.draws.parameters = indices;
-        posterior_priors.push(own);
+        let mut kept_reference = reference.clone();
+        kept_reference.draws = kept_reference.draws.with(&kept);
+        let indices = kept_reference.draws.parameters.iter().filter_map(|&position| here(position)).collect();
+        kept_reference.draws.parameters = indices;
+        posterior_priors.push(kept_reference);
     }
     Prediction { propagate, posterior, priors, posterior_priors, discrepancy: Vec::new() }
 }

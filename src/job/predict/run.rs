@@ -119,7 +119,7 @@ impl Job for Predict {
     }
 
     fn reduce(&self, state: Option<propagate::Output>, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
-        let own = if state.is_some() { &self.posterior } else { &self.prior };
-        self.step(state, own.reduce((), blocks)?)
+        let propagation = if state.is_some() { &self.posterior } else { &self.prior };
+        self.step(state, propagation.reduce((), blocks)?)
     }
 }

@@ -15,17 +15,17 @@ impl Propagate {
         let width = self.uncertain.len();
         let mut rows = vec![0.0; width * samples];
         self.points.fill_rows(0, &mut rows);
-        let mut found = Vec::new();
+        let mut effects = Vec::new();
         for (column, &quantity) in values.iter().zip(&self.spec.quantities) {
             for (position, &parameter) in self.uncertain.iter().enumerate() {
                 let probabilities: Vec<f64> = rows.iter().skip(position).step_by(width).copied().collect();
-                found.extend(main_effect(&probabilities, &column[..samples]).map(|estimate| MainEffect {
+                effects.extend(main_effect(&probabilities, &column[..samples]).map(|estimate| MainEffect {
                     quantity: self.model.quantities[quantity].name.clone(),
                     parameter: self.model.parameters[parameter].name.clone(),
                     estimate,
                 }));
             }
         }
-        found
+        effects
     }
 }

@@ -66,15 +66,15 @@ impl JobKind for Kind {
     fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {
         let draws = shared.pass.posterior_priors.clone();
         let make = shared.propagation(name, spec, &shared.pass.priors);
-        let known = make()?.with_posterior_priors(unfilled(&draws));
+        let unprepared = make()?.with_posterior_priors(unfilled(&draws));
         if draws.is_empty() {
-            return Ok(Readiness::Ready(Arc::new(known)));
+            return Ok(Readiness::Ready(Arc::new(unprepared)));
         }
-        let own = draws.clone();
+        let references = draws.clone();
         let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
-            Ok(Arc::new(make()?.with_posterior_priors(filled(&own, &mut results.iter())?)))
+            Ok(Arc::new(make()?.with_posterior_priors(filled(&references, &mut results.iter())?)))
         };
-        after(&[&draws], Arc::new(known), Box::new(prepare))
+        after(&[&draws], Arc::new(unprepared), Box::new(prepare))
     }
 }
 

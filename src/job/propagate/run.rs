@@ -148,11 +148,13 @@ impl Propagate {
         let width = discrepancy.len();
         let mut rows = vec![0.5; width * count];
         points.fill_rows(first, &mut rows);
-        for (column, own) in discrepancy.iter().enumerate() {
-            for position in (0..self.spec.quantities.len()).filter(|&p| self.spec.quantities[p] == own.quantity) {
+        for (column, quantity_error) in discrepancy.iter().enumerate() {
+            for position in
+                (0..self.spec.quantities.len()).filter(|&p| self.spec.quantities[p] == quantity_error.quantity)
+            {
                 let values = &mut values[position * count..(position + 1) * count];
                 for (value, row) in values.iter_mut().zip(rows.chunks_exact(width)) {
-                    *value += own.sd * normal_quantile(row[column]);
+                    *value += quantity_error.sd * normal_quantile(row[column]);
                 }
             }
         }
@@ -164,7 +166,7 @@ impl Propagate {
     }
 
     pub(super) fn has_posterior_prior(&self, parameter: usize) -> bool {
-        self.posterior_priors.iter().any(|own| own.parameters.contains(&parameter))
+        self.posterior_priors.iter().any(|posterior_prior| posterior_prior.parameters.contains(&parameter))
     }
 
     /// The samples by the draws that they were computed from, for each posterior.
@@ -172,15 +174,21 @@ impl Propagate {
         let samples = usize::try_from(self.spec.samples).unwrap_or(usize::MAX);
         let width = self.uncertain.len();
         let mut clusters: Vec<Clusters> = (self.posterior_priors.iter())
-            .map(|own| Clusters { of: Vec::with_capacity(samples), count: own.draws.len(), effective: own.effective })
+            .map(|posterior_prior| Clusters {
+                of: Vec::with_capacity(samples),
+                count: posterior_prior.draws.len(),
+                effective: posterior_prior.effective,
+            })
             .collect();
         let mut rows = vec![0.5; width * LANES * BATCHES_DRAWN];
         for first in (0..samples).step_by(LANES * BATCHES_DRAWN) {
             let count = (LANES * BATCHES_DRAWN).min(samples - first);
             self.points.fill_rows(first, &mut rows[..width * count]);
-            for (own, clusters) in self.posterior_priors.iter().zip(&mut clusters) {
-                let leader = self.leader(own).unwrap_or(0);
-                clusters.of.extend(rows[..width * count].chunks_exact(width).map(|row| own.position(row[leader])));
+            for (posterior_prior, clusters) in self.posterior_priors.iter().zip(&mut clusters) {
+                let leader = self.leader(posterior_prior).unwrap_or(0);
+                clusters
+                    .of
+                    .extend(rows[..width * count].chunks_exact(width).map(|row| posterior_prior.position(row[leader])));
             }
         }
         clusters
@@ -258,10 +266,15 @@ impl Propagate {
                     batch.set_parameter_lanes(parameter, values);
                 }
             }
-            for (own, leader) in self.posterior_priors.iter().filter_map(|own| Some((own, self.leader(own)?))) {
-                let draws: [&[f64]; LANES] =
-                    std::array::from_fn(|lane| own.draws[own.position(rows[(row + lane) * width + leader])].as_slice());
-                for (column, &parameter) in own.parameters.iter().enumerate() {
+            for (posterior_prior, leader) in self
+                .posterior_priors
+                .iter()
+                .filter_map(|posterior_prior| Some((posterior_prior, self.leader(posterior_prior)?)))
+            {
+                let draws: [&[f64]; LANES] = std::array::from_fn(|lane| {
+                    posterior_prior.draws[posterior_prior.position(rows[(row + lane) * width + leader])].as_slice()
+                });
+                for (column, &parameter) in posterior_prior.parameters.iter().enumerate() {
                     if swept != Some(parameter) {
                         batch.set_parameter_lanes(parameter, draws.map(|draw| draw[column]));
                     }
@@ -305,9 +318,13 @@ impl Propagate {
                 parameters[parameter] = self.priors[parameter].quantile(u);
             }
         }
-        for (own, leader) in self.posterior_priors.iter().filter_map(|own| Some((own, self.leader(own)?))) {
-            let draw = &own.draws[own.position(row[leader])];
-            for (&parameter, &value) in own.parameters.iter().zip(draw) {
+        for (posterior_prior, leader) in self
+            .posterior_priors
+            .iter()
+            .filter_map(|posterior_prior| Some((posterior_prior, self.leader(posterior_prior)?)))
+        {
+            let draw = &posterior_prior.draws[posterior_prior.position(row[leader])];
+            for (&parameter, &value) in posterior_prior.parameters.iter().zip(draw) {
                 if swept != Some(Variable::Parameter(parameter)) {
                     parameters[parameter] = value;
                 }
@@ -353,8 +370,10 @@ impl Job for Propagate {
     }
 
     fn begin(&self) -> Result<Step<Self>, JobError> {
-        if let Some(own) = self.posterior_priors.iter().find(|own| own.draws.is_empty()) {
-            return Err(JobError::Failed(format!("the posterior of {} has no draws", own.source)));
+        if let Some(posterior_prior) =
+            self.posterior_priors.iter().find(|posterior_prior| posterior_prior.draws.is_empty())
+        {
+            return Err(JobError::Failed(format!("the posterior of {} has no draws", posterior_prior.source)));
         }
         let mut inputs = Vec::new();
         for case in 0..self.cases() {
@@ -413,7 +432,8 @@ impl Job for Propagate {
                 } else {
                     format!("more than the limit of {} %", 100.0 * self.spec.failure_limit)
                 };
-                let described = |f: &FailedSample| format!("; sample {}: {} ({})", f.index, f.reason, listed(&f.parameters));
+                let described =
+                    |f: &FailedSample| format!("; sample {}: {} ({})", f.index, f.reason, listed(&f.parameters));
                 let example = failures.first().map_or(String::new(), described);
                 return Err(JobError::Failed(format!(
                     "{failed} of {} samples failed, {why}{example}",
@@ -453,7 +473,7 @@ impl Job for Propagate {
             posterior_priors: self.posterior_priors.iter().map(PosteriorPrior::summary).collect(),
             discrepancy: self.added(),
             converged: (!self.posterior_priors.is_empty())
-                .then(|| self.posterior_priors.iter().all(|own| own.converged)),
+                .then(|| self.posterior_priors.iter().all(|posterior_prior| posterior_prior.converged)),
         };
         Ok(Step::Done(Box::new(output)))
     }
@@ -462,10 +482,10 @@ impl Job for Propagate {
 impl Propagate {
     /// The model's errors by name.
     pub(super) fn added(&self) -> Vec<AddedDiscrepancy> {
-        let known = self.discrepancy.iter().flat_map(|(discrepancy, _)| discrepancy);
-        let named = known.map(|own| {
-            let quantity = &self.model.quantities[own.quantity];
-            AddedDiscrepancy { quantity: quantity.name.clone(), sd: own.sd, unit: quantity.unit.clone() }
+        let model_errors = self.discrepancy.iter().flat_map(|(discrepancy, _)| discrepancy);
+        let named = model_errors.map(|model_error| {
+            let quantity = &self.model.quantities[model_error.quantity];
+            AddedDiscrepancy { quantity: quantity.name.clone(), sd: model_error.sd, unit: quantity.unit.clone() }
         });
         named.collect()
     }
@@ -476,9 +496,9 @@ impl Propagate {
 
     /// Where each requirement reaches its probability, by environment.
     pub(super) fn reached(&self, cases: &[Case]) -> Vec<Reached> {
-        let mut found = Vec::new();
+        let mut reached_values = Vec::new();
         if self.spec.sweep.is_none() {
-            return found;
+            return reached_values;
         }
         for environment in cases.chunks(self.designs()) {
             let swept = &environment[1..];
@@ -486,9 +506,9 @@ impl Propagate {
             for position in 0..outcomes {
                 let points: Vec<(f64, &Met)> =
                     swept.iter().filter_map(|case| case.design_value.zip(case.requirements.get(position))).collect();
-                found.extend(reached::reached(&environment[0].environment, &points, self.spec.samples));
+                reached_values.extend(reached::reached(&environment[0].environment, &points, self.spec.samples));
             }
         }
-        found
+        reached_values
     }
 }

@@ -104,17 +104,17 @@ fn requirements(spec: &Spec, model: &Model, values: &[Vec<f64>], clusters: &[Clu
     let samples = values.first().map_or(0, Vec::len);
     let position_of = |quantity: usize| spec.quantities.iter().position(|&q| q == quantity);
     let mut all = vec![true; samples];
-    let mut found = Vec::new();
+    let mut met_requirements = Vec::new();
     for requirement in &spec.requirements {
         let Some(position) = position_of(requirement.quantity) else { continue };
-        let own: Vec<bool> = values[position].iter().map(|&value| requirement.met(value)).collect();
-        for (flag, &ok) in all.iter_mut().zip(&own) {
+        let met_by_sample: Vec<bool> = values[position].iter().map(|&value| requirement.met(value)).collect();
+        for (flag, &ok) in all.iter_mut().zip(&met_by_sample) {
             *flag &= ok;
         }
         let quantity = &model.quantities[requirement.quantity];
-        found.push(Met {
+        met_requirements.push(Met {
             requirement: requirement.name.clone(),
-            probability: probability(&own, clusters),
+            probability: probability(&met_by_sample, clusters),
             required: requirement.probability,
             below: requirement.below,
             above: requirement.above,
@@ -122,9 +122,9 @@ fn requirements(spec: &Spec, model: &Model, values: &[Vec<f64>], clusters: &[Clu
             quantity: quantity.name.clone(),
         });
     }
-    if found.len() > 1 {
-        let required = found.iter().map(|m| m.required).fold(0.0, f64::max);
-        found.push(Met {
+    if met_requirements.len() > 1 {
+        let required = met_requirements.iter().map(|m| m.required).fold(0.0, f64::max);
+        met_requirements.push(Met {
             requirement: "all".to_owned(),
             probability: probability(&all, clusters),
             required,
@@ -134,7 +134,7 @@ fn requirements(spec: &Spec, model: &Model, values: &[Vec<f64>], clusters: &[Clu
             quantity: String::new(),
         });
     }
-    found
+    met_requirements
 }
 
 fn probability(met: &[bool], clusters: &[Clusters]) -> Probability {

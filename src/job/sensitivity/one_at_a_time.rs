@@ -60,7 +60,7 @@ impl Sensitivity {
         let mut squares =
             Squares { weighted: vec![0.0; quantities * k], plain: vec![0.0; quantities * k], ..Squares::default() };
         let mut values = vec![Vec::new(); quantities];
-        let mut found = Found { solves: count, ..Found::default() };
+        let mut derivatives = Found { solves: count, ..Found::default() };
         for index in 0..count {
             set.fill_row(usize::try_from(index).unwrap_or(0), &mut row);
             for (coordinate, &parameter) in self.uncertain.iter().enumerate() {
@@ -77,11 +77,11 @@ impl Sensitivity {
                 Ok(()) => Some("a derivative is not a finite number".to_owned()),
             };
             if let Some(reason) = fault {
-                found.failed += 1;
-                if found.failures.len() < FAILURES_KEPT {
+                derivatives.failed += 1;
+                if derivatives.failures.len() < FAILURES_KEPT {
                     let place = format!("derivatives at point {index} of scramble {scramble}");
-                    let own: Vec<f64> = self.uncertain.iter().map(|&p| parameters[p]).collect();
-                    found.failures.push(FailedSolve { place, parameters: self.named(&own), reason });
+                    let values_at_point: Vec<f64> = self.uncertain.iter().map(|&p| parameters[p]).collect();
+                    derivatives.failures.push(FailedSolve { place, parameters: self.named(&values_at_point), reason });
                 }
                 continue;
             }
@@ -104,14 +104,14 @@ impl Sensitivity {
                 if values.len() < 2 { [0.0; 2] } else { [moments.mean(), moments.variance()] }
             })
             .collect();
-        found.squares = vec![squares];
-        found
+        derivatives.squares = vec![squares];
+        derivatives
     }
 
     /// Elementary effects of trajectories `first` to `first + count - 1`.
     pub(super) fn trajectories(&self, case: usize, first: u64, count: u64) -> Found {
         let (k, quantities) = (self.uncertain.len(), self.spec.quantities.len());
-        let mut found = Found { solves: count * (k as u64 + 1), ..Found::default() };
+        let mut trajectories = Found { solves: count * (k as u64 + 1), ..Found::default() };
         let mut next = first;
         while next < first + count {
             let lanes = usize::try_from(first + count - next).unwrap_or(LANES).min(LANES);
@@ -140,14 +140,14 @@ impl Sensitivity {
                     if now.iter().all(|values| values[lane].is_finite()) {
                         continue;
                     }
-                    found.failed += 1;
+                    trajectories.failed += 1;
                     is_good[lane] = false;
-                    if found.failures.len() < FAILURES_KEPT {
-                        let own: Vec<f64> =
+                    if trajectories.failures.len() < FAILURES_KEPT {
+                        let values_at_point: Vec<f64> =
                             (0..k).map(|j| self.priors[self.uncertain[j]].quantile(at[j][lane])).collect();
-                        found.failures.push(FailedSolve {
+                        trajectories.failures.push(FailedSolve {
                             place: format!("trajectory {}, step {step}", next + lane as u64),
-                            parameters: self.named(&own),
+                            parameters: self.named(&values_at_point),
                             reason: evaluator.fault(lane),
                         });
                     }
@@ -165,13 +165,13 @@ impl Sensitivity {
             }
             for lane in 0..lanes {
                 if is_good[lane] {
-                    found.morris.extend(effects.iter().map(|effect| effect[lane]));
+                    trajectories.morris.extend(effects.iter().map(|effect| effect[lane]));
                 } else {
-                    found.trajectories_left_out += 1;
+                    trajectories.trajectories_left_out += 1;
                 }
             }
             next += lanes as u64;
         }
-        found
+        trajectories
     }
 }

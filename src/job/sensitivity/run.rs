@@ -111,11 +111,11 @@ impl Sensitivity {
             let centres: Vec<f64> = job.spec.quantities.iter().map(|&q| job.network.quantity(&workspace, q)).collect();
             let quantities = job.spec.quantities.iter().map(|&q| &job.model.quantities[q]);
             if let Some(fault) = quantities.zip(&centres).find_map(|(quantity, &value)| quantity.fault(value)) {
-                let own: Vec<f64> = job.uncertain.iter().map(|&index| job.nominal[index]).collect();
+                let nominal_values: Vec<f64> = job.uncertain.iter().map(|&index| job.nominal[index]).collect();
                 return Err(failed(format!(
                     "{fault} in environment `{}` at nominal parameters: {}",
                     environment.name,
-                    listed(&job.named(&own))
+                    listed(&job.named(&nominal_values))
                 )));
             }
             job.starts.push(workspace.temperatures().to_vec());
@@ -168,13 +168,13 @@ impl Sensitivity {
 
     /// Fails where more solves failed than the study tolerates, or nothing is left.
     pub(super) fn check_failures(&self, found: &[Found]) -> Result<(), JobError> {
-        for (case, found) in found.iter().enumerate() {
-            let share = found.failed as f64 / found.solves.max(1) as f64;
+        for (case, solved) in found.iter().enumerate() {
+            let share = solved.failed as f64 / solved.solves.max(1) as f64;
             let rows = |scramble: &block::OfScramble| scramble.sums.iter().all(|sums| sums.rows() == 0);
-            let is_empty = found.scrambles.iter().any(rows);
+            let is_empty = solved.scrambles.iter().any(rows);
             if share > self.spec.failure_limit || is_empty {
                 let described = |f: &FailedSolve| format!("; {}: {} ({})", f.place, f.reason, listed(&f.parameters));
-                let example = found.failures.first().map_or(String::new(), described);
+                let example = solved.failures.first().map_or(String::new(), described);
                 let why = if is_empty {
                     "no row of a scramble is left".to_owned()
                 } else {
@@ -182,7 +182,7 @@ impl Sensitivity {
                 };
                 return Err(JobError::Failed(format!(
                     "environment `{}`: {} of {} solves failed, {why}{example}",
-                    self.spec.environments[case].name, found.failed, found.solves
+                    self.spec.environments[case].name, solved.failed, solved.solves
                 )));
             }
         }

@@ -36,11 +36,11 @@ impl Sensitivity {
         let (k, quantities, points) = (self.uncertain.len(), self.spec.quantities.len(), self.points_of_row());
         let (first, count) = (usize::try_from(first).unwrap_or(0), usize::try_from(count).unwrap_or(0));
         let set = &self.points[usize::try_from(scramble).unwrap_or(0)];
-        let mut found = Found { solves: (points * count) as u64, ..Found::default() };
+        let mut solved = Found { solves: (points * count) as u64, ..Found::default() };
         let mut sums: Vec<SobolSums> =
             self.centres[case].iter().map(|&centre| SobolSums::new(k, self.spec.second_order, centre)).collect();
         let kept = if scramble == 0 && first == 0 { SAMPLE.min(count) } else { 0 };
-        found.sample = vec![None; quantities * kept];
+        solved.sample = vec![None; quantities * kept];
         let mut left_out = 0;
         let mut evaluator = Evaluator::new(self, case);
         let mut rows = Rows { a: vec![[0.5; LANES]; k], b: vec![[0.5; LANES]; k] };
@@ -65,7 +65,7 @@ impl Sensitivity {
                 }
             }
             let context = Context { scramble, row: first + done, lanes };
-            self.solve_rows(&context, &mut evaluator, &rows, &mut values, &mut found);
+            self.solve_rows(&context, &mut evaluator, &rows, &mut values, &mut solved);
             for lane in 0..lanes {
                 let is_whole = (0..quantities * points).all(|place| values.of[place][lane].is_finite());
                 left_out += u64::from(!is_whole);
@@ -79,14 +79,14 @@ impl Sensitivity {
                     let (ab, ba) = column[2..].split_at(k);
                     sums.add(column[0], column[1], ab, ba);
                     if done + lane < kept {
-                        found.sample[position * kept + done + lane] = Some(column[0]);
+                        solved.sample[position * kept + done + lane] = Some(column[0]);
                     }
                 }
             }
             done += lanes;
         }
-        found.scrambles = vec![OfScramble { sums, left_out }];
-        found
+        solved.scrambles = vec![OfScramble { sums, left_out }];
+        solved
     }
 
     /// Solves all points of a batch of rows.
@@ -99,8 +99,8 @@ impl Sensitivity {
         found: &mut Found,
     ) {
         let k = self.uncertain.len();
-        for (base, own, other) in [(0, &rows.a, &rows.b), (1, &rows.b, &rows.a)] {
-            for (coordinate, &column) in own.iter().enumerate() {
+        for (base, base_rows, other) in [(0, &rows.a, &rows.b), (1, &rows.b, &rows.a)] {
+            for (coordinate, &column) in base_rows.iter().enumerate() {
                 evaluator.set(coordinate, column);
             }
             evaluator.solve(None);
@@ -114,7 +114,7 @@ impl Sensitivity {
                 evaluator.set(coordinate, other[coordinate]);
                 evaluator.solve(Some(&start));
                 self.take(context, evaluator, 2 + base * k + coordinate, values, found, rows);
-                evaluator.set(coordinate, own[coordinate]);
+                evaluator.set(coordinate, base_rows[coordinate]);
             }
         }
     }
@@ -162,9 +162,9 @@ impl Sensitivity {
     /// The uncertain parameters of a point.
     fn parameters_of(&self, point: usize, rows: &Rows, lane: usize) -> Vec<f64> {
         let k = self.uncertain.len();
-        let (own, other) = if point == 1 || point >= 2 + k { (&rows.b, &rows.a) } else { (&rows.a, &rows.b) };
+        let (base_rows, other) = if point == 1 || point >= 2 + k { (&rows.b, &rows.a) } else { (&rows.a, &rows.b) };
         let changed = point.checked_sub(2).map(|mixed| mixed % k);
-        (0..k).map(|j| if changed == Some(j) { other[j][lane] } else { own[j][lane] }).collect()
+        (0..k).map(|j| if changed == Some(j) { other[j][lane] } else { base_rows[j][lane] }).collect()
     }
 }
 

@@ -64,7 +64,7 @@ impl Sensitivity {
             trajectories: self.spec.trajectories,
             parameters,
             precision,
-            cases: found.iter().enumerate().map(|(case, found)| self.case(case, found, samples)).collect(),
+            cases: found.iter().enumerate().map(|(case, case_sums)| self.case(case, case_sums, samples)).collect(),
         }
     }
 
@@ -171,13 +171,13 @@ impl Sensitivity {
             let points: u64 = usable.iter().map(|(_, s)| s.points).sum();
             usable.iter().map(|(_, s)| of(s)).sum::<f64>() / points as f64
         };
-        let own = usable.iter().map(|(_, s)| s.moments[position][1]).sum::<f64>() / usable.len() as f64;
-        if indices.is_none() && !(own > 0.0) {
+        let mean_variance = usable.iter().map(|(_, s)| s.moments[position][1]).sum::<f64>() / usable.len() as f64;
+        if indices.is_none() && !(mean_variance > 0.0) {
             return Vec::new();
         }
         let variance = |scramble: usize| match indices {
-            Some(indices) => indices.get(scramble).map_or(own, |i| i.variance),
-            None => own,
+            Some(indices) => indices.get(scramble).map_or(mean_variance, |i| i.variance),
+            None => mean_variance,
         };
         (0..k)
             .map(|coordinate| {

@@ -9,7 +9,7 @@ use super::output::{Case, Index, OfQuantity, Output};
 /// `main`, `total` and the others are of the first environment, which `environment` names; `cases` has the same for
 /// every environment. A quantity that does not vary has an empty entry.
 pub fn view(output: &Output) -> Value {
-    let cases: Vec<Value> = output.cases.iter().map(|found| case(output, found)).collect();
+    let cases: Vec<Value> = output.cases.iter().map(|sensitivity_case| case(output, sensitivity_case)).collect();
     let mut document = cases.first().and_then(Value::as_object).cloned().unwrap_or_default();
     document.insert("samples".into(), json!(output.samples));
     document.insert("scrambles".into(), json!(output.scrambles));

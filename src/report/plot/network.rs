@@ -109,9 +109,9 @@ fn lanes(diagram: &Diagram) -> Vec<f64> {
     let pair = |p: &(String, Path, usize, usize)| (p.2.min(p.3), p.2.max(p.3));
     let mut out = Vec::with_capacity(diagram.paths.len());
     for (position, path) in diagram.paths.iter().enumerate() {
-        let own = pair(path);
-        let all = diagram.paths.iter().filter(|p| pair(p) == own).count();
-        let before = diagram.paths[..position].iter().filter(|p| pair(p) == own).count();
+        let joined_nodes = pair(path);
+        let all = diagram.paths.iter().filter(|p| pair(p) == joined_nodes).count();
+        let before = diagram.paths[..position].iter().filter(|p| pair(p) == joined_nodes).count();
         let lane = 44.0 * (before as f64 - 0.5 * (all as f64 - 1.0));
         // The normal turns with the direction of the path.
         out.push(if path.2 <= path.3 { lane } else { -lane });

@@ -25,7 +25,7 @@ pub struct PairAxis {
 pub fn pairs(unknowns: &[PairAxis]) -> Drawing {
     let count = unknowns.len().max(1);
     let most = (POINTS.0 / (count * (count - 1) / 2).max(1)).min(POINTS.1);
-    let every = unknowns.first().map_or(1, |own| own.draws.len().div_ceil(most)).max(1);
+    let every = unknowns.first().map_or(1, |unknown| unknown.draws.len().div_ceil(most)).max(1);
     let (left, top, gap, foot) = (150.0, 10.0, 22.0, 110.0);
     let cell = (f64::from(WIDTH) - left - 12.0 - gap * (count - 1) as f64) / count as f64;
     // Few unknowns need no square cells as large as the page.
@@ -34,8 +34,8 @@ pub fn pairs(unknowns: &[PairAxis]) -> Drawing {
     let corner = |row: usize, column: usize| (left + column as f64 * (cell + gap), top + row as f64 * (tall + gap));
     let ranges: Vec<(f64, f64)> = unknowns
         .iter()
-        .map(|own| {
-            let values = own.draws.iter().copied().chain(own.marked).filter(|value| value.is_finite());
+        .map(|unknown| {
+            let values = unknown.draws.iter().copied().chain(unknown.marked).filter(|value| value.is_finite());
             widened(range_of(values).unwrap_or((0.0, 1.0)), 0.04)
         })
         .collect();

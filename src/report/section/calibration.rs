@@ -68,16 +68,16 @@ fn of_each(
 
 /// Mean, spread and quantiles of the draws.
 fn posterior(output: &Output) -> Block {
-    let row = |name: &String, own: &ParameterSummary| {
-        let quantile = |value: f64| Cell::from(to(value, own.sd));
+    let row = |name: &String, summary: &ParameterSummary| {
+        let quantile = |value: f64| Cell::from(to(value, summary.sd));
         vec![
             Cell::code(name),
-            quantile(own.mean),
-            significant(own.sd, 2).into(),
-            quantile(own.q025),
-            quantile(own.q50),
-            quantile(own.q975),
-            typeset(&own.unit).into(),
+            quantile(summary.mean),
+            significant(summary.sd, 2).into(),
+            quantile(summary.q025),
+            quantile(summary.q50),
+            quantile(summary.q975),
+            typeset(&summary.unit).into(),
         ]
     };
     Block::Table(Table {
@@ -97,18 +97,18 @@ fn posterior(output: &Output) -> Block {
 
 /// What each unknown's draws are worth.
 fn trust(output: &Output) -> Block {
-    let row = |name: &String, own: &ParameterSummary| {
+    let row = |name: &String, summary: &ParameterSummary| {
         let effective = |ess: Option<f64>| Cell {
             text: ess.map_or_else(|| NONE.to_owned(), |ess| fixed(ess, 0)).into(),
             status: ess.is_none_or(|ess| ess < LEAST_EFFECTIVE).then_some(Status::Fail),
         };
         vec![
             Cell::code(name),
-            rhat(own),
-            effective(own.ess_bulk),
-            effective(own.ess_tail),
-            own.mcse_mean.map_or_else(|| NONE.to_owned(), |error| significant(error, 2)).into(),
-            at_bound(own),
+            rhat(summary),
+            effective(summary.ess_bulk),
+            effective(summary.ess_tail),
+            summary.mcse_mean.map_or_else(|| NONE.to_owned(), |error| significant(error, 2)).into(),
+            at_bound(summary),
         ]
     };
     Block::Table(Table {
@@ -184,32 +184,32 @@ fn to(value: f64, spread: f64) -> String {
 }
 
 fn parameters(output: &Output) -> Block {
-    let row = |name: &String, own: &ParameterSummary| {
-        let ess = match (own.ess_bulk, own.ess_tail) {
+    let row = |name: &String, summary: &ParameterSummary| {
+        let ess = match (summary.ess_bulk, summary.ess_tail) {
             (Some(bulk), Some(tail)) => fixed(bulk.min(tail), 0),
             _ => NONE.to_owned(),
         };
         let is_few = |ess: Option<f64>| ess.is_none_or(|ess| ess < LEAST_EFFECTIVE);
-        let few = is_few(own.ess_bulk) || is_few(own.ess_tail);
-        let prior = match &own.posterior_prior {
+        let few = is_few(summary.ess_bulk) || is_few(summary.ess_tail);
+        let prior = match &summary.posterior_prior {
             Some(prior) => format!(
                 "{} \u{00B1} {}, draws of {}",
                 to(prior.mean, prior.sd),
                 significant(prior.sd, 2),
                 prior.source.replace('`', "")
             ),
-            None => prior_words(&own.prior, &Shown::written(&own.unit)),
+            None => prior_words(&summary.prior, &Shown::written(&summary.unit)),
         };
         vec![
             Cell::code(name),
             prior.into(),
-            to(own.mean, own.sd).into(),
-            significant(own.sd, 2).into(),
-            format!("{} to {}", to(own.q025, own.sd), to(own.q975, own.sd)).into(),
-            to(own.map, own.sd).into(),
-            typeset(&own.unit).into(),
-            at_bound(own),
-            rhat(own),
+            to(summary.mean, summary.sd).into(),
+            significant(summary.sd, 2).into(),
+            format!("{} to {}", to(summary.q025, summary.sd), to(summary.q975, summary.sd)).into(),
+            to(summary.map, summary.sd).into(),
+            typeset(&summary.unit).into(),
+            at_bound(summary),
+            rhat(summary),
             Cell { text: ess.into(), status: few.then_some(Status::Fail) },
         ]
     };

@@ -137,7 +137,7 @@ fn left_out(measurement: &Measurement) -> Option<Block> {
             };
             for (&time, reason) in inputs.times_s.iter().zip(ignored) {
                 run = match (run, reason) {
-                    (Some((from, _, known)), Some(reason)) if known == reason => Some((from, time, known)),
+                    (Some((from, _, current)), Some(reason)) if current == reason => Some((from, time, current)),
                     (earlier, Some(reason)) => {
                         close(earlier);
                         Some((time, time, reason))

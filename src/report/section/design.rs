@@ -120,8 +120,8 @@ fn figure(job: &str, output: &Output) -> Option<Figure> {
                 columns: columns.values.iter().map(|value| given(&across, *value)).collect(),
                 rows: (rows.values.iter().enumerate())
                     .map(|(row, value)| {
-                        let own = &output.candidates[row * width..(row + 1) * width];
-                        let values = own.iter().map(|c| c.information_nats.filter(|_| c.allowed)).collect();
+                        let row_candidates = &output.candidates[row * width..(row + 1) * width];
+                        let values = row_candidates.iter().map(|c| c.information_nats.filter(|_| c.allowed)).collect();
                         (number::with_unit(&given(&down, *value), &down.unit), false, values)
                     })
                     .collect(),
@@ -186,8 +186,8 @@ fn curve(job: &str, output: &Output, axis: &crate::job::design::Axis, learn: &st
 fn ranked(output: &Output) -> Vec<usize> {
     let mut order: Vec<usize> = (0..output.candidates.len()).collect();
     let key = |&index: &usize| {
-        let own = &output.candidates[index];
-        (own.allowed, own.information_nats.unwrap_or(f64::NEG_INFINITY))
+        let candidate = &output.candidates[index];
+        (candidate.allowed, candidate.information_nats.unwrap_or(f64::NEG_INFINITY))
     };
     order.sort_by(|a, b| {
         let ((a_allowed, a), (b_allowed, b)) = (key(a), key(b));
@@ -199,15 +199,15 @@ fn ranked(output: &Output) -> Vec<usize> {
 fn bars(job: &str, output: &Output, learn: &str) -> Figure {
     let bars: Vec<Bar> = (ranked(output).into_iter().take(MOST_BARS))
         .filter_map(|index| {
-            let own = &output.candidates[index];
-            let (value, error) = (own.information_nats?, 2.0 * own.se.unwrap_or(0.0));
+            let candidate = &output.candidates[index];
+            let (value, error) = (candidate.information_nats?, 2.0 * candidate.se.unwrap_or(0.0));
             Some(Bar {
                 label: conditions(output, index),
                 from: 0.0,
                 value,
                 interval: Some([value - error, value + error]),
                 text: fixed(value, digits(output)),
-                colour: if own.allowed { palette::BLUE } else { palette::VERMILION },
+                colour: if candidate.allowed { palette::BLUE } else { palette::VERMILION },
             })
         })
         .collect();
@@ -236,44 +236,44 @@ fn candidates(output: &Output) -> Vec<Block> {
     columns.push(Column::text("Outcome"));
     let best = output.best.as_ref();
     let row = |index: usize| -> Vec<Cell> {
-        let own = &output.candidates[index];
+        let candidate = &output.candidates[index];
         let mut row: Vec<Cell> = (output.axes.iter())
-            .map(|axis| match own.conditions.get(&axis.input) {
+            .map(|axis| match candidate.conditions.get(&axis.input) {
                 Some(value) => given(&Shown::written(&axis.unit), *value).into(),
                 None => NONE.into(),
             })
             .collect();
         let optional = |value: Option<String>| Cell::from(value.unwrap_or_else(|| NONE.to_owned()));
-        row.push(optional(own.information_nats.map(|value| match own.se {
+        row.push(optional(candidate.information_nats.map(|value| match candidate.se {
             Some(error) if error > 0.0 => with_error(value, error),
             _ => significant(value, 4),
         })));
-        row.push(optional(own.bias_bound.map(|value| significant(value, 2))));
+        row.push(optional(candidate.bias_bound.map(|value| significant(value, 2))));
         row.push(optional(
-            own.behind_best.map(
+            candidate.behind_best.map(
                 |[value, error]| {
                     if error > 0.0 { with_error(value, error) } else { significant(value, 3) }
                 },
             ),
         ));
-        row.push(optional(own.linear_nats.map(|value| significant(value, 3))));
-        for (share, has) in [(own.violation.red, has_red), (own.violation.yellow, has_yellow)] {
+        row.push(optional(candidate.linear_nats.map(|value| significant(value, 3))));
+        for (share, has) in [(candidate.violation.red, has_red), (candidate.violation.yellow, has_yellow)] {
             if has {
                 row.push(optional(share.map(number::probability)));
             }
         }
         let is_best = best.is_some_and(|best| best.candidate == index);
         let is_rival = best.is_some_and(|best| best.rivals.contains(&index));
-        row.push(match &own.because {
+        row.push(match &candidate.because {
             // The probability stands in a column of its own.
-            Some(because) => match own.violation.not_tolerated {
+            Some(because) => match candidate.violation.not_tolerated {
                 Some(limits) => Cell::marked(format!("outside the {} limits", limits.colour()), Status::Fail),
                 None => Cell::marked(because.clone(), Status::Fail),
             },
-            None if own.sees_nothing => Cell::marked("sees nothing", Status::Caution),
+            None if candidate.sees_nothing => Cell::marked("sees nothing", Status::Caution),
             None if is_best => Cell::marked("best", Status::Ok),
             None if is_rival => "not told from the best".into(),
-            None if own.is_found => "between the grid's values".into(),
+            None if candidate.is_found => "between the grid's values".into(),
             None => Cell::default(),
         });
         row
@@ -492,10 +492,10 @@ fn method(job: &str, output: &Output) -> Text {
         text = text.plain("The estimator was left to the program: ").code(&output.estimator).plain(", because ");
         text = text.plain(format!("{}. ", output.because));
     }
-    let found = output.candidates.iter().filter(|candidate| candidate.is_found).count();
-    if found > 0 {
+    let found_count = output.candidates.iter().filter(|candidate| candidate.is_found).count();
+    if found_count > 0 {
         text = text.plain(format!(
-            "{found} of the candidates were sought between the grid's values by Bayesian optimisation. "
+            "{found_count} of the candidates were sought between the grid's values by Bayesian optimisation. "
         ));
     }
     text = if output.nuisance.is_empty() {

@@ -329,12 +329,12 @@ fn method(output: &Output) -> String {
         counted(sets, "set"),
         counted(output.unseen.len(), "effect")
     );
-    for own in &output.posterior_priors {
+    for posterior_prior in &output.posterior_priors {
         text.push_str(&format!(
             " The prior of {} is the posterior of {}, as a normal distribution of its {}.",
-            own.parameters.join(", "),
-            own.source.replace('`', ""),
-            counted(own.draws, "draw")
+            posterior_prior.parameters.join(", "),
+            posterior_prior.source.replace('`', ""),
+            counted(posterior_prior.draws, "draw")
         ));
     }
     if let Some(p) = output.remaining_p {

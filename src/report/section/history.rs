@@ -117,9 +117,9 @@ fn in_words(history: &History, pass: &PassErrors) -> Text {
     let states = |states: &States| [states.tuned, states.delivered];
     let words = ["tuned", "as delivered"];
     let pairs = states(&before.rmse_k).into_iter().zip(states(&pass.rmse_k)).zip(words);
-    let comparisons =
+    let changes =
         pairs.filter_map(|((before, after), word)| Some((change(&before, &after)?, fell(&before, &after), word)));
-    let Some((change, fell, word)) = comparisons.into_iter().next() else { return text.plain(": no error to compare.") };
+    let Some((change, fell, word)) = changes.into_iter().next() else { return text.plain(": no error to compare.") };
     text = text.plain(format!(": {change} ({word}, against ")).code(&before.pass).plain(")");
     if before.readings != pass.readings {
         return text.plain("; the readings are not the same.");
@@ -195,7 +195,7 @@ fn table(measured: &[&PassErrors]) -> Table {
 
 fn figure(history: &History, measured: &[&PassErrors], first: &PassErrors) -> Figure {
     let position = |pass: &PassErrors| measured.iter().position(|other| other.pass == pass.pass);
-    let steps = measured.iter().enumerate().filter_map(|(own, pass)| Some((position(history.before(pass)?)?, own)));
+    let steps = measured.iter().enumerate().filter_map(|(place, pass)| Some((position(history.before(pass)?)?, place)));
     let steps: Vec<(usize, usize)> = steps.collect();
     let has_effects = measured.iter().any(|pass| !pass.adopted.is_empty());
     let of = |pick: fn(&Split) -> Option<f64>| {
@@ -214,8 +214,8 @@ fn figure(history: &History, measured: &[&PassErrors], first: &PassErrors) -> Fi
         let value = tuned.held_out.or(tuned.train).map_or_else(|| "none".to_owned(), kelvin);
         format!("{} {value}", pass.pass)
     });
-    let errors = [("as delivered", first.rmse_k.delivered), ("tuned only", first.rmse_k.tuned)];
-    let errors = errors.map(|(what, split)| {
+    let first_errors = [("as delivered", first.rmse_k.delivered), ("tuned only", first.rmse_k.tuned)];
+    let first_errors = first_errors.map(|(what, split)| {
         format!("{what} {}", split.held_out.or(split.train).map_or_else(|| "none".to_owned(), kelvin))
     });
     Figure {
@@ -226,7 +226,7 @@ fn figure(history: &History, measured: &[&PassErrors], first: &PassErrors) -> Fi
             .plain("; each pass's own tuned state beside them."),
         alternative: format!(
             "Curves of the RMSE by pass, on held-out readings where there are any: {}; tuned: {}.",
-            errors.join(", "),
+            first_errors.join(", "),
             alternative.collect::<Vec<_>>().join(", ")
         ),
     }

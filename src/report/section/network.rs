@@ -167,13 +167,13 @@ fn nodes(model: &Model) -> Block {
 fn elements(model: &Model) -> Block {
     let mut rows = Vec::new();
     for element in &model.elements {
-        let own = element.physics().description(&|node| name_of(model, node).to_owned());
-        let ids: Vec<ExprId> = std::iter::once(own.value).chain(own.others).collect();
+        let description = element.physics().description(&|node| name_of(model, node).to_owned());
+        let ids: Vec<ExprId> = std::iter::once(description.value).chain(description.others).collect();
         rows.push(vec![
             Cell::code(&element.name),
-            own.what.into(),
-            own.ends.into(),
-            value_cell(model, own.value, &Shown::si(own.unit)),
+            description.what.into(),
+            description.ends.into(),
+            value_cell(model, description.value, &Shown::si(description.unit)),
             depends(model, &ids).into(),
         ]);
     }

@@ -45,7 +45,8 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
             for q in &case.quantities {
                 folded.extend([histogram(case, q, name), cumulative(case, q, name)].map(Block::Figure));
             }
-            folded.extend(case.joint.iter().map(|own| Block::Figure(joint(report, case, own, name))));
+            folded
+                .extend(case.joint.iter().map(|quantity_pair| Block::Figure(joint(report, case, quantity_pair, name))));
         }
         if !folded.is_empty() {
             blocks.push(Block::Details(format!("Distributions with the posterior ({})", folded.len()), folded));
@@ -56,17 +57,19 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
 
 fn opening(name: &str, output: &Output) -> Text {
     let mut text = Text::new("Job ").code(name).plain(": ");
-    for own in &output.posterior.posterior_priors {
+    for posterior_prior in &output.posterior.posterior_priors {
         text = text.plain(format!(
             "the posterior of {} ({}; {}, worth {} independent ones), ",
-            own.source.replace('`', ""),
-            own.parameters.join(", "),
-            counted(own.draws, "draw"),
-            number::fixed(own.effective, 0)
+            posterior_prior.source.replace('`', ""),
+            posterior_prior.parameters.join(", "),
+            counted(posterior_prior.draws, "draw"),
+            number::fixed(posterior_prior.effective, 0)
         ));
     }
     let added: Vec<String> = (output.posterior.discrepancy.iter())
-        .map(|own| format!("{} {} to {}", significant(own.sd, 3), own.unit, own.quantity))
+        .map(|discrepancy| {
+            format!("{} {} to {}", significant(discrepancy.sd, 3), discrepancy.unit, discrepancy.quantity)
+        })
         .collect();
     if !added.is_empty() {
         let list = added.join(", ");
@@ -81,7 +84,7 @@ fn opening(name: &str, output: &Output) -> Text {
 
 /// The same outcome with the priors.
 fn before<'o>(output: &'o Output, environment: &str, design: Option<f64>, requirement: &str) -> Option<&'o Met> {
-    let case = output.prior.cases.iter().find(|own| own.environment == environment && own.design_value == design)?;
+    let case = output.prior.cases.iter().find(|case| case.environment == environment && case.design_value == design)?;
     case.requirements.iter().find(|met| met.requirement == requirement)
 }
 
@@ -126,21 +129,25 @@ fn requirements(report: &PassReport<'_>, output: &Output) -> Block {
 fn reached(output: &Output) -> Option<Block> {
     let design = output.posterior.design_variable.as_ref()?;
     let shown = Shown::written(&output.posterior.design_unit);
-    let text = |own: Option<&propagate::Reached>| match own.and_then(|own| Some((own.design_value?, own.interval))) {
+    let text = |reached: Option<&propagate::Reached>| match reached
+        .and_then(|reached| Some((reached.design_value?, reached.interval)))
+    {
         Some((value, Some([a, b]))) => format!("{} ({} to {})", shown.number(value), shown.number(a), shown.number(b)),
         Some((value, None)) => shown.number(value),
         None => NONE.to_owned(),
     };
-    let rows = output.posterior.reached.iter().map(|own| {
+    let rows = output.posterior.reached.iter().map(|posterior_reached| {
         let prior =
-            output.prior.reached.iter().find(|p| p.environment == own.environment && p.requirement == own.requirement);
-        let change = prior.and_then(|prior| Some(own.design_value? - prior.design_value?));
+            output.prior.reached.iter().find(|p| {
+                p.environment == posterior_reached.environment && p.requirement == posterior_reached.requirement
+            });
+        let change = prior.and_then(|prior| Some(posterior_reached.design_value? - prior.design_value?));
         vec![
-            Cell::code(&own.environment),
-            Cell::code(&own.requirement),
-            number::probability(own.probability).into(),
+            Cell::code(&posterior_reached.environment),
+            Cell::code(&posterior_reached.requirement),
+            number::probability(posterior_reached.probability).into(),
             text(prior).into(),
-            text(Some(own)).into(),
+            text(Some(posterior_reached)).into(),
             change.map_or_else(|| NONE.to_owned(), |change| number::signed(shown.difference().value(change), 1)).into(),
         ]
     });
@@ -169,15 +176,15 @@ pub(super) fn figures(output: &Output, job: &str) -> Vec<Figure> {
     let shown = Shown::written(&output.posterior.design_unit);
     let mut figures = Vec::new();
     for environment in environments(&output.posterior) {
-        let swept = |own: &&propagate::Case| own.environment == environment && own.design_value.is_some();
+        let swept = |case: &&propagate::Case| case.environment == environment && case.design_value.is_some();
         let Some(case) = output.posterior.cases.iter().find(swept) else { continue };
         let mut chart = Chart {
             x: Axis::new(shown.title(design)),
             y: Axis::over("probability that the requirement is met", 0.0, 1.0),
             ..Chart::default()
         };
-        let own = case.requirements.iter().filter(|met| met.requirement != ALL);
-        for (position, met) in own.enumerate() {
+        let requirements = case.requirements.iter().filter(|met| met.requirement != ALL);
+        for (position, met) in requirements.enumerate() {
             let colour = palette::series(position);
             let of = |from: &propagate::Output| curve(from, environment, &met.requirement);
             let line = |points: &[(f64, propagate::Probability)]| -> Vec<(f64, f64)> {
@@ -246,18 +253,20 @@ fn sweep(output: &Output) -> Option<Block> {
 fn distributions(output: &Output) -> Block {
     let mut rows = Vec::new();
     for case in nominal_cases(&output.posterior) {
-        let same =
-            |own: &&propagate::Case| own.environment == case.environment && own.design_value == case.design_value;
+        let same = |prior_case: &&propagate::Case| {
+            prior_case.environment == case.environment && prior_case.design_value == case.design_value
+        };
         let prior = output.prior.cases.iter().find(same);
         for q in &case.quantities {
             let shown = Shown::quantity(&q.unit, q.is_temperature);
-            let before = prior.and_then(|prior| prior.quantities.iter().find(|own| own.name == q.name));
+            let before =
+                prior.and_then(|prior| prior.quantities.iter().find(|prior_quantity| prior_quantity.name == q.name));
             let prior = before.map_or_else(
                 || [NONE.to_owned(), NONE.to_owned()],
-                |own| {
+                |prior_quantity| {
                     [
-                        with_error(shown.value(own.mean), own.mean_standard_error),
-                        with_error(own.sd, own.sd_standard_error),
+                        with_error(shown.value(prior_quantity.mean), prior_quantity.mean_standard_error),
+                        with_error(prior_quantity.sd, prior_quantity.sd_standard_error),
                     ]
                 },
             );

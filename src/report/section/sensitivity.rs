@@ -402,7 +402,7 @@ fn derivatives(output: &Output, quantity: &OfQuantity, order: &[usize]) -> Optio
     if quantity.local.is_empty() {
         return None;
     }
-    let own = Shown::quantity(&quantity.unit, quantity.is_temperature).difference();
+    let quantity_shown = Shown::quantity(&quantity.unit, quantity.is_temperature).difference();
     let text = |value: Option<f64>| value.map_or(NONE.to_owned(), |value| significant(value, 4));
     let rows = order
         .iter()
@@ -414,7 +414,7 @@ fn derivatives(output: &Output, quantity: &OfQuantity, order: &[usize]) -> Optio
             vec![
                 Cell::code(&parameter.name),
                 text(local.derivative.map(|d| d / scale)).into(),
-                format!("{} / {}", own.unit, if unit.unit.is_empty() { "1" } else { &unit.unit }).into(),
+                format!("{} / {}", quantity_shown.unit, if unit.unit.is_empty() { "1" } else { &unit.unit }).into(),
                 text(local.scaled_by_value).into(),
                 text(local.scaled_by_sd).into(),
             ]
@@ -432,7 +432,7 @@ fn derivatives(output: &Output, quantity: &OfQuantity, order: &[usize]) -> Optio
             Column::number("Derivative", ""),
             Column::text("Unit"),
             Column::number("Scaled by values", ""),
-            Column::number("By standard deviation", own.unit.clone()),
+            Column::number("By standard deviation", quantity_shown.unit.clone()),
         ],
         rows,
     }))

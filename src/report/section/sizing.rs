@@ -212,9 +212,11 @@ fn sizes(report: &PassReport<'_>, output: &Output, pair: (&str, &str)) -> Block 
     for size in sizes_of(output, pair) {
         let against = match (size.size, reached.and_then(|r| r.design_value)) {
             // A share of an absolute temperature says nothing; its difference does.
-            (Some(own), Some(probabilistic)) if design.is_celsius() => number::signed(own - probabilistic, 1),
-            (Some(own), Some(probabilistic)) if probabilistic != 0.0 => {
-                number::signed(100.0 * (own / probabilistic - 1.0), 1)
+            (Some(size_value), Some(probabilistic)) if design.is_celsius() => {
+                number::signed(size_value - probabilistic, 1)
+            }
+            (Some(size_value), Some(probabilistic)) if probabilistic != 0.0 => {
+                number::signed(100.0 * (size_value / probabilistic - 1.0), 1)
             }
             _ => NONE.to_owned(),
         };

@@ -29,9 +29,9 @@ pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
     // What a calibrated model is for goes before how well it fits.
     for (_, output) in report.outputs::<predict::Kind>() {
         let (about_requirements, _) = of_propagation(report, &output.posterior);
-        statements.extend(about_requirements.into_iter().map(|own| Statement {
-            label: own.label.replacen("Probability,", "Probability after calibration,", 1),
-            ..own
+        statements.extend(about_requirements.into_iter().map(|statement| Statement {
+            label: statement.label.replacen("Probability,", "Probability after calibration,", 1),
+            ..statement
         }));
         statements.extend(of_prediction(output));
     }
@@ -113,8 +113,9 @@ pub(super) fn main_picture(report: &PassReport<'_>) -> Option<Figure> {
     {
         return Some(sizing::figure(report, job, output, pair));
     }
-    if let Some(figure) =
-        report.outputs::<predict::Kind>().find_map(|(job, own)| prediction::figures(own, job).into_iter().next())
+    if let Some(figure) = report
+        .outputs::<predict::Kind>()
+        .find_map(|(job, prediction)| prediction::figures(prediction, job).into_iter().next())
     {
         return Some(figure);
     }
@@ -325,10 +326,11 @@ fn of_prediction(output: &predict::Output) -> Vec<Statement> {
     let Some(design) = &output.posterior.design_variable else { return out };
     let shown = Shown::written(&output.posterior.design_unit);
     for case in propagation::nominal_cases(&output.posterior) {
-        let is_whole = |own: &&propagate::Reached| {
-            own.environment == case.environment && (own.requirement == "all" || case.requirements.len() == 1)
+        let is_whole = |reached: &&propagate::Reached| {
+            reached.environment == case.environment && (reached.requirement == "all" || case.requirements.len() == 1)
         };
-        let find = |from: &propagate::Output| from.reached.iter().find(is_whole).and_then(|own| own.design_value);
+        let find =
+            |from: &propagate::Output| from.reached.iter().find(is_whole).and_then(|reached| reached.design_value);
         let Some(value) = find(&output.posterior) else { continue };
         let text = find(&output.prior).map_or_else(
             || "no value of the sweep reached it with the priors.".to_owned(),
@@ -374,12 +376,12 @@ fn of_sizes(report: &PassReport<'_>, output: &conventional::Output) -> Vec<State
         let stacked = sizes.iter().filter(|s| s.basis == conventional::Basis::StackedWorstCase);
         let middle = sorted_middle(stacked.copied().collect());
         if let Some((size, value)) = middle.and_then(|s| Some((s, s.size?))) {
-            let against = probabilistic.map_or(String::new(), |(own, _)| {
+            let against = probabilistic.map_or(String::new(), |(design_value, _)| {
                 let difference = design.difference();
-                let relative = match (design.is_celsius(), own < value) {
-                    (false, _) => propagation::relative(own, value),
-                    (true, true) => format!("{} colder", difference.text(value - own)),
-                    (true, false) => format!("{} warmer", difference.text(own - value)),
+                let relative = match (design.is_celsius(), design_value < value) {
+                    (false, _) => propagation::relative(design_value, value),
+                    (true, true) => format!("{} colder", difference.text(value - design_value)),
+                    (true, false) => format!("{} warmer", difference.text(design_value - value)),
                 };
                 format!(" The probabilistic {what} is {relative}.")
             });

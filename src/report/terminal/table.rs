@@ -164,15 +164,15 @@ fn measured(heading: &str, cells: &[String], is_numeric: bool, mark: usize) -> M
     let longest_word = |text: &str| text.split(' ').map(|word| word.chars().count()).max().unwrap_or(0);
     let widest = cells.iter().map(|cell| cell.chars().count()).max().unwrap_or(0);
     let word = cells.iter().map(|cell| longest_word(cell)).max().unwrap_or(0);
-    let own = (longest_word(heading) + mark).max(1);
+    let heading_width = (longest_word(heading) + mark).max(1);
     if is_numeric {
-        let whole = own.max(widest);
+        let whole = heading_width.max(widest);
         let two_lines = |width: &usize| wrapped(heading, width - mark).len() <= 2;
         let wished = (whole..whole.max(heading.chars().count() + mark) + 1).find(two_lines).unwrap_or(whole);
-        Measured { wished, whole, least: own.max(word + mark) }
+        Measured { wished, whole, least: heading_width.max(word + mark) }
     } else {
         // A single long word is broken rather than to make all else narrow.
-        let least = own.max(word.min(NARROWEST.max(widest / 4)));
+        let least = heading_width.max(word.min(NARROWEST.max(widest / 4)));
         Measured { wished: widest.max(heading.chars().count()).max(1), whole: least, least }
     }
 }

@@ -222,9 +222,9 @@ fn seconds_since_1970() -> u64 {
 
 /// Folders in a folder by name; links are none.
 fn folders(folder: &Path) -> Result<Vec<DirEntry>, RunnerError> {
-    let mut found = entries(folder)?;
-    found.retain(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));
-    Ok(found)
+    let mut subfolders = entries(folder)?;
+    subfolders.retain(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));
+    Ok(subfolders)
 }
 
 /// Entries of a folder by name; of a folder that does not exist or is a link, none.

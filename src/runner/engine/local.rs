@@ -111,7 +111,7 @@ struct Run<'a> {
     stop: &'a StopFlag,
     listener: &'a dyn Listener,
     slots: Vec<Slot>,
-    /// Whether a message said that something could not be stored.
+    /// Whether it was reported that something could not be stored.
     told_not_stored: AtomicBool,
 }
 
@@ -295,14 +295,14 @@ impl<'a> Run<'a> {
     fn output(&self, active: &Active, stage: &Stage, index: usize) -> Result<Vec<u8>, Halt<RunnerError>> {
         let owner = &self.plan.keys()[active.position];
         let name = block_key(owner, &stage.name, index, &[stage.state.bytes(), &stage.inputs[index]]);
-        let found = if self.settings.force { Lookup::Absent } else { self.cache.get(Kind::Block, &name) };
-        let (output, cached) = match found {
+        let cached_block = if self.settings.force { Lookup::Absent } else { self.cache.get(Kind::Block, &name) };
+        let (output, cached) = match cached_block {
             Lookup::Found(output) => {
                 active.blocks_cached.fetch_add(1, Ordering::Relaxed);
                 (output, true)
             }
             Lookup::Absent | Lookup::Damaged => {
-                if found == Lookup::Damaged {
+                if cached_block == Lookup::Damaged {
                     self.listener.hear(&Event::Damaged { object: name.clone() });
                 }
                 let share = Share::default();
@@ -415,8 +415,8 @@ struct KeptParts<'r, 'a> {
 impl KeptParts<'_, '_> {
     fn name(&self, part: u64) -> Key {
         let Stage { name, state, inputs, .. } = self.stage;
-        let known = [state.bytes(), &inputs[self.index]];
-        block_key(self.owner, &format!("{name}, part {part}"), self.index, &known)
+        let determining = [state.bytes(), &inputs[self.index]];
+        block_key(self.owner, &format!("{name}, part {part}"), self.index, &determining)
     }
 }
 

@@ -78,22 +78,22 @@ pub(super) fn resolve(form: &Map<GroupForm>, model: &ResolvedModel, diagnostics:
                             Diagnostic::error(&code::OUT_OF_RANGE, &node.place, message).expected("a weight above 0"),
                         );
                     }
-                    let found = model.find_node(&node.name, &node.name_place, diagnostics);
-                    members.extend(found.map(|index| (index, node.value.value)));
+                    let node_index = model.find_node(&node.name, &node.name_place, diagnostics);
+                    members.extend(node_index.map(|index| (index, node.value.value)));
                 }
                 (members.len(), Members::Nodes(members))
             }
             GroupForm::Conductors(names) => {
-                let found = elements(names, "conductor", model, diagnostics);
-                (found.len(), Members::Conductors(found))
+                let indices = elements(names, "conductor", model, diagnostics);
+                (indices.len(), Members::Conductors(indices))
             }
             GroupForm::Radiations(names) => {
-                let found = elements(names, "radiation", model, diagnostics);
-                (found.len(), Members::Radiations(found))
+                let indices = elements(names, "radiation", model, diagnostics);
+                (indices.len(), Members::Radiations(indices))
             }
             GroupForm::Loads(names) => {
-                let found = elements(names, "load", model, diagnostics);
-                (found.len(), Members::Loads(found))
+                let indices = elements(names, "load", model, diagnostics);
+                (indices.len(), Members::Loads(indices))
             }
             GroupForm::Sensors(names) => (names.len(), Members::Sensors(names.clone())),
         };
@@ -115,17 +115,17 @@ pub(super) fn resolve(form: &Map<GroupForm>, model: &ResolvedModel, diagnostics:
 
 /// Indices of named elements of a kind, each once.
 fn elements(names: &[Spanned<String>], kind: &str, model: &ResolvedModel, diagnostics: &mut Diagnostics) -> Vec<usize> {
-    let mut found = Vec::new();
+    let mut indices = Vec::new();
     for name in names {
         let Some(index) = model.find_element(&name.value, Some(kind), &name.place, diagnostics) else { continue };
-        if found.contains(&index) {
+        if indices.contains(&index) {
             diagnostics.push(Diagnostic::error(
                 &code::DUPLICATE_NAME,
                 &name.place,
                 format!("`{}` stands twice in this group", name.value),
             ));
         }
-        found.push(index);
+        indices.push(index);
     }
-    found
+    indices
 }

@@ -141,9 +141,9 @@ fn named(name: &Spanned<String>, model: &mut ResolvedModel, diagnostics: &mut Di
             unit: quantity.unit.clone(),
         });
     }
-    let known = model.model.nodes.iter().map(|n| n.name.as_str());
-    let known = known.chain(model.model.quantities.iter().map(|q| q.name.as_str()));
-    name::unknown("node or quantity", &name.value, &name.place, known, diagnostics);
+    let node_names = model.model.nodes.iter().map(|n| n.name.as_str());
+    let listed_names = node_names.chain(model.model.quantities.iter().map(|q| q.name.as_str()));
+    name::unknown("node or quantity", &name.value, &name.place, listed_names, diagnostics);
     None
 }
 

@@ -39,8 +39,8 @@ impl Scale {
 
     /// An amount of this entry in SI: bare numbers are in the entry's unit.
     pub fn si(&self, amount: &Amount, sense: Sense, diagnostics: &mut Diagnostics) -> Option<f64> {
-        let own = amount.unit.as_ref().map(|written| written.unit.dimension);
-        let dimension = self.dimension().or(own).unwrap_or(Dimension::NONE);
+        let written_dimension = amount.unit.as_ref().map(|written| written.unit.dimension);
+        let dimension = self.dimension().or(written_dimension).unwrap_or(Dimension::NONE);
         amount.si(dimension, self.unit.as_ref(), sense, diagnostics)
     }
 }
@@ -77,8 +77,8 @@ impl Places {
 
     /// Where a value stands; where that is not known, where its owner's name does.
     pub fn find(&self, kind: &'static str, name: &str, what: &str) -> Option<&Place> {
-        let own = self.known.get(&(kind, name.to_owned()))?;
-        let of = |wanted: &str| own.iter().find(|(known, _)| *known == wanted).map(|(_, place)| place);
+        let places = self.known.get(&(kind, name.to_owned()))?;
+        let of = |wanted: &str| places.iter().find(|(noted_value, _)| *noted_value == wanted).map(|(_, place)| place);
         of(what).or_else(|| of(""))
     }
 }
@@ -135,11 +135,11 @@ impl ResolvedModel {
 
     /// Index of a node; an unknown one is reported at `place`.
     pub fn find_node(&self, name: &str, place: &Place, diagnostics: &mut Diagnostics) -> Option<usize> {
-        let found = self.node(name);
-        if found.is_none() {
+        let node_index = self.node(name);
+        if node_index.is_none() {
             name::unknown("node", name, place, self.nodes.keys().map(String::as_str), diagnostics);
         }
-        found
+        node_index
     }
 
     /// Index of an element of a kind, by the kind's word, or of any; an unknown one, or two of one name, are reported at
@@ -153,15 +153,16 @@ impl ResolvedModel {
     ) -> Option<usize> {
         let is_of_kind = |element: &Element| kind.is_none_or(|kind| element.physics().kind() == kind);
         let fits = |index: usize| is_of_kind(&self.model.elements[index]);
-        let found: Vec<usize> = match self.elements.get(name) {
+        let indices: Vec<usize> = match self.elements.get(name) {
             Some(indices) => indices.iter().copied().filter(|&i| fits(i)).collect(),
             None => Vec::new(),
         };
-        match found.as_slice() {
+        match indices.as_slice() {
             [one] => Some(*one),
             [] => {
-                let known = self.model.elements.iter().filter(|element| is_of_kind(element)).map(|e| e.name.as_str());
-                name::unknown(kind.unwrap_or("element"), name, place, known, diagnostics);
+                let element_names =
+                    self.model.elements.iter().filter(|element| is_of_kind(element)).map(|e| e.name.as_str());
+                name::unknown(kind.unwrap_or("element"), name, place, element_names, diagnostics);
                 None
             }
             several => {

@@ -26,7 +26,7 @@ const FOLDER: &str = "effects";
 /// study's own, which is part of its definition.
 pub fn catalogue(folder: &Folder, diagnostics: &mut Diagnostics) -> (Catalogue, Vec<(String, serde_json::Value)>) {
     let mut catalogue = Catalogue::embedded(diagnostics);
-    let mut own = Vec::new();
+    let mut study_effects = Vec::new();
     for name in folder.json_names(FOLDER) {
         let file = own_file(&name);
         let bytes = match folder.read(&file) {
@@ -37,10 +37,10 @@ pub fn catalogue(folder: &Folder, diagnostics: &mut Diagnostics) -> (Catalogue, 
             }
         };
         let node = catalogue.read(&name, &folder.shown_name(&file), &bytes, diagnostics);
-        own.extend(node.map(|node| (name, node.to_json())));
+        study_effects.extend(node.map(|node| (name, node.to_json())));
     }
     catalogue.check(diagnostics);
-    (catalogue, own)
+    (catalogue, study_effects)
 }
 
 /// The file of a study's own effect within the study.
@@ -97,13 +97,13 @@ fn effect<'c, 'f>(
         scope.error(&code::ONE_KIND, &entry.place, message, "an object with one key, the effect's name");
         return None;
     };
-    let found = catalogue.get(&usage.name);
+    let effect = catalogue.get(&usage.name);
     // What is wrong with a file of the study's own was said at its place.
-    if found.is_none() && !scope.folder.has_file(&own_file(&usage.name)) {
-        let known: Vec<&str> = catalogue.names().collect();
-        scope.unknown(&code::UNKNOWN_EFFECT, "effect", &usage.name, &usage.name_place, &known);
+    if effect.is_none() && !scope.folder.has_file(&own_file(&usage.name)) {
+        let effect_names: Vec<&str> = catalogue.names().collect();
+        scope.unknown(&code::UNKNOWN_EFFECT, "effect", &usage.name, &usage.name_place, &effect_names);
     }
-    Some((found?, usage))
+    Some((effect?, usage))
 }
 
 fn check_evidence(scope: &mut Scope, form: &Adopted) {
@@ -116,10 +116,10 @@ fn check_evidence(scope: &mut Scope, form: &Adopted) {
 }
 
 fn check_applies_to(scope: &mut Scope, form: &PassForm, adopted: &Adopted) {
-    let known: Vec<&str> = form.measurements.names().chain(form.environments.names()).collect();
+    let listed_names: Vec<&str> = form.measurements.names().chain(form.environments.names()).collect();
     for name in adopted.applies_to.iter().flatten() {
-        if !known.contains(&name.value.as_str()) {
-            scope.unknown(&code::UNKNOWN_NAME, "measurement or environment", &name.value, &name.place, &known);
+        if !listed_names.contains(&name.value.as_str()) {
+            scope.unknown(&code::UNKNOWN_NAME, "measurement or environment", &name.value, &name.place, &listed_names);
         }
     }
 }
@@ -200,8 +200,9 @@ impl Adoption {
         let absent: Vec<&Map<SensorForm>> = absent.map(|entry| entry.value.sensors()).collect();
         for entry in &form.adopt {
             // What is wrong with its name was said before.
-            let found = entry.value.effect.iter().next().and_then(|usage| Some((catalogue.get(&usage.name)?, usage)));
-            let Some((effect, usage)) = found.filter(|(effect, _)| of_sensors(effect)) else { continue };
+            let used_effect =
+                entry.value.effect.iter().next().and_then(|usage| Some((catalogue.get(&usage.name)?, usage)));
+            let Some((effect, usage)) = used_effect.filter(|(effect, _)| of_sensors(effect)) else { continue };
             let has = |name: &str| match &entry.value.applies_to {
                 Some(names) => names.iter().any(|wanted| wanted.value == name),
                 None => true,
@@ -211,7 +212,7 @@ impl Adoption {
                 // The data of a measurement are missing or wrong, and its sensors with them.
                 continue;
             }
-            let is_here = |name: &str| sensors.iter().any(|own| own.name == name);
+            let is_here = |name: &str| sensors.iter().any(|sensor| sensor.name == name);
             let is_absent = |name: &str| !is_here(name) && absent.iter().any(|form| form.get(name).is_some());
             if usage.value.names().any(is_absent) {
                 continue;
@@ -301,7 +302,7 @@ fn change_sensors(scope: &mut Scope, measurement: &mut Measurement, change: &Sen
     let mut nominal = 0.0;
     if let SensorChange::Lag { sensor, parameter } = change {
         nominal = scope.resolved.model.parameters[*parameter].nominal;
-        if measurement.sensors.iter().any(|own| own.name == *sensor && own.lag_s.is_some()) {
+        if measurement.sensors.iter().any(|declared| declared.name == *sensor && declared.lag_s.is_some()) {
             let message = format!("the sensor `{sensor}` of `{}` has a lag already", measurement.name);
             scope.error(&code::EFFECT_PLACE, place, message, "a sensor without `lag`");
         }

@@ -21,10 +21,10 @@ pub fn parameters(
         // A curve's knots are named together or one by one.
         let named = |parameter: &EffectParameter| parameter.name == entry.name || parameter.written == entry.name;
         if !parameters.iter().any(&named) {
-            let known: Vec<String> = parameters.iter().map(|parameter| parameter.name.clone()).collect();
-            let known: Vec<&str> = known.iter().map(String::as_str).collect();
+            let parameter_names: Vec<String> = parameters.iter().map(|parameter| parameter.name.clone()).collect();
+            let parameter_names: Vec<&str> = parameter_names.iter().map(String::as_str).collect();
             let message = format!("`{}` has no parameter `{}`", effect.name, entry.name);
-            let listed = suggest::listed(known.iter().copied(), 12);
+            let listed = suggest::listed(parameter_names.iter().copied(), 12);
             scope.error(&code::EFFECT_PARAMETER, &entry.name_place, message, &listed);
             continue;
         }

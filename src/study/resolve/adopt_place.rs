@@ -54,7 +54,8 @@ pub fn place(
         scope.error(&code::EFFECT_PLACE, place, message, &expected);
         return None;
     }
-    let found = names.iter().map(|name| find(scope, effect, &kinds, name, sensors)).collect::<Option<Vec<_>>>()?;
+    let found_places =
+        names.iter().map(|name| find(scope, effect, &kinds, name, sensors)).collect::<Option<Vec<_>>>()?;
     let mut words: Vec<String> = names.iter().map(|name| name.value.clone()).collect();
     words.extend(node.iter().map(|name| name.value.clone()));
     if names.len() == 2 && names[0].value == names[1].value {
@@ -62,7 +63,7 @@ pub fn place(
         scope.error(&code::EFFECT_PLACE, &names[1].place, message, &expected);
         return None;
     }
-    let site = match found.as_slice() {
+    let site = match found_places.as_slice() {
         [Found::Node(a), Found::Node(b)] => Site::Pair([*a, *b]),
         [Found::Node(one)] => Site::Nodes(vec![(*one, 1.0)]),
         [Found::Element(one)] => Site::Elements(vec![*one]),
@@ -121,7 +122,7 @@ fn find(
     sensors: &[SensorPlace],
 ) -> Option<Found> {
     let model = &scope.resolved.model;
-    let mut known: Vec<&str> = Vec::new();
+    let mut fitting_names: Vec<&str> = Vec::new();
     let mut sensor = false;
     for &kind in kinds {
         match kind {
@@ -130,19 +131,20 @@ fn find(
                 if let Some(index) = scope.resolved.node(&name.value).filter(fits) {
                     return Some(Found::Node(index));
                 }
-                known.extend((0..model.nodes.len()).filter(fits).map(|index| model.nodes[index].name.as_str()));
+                fitting_names.extend((0..model.nodes.len()).filter(fits).map(|index| model.nodes[index].name.as_str()));
             }
             PlaceKind::Sensor | PlaceKind::SensorPair => {
-                let own: Vec<SensorPlace> = sensors.iter().filter(|place| place.name == name.value).cloned().collect();
-                if let Some(misfit) = own.iter().find(|place| !effect.fits_sensor(model, place)) {
+                let same_name: Vec<SensorPlace> =
+                    sensors.iter().filter(|place| place.name == name.value).cloned().collect();
+                if let Some(misfit) = same_name.iter().find(|place| !effect.fits_sensor(model, place)) {
                     let message = format!("the sensor `{}` measures no temperature", misfit.name);
                     scope.error(&code::EFFECT_PLACE, &name.place, message, "a sensor of a temperature");
                     return None;
                 }
-                if !own.is_empty() {
-                    return Some(Found::Sensors(own));
+                if !same_name.is_empty() {
+                    return Some(Found::Sensors(same_name));
                 }
-                known.extend(sensors.iter().map(|place| place.name.as_str()));
+                fitting_names.extend(sensors.iter().map(|place| place.name.as_str()));
                 sensor = true;
             }
             _ => {
@@ -150,11 +152,11 @@ fn find(
                 if let Some((index, _)) = elements().find(|(_, element)| element.name == name.value) {
                     return Some(Found::Element(index));
                 }
-                known.extend(elements().map(|(_, element)| element.name.as_str()));
+                fitting_names.extend(elements().map(|(_, element)| element.name.as_str()));
             }
         }
     }
-    known.dedup();
+    fitting_names.dedup();
     let words: Vec<&str> = kinds.iter().map(|kind| kind.word()).collect();
     let what = match kinds {
         [PlaceKind::Pair] | [PlaceKind::Node | PlaceKind::Capacity] => "node".to_owned(),
@@ -162,30 +164,30 @@ fn find(
         _ if sensor => "sensor".to_owned(),
         _ => words.join(" or "),
     };
-    let known: Vec<String> = known.into_iter().map(str::to_owned).collect();
-    let known: Vec<&str> = known.iter().map(String::as_str).collect();
+    let fitting_names: Vec<String> = fitting_names.into_iter().map(str::to_owned).collect();
+    let fitting_names: Vec<&str> = fitting_names.iter().map(String::as_str).collect();
     if let (true, Some(node)) = (what == "node" || what == "boundary", scope.resolved.node(&name.value)) {
-        let own = match scope.resolved.model.nodes[node].kind {
+        let boundary_clause = match scope.resolved.model.nodes[node].kind {
             NodeKind::Boundary { .. } => "is a boundary",
             NodeKind::Arithmetic | NodeKind::Diffusion { .. } => "is no boundary",
         };
-        let message = format!("`{}` {own}", name.value);
-        let expected = format!("{}: {}", expected_place(effect), suggest::listed(known.iter().copied(), 12));
+        let message = format!("`{}` {boundary_clause}", name.value);
+        let expected = format!("{}: {}", expected_place(effect), suggest::listed(fitting_names.iter().copied(), 12));
         scope.error(&code::EFFECT_PLACE, &name.place, message, &expected);
         return None;
     }
-    scope.unknown(&code::EFFECT_PLACE, &what, &name.value, &name.place, &known);
+    scope.unknown(&code::EFFECT_PLACE, &what, &name.value, &name.place, &fitting_names);
     None
 }
 
 fn group_place(scope: &mut Scope, effect: &Effect, group: &Spanned<String>, sensors: &[SensorPlace]) -> Option<Placed> {
-    let Some(found) = scope.resolved.groups.iter().find(|known| known.name == group.value).cloned() else {
-        let known: Vec<String> = scope.resolved.groups.iter().map(|group| group.name.clone()).collect();
-        let known: Vec<&str> = known.iter().map(String::as_str).collect();
-        scope.unknown(&code::UNKNOWN_NAME, "group", &group.value, &group.place, &known);
+    let Some(chosen_group) = scope.resolved.groups.iter().find(|declared| declared.name == group.value).cloned() else {
+        let group_names: Vec<String> = scope.resolved.groups.iter().map(|group| group.name.clone()).collect();
+        let group_names: Vec<&str> = group_names.iter().map(String::as_str).collect();
+        scope.unknown(&code::UNKNOWN_NAME, "group", &group.value, &group.place, &group_names);
         return None;
     };
-    let site = found.members.site(sensors);
+    let site = chosen_group.members.site(sensors);
     let empty = matches!(&site, Site::Sensors(sensors) if sensors.is_empty());
     if empty || !effect.fits_group(&scope.resolved.model, &site) {
         let message = format!("`{}` does not act on the group `{}`", effect.name, group.value);
@@ -203,12 +205,12 @@ pub fn bound(
     node: Option<&Spanned<String>>,
 ) -> Option<Vec<Bound>> {
     let before = scope.diagnostics.errors();
-    let known: Vec<&str> =
+    let input_names: Vec<&str> =
         effect.form.inputs.iter().filter(|entry| !entry.value.date).map(|entry| entry.name.as_str()).collect();
     for entry in &usage.value.inputs {
-        if !known.contains(&entry.name.as_str()) {
+        if !input_names.contains(&entry.name.as_str()) {
             let message = format!("`{}` has no input `{}`", effect.name, entry.name);
-            let expected = suggest::listed(known.iter().copied(), 12);
+            let expected = suggest::listed(input_names.iter().copied(), 12);
             scope.error(&code::EFFECT_INPUT, &entry.name_place, message, &expected);
         }
     }
@@ -235,10 +237,10 @@ pub fn bound(
                 let model = &scope.resolved.model;
                 let inputs = model.inputs.iter().map(|input| input.name.clone());
                 let nodes = model.nodes.iter().map(|node| node.name.clone());
-                let known: Vec<String> = inputs.chain(nodes.filter(|_| entry.value.temperature)).collect();
-                let known: Vec<&str> = known.iter().map(String::as_str).collect();
+                let listed_names: Vec<String> = inputs.chain(nodes.filter(|_| entry.value.temperature)).collect();
+                let listed_names: Vec<&str> = listed_names.iter().map(String::as_str).collect();
                 let what = if entry.value.temperature { "input or node" } else { "input" };
-                scope.unknown(&code::EFFECT_INPUT, what, &given.value, &given.place, &known);
+                scope.unknown(&code::EFFECT_INPUT, what, &given.value, &given.place, &listed_names);
             }
             None => {
                 let units: Vec<&str> =

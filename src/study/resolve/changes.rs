@@ -18,9 +18,10 @@ pub fn changes(scope: &mut Scope, forms: &Map<ParameterChangeForm>) -> (Vec<Para
     let mut changes = Vec::new();
     for entry in forms {
         let Some(index) = scope.resolved.parameter(&entry.name) else {
-            let known: Vec<String> = scope.resolved.model.parameters.iter().map(|known| known.name.clone()).collect();
-            let known: Vec<&str> = known.iter().map(String::as_str).collect();
-            scope.unknown(&code::UNKNOWN_NAME, "parameter", &entry.name, &entry.name_place, &known);
+            let parameter_names: Vec<String> =
+                scope.resolved.model.parameters.iter().map(|parameter| parameter.name.clone()).collect();
+            let parameter_names: Vec<&str> = parameter_names.iter().map(String::as_str).collect();
+            scope.unknown(&code::UNKNOWN_NAME, "parameter", &entry.name, &entry.name_place, &parameter_names);
             continue;
         };
         let form = &entry.value;

@@ -24,9 +24,9 @@ pub fn parameters(scope: &mut Scope, names: &[Spanned<String>], priors: &[Distri
             }
             Some(index) => push_new(&mut chosen, index),
             None => {
-                let known = scope.resolved.model.parameters.iter().map(|parameter| parameter.name.as_str());
+                let parameter_names = scope.resolved.model.parameters.iter().map(|parameter| parameter.name.as_str());
                 let asked = ("parameter", name.value.as_str());
-                unknown(scope.diagnostics, &code::JOB_REFERENCE, asked, &name.place, known);
+                unknown(scope.diagnostics, &code::JOB_REFERENCE, asked, &name.place, parameter_names);
             }
         }
     }

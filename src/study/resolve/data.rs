@@ -225,11 +225,12 @@ pub fn columns(scope: &mut Scope, data: &Data, layout: &Layout, wanted: &[Wanted
         } else {
             find(scope, &data.source, headers, layout, wanted.name, wanted.place, wanted.required)
         };
-        let found = index.and_then(|index| Some((index, unit(scope, &data.source, &headers[index], layout, wanted)?)));
-        if let Some((index, _)) = &found {
+        let index_and_unit =
+            index.and_then(|index| Some((index, unit(scope, &data.source, &headers[index], layout, wanted)?)));
+        if let Some((index, _)) = &index_and_unit {
             asked.push((*index, wanted.cells));
         }
-        placed.push(found);
+        placed.push(index_and_unit);
     }
     let mut columns = table.read(&asked, &mut problems).into_iter();
     if report(scope, &data.source, problems) || scope.diagnostics.errors() > before {
@@ -277,8 +278,8 @@ fn find(
 ) -> Option<usize> {
     let declared = layout.columns.get(name);
     let declared_header = declared.and_then(|entry| entry.value.header.as_ref());
-    let found: Vec<usize> = (0..headers.len()).filter(|index| layout.names(name, &headers[*index])).collect();
-    match (found.as_slice(), declared) {
+    let matching: Vec<usize> = (0..headers.len()).filter(|index| layout.names(name, &headers[*index])).collect();
+    match (matching.as_slice(), declared) {
         ([index], _) => Some(*index),
         ([first, second, ..], _) => {
             let at = |index: usize| in_table(source, &headers[index]);

@@ -1,4 +1,4 @@
-//! Phases that drift, noted in the measurements so that what rests on them can repeat it.
+//! Phases that drift, stated of the measurements so that what rests on them can repeat it.
 
 use crate::document::{Diagnostic, code, counted};
 use crate::measurement::{Doubt, Measurement, Rows};
@@ -17,22 +17,24 @@ const HOUR_S: f64 = 3600.0;
 pub(super) fn doubts(scope: &mut Scope, form: &PassForm, jobs: &[NamedJob], measurements: &mut [Measurement]) {
     for (index, measurement) in measurements.iter_mut().enumerate() {
         let comparisons = jobs.iter().filter_map(|job| job.spec.comparison());
-        let limits = comparisons.filter(|own| own.data.contains(&index)).filter_map(|own| own.stabilisation_k_per_s);
+        let limits = comparisons
+            .filter(|comparison| comparison.data.contains(&index))
+            .filter_map(|comparison| comparison.stabilisation_k_per_s);
         let Some(limit) = limits.reduce(f64::min) else { continue };
         let sensors = measurement.sensors_in_kelvin(&scope.resolved.model);
         let Rows::Steady(phases) = &measurement.rows else { continue };
-        let mut found: Vec<String> = Vec::new();
+        let mut drifting: Vec<String> = Vec::new();
         for phase in phases.iter().filter(|phase| phase.ignored.is_none()) {
             let Some(steadiness) = &phase.stabilisation else { continue };
             let Some(sensor) = steadiness.drifting(&sensors, limit) else { continue };
             let slope = short(steadiness.slopes[sensor].unwrap_or_default() * HOUR_S);
-            found.push(format!("`{}` (`{}` by {slope} K/h)", phase.name, measurement.sensors[sensor].name));
+            drifting.push(format!("`{}` (`{}` by {slope} K/h)", phase.name, measurement.sensors[sensor].name));
         }
-        let Some(entry) = form.measurements.get(&measurement.name).filter(|_| !found.is_empty()) else { continue };
-        let (count, all) = (found.len(), phases.len());
+        let Some(entry) = form.measurements.get(&measurement.name).filter(|_| !drifting.is_empty()) else { continue };
+        let (count, all) = (drifting.len(), phases.len());
         if count > NAMED {
-            found.truncate(NAMED);
-            found.push(format!("{} more", count - NAMED));
+            drifting.truncate(NAMED);
+            drifting.push(format!("{} more", count - NAMED));
         }
         let drift = if count == 1 { "drifts" } else { "drift" };
         let message = format!(
@@ -40,7 +42,7 @@ pub(super) fn doubts(scope: &mut Scope, form: &PassForm, jobs: &[NamedJob], meas
             counted(all, "phase"),
             measurement.name,
             short(limit * HOUR_S),
-            found.join(", ")
+            drifting.join(", ")
         );
         let help = "choose a later window, ignore the phase with a reason, or compare the log as a transient";
         let doubt = Diagnostic::warning(&code::NOT_STABILISED, &entry.name_place, message).help(help);

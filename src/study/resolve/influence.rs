@@ -14,10 +14,10 @@ pub(super) fn inputs(model: &Model, sensors: &[&Sensor]) -> Vec<bool> {
             balances[node].push(heat);
         }
     }
-    for (own, node) in balances.iter_mut().zip(&model.nodes) {
+    for (balance, node) in balances.iter_mut().zip(&model.nodes) {
         match node.kind {
-            NodeKind::Boundary { temperature } => *own = vec![temperature],
-            NodeKind::Diffusion { capacity } => own.push(capacity),
+            NodeKind::Boundary { temperature } => *balance = vec![temperature],
+            NodeKind::Diffusion { capacity } => balance.push(capacity),
             NodeKind::Arithmetic => {}
         }
     }

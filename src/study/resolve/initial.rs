@@ -243,8 +243,8 @@ fn without_reading(
     let held: Vec<bool> = nominal.iter().map(Option::is_some).collect();
     let lost = isolated_nodes_beside(&scope.resolved.model, &held);
     without_path(scope, lost.unwrap_or_default(), place)?;
-    let known = || nominal.iter().flatten();
-    let mean = known().sum::<f64>() / known().count().max(1) as f64;
+    let nominal_temperatures = || nominal.iter().flatten();
+    let mean = nominal_temperatures().sum::<f64>() / nominal_temperatures().count().max(1) as f64;
     let guesses: Vec<f64> = filled.into_iter().map(|value| value.unwrap_or(mean)).collect();
     Some(balance(scope, &guesses, &held, first.inputs).unwrap_or(guesses))
 }
@@ -338,9 +338,9 @@ fn nearest(scope: &Scope, given: &[Option<f64>]) -> Vec<Option<f64>> {
         seen[start] = true;
         let mut front = vec![start];
         while !front.is_empty() {
-            let found: Vec<f64> = front.iter().filter_map(|&node| given[node]).collect();
-            if !found.is_empty() {
-                return Some(found.iter().sum::<f64>() / found.len() as f64);
+            let given_temperatures: Vec<f64> = front.iter().filter_map(|&node| given[node]).collect();
+            if !given_temperatures.is_empty() {
+                return Some(given_temperatures.iter().sum::<f64>() / given_temperatures.len() as f64);
             }
             let mut next = Vec::new();
             for &other in front.iter().flat_map(|&node| &neighbours[node]) {
@@ -416,8 +416,8 @@ fn expected(value: &Uncertain) -> Option<[f64; 2]> {
 
 fn unknown_node(scope: &mut Scope, name: &str, place: &Place, more: &[&str]) {
     let nodes: Vec<String> = scope.resolved.model.nodes.iter().map(|node| node.name.clone()).collect();
-    let known: Vec<&str> = more.iter().copied().chain(nodes.iter().map(String::as_str)).collect();
-    scope.unknown(&code::UNKNOWN_NAME, "node", name, place, &known);
+    let listed_names: Vec<&str> = more.iter().copied().chain(nodes.iter().map(String::as_str)).collect();
+    scope.unknown(&code::UNKNOWN_NAME, "node", name, place, &listed_names);
 }
 
 fn temperatures(scope: &mut Scope, map: &Map<UncertainForm>, place: &Place) -> Option<Initial> {
@@ -471,6 +471,9 @@ fn temperatures(scope: &mut Scope, map: &Map<UncertainForm>, place: &Place) -> O
     let any = all.clone().or_else(|| named.iter().flatten().next().cloned());
     let start = any.map_or(ROOM_K, |value| value.nominal());
     let shared = (0..named.len()).filter(|&node| all.is_some() && named[node].is_none()).collect();
-    let values = named.into_iter().map(|own| own.or_else(|| all.clone()).unwrap_or(Uncertain::Known(start))).collect();
+    let values = named
+        .into_iter()
+        .map(|temperature| temperature.or_else(|| all.clone()).unwrap_or(Uncertain::Known(start)))
+        .collect();
     Some(Initial::Temperatures { values, shared, balanced })
 }

@@ -181,7 +181,7 @@ pub fn said_twice(scope: &mut Scope, given: &Map<Amount>, parts: &Parted) {
 pub fn said(scope: &Scope, parts: &Parted, constants: &[&Map<Amount>]) -> Vec<bool> {
     (scope.resolved.model.inputs.iter().enumerate())
         .map(|(index, input)| {
-            parts.inputs.iter().any(|(own, _)| *own == index)
+            parts.inputs.iter().any(|(given_input, _)| *given_input == index)
                 || constants.iter().any(|given| given.get(&input.name).is_some())
         })
         .collect()

@@ -182,12 +182,12 @@ fn with_ranges_of_data(files: &Files, form: &PassForm, mut resolved: ResolvedMod
     let Some(tried) = tried else { return (resolved, Vec::new()) };
     if let (Some(date), None) = (tried.model.date, resolved.model.date) {
         // Adopted effects alone need it; its range and unit are those of the data.
-        let own = resolved.date_input();
-        resolved.model.inputs[own] = tried.model.inputs[date].clone();
+        let date_input = resolved.date_input();
+        resolved.model.inputs[date_input] = tried.model.inputs[date].clone();
     }
     for input in &mut resolved.model.inputs {
-        let found = tried.model.inputs.iter().find(|other| other.name == input.name);
-        input.range = input.range.or(found.and_then(|other| other.range));
+        let tried_input = tried.model.inputs.iter().find(|other| other.name == input.name);
+        input.range = input.range.or(tried_input.and_then(|other| other.range));
     }
     (resolved, tried.ranges_from_data)
 }
@@ -267,15 +267,15 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     let ranges_from_data = ranges_from_data(&mut scope, &measurements);
     let rules = rule::load(Some(folder), scope.diagnostics);
     let profiles = profile::load(Some(folder), form.criteria.iter(), scope.diagnostics);
-    let mut own = serde_json::Map::new();
+    let mut own_files = serde_json::Map::new();
     for adopted in &mut adoption.adopted {
         if own_effects.iter().any(|(name, _)| *name == adopted.effect) {
             adopted.file = Some(adopt::own_file(&adopted.effect));
         }
     }
-    own.extend(own_effects.into_iter().map(|(name, json)| (adopt::own_file(&name), json)));
-    own.extend(rules.iter().filter_map(|(rule, json)| Some((format!("rules/{}", rule.name), json.clone()?))));
-    own.extend(
+    own_files.extend(own_effects.into_iter().map(|(name, json)| (adopt::own_file(&name), json)));
+    own_files.extend(rules.iter().filter_map(|(rule, json)| Some((format!("rules/{}", rule.name), json.clone()?))));
+    own_files.extend(
         profiles.iter().filter_map(|(profile, json)| Some((format!("criteria/{}", profile.name), json.clone()?))),
     );
     let offered = Offered {
@@ -309,7 +309,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
             scope.diagnostics.push(doubt);
         }
     }
-    let definition_sha256 = definition(files, own);
+    let definition_sha256 = definition(files, own_files);
     let groups = group_places(&scope.resolved.groups, &measurements);
     let ResolvedModel { mut model, reconstructed, input_errors, .. } = scope.resolved;
     model.keeps_signs = true;

@@ -44,7 +44,7 @@ pub(super) fn check(
         // Values may be missing.
         return;
     }
-    let mut found = unconnected(scope, form);
+    let mut findings = unconnected(scope, form);
     let tried = Tried::new(&scope.resolved.model, priors, environments, measurements);
     let mut left = MOST_EVALUATIONS;
     for signed in signed(&scope.resolved.model) {
@@ -53,13 +53,13 @@ pub(super) fn check(
         let (name, kind, what, unit) = (&signed.name, signed.kind, signed.law.what, signed.law.unit);
         let message = format!("the {what} of the {kind} `{name}` is {} {unit} {}", fault.value, fault.at);
         let expected = if signed.law.above_zero { "above 0" } else { "0 or more" };
-        found.push(if is_error {
+        findings.push(if is_error {
             Diagnostic::error(&code::OUT_OF_RANGE, &place, message).expected(expected)
         } else {
             Diagnostic::warning(&code::POSSIBLY_NEGATIVE, &place, message).expected(expected)
         });
     }
-    found.into_iter().for_each(|diagnostic| scope.diagnostics.push(diagnostic));
+    findings.into_iter().for_each(|diagnostic| scope.diagnostics.push(diagnostic));
 }
 
 /// All values with a sign.
@@ -77,8 +77,8 @@ fn signed(model: &Model) -> Vec<Signed> {
         Some(Signed { kind: "node", name: node.name.clone(), law })
     });
     let of_elements = model.elements.iter().flat_map(|element| {
-        let own = |law| Signed { kind: element.physics().kind(), name: element.name.clone(), law };
-        element.physics().laws().into_iter().map(own)
+        let signed_law = |law| Signed { kind: element.physics().kind(), name: element.name.clone(), law };
+        element.physics().laws().into_iter().map(signed_law)
     });
     of_nodes.chain(of_elements).collect()
 }
@@ -87,8 +87,8 @@ fn signed(model: &Model) -> Vec<Signed> {
 fn place(scope: &Scope, form: &PassForm, kind: &'static str, name: &str, what: &'static str) -> Place {
     let below = |entry: &str| name.strip_prefix(entry).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
     let adopted = || form.adopt.iter().find(|entry| below(&entry.name)).map(|entry| entry.name_place.clone());
-    let known = scope.resolved.places.find(kind, name, what).cloned();
-    known.or_else(adopted).unwrap_or_else(|| scope.resolved.places.file.clone())
+    let noted_place = scope.resolved.places.find(kind, name, what).cloned();
+    noted_place.or_else(adopted).unwrap_or_else(|| scope.resolved.places.file.clone())
 }
 
 /// Nodes whose temperature nothing determines, each as an error.
@@ -153,7 +153,8 @@ impl<'a> Tried<'a> {
             NodeKind::Boundary { temperature } => Some(tried.value(temperature, &tried.parameters, &tried.inputs, 0.0)),
             NodeKind::Diffusion { .. } | NodeKind::Arithmetic => None,
         });
-        let mut temperatures: Vec<f64> = boundaries.filter(|own| own.is_finite() && *own > 0.0).collect();
+        let mut temperatures: Vec<f64> =
+            boundaries.filter(|temperature_k| temperature_k.is_finite() && *temperature_k > 0.0).collect();
         temperatures.sort_by(f64::total_cmp);
         temperatures.dedup();
         tried.temperatures = match temperatures.as_slice() {
@@ -178,7 +179,9 @@ impl<'a> Tried<'a> {
     /// temperature that fails at one end only need not meet it.
     fn wrong(&self, signed: &Signed, parameters: &[f64], inputs: &[f64], depends: bool) -> Option<(f64, f64)> {
         let temperatures = if depends { self.temperatures.as_slice() } else { &self.temperatures[..1] };
-        let mut tried = temperatures.iter().map(|own| (*own, self.value(signed.law.value, parameters, inputs, *own)));
+        let mut tried = temperatures
+            .iter()
+            .map(|temperature_k| (*temperature_k, self.value(signed.law.value, parameters, inputs, *temperature_k)));
         let first = tried.next().filter(|(_, value)| signed.law.is_broken_by(*value))?;
         tried.all(|(_, value)| signed.law.is_broken_by(value)).then_some(first)
     }
@@ -231,17 +234,20 @@ impl<'a> Tried<'a> {
             *left = left.checked_sub(1)?;
             self.wrong(signed, &self.parameters, inputs, depends)
         };
-        for own in self.environments {
-            if let Some(found) = wrong(&own.inputs) {
-                return Some((format!("in the environment `{}`", own.name), found));
+        for environment in self.environments {
+            if let Some(wrong_value) = wrong(&environment.inputs) {
+                return Some((format!("in the environment `{}`", environment.name), wrong_value));
             }
         }
         for measurement in self.measurements {
             match &measurement.rows {
                 Rows::Steady(phases) => {
                     for phase in phases.iter().filter(|phase| phase.ignored.is_none()) {
-                        if let Some(found) = wrong(&phase.inputs) {
-                            return Some((format!("in the phase `{}` of `{}`", phase.name, measurement.name), found));
+                        if let Some(wrong_value) = wrong(&phase.inputs) {
+                            return Some((
+                                format!("in the phase `{}` of `{}`", phase.name, measurement.name),
+                                wrong_value,
+                            ));
                         }
                     }
                 }
@@ -251,8 +257,8 @@ impl<'a> Tried<'a> {
                         for column in &inputs.columns {
                             row[column.input] = column.values[position];
                         }
-                        if let Some(found) = wrong(&row) {
-                            return Some((format!("at {time_s} s of `{}`", measurement.name), found));
+                        if let Some(wrong_value) = wrong(&row) {
+                            return Some((format!("at {time_s} s of `{}`", measurement.name), wrong_value));
                         }
                     }
                 }

@@ -111,7 +111,8 @@ pub fn constants(scope: &mut Scope, given: &Map<Amount>, base: &[f64]) {
         let value = base[input];
         if beyond(scope, input, value) > 0.0 {
             let amount = &entry.value;
-            let mistaken = amount.unit.as_ref().and_then(|own| Some((own, meant(scope, input, &[value], &own.unit)?)));
+            let mistaken =
+                amount.unit.as_ref().and_then(|written| Some((written, meant(scope, input, &[value], &written.unit)?)));
             let finding = outside(scope, input, value, &amount.place, 0, mistaken);
             tell(scope, finding);
         }
@@ -185,7 +186,7 @@ pub fn unsaid(
     sensors: &[&Sensor],
     spare: &[Header],
 ) {
-    let is_unsaid = |input: &usize| given.iter().any(|(_, own)| !own[*input]);
+    let is_unsaid = |input: &usize| given.iter().any(|(_, given_inputs)| !given_inputs[*input]);
     let mut unsaid: Vec<usize> = (0..scope.resolved.test_sets.len()).filter(is_unsaid).collect();
     if unsaid.is_empty() {
         return;
@@ -196,10 +197,11 @@ pub fn unsaid(
     // Of a misspelt column first.
     let (mut help, mut near_help) = (None, None);
     for input in unsaid {
-        let lacking: Vec<&str> = given.iter().filter(|(_, own)| !own[input]).map(|(phase, _)| phase.as_str()).collect();
+        let lacking: Vec<&str> =
+            given.iter().filter(|(_, given_inputs)| !given_inputs[input]).map(|(phase, _)| phase.as_str()).collect();
         let (name, nominal) = {
-            let own = &scope.resolved.model.inputs[input];
-            (own.name.clone(), own.nominal)
+            let model_input = &scope.resolved.model.inputs[input];
+            (model_input.name.clone(), model_input.nominal)
         };
         let (value, unit) = match &scope.resolved.input_scales[input].unit {
             Some(unit) => (short(unit.from_si(nominal)), unit.text.clone()),

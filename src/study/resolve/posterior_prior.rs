@@ -40,10 +40,10 @@ impl<'a> Upstreams<'a> {
     /// A pass of the study by its file; reported where it cannot be used.
     pub fn pass(&mut self, scope: &mut Scope, file: &str, place: &Place) -> Option<Arc<Pass>> {
         let file = plain_name(file);
-        if let Some(known) = self.passes.iter().find(|pass| pass.file == file) {
-            return Some(Arc::clone(known));
+        if let Some(loaded) = self.passes.iter().find(|pass| pass.file == file) {
+            return Some(Arc::clone(loaded));
         }
-        if let Some(position) = self.chain.iter().position(|own| *own == file) {
+        if let Some(position) = self.chain.iter().position(|chain_file| *chain_file == file) {
             let way = self.chain[position..].join(" -> ");
             let message = if position + 1 == self.chain.len() {
                 format!("`{file}` cannot take its own posterior as a prior")
@@ -90,7 +90,7 @@ impl<'a> Upstreams<'a> {
 
 /// The settings of a calibration of a pass; reported where there is none. `None` within where it waits for data.
 pub fn calibration<'p>(scope: &mut Scope, pass: &'p Pass, job: &str, place: &Place) -> Option<Option<Inference<'p>>> {
-    match pass.jobs.iter().find(|own| own.name == job).map(|own| &own.spec) {
+    match pass.jobs.iter().find(|named_job| named_job.name == job).map(|named_job| &named_job.spec) {
         Some(JobSpec::Resolved(spec)) if spec.kind() == CALIBRATION => Some(spec.inference()),
         Some(other) if other.kind() == CALIBRATION => Some(None),
         Some(other) => {
@@ -99,9 +99,9 @@ pub fn calibration<'p>(scope: &mut Scope, pass: &'p Pass, job: &str, place: &Pla
             None
         }
         None => {
-            let calibrations = pass.jobs.iter().filter(|own| own.spec.kind() == CALIBRATION);
-            let known: Vec<&str> = calibrations.map(|own| own.name.as_str()).collect();
-            scope.unknown(&code::POSTERIOR, &format!("calibration of `{}`", pass.file), job, place, &known);
+            let calibrations = pass.jobs.iter().filter(|named_job| named_job.spec.kind() == CALIBRATION);
+            let job_names: Vec<&str> = calibrations.map(|named_job| named_job.name.as_str()).collect();
+            scope.unknown(&code::POSTERIOR, &format!("calibration of `{}`", pass.file), job, place, &job_names);
             None
         }
     }
@@ -110,16 +110,19 @@ pub fn calibration<'p>(scope: &mut Scope, pass: &'p Pass, job: &str, place: &Pla
 /// The readings behind a calibration: its own, and those behind its priors, each measurement of a calibration once.
 pub fn behind(pass: &Pass, job: &str, spec: Inference<'_>) -> Vec<DataBehind> {
     let calibration = Upstream { file: pass.file.clone(), job: job.to_owned() };
-    let own = spec.data.iter().map(|&index| DataBehind {
+    let fitted_data = spec.data.iter().map(|&index| DataBehind {
         calibration: calibration.clone(),
         measurement: pass.measurements[index].name.clone(),
         rows: Arc::new(used_rows(&pass.measurements[index])),
     });
-    let handed =
-        pass.posterior_priors.iter().filter(|own| own.draws.parameters.iter().any(|p| spec.parameters.contains(p)));
-    let mut known = HashSet::new();
-    own.chain(handed.flat_map(|own| own.behind.clone()))
-        .filter(|own| known.insert((own.calibration.clone(), own.measurement.clone())))
+    let handed = pass
+        .posterior_priors
+        .iter()
+        .filter(|reference| reference.draws.parameters.iter().any(|p| spec.parameters.contains(p)));
+    let mut seen = HashSet::new();
+    fitted_data
+        .chain(handed.flat_map(|reference| reference.behind.clone()))
+        .filter(|data_behind| seen.insert((data_behind.calibration.clone(), data_behind.measurement.clone())))
         .collect()
 }
 
@@ -144,24 +147,24 @@ pub fn of_calibration(pass: &Pass, job: &str, place: &Place, spec: Option<Infere
 
 /// Looks up all draws that stand in for priors; `priors` gets the original priors in their place.
 pub fn resolve(scope: &mut Scope, upstreams: &mut Upstreams, priors: &mut [Distribution]) -> Vec<PosteriorReference> {
-    let mut found: Vec<PosteriorReference> = Vec::new();
+    let mut references: Vec<PosteriorReference> = Vec::new();
     let mut files: Vec<(String, Place, Vec<usize>)> = Vec::new();
     for index in 0..priors.len() {
         match scope.resolved.priors[index].clone() {
             Prior::Distribution(_) => {}
             Prior::Posterior { pass, job, place } => {
-                posterior(scope, upstreams, priors, &mut found, index, (&pass, &job, &place));
+                posterior(scope, upstreams, priors, &mut references, index, (&pass, &job, &place));
             }
-            Prior::Draws { file, place } => match files.iter_mut().find(|(known, ..)| *known == file) {
+            Prior::Draws { file, place } => match files.iter_mut().find(|(listed_file, ..)| *listed_file == file) {
                 Some((_, _, parameters)) => parameters.push(index),
                 None => files.push((file, place, vec![index])),
             },
         }
     }
     for (file, place, parameters) in files {
-        found.extend(from_file(scope, priors, file, place, parameters));
+        references.extend(from_file(scope, priors, file, place, parameters));
     }
-    found
+    references
 }
 
 fn posterior(
@@ -180,30 +183,34 @@ fn posterior(
     let Some(position) = position.filter(inferred) else {
         let message = format!("`{job}` of `{}` did not infer `{name}`", pass.file);
         let all = spec.map(|spec| spec.parameters).unwrap_or_default();
-        let known: Vec<&str> = all.iter().map(|&own| pass.model.parameters[own].name.as_str()).collect();
-        let expected = format!("it inferred {}", suggest::listed(known.iter().copied(), 12));
+        let inferred_names: Vec<&str> =
+            all.iter().map(|&inferred_index| pass.model.parameters[inferred_index].name.as_str()).collect();
+        let expected = format!("it inferred {}", suggest::listed(inferred_names.iter().copied(), 12));
         let help = format!("give `{name}` a distribution, or name a calibration that inferred it");
         scope.diagnostics.push(Diagnostic::error(&code::POSTERIOR, place, message).expected(expected).help(help));
         return;
     };
     let dimension = unit_of(&pass.model.parameters[position].unit).dimension;
-    if scope.resolved.parameter_scales[index].dimension().is_some_and(|own| own != dimension) {
+    if scope.resolved.parameter_scales[index]
+        .dimension()
+        .is_some_and(|declared_dimension| declared_dimension != dimension)
+    {
         let message = format!("`{name}` of `{}` is in {dimension}", pass.file);
         scope.error(&code::POSTERIOR, place, message, "a parameter of the same kind");
         return;
     }
     priors[index] = pass.priors[position];
     let upstream = Upstream { file: pass.file.clone(), job: job.to_owned() };
-    let own = match found.iter().position(|known| known.from.as_ref() == Some(&upstream)) {
-        Some(known) => &mut found[known],
+    let matching = match found.iter().position(|reference| reference.from.as_ref() == Some(&upstream)) {
+        Some(reference_index) => &mut found[reference_index],
         None => {
             found.push(of_calibration(&pass, job, place, spec));
             let last = found.len() - 1;
             &mut found[last]
         }
     };
-    own.draws.parameters.push(index);
-    own.draws.names.push(name);
+    matching.draws.parameters.push(index);
+    matching.draws.names.push(name);
 }
 
 fn from_file(
@@ -260,9 +267,9 @@ fn scale_of(draws: &[f64]) -> Distribution {
         return plain;
     }
     let logarithms: Vec<f64> = draws.iter().map(|draw| ln(*draw)).collect();
-    let own = Moments::of(&logarithms);
+    let moments = Moments::of(&logarithms);
     if skewness(&logarithms).abs() < skewness(draws).abs() {
-        Distribution::LogNormal { median: exp(own.mean()), factor: exp(own.sd()) }
+        Distribution::LogNormal { median: exp(moments.mean()), factor: exp(moments.sd()) }
     } else {
         plain
     }

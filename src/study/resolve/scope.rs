@@ -49,10 +49,10 @@ impl Scope<'_> {
             return Some(self.node_quantity(node));
         }
         let model = &self.resolved.model;
-        let known = (model.quantities.iter().map(|quantity| quantity.name.as_str()))
+        let listed_names = (model.quantities.iter().map(|quantity| quantity.name.as_str()))
             .chain(model.nodes.iter().map(|node| node.name.as_str()));
         let asked = ("quantity or node", name.value.as_str());
-        unknown(self.diagnostics, &code::UNKNOWN_NAME, asked, &name.place, known);
+        unknown(self.diagnostics, &code::UNKNOWN_NAME, asked, &name.place, listed_names);
         None
     }
 
@@ -84,12 +84,12 @@ impl Scope<'_> {
 
     /// Position of an input, reported where there is none.
     pub fn known_input(&mut self, name: &str, place: &Place) -> Option<usize> {
-        let found = self.input(name);
-        if found.is_none() {
-            let known = self.resolved.model.inputs.iter().map(|input| input.name.as_str());
-            unknown(self.diagnostics, &code::UNKNOWN_NAME, ("input", name), place, known);
+        let input_index = self.input(name);
+        if input_index.is_none() {
+            let input_names = self.resolved.model.inputs.iter().map(|input| input.name.as_str());
+            unknown(self.diagnostics, &code::UNKNOWN_NAME, ("input", name), place, input_names);
         }
-        found
+        input_index
     }
 
     /// The inputs' nominal values.
@@ -121,9 +121,9 @@ impl Scope<'_> {
             return Some((Variable::Input(index), self.resolved.input_scales[index].clone()));
         }
         let model = &self.resolved.model;
-        let known = (model.parameters.iter().map(|parameter| parameter.name.as_str()))
+        let listed_names = (model.parameters.iter().map(|parameter| parameter.name.as_str()))
             .chain(model.inputs.iter().map(|input| input.name.as_str()));
-        unknown(self.diagnostics, &code::UNKNOWN_NAME, ("parameter or input", name), place, known);
+        unknown(self.diagnostics, &code::UNKNOWN_NAME, ("parameter or input", name), place, listed_names);
         None
     }
 
@@ -151,7 +151,7 @@ impl Scope<'_> {
                 Some(Uncertain::Known(value))
             }
             UncertainForm::Inferred(form) => {
-                let own = match &form.unit {
+                let written_unit = match &form.unit {
                     Some(WrittenUnit { unit, place }) if unit.dimension != dimension => {
                         report_dimension(unit, place, dimension, self.diagnostics);
                         return None;
@@ -159,7 +159,7 @@ impl Scope<'_> {
                     Some(written) => written.unit.clone(),
                     None => Unit::si(dimension),
                 };
-                match form.prior.resolve(Some(&own), dimension, sense, self.diagnostics)? {
+                match form.prior.resolve(Some(&written_unit), dimension, sense, self.diagnostics)? {
                     Prior::Distribution(distribution) => Some(Uncertain::Inferred(distribution)),
                     Prior::Posterior { place, .. } | Prior::Draws { place, .. } => {
                         let message = "draws cannot be the prior of what is inferred of the data";

@@ -55,12 +55,17 @@ pub struct Offered<'a> {
 
 /// Position of a measurement, `None` within where its data are missing; reported where there is none of the name.
 pub fn measurement(scope: &mut Scope, name: &str, place: &Place, offered: &Offered) -> Option<Option<usize>> {
-    let found = offered.measurements.iter().find(|(known, _)| known == name).map(|(_, position)| *position);
-    if found.is_none() {
-        let known: Vec<&str> = offered.measurements.iter().map(|(known, _)| known.as_str()).collect();
-        scope.unknown(&code::JOB_REFERENCE, "measurement", name, place, &known);
+    let position = offered
+        .measurements
+        .iter()
+        .find(|(measurement_name, _)| measurement_name == name)
+        .map(|(_, position)| *position);
+    if position.is_none() {
+        let measurement_names: Vec<&str> =
+            offered.measurements.iter().map(|(measurement_name, _)| measurement_name.as_str()).collect();
+        scope.unknown(&code::JOB_REFERENCE, "measurement", name, place, &measurement_names);
     }
-    found
+    position
 }
 
 /// The environments of these names; all of the pass where none are named, else the nominal one.
@@ -77,9 +82,10 @@ pub fn environments(scope: &mut Scope, names: Option<&Vec<Spanned<String>>>, off
                 list.push(Environment { name: NOMINAL.to_owned(), inputs: scope.nominal_inputs() });
             }
             None => {
-                let mut known: Vec<&str> = offered.environments.iter().map(|known| known.name.as_str()).collect();
-                known.push(NOMINAL);
-                scope.unknown(&code::JOB_REFERENCE, "environment", &name.value, &name.place, &known);
+                let mut environment_names: Vec<&str> =
+                    offered.environments.iter().map(|environment| environment.name.as_str()).collect();
+                environment_names.push(NOMINAL);
+                scope.unknown(&code::JOB_REFERENCE, "environment", &name.value, &name.place, &environment_names);
             }
         }
     }
@@ -94,8 +100,9 @@ pub fn requirements(scope: &mut Scope, names: Option<&Vec<Spanned<String>>>, off
         match offered.requirements.iter().find(|requirement| requirement.name == name.value) {
             Some(requirement) => list.push(requirement.clone()),
             None => {
-                let known: Vec<&str> = offered.requirements.iter().map(|known| known.name.as_str()).collect();
-                scope.unknown(&code::JOB_REFERENCE, "requirement", &name.value, &name.place, &known);
+                let requirement_names: Vec<&str> =
+                    offered.requirements.iter().map(|requirement| requirement.name.as_str()).collect();
+                scope.unknown(&code::JOB_REFERENCE, "requirement", &name.value, &name.place, &requirement_names);
             }
         }
     }

@@ -335,15 +335,15 @@ fn leave_out(
             }
             None if sensors.get(&entry.name).is_some() => {}
             None => {
-                let known: Vec<&str> = sensors.iter().map(|entry| entry.name.as_str()).collect();
-                unknown_phase(scope, "phase or sensor", &entry.name, &entry.name_place, phases, &known);
+                let sensor_names: Vec<&str> = sensors.iter().map(|entry| entry.name.as_str()).collect();
+                unknown_phase(scope, "phase or sensor", &entry.name, &entry.name_place, phases, &sensor_names);
             }
         }
     }
 }
 
 fn unknown_phase(scope: &mut Scope, what: &str, name: &str, place: &Place, phases: &[Phase], more: &[&str]) {
-    let mut known: Vec<&str> = phases.iter().map(|phase| phase.name.as_str()).collect();
-    known.extend(more);
-    scope.unknown(&code::MEASUREMENT_FORM, what, name, place, &known);
+    let mut listed_names: Vec<&str> = phases.iter().map(|phase| phase.name.as_str()).collect();
+    listed_names.extend(more);
+    scope.unknown(&code::MEASUREMENT_FORM, what, name, place, &listed_names);
 }

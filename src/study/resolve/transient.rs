@@ -129,8 +129,8 @@ fn ignored_rows(scope: &mut Scope, form: &TransientForm, times_s: &[f64]) -> Vec
             }
             NameOr::Name(_) if form.sensors.get(&entry.name).is_some() => {}
             NameOr::Name(_) => {
-                let known: Vec<&str> = form.sensors.iter().map(|sensor| sensor.name.as_str()).collect();
-                scope.unknown(&code::MEASUREMENT_FORM, "sensor", &entry.name, &entry.name_place, &known);
+                let sensor_names: Vec<&str> = form.sensors.iter().map(|sensor| sensor.name.as_str()).collect();
+                scope.unknown(&code::MEASUREMENT_FORM, "sensor", &entry.name, &entry.name_place, &sensor_names);
             }
         }
     }

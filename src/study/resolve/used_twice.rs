@@ -29,7 +29,7 @@ pub(super) fn check(
         let Some(Inference { verb, data, parameters }) = named.and_then(|job| job.spec.inference()) else { continue };
         // A measurement with an error of its own is not among them.
         let data: Vec<&Measurement> = data.iter().filter_map(|&index| measurements.get(index)).collect();
-        let used = |own: &&PosteriorReference| own.draws.parameters.iter().any(|p| parameters.contains(p));
+        let used = |reference: &&PosteriorReference| reference.draws.parameters.iter().any(|p| parameters.contains(p));
         job(scope, entry, verb, &data, posterior_priors.iter().filter(used));
     }
 }
@@ -41,14 +41,14 @@ fn job<'h>(
     data: &[&Measurement],
     posterior_priors: impl Iterator<Item = &'h PosteriorReference>,
 ) {
-    for own in posterior_priors {
-        for behind in &own.behind {
-            let known: BTreeSet<&str> =
+    for posterior_prior in posterior_priors {
+        for behind in &posterior_prior.behind {
+            let reading_hashes: BTreeSet<&str> =
                 behind.rows.iter().flat_map(|row| &row.readings).map(|(_, hash)| hash.as_str()).collect();
             for measurement in data {
                 let twice: Vec<String> = used_rows(measurement)
                     .into_iter()
-                    .filter(|row| row.readings.iter().any(|(_, hash)| known.contains(hash.as_str())))
+                    .filter(|row| row.readings.iter().any(|(_, hash)| reading_hashes.contains(hash.as_str())))
                     .map(|row| row.label)
                     .collect();
                 if twice.is_empty() {
@@ -56,7 +56,7 @@ fn job<'h>(
                 }
                 let steady = matches!(measurement.rows, Rows::Steady(_));
                 let (job, file) = (&behind.calibration.job, &behind.calibration.file);
-                let parameters = suggest::listed(own.draws.names.iter().map(String::as_str), NAMED);
+                let parameters = suggest::listed(posterior_prior.draws.names.iter().map(String::as_str), NAMED);
                 let message = format!(
                     "`{}` {verb} on readings that stand behind its prior: `{job}` of `{file}` was fitted to {} of `{}`",
                     entry.name,
@@ -71,7 +71,7 @@ fn job<'h>(
                 scope.diagnostics.push(
                     Diagnostic::error(&code::DATA_USED_TWICE, &entry.name_place, message)
                         .expected("other rows than those behind the prior")
-                        .related(&own.place, format!("the posterior of {}", own.draws.source))
+                        .related(&posterior_prior.place, format!("the posterior of {}", posterior_prior.draws.source))
                         .help(help),
                 );
             }

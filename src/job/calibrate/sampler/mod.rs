@@ -143,7 +143,7 @@ impl Written for Sampler {
 
     fn schema(schemas: &mut Schemas) -> serde_json::Value {
         schemas.define("SamplerForm", |_| {
-            let all: Vec<_> = Self::ALL.iter().map(|own| (own.name(), own.method().about())).collect();
+            let all: Vec<_> = Self::ALL.iter().map(|sampler| (sampler.name(), sampler.method().about())).collect();
             words("How a posterior is sampled.", &all)
         })
     }

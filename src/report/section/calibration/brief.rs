@@ -27,11 +27,11 @@ impl Brief for Calibration {
     }
 
     fn essentials(output: &Output) -> Vec<(String, String)> {
-        let known = output.order.iter().filter_map(|name| Some((name, output.parameters.get(name)?)));
-        let mut rows: Vec<(String, String)> = known
-            .map(|(name, own)| {
-                let unit = if own.unit == "1" { String::new() } else { format!(" {}", own.unit) };
-                (name.clone(), format!("{}{unit}", number::with_error(own.mean, own.sd)))
+        let summaries = output.order.iter().filter_map(|name| Some((name, output.parameters.get(name)?)));
+        let mut rows: Vec<(String, String)> = summaries
+            .map(|(name, summary)| {
+                let unit = if summary.unit == "1" { String::new() } else { format!(" {}", summary.unit) };
+                (name.clone(), format!("{}{unit}", number::with_error(summary.mean, summary.sd)))
             })
             .collect();
         let evidence = output.log_evidence.value.map_or_else(|| NONE.to_owned(), |value| significant(value, 5));

@@ -23,8 +23,9 @@ pub(super) fn figures(job: &str, output: &Output) -> Vec<Block> {
         blocks.push(Block::Details("Posterior predictions in time".into(), predictions));
     }
     let mut worst: Vec<usize> = (0..output.order.len()).collect();
-    let rhat =
-        |place: &usize| output.parameters.get(&output.order[*place]).and_then(|own| own.rhat).unwrap_or(f64::INFINITY);
+    let rhat = |place: &usize| {
+        output.parameters.get(&output.order[*place]).and_then(|summary| summary.rhat).unwrap_or(f64::INFINITY)
+    };
     worst.sort_by(|a, b| rhat(b).total_cmp(&rhat(a)));
     let chains: Vec<Block> = worst
         .into_iter()
@@ -56,14 +57,14 @@ fn pair_plot(job: &str, output: &Output) -> Option<Figure> {
         .iter()
         .map(|&place| {
             let name = &output.order[place];
-            let own = output.parameters.get(name);
-            let shown = Shown::written(own.map_or("", |own| own.unit.as_str()));
+            let summary = output.parameters.get(name);
+            let shown = Shown::written(summary.map_or("", |summary| summary.unit.as_str()));
             let draws = output.draws.values.iter();
             PairAxis {
                 title: shown.title(name),
                 draws: draws.map(|draw| draw.get(place).map_or(f64::NAN, |value| shown.value(*value))).collect(),
                 // Already in the unknown's unit.
-                marked: own.map(|own| own.map),
+                marked: summary.map(|summary| summary.map),
             }
         })
         .collect();
@@ -172,7 +173,7 @@ fn prediction(job: &str, check: &SensorPredictive) -> Option<Figure> {
 
 /// Kept draws of an unknown by chain: place in the chain and value in the unknown's unit.
 fn by_chain(output: &Output, place: usize) -> Vec<Vec<(f64, f64)>> {
-    let unit = output.parameters.get(&output.order[place]).map_or("", |own| own.unit.as_str());
+    let unit = output.parameters.get(&output.order[place]).map_or("", |summary| summary.unit.as_str());
     let shown = Shown::written(unit);
     let mut chains = vec![Vec::new(); usize::try_from(output.chains[0]).unwrap_or(0).min(64)];
     for (index, values) in output.draws.index.iter().zip(&output.draws.values) {
@@ -186,7 +187,7 @@ fn by_chain(output: &Output, place: usize) -> Vec<Vec<(f64, f64)>> {
 
 fn trace(job: &str, output: &Output, place: usize) -> Figure {
     let name = &output.order[place];
-    let unit = output.parameters.get(name).map_or("", |own| own.unit.as_str());
+    let unit = output.parameters.get(name).map_or("", |summary| summary.unit.as_str());
     let layers = by_chain(output, place).into_iter().enumerate().map(|(chain, points)| Layer::Line {
         points,
         colour: palette::series(chain),

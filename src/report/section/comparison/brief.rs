@@ -40,7 +40,7 @@ impl Brief for Comparison {
             parts.push(format!("{} without a prediction", counted(output.failed.len(), "phase")));
         }
         let mut lines = vec![parts.join("; ")];
-        lines.extend(output.fails.iter().take(MOST_FINDINGS).map(|found| format!("as delivered, {found}")));
+        lines.extend(output.fails.iter().take(MOST_FINDINGS).map(|finding| format!("as delivered, {finding}")));
         if output.fails.len() > MOST_FINDINGS {
             let more = counted(output.fails.len() - MOST_FINDINGS, "more finding");
             lines.push(format!("and {more}"));
@@ -61,11 +61,11 @@ impl Brief for Comparison {
             ];
             for (state, deviations) in states {
                 let Some((train, held_out)) = deviations else { continue };
-                for (readings, own) in [("for fitting", train), ("held out", held_out)] {
-                    if own.count > 0 {
+                for (readings, errors) in [("for fitting", train), ("held out", held_out)] {
+                    if errors.count > 0 {
                         let name =
                             format!("{}, {}: RMSE {state}, readings {readings}", sensor.measurement, sensor.sensor);
-                        rows.push((name, shown.text(own.rmse)));
+                        rows.push((name, shown.text(errors.rmse)));
                     }
                 }
             }

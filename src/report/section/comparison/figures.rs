@@ -23,7 +23,7 @@ fn measurements(output: &Output) -> Vec<&str> {
 fn sensor_names<'a>(output: &'a Output, measurement: &str) -> Vec<(&'a str, &'a str)> {
     let mut out: Vec<(&str, &str)> = Vec::new();
     for row in output.rows.iter().filter(|r| r.measurement == measurement) {
-        if !out.iter().any(|known| known.0 == row.sensor) {
+        if !out.iter().any(|listed_sensor| listed_sensor.0 == row.sensor) {
             out.push((&row.sensor, &row.unit));
         }
     }

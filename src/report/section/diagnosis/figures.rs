@@ -80,8 +80,8 @@ fn heat(job: &str, output: &Output) -> Option<Figure> {
         return None;
     }
     let cell = |row: &String, node: &&str| {
-        let found = output.heat.iter().find(|heat| heat.node == **node && name(heat) == *row);
-        found.filter(|heat| heat.watts.abs() > heat.sd).map(|heat| heat.watts)
+        let node_heat = output.heat.iter().find(|heat| heat.node == **node && name(heat) == *row);
+        node_heat.filter(|heat| heat.watts.abs() > heat.sd).map(|heat| heat.watts)
     };
     let map = HeatMap {
         columns: nodes.iter().map(|node| (*node).to_owned()).collect(),

@@ -46,10 +46,10 @@ fn of_effect(effect: &EffectResult) -> Vec<Vec<Cell>> {
         }
     }
     let row = |node: &&str| {
-        let own: Vec<&EffectHeat> = effect.carries.iter().filter(|one| one.node == *node).collect();
-        let least = own.iter().min_by(|a, b| a.watts.total_cmp(&b.watts))?;
-        let most = own.iter().max_by(|a, b| a.watts.total_cmp(&b.watts))?;
-        let mean = own.iter().map(|one| one.watts).sum::<f64>() / own.len() as f64;
+        let heat_at_node: Vec<&EffectHeat> = effect.carries.iter().filter(|one| one.node == *node).collect();
+        let least = heat_at_node.iter().min_by(|a, b| a.watts.total_cmp(&b.watts))?;
+        let most = heat_at_node.iter().max_by(|a, b| a.watts.total_cmp(&b.watts))?;
+        let mean = heat_at_node.iter().map(|one| one.watts).sum::<f64>() / heat_at_node.len() as f64;
         Some(vec![
             Cell::code(&effect.id),
             Cell::code(*node),

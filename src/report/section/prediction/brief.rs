@@ -17,10 +17,13 @@ impl Brief for Prediction {
         let mut lines = propagation::brief::headline(&output.posterior);
         let design = Shown::written(&output.posterior.design_unit);
         if let Some(name) = &output.posterior.design_variable {
-            for own in &output.prior.reached {
+            for reached in &output.prior.reached {
                 let value =
-                    own.design_value.map_or_else(|| format!("no {name} of the sweep"), |value| design.text(value));
-                lines.push(format!("with the priors, {} in {}: {value} reaches it", own.requirement, own.environment));
+                    reached.design_value.map_or_else(|| format!("no {name} of the sweep"), |value| design.text(value));
+                lines.push(format!(
+                    "with the priors, {} in {}: {value} reaches it",
+                    reached.requirement, reached.environment
+                ));
             }
         }
         if !output.converged {

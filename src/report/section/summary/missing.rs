@@ -113,10 +113,10 @@ fn how_sure(output: &Output, selected: &[&EffectResult]) -> Statement {
                 if each.is_empty() { String::new() } else { format!(" Log Bayes factors: {}.", each.join(", ")) };
             let wrong = p(output.misfit.family_wise_p);
             if output.verdict == Verdict::Ambiguous {
-                let own = chance(model.probability);
+                let set_probability = chance(model.probability);
                 (
                     chance(held(output)),
-                    format!("Probability that it is one of the rivals; of this set {own}.{factor} {wrong}"),
+                    format!("Probability that it is one of the rivals; of this set {set_probability}.{factor} {wrong}"),
                 )
             } else {
                 (chance(model.probability), format!("Probability of this set.{factor} {wrong}"))
@@ -163,7 +163,7 @@ fn error(output: &Output, selected: &[&EffectResult]) -> Option<Statement> {
         None => (train.0, train.1, format!("{with}, RMSE tuned on the readings of the fit; none is held out.")),
     };
     // A calibration infers its noise beside the model as it is, a diagnosis beside what it lacks.
-    let is_settled = output.noise.values().any(|own| own.estimated);
+    let is_settled = output.noise.values().any(|noise| noise.estimated);
     let text = if is_settled { format!("{text} Both with the noise as it was estimated here.") } else { text };
     let speaks_against = output.held_out_test.as_ref().is_some_and(|test: &HeldOutTest| test.veto);
     let text = if speaks_against { format!("{text} The held-out readings speak against it.") } else { text };
@@ -211,19 +211,19 @@ fn what_else(output: &Output, selected: &[&EffectResult]) -> Option<Statement> {
 /// What became of the error since the pass before.
 pub(super) fn of_history(report: &PassReport<'_>) -> Option<Statement> {
     let history = report.history.as_ref()?;
-    let own = history.passes.iter().find(|pass| pass.pass == report.pass_file)?;
-    let before = history.before(own)?;
+    let errors = history.passes.iter().find(|pass| pass.pass == report.pass_file)?;
+    let before = history.before(errors)?;
     let pick = |split: &crate::report::history::Split| split.held_out.or(split.train);
-    let tuned = pick(&before.rmse_k.tuned).zip(pick(&own.rmse_k.tuned)).map(|pair| (pair, "tuned"));
+    let tuned = pick(&before.rmse_k.tuned).zip(pick(&errors.rmse_k.tuned)).map(|pair| (pair, "tuned"));
     let delivered =
-        || pick(&before.rmse_k.delivered).zip(pick(&own.rmse_k.delivered)).map(|pair| (pair, "as delivered"));
+        || pick(&before.rmse_k.delivered).zip(pick(&errors.rmse_k.delivered)).map(|pair| (pair, "as delivered"));
     let ((from, to), state) = tuned.or_else(delivered)?;
-    let of = if own.rmse_k.delivered.held_out.is_some() { "held-out readings" } else { "the readings of the fit" };
+    let of = if errors.rmse_k.delivered.held_out.is_some() { "held-out readings" } else { "the readings of the fit" };
     let mut text = Text::new(format!("RMSE {state} on {of}, against ")).code(&before.pass);
-    if !own.added.is_empty() {
-        text = listed(text.plain("; added: "), &own.added, own.added.len());
+    if !errors.added.is_empty() {
+        text = listed(text.plain("; added: "), &errors.added, errors.added.len());
     }
-    let is_same = before.readings == own.readings;
+    let is_same = before.readings == errors.readings;
     let text = text.plain(if is_same { "." } else { "; the readings are not the same." });
     let value = with_unit(&format!("{} \u{2192} {}", fixed(from, 2), fixed(to, 2)), "K");
     let status = is_same.then_some(if to < from { Status::Ok } else { Status::Fail });

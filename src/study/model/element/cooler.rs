@@ -53,7 +53,7 @@ impl ElementForm for CoolerForm {
     ) -> Option<ElementKind> {
         model.places.note("cooler", &name.value, law::COUPLES, &self.couples.place);
         let scalars = [(law::COUPLE_RESISTANCE, &self.resistance), (law::COUPLE_CONDUCTANCE, &self.conductance)];
-        let leads = self.lead_resistance.as_ref().map(|own| (law::LEADS, own));
+        let leads = self.lead_resistance.as_ref().map(|resistance| (law::LEADS, resistance));
         for (what, scalar) in scalars.into_iter().chain(leads) {
             model.places.note("cooler", &name.value, what, scalar.place());
         }
