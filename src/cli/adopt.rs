@@ -83,7 +83,7 @@ impl Adopt {
         if !next.warnings.is_empty() {
             tell(&next.warnings.render(context.coloured, MOST_DIAGNOSTICS));
         }
-        write(&next.text, &path, self.force && self.out.is_some(), &asked.command()).map_err(refused)?;
+        write(&next.text, &next.files, &path, self.force && self.out.is_some(), &asked.command()).map_err(refused)?;
         print(&described(pass, &path, &next, &diagnosis))?;
         Ok(Status::of(&executed))
     }
@@ -97,6 +97,13 @@ fn described(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, diagnosis: &Ou
         let probability = probability_text(finding.probability);
         let against = if diagnosis.supports(finding) { "" } else { ", against the diagnosis" };
         text.push_str(&format!("  {}: {}, probability {probability}{against}\n", escaped(name), escaped(&finding.id)));
+    }
+    for file in &next.files {
+        text.push_str(&format!(
+            "wrote effects/{}.json: the {} that the diagnosis proposes\n",
+            escaped(&file.name),
+            escaped(&file.law)
+        ));
     }
     let chosen: Vec<_> = next.adopted.iter().map(|(_, finding)| *finding).collect();
     for (id, [before, after]) in chosen.iter().filter_map(|finding| Some((&finding.id, worse(finding)?))) {

@@ -220,15 +220,15 @@ fn archives_and_next_passes_are_not_written_through_links() {
     let pass = fs::read_to_string(study.join("pass-1.json")).unwrap();
     let place = Place::in_text(&Source::new("bmv adopt", ""), Span::default());
     for replaces in [true, false] {
-        let refused = bmv::batch::next_pass::write(&pass, &study.join("pass-2.json"), replaces, &place);
+        let refused = bmv::batch::next_pass::write(&pass, &[], &study.join("pass-2.json"), replaces, &place);
         assert!(refused.is_err());
     }
     assert_eq!(fs::read(&foreign).unwrap(), b"foreign");
     assert_eq!(fs::read_dir(outside.path()).unwrap().count(), 1);
     fs::remove_file(study.join("pass-2.json")).unwrap();
-    bmv::batch::next_pass::write(&pass, &study.join("pass-2.json"), false, &place).unwrap();
-    bmv::batch::next_pass::write(&pass, &study.join("pass-2.json"), true, &place).unwrap();
-    assert!(bmv::batch::next_pass::write(&pass, &study.join("pass-2.json"), false, &place).is_err());
+    bmv::batch::next_pass::write(&pass, &[], &study.join("pass-2.json"), false, &place).unwrap();
+    bmv::batch::next_pass::write(&pass, &[], &study.join("pass-2.json"), true, &place).unwrap();
+    assert!(bmv::batch::next_pass::write(&pass, &[], &study.join("pass-2.json"), false, &place).is_err());
 }
 
 #[cfg(unix)]

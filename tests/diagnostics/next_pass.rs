@@ -423,14 +423,15 @@ fn a_next_pass_lies_beside_its_parent_and_replaces_nothing_unasked() {
     let found = findings("identified", vec![harness(None)], &["conductive-path:box:detector"]);
     let text = adopt(&study, &found, &[], false).expect("adopted").text;
     let (second, third) = (study.path("pass-2.json"), study.path("pass-3.json"));
-    assert!(write(&text, &second, false, &asked.command()).is_err());
+    assert!(write(&text, &[], &second, false, &asked.command()).is_err());
     assert_eq!(std::fs::read_to_string(&second).expect("readable"), "mine");
     assert!(
-        write(&text, &second, true, &asked.command()).is_ok() && write(&text, &third, false, &asked.command()).is_ok()
+        write(&text, &[], &second, true, &asked.command()).is_ok()
+            && write(&text, &[], &third, false, &asked.command()).is_ok()
     );
     // What does not load is not written.
     let broken = text.replace("conductive-path\": {", "conductive-pat\": {");
-    let wrong = write(&broken, &study.path("pass-5.json"), false, &asked.command()).expect_err("unknown");
+    let wrong = write(&broken, &[], &study.path("pass-5.json"), false, &asked.command()).expect_err("unknown");
     assert!(wrong.render(false, 9).contains("unknown effect `conductive-pat`"));
     let mut files: Vec<_> =
         std::fs::read_dir(study.path("")).expect("readable").flatten().map(|file| file.file_name()).collect();

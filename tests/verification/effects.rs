@@ -18,7 +18,8 @@ pub fn model() -> Model {
     let power = b.input("Q", 6.0);
     let pressure = b.input("p", 2.0);
     let current = b.input("i", 0.8);
-    for (input, unit) in ["K", "K", "W", "Pa", "A"].into_iter().enumerate() {
+    b.input("angle", 0.7);
+    for (input, unit) in ["K", "K", "W", "Pa", "A", "deg"].into_iter().enumerate() {
         b.model.inputs[input].unit = unit.into();
         b.model.inputs[input].range = Some([0.5 * b.model.inputs[input].nominal, 1.5 * b.model.inputs[input].nominal]);
     }
@@ -66,7 +67,9 @@ pub fn model() -> Model {
     let element = b.model.elements.iter().position(|element| element.name == "bolts").expect("there");
     let through = b.model.elements[element].clone().contribution(b.graph(), &mut Vec::new(), false).through;
     b.quantity("leak", through.expect("a conductor"));
-    b.model.date_input();
+    let date = b.model.date_input();
+    // Three days.
+    b.model.inputs[date].range = Some([0.0, 259_200.0]);
     b.model
 }
 
@@ -258,7 +261,7 @@ fn pairs_exchange_heat_and_make_none() {
 
 fn evaluate(graph: &Graph, id: bmv::expression::ExprId, parameters: &[f64]) -> f64 {
     // The last is the date at which what is dated sets in: half of it is there.
-    let inputs = [290.0, 120.0, 6.0, 2.0, 0.8, 1e9];
+    let inputs = [290.0, 120.0, 6.0, 2.0, 0.8, 0.7, 129_600.0];
     graph.evaluate(id, &|symbol| match symbol {
         Symbol::Parameter(index) => parameters[index as usize],
         Symbol::Input(index) => inputs[index as usize],
@@ -291,6 +294,9 @@ fn heats_follow_their_equations() {
         ("product-load:box:Q*i", 0.5 / (9.0 * 1.2) * 6.0 * 0.8),
         ("input-function-load:box:Q", 0.5),
         ("product-function-load:box:Q*i", 0.5 / 9.0 * 6.0),
+        ("periodic-load:box:angle", 0.5 * (bmv::math::functions::cos(0.7) + bmv::math::functions::sin(0.7))),
+        // A day and a half after the start.
+        ("daily-load:box", -0.5),
         ("dated-load:box", 0.5 * 0.5),
         // Far below its threshold of 300 K.
         ("missing-heater:box:box", 1.0),

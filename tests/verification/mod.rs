@@ -19,6 +19,7 @@ mod monitor_calibration;
 mod monitor_campaign;
 pub mod network8_data;
 mod orbit;
+mod periodic_diagnosis;
 mod prior_edge;
 pub mod radiator;
 mod radiator_campaign;

@@ -169,6 +169,24 @@ pub struct EffectResult {
     /// sign errors and wrong units.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub hints: Vec<String>,
+    /// Its file, where it is a law that describes the curve of another effect of its group within its error: to be adopted in
+    /// the curve's stead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<EffectFile>,
+}
+
+/// An effect that a diagnosis proposes to a study.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct EffectFile {
+    /// Its name: `effects/NAME.json` of the study.
+    pub name: String,
+    /// Its law in a word or two.
+    pub law: String,
+    /// The file's text.
+    pub text: String,
+    /// Ids of small effects of the selected set that are not needed beside it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub needless: Vec<String>,
 }
 
 fn one() -> f64 {

@@ -226,14 +226,18 @@ impl EffectInputForm {
         if let Bound::Input(input) = bound
             && (self.date || model.date == Some(input))
         {
-            return self.date && model.date == Some(input);
+            let [first, last] = bound.range(model);
+            return self.date && model.date == Some(input) && self.least_span.is_none_or(|span| last - first >= span);
         }
         let (allowed, dimension) = match bound {
             Bound::Node(_) => (self.temperature && !self.date, None),
             Bound::Input(_) => (self.input, Some(bound.dimension(model))),
         };
         let fits = match (&self.unit, dimension) {
-            (Some(units), Some(own)) => units.0.iter().any(|unit| Some(unit.unit.dimension) == own),
+            (Some(units), Some(own)) => units
+                .0
+                .iter()
+                .any(|unit| Some(unit.unit.dimension) == own && (!unit.unit.is_angle() || bound.is_angle(model))),
             _ => true,
         };
         allowed && fits

@@ -22,6 +22,8 @@ const EMBEDDED: &[(&str, &str)] = &[
     ("product-load", include_str!("catalogue/product-load.json")),
     ("input-function-load", include_str!("catalogue/input-function-load.json")),
     ("product-function-load", include_str!("catalogue/product-function-load.json")),
+    ("periodic-load", include_str!("catalogue/periodic-load.json")),
+    ("daily-load", include_str!("catalogue/daily-load.json")),
     ("dated-load", include_str!("catalogue/dated-load.json")),
     ("evaporation", include_str!("catalogue/evaporation.json")),
     ("dissipation-temperature", include_str!("catalogue/dissipation-temperature.json")),

@@ -119,6 +119,8 @@ written_struct! {
         default(true) input: bool,
         /// Whether it says when: the number of a steady phase from 1 on, or what to add to `t` in a transient. It is bound by itself.
         default(false) date: bool,
+        /// Of a date: the effect is tried where the measured time spans at least this many seconds.
+        optional least_span: f64,
         /// What it is.
         optional description: String,
     }

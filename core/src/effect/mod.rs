@@ -6,6 +6,7 @@ pub mod candidate;
 pub mod catalogue;
 mod checked;
 pub mod form;
+pub mod law;
 pub mod parameter;
 pub mod place;
 

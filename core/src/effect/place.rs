@@ -168,6 +168,14 @@ impl Bound {
         }
     }
 
+    /// Whether it is an input whose unit is one of angles.
+    pub fn is_angle(self, model: &Model) -> bool {
+        match self {
+            Self::Node(_) => false,
+            Self::Input(index) => Unit::parse(&model.inputs[index].unit).is_ok_and(|unit| unit.is_angle()),
+        }
+    }
+
     /// Its largest magnitude in its range, SI; 1 where that is 0.
     pub fn largest(self, model: &Model) -> f64 {
         let [lower, upper] = self.range(model);

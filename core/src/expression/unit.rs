@@ -145,6 +145,11 @@ impl Unit {
         found
     }
 
+    /// Whether it is a plain angle. Angles have no dimension, so that the text alone tells one from a share or a count.
+    pub fn is_angle(&self) -> bool {
+        self.dimension.is_none() && (self.text == "deg" || self.text.ends_with("rad"))
+    }
+
     /// Whether it is an absolute scale with a zero of its own (degC).
     pub fn has_offset(&self) -> bool {
         self.offset != 0.0

@@ -4,6 +4,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::diagnosis::PRIOR_OF;
+use crate::diagnosis::output::EffectFile;
 use crate::document::{Diagnostic, Diagnostics, Place, code};
 use crate::job::load;
 use crate::study::Pass;
@@ -66,11 +67,40 @@ pub fn twin(pass: &Pass, ids: &[&str]) -> Option<PathBuf> {
     passes(&pass.folder).into_iter().find(|path| load(path).is_ok_and(|other| is_twin(&other)))
 }
 
-/// Writes the text of a pass, after it has been loaded from a file beside and found right.
+/// Writes the effects that a pass needs into the study, and the text of the pass, after it has been loaded from a file
+/// beside and found right. Where it is not, the effects are removed again.
 ///
 /// # Errors
 /// What is wrong with it; a file that is there, unless `replace`; a refusal of the system.
-pub fn write(text: &str, path: &Path, replace: bool, place: &Place) -> Result<(), Diagnostics> {
+pub fn write(
+    text: &str,
+    effects: &[&EffectFile],
+    path: &Path,
+    replace: bool,
+    place: &Place,
+) -> Result<(), Diagnostics> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut files = Vec::new();
+    let mut write_effects = || -> Result<(), Diagnostics> {
+        for effect in effects {
+            let name = Path::new("effects").join(format!("{}.json", effect.name));
+            file::write(folder, &name, effect.text.as_bytes(), Existing::Keep).map_err(|error| {
+                let message = format!("`{}` cannot be written: {error}", folder.join(&name).display());
+                one(Diagnostic::error(&code::ADOPT_FILE, place, message))
+            })?;
+            files.push(folder.join(&name));
+        }
+        Ok(())
+    };
+    let written = write_effects().and_then(|()| write_pass(text, path, replace, place));
+    if written.is_err() {
+        // What cannot be removed is an effect that no pass uses.
+        files.iter().for_each(|file| drop(std::fs::remove_file(file)));
+    }
+    written
+}
+
+fn write_pass(text: &str, path: &Path, replace: bool, place: &Place) -> Result<(), Diagnostics> {
     let refused = |error: std::io::Error| {
         let shown = path.display();
         let diagnostic = if error.kind() == std::io::ErrorKind::AlreadyExists {

@@ -16,7 +16,7 @@ pub use file::{destination, twin, write};
 
 use std::path::Path;
 
-use crate::diagnosis::output::EffectResult;
+use crate::diagnosis::output::{EffectFile, EffectResult};
 use crate::diagnosis::{Output, PRIOR_OF};
 use crate::document::json::Node;
 use crate::document::written::read_document;
@@ -46,6 +46,8 @@ pub struct NextPass<'f> {
     pub added: Vec<(String, &'static str)>,
     /// What must be said of what is adopted: that the data do not settle it.
     pub warnings: Diagnostics,
+    /// Effects that the study gets with it, since the diagnosis proposes them.
+    pub files: Vec<&'f EffectFile>,
 }
 
 /// The pass that adopts what was asked for, or what the diagnosis selected. `job` is the diagnosis's name in the pass;
@@ -62,8 +64,21 @@ pub fn next_pass<'f>(
     file: &Path,
 ) -> Result<NextPass<'f>, Diagnostics> {
     let Chosen { effects: chosen, warnings } = choose::choose(diagnosis, asked, job, forced, &pass.model)?;
-    let catalogue = effects(Some(&pass.folder))?;
+    let mut catalogue = effects(Some(&pass.folder))?;
     let mut diagnostics = Diagnostics::new();
+    let proposed = chosen.iter().filter_map(|finding| finding.file.as_ref());
+    let files: Vec<&EffectFile> = proposed.filter(|file| !has_it(&catalogue, file)).collect();
+    for file in &files {
+        if catalogue.get(&file.name).is_some() {
+            let message = format!("there is another effect `{}` than the one that the diagnosis proposes", file.name);
+            let diagnostic = Diagnostic::error(&code::ADOPT_FILE, &asked.command(), message);
+            diagnostics.push(diagnostic.expected(format!("no effects/{}.json in the study, or the same", file.name)));
+        }
+        catalogue.read(&file.name, &format!("effects/{}.json", file.name), file.text.as_bytes(), &mut diagnostics);
+    }
+    if diagnostics.has_errors() {
+        return Err(diagnostics);
+    }
     let Some(tree) = tree(pass, asked, &mut diagnostics) else { return Err(diagnostics) };
     let mut adopted: Vec<Adoption<'f>> = Vec::new();
     for finding in chosen {
@@ -105,7 +120,13 @@ pub fn next_pass<'f>(
     sections.push(("jobs".to_owned(), Item::Object(jobs)));
     let document = Item::Object(sections);
     let adopted = adopted.into_iter().map(|one| (one.name, one.finding)).collect();
-    Ok(NextPass { text: document.document(), adopted, extended, added, warnings })
+    Ok(NextPass { text: document.document(), adopted, extended, added, warnings, files })
+}
+
+/// Whether a study has a proposed effect already.
+fn has_it(catalogue: &Catalogue, file: &EffectFile) -> bool {
+    let json: Option<serde_json::Value> = serde_json::from_str(&file.text).ok();
+    catalogue.get(&file.name).is_some_and(|effect| Some(&effect.json) == json.as_ref())
 }
 
 /// An effect, or a wider prior, with its entry.

@@ -25,7 +25,7 @@ pub const MOST_RIVALS: usize = 5;
 pub const LEAST_RIVAL: f64 = 0.01;
 
 /// Log odds by which an unknown function stands behind an effect that has a name.
-const UNKNOWN_FUNCTION: f64 = 3.0;
+pub(crate) const CURVE_COST: f64 = 3.0;
 /// Log odds by which an effect stands behind others where its physics is out of place: a twentieth, not nothing, as the
 /// model may say too little of where it is.
 const OUT_OF_PLACE: f64 = 3.0;
@@ -50,7 +50,7 @@ impl Odds {
         }
         let odds = |effect: &str, count: usize| {
             let unknown = problem.catalogue.get(effect).is_some_and(Effect::is_unknown_function);
-            let behind = if unknown { UNKNOWN_FUNCTION } else { 0.0 };
+            let behind = if unknown { CURVE_COST } else { 0.0 };
             let missing = problem.missing_probability.get(effect).copied().unwrap_or(MISSING);
             ln(missing / (1.0 - missing)) - ln(count.max(1) as f64) - behind
         };

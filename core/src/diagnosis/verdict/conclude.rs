@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use crate::diagnosis::engine::{Diagnosis, Remainder, SensorNoise, State, TIMES_THE_STEPS};
 use crate::diagnosis::fits::held_out;
-use crate::diagnosis::fits::refit::Begin;
+use crate::diagnosis::fits::refit::{Amplitude, Begin};
 use crate::diagnosis::heat;
 use crate::diagnosis::heat::effect_heat_flow::effect_heat_flow;
 use crate::diagnosis::noise::overstated;
@@ -15,8 +15,8 @@ use crate::diagnosis::odds::posterior_odds::{
 };
 use crate::diagnosis::odds::prior_of::{SEPARATE, TITLE, is_prior};
 use crate::diagnosis::output::{
-    Amount, Detectable, EffectResult, Misfit, ModelResult, NoiseResult, Output, Rmse, RmseChange, StoryStep, Test,
-    Unseen, Verdict,
+    Amount, Detectable, EffectHeat, EffectResult, Misfit, ModelResult, NoiseResult, Output, Rmse, RmseChange,
+    StoryStep, Test, Unseen, Verdict,
 };
 use crate::diagnosis::problem::{FittedReading, is_idle};
 use crate::diagnosis::story::{Step, Story};
@@ -29,6 +29,27 @@ use crate::document::counted;
 use crate::math::functions::{ln, pow};
 use crate::math::special::{chi_square_sf, normal_quantile};
 use crate::measurement::{Doubt, Rows};
+
+/// Parameters of an effect as a result states them.
+pub(super) fn amounts(amplitudes: &[Amplitude]) -> BTreeMap<String, Amount> {
+    let one = |amplitude: &Amplitude| {
+        let at_bound = amplitude.at_bound;
+        let (value, sd) = if at_bound { (amplitude.mode, 0.0) } else { (amplitude.mean, amplitude.sd) };
+        let amount = Amount { value, sd, most_probable: amplitude.mode, unit: amplitude.unit.clone(), at_bound };
+        (amplitude.name.clone(), amount)
+    };
+    amplitudes.iter().map(one).collect()
+}
+
+/// The smallest and the largest heat into the node to which an effect gives most, W.
+pub(super) fn watts(carries: &[EffectHeat]) -> Option<[f64; 2]> {
+    let node = &carries.first()?.node;
+    let into = carries.iter().filter(|one| one.node == *node).map(|one| one.watts);
+    into.fold(None, |range: Option<[f64; 2]>, watts| {
+        let [least, most] = range.unwrap_or([watts; 2]);
+        Some([least.min(watts), most.max(watts)])
+    })
+}
 
 /// Sets and effects that are written out.
 const MOST_WRITTEN: usize = 60;
@@ -371,7 +392,15 @@ impl Diagnosis {
             step(a.2).cmp(&step(b.2)).then(b.0.total_cmp(&a.0)).then(b.1.total_cmp(&a.1)).then(a.2.cmp(&b.2))
         });
         let most = ranked.into_iter().take(MOST_WRITTEN);
-        most.map(|(probability, _, effect)| self.effect(findings, effect, probability)).collect()
+        let mut results: Vec<EffectResult> =
+            most.map(|(probability, _, effect)| self.effect(findings, effect, probability)).collect();
+        for law in self.laws(findings, &results) {
+            let is_curve =
+                |result: &EffectResult| law.confused_with.contains(&result.effect) && result.group == law.group;
+            let curve = results.iter().position(is_curve).map_or(results.len(), |position| position + 1);
+            results.insert(curve, law);
+        }
+        results
     }
 
     fn effect(&self, findings: &Findings<'_>, effect: usize, probability: f64) -> EffectResult {
@@ -390,31 +419,16 @@ impl Diagnosis {
         let before =
             before.or_else(|| state.refits.iter().find(|other| other.effects == rest)).unwrap_or(&state.refits[0]);
         let position = refit.effects.iter().position(|&other| other == effect);
-        let amplitudes: BTreeMap<String, Amount> = position
-            .map(|position| {
-                let list = refit.amplitudes[position].iter();
-                list.map(|a| {
-                    let (value, sd) = if a.at_bound { (a.mode, 0.0) } else { (a.mean, a.sd) };
-                    let (unit, at_bound) = (a.unit.clone(), a.at_bound);
-                    let amount = Amount { value, sd, most_probable: a.mode, unit, at_bound };
-                    (a.name.clone(), amount)
-                })
-                .collect()
-            })
-            .unwrap_or_default();
+        let amplitudes = position.map(|position| amounts(&refit.amplitudes[position])).unwrap_or_default();
         let group = findings.groups.iter().position(|group| group.contains(&effect)).map(|group| group as u64 + 1);
         let scales = group.and_then(|_| self.at_scales(findings, refit, before));
         let is_stated = probability >= LEAST_STATED || group.is_some();
         let carries = if is_stated { effect_heat_flow(problem, refit, effect) } else { Vec::new() };
-        let first = carries.first().map(|first| first.node.clone());
-        let most = carries.iter().filter(|one| Some(&one.node) == first.as_ref()).map(|one| one.watts);
-        let watts = most.fold(None, |range: Option<[f64; 2]>, watts| {
-            let [least, most] = range.unwrap_or([watts; 2]);
-            Some([least.min(watts), most.max(watts)])
-        });
+        let watts = watts(&carries);
         let hints = if is_stated { hints(problem, refit, effect) } else { Vec::new() };
         EffectResult {
             hints,
+            file: None,
             id: candidate.id.clone(),
             effect: candidate.effect.clone(),
             title: file.map_or_else(|| TITLE.to_owned(), |file| file.form.title.clone()),

@@ -1,13 +1,14 @@
 //! From fits to the verdict and its sentences.
 //!
 //! `conclude`: the verdict. `discriminating_experiment`: the test that would part rivals. `few_readings`, `hints`, `trend`, `still`
-//! (channels that stand still while the model moves): what to check first. `nearly_as_good`: rivals within the model error.
+//! (channels that stand still while the model moves): what to check first. `laws`: laws that describe a curve. `nearly_as_good`: rivals within the model error.
 //! `small_effects`: what errors of the model may be. `words`: the sentences.
 
 pub(crate) mod conclude;
 pub(crate) mod discriminating_experiment;
 pub(crate) mod few_readings;
 pub(crate) mod hints;
+mod laws;
 mod nearly_as_good;
 mod small_effects;
 pub(crate) mod still;

@@ -7,6 +7,7 @@ use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::verdict::conclude::Findings;
 use crate::diagnosis::{PRIOR_OF, Problem};
 use crate::document::{counted, p_stated, percent};
+use crate::effect::Effect;
 use crate::expression::Unit;
 use crate::measurement::{Measurement, Rows};
 
@@ -215,6 +216,46 @@ fn ends(step: &StoryStep) -> Option<String> {
     ))
 }
 
+/// What law the curve of an unknown function follows.
+fn law(output: &Output, effect: &EffectResult, problem: &Problem) -> Option<String> {
+    let is_curve = problem.catalogue.get(&effect.effect).is_some_and(Effect::is_unknown_function);
+    if !is_curve {
+        return None;
+    }
+    let is_law = |other: &&EffectResult| other.file.is_some() && other.group == effect.group;
+    let Some((law, file)) = output.effects.iter().find(is_law).and_then(|law| Some((law, law.file.as_ref()?))) else {
+        return Some(format!(
+            "No simple law describes the curve of {} within its error: straight line, square, fourth power, exponential, saturation, step and first harmonic were fitted in its place as far as they fit its input.",
+            effect.id
+        ));
+    };
+    let sizes = law.amplitudes.iter().map(|(name, amount)| {
+        let unit = if amount.unit == "1" { String::new() } else { format!(" {}", amount.unit) };
+        format!("{name} {}{unit}", with_error(amount.value, amount.sd))
+    });
+    let form: Option<serde_json::Value> = serde_json::from_str(&file.text).ok();
+    let equation =
+        form.as_ref().and_then(|form| form["equation"].as_str()).map_or_else(String::new, |q| format!(", {q}"));
+    let needless = match file.needless.as_slice() {
+        [] => String::new(),
+        ids => format!(
+            " With it {} {} not needed: the straight pieces of the curve may be all that {} for.",
+            joined(ids),
+            if ids.len() == 1 { "is" } else { "are" },
+            if ids.len() == 1 { "it stands" } else { "they stand" }
+        ),
+    };
+    Some(format!(
+        "A law describes the curve of {} within its error: {}{equation}, with {} (log Bayes factor {:.1} over the curve). `bmv adopt PASS {}` writes it as effects/{}.json and adopts it.{needless}",
+        effect.id,
+        file.law,
+        joined(&sizes.collect::<Vec<_>>()),
+        law.log_bayes_factor - effect.log_bayes_factor,
+        law.id,
+        file.name
+    ))
+}
+
 /// How large the model error is that is allowed for.
 fn model_error(output: &Output) -> Option<String> {
     let sizes = output.noise.values().filter(|own| own.unit == "K");
@@ -354,6 +395,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             }
             words.extend(output.steps.last().and_then(ends));
             for effect in &selected {
+                words.extend(law(output, effect, findings.problem));
                 words.extend(effect.hints.iter().map(|hint| format!("{}: {}", effect.id, lower(hint))));
             }
         }
