@@ -9,6 +9,7 @@ mod effects;
 mod elements;
 mod first_suspects;
 mod flux;
+mod gaps;
 mod goal;
 mod held;
 mod hidden_effect;

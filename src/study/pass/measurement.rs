@@ -59,6 +59,8 @@ written_struct! {
         required file: Spanned<String>,
         /// How it begins.
         required initial: InitialForm,
+        /// Longest time between two rows. Where they lie farther apart, the transient begins anew.
+        optional max_gap: Spanned<Amount>,
         /// Inputs that are constant from each row to the next; the others are linear between rows.
         default(Vec::new()) hold: Vec<Spanned<String>>,
         /// Constant values of inputs without a column; the others keep their nominal value, with a warning.

@@ -17,6 +17,7 @@ use crate::thermal::Input;
 
 use super::adopt_parameter::parameters;
 use super::adopt_place::{Placed, bound, place};
+use super::parts::belongs_to;
 use super::scope::Scope;
 
 /// Folder of a study's own effects.
@@ -204,7 +205,7 @@ impl Adoption {
                 entry.value.effect.iter().next().and_then(|usage| Some((catalogue.get(&usage.name)?, usage)));
             let Some((effect, usage)) = used_effect.filter(|(effect, _)| of_sensors(effect)) else { continue };
             let has = |name: &str| match &entry.value.applies_to {
-                Some(names) => names.iter().any(|wanted| wanted.value == name),
+                Some(names) => names.iter().any(|wanted| belongs_to(name, &wanted.value)),
                 None => true,
             };
             let sensors = sensor_places(measurements.iter().filter(|measurement| has(&measurement.name)));
@@ -229,7 +230,8 @@ impl Adoption {
     /// Sets the inputs that say where effects are there.
     pub fn switch_on(&self, measurements: &mut [Measurement], environments: &mut [Environment]) {
         for (input, names) in &self.switches {
-            for measurement in measurements.iter_mut().filter(|measurement| names.contains(&measurement.name)) {
+            let has = |measurement: &&mut Measurement| names.iter().any(|name| belongs_to(&measurement.name, name));
+            for measurement in measurements.iter_mut().filter(has) {
                 match &mut measurement.rows {
                     Rows::Steady(phases) => phases.iter_mut().for_each(|phase| phase.inputs[*input] = 1.0),
                     Rows::Transient { inputs, .. } => inputs.base[*input] = 1.0,

@@ -4,6 +4,7 @@ use crate::document::{Diagnostic, Spanned, code};
 use crate::random::Distribution;
 use crate::study::job::Entry;
 
+use super::parts::belongs_to;
 use super::scope::{Scope, unknown};
 use super::settings::{Offered, measurement, push_new};
 
@@ -61,8 +62,9 @@ pub fn data(
     match written {
         Some(names) => {
             for name in names {
-                if let Some(position) = measurement(scope, &name.value, &name.place, offered) {
-                    add(&name.value, position);
+                if measurement(scope, &name.value, &name.place, offered).is_some() {
+                    let parts = offered.measurements.iter().filter(|(part, _)| belongs_to(part, &name.value));
+                    parts.for_each(|(part, position)| add(part, *position));
                 }
             }
         }

@@ -33,7 +33,7 @@ pub(super) fn doubts(scope: &mut Scope, measurement: &mut Measurement, place: &P
         measurement.name,
         named.join(", ")
     );
-    let help = "make a measurement of each part, with \"initial\": {\"measured\": {}}; or ignore the rows after the gap that still show it, with the reason";
+    let help = "state \"max_gap\", with \"initial\": {\"measured\": {}}: each part then begins anew; or ignore the rows after the gap that still show it, with the reason";
     let doubt = Diagnostic::warning(&code::GAP, place, message).help(help);
     measurement.doubts.push(Doubt::from(&doubt));
     scope.doubts.push(doubt);

@@ -57,6 +57,11 @@ pub struct FirstRows<'a> {
 }
 
 impl FirstRows<'_> {
+    /// Whether no row is left.
+    pub fn are_all_ignored(&self) -> bool {
+        self.ignored.iter().all(Option::is_some)
+    }
+
     /// Instants and readings of a sensor in the rows that are not left out.
     fn of(&self, sensor: usize, sensors: usize) -> impl Iterator<Item = (usize, f64, f64)> {
         (self.times_s.iter().enumerate())

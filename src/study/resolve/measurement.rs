@@ -14,8 +14,8 @@ use super::scope::Scope;
 
 /// What became of a measurement.
 pub enum Outcome {
-    /// It is there.
-    Ready(Box<Measurement>),
+    /// It is there: a transient with `max_gap` in parts, everything else as one.
+    Ready(Vec<Measurement>),
     /// Its pinned data are not there.
     Missing,
     /// It has errors.
@@ -37,7 +37,9 @@ pub fn measurement(
     if scope.diagnostics.errors() > before {
         return Outcome::Wrong;
     }
-    if let Outcome::Ready(measurement) = &mut outcome {
+    if let Outcome::Ready(measurements) = &mut outcome
+        && let Some(measurement) = measurements.first_mut()
+    {
         measurement.doubts = scope.doubts[doubts..].iter().map(Doubt::from).collect();
     }
     outcome

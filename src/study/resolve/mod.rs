@@ -13,6 +13,7 @@ mod influence;
 mod initial;
 pub mod measurement;
 mod noise;
+mod parts;
 mod physical;
 mod plausible;
 pub mod posterior_prior;
@@ -244,19 +245,20 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     let (mut measurements, mut positions) = (Vec::new(), Vec::new());
     let (mut pinned, mut missing, mut ignored_sensors) = (Vec::new(), Vec::new(), Vec::new());
     for entry in &form.measurements {
-        let position = match measurement::measurement(&mut scope, entry, &mut pinned, &mut ignored_sensors) {
-            Outcome::Ready(measurement) => {
-                measurements.push(*measurement);
-                Some(measurements.len() - 1)
+        match measurement::measurement(&mut scope, entry, &mut pinned, &mut ignored_sensors) {
+            Outcome::Ready(parts) => {
+                for part in parts {
+                    positions.push((part.name.clone(), Some(measurements.len())));
+                    measurements.push(part);
+                }
             }
             Outcome::Missing => {
                 missing.extend(pinned.last().cloned());
-                None
+                positions.push((entry.name.clone(), None));
             }
             // An error stands for it: nothing has this position.
-            Outcome::Wrong => Some(usize::MAX),
-        };
-        positions.push((entry.name.clone(), position));
+            Outcome::Wrong => positions.push((entry.name.clone(), Some(usize::MAX))),
+        }
     }
     adoption.adopt_at_sensors(&mut scope, form, &catalogue, &mut measurements);
     adoption.switch_on(&mut measurements, &mut environments);

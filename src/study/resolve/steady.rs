@@ -38,14 +38,15 @@ pub fn steady(
             Outcome::Wrong
         }
     };
-    let Outcome::Ready(mut measurement) = outcome else { return outcome };
-    if !has_content(scope, &measurement, form.file.as_ref().map_or(&entry.name_place, |file| &file.place)) {
+    let Outcome::Ready(mut measurements) = outcome else { return outcome };
+    let Some(measurement) = measurements.first_mut() else { return Outcome::Wrong };
+    if !has_content(scope, measurement, form.file.as_ref().map_or(&entry.name_place, |file| &file.place)) {
         return Outcome::Wrong;
     }
     if let Rows::Steady(phases) = &mut measurement.rows {
         mark(scope, form, phases);
     }
-    Outcome::Ready(measurement)
+    Outcome::Ready(measurements)
 }
 
 /// Marks the phases that are held out or left out; names of others are reported.
@@ -102,7 +103,7 @@ fn table(
     for ((_, sensor), read) in list.iter_mut().zip(&parts.sensors) {
         sensor.unit.clone_from(&read.origin.unit.unit.text);
     }
-    Outcome::Ready(Box::new(Measurement {
+    Outcome::Ready(vec![Measurement {
         name: entry.name.clone(),
         rows: Rows::Steady(phases),
         sensors: list.iter().map(|(_, sensor)| sensor.clone()).collect(),
@@ -111,7 +112,7 @@ fn table(
         sha256: data.sha256,
         unused_columns: columns.unused,
         doubts: Vec::new(),
-    }))
+    }])
 }
 
 /// A time series that windows are cut from.
@@ -279,7 +280,7 @@ fn from_windows(
             sha256_hex(hashes.join("\n").as_bytes())
         }
     };
-    Outcome::Ready(Box::new(Measurement {
+    Outcome::Ready(vec![Measurement {
         name: entry.name.clone(),
         rows: Rows::Steady(phases),
         sensors: list.iter().map(|(_, sensor)| sensor.clone()).collect(),
@@ -288,7 +289,7 @@ fn from_windows(
         sha256,
         unused_columns,
         doubts: Vec::new(),
-    }))
+    }])
 }
 
 fn hold_out(scope: &mut Scope, form: Option<&HeldOutForm>, phases: &mut [Phase]) {

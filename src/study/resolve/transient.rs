@@ -1,7 +1,8 @@
 //! Transient measurements.
 
-use crate::document::{MapEntry, NameOr, code};
-use crate::measurement::{InputColumn, InputTable, Measurement, Rows, Sensor};
+use crate::document::{MapEntry, NameOr, Sense, code};
+use crate::expression::Dimension;
+use crate::measurement::{Initial, InputColumn, InputTable, Measurement, Rows, Sensor};
 use crate::study::pass::measurement::{MeasurementForm, TransientForm};
 use crate::study::pinned::Pinned;
 use crate::study::resolved::IgnoredSensor;
@@ -12,6 +13,7 @@ use super::initial::{self, FirstRows, Stated};
 use super::measurement::{
     Outcome, has_content, held_out_rows, parted, rows_within, said, said_twice, sensors, test_inputs, wanted,
 };
+use super::parts::{part_name, rows_of_parts};
 use super::plausible;
 use super::scope::Scope;
 use super::steady::time_column;
@@ -71,46 +73,74 @@ pub fn transient(
     let table_columns: Vec<InputColumn> =
         (parts.inputs.into_iter()).map(|(input, values)| InputColumn { input, values, hold: hold(input) }).collect();
     let Some(stated) = stated else { return Outcome::Wrong };
-    let mut first_inputs = base.clone();
-    for column in &table_columns {
-        if let (Some(slot), Some(value)) = (first_inputs.get_mut(column.input), column.values.first()) {
-            *slot = *value;
-        }
-    }
-    let first = FirstRows { inputs: &first_inputs, times_s: &times_s, ignored: &ignored, readings: &readings };
     let sensors: Vec<Sensor> = list.into_iter().map(|(_, sensor)| sensor).collect();
-    let initial = match stated {
-        Stated::Known(initial) => initial,
-        Stated::Measured(form) => {
-            let whose = (entry.name.as_str(), &entry.name_place);
-            match initial::measured(scope, form, &first, &sensors, whose) {
-                Some(initial) => initial,
-                None => return Outcome::Wrong,
+    let Ok(max_gap_s) = max_gap(scope, form) else { return Outcome::Wrong };
+    let parts = rows_of_parts(&times_s, max_gap_s);
+    if parts.len() > 1 && matches!(stated, Stated::Known(Initial::Temperatures { .. })) {
+        let place = form.max_gap.as_ref().map_or(&entry.name_place, |longest| &longest.place);
+        let message = format!("`{}` has {} parts, and `initial` states how the first begins", entry.name, parts.len());
+        scope.error(&code::INITIAL, place, message, "\"initial\": {\"measured\": {}}, which each part can begin with");
+        return Outcome::Wrong;
+    }
+    let mut measurements = Vec::new();
+    for (part, rows) in parts.into_iter().enumerate() {
+        let name = part_name(&entry.name, part);
+        let times_s = times_s[rows.clone()].to_vec();
+        let ignored = ignored[rows.clone()].to_vec();
+        let readings = readings[rows.start * sensors.len()..rows.end * sensors.len()].to_vec();
+        let columns_of_part = table_columns.iter().map(|column| {
+            let values = column.values[rows.clone()].to_vec();
+            InputColumn { input: column.input, values, hold: column.hold }
+        });
+        let table = InputTable { times_s, columns: columns_of_part.collect(), base: base.clone() };
+        let mut first_inputs = base.clone();
+        for column in &table.columns {
+            if let (Some(slot), Some(value)) = (first_inputs.get_mut(column.input), column.values.first()) {
+                *slot = *value;
             }
         }
-    };
-    initial::compare(scope, &entry.name, &entry.name_place, &initial, &first, &sensors);
-    let mut measurement = Measurement {
-        name: entry.name.clone(),
-        rows: Rows::Transient {
-            inputs: InputTable { times_s, columns: table_columns, base },
-            initial,
-            held_out,
-            ignored,
-        },
-        sensors,
-        readings,
-        file: form.file.value.clone(),
-        sha256: data.sha256,
-        unused_columns: columns.unused,
-        doubts: Vec::new(),
-    };
-    gaps::doubts(scope, &mut measurement, &entry.name_place);
-    if has_content(scope, &measurement, &form.file.place) {
-        Outcome::Ready(Box::new(measurement))
-    } else {
-        Outcome::Wrong
+        let first =
+            FirstRows { inputs: &first_inputs, times_s: &table.times_s, ignored: &ignored, readings: &readings };
+        if part > 0 && first.are_all_ignored() {
+            continue;
+        }
+        let initial = match &stated {
+            Stated::Known(initial) => initial.clone(),
+            Stated::Measured(form) => {
+                match initial::measured(scope, form, &first, &sensors, (&name, &entry.name_place)) {
+                    Some(initial) => initial,
+                    None => return Outcome::Wrong,
+                }
+            }
+        };
+        initial::compare(scope, &name, &entry.name_place, &initial, &first, &sensors);
+        let held_out = held_out[rows.clone()].to_vec();
+        let mut measurement = Measurement {
+            name,
+            rows: Rows::Transient { inputs: table, initial, held_out, ignored },
+            sensors: sensors.clone(),
+            readings,
+            file: form.file.value.clone(),
+            sha256: data.sha256.clone(),
+            unused_columns: columns.unused.clone(),
+            doubts: Vec::new(),
+        };
+        gaps::doubts(scope, &mut measurement, &entry.name_place);
+        measurements.push(measurement);
     }
+    let mut has_content = measurements.iter().map(|measurement| has_content(scope, measurement, &form.file.place));
+    if has_content.all(|has| has) { Outcome::Ready(measurements) } else { Outcome::Wrong }
+}
+
+/// The longest time between two rows of a part, s; `None` where none is stated, an error where it is no time above 0.
+fn max_gap(scope: &mut Scope, form: &TransientForm) -> Result<Option<f64>, ()> {
+    let Some(amount) = &form.max_gap else { return Ok(None) };
+    let longest = amount.value.si(Dimension::TIME, None, Sense::Difference, scope.diagnostics).ok_or(())?;
+    if longest > 0.0 {
+        return Ok(Some(longest));
+    }
+    scope.error(&code::OUT_OF_RANGE, &amount.place, format!("a gap of {longest} s"), "a time above 0 s");
+    Err(())
 }
 
 fn ignored_rows(scope: &mut Scope, form: &TransientForm, times_s: &[f64]) -> Vec<Option<String>> {
