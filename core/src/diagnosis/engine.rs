@@ -273,7 +273,7 @@ impl Diagnosis {
     pub fn screen(&self) -> Result<State, FitError> {
         let begin = Begin { from_prior: STARTS, scale: 1.0, ..Begin::default() };
         let declared = self.problem.refit(&[], &begin, &self.key)?;
-        let faults = self.problem.faults_of_transients(&declared);
+        let faults = self.problem.faults_of_channels(&declared);
         if !faults.is_empty() {
             let without_faulty_readings = self.without(&faults);
             let declared = without_faulty_readings.problem.refit(&[], &begin, &self.key)?;

@@ -2,7 +2,8 @@
 //!
 //! In a transient a spike is a reading, or a few, whose error jumps away from that of the rows about it and back; a drop-out
 //! jumps likewise and shows one value meanwhile. A model that is wrong errs smoothly there, or jumps and stays. In steady
-//! phases no row has a neighbour: there a reading is a fault where a set of effects explains all but a few readings, and these
+//! phases a channel stuck that shows one value in more of them than noise allows. Otherwise no row has a neighbour there: a
+//! reading is a fault where a set of effects explains all but a few readings, and these
 //! not at all.
 
 use crate::diagnosis::engine::{Diagnosis, Order, State};
@@ -12,7 +13,7 @@ use crate::diagnosis::{FitError, Problem, Refit};
 use crate::document::code::OUTLYING;
 use crate::document::counted;
 use crate::inference::likelihood::HALF_LN_TAU;
-use crate::math::functions::ln;
+use crate::math::functions::{ln, pow, sqrt};
 use crate::measurement::{Doubt, Measurement, Rows};
 use crate::statistics::quantile::quantile_sorted;
 use serde::{Deserialize, Serialize};
@@ -54,6 +55,10 @@ const LEAST_RUN: f64 = 8.0;
 const LONGER_RUN: f64 = 4.0;
 /// The model moves meanwhile by this many typical changes of its error and steps of the channel.
 const MOVES: f64 = 8.0;
+/// Campaigns of which one has a stretch of steady phases that is taken for stuck, where the noise is as stated.
+const STUCK: f64 = 1e5;
+/// Largest resolution of a channel that may be stuck in steady phases, in standard deviations of its noise.
+const FINE: f64 = 0.1;
 /// Most readings of a sensor, as a share, that are taken for those of a frozen channel.
 const MOST_FROZEN: f64 = 0.5;
 /// Ratio of a robust to a standard deviation (median absolute deviation of a normal variable).
@@ -145,6 +150,33 @@ fn frozen(errors: &[f64], readings: &[f64]) -> Vec<usize> {
     if frozen_rows.len() as f64 > MOST_FROZEN * readings.len() as f64 { Vec::new() } else { frozen_rows }
 }
 
+/// Positions of readings of steady phases in a stretch of one value that noise of `sd` about any temperature would show by
+/// chance in fewer than one of [`STUCK`] campaigns, while the model moves: `step` is the resolution. Of each stretch the
+/// first reading may be right.
+fn stuck(errors: &[f64], readings: &[f64], sd: f64, step: f64) -> Vec<usize> {
+    // A node that is held shows a coarse channel one value whatever the stated accuracy.
+    if step > FINE * sd {
+        return Vec::new();
+    }
+    // Two readings of normal noise are the same with this probability at most.
+    let alike = step / (2.0 * sqrt(core::f64::consts::PI) * sd);
+    let mut stuck_rows = Vec::new();
+    let mut first = 0;
+    for run in readings.chunk_by(|a, b| a == b) {
+        let rows = first..first + run.len();
+        first += run.len();
+        let by_chance = readings.len() as f64 * pow(alike, run.len() as f64 - 1.0);
+        let predicted = rows.clone().map(|at| readings[at] - errors[at]);
+        let [least, most] = predicted.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], temperature| {
+            [temperature.min(least), temperature.max(most)]
+        });
+        if run.len() > 2 && by_chance * STUCK < 1.0 && most - least > MOVES * (sd + step) {
+            stuck_rows.extend(rows.skip(1));
+        }
+    }
+    stuck_rows
+}
+
 /// Errors of a fit by measurement, row and sensor: of what it saw, and of what it did not.
 fn all_errors(problem: &Problem, refit: &Refit) -> Vec<LeftOut> {
     let fitted = problem.fitted_readings();
@@ -170,19 +202,32 @@ fn is_steady(measurement: &Measurement) -> bool {
 }
 
 impl Problem {
-    /// Spikes, drop-outs and frozen stretches of the transients, at a fit.
-    pub(crate) fn faults_of_transients(&self, refit: &Refit) -> Vec<LeftOut> {
+    /// Spikes, drop-outs and frozen stretches of the transients, and channels that stuck in steady phases, at a fit.
+    pub(crate) fn faults_of_channels(&self, refit: &Refit) -> Vec<LeftOut> {
         let all = all_errors(self, refit);
+        let readings_of = |series_errors: &[LeftOut]| -> Vec<f64> {
+            let measurement = &self.measurements[series_errors[0].measurement];
+            series_errors.iter().filter_map(|one| measurement.reading(one.row, one.sensor)).collect()
+        };
+        // The finest difference that any channel of a measurement shows: a stuck one shows none.
+        let step_of = |measurement: usize| {
+            let of_measurement = all.chunk_by(|a, b| (a.measurement, a.sensor) == (b.measurement, b.sensor));
+            let channels = of_measurement.filter(|channel| channel[0].measurement == measurement).map(readings_of);
+            let differences = channels
+                .flat_map(|readings| readings.windows(2).map(|two| (two[1] - two[0]).abs()).collect::<Vec<_>>());
+            differences.filter(|difference| *difference > 0.0).fold(f64::INFINITY, f64::min)
+        };
         let series = all.chunk_by(|a, b| (a.measurement, a.sensor) == (b.measurement, b.sensor));
         let of_series = |series_errors: &[LeftOut]| -> Vec<LeftOut> {
             let measurement = &self.measurements[series_errors[0].measurement];
-            if is_steady(measurement) {
-                return Vec::new();
-            }
             let errors: Vec<f64> = series_errors.iter().map(|one| one.off).collect();
-            let readings: Vec<f64> =
-                series_errors.iter().filter_map(|one| measurement.reading(one.row, one.sensor)).collect();
-            let mut faulty = [spikes(&errors, &readings), frozen(&errors, &readings)].concat();
+            let readings = readings_of(series_errors);
+            let mut faulty = if is_steady(measurement) {
+                let sd = measurement.sensors[series_errors[0].sensor].total_sd();
+                stuck(&errors, &readings, sd, step_of(series_errors[0].measurement))
+            } else {
+                [spikes(&errors, &readings), frozen(&errors, &readings)].concat()
+            };
             faulty.sort_unstable();
             faulty.dedup();
             faulty.into_iter().map(|at| series_errors[at]).collect()
@@ -305,7 +350,7 @@ impl Diagnosis {
 
 #[cfg(test)]
 mod tests {
-    use super::{frozen, spikes};
+    use super::{frozen, spikes, stuck};
     use crate::math::functions::sin;
     use crate::random::StreamKey;
 
@@ -349,6 +394,27 @@ mod tests {
         let coarse: Vec<f64> = truth.iter().map(|temperature| (temperature / 2.0).round() * 2.0).collect();
         assert!(frozen(&against(&coarse), &coarse).is_empty());
         assert!(frozen(&[], &[]).is_empty() && frozen(&[0.0], &[300.0]).is_empty());
+    }
+
+    #[test]
+    fn a_channel_that_sticks_in_steady_phases_is_found_and_one_that_is_held_is_not() {
+        let mut stream = StreamKey::new(6, "test", "stuck").stream(0);
+        let truth: Vec<f64> = (0..16).map(|k| 280.0 + 20.0 * f64::from(k * 7 % 16) / 16.0).collect();
+        let mut shown = |truth: f64| ((truth + 0.2 * stream.normal()) * 100.0).round() / 100.0;
+        let right: Vec<f64> = truth.iter().map(|&truth| shown(truth)).collect();
+        // A thermostat that the model lacks holds the node, and the noise goes on.
+        let held: Vec<f64> = truth.iter().map(|_| shown(300.0)).collect();
+        let mut broken = right.clone();
+        (9..16).for_each(|phase| broken[phase] = broken[8]);
+        let against = |shown: &[f64]| -> Vec<f64> { shown.iter().zip(&truth).map(|(a, b)| a - b).collect() };
+        for readings in [&right, &held] {
+            assert!(stuck(&against(readings), readings, 0.2, 0.01).is_empty());
+        }
+        assert_eq!(stuck(&against(&broken), &broken, 0.2, 0.01), (9..16).collect::<Vec<_>>());
+        // Whole kelvins are often the same.
+        let coarse: Vec<f64> = held.iter().map(|reading| reading.round()).collect();
+        assert!(stuck(&against(&coarse), &coarse, 0.2, 1.0).is_empty());
+        assert!(stuck(&[], &[], 0.2, 0.01).is_empty() && stuck(&[1.0; 8], &[300.0; 8], 0.0, f64::INFINITY).is_empty());
     }
 
     #[test]
