@@ -2,53 +2,49 @@
 
 use crate::document::{Amount, Map, PriorForm, Scalar, Spanned, WrittenUnit, written_struct};
 
-use super::element::{ConductorForm, CoolerForm, FlowForm, HeaterForm, LoadForm, RadiationForm};
+use super::element::*;
 use super::group::GroupForm;
 use super::quantity::QuantityOrName;
 
 /// The format's name in the file.
 pub const FORMAT: &str = "bmv-network/1";
 
-written_struct! {
-    /// A thermal network, or an algebraic model without nodes.
-    pub struct ModelForm: "a model" {
-        /// `bmv-network/1`.
-        required format: Spanned<String>,
-        /// Title, for people.
-        default(String::new()) title: String,
-        /// Description, for the report.
-        optional description: String,
-        /// Where the model comes from.
-        optional source: String,
-        /// Set where numbers were reconstructed instead of taken from the source that the study follows: what and how.
-        /// The report shows it wherever it shows results.
-        optional reconstructed: String,
-        /// Environments and dissipations: what a test sets or a mission brings.
-        default(Map::default()) inputs: Map<InputForm>,
-        /// What is uncertain.
-        default(Map::default()) parameters: Map<ParameterForm>,
-        /// Piecewise linear functions for `interp(table, x)`.
-        default(Map::default()) tables: Map<TableForm>,
-        /// The nodes of the network.
-        default(Map::default()) nodes: Map<NodeForm>,
-        /// Linear conductors: heat a to b = conductance (Ta - Tb).
-        default(Map::default()) conductors: Map<ConductorForm>,
-        /// Radiative exchange: heat a to b = sigma exchange_area (Ta^4 - Tb^4).
-        default(Map::default()) radiations: Map<RadiationForm>,
-        /// Heat into nodes.
-        default(Map::default()) loads: Map<LoadForm>,
-        /// Any heat flow between two nodes.
-        default(Map::default()) flows: Map<FlowForm>,
-        /// Thermoelectric coolers.
-        default(Map::default()) coolers: Map<CoolerForm>,
-        /// Controlled heaters.
-        default(Map::default()) heaters: Map<HeaterForm>,
-        /// Members that share physics.
-        default(Map::default()) groups: Map<GroupForm>,
-        /// What is asked of the model.
-        default(Map::default()) quantities: Map<QuantityOrName>,
-    }
+/// Declares the model's form with a field for each kind of element.
+macro_rules! model_form {
+    ($( $(#[doc = $doc:literal])* $field:ident: $form:ident in $module:ident, )*) => {
+        written_struct! {
+            /// A thermal network, or an algebraic model without nodes.
+            pub struct ModelForm: "a model" {
+                /// `bmv-network/1`.
+                required format: Spanned<String>,
+                /// Title, for people.
+                default(String::new()) title: String,
+                /// Description, for the report.
+                optional description: String,
+                /// Where the model comes from.
+                optional source: String,
+                /// Set where numbers were reconstructed instead of taken from the source that the study follows: what and how.
+                /// The report shows it wherever it shows results.
+                optional reconstructed: String,
+                /// Environments and dissipations: what a test sets or a mission brings.
+                default(Map::default()) inputs: Map<InputForm>,
+                /// What is uncertain.
+                default(Map::default()) parameters: Map<ParameterForm>,
+                /// Piecewise linear functions for `interp(table, x)`.
+                default(Map::default()) tables: Map<TableForm>,
+                /// The nodes of the network.
+                default(Map::default()) nodes: Map<NodeForm>,
+                $( $(#[doc = $doc])* default(Map::default()) $field: Map<$form>, )*
+                /// Members that share physics.
+                default(Map::default()) groups: Map<GroupForm>,
+                /// What is asked of the model.
+                default(Map::default()) quantities: Map<QuantityOrName>,
+            }
+        }
+    };
 }
+
+element_kinds!(model_form);
 
 written_struct! {
     /// An input: a boundary temperature, a dissipation, an environment.

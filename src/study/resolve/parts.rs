@@ -38,8 +38,8 @@ mod tests {
         let times = [0.0, 10.0, 20.0, 500.0, 510.0, 1000.0];
         assert_eq!(rows_of_parts(&times, Some(60.0)), [0..3, 3..5, 5..6]);
         assert_eq!(rows_of_parts(&times, Some(480.0)), [0..5, 5..6]);
-        assert_eq!(rows_of_parts(&times, None), [0..6]);
-        assert_eq!(rows_of_parts(&[], Some(1.0)), [0..0]);
+        assert!(rows_of_parts(&times, None).iter().eq([&(0..6)]));
+        assert_eq!(rows_of_parts(&[], Some(1.0)).len(), 1);
     }
 
     #[test]

@@ -1,5 +1,5 @@
 //! Elements of the network as written, a kind a file: the form, and how it becomes an element. A new kind is a file
-//! here, a field of the model's form, and a line in the list below.
+//! here and an entry in the list below.
 
 use crate::document::formula::Expected;
 use crate::document::{Diagnostic, Diagnostics, Map, Place, Scalar, Spanned, code};
@@ -22,9 +22,30 @@ trait ElementForm {
     ) -> Option<ElementKind>;
 }
 
-/// Declares the kinds: a module and a form each, and the field of the model's form that holds them.
+/// Hands the kinds to another macro: the field of the model's form with its documentation, the form and its module.
+macro_rules! element_kinds {
+    ($use_them:ident) => {
+        $use_them! {
+            /// Linear conductors: heat a to b = conductance (Ta - Tb).
+            conductors: ConductorForm in conductor,
+            /// Radiative exchange: heat a to b = sigma exchange_area (Ta^4 - Tb^4).
+            radiations: RadiationForm in radiation,
+            /// Heat into nodes.
+            loads: LoadForm in load,
+            /// Any heat flow between two nodes.
+            flows: FlowForm in flow,
+            /// Thermoelectric coolers.
+            coolers: CoolerForm in cooler,
+            /// Controlled heaters.
+            heaters: HeaterForm in heater,
+        }
+    };
+}
+pub(super) use element_kinds;
+
+/// Declares the modules and forms of the kinds, and how all elements are resolved.
 macro_rules! forms {
-    ($( $field:ident: $form:ident in $module:ident ),* $(,)?) => {
+    ($( $(#[doc = $doc:literal])* $field:ident: $form:ident in $module:ident, )*) => {
         $( mod $module; pub use $module::$form; )*
 
         /// Resolves all elements into the model, in the order of the form.
@@ -34,14 +55,7 @@ macro_rules! forms {
     };
 }
 
-forms! {
-    conductors: ConductorForm in conductor,
-    radiations: RadiationForm in radiation,
-    loads: LoadForm in load,
-    flows: FlowForm in flow,
-    coolers: CoolerForm in cooler,
-    heaters: HeaterForm in heater,
-}
+element_kinds!(forms);
 
 fn resolve<T: ElementForm>(forms: &Map<T>, model: &mut ResolvedModel, diagnostics: &mut Diagnostics) {
     name::check_labels(forms, diagnostics);
