@@ -5,6 +5,7 @@ use crate::document::{Amount, Map, PriorForm, Scalar, Spanned, WrittenUnit, writ
 use super::element::{ConductorForm, CoolerForm, FlowForm, HeaterForm, LoadForm, RadiationForm};
 use super::group::GroupForm;
 use super::quantity::QuantityOrName;
+use super::tabulated::TabulatedForm;
 
 /// The format's name in the file.
 pub const FORMAT: &str = "bmv-network/1";
@@ -35,6 +36,8 @@ written_struct! {
         default(Map::default()) conductors: Map<ConductorForm>,
         /// Radiative exchange: heat a to b = sigma exchange_area (Ta^4 - Tb^4).
         default(Map::default()) radiations: Map<RadiationForm>,
+        /// Conductors and radiations that stand in CSV tables, beside those above.
+        optional tabulated: Spanned<TabulatedForm>,
         /// Heat into nodes.
         default(Map::default()) loads: Map<LoadForm>,
         /// Any heat flow between two nodes.
