@@ -6,7 +6,5 @@
 pub mod deck;
 pub mod error;
 
-pub use deck::{
-    Coupling, CouplingKind, Deck, Group, Input, Load, Node, NodeKind, Note, Parameter, Record, Table, Value,
-};
+pub use deck::{Coupling, CouplingKind, Deck, Group, Input, Load, Node, NodeKind, Note, Parameter, Record, Table, Value};
 pub use error::DeckError;
