@@ -196,6 +196,7 @@ impl<'a> Rows<'a> {
     fn columns(&mut self, headers: &[Header]) -> Option<(Columns, [Option<Unit>; 2])> {
         let before = self.diagnostics.errors();
         let (mut columns, mut units) = (Columns::default(), [None, None]);
+        let mut is_misspelt = false;
         for (position, header) in headers.iter().enumerate() {
             match columns.of(&header.name) {
                 Some(Some(_)) => {
@@ -204,6 +205,7 @@ impl<'a> Rows<'a> {
                 }
                 Some(column) => *column = Some(position),
                 None => {
+                    is_misspelt = true;
                     let near = self.diagnostics.nearest(&header.name, HEADERS.into_iter());
                     let message = format!("a table of couplings has no column `{}`", header.name);
                     let expected = format!("the columns are {}", suggest::listed(HEADERS.into_iter(), HEADERS.len()));
@@ -236,7 +238,8 @@ impl<'a> Rows<'a> {
                 self.error(&code::TABLE_COLUMN, &first, message, "the headers `name,from,to,value`");
             }
         }
-        if columns.value.is_none() && columns.parameter.is_none() {
+        // What is missing may be the column that nobody recognises.
+        if columns.value.is_none() && columns.parameter.is_none() && !is_misspelt {
             let message = "the table has neither a column `value` nor one `parameter`";
             self.error(&code::TABLE_COLUMN, &first, message, "the headers `name,from,to,value`");
         }
