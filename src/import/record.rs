@@ -13,6 +13,9 @@ use super::resolution::step_k;
 pub(super) const FILE: &str = "data/record.csv";
 /// Most cells of the record's file; of a longer record every so many rows stand there.
 const MOST_CELLS: usize = 4_000_000;
+/// Least standard deviation in a transient, K: two integrations of one model differ by what their steps err, here about
+/// 1e-4 K a step at room temperature.
+const INTEGRATION_K: f64 = 1e-3;
 /// Start of a node of which the deck tells none, K.
 const ROOM_K: f64 = 293.15;
 
@@ -50,10 +53,8 @@ pub(super) fn measured(deck: &Deck, record: &Record, written: &Written) -> Optio
     let csv = csv(deck, record, written, (&rows, &inputs, &nodes, &names), is_steady);
     let step_k = step_k(nodes.iter().flat_map(|&node| &record.temperatures_k[node]).copied());
     // Rounding to a step spreads evenly over it.
-    let sigma = Item::Object(vec![
-        ("value".to_owned(), Item::number(step_k / 12.0_f64.sqrt())),
-        ("unit".to_owned(), Item::text("K")),
-    ]);
+    let sigma_k = (step_k / 12.0_f64.sqrt()).max(if is_steady { 0.0 } else { INTEGRATION_K });
+    let sigma = Item::Object(vec![("value".to_owned(), Item::number(sigma_k)), ("unit".to_owned(), Item::text("K"))]);
     let sensor = |(&node, name): (&usize, &String)| {
         let mut entries =
             vec![("measures".to_owned(), Item::text(written.node(node))), ("sigma".to_owned(), sigma.clone())];
@@ -64,9 +65,10 @@ pub(super) fn measured(deck: &Deck, record: &Record, written: &Written) -> Optio
     };
     let sensors = Item::Object(nodes.iter().zip(&names).map(sensor).collect());
     let description = format!(
-        "What {} computed. The sensors' sigma is the rounding of the printed temperatures, a step of {} K.",
+        "What {} computed. The sensors' sigma is the rounding of the printed temperatures, a step of {} K{}.",
         deck.tool,
-        number(step_k)
+        number(step_k),
+        if is_steady { "" } else { ", but at least 0.001 K: two integrations differ" }
     );
     let mut entries = vec![("description", Item::text(&escaped(&description))), ("file", Item::text(FILE))];
     if !is_steady {
