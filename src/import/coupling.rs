@@ -100,7 +100,13 @@ pub(super) fn couplings(deck: &Deck, written: &Written, area_factor: f64) -> Cou
             .collect();
         couplings.tables[kind] = (!rows.is_empty()).then(|| table(&rows, unit, factor, written));
     }
+    let is_renamed = |(coupling, became): &(&Coupling, &Became)| match became {
+        Became::Conductor(name) | Became::Radiation(name) => *name != coupling.name,
+        Became::Flow | Became::Nothing => false,
+    };
+    let renamed = deck.couplings.iter().zip(&couplings.became).filter(is_renamed).count();
     let notes = [
+        (renamed, "couplings have names with `_` for what the study format does not allow in names"),
         (loops, "couplings of a node with itself are left out: they carry no heat"),
         (into_boundaries, "one-way couplings into boundary nodes are left out: they change no temperature"),
         (negative, "couplings with a value below 0 are flows: a conductor or radiation has none"),

@@ -1,7 +1,7 @@
 //! How finely the temperatures of a record were printed: the step between two neighbouring values.
 
-/// Most decimals that are looked for; finer values count as exact.
-const MOST_DECIMALS: i32 = 6;
+/// Steps in a degree that are looked for; finer values count as exact.
+const STEPS: [f64; 7] = [1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6];
 /// How far a printed value may lie from a multiple of its step, in steps: what conversion to K in 64 bits leaves of six
 /// decimals of some hundred degrees is a thousandth of this.
 const NEAR: f64 = 1e-4;
@@ -9,37 +9,44 @@ const NEAR: f64 = 1e-4;
 const ICE_K: f64 = 273.15;
 const FAHRENHEIT_AT_0_K: f64 = -459.67;
 
+/// A scale of temperature.
+struct Scale {
+    /// The value on it of a temperature in K.
+    value: fn(f64) -> f64,
+    /// Its degree, K.
+    degree_k: f64,
+}
+
 /// The coarsest decimal step, in K, of which all temperatures are multiples in kelvin, degrees Celsius or Fahrenheit; else
 /// that of 32-bit numbers where they are such; else the finest step that is looked for.
 pub(super) fn step_k(temperatures_k: impl Iterator<Item = f64> + Clone) -> f64 {
-    // Value on the scale of a temperature in K, and the scale's degree in K.
-    let scales: [(fn(f64) -> f64, f64); 3] = [
-        (|kelvin| kelvin, 1.0),
-        (|kelvin| kelvin - ICE_K, 1.0),
-        (|kelvin| kelvin * 1.8 + FAHRENHEIT_AT_0_K, 1.0 / 1.8),
+    let scales: [Scale; 3] = [
+        Scale { value: |kelvin| kelvin, degree_k: 1.0 },
+        Scale { value: |kelvin| kelvin - ICE_K, degree_k: 1.0 },
+        Scale { value: |kelvin| kelvin * 1.8 + FAHRENHEIT_AT_0_K, degree_k: 1.0 / 1.8 },
     ];
     let finite = temperatures_k.filter(|kelvin| kelvin.is_finite());
-    for decimals in 0..=MOST_DECIMALS {
-        let steps = 10.0_f64.powi(decimals);
-        for (scale, degree_k) in scales {
+    for steps in STEPS {
+        for scale in &scales {
             let is_multiple = |kelvin: f64| {
-                let counted = scale(kelvin) * steps;
+                let counted = (scale.value)(kelvin) * steps;
                 (counted - counted.round()).abs() < NEAR
             };
             if finite.clone().all(is_multiple) {
-                return degree_k / steps;
+                return scale.degree_k / steps;
             }
         }
     }
-    let is_single = |scale: fn(f64) -> f64| {
+    let is_single = |scale: &Scale| {
         // Conversion to K leaves 64-bit rounding, far below the step of a 32-bit number.
-        finite.clone().all(|kelvin| (scale(kelvin) - f64::from(scale(kelvin) as f32)).abs() < 1e-9)
+        let is_near = |value: f64| (value - f64::from(value as f32)).abs() < 1e-9;
+        finite.clone().all(|kelvin| is_near((scale.value)(kelvin)))
     };
-    if scales[..2].iter().any(|(scale, _)| is_single(*scale)) {
+    if scales[..2].iter().any(is_single) {
         let largest = finite.fold(0.0, f64::max) as f32;
         return f64::from(f32::from_bits(largest.to_bits().saturating_add(1)) - largest);
     }
-    1.0 / 10.0_f64.powi(MOST_DECIMALS)
+    1.0 / STEPS[STEPS.len() - 1]
 }
 
 #[cfg(test)]
@@ -60,6 +67,6 @@ mod tests {
         assert!((fahrenheit - 0.1 / 1.8).abs() < 1e-15, "{fahrenheit}");
         assert_eq!(step(&[300.1234567890123, 1.0 / 3.0], |kelvin| kelvin), 1e-6);
         // 2^-15 K is the distance of 32-bit numbers between 256 and 512.
-        assert_eq!(step(&[300.1, 299.9], |kelvin: f64| f64::from(kelvin as f32)), 0.5_f64.powi(15));
+        assert_eq!(step(&[300.1, 299.9], |kelvin: f64| f64::from(kelvin as f32)), 1.0 / 32768.0);
     }
 }

@@ -206,7 +206,7 @@ impl<'a> Rows<'a> {
                 Some(column) => *column = Some(position),
                 None => {
                     is_misspelt = true;
-                    let near = self.diagnostics.nearest(&header.name, HEADERS.into_iter());
+                    let near = self.diagnostics.nearest(&header.name, HEADERS);
                     let message = format!("a table of couplings has no column `{}`", header.name);
                     let expected = format!("the columns are {}", suggest::listed(HEADERS.into_iter(), HEADERS.len()));
                     let place = self.place(&header.range);
