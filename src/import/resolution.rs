@@ -67,6 +67,6 @@ mod tests {
         assert!((fahrenheit - 0.1 / 1.8).abs() < 1e-15, "{fahrenheit}");
         assert_eq!(step(&[300.1234567890123, 1.0 / 3.0], |kelvin| kelvin), 1e-6);
         // 2^-15 K is the distance of 32-bit numbers between 256 and 512.
-        assert_eq!(step(&[300.1, 299.9], |kelvin: f64| f64::from(kelvin as f32)), 1.0 / 32768.0);
+        assert_eq!(step(&[301.234567891, 299.876543219], |kelvin: f64| f64::from(kelvin as f32)), 1.0 / 32768.0);
     }
 }
