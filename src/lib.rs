@@ -2,7 +2,7 @@
 //!
 //! The rooms of the house, each of which may use only those before it:
 //! `watch`, `math`, `random` and `expression`, `statistics`, `document`, `thermal`, `effect`, `measurement`, `inference`, `diagnosis`, `twin` (the crate
-//! `bmv-core`), `study`, `job`, `runner`, `report`, `batch`, `cli` (DESIGN.md says what each knows and may not know).
+//! `bmv-core`), `study`, `job`, `runner`, `report`, `batch`, `import`, `cli` (DESIGN.md says what each knows and may not know).
 
 pub use bmv_core::{
     diagnosis, document, effect, expression, inference, math, measurement, random, statistics, thermal, twin, watch,
@@ -10,6 +10,7 @@ pub use bmv_core::{
 
 pub mod batch;
 pub mod cli;
+pub mod import;
 pub mod job;
 pub mod report;
 pub mod runner;

@@ -21,6 +21,7 @@ const ROWS: &[&[&str]] = &[
     &["runner"],
     &["report"],
     &["batch"],
+    &["import"],
     &["cli"],
 ];
 

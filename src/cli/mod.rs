@@ -12,6 +12,7 @@ mod effects;
 mod execute;
 mod explain;
 mod history;
+mod import;
 mod init;
 mod lab;
 
@@ -132,6 +133,8 @@ enum Verb {
     Explain(explain::Explain),
     /// Make a new study that runs at once
     Init(init::Init),
+    /// Make a study of another tool's model, with its results as a measurement
+    Import(import::Import),
     /// Show what changed between two passes, in definitions and in results
     Diff(diff::Diff),
     /// Hold fresh results against archived ones
@@ -157,6 +160,7 @@ impl Verb {
             Self::Schema(verb) => verb.execute(),
             Self::Explain(verb) => verb.execute(context),
             Self::Init(verb) => verb.execute(),
+            Self::Import(verb) => verb.execute(context),
             Self::Diff(verb) => verb.execute(context),
             Self::Check(verb) => verb.execute(context),
         }

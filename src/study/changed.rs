@@ -8,6 +8,7 @@ use crate::document::source::{Place, Source, Span};
 use super::folder::{Folder, FolderError};
 use super::inherit::{folder_diagnostic_at, lineage};
 use super::job::Kinds;
+use super::model::tabulated;
 use super::reader::Reader;
 use super::resolved::Pass;
 
@@ -63,7 +64,8 @@ fn trees(pass: &Pass, diagnostics: &mut Diagnostics) -> Option<[Node; 2]> {
     let read = |diagnostics: &mut Diagnostics| -> Result<Option<[Node; 2]>, FolderError> {
         let folder = Folder::open(&pass.folder)?;
         let bytes = folder.read(&pass.model_file)?;
-        let model = json::parse_bytes(&folder.shown_name(&pass.model_file), &bytes, diagnostics);
+        let model = json::parse_bytes(&folder.shown_name(&pass.model_file), &bytes, diagnostics)
+            .map(|tree| tabulated::expanded(tree, &folder, diagnostics));
         let pass = lineage(&Reader::new(Kinds::default()), &folder, &pass.file, diagnostics)?;
         Ok(model.zip(pass).map(|(model, pass)| [model, pass.merged]))
     };

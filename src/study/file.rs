@@ -136,6 +136,18 @@ pub fn make_folder(base: &Path, relative: &Path) -> io::Result<PathBuf> {
     Ok(folder)
 }
 
+/// Whether a new study may be written into a folder: there is nothing, or a folder with nothing in it.
+///
+/// # Errors
+/// What the system says.
+pub fn is_free(folder: &Path) -> io::Result<bool> {
+    match fs::read_dir(folder) {
+        Ok(mut entries) => Ok(entries.next().is_none()),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(true),
+        Err(error) => Err(error),
+    }
+}
+
 /// Whether there is a folder; what is none, or is reached through a link, is an error.
 fn real_folder(path: &Path) -> io::Result<bool> {
     match path.symlink_metadata() {

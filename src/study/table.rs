@@ -8,8 +8,10 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 use crate::document::code::{self, Code};
+use crate::document::{Diagnostic, Diagnostics, Place, Source, Span, Spanned, counted};
 
 /// Problems kept of one file; the others are counted.
 const PROBLEMS_KEPT: usize = 20;
@@ -91,6 +93,27 @@ impl Problems {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.kept.is_empty()
+    }
+
+    /// Adds them to the diagnostics, each said once, however many entries use the file. Whether there are some.
+    pub fn report(self, source: &Arc<Source>, diagnostics: &mut Diagnostics) -> bool {
+        let Some(last) = self.kept.last().map(|problem| problem.range.clone()) else { return false };
+        for problem in self.kept {
+            let place = Place::in_text(source, Span::new(problem.range.start, problem.range.end));
+            let alike = match problem.alike {
+                0 => String::new(),
+                more => format!("; and {more} more like it in this column"),
+            };
+            let mut diagnostic = Diagnostic::error(problem.code, &place, problem.message + &alike);
+            diagnostic.help = problem.help;
+            diagnostics.push_once(diagnostic);
+        }
+        if self.more > 0 {
+            let place = Place::in_text(source, Span::new(last.start, last.end));
+            let message = format!("{} in this file", counted(self.more, "further problem"));
+            diagnostics.push_once(Diagnostic::error(&code::TABLE_CELL, &place, message));
+        }
+        true
     }
 }
 
@@ -222,34 +245,7 @@ impl<'t> Table<'t> {
             .collect();
         let mut seen: HashMap<String, ()> = HashMap::new();
         let mut last_times: Vec<Option<f64>> = vec![None; wanted.len()];
-        let mut ranges = Vec::new();
-        let mut cells_read = 0;
-        let mut start = self.body;
-        while start < self.text.len() {
-            let Some(next) = record(self.text, start, self.separator, &mut ranges, problems) else { break };
-            start = next;
-            if ranges.iter().all(Range::is_empty) {
-                continue;
-            }
-            if ranges.len() != self.headers.len() {
-                let range = ranges[0].start..ranges[ranges.len() - 1].end;
-                let (cell_count, expected) = (ranges.len(), self.headers.len());
-                let message = || format!("this row has {cell_count} cells, the line of headers has {expected}");
-                let comma = self.separator == b',' && cell_count > expected;
-                let help = comma.then_some(
-                    "a decimal is written with a point, 0.6, or the cells are separated by something else than a \
-                     comma: \"separator\": \";\"",
-                );
-                problems.add_like((0, Fault::Cells), range, message, help);
-                continue;
-            }
-            cells_read += wanted.len();
-            if cells_read > MOST_CELLS {
-                let message = format!("the file has more than {MOST_CELLS} cells that are read");
-                let help = "thin the record out, or split it into several measurements";
-                problems.add(&code::TOO_LARGE, ranges[0].clone(), message, Some(help));
-                break;
-            }
+        self.rows(wanted.len(), problems, |ranges, problems| {
             for (place, &(index, cells)) in wanted.iter().enumerate() {
                 let range = &ranges[index];
                 let text = value(self.text, range);
@@ -290,8 +286,76 @@ impl<'t> Table<'t> {
                     }
                 }
             }
-        }
+        });
         columns
+    }
+
+    /// Gives the places of the cells of each row, of which `used` are read. Lines with too few or too many cells are
+    /// problems and are left out.
+    pub fn rows(&self, used: usize, problems: &mut Problems, mut each: impl FnMut(&[Range<usize>], &mut Problems)) {
+        let mut ranges = Vec::new();
+        let mut cells_read = 0;
+        let mut start = self.body;
+        while start < self.text.len() {
+            let Some(next) = record(self.text, start, self.separator, &mut ranges, problems) else { break };
+            start = next;
+            if ranges.iter().all(Range::is_empty) {
+                continue;
+            }
+            if ranges.len() != self.headers.len() {
+                let range = ranges[0].start..ranges[ranges.len() - 1].end;
+                let (cell_count, expected) = (ranges.len(), self.headers.len());
+                let message = || format!("this row has {cell_count} cells, the line of headers has {expected}");
+                let comma = self.separator == b',' && cell_count > expected;
+                let help = comma.then_some(
+                    "a decimal is written with a point, 0.6, or the cells are separated by something else than a \
+                     comma: \"separator\": \";\"",
+                );
+                problems.add_like((0, Fault::Cells), range, message, help);
+                continue;
+            }
+            cells_read += used;
+            if cells_read > MOST_CELLS {
+                let message = format!("the file has more than {MOST_CELLS} cells that are read");
+                let help = "thin the record out, or split it into several measurements";
+                problems.add(&code::TOO_LARGE, ranges[0].clone(), message, Some(help));
+                break;
+            }
+            each(&ranges, problems);
+        }
+    }
+
+    /// What a cell says, without its quotes.
+    pub fn text(&self, cell: &Range<usize>) -> Cow<'t, str> {
+        value(self.text, cell)
+    }
+
+    /// The number of a cell of a column; nothing where the cell is empty or holds no number, which is a problem.
+    pub fn number(&self, column: usize, cell: &Range<usize>, problems: &mut Problems) -> Option<f64> {
+        match number(&self.text(cell)) {
+            Ok(number) => number,
+            Err((fault, message, help)) => {
+                problems.add_like((column, fault), cell.clone(), || message, Some(&help));
+                None
+            }
+        }
+    }
+}
+
+/// The separator between cells as one ASCII character, a comma where none is written.
+pub fn separator(written: Option<&Spanned<String>>, diagnostics: &mut Diagnostics) -> u8 {
+    let Some(written) = written else { return b',' };
+    match written.value.as_bytes() {
+        b"tab" => b'\t',
+        [byte] if byte.is_ascii() && !byte.is_ascii_alphanumeric() && !matches!(byte, b'"' | b'.' | b'-' | b'+') => {
+            *byte
+        }
+        _ => {
+            let message = format!("`{}` cannot separate cells", written.value);
+            let diagnostic = Diagnostic::error(&code::TABLE_SHAPE, &written.place, message);
+            diagnostics.push(diagnostic.expected("one character such as `;`, or \"tab\""));
+            b','
+        }
     }
 }
 

@@ -7,6 +7,7 @@ mod escapes;
 mod frame;
 mod hand_on;
 mod history;
+mod import;
 mod laws;
 mod not_finite;
 mod story;

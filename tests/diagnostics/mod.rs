@@ -11,6 +11,7 @@ mod properties;
 mod schema;
 mod shared;
 mod syntax;
+mod tabulated;
 
 /// What a model file's text is stated, plain, at most five findings.
 fn rendered(text: &str) -> String {

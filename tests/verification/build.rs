@@ -100,7 +100,7 @@ impl Build {
     }
     #[allow(dead_code)]
     pub fn flow(&mut self, name: &str, between: [usize; 2], heat: ExprId) {
-        self.element(name, ElementKind::Flow(Flow { between, heat }));
+        self.element(name, ElementKind::Flow(Flow { between, heat, one_way: false }));
     }
     pub fn thermostat(&mut self, name: &str, into: usize, power: ExprId, on: ExprId, off: ExprId) {
         let control = HeaterControl::Thermostat { on, off };

@@ -63,6 +63,19 @@ impl Network {
         self.steady.unknowns.iter().enumerate().map(own).collect()
     }
 
+    /// How fast the net heat out of a node rises with its own temperature, at the present temperatures, W/K: the sum of
+    /// the conductances that meet there, radiation linearised. By node of the model; 0 for boundaries.
+    pub fn node_conductances(&self, workspace: &mut Workspace) -> Vec<f64> {
+        let file = &mut workspace.state.file;
+        self.steady.program.run(segment::RESIDUAL, file);
+        self.steady.program.run(segment::JACOBIAN, file);
+        let mut conductances = vec![0.0; self.nodes()];
+        for entry in self.steady.jacobian.iter().filter(|entry| entry.row == entry.column) {
+            conductances[self.steady.unknowns[entry.row]] = -file[entry.register.index()];
+        }
+        conductances
+    }
+
     /// The heat balance of the present temperatures.
     pub fn heat_balance(&self, workspace: &mut Workspace) -> HeatBalance {
         let file = &mut workspace.state.file;

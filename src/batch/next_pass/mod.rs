@@ -8,7 +8,7 @@ mod choose;
 mod entry;
 mod file;
 mod name;
-mod text;
+pub mod text;
 
 pub use choose::Asked;
 pub use entry::probability_text;

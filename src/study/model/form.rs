@@ -5,6 +5,7 @@ use crate::document::{Amount, Map, PriorForm, Scalar, Spanned, WrittenUnit, writ
 use super::element::*;
 use super::group::GroupForm;
 use super::quantity::QuantityOrName;
+use super::tabulated::TabulatedForm;
 
 /// The format's name in the file.
 pub const FORMAT: &str = "bmv-network/1";
@@ -35,6 +36,8 @@ macro_rules! model_form {
                 /// The nodes of the network.
                 default(Map::default()) nodes: Map<NodeForm>,
                 $( $(#[doc = $doc])* default(Map::default()) $field: Map<$form>, )*
+                /// Conductors and radiations that stand in CSV tables, beside those above.
+                optional tabulated: Spanned<TabulatedForm>,
                 /// Members that share physics.
                 default(Map::default()) groups: Map<GroupForm>,
                 /// What is asked of the model.

@@ -243,6 +243,11 @@ pub fn resolve(form: &ModelForm, diagnostics: &mut Diagnostics) -> Option<Resolv
     let mut model = ResolvedModel::default();
     model.model.title.clone_from(&form.title);
     model.places.file.clone_from(&form.format.place);
+    if let Some(tables) = &form.tabulated {
+        // With a folder their rows have become entries, and this member is gone.
+        let message = "tables of couplings cannot be read without the study's folder";
+        diagnostics.push(Diagnostic::error(&code::FILE_MISSING, &tables.place, message).expected("a model in a study"));
+    }
     for entry in &form.parameters {
         model.resolve_parameter(entry, diagnostics);
     }

@@ -4,9 +4,7 @@ use std::sync::Arc;
 
 use crate::document::hash::sha256_hex;
 use crate::document::quantity::{parse_unit, report_dimension};
-use crate::document::{
-    Diagnostic, Diagnostics, Map, Place, Sense, Source, Span, Spanned, WrittenUnit, code, counted, suggest,
-};
+use crate::document::{Diagnostic, Diagnostics, Map, Place, Sense, Source, Span, Spanned, WrittenUnit, code, suggest};
 use crate::expression::{Dimension, Unit};
 use crate::study::inherit::folder_diagnostic_at;
 use crate::study::pass::measurement::{ColumnForm, PinForm};
@@ -175,29 +173,13 @@ fn nearest_file(scope: &Scope, file: &str) -> Option<String> {
     Some(if below == "." { near.to_owned() } else { format!("{below}/{near}") })
 }
 
-/// The separator as one ASCII character.
-pub fn separator(scope: &mut Scope, written: Option<&Spanned<String>>) -> u8 {
-    let Some(written) = written else { return b',' };
-    match written.value.as_bytes() {
-        b"tab" => b'\t',
-        [byte] if byte.is_ascii() && !byte.is_ascii_alphanumeric() && !matches!(byte, b'"' | b'.' | b'-' | b'+') => {
-            *byte
-        }
-        _ => {
-            let message = format!("`{}` cannot separate cells", written.value);
-            scope.error(&code::TABLE_SHAPE, &written.place, message, "one character such as `;`, or \"tab\"");
-            b','
-        }
-    }
-}
-
 /// Reads the wanted columns of a file. `Err` after errors.
 pub fn columns(scope: &mut Scope, data: &Data, layout: &Layout, wanted: &[Wanted]) -> Result<Columns, Reported> {
     let before = scope.diagnostics.errors();
     let mut problems = Problems::default();
     let table = Table::new(data.source.text(), data.separator, &mut problems);
     let Some(table) = table else {
-        report(scope, &data.source, problems);
+        problems.report(&data.source, scope.diagnostics);
         return Err(Reported);
     };
     let headers = table.headers();
@@ -233,7 +215,7 @@ pub fn columns(scope: &mut Scope, data: &Data, layout: &Layout, wanted: &[Wanted
         placed.push(index_and_unit);
     }
     let mut columns = table.read(&asked, &mut problems).into_iter();
-    if report(scope, &data.source, problems) || scope.diagnostics.errors() > before {
+    if problems.report(&data.source, scope.diagnostics) || scope.diagnostics.errors() > before {
         return Err(Reported);
     }
     let phases =
@@ -348,34 +330,12 @@ fn unit(
     Some(WrittenUnit { unit, place })
 }
 
-/// The problems of a table as diagnostics, each said once, however many measurements and windows use the file. Whether
-/// there are some.
-fn report(scope: &mut Scope, source: &Arc<Source>, problems: Problems) -> bool {
-    let Some(last) = problems.kept.last().map(|problem| problem.range.clone()) else { return false };
-    for problem in problems.kept {
-        let place = Place::in_text(source, Span::new(problem.range.start, problem.range.end));
-        let alike = match problem.alike {
-            0 => String::new(),
-            more => format!("; and {more} more like it in this column"),
-        };
-        let mut diagnostic = Diagnostic::error(problem.code, &place, problem.message + &alike);
-        diagnostic.help = problem.help;
-        scope.diagnostics.push_once(diagnostic);
-    }
-    if problems.more > 0 {
-        let place = Place::in_text(source, Span::new(last.start, last.end));
-        let message = format!("{} in this file", counted(problems.more, "further problem"));
-        scope.diagnostics.push_once(Diagnostic::error(&code::TABLE_CELL, &place, message));
-    }
-    true
-}
-
 /// The columns of a file of draws, each the values (SI) of one parameter, in the order wanted.
 pub fn draws(scope: &mut Scope, data: &Data, wanted: &[Wanted]) -> Result<Vec<Vec<f64>>, Reported> {
     let before = scope.diagnostics.errors();
     let mut problems = Problems::default();
     let Some(table) = Table::new(data.source.text(), b',', &mut problems) else {
-        report(scope, &data.source, problems);
+        problems.report(&data.source, scope.diagnostics);
         return Err(Reported);
     };
     let (columns, headers) = (Map::default(), table.headers());
@@ -390,7 +350,7 @@ pub fn draws(scope: &mut Scope, data: &Data, wanted: &[Wanted]) -> Result<Vec<Ve
         }
     }
     let read = table.read(&asked, &mut problems);
-    if report(scope, &data.source, problems) || scope.diagnostics.errors() > before {
+    if problems.report(&data.source, scope.diagnostics) || scope.diagnostics.errors() > before {
         return Err(Reported);
     }
     let senses = wanted.iter().map(|wanted| wanted.sense);

@@ -220,7 +220,7 @@ fn read_model(folder: &Folder, file: &Spanned<String>, diagnostics: &mut Diagnos
         }
     };
     let before = diagnostics.errors();
-    let (form, tree) = model::read(&folder.shown_name(&file.value), &bytes, diagnostics)?;
+    let (form, tree) = model::read(&folder.shown_name(&file.value), &bytes, folder, diagnostics)?;
     if diagnostics.errors() > before {
         return None;
     }

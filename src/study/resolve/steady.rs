@@ -9,10 +9,10 @@ use crate::study::pass::measurement::{
 };
 use crate::study::pinned::Pinned;
 use crate::study::resolved::IgnoredSensor;
-use crate::study::table::{Cells, Header};
+use crate::study::table::{Cells, Header, separator};
 use crate::study::window::window;
 
-use super::data::{Columns, Data, Layout, Wanted, columns, data, pin, separator};
+use super::data::{Columns, Data, Layout, Wanted, columns, data, pin};
 use super::measurement::{Outcome, has_content, parted, rows_within, said, said_twice, sensors, test_inputs, wanted};
 use super::plausible;
 use super::scope::Scope;
@@ -65,7 +65,7 @@ fn table(
 ) -> Outcome {
     let pinned = form.pinned.as_ref().and_then(|pinned| pin(&entry.name, &file.value, pinned, scope.diagnostics));
     pins.extend(pinned.clone());
-    let separator = separator(scope, form.separator.as_ref());
+    let separator = separator(form.separator.as_ref(), scope.diagnostics);
     let data = match data(scope, file, separator, pinned.as_ref()) {
         Ok(Some(data)) => data,
         Ok(None) => return Outcome::Missing,
@@ -133,7 +133,7 @@ fn series(
     file: &Spanned<String>,
     list: &[(&MapEntry<SensorForm>, Sensor)],
 ) -> Option<Series> {
-    let separator = separator(scope, form.separator.as_ref());
+    let separator = separator(form.separator.as_ref(), scope.diagnostics);
     let data = data(scope, file, separator, None).ok().flatten()?;
     let names: Vec<String> = scope.resolved.model.inputs.iter().map(|input| input.name.clone()).collect();
     let mut wanted = wanted(scope, &names, list, &file.place);

@@ -6,8 +6,9 @@ use crate::measurement::{Initial, InputColumn, InputTable, Measurement, Rows, Se
 use crate::study::pass::measurement::{MeasurementForm, TransientForm};
 use crate::study::pinned::Pinned;
 use crate::study::resolved::IgnoredSensor;
+use crate::study::table::separator;
 
-use super::data::{Layout, columns, data, pin, separator};
+use super::data::{Layout, columns, data, pin};
 use super::gaps;
 use super::initial::{self, FirstRows, Stated};
 use super::measurement::{
@@ -32,7 +33,7 @@ pub fn transient(
     let base = test_inputs(scope, base, &form.inputs);
     let pinned = form.pinned.as_ref().and_then(|pinned| pin(&entry.name, &form.file.value, pinned, scope.diagnostics));
     pins.extend(pinned.clone());
-    let separator = separator(scope, form.separator.as_ref());
+    let separator = separator(form.separator.as_ref(), scope.diagnostics);
     let data = match data(scope, &form.file, separator, pinned.as_ref()) {
         Ok(Some(data)) => data,
         Ok(None) => return Outcome::Missing,

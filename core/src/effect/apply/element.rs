@@ -22,14 +22,14 @@ impl Work<'_, '_> {
                     let locals = self.ends(ends);
                     let heat = self.expression(&flow.value, &locals)?;
                     let heat = self.weighted(heat, weight);
-                    self.add_element(member, ElementKind::Flow(Flow { between: ends, heat }));
+                    self.add_element(member, ElementKind::Flow(Flow { between: ends, heat, one_way: false }));
                 }
             }
             (Some(flow), None) => {
                 let Site::Pair(between) = self.instance.site else { return Err(self.misplaced()) };
                 let locals = self.ends(between);
                 let heat = self.expression(&flow.value, &locals)?;
-                self.add_element(None, ElementKind::Flow(Flow { between, heat }));
+                self.add_element(None, ElementKind::Flow(Flow { between, heat, one_way: false }));
             }
             (None, _) => {}
         }

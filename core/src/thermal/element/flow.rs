@@ -1,4 +1,5 @@
-//! Any heat flow between two nodes, W from the first to the second, as an expression of their temperatures.
+//! Any heat flow between two nodes, W from the first to the second, as an expression of their temperatures. A flow that
+//! goes one way is taken from nowhere.
 
 use serde_json::{Value, json};
 
@@ -14,6 +15,9 @@ pub struct Flow {
     pub between: [usize; 2],
     /// Heat from the first to the second, W.
     pub heat: ExprId,
+    /// Whether the second node alone gets the heat and the first gives none: what a fluid that streams from the first to
+    /// the second brings along, the fluid's own balance being left out.
+    pub one_way: bool,
 }
 
 impl Physics for Flow {
@@ -23,16 +27,29 @@ impl Physics for Flow {
 
     fn contribution(&self, graph: &mut Graph, _switches: &mut Vec<Switch>, _switched: bool) -> Contribution {
         let balance_scale = graph.unary(Unary::Abs, self.heat);
+        if self.one_way {
+            let second = self.between[1];
+            return Contribution {
+                heat: vec![(second, self.heat)],
+                balance_scale: vec![(second, balance_scale)],
+                through: Some(self.heat),
+                ..Contribution::default()
+            };
+        }
         between(graph, self.between, self.heat, balance_scale)
     }
 
     fn identity(&self, number: &mut dyn FnMut(ExprId) -> Value) -> Value {
-        json!({"between": self.between, "heat": number(self.heat)})
+        let mut identity = json!({"between": self.between, "heat": number(self.heat)});
+        if self.one_way {
+            identity["one_way"] = Value::Bool(true);
+        }
+        identity
     }
 
     fn description(&self, name: &dyn Fn(usize) -> String) -> Description {
         let ends = arrows(&self.between, name);
-        Description { what: "heat flow", ends, value: self.heat, unit: "W", others: Vec::new() }
+        Description { what: if self.one_way { "heat flow, one way" } else { "heat flow" }, ends, value: self.heat, unit: "W", others: Vec::new() }
     }
 
     fn drawing(&self) -> Drawing {

@@ -16,6 +16,9 @@ written_struct! {
         required between: [Spanned<String>; 2],
         /// Heat from the first to the second, W; of `Ta`, `Tb`, `Tm`.
         required heat: Scalar,
+        /// Whether the second node alone gets the heat and the first gives none: what a stream brings along whose own
+        /// balance the model leaves out.
+        default(false) one_way: bool,
         /// Description, for the report.
         optional description: String,
         /// Where the value comes from.
@@ -31,6 +34,6 @@ impl ElementForm for FlowForm {
         diagnostics: &mut Diagnostics,
     ) -> Option<ElementKind> {
         let (between, heat) = model.path(&self.between, &self.heat, HEAT, diagnostics)?;
-        Some(ElementKind::Flow(Flow { between, heat }))
+        Some(ElementKind::Flow(Flow { between, heat, one_way: self.one_way }))
     }
 }

@@ -1,0 +1,12 @@
+//! Readers of thermal models that other tools wrote: one [`Deck`] in SI units from each.
+//!
+//! A reader works on text or bytes that it is given and touches no file. It refuses what it does not understand, at its
+//! line, and says in the deck's [notes](Deck::notes) what it assumed or left out.
+
+pub mod deck;
+pub mod error;
+
+pub use deck::{
+    Coupling, CouplingKind, Deck, Group, Input, Load, Node, NodeKind, Note, Parameter, Record, Table, Value,
+};
+pub use error::DeckError;

@@ -1,0 +1,97 @@
+//! Which reader takes which files. A new reader is a line in [`READERS`].
+
+use bmv_decks::{Deck, DeckError};
+use thiserror::Error;
+
+/// A file that is to be imported.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DeckFile {
+    /// Its name, as the user gave it.
+    pub name: String,
+    /// What is in it.
+    pub bytes: Vec<u8>,
+}
+
+impl DeckFile {
+    /// Its text. What is no UTF-8 is read as Latin-1: decks are older than UTF-8, and what is beyond ASCII stands in
+    /// their comments.
+    pub fn text(&self) -> String {
+        match std::str::from_utf8(&self.bytes) {
+            Ok(text) => text.to_owned(),
+            Err(_) => self.bytes.iter().map(|&byte| char::from(byte)).collect(),
+        }
+    }
+}
+
+/// A reader of one tool's files.
+#[derive(Clone, Copy, Debug)]
+pub struct Reader {
+    /// The tool and what its files are, for people: `SINDA/FLUINT (.inp)`.
+    pub tool: &'static str,
+    /// Whether these are such files.
+    pub recognises: fn(&[DeckFile]) -> bool,
+    /// The deck that they are together.
+    pub read: fn(&[DeckFile]) -> Result<Deck, Vec<DeckError>>,
+}
+
+/// All readers; the first that recognises the files reads them.
+pub const READERS: &[Reader] = &[];
+
+/// Files that are not read.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum ReadError {
+    /// No reader recognises them.
+    #[error("no reader recognises {files}: {readers}")]
+    Unknown {
+        /// The files, in words.
+        files: String,
+        /// What is read, in words.
+        readers: String,
+    },
+    /// A reader refuses them.
+    #[error("{}", .errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Refused {
+        /// Why, each at its place.
+        errors: Vec<DeckError>,
+    },
+}
+
+/// The deck that some files are, by the first of some readers that recognises them.
+///
+/// # Errors
+/// No reader recognises the files, or the one that does refuses them.
+pub fn read(readers: &[Reader], files: &[DeckFile]) -> Result<Deck, ReadError> {
+    let Some(reader) = readers.iter().find(|reader| (reader.recognises)(files)) else {
+        let names: Vec<String> = files.iter().map(|file| format!("`{}`", file.name)).collect();
+        let tools: Vec<&str> = readers.iter().map(|reader| reader.tool).collect();
+        let readers = match tools.as_slice() {
+            [] => "this build has no readers".to_owned(),
+            _ => format!("there are readers of {}", tools.join(", ")),
+        };
+        return Err(ReadError::Unknown { files: names.join(", "), readers });
+    };
+    (reader.read)(files).map_err(|errors| ReadError::Refused { errors })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_reader_that_recognises_the_files_reads_them() {
+        let deck = Reader {
+            tool: "Example (.ex)",
+            recognises: |files| files.iter().all(|file| file.name.ends_with(".ex")),
+            read: |files| match files.first() {
+                Some(file) if !file.bytes.is_empty() => Ok(Deck { title: file.text(), ..Deck::default() }),
+                _ => Err(vec![DeckError::at("a.ex", 3, "no node"), DeckError::of("a.ex", "no title")]),
+            },
+        };
+        let file = |name: &str, bytes: &[u8]| DeckFile { name: name.to_owned(), bytes: bytes.to_vec() };
+        assert_eq!(read(&[deck], &[file("a.ex", b"10 \xb0C")]).map(|deck| deck.title), Ok("10 \u{b0}C".to_owned()));
+        let refused = read(&[deck], &[file("a.ex", b"")]).expect_err("no text");
+        assert_eq!(refused.to_string(), "a.ex:3: no node\na.ex: no title");
+        let unknown = read(&[deck], &[file("a.txt", b"x")]).expect_err("another name");
+        assert_eq!(unknown.to_string(), "no reader recognises `a.txt`: there are readers of Example (.ex)");
+    }
+}
