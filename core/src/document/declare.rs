@@ -23,21 +23,21 @@ pub struct Fields<'a> {
 
 impl<'a> Fields<'a> {
     /// The object's fields; unknown ones are reported.
-    pub fn open(node: &'a Node, known: &[&str], what: &str, diagnostics: &mut Diagnostics) -> Option<Self> {
+    pub fn open(node: &'a Node, field_names: &[&str], what: &str, diagnostics: &mut Diagnostics) -> Option<Self> {
         let Value::Object(entries) = &node.value else { return wrong_type(node, what, diagnostics) };
         for entry in entries {
-            if !known.contains(&entry.key.as_str()) {
+            if !field_names.contains(&entry.key.as_str()) {
                 // A word for the same thing says more than one that is spelt alike.
-                let same = other_tools::same_field(&entry.key, known);
-                let near = same.or_else(|| diagnostics.nearest(&entry.key, known.iter().copied()));
+                let same = other_tools::same_field(&entry.key, field_names);
+                let near = same.or_else(|| diagnostics.nearest(&entry.key, field_names.iter().copied()));
                 let who = || other_tools::who_has(&entry.key).filter(|_| what.starts_with(SETTINGS));
                 let text = if let Value::String(text) = &entry.node.value { Some(text.as_str()) } else { None };
                 let help = match (other_tools::advice(&entry.key, text), near) {
                     (Some(advice), _) => advice,
                     (None, Some(near)) => format!("did you mean `{near}`?"),
-                    (None, None) if known.is_empty() => "the object has no fields: write {}".to_owned(),
+                    (None, None) if field_names.is_empty() => "the object has no fields: write {}".to_owned(),
                     (None, None) => {
-                        let fields = format!("the fields are {}", suggest::listed(known.iter().copied(), 20));
+                        let fields = format!("the fields are {}", suggest::listed(field_names.iter().copied(), 20));
                         who().map_or_else(|| fields.clone(), |who| format!("{who}; here {fields}"))
                     }
                 };
@@ -167,8 +167,8 @@ macro_rules! written_struct {
                 node: &$crate::document::Node,
                 diagnostics: &mut $crate::document::Diagnostics,
             ) -> Option<Self> {
-                let known: &[&str] = &[$( $crate::document::declare::written_struct!(@key $field $($key)?) ),*];
-                let fields = $crate::document::declare::Fields::open(node, known, $what, diagnostics)?;
+                let field_names: &[&str] = &[$( $crate::document::declare::written_struct!(@key $field $($key)?) ),*];
+                let fields = $crate::document::declare::Fields::open(node, field_names, $what, diagnostics)?;
                 $(
                     let key = $crate::document::declare::written_struct!(@key $field $($key)?);
                     let $field = $crate::document::declare::written_struct!(
@@ -383,11 +383,11 @@ mod tests {
 
     #[test]
     fn a_declared_type_reads() {
-        let (thing, found) = read(
+        let (thing, reported) = read(
             r#"{"count": 2, "where": "here", "colour": "light-blue", "parts": {"b": {"box": [1, 2]}, "a": {"round": 3}}}"#,
         );
         let thing = thing.expect("valid");
-        assert!(found.is_empty());
+        assert!(reported.is_empty());
         assert_eq!((thing.count, thing.place.as_deref(), thing.colour.word()), (2, Some("here"), "light-blue"));
         assert_eq!(thing.parts.names().collect::<Vec<_>>(), ["b", "a"], "the order of the file");
         assert_eq!(thing.parts.get("a").map(|e| (e.value.kind(), &e.value)), Some(("round", &Shape::Round(3.0))));
@@ -397,7 +397,7 @@ mod tests {
 
     #[test]
     fn all_errors_are_found() {
-        let (thing, found) = read(
+        let (thing, reported) = read(
             r#"{"cuont": 2, "where": 3, "colour": "rde", "parts": {"a": {"round": "x"}, "b": {}, "c": {"bxo": 1}}}"#,
         );
         assert!(thing.is_none());
@@ -410,8 +410,8 @@ mod tests {
             ("one-kind", "$.parts.b"),
             ("unknown-kind", "$.parts.c.bxo"),
         ];
-        let found: Vec<(&str, &str)> = found.iter().map(|(c, p)| (c.as_str(), p.as_str())).collect();
-        assert_eq!(found, expected);
+        let reported: Vec<(&str, &str)> = reported.iter().map(|(c, p)| (c.as_str(), p.as_str())).collect();
+        assert_eq!(reported, expected);
     }
 
     #[test]

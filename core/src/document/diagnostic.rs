@@ -269,7 +269,8 @@ impl Diagnostics {
     pub fn without(&self, other: &Self) -> Self {
         let mut rest = self.clone();
         rest.list.retain(|diagnostic| !other.list.contains(diagnostic));
-        let errors = |list: &[Diagnostic]| list.iter().filter(|own| own.severity == Severity::Error).count();
+        let errors =
+            |list: &[Diagnostic]| list.iter().filter(|diagnostic| diagnostic.severity == Severity::Error).count();
         let said = self.list.len() - rest.list.len();
         let errors_said = errors(&self.list) - errors(&rest.list);
         rest.errors -= errors_said;

@@ -103,13 +103,13 @@ impl Formulas<'_> {
             .filter(|(name, _)| ["Ta", "Tb", "Tm", "T"].contains(name))
             .map(|&(_, id)| (id, Dimension::TEMPERATURE))
             .collect();
-        let found = infer(self.graph, id, &|symbol| names.dimension(symbol), &temperatures, &mut clashes);
+        let inferred = infer(self.graph, id, &|symbol| names.dimension(symbol), &temperatures, &mut clashes);
         for clash in &clashes {
             diagnostics.push(Diagnostic::warning(&code::UNIT_CLASH, place, format!("the units clash: {clash}")));
         }
-        if let Some(found) = found.filter(|d| *d != expected.dimension && clashes.is_empty()) {
+        if let Some(inferred) = inferred.filter(|d| *d != expected.dimension && clashes.is_empty()) {
             let message =
-                format!("{} in {} is expected; the expression is in {found}", expected.what, expected.dimension);
+                format!("{} in {} is expected; the expression is in {inferred}", expected.what, expected.dimension);
             diagnostics.push(
                 Diagnostic::warning(&code::UNIT_CLASH, place, message)
                     .expected(format!("something in {}", expected.dimension)),

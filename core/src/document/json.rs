@@ -419,11 +419,11 @@ impl<'a> Parser<'a> {
             self.at += 1;
             return Ok(Value::Array(items));
         }
-        let own = self.path.clone();
+        let array_path = self.path.clone();
         loop {
-            self.path = own.index(items.len());
+            self.path = array_path.index(items.len());
             let item = self.value();
-            self.path.clone_from(&own);
+            self.path.clone_from(&array_path);
             items.push(item?);
             if !self.next_item(']')? {
                 return Ok(Value::Array(items));
@@ -440,15 +440,15 @@ impl<'a> Parser<'a> {
             self.at += 1;
             return Ok(Value::Object(entries));
         }
-        let own = self.path.clone();
+        let object_path = self.path.clone();
         loop {
             let start = self.at;
             let key = self.key()?;
             let end = self.at;
-            self.path = own.key(key.as_deref().unwrap_or("?"));
+            self.path = object_path.key(key.as_deref().unwrap_or("?"));
             let key_place = self.place(start, end);
             let node = self.field();
-            self.path.clone_from(&own);
+            self.path.clone_from(&object_path);
             let node = node?;
             if let Some(key) = key {
                 if let Some(&first) = seen.get(&key) {
@@ -764,19 +764,19 @@ mod tests {
     fn a_file_of_too_many_values_is_refused_at_the_first_beyond() {
         let fits = format!("[{}0]", "0,".repeat(VALUES - 2));
         assert!(read(&fits).1.is_empty());
-        let (node, found) = read(&format!("[{}0]", "0,".repeat(VALUES - 1)));
+        let (node, errors) = read(&format!("[{}0]", "0,".repeat(VALUES - 1)));
         assert!(node.is_none());
-        assert_eq!(found[0].0, "the file has more than 1000000 values");
+        assert_eq!(errors[0].0, "the file has more than 1000000 values");
     }
 
     #[test]
     fn a_decimal_comma_is_answered_with_the_number_it_means() {
         let said = |text: &str| read(text).1;
         let one = |message: &str, help: &str| vec![(message.to_owned(), Some(help.to_owned()))];
-        let found = said(r#"{"a": 0,6, "b": 1}"#);
-        assert_eq!(found, one("`0,6` is no JSON number: it has a decimal comma", "write 0.6"));
-        let found = said(r#"{"a": -12,50e-3}"#);
-        assert_eq!(found, one("`-12,50e-3` is no JSON number: it has a decimal comma", "write -12.50e-3"));
+        let errors = said(r#"{"a": 0,6, "b": 1}"#);
+        assert_eq!(errors, one("`0,6` is no JSON number: it has a decimal comma", "write 0.6"));
+        let errors = said(r#"{"a": -12,50e-3}"#);
+        assert_eq!(errors, one("`-12,50e-3` is no JSON number: it has a decimal comma", "write -12.50e-3"));
         // In an array it may be two numbers.
         assert!(said(r#"{"a": [0,6]}"#).is_empty());
         assert!(said(r#"{"a": 0,"b": 6}"#).is_empty());

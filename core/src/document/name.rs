@@ -68,20 +68,20 @@ pub fn check_labels<T>(map: &Map<T>, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// Reports a name that is not known among `known`; `what` is such as `node`.
+/// Reports a name that is not among `names`; `what` is such as `node`.
 pub fn unknown<'a>(
     what: &str,
     name: &str,
     place: &Place,
-    known: impl Iterator<Item = &'a str> + Clone,
+    names: impl Iterator<Item = &'a str> + Clone,
     diagnostics: &mut Diagnostics,
 ) {
-    let near = diagnostics.nearest(name, known.clone());
+    let near = diagnostics.nearest(name, names.clone());
     let mut diagnostic = Diagnostic::error(&code::UNKNOWN_REFERENCE, place, format!("unknown {what} `{name}`"));
     diagnostic = match near {
         Some(near) => diagnostic.help(format!("did you mean `{near}`?")),
-        None if known.clone().next().is_none() => diagnostic.help(format!("the model has no {what}s")),
-        None => diagnostic.help(format!("the {what}s are {}", suggest::listed(known, 12))),
+        None if names.clone().next().is_none() => diagnostic.help(format!("the model has no {what}s")),
+        None => diagnostic.help(format!("the {what}s are {}", suggest::listed(names, 12))),
     };
     diagnostics.push(diagnostic.expected(format!("the name of a {what}")));
 }

@@ -159,17 +159,19 @@ static SAME: &[(&str, &str)] = &[
 /// The entry of a word. Single letters are capitals.
 pub fn other_word(word: &str) -> Option<&'static OtherWord> {
     let same = SAME.iter().find(|(long, _)| long.eq_ignore_ascii_case(word)).map_or(word, |(_, short)| *short);
-    let is_meant = |own: &&OtherWord| own.word == same || own.word.len() > 1 && own.word.eq_ignore_ascii_case(same);
+    let is_meant = |candidate: &&OtherWord| {
+        candidate.word == same || candidate.word.len() > 1 && candidate.word.eq_ignore_ascii_case(same)
+    };
     OTHER_WORDS.iter().find(is_meant)
 }
 
 /// What a field of another tool stands for here; of a `type` or `kind` its value.
 pub fn advice(field: &str, value: Option<&str>) -> Option<String> {
-    let own = match value.filter(|_| ["type", "kind"].contains(&field)) {
+    let entry = match value.filter(|_| ["type", "kind"].contains(&field)) {
         Some(kind) => other_word(kind),
         None => other_word(field),
     }?;
-    Some(format!("{} ({}): write {}", own.word, own.meaning, own.write))
+    Some(format!("{} ({}): write {}", entry.word, entry.meaning, entry.write))
 }
 
 /// A field's other names, and who has such a field.
@@ -178,9 +180,9 @@ fn same_fields(field: &str) -> Option<(&'static [&'static str], &'static str)> {
 }
 
 /// What an unknown field is called among the known ones of an object.
-pub fn same_field(field: &str, known: &[&str]) -> Option<&'static str> {
+pub fn same_field(field: &str, field_names: &[&str]) -> Option<&'static str> {
     let (words, _) = same_fields(field)?;
-    words.iter().copied().find(|word| known.contains(word))
+    words.iter().copied().find(|word| field_names.contains(word))
 }
 
 /// Which jobs have a field like this one, and what it is called there.
@@ -195,7 +197,7 @@ mod tests {
     #[test]
     fn fields_of_sibling_jobs_are_told_apart() {
         let calibrate = ["data", "parameters", "sampler", "chains", "warmup", "draws"];
-        for (field, own) in [
+        for (field, expected) in [
             ("samples", "draws"),
             ("iterations", "draws"),
             ("n", "draws"),
@@ -205,7 +207,7 @@ mod tests {
             ("method", "sampler"),
             ("Measurements", "data"),
         ] {
-            assert_eq!(same_field(field, &calibrate), Some(own), "{field}");
+            assert_eq!(same_field(field, &calibrate), Some(expected), "{field}");
         }
         assert_eq!(same_field("draws", &["samples", "sampling"]), Some("samples"));
         assert_eq!((same_field("chains", &["samples"]), who_has("chains")), (None, Some("`calibrate` has `chains`")));
@@ -214,7 +216,7 @@ mod tests {
 
     #[test]
     fn words_of_either_case_and_capital_letters_are_known() {
-        let meant = |word| other_word(word).map(|own| own.word);
+        let meant = |word| other_word(word).map(|entry| entry.word);
         assert_eq!(
             [meant("gl"), meant("QI"), meant("qi"), meant("D")],
             [Some("GL"), Some("QI"), Some("QI"), Some("D")]

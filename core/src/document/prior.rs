@@ -134,18 +134,18 @@ fn invalid<T>(place: &Place, message: String, expected: &str, diagnostics: &mut 
 
 /// How the numbers of an entry are converted.
 struct Conversion<'a> {
-    own: Option<&'a Unit>,
+    entry_unit: Option<&'a Unit>,
     dimension: Dimension,
     sense: Sense,
 }
 
 impl Conversion<'_> {
     fn place(&self, amount: &Amount, diagnostics: &mut Diagnostics) -> Option<f64> {
-        amount.si(self.dimension, self.own, self.sense, diagnostics)
+        amount.si(self.dimension, self.entry_unit, self.sense, diagnostics)
     }
 
     fn width(&self, amount: &Amount, diagnostics: &mut Diagnostics) -> Option<f64> {
-        let value = amount.si(self.dimension, self.own, Sense::Difference, diagnostics)?;
+        let value = amount.si(self.dimension, self.entry_unit, Sense::Difference, diagnostics)?;
         if value > 0.0 {
             return Some(value);
         }
@@ -179,16 +179,16 @@ impl Conversion<'_> {
 }
 
 impl PriorForm {
-    /// The prior in SI. Bare numbers are in `own`, or SI; `sense` tells whether the value itself is a difference
+    /// The prior in SI. Bare numbers are in `entry_unit`, or SI; `sense` tells whether the value itself is a difference
     /// (a bias); widths always are.
     pub fn resolve(
         &self,
-        own: Option<&Unit>,
+        entry_unit: Option<&Unit>,
         dimension: Dimension,
         sense: Sense,
         diagnostics: &mut Diagnostics,
     ) -> Option<Prior> {
-        let conversion = Conversion { own, dimension, sense };
+        let conversion = Conversion { entry_unit, dimension, sense };
         let distribution = match self {
             Self::Uniform(pair) => {
                 let [lower, upper] = conversion.bounds(pair, diagnostics)?;

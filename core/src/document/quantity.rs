@@ -104,12 +104,12 @@ pub struct Amount {
 }
 
 impl Amount {
-    /// The value in SI. A bare number is in `own`, or in SI where the entry states no unit of its own.
+    /// The value in SI. A bare number is in `entry_unit`, or in SI where the entry states no unit of its own.
     /// A unit of another dimension than `expected` is reported.
     pub fn si(
         &self,
         expected: Dimension,
-        own: Option<&Unit>,
+        entry_unit: Option<&Unit>,
         sense: Sense,
         diagnostics: &mut Diagnostics,
     ) -> Option<f64> {
@@ -121,7 +121,7 @@ impl Amount {
                 }
                 &written.unit
             }
-            None => match own {
+            None => match entry_unit {
                 Some(unit) => unit,
                 None => return Some(self.value),
             },

@@ -53,7 +53,7 @@ impl Schemas {
         define(&mut schemas);
         let name = root["$ref"].as_str().and_then(|reference| reference.strip_prefix("#/$defs/"));
         let definition = name.and_then(|name| schemas.definitions.get_mut(name));
-        if let Some(properties) = definition.and_then(|own| own["properties"].as_object_mut()) {
+        if let Some(properties) = definition.and_then(|schema| schema["properties"].as_object_mut()) {
             let link = json!({"type": "string", "description": "The JSON Schema of this file, for editors."});
             properties.insert(SCHEMA_LINK.to_owned(), link);
         }

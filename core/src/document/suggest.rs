@@ -52,28 +52,28 @@ fn lower(text: &str, out: &mut Vec<char>) {
 /// The candidate nearest to `name`, if one is near enough to be meant; the first of several equally near. Where a file
 /// is read, [`Diagnostics::nearest`](super::Diagnostics::nearest) bounds how often this is asked.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let (mut own, mut other) = (Vec::new(), Vec::new());
+    let (mut letters, mut other) = (Vec::new(), Vec::new());
     if name.len() > 4 * LONGEST {
         return None;
     }
-    lower(name, &mut own);
-    if own.len() > LONGEST {
+    lower(name, &mut letters);
+    if letters.len() > LONGEST {
         return None;
     }
     let mut best: Option<(usize, &str)> = None;
     for candidate in candidates {
         // A character has at most four bytes, so this leaves out nothing that is near, and most of what is not at once.
-        if candidate.len() > 8 * own.len().max(1) || own.len() > 2 * candidate.len().max(1) {
+        if candidate.len() > 8 * letters.len().max(1) || letters.len() > 2 * candidate.len().max(1) {
             continue;
         }
         lower(candidate, &mut other);
-        let allowed = (own.len().max(other.len()) / NEAR).max(1).min(own.len().max(2) - 1);
+        let allowed = (letters.len().max(other.len()) / NEAR).max(1).min(letters.len().max(2) - 1);
         let most = match best {
             Some((0, _)) => break,
             Some((distance, _)) => allowed.min(distance - 1),
             None => allowed,
         };
-        if let Some(distance) = distance(&own, &other, most) {
+        if let Some(distance) = distance(&letters, &other, most) {
             best = Some((distance, candidate));
         }
     }

@@ -25,9 +25,9 @@ pub trait Written: Sized {
 /// Reports a value of the wrong type (silent for what was no JSON, which has been reported). Always `None`.
 pub fn wrong_type<T>(node: &Node, expected: &str, diagnostics: &mut Diagnostics) -> Option<T> {
     if node.value != Value::Invalid {
-        let found = node.value.kind();
+        let kind = node.value.kind();
         diagnostics.push(
-            Diagnostic::error(&code::WRONG_TYPE, &node.place, format!("{found} cannot stand here")).expected(expected),
+            Diagnostic::error(&code::WRONG_TYPE, &node.place, format!("{kind} cannot stand here")).expected(expected),
         );
     }
     None
@@ -293,7 +293,7 @@ pub fn check_format(node: &Node, format: &str, diagnostics: &mut Diagnostics) ->
         wrong_type::<()>(node, "an object", diagnostics);
         return false;
     }
-    let Some(found) = node.get("format") else {
+    let Some(stated) = node.get("format") else {
         let place = Place { span: Span::new(node.place.span.start, node.place.span.start + 1), ..node.place.clone() };
         diagnostics.push(
             Diagnostic::error(&code::MISSING_FIELD, &place, "missing field `format`")
@@ -301,20 +301,20 @@ pub fn check_format(node: &Node, format: &str, diagnostics: &mut Diagnostics) ->
         );
         return false;
     };
-    let Value::String(text) = &found.value else {
-        wrong_type::<()>(found, &format!("the string \"{format}\""), diagnostics);
+    let Value::String(text) = &stated.value else {
+        wrong_type::<()>(stated, &format!("the string \"{format}\""), diagnostics);
         return false;
     };
     if text == format {
         return true;
     }
-    let known = ["bmv-network/1", "bmv-pass/1", "bmv-effect/1"];
-    let message = if known.contains(&text.as_str()) {
+    let formats = ["bmv-network/1", "bmv-pass/1", "bmv-effect/1"];
+    let message = if formats.contains(&text.as_str()) {
         format!("this is a file of format `{text}`")
     } else {
         format!("unknown format `{text}`")
     };
-    diagnostics.push(Diagnostic::error(&code::FORMAT_VERSION, &found.place, message).expected(format!("`{format}`")));
+    diagnostics.push(Diagnostic::error(&code::FORMAT_VERSION, &stated.place, message).expected(format!("`{format}`")));
     false
 }
 

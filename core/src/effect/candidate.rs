@@ -56,15 +56,15 @@ pub fn candidates(
     sensors: &[SensorPlace],
     catalogue: &Catalogue,
 ) -> Vec<Candidate> {
-    let mut found = Vec::new();
+    let mut candidates = Vec::new();
     for effect in catalogue.effects() {
         for spot in spots(effect, model, groups, sensors) {
             for bound in bindings(effect, model, &spot.nodes) {
-                found.push(candidate(effect, model, &spot, bound, sensors));
+                candidates.push(candidate(effect, model, &spot, bound, sensors));
             }
         }
     }
-    found
+    candidates
 }
 
 fn candidate(effect: &Effect, model: &Model, spot: &Spot, bound: Vec<Bound>, sensors: &[SensorPlace]) -> Candidate {
@@ -86,7 +86,7 @@ fn candidate(effect: &Effect, model: &Model, spot: &Spot, bound: Vec<Bound>, sen
         id.push_str(part);
     }
     let watching: &[SensorPlace] = match &spot.site {
-        Site::Sensors(own) => own,
+        Site::Sensors(measured) => measured,
         _ => sensors,
     };
     let seen =
@@ -234,10 +234,8 @@ impl EffectInputForm {
             Bound::Input(_) => (self.input, Some(bound.dimension(model))),
         };
         let fits = match (&self.unit, dimension) {
-            (Some(units), Some(own)) => units
-                .0
-                .iter()
-                .any(|unit| Some(unit.unit.dimension) == own && (!unit.unit.is_angle() || bound.is_angle(model))),
+            (Some(units), Some(dimension)) => (units.0.iter())
+                .any(|unit| Some(unit.unit.dimension) == dimension && (!unit.unit.is_angle() || bound.is_angle(model))),
             _ => true,
         };
         allowed && fits

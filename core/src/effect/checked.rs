@@ -194,8 +194,8 @@ impl Effect {
         }
         for input in asked {
             if self.form.inputs.get(&input.value).is_none() {
-                let known = self.form.inputs.iter().map(|entry| entry.name.as_str());
-                name::unknown("input", &input.value, &input.place, known, diagnostics);
+                let input_names = self.form.inputs.iter().map(|entry| entry.name.as_str());
+                name::unknown("input", &input.value, &input.place, input_names, diagnostics);
             }
         }
     }

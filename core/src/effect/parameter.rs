@@ -74,7 +74,7 @@ pub fn widened(distribution: Distribution, factor: f64) -> Distribution {
 
 /// The SI unit of a dimension over others as people read it: `W/Pa`, not `m3/s`.
 fn si_per(above: Dimension, below: &[Dimension]) -> Unit {
-    let plain = Unit::si(below.iter().fold(above, |dimension, own| dimension.over(*own)));
+    let plain = Unit::si(below.iter().fold(above, |dimension, divisor| dimension.over(*divisor)));
     let mut above = above.to_string();
     let mut powers: Vec<(String, usize)> = Vec::new();
     for text in below.iter().map(Dimension::to_string).filter(|text| text != "1") {
@@ -82,7 +82,7 @@ fn si_per(above: Dimension, below: &[Dimension]) -> Unit {
             above = "1".to_owned();
             continue;
         }
-        match powers.iter_mut().find(|(known, _)| *known == text) {
+        match powers.iter_mut().find(|(symbol, _)| *symbol == text) {
             Some((_, power)) => *power += 1,
             None => powers.push((text, 1)),
         }
@@ -151,17 +151,17 @@ impl Effect {
             return parameter;
         }
         let Some(written) = &form.unit else { return parameter };
-        let own = &written.unit;
+        let stated_unit = &written.unit;
         // The file was checked: its numbers convert, and its prior is a distribution.
         let mut unheard = Diagnostics::new();
         let mut si = |amount: &crate::document::Amount| {
-            amount.si(own.dimension, Some(own), form.sense(), &mut unheard).unwrap_or_default()
+            amount.si(stated_unit.dimension, Some(stated_unit), form.sense(), &mut unheard).unwrap_or_default()
         };
         let nominal = form.nominal.as_ref().map(&mut si);
         let plausible = form.plausible.as_ref().map(&mut si);
         let probes: Vec<f64> = form.probes.iter().map(&mut si).collect();
         let prior = form.prior.as_ref().and_then(|prior| {
-            prior.resolve(Some(own), own.dimension, form.sense(), &mut unheard)?.distribution().copied()
+            prior.resolve(Some(stated_unit), stated_unit.dimension, form.sense(), &mut unheard)?.distribution().copied()
         });
         let prior = prior.unwrap_or(Distribution::Fixed(0.0));
         let mut below = Vec::new();
@@ -170,9 +170,9 @@ impl Effect {
             below.push(input.dimension(model).unwrap_or(Dimension::NONE));
             largest *= input.largest(model);
         }
-        parameter.enlarged = if self.embedded { enlarged(own.dimension, model) } else { 1.0 };
+        parameter.enlarged = if self.embedded { enlarged(stated_unit.dimension, model) } else { 1.0 };
         let factor = parameter.enlarged / largest;
-        parameter.unit = if form.per.is_empty() { own.clone() } else { si_per(own.dimension, &below) };
+        parameter.unit = if form.per.is_empty() { stated_unit.clone() } else { si_per(stated_unit.dimension, &below) };
         parameter.prior = scaled(prior, factor);
         parameter.nominal = nominal.map_or_else(|| parameter.prior.quantile(0.5), |value| value * factor);
         parameter.probes = probes.into_iter().map(|value| value * factor).collect();
@@ -237,15 +237,19 @@ mod tests {
     fn sizes_are_plausible_for_the_hardware() {
         let catalogue = Catalogue::embedded(&mut Diagnostics::new());
         let plausible = |effect: &str, model: &Model| -> Vec<f64> {
-            catalogue.get(effect).unwrap().parameters(model, &[]).iter().map(|own| own.plausible).collect()
+            catalogue.get(effect).unwrap().parameters(model, &[]).iter().map(|parameter| parameter.plausible).collect()
         };
         let (house, head) = (hardware(1e7, 120.0), hardware(700.0, 2.0));
         assert_eq!(plausible("hidden-node", &head), [200.0, 0.1]);
         assert_eq!(plausible("hidden-node", &house), [2e6, 10.0]);
         assert_eq!(plausible("sensor-bias", &house), plausible("sensor-bias", &head));
-        let mut own = catalogue.get("hidden-node").unwrap().clone();
-        own.embedded = false;
-        assert_eq!(own.parameters(&house, &[])[0].plausible, 200.0, "a study's own effect is meant for its hardware");
+        let mut study_effect = catalogue.get("hidden-node").unwrap().clone();
+        study_effect.embedded = false;
+        assert_eq!(
+            study_effect.parameters(&house, &[])[0].plausible,
+            200.0,
+            "a study's own effect is meant for its hardware"
+        );
     }
 
     /// Heat over powers, fluxes and pressures is written as an engineer would; the same dimension cancels.
@@ -264,7 +268,7 @@ mod tests {
             let below: Vec<Dimension> = below.iter().map(|text| dimension(text)).collect();
             let unit = si_per(dimension("W"), &below);
             assert_eq!(unit.text, expected);
-            assert_eq!(unit.dimension, below.iter().fold(dimension("W"), |above, own| above.over(*own)));
+            assert_eq!(unit.dimension, below.iter().fold(dimension("W"), |above, divisor| above.over(*divisor)));
         }
     }
 }

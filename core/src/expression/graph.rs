@@ -467,7 +467,7 @@ impl Graph {
 
     /// The symbols that an expression depends on, sorted.
     pub fn symbols(&self, root: ExprId) -> Vec<Symbol> {
-        let mut found = Vec::new();
+        let mut symbols = Vec::new();
         let mut seen = std::collections::HashSet::new();
         let mut stack = vec![root];
         while let Some(id) = stack.pop() {
@@ -476,20 +476,20 @@ impl Graph {
             }
             match self.term(id) {
                 Term::Number(_) => {}
-                Term::Symbol(symbol) => found.push(symbol),
+                Term::Symbol(symbol) => symbols.push(symbol),
                 Term::Unary(_, a) | Term::Interpolate(_, a) | Term::Slope(_, a) => stack.push(a),
                 Term::Binary(_, a, b) => stack.extend([a, b]),
             }
         }
-        found.sort_unstable();
-        found
+        symbols.sort_unstable();
+        symbols
     }
 
     /// The largest subexpressions below `roots` whose dependence is within `allowed`, constants left out, in order
     /// of their ids. What can be computed once outside a loop over the rest.
     pub fn frontier(&self, roots: &[ExprId], allowed: Dependence) -> Vec<ExprId> {
         let mut seen = vec![false; self.terms.len()];
-        let mut found = Vec::new();
+        let mut frontier = Vec::new();
         let mut stack: Vec<ExprId> = roots.to_vec();
         while let Some(id) = stack.pop() {
             if std::mem::replace(&mut seen[id.0 as usize], true) {
@@ -498,7 +498,7 @@ impl Graph {
             let term = self.term(id);
             if self.dependence(id).within(allowed) {
                 if !matches!(term, Term::Number(_)) {
-                    found.push(id);
+                    frontier.push(id);
                 }
                 continue;
             }
@@ -508,8 +508,8 @@ impl Graph {
                 Term::Binary(_, a, b) => stack.extend([a, b]),
             }
         }
-        found.sort_unstable();
-        found
+        frontier.sort_unstable();
+        frontier
     }
 
     /// Every subexpression of the roots, arguments before functions, in order of their ids.
@@ -588,7 +588,7 @@ impl Graph {
     /// steps, the differences of what minima, maxima and comparisons compare. In order of their ids, each once;
     /// ramps and tables are left out.
     pub fn discontinuities(&mut self, roots: &[ExprId], allowed: Dependence) -> Vec<ExprId> {
-        let mut found = Vec::new();
+        let mut switches = Vec::new();
         for id in self.below(roots) {
             let switching = match self.term(id) {
                 Term::Unary(Unary::Abs | Unary::Step | Unary::Sign, a) => a,
@@ -598,29 +598,29 @@ impl Graph {
             if self.dependence(switching).within(allowed)
                 && self.dependence(switching).intersects(Dependence::TIME.union(Dependence::INPUT))
             {
-                found.push(switching);
+                switches.push(switching);
             }
         }
-        found.sort_unstable();
-        found.dedup();
-        found
+        switches.sort_unstable();
+        switches.dedup();
+        switches
     }
 
     /// Tables read at a function of inputs and time, with that function: at each of its points a table has a corner.
     /// `allowed` as for [`Graph::discontinuities`].
     pub fn table_discontinuities(&self, roots: &[ExprId], allowed: Dependence) -> Vec<(u32, ExprId)> {
-        let mut found = Vec::new();
+        let mut switches = Vec::new();
         for id in self.below(roots) {
             if let Term::Interpolate(table, at) = self.term(id)
                 && self.dependence(at).within(allowed)
                 && self.dependence(at).intersects(Dependence::TIME.union(Dependence::INPUT))
             {
-                found.push((table, at));
+                switches.push((table, at));
             }
         }
-        found.sort_unstable();
-        found.dedup();
-        found
+        switches.sort_unstable();
+        switches.dedup();
+        switches
     }
 
     /// Value of an expression; `lookup` supplies the symbols. For single evaluations: repeated ones go
@@ -654,12 +654,12 @@ impl Graph {
         if !self.dependence(id).intersects(symbol.dependence()) {
             return self.number(0.0);
         }
-        if let Some(&known) = self.slopes.get(&(id, symbol)) {
-            return known;
+        if let Some(&slope) = self.slopes.get(&(id, symbol)) {
+            return slope;
         }
         let result = match self.term(id) {
             Term::Number(_) | Term::Slope(..) => self.number(0.0),
-            Term::Symbol(own) => self.number(if own == symbol { 1.0 } else { 0.0 }),
+            Term::Symbol(leaf) => self.number(if leaf == symbol { 1.0 } else { 0.0 }),
             Term::Unary(function, a) => {
                 let inner = self.derivative(a, symbol);
                 let outer = self.unary_slope(function, a, id);
@@ -794,8 +794,8 @@ mod tests {
         let zero = graph.number(0.0);
         let lit = graph.binary(Binary::Maximum, cosine, zero);
         let node = graph.symbol(Symbol::Node(0));
-        let own = graph.unary(Unary::Abs, node);
-        let root = graph.add(lit, own);
+        let magnitude = graph.unary(Unary::Abs, node);
+        let root = graph.add(lit, magnitude);
         let given = Dependence::PARAMETER.union(Dependence::INPUT).union(Dependence::TIME);
         assert_eq!(graph.discontinuities(&[root], given), [cosine]);
     }

@@ -11,30 +11,30 @@ use super::graph::{Binary, ExprId, Graph, Symbol, Term, Unary};
 /// What is known of a dimension; `None`: nothing.
 pub type Inferred = Option<Dimension>;
 
-/// Works out the dimension of an expression, where `symbol` tells that of symbols and `known` that of some terms;
+/// Works out the dimension of an expression, where `symbol` tells that of symbols and `dimensions` that of some terms;
 /// clashes inside it are described in `clashes`.
 pub fn infer(
     graph: &Graph,
     root: ExprId,
     symbol: &dyn Fn(Symbol) -> Option<Dimension>,
-    known: &[(ExprId, Dimension)],
+    dimensions: &[(ExprId, Dimension)],
     clashes: &mut Vec<String>,
 ) -> Inferred {
-    let known = known.iter().map(|&(id, dimension)| (id, Some(dimension))).collect();
-    Walk { graph, symbol, known, clashes }.of(root)
+    let dimensions = dimensions.iter().map(|&(id, dimension)| (id, Some(dimension))).collect();
+    Walk { graph, symbol, dimensions, clashes }.of(root)
 }
 
 struct Walk<'a> {
     graph: &'a Graph,
     symbol: &'a dyn Fn(Symbol) -> Option<Dimension>,
-    known: HashMap<ExprId, Inferred>,
+    dimensions: HashMap<ExprId, Inferred>,
     clashes: &'a mut Vec<String>,
 }
 
 impl Walk<'_> {
     fn of(&mut self, id: ExprId) -> Inferred {
-        if let Some(&known) = self.known.get(&id) {
-            return known;
+        if let Some(&inferred) = self.dimensions.get(&id) {
+            return inferred;
         }
         let result = match self.graph.term(id) {
             Term::Number(_) | Term::Slope(..) => None,
@@ -52,7 +52,7 @@ impl Walk<'_> {
                 self.binary(function, (a, left), (b, right))
             }
         };
-        self.known.insert(id, result);
+        self.dimensions.insert(id, result);
         result
     }
 

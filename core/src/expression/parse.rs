@@ -145,12 +145,12 @@ impl<'a> Parser<'a> {
 
     /// Takes a character and the blanks behind it.
     fn take(&mut self, wanted: char) -> bool {
-        let found = self.peek() == Some(wanted);
-        if found {
+        let is_next = self.peek() == Some(wanted);
+        if is_next {
             self.at += wanted.len_utf8();
             self.blank();
         }
-        found
+        is_next
     }
 
     /// Counts an operation over `start..`, whose arguments were all constants or not, and checks its value.

@@ -209,14 +209,15 @@ impl Program {
     /// unrelated segments need is computed by both.
     pub fn compile_branches(graph: &Graph, symbols: &[Symbol], segments: &[Segment<'_>]) -> Self {
         let mut listed: Vec<Symbol> = symbols.to_vec();
-        let mut known: HashMap<Symbol, Register> = symbols.iter().enumerate().map(|(i, &s)| (s, register(i))).collect();
+        let mut registers: HashMap<Symbol, Register> =
+            symbols.iter().enumerate().map(|(i, &s)| (s, register(i))).collect();
         let mut constants = Vec::new();
         let roots: Vec<ExprId> = segments.iter().flat_map(|s| s.outputs.iter().copied()).collect();
         let (mut symbol_ids, mut number_ids) = (Vec::new(), Vec::new());
         for id in graph.below(&roots) {
             match graph.term(id) {
                 Term::Symbol(symbol) => {
-                    let place = *known.entry(symbol).or_insert_with(|| {
+                    let place = *registers.entry(symbol).or_insert_with(|| {
                         listed.push(symbol);
                         register(listed.len() - 1)
                     });
@@ -295,15 +296,15 @@ impl Program {
                 }
             }
             ends.push(instructions.len());
-            let found = segment.outputs.iter().filter_map(|&id| placements.find(id, &visible).map(Register)).collect();
-            outputs.push(found);
+            let placed = segment.outputs.iter().filter_map(|&id| placements.find(id, &visible).map(Register)).collect();
+            outputs.push(placed);
         }
         let everything = vec![true; segments.len() + 1];
         let places = (0..graph.len())
             .map(|index| placements.find(ExprId(register(index).0), &everything).unwrap_or(u32::MAX))
             .collect();
         Self {
-            symbols: known,
+            symbols: registers,
             constants,
             first_constant,
             first_instruction,

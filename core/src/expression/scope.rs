@@ -77,7 +77,7 @@ impl<'a> Scope<'a> {
 
     /// What a name stands for.
     pub fn find(&self, name: &str) -> Option<ExprId> {
-        let local = self.locals.iter().find(|(own, _)| *own == name).map(|(_, id)| *id);
+        let local = self.locals.iter().find(|(local_name, _)| *local_name == name).map(|(_, id)| *id);
         local.or_else(|| self.names.values.get(name).copied())
     }
 

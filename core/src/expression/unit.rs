@@ -124,9 +124,9 @@ impl Unit {
             _ if self.has_offset() => vec!["K"],
             _ => vec![],
         };
-        let mut found: Vec<Self> = swapped.into_iter().filter_map(|text| Self::parse(text).ok()).collect();
+        let mut units: Vec<Self> = swapped.into_iter().filter_map(|text| Self::parse(text).ok()).collect();
         if self.has_offset() {
-            return found;
+            return units;
         }
         let bare = PREFIXES.iter().filter_map(|(prefix, _)| self.text.strip_prefix(prefix));
         let texts: Vec<String> = std::iter::once(self.text.as_str())
@@ -140,9 +140,9 @@ impl Unit {
             let is_meant = |other: &&Self| {
                 other.dimension == self.dimension && (other.factor / (self.factor * times) - 1.0).abs() < 1e-9
             };
-            found.extend(parsed.iter().find(is_meant).cloned());
+            units.extend(parsed.iter().find(is_meant).cloned());
         }
-        found
+        units
     }
 
     /// Whether it is a plain angle. Angles have no dimension, so that the text alone tells one from a share or a count.
@@ -319,8 +319,8 @@ fn instead(text: &str) -> Option<String> {
     let by_case = SYMBOLS.iter().map(|s| s.0).find(|s| s.to_lowercase() == lower);
     let common = ["mW", "kW", "mK", "mm", "cm", "km", "kg", "kJ", "mA", "mV", "mbar", "hPa", "kPa", "degC", "um", "ms"];
     let near = by_case.or_else(|| common.into_iter().find(|s| s.to_lowercase() == lower)).or_else(|| {
-        let known = SYMBOLS.iter().map(|s| s.0).filter(|s| s.len() > 1).chain(common);
-        known.filter(|s| one_edit(s, text)).min_by_key(|s| s.len().abs_diff(text.len()))
+        let symbols = SYMBOLS.iter().map(|s| s.0).filter(|s| s.len() > 1).chain(common);
+        symbols.filter(|s| one_edit(s, text)).min_by_key(|s| s.len().abs_diff(text.len()))
     })?;
     Some(format!("did you mean `{near}`?"))
 }

@@ -35,9 +35,9 @@ impl<'a, T: Target> Posterior<'a, T> {
     /// # Errors
     /// As [`Posterior::new`].
     pub fn along(target: &'a T, normal: &NormalApproximation) -> Result<Self, TransformError> {
-        let own = Self::new(target)?;
-        let transport = Transport::new(&own.transforms, target.priors(), normal);
-        Ok(Self { transport, ..own })
+        let untransported = Self::new(target)?;
+        let transport = Transport::new(&untransported.transforms, target.priors(), normal);
+        Ok(Self { transport, ..untransported })
     }
 
     /// A normal approximation's covariance over the coordinates, n x n, to first order at its mode.
@@ -329,9 +329,10 @@ mod tests {
             let back = posterior.parameters(&w);
             assert!(x.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-9), "{x:?} {back:?}");
             // The same parameters have the same density with or without the shear.
-            let (own, other) = (posterior.evaluator().density(&w), plain.evaluator().density(&plain.coordinates(&x)));
-            let (own, other) = (own.expect("a density").total(), other.expect("a density").total());
-            assert!((own - other).abs() < 1e-9 * own.abs().max(1.0), "{own} {other}");
+            let (sheared, other) =
+                (posterior.evaluator().density(&w), plain.evaluator().density(&plain.coordinates(&x)));
+            let (sheared, other) = (sheared.expect("a density").total(), other.expect("a density").total());
+            assert!((sheared - other).abs() < 1e-9 * sheared.abs().max(1.0), "{sheared} {other}");
         }
     }
 }

@@ -140,7 +140,7 @@ impl Rejections {
     }
 
     fn add(&mut self, reason: &str, more: u64) {
-        if let Some(entry) = self.by_reason.iter_mut().find(|(known, _)| known == reason) {
+        if let Some(entry) = self.by_reason.iter_mut().find(|(recorded, _)| recorded == reason) {
             entry.1 += more;
         } else if self.by_reason.len() < Self::MOST_REASONS {
             self.by_reason.push((reason.to_owned(), more));

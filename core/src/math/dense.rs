@@ -65,12 +65,12 @@ pub fn solve(factors: &[f64], pivots: &[usize], rhs: &mut [f64]) {
         rhs.swap(k, row);
     }
     for (i, line) in factors.chunks_exact(n.max(1)).enumerate() {
-        let (known, rest) = rhs.split_at_mut(i);
-        rest[0] -= dot(&line[..i], known);
+        let (solved, rest) = rhs.split_at_mut(i);
+        rest[0] -= dot(&line[..i], solved);
     }
     for (i, line) in factors.chunks_exact(n.max(1)).enumerate().rev() {
-        let (rest, known) = rhs.split_at_mut(i + 1);
-        rest[i] = (rest[i] - dot(&line[i + 1..], known)) / line[i];
+        let (rest, solved) = rhs.split_at_mut(i + 1);
+        rest[i] = (rest[i] - dot(&line[i + 1..], solved)) / line[i];
     }
 }
 

@@ -141,9 +141,9 @@ fn stack_entries(blocks: &[Block]) -> usize {
     let complement = |block: &Block| (block.front - block.pivots) * (block.front - block.pivots);
     let (mut height, mut largest) = (0, 0);
     for block in blocks {
-        let own = complement(block);
-        largest = largest.max(height + own);
-        height = height + own - block.children.iter().map(|&c| complement(&blocks[c])).sum::<usize>();
+        let entries = complement(block);
+        largest = largest.max(height + entries);
+        height = height + entries - block.children.iter().map(|&c| complement(&blocks[c])).sum::<usize>();
     }
     largest
 }

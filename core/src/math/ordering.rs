@@ -155,12 +155,12 @@ impl QuotientGraph {
 
     /// Live variables next to the pivot directly or through its elements, marked with the stamp; the elements are absorbed.
     fn element_members(&mut self, pivot: usize) -> Vec<usize> {
-        let mut found = Vec::new();
+        let mut members = Vec::new();
         let mut add = |list: Vec<usize>, weight: &[usize], mark: &mut [usize], stamp: usize| {
             for j in list {
                 if weight[j] > 0 && mark[j] != stamp {
                     mark[j] = stamp;
-                    found.push(j);
+                    members.push(j);
                 }
             }
         };
@@ -169,8 +169,8 @@ impl QuotientGraph {
             self.element_weight[element] = 0;
             add(std::mem::take(&mut self.members[element]), &self.weight, &mut self.mark, self.stamp);
         }
-        found.sort_unstable();
-        found
+        members.sort_unstable();
+        members
     }
 
     /// Merges the variables among the candidates that have the same lists.
@@ -275,9 +275,9 @@ mod tests {
         let order = minimum_degree(neighbours.clone());
         assert_permutation(&order, 900);
         let natural = factor_entries(&neighbours, &(0..900).collect::<Vec<_>>());
-        let found = factor_entries(&neighbours, &order);
+        let ordered = factor_entries(&neighbours, &order);
         // Row by row fills the band: about 30 entries a column. Published minimum degree results lie near a third of it.
-        assert!(found * 2 < natural, "{found} against {natural}");
+        assert!(ordered * 2 < natural, "{ordered} against {natural}");
         assert_eq!(order, minimum_degree(neighbours), "the order is reproducible");
     }
 

@@ -58,10 +58,10 @@ impl PivotingLu {
         let mut step_of_row = vec![NONE; size];
         let mut x = vec![0.0; size];
         let mut mark = vec![NONE; size];
-        let mut found: Vec<usize> = Vec::new();
+        let mut reached: Vec<usize> = Vec::new();
         let mut stack: Vec<(usize, usize)> = Vec::new();
         for (step, &column) in order.iter().enumerate() {
-            found.clear();
+            reached.clear();
             for slot in pattern.column(column) {
                 let row = pattern.rows()[slot];
                 if mark[row] != step {
@@ -69,19 +69,19 @@ impl PivotingLu {
                     stack.push((row, 0));
                 }
                 while let Some((row, next)) = stack.pop() {
-                    let reached = match step_of_row[row] {
+                    let below = match step_of_row[row] {
                         NONE => None,
                         k => (lower.starts[k] + next..lower.starts[k + 1]).next().map(|at| lower.rows[at]),
                     };
-                    match reached {
-                        Some(reached) => {
+                    match below {
+                        Some(below) => {
                             stack.push((row, next + 1));
-                            if mark[reached] != step {
-                                mark[reached] = step;
-                                stack.push((reached, 0));
+                            if mark[below] != step {
+                                mark[below] = step;
+                                stack.push((below, 0));
                             }
                         }
-                        None => found.push(row),
+                        None => reached.push(row),
                     }
                 }
             }
@@ -89,7 +89,7 @@ impl PivotingLu {
                 x[pattern.rows()[slot]] = values[slot];
             }
             // Reversed postorder is an order in which every column comes before those it changes.
-            for &row in found.iter().rev() {
+            for &row in reached.iter().rev() {
                 let k = step_of_row[row];
                 if k != NONE {
                     let factor = x[row];
@@ -99,7 +99,7 @@ impl PivotingLu {
                     }
                 }
             }
-            let candidates = || found.iter().copied().filter(|&row| step_of_row[row] == NONE);
+            let candidates = || reached.iter().copied().filter(|&row| step_of_row[row] == NONE);
             let mut pivot_row = column;
             let mut largest = 0.0;
             for row in candidates() {
@@ -123,7 +123,7 @@ impl PivotingLu {
             diagonal.push(pivot);
             lower.starts.push(lower.rows.len());
             upper.starts.push(upper.rows.len());
-            for &row in &found {
+            for &row in &reached {
                 x[row] = 0.0;
             }
         }

@@ -136,24 +136,24 @@ impl SparseLu {
         }
         for block in &elimination.blocks {
             let (p, upper, lower, below) = parts(elimination, &self.factors, block);
-            let (own, later) = x[block.first..].split_at_mut(p);
+            let (block_values, later) = x[block.first..].split_at_mut(p);
             for (i, line) in upper.chunks_exact(block.front).enumerate() {
-                own[i] -= dot(&line[..i], &own[..i]);
+                block_values[i] -= dot(&line[..i], &block_values[..i]);
             }
             for (line, &row) in lower.chunks_exact(p).zip(below) {
-                later[row - block.first - p] -= dot(line, own);
+                later[row - block.first - p] -= dot(line, block_values);
             }
         }
         for block in elimination.blocks.iter().rev() {
             let (p, upper, _, below) = parts(elimination, &self.factors, block);
-            let (own, later) = x[block.first..].split_at_mut(p);
+            let (block_values, later) = x[block.first..].split_at_mut(p);
             for (i, line) in upper.chunks_exact(block.front).enumerate().rev() {
                 let (inside, outside) = line.split_at(p);
-                let mut sum = own[i] - dot(&inside[i + 1..], &own[i + 1..]);
+                let mut sum = block_values[i] - dot(&inside[i + 1..], &block_values[i + 1..]);
                 for (u, &row) in outside.iter().zip(below) {
                     sum -= u * later[row - block.first - p];
                 }
-                own[i] = sum / inside[i];
+                block_values[i] = sum / inside[i];
             }
         }
         for (x, &original) in x.iter().zip(&elimination.order) {
@@ -173,12 +173,12 @@ impl SparseLu {
         }
         for block in &elimination.blocks {
             let (p, upper, _, below) = parts(elimination, &self.factors, block);
-            let (own, later) = x[block.first..].split_at_mut(p);
+            let (block_values, later) = x[block.first..].split_at_mut(p);
             for (i, line) in upper.chunks_exact(block.front).enumerate() {
                 let (inside, outside) = line.split_at(p);
-                let value = own[i] / inside[i];
-                own[i] = value;
-                for (x, u) in own[i + 1..].iter_mut().zip(&inside[i + 1..]) {
+                let value = block_values[i] / inside[i];
+                block_values[i] = value;
+                for (x, u) in block_values[i + 1..].iter_mut().zip(&inside[i + 1..]) {
                     *x -= u * value;
                 }
                 for (u, &row) in outside.iter().zip(below) {
@@ -188,16 +188,16 @@ impl SparseLu {
         }
         for block in elimination.blocks.iter().rev() {
             let (p, upper, lower, below) = parts(elimination, &self.factors, block);
-            let (own, later) = x[block.first..].split_at_mut(p);
+            let (block_values, later) = x[block.first..].split_at_mut(p);
             for (line, &row) in lower.chunks_exact(p).zip(below) {
                 let value = later[row - block.first - p];
-                for (x, l) in own.iter_mut().zip(line) {
+                for (x, l) in block_values.iter_mut().zip(line) {
                     *x -= l * value;
                 }
             }
             for (i, line) in upper.chunks_exact(block.front).enumerate().rev() {
-                let value = own[i];
-                for (x, l) in own[..i].iter_mut().zip(line) {
+                let value = block_values[i];
+                for (x, l) in block_values[..i].iter_mut().zip(line) {
                     *x -= l * value;
                 }
             }

@@ -32,10 +32,10 @@ impl Dates {
     /// average. Transients alone are at the times that they state where these do not overlap. `None` of less than two instants.
     fn of(measurements: &[Measurement]) -> Option<Self> {
         let spans: Vec<[f64; 2]> = measurements.iter().filter_map(span).collect();
-        let named = |own: &Measurement, start: f64| (own.name.clone(), start);
+        let named = |measurement: &Measurement, start: f64| (measurement.name.clone(), start);
         if spans.len() == measurements.len() && spans.is_sorted_by(|a, b| a[1] <= b[0]) {
             let range = [spans.first()?[0], spans.last()?[1]];
-            let starts = measurements.iter().map(|own| named(own, 0.0)).collect();
+            let starts = measurements.iter().map(|measurement| named(measurement, 0.0)).collect();
             return (range[0] < range[1]).then_some(Self { unit: "s", range, step: 0.0, starts });
         }
         let passed: f64 = spans.iter().map(|span| span[1] - span[0]).sum();
@@ -44,15 +44,15 @@ impl Dates {
             count => ("s", 0.0, passed / count as f64),
         };
         let (mut now, mut last, mut starts) = (first, first, Vec::new());
-        for own in measurements {
-            match span(own) {
+        for measurement in measurements {
+            match span(measurement) {
                 None => {
-                    starts.push(named(own, now));
-                    now += step * own.len() as f64;
+                    starts.push(named(measurement, now));
+                    now += step * measurement.len() as f64;
                     last = now - step;
                 }
                 Some([from, to]) => {
-                    starts.push(named(own, now - from));
+                    starts.push(named(measurement, now - from));
                     now += to - from;
                     last = now;
                 }
@@ -96,8 +96,8 @@ impl Model {
         dates.unit.clone_into(&mut input.unit);
         (input.range, input.nominal) = (Some(dates.range), dates.range[1]);
         for measurement in measurements {
-            let known = dates.starts.iter().find(|(name, _)| *name == measurement.name);
-            let start = known.map_or(dates.range[1], |(_, start)| *start);
+            let dated = dates.starts.iter().find(|(name, _)| *name == measurement.name);
+            let start = dated.map_or(dates.range[1], |(_, start)| *start);
             let put = |inputs: &mut Vec<f64>, value: f64| {
                 inputs.resize(inputs.len().max(date + 1), 0.0);
                 inputs[date] = value;

@@ -310,13 +310,15 @@ impl Measurement {
     pub fn change_sensors(&mut self, change: &SensorChange, nominal: f64) {
         match change {
             SensorChange::Reading { sensor, from, to } => {
-                for own in self.sensors.iter_mut().filter(|own| own.name == *sensor && own.quantity == *from) {
-                    own.quantity = *to;
+                for matching in
+                    self.sensors.iter_mut().filter(|matching| matching.name == *sensor && matching.quantity == *from)
+                {
+                    matching.quantity = *to;
                 }
             }
             SensorChange::Lag { sensor, parameter } => {
-                for own in self.sensors.iter_mut().filter(|own| own.name == *sensor) {
-                    own.lag_s = Some(Uncertain::Parameter { index: *parameter, nominal });
+                for matching in self.sensors.iter_mut().filter(|matching| matching.name == *sensor) {
+                    matching.lag_s = Some(Uncertain::Parameter { index: *parameter, nominal });
                 }
             }
             SensorChange::Swap { sensors: [a, b] } => {

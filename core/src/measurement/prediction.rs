@@ -199,7 +199,8 @@ impl Predictor {
 
     fn row_heat(&self, workspace: &mut Workspace) -> Option<RowHeat> {
         let balance = self.network.heat_balance(workspace);
-        let numbers = balance.into_boundaries.iter().map(|own| own.1).chain([balance.source_w, balance.stored_w]);
+        let numbers =
+            balance.into_boundaries.iter().map(|boundary| boundary.1).chain([balance.source_w, balance.stored_w]);
         numbers.fold(0.0, |sum, heat| sum + heat).is_finite().then_some(RowHeat {
             sources_w: balance.source_w,
             into_boundaries_w: balance.into_boundaries,

@@ -36,19 +36,19 @@ pub struct Scatter {
 /// and sensors of one name and noise are one.
 pub fn of_stated<'s>(residuals: impl Iterator<Item = (&'s Sensor, f64)>, model: &Model) -> Vec<Scatter> {
     let mut sensors: Vec<Scatter> = Vec::new();
-    for (own, residual) in residuals {
-        let is_inferred = [&own.sigma, &own.white].into_iter().flatten().any(|part| part.prior().is_some());
-        let Some(sigma) = own.sigma.as_ref().filter(|_| !is_inferred) else { continue };
-        let white = own.white.as_ref().map_or(0.0, |white| white.nominal());
+    for (sensor, residual) in residuals {
+        let is_inferred = [&sensor.sigma, &sensor.white].into_iter().flatten().any(|part| part.prior().is_some());
+        let Some(sigma) = sensor.sigma.as_ref().filter(|_| !is_inferred) else { continue };
+        let white = sensor.white.as_ref().map_or(0.0, |white| white.nominal());
         let sigma = total_sd(sigma.nominal(), white);
-        match sensors.iter_mut().find(|known| known.sensor == own.name && known.sigma == sigma) {
-            Some(known) => {
-                known.square += residual * residual;
-                known.readings += 1;
+        match sensors.iter_mut().find(|entry| entry.sensor == sensor.name && entry.sigma == sigma) {
+            Some(entry) => {
+                entry.square += residual * residual;
+                entry.readings += 1;
             }
             None => {
-                let unit = model.quantities[own.quantity].unit.clone();
-                let (sensor, square) = (own.name.clone(), residual * residual);
+                let unit = model.quantities[sensor.quantity].unit.clone();
+                let (sensor, square) = (sensor.name.clone(), residual * residual);
                 sensors.push(Scatter { sensor, sigma, unit, square, readings: 1 });
             }
         }
@@ -69,8 +69,8 @@ pub fn warning(sensors: &[Scatter], free: usize) -> Option<String> {
     let square: f64 = sensors.iter().map(|one| one.square).sum();
     let readings = sensors.iter().map(|one| one.readings).sum();
     let said = |named: &[(&Scatter, f64)]| {
-        let one = |(own, times): &(&Scatter, f64)| {
-            format!("{} {:.2} instead of {} {}", own.sensor, own.sigma / times, own.sigma, own.unit)
+        let one = |(scatter, times): &(&Scatter, f64)| {
+            format!("{} {:.2} instead of {} {}", scatter.sensor, scatter.sigma / times, scatter.sigma, scatter.unit)
         };
         let mut text: Vec<String> = named.iter().take(MOST_NAMED).map(one).collect();
         if named.len() > MOST_NAMED {
@@ -83,14 +83,14 @@ pub fn warning(sensors: &[Scatter], free: usize) -> Option<String> {
         )
     };
     if let Some(times) = overstated(square, readings, free) {
-        let all: Vec<(&Scatter, f64)> = sensors.iter().map(|own| (own, times)).collect();
+        let all: Vec<(&Scatter, f64)> = sensors.iter().map(|scatter| (scatter, times)).collect();
         return Some(said(&all));
     }
     let level = LEVEL / sensors.len().max(1) as f64;
-    let single = sensors.iter().filter_map(|own| {
-        let times = overstated(own.square, own.readings, free)?;
-        let freedom = own.readings.saturating_sub(free) as f64;
-        (chi_square_cdf(own.square, freedom) < level).then_some((own, times))
+    let single = sensors.iter().filter_map(|scatter| {
+        let times = overstated(scatter.square, scatter.readings, free)?;
+        let freedom = scatter.readings.saturating_sub(free) as f64;
+        (chi_square_cdf(scatter.square, freedom) < level).then_some((scatter, times))
     });
     let single: Vec<(&Scatter, f64)> = single.collect();
     (!single.is_empty()).then(|| said(&single))
@@ -130,14 +130,14 @@ mod tests {
     #[test]
     fn right_noise_is_hardly_ever_called_overstated() {
         let mut stream = StreamKey::new(1, "scatter", "test").stream(0);
-        let mut found = 0;
+        let mut warnings = 0;
         for _ in 0..2000 {
             let square =
                 |stream: &mut crate::random::Stream| (0..30).map(|_| stream.normal()).map(|z| z * z).sum::<f64>();
             let sensors = [sensor("a", square(&mut stream), 30), sensor("b", square(&mut stream), 30)];
-            found += usize::from(warning(&sensors, 0).is_some());
+            warnings += usize::from(warning(&sensors, 0).is_some());
         }
         // Two families at 0.1 %: 4 expected, and more than 12 with a probability of 0.1 %.
-        assert!(found <= 12, "{found}");
+        assert!(warnings <= 12, "{warnings}");
     }
 }

@@ -58,7 +58,7 @@ impl Unknowns {
     /// the values of the model's parameters.
     pub fn add(&mut self, name: String, value: &Uncertain, unit: &str, parameters: &[f64]) -> Value {
         if let Uncertain::Parameter { index, .. } = value {
-            let place = self.model.iter().position(|own| own == index);
+            let place = self.model.iter().position(|model_index| model_index == index);
             return place.map_or(Value::Known(value.at(parameters)), Value::Unknown);
         }
         match value.prior() {
@@ -107,20 +107,20 @@ pub fn with_unknowns(
     let mut fixed = measurement.clone();
     let set = |value: &mut Uncertain, name: String| {
         if value.prior().is_some()
-            && let Some(found) = find(&name)
+            && let Some(fitted) = find(&name)
         {
-            *value = Uncertain::Known(found);
+            *value = Uncertain::Known(fitted);
         }
     };
     for sensor in &mut fixed.sensors {
-        let own = [
+        let entries = [
             (&mut sensor.sigma, "sigma"),
             (&mut sensor.white, "white"),
             (&mut sensor.correlation_time_s, "correlation_time"),
             (&mut sensor.bias, "bias"),
             (&mut sensor.lag_s, "lag"),
         ];
-        for (value, what) in own {
+        for (value, what) in entries {
             if let Some(value) = value {
                 set(value, sensor_name(&measurement.name, &sensor.name, what));
             }

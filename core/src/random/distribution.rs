@@ -500,10 +500,10 @@ mod tests {
         assert_eq!(d.log_density(2.1), f64::NEG_INFINITY);
         assert_eq!((d.cdf(0.0), d.cdf(3.0)), (0.0, 1.0));
         assert_eq!(Distribution::LogNormal { median: 1.0, factor: 2.0 }.log_density(0.0), f64::NEG_INFINITY);
-        let known = Distribution::Fixed(4.0);
-        assert_eq!((known.quantile(0.3), known.log_density(4.0), known.sd()), (4.0, 0.0, 0.0));
-        assert_eq!((known.log_density(4.1), known.cdf(3.9), known.cdf(4.0)), (f64::NEG_INFINITY, 0.0, 1.0));
-        assert!(known.is_fixed() && !d.is_fixed());
+        let fixed = Distribution::Fixed(4.0);
+        assert_eq!((fixed.quantile(0.3), fixed.log_density(4.0), fixed.sd()), (4.0, 0.0, 0.0));
+        assert_eq!((fixed.log_density(4.1), fixed.cdf(3.9), fixed.cdf(4.0)), (f64::NEG_INFINITY, 0.0, 1.0));
+        assert!(fixed.is_fixed() && !d.is_fixed());
     }
 
     #[test]

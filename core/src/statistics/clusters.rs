@@ -34,8 +34,8 @@ impl Clusters {
         let mean = total / number;
         let mut within = 0.0;
         for (&cluster, value) in self.of.iter().zip(values).filter(|(_, value)| value.is_finite()) {
-            let own = sums[cluster].0 / sums[cluster].1;
-            within += (value - own) * (value - own);
+            let cluster_mean = sums[cluster].0 / sums[cluster].1;
+            within += (value - cluster_mean) * (value - cluster_mean);
         }
         let (mut between, mut squares) = (0.0, 0.0);
         for (sum, size) in sums.iter().filter(|(_, size)| *size > 0.0) {
@@ -57,7 +57,7 @@ impl Clusters {
 
 /// How many independent samples values are worth that lie in clusters of several kinds; their number without any.
 pub fn effective_samples(clusters: &[Clusters], values: &[f64]) -> f64 {
-    let effect: f64 = clusters.iter().map(|own| own.design_effect(values) - 1.0).sum();
+    let effect: f64 = clusters.iter().map(|kind| kind.design_effect(values) - 1.0).sum();
     values.len() as f64 / (1.0 + effect)
 }
 
@@ -78,7 +78,7 @@ mod tests {
         for replicate in 0..400 {
             let mut stream = key.stream(replicate);
             let shared: Vec<f64> = (0..count).map(|_| stream.normal()).collect();
-            let values: Vec<f64> = clusters.of.iter().map(|&own| shared[own] + stream.normal()).collect();
+            let values: Vec<f64> = clusters.of.iter().map(|&cluster| shared[cluster] + stream.normal()).collect();
             let mean = values.iter().sum::<f64>() / values.len() as f64;
             squares += mean * mean / 400.0;
             effects += clusters.design_effect(&values) / 400.0;

@@ -112,9 +112,9 @@ mod tests {
         for kind in [PointKind::MonteCarlo, PointKind::Sobol] {
             let mut held = 0;
             for seed in 0..40 {
-                for (found, exact) in effects(kind, 4096, seed).iter().zip(exact) {
-                    held += u32::from(found.lower <= exact && exact <= found.upper);
-                    assert!((found.value - exact).abs() < 0.06, "{found:?}");
+                for (estimate, exact) in effects(kind, 4096, seed).iter().zip(exact) {
+                    held += u32::from(estimate.lower <= exact && exact <= estimate.upper);
+                    assert!((estimate.value - exact).abs() < 0.06, "{estimate:?}");
                 }
             }
             assert!(held >= 105, "{kind:?}: {held} of 120");

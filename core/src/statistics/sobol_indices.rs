@@ -92,10 +92,10 @@ impl SobolSums {
         self.bb += b * b;
         self.ab += a * b;
         let (mut low, mut high) = (a.min(b), a.max(b));
-        let mut accumulate = |sums: &mut [[f64; 3]], mixed: &[f64], own: f64, other: f64| {
+        let mut accumulate = |sums: &mut [[f64; 3]], mixed: &[f64], start: f64, other: f64| {
             for (sums, mixed) in sums.iter_mut().zip(mixed) {
                 let mixed = mixed - self.centre;
-                let step = mixed - own;
+                let step = mixed - start;
                 sums[0] += step;
                 sums[1] += other * step;
                 sums[2] += step * step;
@@ -298,13 +298,13 @@ mod tests {
     #[test]
     fn independent_rows_give_the_exact_indices_within_their_error() {
         // Variances 1/12, 4/12 and 9/144: V = 69/144, S = 12/69, 48/69, 0, S_02 = 9/69.
-        let found = sums(40_000, 1, 300.0).indices().expect("varies");
+        let indices = sums(40_000, 1, 300.0).indices().expect("varies");
         let v = 69.0;
         let close = |x: f64, exact: f64| assert!((x - exact / v).abs() < 0.02, "{x}, exact {}", exact / v);
-        found.main.iter().zip([12.0, 48.0, 0.0]).for_each(|(&x, exact)| close(x, exact));
-        found.total.iter().zip([21.0, 48.0, 9.0]).for_each(|(&x, exact)| close(x, exact));
-        found.second.iter().zip([0.0, 9.0, 0.0]).for_each(|(&x, exact)| close(x, exact));
-        assert!((found.mean - 300.0).abs() < 0.02 && (found.variance - v / 144.0).abs() < 0.02);
+        indices.main.iter().zip([12.0, 48.0, 0.0]).for_each(|(&x, exact)| close(x, exact));
+        indices.total.iter().zip([21.0, 48.0, 9.0]).for_each(|(&x, exact)| close(x, exact));
+        indices.second.iter().zip([0.0, 9.0, 0.0]).for_each(|(&x, exact)| close(x, exact));
+        assert!((indices.mean - 300.0).abs() < 0.02 && (indices.variance - v / 144.0).abs() < 0.02);
     }
 
     #[test]
@@ -364,17 +364,17 @@ mod tests {
     #[test]
     fn intervals_are_students() {
         // Of 1, 2, 3, 4: mean 2.5, standard error 0.6455, t of 3 degrees of freedom 3.18245.
-        let found = Estimate::of(&[1.0, 2.0, 3.0, 4.0]);
-        assert!((found.upper - 2.5 - 3.182_446 * 0.645_497).abs() < 1e-5 && found.value == 2.5);
-        assert!((found.width() - 2.0 * (found.upper - 2.5)).abs() < 1e-12);
+        let estimate = Estimate::of(&[1.0, 2.0, 3.0, 4.0]);
+        assert!((estimate.upper - 2.5 - 3.182_446 * 0.645_497).abs() < 1e-5 && estimate.value == 2.5);
+        assert!((estimate.width() - 2.0 * (estimate.upper - 2.5)).abs() < 1e-12);
         assert_eq!(Estimate::of(&[1.0]).upper, f64::INFINITY);
     }
 
     #[test]
     fn places_leave_open_what_intervals_leave_open() {
         let at = |value: f64, reach: f64| Estimate { value, lower: value - reach, upper: value + reach };
-        let found = places(&[at(0.1, 0.03), at(0.7, 0.01), at(0.12, 0.01), at(0.0, 0.001)]);
+        let ranks = places(&[at(0.1, 0.03), at(0.7, 0.01), at(0.12, 0.01), at(0.0, 0.001)]);
         let place = |best, worst| Place { best, worst };
-        assert_eq!(found, [place(2, 3), place(1, 1), place(2, 3), place(4, 4)]);
+        assert_eq!(ranks, [place(2, 3), place(1, 1), place(2, 3), place(4, 4)]);
     }
 }

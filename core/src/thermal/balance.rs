@@ -55,12 +55,12 @@ impl Network {
         let file = &mut workspace.state.file;
         self.steady.program.run(segment::RESIDUAL, file);
         self.steady.program.run(segment::CAPACITY, file);
-        let own = |(row, &node): (usize, &usize)| NodeHeat {
+        let node_heat = |(row, &node): (usize, &usize)| NodeHeat {
             node,
             heat_w: file[self.steady.residual[row].index()],
             capacity_j_per_k: self.steady.capacity[row].map(|register| file[register.index()]),
         };
-        self.steady.unknowns.iter().enumerate().map(own).collect()
+        self.steady.unknowns.iter().enumerate().map(node_heat).collect()
     }
 
     /// How fast the net heat out of a node rises with its own temperature, at the present temperatures, W/K: the sum of

@@ -85,8 +85,8 @@ impl<const N: usize> Batch<N> {
 
     /// Replaces the temperatures of all nodes in every lane, from which [`Start::Current`] starts.
     pub fn set_all_temperatures(&mut self, temperatures: &[[f64; N]]) {
-        for (own, given) in self.temperatures.iter_mut().zip(temperatures) {
-            *own = *given;
+        for (lanes, given) in self.temperatures.iter_mut().zip(temperatures) {
+            *lanes = *given;
         }
     }
 

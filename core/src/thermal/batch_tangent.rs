@@ -27,12 +27,12 @@ impl Network {
         let equations = &self.steady;
         let columns = self.differentiate.len();
         if !batch.linear.is_dense() {
-            let mut own = vec![0.0; out.len()];
+            let mut lane_tangent = vec![0.0; out.len()];
             for lane in 0..N {
                 self.lane_to_workspace(batch, lane);
-                let solved = self.quantity_tangent(&mut batch.alone, &mut own).is_ok();
-                for (out, &own) in out.iter_mut().zip(&own) {
-                    out[lane] = if solved { own } else { f64::NAN };
+                let solved = self.quantity_tangent(&mut batch.alone, &mut lane_tangent).is_ok();
+                for (out, &value) in out.iter_mut().zip(&lane_tangent) {
+                    out[lane] = if solved { value } else { f64::NAN };
                 }
             }
             return;
@@ -83,15 +83,15 @@ impl Network {
     ) {
         let equations = &self.steady;
         if !batch.linear.is_dense() {
-            let (mut own, mut own_weights) = (vec![0.0; out.len()], vec![0.0; weights.len()]);
+            let (mut lane_gradient, mut lane_weights) = (vec![0.0; out.len()], vec![0.0; weights.len()]);
             for lane in 0..N {
                 self.lane_to_workspace(batch, lane);
-                for (own, weight) in own_weights.iter_mut().zip(weights) {
-                    *own = weight[lane];
+                for (lane_weight, weight) in lane_weights.iter_mut().zip(weights) {
+                    *lane_weight = weight[lane];
                 }
-                let solved = self.quantity_gradient(&mut batch.alone, &own_weights, &mut own).is_ok();
-                for (out, &own) in out.iter_mut().zip(&own) {
-                    out[lane] = if solved { own } else { f64::NAN };
+                let solved = self.quantity_gradient(&mut batch.alone, &lane_weights, &mut lane_gradient).is_ok();
+                for (out, &value) in out.iter_mut().zip(&lane_gradient) {
+                    out[lane] = if solved { value } else { f64::NAN };
                 }
             }
             return;

@@ -39,7 +39,7 @@ impl Equations {
         let mut graph = self.graph.clone();
         for element in &self.heats {
             for &heat in &element.heats {
-                let own: Vec<usize> = graph
+                let dependencies: Vec<usize> = graph
                     .symbols(heat)
                     .into_iter()
                     .filter_map(|symbol| match symbol {
@@ -48,11 +48,11 @@ impl Equations {
                     })
                     .collect();
                 let mut checked: Vec<ExprId> = vec![heat];
-                for &node in &own {
+                for &node in &dependencies {
                     checked.push(graph.derivative(heat, Symbol::Node(u32::try_from(node).unwrap_or(u32::MAX))));
                 }
                 if checked.iter().any(|&id| !graph.evaluate(id, &lookup).is_finite()) {
-                    let temperatures = own
+                    let temperatures = dependencies
                         .into_iter()
                         .map(|node| {
                             let symbol = Symbol::Node(u32::try_from(node).unwrap_or(u32::MAX));

@@ -200,22 +200,22 @@ impl LanesLu<f64> {
         }
         for row in 1..n {
             let (above, rest) = rhs.split_at_mut(row * columns);
-            let own = &mut rest[..columns];
+            let row_rhs = &mut rest[..columns];
             for &column in self.entries(row, 0) {
                 let column = column as usize;
-                subtract(own, self.matrix[row * n + column], &above[column * columns..(column + 1) * columns]);
+                subtract(row_rhs, self.matrix[row * n + column], &above[column * columns..(column + 1) * columns]);
             }
         }
         for row in (0..n).rev() {
             let (above, below) = rhs.split_at_mut((row + 1) * columns);
-            let own = &mut above[row * columns..];
+            let row_rhs = &mut above[row * columns..];
             for &column in self.entries(row, 1) {
                 let column = column as usize;
                 let from = (column - row - 1) * columns;
-                subtract(own, self.matrix[row * n + column], &below[from..from + columns]);
+                subtract(row_rhs, self.matrix[row * n + column], &below[from..from + columns]);
             }
             let pivot = self.matrix[row * n + row];
-            for value in own {
+            for value in row_rhs {
                 *value /= pivot;
             }
         }

@@ -21,8 +21,10 @@ impl Size {
     pub fn of(model: &Model) -> Self {
         let at = |warm: Option<usize>| {
             move |symbol: Symbol| match symbol {
-                Symbol::Parameter(index) => model.parameters.get(index as usize).map_or(0.0, |own| own.nominal),
-                Symbol::Input(index) => model.inputs.get(index as usize).map_or(0.0, |own| own.nominal),
+                Symbol::Parameter(index) => {
+                    model.parameters.get(index as usize).map_or(0.0, |parameter| parameter.nominal)
+                }
+                Symbol::Input(index) => model.inputs.get(index as usize).map_or(0.0, |input| input.nominal),
                 Symbol::Node(index) if warm == Some(index as usize) => AT_K + 1.0,
                 Symbol::Node(_) => AT_K,
                 Symbol::Time | Symbol::Mode(_) | Symbol::Local(_) => 0.0,
@@ -35,7 +37,9 @@ impl Size {
         let mut met = vec![0.0; model.nodes.len()];
         let at_nodes = |id, warm| model.graph.evaluate(id, &at(warm));
         let paths = model.elements.iter().map(Element::physics);
-        for (between, conductance) in paths.filter_map(|own| Some((own.between()?, own.conductance(&at_nodes)?))) {
+        for (between, conductance) in
+            paths.filter_map(|physics| Some((physics.between()?, physics.conductance(&at_nodes)?)))
+        {
             for node in between.into_iter().filter(|_| conductance.is_finite()) {
                 met[node] += conductance;
             }

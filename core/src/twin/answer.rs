@@ -103,7 +103,7 @@ impl Answer {
     pub fn group_of(&self, id: &str) -> Vec<&str> {
         match self.groups.iter().find(|group| group.iter().any(|member| member == id)) {
             Some(group) => group.iter().map(String::as_str).collect(),
-            None => self.selected.iter().map(String::as_str).filter(|own| *own == id).collect(),
+            None => self.selected.iter().map(String::as_str).filter(|selected| *selected == id).collect(),
         }
     }
 
@@ -115,9 +115,9 @@ impl Answer {
         let mut wanted = effects.to_vec();
         wanted.sort_unstable();
         let same = |model: &&StatedModel| {
-            let mut own: Vec<&str> = model.effects.iter().map(String::as_str).collect();
-            own.sort_unstable();
-            own == wanted
+            let mut stated: Vec<&str> = model.effects.iter().map(String::as_str).collect();
+            stated.sort_unstable();
+            stated == wanted
         };
         self.models.iter().find(same).map_or(0.0, |model| model.probability)
     }

@@ -87,7 +87,7 @@ pub(super) fn draw_effect(
     problem: &Problem,
     only: Option<&str>,
     laws_only: bool,
-    taken: &[Chosen],
+    chosen: &[Chosen],
     draw: &mut Draw,
 ) -> Result<Chosen, InjectError> {
     let odds = Odds::new(problem);
@@ -97,7 +97,7 @@ pub(super) fn draw_effect(
             && (only.is_some() || !odds.is_out_of_place(problem, *position))
             && !(laws_only && problem.catalogue.get(&candidate.effect).is_some_and(Effect::is_unknown_function))
             && only.is_none_or(|only| candidate.id == only || candidate.effect == only)
-            && !taken.iter().any(|other| problem.candidates[other.candidate].effect == candidate.effect)
+            && !chosen.iter().any(|other| problem.candidates[other.candidate].effect == candidate.effect)
     };
     let open: Vec<usize> = (0..problem.candidates.len()).filter(fits).collect();
     let mut names: Vec<&str> = open.iter().map(|&position| problem.candidates[position].effect.as_str()).collect();

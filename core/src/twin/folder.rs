@@ -16,7 +16,10 @@ pub fn files(case: &Case) -> Vec<(String, String)> {
         ("truth.json".to_owned(), format!("{truth}\n")),
     ];
     files.extend(
-        case.problem.measurements.iter().map(|own| (own.file.clone(), table(written(&case.problem.model), own))),
+        case.problem
+            .measurements
+            .iter()
+            .map(|measured| (measured.file.clone(), table(written(&case.problem.model), measured))),
     );
     files
 }
@@ -70,7 +73,7 @@ fn pass(case: &Case) -> String {
         .problem
         .measurements
         .iter()
-        .map(|own| format!("  {}: {}", json!(own.name), measurement(written(&case.problem.model), own)))
+        .map(|measured| format!("  {}: {}", json!(measured.name), measurement(written(&case.problem.model), measured)))
         .collect();
     let title = json!(case.specification.title);
     let jobs = json!({"tuned": {"calibrate": {"data": names}}, "missing": {"diagnose": {"data": names}}});
@@ -81,13 +84,13 @@ fn pass(case: &Case) -> String {
     )
 }
 
-fn measurement(inputs: &[Input], own: &Measurement) -> String {
-    let sensors = object(own.sensors.iter().map(|sensor| {
+fn measurement(inputs: &[Input], measured: &Measurement) -> String {
+    let sensors = object(measured.sensors.iter().map(|sensor| {
         let sigma = sensor.sigma.as_ref().map(crate::measurement::Uncertain::nominal);
         (&sensor.name, json!({"measures": sensor.name, "sigma": {"value": sigma, "unit": "K"}}))
     }));
-    let file = json!(own.file);
-    match &own.rows {
+    let file = json!(measured.file);
+    match &measured.rows {
         Rows::Steady(phases) => {
             let held: Vec<&str> =
                 phases.iter().filter(|phase| phase.held_out).map(|phase| phase.name.as_str()).collect();

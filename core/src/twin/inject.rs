@@ -81,13 +81,19 @@ impl Hidden {
     /// [`InjectError`] where it has no plausible solution there.
     pub(super) fn without_finer_nodes(&self, problem: &Problem) -> Result<Self, InjectError> {
         let problem = with_stated_noise(problem);
-        let find = |id: &String| problem.candidates.iter().position(|own| own.id == *id).ok_or(InjectError::NoPlace);
+        let find = |id: &String| {
+            problem.candidates.iter().position(|candidate| candidate.id == *id).ok_or(InjectError::NoPlace)
+        };
         let effects: Vec<usize> =
             self.truth.effects.iter().map(|effect| find(&effect.id)).collect::<Result<_, InjectError>>()?;
-        let values: Vec<f64> =
-            self.truth.effects.iter().flat_map(|effect| effect.parameters.iter().map(|own| own.value)).collect();
-        let own: Vec<f64> = self.truth.parameters.iter().map(|(_, value)| *value).collect();
-        let clean = World::new(&problem, &effects, &own, &values)?.readings()?;
+        let values: Vec<f64> = self
+            .truth
+            .effects
+            .iter()
+            .flat_map(|effect| effect.parameters.iter().map(|parameter| parameter.value))
+            .collect();
+        let model_parameters: Vec<f64> = self.truth.parameters.iter().map(|(_, value)| *value).collect();
+        let clean = World::new(&problem, &effects, &model_parameters, &values)?.readings()?;
         let likelihood = refit::likelihood(&problem, &clean)?;
         let refit = refit::fit(&likelihood, &[refit::start(&likelihood, &self.truth.parameters)])?;
         Ok(Self { truth: self.truth.clone(), clean, refit })
@@ -137,7 +143,7 @@ pub fn inject(problem: &Problem, request: &InjectionRequest, draw: &mut Draw) ->
 }
 
 fn attempt(problem: &Problem, request: &InjectionRequest, draw: &mut Draw) -> Result<Hidden, InjectError> {
-    let own = own_parameters(problem, draw);
+    let model_parameters = own_parameters(problem, draw);
     let noise = noise(problem, request, draw);
     let finer = request.finer.map(|size| (Finer::draw(problem, draw), size));
     let outside = if request.outside { Some(draw_outside(problem, draw)?) } else { None };
@@ -148,7 +154,12 @@ fn attempt(problem: &Problem, request: &InjectionRequest, draw: &mut Draw) -> Re
             chosen.push(draw_effect(problem, only, request.finer.is_some(), &chosen, draw)?);
         }
     }
-    let scene = Scene { problem, own: &own, finer: finer.as_ref().map(|(finer, _)| finer), outside: outside.as_ref() };
+    let scene = Scene {
+        problem,
+        model_parameters: &model_parameters,
+        finer: finer.as_ref().map(|(finer, _)| finer),
+        outside: outside.as_ref(),
+    };
     let coarseness = match &finer {
         Some((_, size)) => {
             let form = |coarseness| Sizes { coarseness, ..Sizes::default() };
@@ -202,8 +213,8 @@ fn attempt(problem: &Problem, request: &InjectionRequest, draw: &mut Draw) -> Re
         effects: effects.collect(),
         outside: outside.map(|(outside, ..)| outside),
         finer: request.finer,
-        parameters: (problem.model.parameters.iter().zip(&own))
-            .map(|(own, value)| (own.name.clone(), *value))
+        parameters: (problem.model.parameters.iter().zip(&model_parameters))
+            .map(|(parameter, value)| (parameter.name.clone(), *value))
             .collect(),
         noise,
         size: refit.size(),
@@ -276,7 +287,7 @@ type Measured = (Vec<Vec<f64>>, Refit);
 /// What a truth is made of beside its sizes.
 struct Scene<'a> {
     problem: &'a Problem,
-    own: &'a [f64],
+    model_parameters: &'a [f64],
     finer: Option<&'a Finer>,
     outside: Option<&'a OutsideDraw>,
 }
@@ -287,7 +298,7 @@ impl Scene<'_> {
     fn measure(&self, sizes: Sizes, chosen: &[Chosen], before: Option<&[f64]>) -> Result<Measured, InjectError> {
         let effects: Vec<usize> = chosen.iter().map(|effect| effect.candidate).collect();
         let values: Vec<f64> = chosen.iter().flat_map(|effect| effect.scaled(sizes.effects)).collect();
-        let mut world = World::new(self.problem, &effects, self.own, &values)?;
+        let mut world = World::new(self.problem, &effects, self.model_parameters, &values)?;
         if let Some((outside, phase, switch)) = self.outside {
             world.add_outside(outside, *phase, switch)?;
         }
@@ -301,8 +312,8 @@ impl Scene<'_> {
         }
         let clean = world.readings()?;
         let likelihood = refit::likelihood(self.problem, &clean)?;
-        let names = self.problem.model.parameters.iter().zip(self.own);
-        let values: Vec<(String, f64)> = names.map(|(own, value)| (own.name.clone(), *value)).collect();
+        let names = self.problem.model.parameters.iter().zip(self.model_parameters);
+        let values: Vec<(String, f64)> = names.map(|(parameter, value)| (parameter.name.clone(), *value)).collect();
         let refit = match before {
             Some(before) => refit::fit(&likelihood, &[before.to_vec()])?,
             None => refit::fit(&likelihood, &[refit::start(&likelihood, &values), refit::start(&likelihood, &[])])?,
@@ -326,14 +337,14 @@ impl Scene<'_> {
         for round in 0..MOST_ROUNDS {
             match self.measure(form(scale), chosen, before.as_deref()) {
                 Ok((clean, refit)) => {
-                    let mut found = (clean, refit);
-                    if (found.1.size() / size - 1.0).abs() < NEAR && before.is_some() {
+                    let mut measured = (clean, refit);
+                    if (measured.1.size() / size - 1.0).abs() < NEAR && before.is_some() {
                         // A fit from elsewhere may leave less.
-                        found = self.measure(form(scale), chosen, None)?;
+                        measured = self.measure(form(scale), chosen, None)?;
                     }
-                    let ratio = found.1.size() / size;
+                    let ratio = measured.1.size() / size;
                     if (ratio - 1.0).abs() < NEAR {
-                        return Ok((scale, found));
+                        return Ok((scale, measured));
                     }
                     let point = Some([ln(scale), ln(ratio.max(1e-12))]);
                     if ratio < 1.0 {
@@ -341,7 +352,7 @@ impl Scene<'_> {
                     } else {
                         above = point
                     }
-                    before = Some(found.1.unknowns);
+                    before = Some(measured.1.unknowns);
                 }
                 Err(InjectError::Implausible | InjectError::Fit(_)) => {
                     above = Some([ln(scale), f64::INFINITY]);

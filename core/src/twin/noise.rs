@@ -31,13 +31,13 @@ pub fn noise(measurement: &Measurement, position: u64, truth: NoiseTruth, key: &
         let mut stream = key.stream(1000 * position + place as u64);
         let mut state = 0.0;
         for row in 0..rows {
-            let (own, other) = (stream.normal(), stream.normal());
+            let (innovation, other) = (stream.normal(), stream.normal());
             let step = match (row, tau_s) {
                 (0, _) | (_, None) => f64::INFINITY,
                 (_, Some(tau_s)) if !times_s.is_empty() => (times_s[row] - times_s[row - 1]) / tau_s,
                 (_, Some(_)) => f64::INFINITY,
             };
-            state = exp(-step) * state + correlated * (-exp_m1(-2.0 * step)).sqrt() * own;
+            state = exp(-step) * state + correlated * (-exp_m1(-2.0 * step)).sqrt() * innovation;
             noise[row * sensors + place] = state + white * other;
         }
     }

@@ -97,7 +97,7 @@ pub fn fit(likelihood: &Likelihood, starts: &[Vec<f64>]) -> Result<Refit, Inject
     for start in starts {
         let from = objective.coordinates(start);
         if let Some(minimum) = minimise(&mut objective, &from, &bounds, EFFORT)
-            && best.as_ref().is_none_or(|known| minimum.value < known.value)
+            && best.as_ref().is_none_or(|lowest| minimum.value < lowest.value)
         {
             best = Some(minimum);
         }
@@ -119,7 +119,7 @@ pub fn fit(likelihood: &Likelihood, starts: &[Vec<f64>]) -> Result<Refit, Inject
 pub fn start(likelihood: &Likelihood, values: &[(String, f64)]) -> Vec<f64> {
     let mut start: Vec<f64> = likelihood.priors().iter().map(|prior| prior.quantile(0.5)).collect();
     for (name, value) in values {
-        if let Some(place) = likelihood.names().iter().position(|own| own == name) {
+        if let Some(place) = likelihood.names().iter().position(|unknown| unknown == name) {
             start[place] = *value;
         }
     }

@@ -52,14 +52,14 @@ pub fn rivals(problem: &Problem, hidden: &Hidden) -> Result<Vec<Rival>, InjectEr
     let mut problem = with_true_noise(problem, hidden.truth.noise);
     problem.measurements = refit::with_readings(&problem.measurements, &hidden.clean);
     let truth: Vec<usize> = (0..problem.candidates.len())
-        .filter(|&position| hidden.truth.effects.iter().any(|own| own.id == problem.candidates[position].id))
+        .filter(|&position| hidden.truth.effects.iter().any(|effect| effect.id == problem.candidates[position].id))
         .collect();
     if hidden.truth.is_null() {
         return Ok(Vec::new());
     }
     let likelihood = refit::likelihood(&problem, &hidden.clean)?;
-    let known = hidden.refit.names.iter().cloned().zip(hidden.refit.unknowns.iter().copied());
-    let start = refit::start(&likelihood, &known.collect::<Vec<_>>());
+    let unknowns = hidden.refit.names.iter().cloned().zip(hidden.refit.unknowns.iter().copied());
+    let start = refit::start(&likelihood, &unknowns.collect::<Vec<_>>());
     let hidden = &Hidden { refit: refit::fit(&likelihood, &[start])?, ..hidden.clone() };
     let freedom = truth.iter().map(|&position| parameters(&problem, position).len()).max().unwrap_or(usize::MAX);
     let basis = Basis::new(&hidden.refit);
@@ -77,28 +77,28 @@ pub fn rivals(problem: &Problem, hidden: &Hidden) -> Result<Vec<Rival>, InjectEr
         .collect();
     let total: f64 = left.iter().map(|r| r * r).sum();
     let explained = |span: &[Vec<f64>]| span.iter().map(|q| square(dot(q, left))).sum::<f64>();
-    let mut found: Vec<(Vec<usize>, &Reach, f64)> = Vec::new();
+    let mut ranked: Vec<(Vec<usize>, &Reach, f64)> = Vec::new();
     for span in &spans {
         if truth.len() != 1 || truth[0] != span.position {
-            found.push((vec![span.position], span, explained(&span.columns)));
+            ranked.push((vec![span.position], span, explained(&span.columns)));
         }
     }
     if truth.len() == 2 {
         // One of the two, with something else in place of the other.
-        for own in spans.iter().filter(|own| truth.contains(&own.position)) {
+        for true_span in spans.iter().filter(|true_span| truth.contains(&true_span.position)) {
             for span in spans.iter().filter(|span| !truth.contains(&span.position)) {
-                let rest = basis.orthonormal(&span.columns, &own.columns);
-                let share = explained(&own.columns) + explained(&rest);
-                found.push((vec![own.position, span.position], span, share));
+                let rest = basis.orthonormal(&span.columns, &true_span.columns);
+                let share = explained(&true_span.columns) + explained(&rest);
+                ranked.push((vec![true_span.position, span.position], span, share));
             }
         }
     }
-    found.sort_by(|a, b| b.2.total_cmp(&a.2).then_with(|| a.0.cmp(&b.0)));
+    ranked.sort_by(|a, b| b.2.total_cmp(&a.2).then_with(|| a.0.cmp(&b.0)));
     let mut seen = BTreeSet::new();
-    found.retain(|(positions, ..)| seen.insert(positions.clone()));
-    found.truncate(KEPT);
+    ranked.retain(|(positions, ..)| seen.insert(positions.clone()));
+    ranked.truncate(KEPT);
     let mut rivals = vec![Rival { effects: Vec::new(), cosine: 0.0, delta2: hidden.refit.chi_square() }];
-    for (rank, (positions, reach, share)) in found.into_iter().enumerate() {
+    for (rank, (positions, reach, share)) in ranked.into_iter().enumerate() {
         let cosine = (share / total.max(f64::MIN_POSITIVE)).min(1.0).sqrt();
         let mut delta2 = (total - share).max(0.0);
         if rank < REFITTED
@@ -119,11 +119,11 @@ fn refitted(problem: &Problem, hidden: &Hidden, positions: &[usize], reach: &Rea
     // A prior ten times as wide: whether the readings tell, not whether it is plausible.
     let hypothesis = problem.hypothesis(positions, 10.0).map_err(InjectError::Hypothesis)?;
     let likelihood = refit::hypothesis_likelihood(problem, &hypothesis, &hidden.clean)?;
-    let known: Vec<(String, f64)> =
+    let refitted: Vec<(String, f64)> =
         hidden.refit.names.iter().cloned().zip(hidden.refit.unknowns.iter().copied()).collect();
     let mut starts = Vec::new();
     for (sign, share) in [(1.0, 0.02), (-1.0, 0.02), (1.0, 0.3)] {
-        let mut values = known.clone();
+        let mut values = refitted.clone();
         for parameter in hypothesis.amplitudes.iter().flat_map(Clone::clone) {
             let prior = &hypothesis.priors[parameter];
             let amplitude = (prior.quantile(0.84) - prior.quantile(0.16)) * share * sign;
@@ -132,12 +132,16 @@ fn refitted(problem: &Problem, hidden: &Hidden, positions: &[usize], reach: &Rea
             // An effect's amplitudes may be 0; what cannot is a shape, which begins at its median.
             let start = if lower <= 0.0 && upper >= 0.0 { amplitude.clamp(lower, upper) } else { median };
             let name = &hypothesis.model.parameters[parameter].name;
-            let start = reach.shape.iter().find(|(own, _)| own == name).map_or(start, |(_, value)| *value);
+            let start =
+                reach.shape.iter().find(|(shape_name, _)| shape_name == name).map_or(start, |(_, value)| *value);
             values.push((name.clone(), start));
         }
         if let (true, Some((name, value))) = (starts.is_empty(), &reach.amplitude) {
             let mut likeliest = values.clone();
-            likeliest.iter_mut().filter(|(own, _)| own == name).for_each(|(_, own)| *own = *value);
+            likeliest
+                .iter_mut()
+                .filter(|(entry, _)| entry == name)
+                .for_each(|(_, likeliest_value)| *likeliest_value = *value);
             starts.push(refit::start(&likelihood, &likeliest));
         }
         starts.push(refit::start(&likelihood, &values));
@@ -184,8 +188,8 @@ fn columns(problem: &Problem, hidden: &Hidden, freedom: usize) -> Result<Vec<Rea
         let take = if smooth { same.min(CHUNK) } else { 1 };
         let chunk = &seen[begin..begin + take];
         begin += take;
-        let found = if smooth { slopes(problem, hidden, chunk) } else { probed(problem, hidden, chunk[0]) };
-        for mut reach in found.unwrap_or_default() {
+        let reaches = if smooth { slopes(problem, hidden, chunk) } else { probed(problem, hidden, chunk[0]) };
+        for mut reach in reaches.unwrap_or_default() {
             for column in &mut reach.columns {
                 column.resize(rows, 0.0);
             }
@@ -207,15 +211,18 @@ fn sees(problem: &Problem, candidate: &Candidate) -> bool {
 fn shapes(problem: &Problem, position: usize) -> Vec<Vec<Shape>> {
     let candidate = &problem.candidates[position];
     let named = |parameter: &EffectParameter, value: f64| (format!("{}.{}", candidate.id, parameter.name), value);
-    let own: Vec<EffectParameter> = parameters(problem, position).into_iter().filter(|own| !own.amplitude).collect();
-    if let [parameter] = own.as_slice()
+    let shape_parameters: Vec<EffectParameter> =
+        parameters(problem, position).into_iter().filter(|shape_parameters| !shape_parameters.amplitude).collect();
+    if let [parameter] = shape_parameters.as_slice()
         && let Some(effect) = problem.catalogue.get(&candidate.effect)
         && let Some(levels) = thresholds(problem, candidate, effect, parameter)
     {
         return levels.into_iter().map(|level| vec![vec![named(parameter, level)]]).collect();
     }
-    let shares = if own.is_empty() { &[0.5][..] } else { &[0.25, 0.5, 0.75][..] };
-    let at = |share: &f64| own.iter().map(|parameter| named(parameter, parameter.prior.quantile(*share))).collect();
+    let shares = if shape_parameters.is_empty() { &[0.5][..] } else { &[0.25, 0.5, 0.75][..] };
+    let at = |share: &f64| {
+        shape_parameters.iter().map(|parameter| named(parameter, parameter.prior.quantile(*share))).collect()
+    };
     vec![shares.iter().map(at).collect()]
 }
 
@@ -223,7 +230,7 @@ fn shapes(problem: &Problem, position: usize) -> Vec<Vec<Shape>> {
 fn slopes(problem: &Problem, hidden: &Hidden, chunk: &[usize]) -> Result<Vec<Reach>, InjectError> {
     let hypothesis = problem.hypothesis(chunk, 1.0).map_err(InjectError::Hypothesis)?;
     let likelihood = refit::hypothesis_likelihood(problem, &hypothesis, &hidden.clean)?;
-    let mut found: Vec<Reach> = Vec::new();
+    let mut reaches: Vec<Reach> = Vec::new();
     let mut memory = likelihood.workspace();
     let n = likelihood.dimension();
     let m = likelihood.residual_count();
@@ -232,8 +239,8 @@ fn slopes(problem: &Problem, hidden: &Hidden, chunk: &[usize]) -> Result<Vec<Rea
     for (place, &position) in chunk.iter().enumerate() {
         let mut round = 0;
         for tried in shapes(problem, position) {
-            let reach = found.len();
-            found.push(Reach {
+            let reach = reaches.len();
+            reaches.push(Reach {
                 position,
                 shape: if tried.len() == 1 { tried[0].clone() } else { Shape::new() },
                 amplitude: only_amplitude(problem, position).map(|name| (name, 0.0)),
@@ -256,7 +263,7 @@ fn slopes(problem: &Problem, hidden: &Hidden, chunk: &[usize]) -> Result<Vec<Rea
             }
         }
         for (name, value) in round.iter().flat_map(|(_, _, shape)| shape) {
-            values.iter_mut().filter(|(own, _)| own == name).for_each(|(_, own)| *own = *value);
+            values.iter_mut().filter(|(entry, _)| entry == name).for_each(|(_, start)| *start = *value);
         }
         let at = refit::start(&likelihood, &values);
         let (mut residuals, mut jacobian, mut offset) = (vec![0.0; m], vec![0.0; m * n], vec![0.0; n]);
@@ -264,15 +271,15 @@ fn slopes(problem: &Problem, hidden: &Hidden, chunk: &[usize]) -> Result<Vec<Rea
             continue;
         }
         for (place, reach, _) in round {
-            let own = hypothesis.amplitudes[place].clone().zip(parameters(problem, chunk[place]));
-            for (index, _) in own.filter(|(_, parameter)| parameter.amplitude) {
+            let amplitudes = hypothesis.amplitudes[place].clone().zip(parameters(problem, chunk[place]));
+            for (index, _) in amplitudes.filter(|(_, parameter)| parameter.amplitude) {
                 let name = &hypothesis.model.parameters[index].name;
-                let Some(unknown) = likelihood.names().iter().position(|own| own == name) else { continue };
-                found[reach].columns.push(jacobian.iter().skip(unknown).step_by(n).map(|slope| -slope).collect());
+                let Some(unknown) = likelihood.names().iter().position(|entry| entry == name) else { continue };
+                reaches[reach].columns.push(jacobian.iter().skip(unknown).step_by(n).map(|slope| -slope).collect());
             }
         }
     }
-    Ok(found)
+    Ok(reaches)
 }
 
 /// Columns of an effect that is not smooth at 0: what it does at each of some plausible sizes.
@@ -311,8 +318,8 @@ fn parameters(problem: &Problem, position: usize) -> Vec<EffectParameter> {
 
 /// Name of a candidate's amplitude, if it has one alone.
 fn only_amplitude(problem: &Problem, position: usize) -> Option<String> {
-    let own = parameters(problem, position);
-    let mut amplitudes = own.iter().filter(|parameter| parameter.amplitude);
+    let effect_parameters = parameters(problem, position);
+    let mut amplitudes = effect_parameters.iter().filter(|parameter| parameter.amplitude);
     let first = amplitudes.next()?;
     amplitudes.next().is_none().then(|| format!("{}.{}", problem.candidates[position].id, first.name))
 }

@@ -185,8 +185,8 @@ impl Trial {
     pub fn grouped(&self) -> bool {
         let stands = |id: &&str| {
             let group = self.answer.group_of(id);
-            let selected = |member: &&str| self.answer.selected.iter().any(|own| own == member);
-            self.answer.selected.iter().any(|own| own == id)
+            let selected = |member: &&str| self.answer.selected.iter().any(|effect| effect == member);
+            self.answer.selected.iter().any(|effect| effect == id)
                 || (group.len() <= SMALL_GROUP && group.iter().any(selected))
         };
         let ids = self.truth.ids();
@@ -196,7 +196,7 @@ impl Trial {
     /// Whether an effect is a hidden one, or explains the same within the model error.
     fn stands_for_truth(&self, id: &str) -> bool {
         let rivals = self.truth.rivals.iter().flatten().flat_map(|rival| &rival.effects);
-        self.truth.effects.iter().map(|effect| &effect.id).chain(rivals).any(|own| own == id)
+        self.truth.effects.iter().map(|effect| &effect.id).chain(rivals).any(|effect| effect == id)
     }
 
     /// Whether the first step, or without steps what is selected with its groups, has what stands for the truth.
@@ -274,9 +274,9 @@ fn asked<'a>(trials: impl Iterator<Item = &'a Trial>) -> Vec<f64> {
 fn sizes(trials: &[Trial]) -> Vec<BySize> {
     let mut list = Vec::new();
     for effects in 1..=2 {
-        let own = || trials.iter().filter(move |trial| trial.truth.effects.len() == effects);
-        for size in asked(own()) {
-            let here = own().filter(|trial| trial.truth.asked == Some(size));
+        let with_effects = || trials.iter().filter(move |trial| trial.truth.effects.len() == effects);
+        for size in asked(with_effects()) {
+            let here = with_effects().filter(|trial| trial.truth.asked == Some(size));
             let separable = here.clone().filter(|trial| trial.truth.is_separable() == Some(true));
             list.push(BySize { size, effects, all: detection(here), separable: detection(separable) });
         }
@@ -292,16 +292,16 @@ fn effects(trials: &[Trial]) -> Vec<ByEffect> {
     names.dedup();
     let mut list = Vec::new();
     for name in names {
-        let own = || {
+        let of_effect = || {
             let alone = trials.iter().filter(|trial| trial.truth.effects.len() == 1);
             alone.filter(|trial| trial.truth.effects[0].effect == name)
         };
-        for size in asked(own()) {
-            let detection = detection(own().filter(|trial| trial.truth.asked == Some(size)));
+        for size in asked(of_effect()) {
+            let detection = detection(of_effect().filter(|trial| trial.truth.asked == Some(size)));
             list.push(ByEffect { effect: name.to_owned(), size: Some(size), detection });
         }
-        if own().any(|trial| trial.truth.asked.is_none()) {
-            let detection = detection(own().filter(|trial| trial.truth.asked.is_none()));
+        if of_effect().any(|trial| trial.truth.asked.is_none()) {
+            let detection = detection(of_effect().filter(|trial| trial.truth.asked.is_none()));
             list.push(ByEffect { effect: name.to_owned(), size: None, detection });
         }
     }
@@ -313,7 +313,7 @@ fn group_sizes(trials: &[Trial]) -> Vec<(usize, u64)> {
     for trial in trials.iter().filter(|trial| trial.found()) {
         let Some(first) = trial.answer.selected.first() else { continue };
         let size = trial.answer.group_of(first).len();
-        match sizes.iter_mut().find(|(own, _)| *own == size) {
+        match sizes.iter_mut().find(|(group_size, _)| *group_size == size) {
             Some((_, count)) => *count += 1,
             None => sizes.push((size, 1)),
         }
@@ -327,9 +327,9 @@ fn covered(trial: &Trial) -> Vec<bool> {
     let mut outcomes = Vec::new();
     for effect in trial.truth.effects.iter().filter(|effect| trial.answer.selected.contains(&effect.id)) {
         for value in effect.parameters.iter().filter(|parameter| parameter.amplitude) {
-            let own =
+            let is_same =
                 |stated: &&super::answer::StatedAmplitude| stated.id == effect.id && stated.parameter == value.name;
-            if let Some(stated) = trial.answer.amplitudes.iter().find(own) {
+            if let Some(stated) = trial.answer.amplitudes.iter().find(is_same) {
                 outcomes.push(stated.lower <= value.value && value.value <= stated.upper);
             }
         }
@@ -367,12 +367,12 @@ fn sure(trials: &[Trial]) -> Rate {
         let nothing = trial.answer.nothing;
         match best {
             Some(best) if best.probability >= 0.9 && best.probability >= nothing => {
-                let mut own: Vec<&str> = best.effects.iter().map(String::as_str).collect();
+                let mut stated: Vec<&str> = best.effects.iter().map(String::as_str).collect();
                 let mut truth = truth;
-                own.sort_unstable();
+                stated.sort_unstable();
                 truth.sort_unstable();
                 let whole = trial.truth.outside.is_none() && trial.truth.finer.is_none();
-                Some(own == truth && whole)
+                Some(stated == truth && whole)
             }
             _ if nothing >= 0.9 => Some(trial.truth.is_null()),
             _ => None,

@@ -111,25 +111,25 @@ impl NetworkSpecification {
     pub fn model(&self) -> Result<Model, ParseError> {
         let mut model = Model { title: self.title.clone(), ..Model::default() };
         let mut names = Names::default();
-        for (index, own) in (0u32..).zip(&self.parameters) {
+        for (index, parameter) in (0u32..).zip(&self.parameters) {
             let symbol = model.graph.symbol(Symbol::Parameter(index));
-            names.values.insert(own.name.clone(), symbol);
+            names.values.insert(parameter.name.clone(), symbol);
             model.parameters.push(Parameter {
-                name: own.name.clone(),
-                unit: own.unit.to_owned(),
-                nominal: own.nominal,
+                name: parameter.name.clone(),
+                unit: parameter.unit.to_owned(),
+                nominal: parameter.nominal,
                 description: String::new(),
                 source: String::new(),
             });
         }
-        for (index, own) in (0u32..).zip(&self.inputs) {
+        for (index, input) in (0u32..).zip(&self.inputs) {
             let symbol = model.graph.symbol(Symbol::Input(index));
-            names.values.insert(own.name.clone(), symbol);
+            names.values.insert(input.name.clone(), symbol);
             model.inputs.push(Input {
-                name: own.name.clone(),
-                unit: own.unit.to_owned(),
-                nominal: own.nominal,
-                range: Some(own.range),
+                name: input.name.clone(),
+                unit: input.unit.to_owned(),
+                nominal: input.nominal,
+                range: Some(input.range),
                 settable: true,
                 description: String::new(),
             });
@@ -143,29 +143,29 @@ impl NetworkSpecification {
             };
             model.nodes.push(Node { name: name.clone(), kind, area: None, alias: None, limits: Limits::default() });
         }
-        for own in &self.conductors {
-            let conductance = expression(&mut model.graph, &own.size)?;
-            let kind = ElementKind::Conductor(Conductor { between: own.between, conductance });
-            model.elements.push(Element { name: own.name.clone(), kind });
+        for conductor in &self.conductors {
+            let conductance = expression(&mut model.graph, &conductor.size)?;
+            let kind = ElementKind::Conductor(Conductor { between: conductor.between, conductance });
+            model.elements.push(Element { name: conductor.name.clone(), kind });
         }
-        for own in &self.radiations {
-            let exchange_area = expression(&mut model.graph, &own.size)?;
-            let kind = ElementKind::Radiation(Radiation { between: own.between, exchange_area });
-            model.elements.push(Element { name: own.name.clone(), kind });
+        for radiation in &self.radiations {
+            let exchange_area = expression(&mut model.graph, &radiation.size)?;
+            let kind = ElementKind::Radiation(Radiation { between: radiation.between, exchange_area });
+            model.elements.push(Element { name: radiation.name.clone(), kind });
         }
-        for own in &self.loads {
-            let power = expression(&mut model.graph, &own.power)?;
+        for load in &self.loads {
+            let power = expression(&mut model.graph, &load.power)?;
             model
                 .elements
-                .push(Element { name: own.name.clone(), kind: ElementKind::Load(Load { into: own.into, power }) });
+                .push(Element { name: load.name.clone(), kind: ElementKind::Load(Load { into: load.into, power }) });
         }
-        for own in &self.coolers {
-            let current = expression(&mut model.graph, &own.current)?;
+        for cooler in &self.coolers {
+            let current = expression(&mut model.graph, &cooler.current)?;
             let [couples, seebeck, resistance, conductance]: [ExprId; 4] =
                 COOLER.map(|(_, value)| model.graph.number(value));
             let lead_resistance = model.graph.number(0.0);
             let kind = ElementKind::Cooler(Cooler {
-                nodes: own.nodes.to_vec(),
+                nodes: cooler.nodes.to_vec(),
                 couples: vec![couples],
                 drive: Drive::Current(current),
                 seebeck,
@@ -173,7 +173,7 @@ impl NetworkSpecification {
                 conductance,
                 lead_resistance,
             });
-            model.elements.push(Element { name: own.name.clone(), kind });
+            model.elements.push(Element { name: cooler.name.clone(), kind });
         }
         Ok(model)
     }
@@ -187,21 +187,22 @@ impl NetworkSpecification {
     pub fn text(&self) -> String {
         let node = |position: usize| &self.nodes[position].0;
         let paths = |list: &[PathSketch], what: &str| {
-            object(list.iter().map(|own| {
-                let between = own.between.map(node);
-                (&own.name, json!({"between": between, what: scalar(&own.size)}))
+            object(list.iter().map(|path| {
+                let between = path.between.map(node);
+                (&path.name, json!({"between": between, what: scalar(&path.size)}))
             }))
         };
-        let inputs = object(self.inputs.iter().map(|own| {
-            (&own.name, json!({"unit": own.unit, "nominal": own.nominal, "range": own.range, "settable": true}))
+        let inputs = object(self.inputs.iter().map(|input| {
+            (&input.name, json!({"unit": input.unit, "nominal": input.nominal, "range": input.range, "settable": true}))
         }));
-        let parameters = object(
-            self.parameters
-                .iter()
-                .map(|own| (&own.name, json!({"unit": own.unit, "nominal": own.nominal, "prior": prior(&own.prior)}))),
-        );
-        let nodes = object(self.nodes.iter().map(|(name, own)| {
-            let body = match own {
+        let parameters = object(self.parameters.iter().map(|parameter| {
+            (
+                &parameter.name,
+                json!({"unit": parameter.unit, "nominal": parameter.nominal, "prior": prior(&parameter.prior)}),
+            )
+        }));
+        let nodes = object(self.nodes.iter().map(|(name, sketch)| {
+            let body = match sketch {
                 NodeSketch::Boundary(text) => json!({"boundary": scalar(text)}),
                 NodeSketch::Capacity(text) => json!({"capacity": scalar(text)}),
                 NodeSketch::Arithmetic => json!({}),
@@ -209,15 +210,15 @@ impl NetworkSpecification {
             (name, body)
         }));
         let loads = object(
-            self.loads.iter().map(|own| (&own.name, json!({"into": node(own.into), "power": scalar(&own.power)}))),
+            self.loads.iter().map(|load| (&load.name, json!({"into": node(load.into), "power": scalar(&load.power)}))),
         );
-        let coolers = object(self.coolers.iter().map(|own| {
-            let [cold, hot] = own.nodes.map(node);
-            let mut body = json!({"cold": cold, "hot": hot, "current": scalar(&own.current)});
+        let coolers = object(self.coolers.iter().map(|cooler| {
+            let [cold, hot] = cooler.nodes.map(node);
+            let mut body = json!({"cold": cold, "hot": hot, "current": scalar(&cooler.current)});
             for (name, value) in COOLER {
                 body[name] = json!(value);
             }
-            (&own.name, body)
+            (&cooler.name, body)
         }));
         let conductors = paths(&self.conductors, "conductance");
         let radiations = paths(&self.radiations, "exchange_area");

@@ -36,9 +36,14 @@ impl World {
     ///
     /// # Errors
     /// [`InjectError::Hypothesis`] for effects that do not go together.
-    pub fn new(problem: &Problem, effects: &[usize], own: &[f64], values: &[f64]) -> Result<Self, InjectError> {
+    pub fn new(
+        problem: &Problem,
+        effects: &[usize],
+        model_parameters: &[f64],
+        values: &[f64],
+    ) -> Result<Self, InjectError> {
         let hypothesis = problem.hypothesis(effects, 1.0).map_err(InjectError::Hypothesis)?;
-        let parameters = own.iter().chain(values).copied().collect();
+        let parameters = model_parameters.iter().chain(values).copied().collect();
         Ok(Self { hypothesis, parameters, outside: None, coarseness: None })
     }
 
@@ -69,7 +74,11 @@ impl World {
         names.values.insert("power".to_owned(), id);
         let (node, text) = match outside {
             Outside::Root { node, input } => {
-                let input = model.inputs.iter().position(|own| own.name == *input).ok_or(InjectError::NoPlace)?;
+                let input = model
+                    .inputs
+                    .iter()
+                    .position(|model_input| model_input.name == *input)
+                    .ok_or(InjectError::NoPlace)?;
                 let [lower, upper] = crate::effect::Bound::Input(input).range(model);
                 let id = model.graph.symbol(symbol(input, Symbol::Input));
                 names.values.insert("x".to_owned(), id);
@@ -106,7 +115,7 @@ impl World {
                 (node, "power * switch".to_owned())
             }
         };
-        let into = model.nodes.iter().position(|own| own.name == *node).ok_or(InjectError::NoPlace)?;
+        let into = model.nodes.iter().position(|model_node| model_node.name == *node).ok_or(InjectError::NoPlace)?;
         let power =
             parse(&text, &mut model.graph, &Scope::new(&names)).map_err(|error| InjectError::Fit(error.message))?;
         model.elements.push(named("hidden heat", ElementKind::Load(Load { into, power })));

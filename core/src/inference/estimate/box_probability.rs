@@ -45,9 +45,9 @@ pub fn log_box_probability(covariance: &[f64], lower: &[f64], upper: &[f64]) -> 
         }
         let mut product = 1.0;
         for i in 0..k {
-            let known: f64 = (0..i).map(|j| factor[i * k + j] * drawn[j]).sum();
+            let conditional_mean: f64 = (0..i).map(|j| factor[i * k + j] * drawn[j]).sum();
             let sd = factor[i * k + i];
-            let (a, b) = ((lower[near[i]] - known) / sd, (upper[near[i]] - known) / sd);
+            let (a, b) = ((lower[near[i]] - conditional_mean) / sd, (upper[near[i]] - conditional_mean) / sd);
             // Above the mean the complements keep the digits.
             let mirrored = a > 0.0;
             let (a, b) = if mirrored { (-b, -a) } else { (a, b) };

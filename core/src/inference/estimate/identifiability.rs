@@ -140,9 +140,9 @@ fn directions(matrix: DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
 fn combinations<T: LeastSquares>(target: &T, parameters: &[f64]) -> Vec<(usize, usize, Combination)> {
     let (n, rows) = (parameters.len(), target.residual_count());
     let (mut residuals, mut jacobian, mut offset) = (vec![0.0; rows], vec![0.0; rows * n], vec![0.0; n]);
-    let mut found = Vec::new();
+    let mut trades = Vec::new();
     if target.jacobian(parameters, &mut target.workspace(), &mut residuals, &mut jacobian, &mut offset).is_err() {
-        return found;
+        return trades;
     }
     for first in 0..n {
         for second in first + 1..n {
@@ -168,8 +168,8 @@ fn combinations<T: LeastSquares>(target: &T, parameters: &[f64]) -> Vec<(usize, 
             } else {
                 continue;
             };
-            found.push((first, second, combination));
+            trades.push((first, second, combination));
         }
     }
-    found
+    trades
 }

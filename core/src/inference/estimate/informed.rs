@@ -24,7 +24,7 @@ pub struct Informed<T> {
 
 /// Memory of one chain.
 pub struct Memory<W> {
-    own: W,
+    target: W,
     parameters: Vec<f64>,
     slopes: Vec<Vec<f64>>,
     part: Vec<f64>,
@@ -66,8 +66,8 @@ impl<T: Target> Informed<T> {
         for (prior, slopes) in self.joint.iter().zip(&mut memory.slopes) {
             memory.part.clear();
             memory.part.extend(prior.places().iter().map(|&place| coordinates[place]));
-            let (values, own) = prior.at(&memory.part);
-            *slopes = own;
+            let (values, prior_slopes) = prior.at(&memory.part);
+            *slopes = prior_slopes;
             for (&place, value) in prior.places().iter().zip(values) {
                 memory.parameters[place] = value;
             }
@@ -95,11 +95,11 @@ impl<T: Target> Informed<T> {
         }
         for prior in &self.joint {
             let whitened: Vec<f64> = prior.places().iter().map(|&place| coordinates[place]).collect();
-            let own = prior.derivatives(&prior.at(&whitened).1);
+            let prior_derivatives = prior.derivatives(&prior.at(&whitened).1);
             let width = whitened.len();
             for (a, &i) in prior.places().iter().enumerate() {
                 for (b, &j) in prior.places().iter().enumerate() {
-                    derivatives[i * n + j] = own[a * width + b];
+                    derivatives[i * n + j] = prior_derivatives[a * width + b];
                 }
             }
         }
@@ -108,11 +108,11 @@ impl<T: Target> Informed<T> {
 
     /// A chain over the coordinates as one over the parameters.
     pub fn chain(&self, chain: Chain) -> Chain {
-        let mut own = chain;
+        let mut transformed = chain;
         if self.joint.is_empty() {
-            return own;
+            return transformed;
         }
-        for draw in own.draws.chunks_exact_mut(own.dimension.max(1)) {
+        for draw in transformed.draws.chunks_exact_mut(transformed.dimension.max(1)) {
             for prior in &self.joint {
                 let whitened: Vec<f64> = prior.places().iter().map(|&place| draw[place]).collect();
                 let (values, _) = prior.at(&whitened);
@@ -121,19 +121,19 @@ impl<T: Target> Informed<T> {
                 }
             }
         }
-        own
+        transformed
     }
 
     /// A point estimate over the coordinates as one over the parameters; the covariance to first order. The density whose
     /// maximum it is, is that over the coordinates.
     pub fn estimate(&self, estimate: &PointEstimate) -> PointEstimate {
-        let mut own = estimate.clone();
+        let mut transformed = estimate.clone();
         if self.joint.is_empty() {
-            return own;
+            return transformed;
         }
-        let n = own.parameters.len();
+        let n = transformed.parameters.len();
         let slopes = self.derivatives(&estimate.parameters);
-        own.parameters = self.parameters(&estimate.parameters);
+        transformed.parameters = self.parameters(&estimate.parameters);
         let mut half = vec![0.0; n * n];
         for i in 0..n {
             for j in 0..n {
@@ -142,15 +142,15 @@ impl<T: Target> Informed<T> {
         }
         for i in 0..n {
             for j in 0..n {
-                own.covariance[i * n + j] = (0..n).map(|k| half[i * n + k] * slopes[j * n + k]).sum();
+                transformed.covariance[i * n + j] = (0..n).map(|k| half[i * n + k] * slopes[j * n + k]).sum();
             }
         }
-        for descent in &mut own.descents {
+        for descent in &mut transformed.descents {
             descent.start = self.parameters(&descent.start);
             descent.end = descent.end.take().map(|end| self.parameters(&end));
         }
-        own.findings = estimate.findings.iter().filter_map(|finding| self.finding(finding, &slopes)).collect();
-        own
+        transformed.findings = estimate.findings.iter().filter_map(|finding| self.finding(finding, &slopes)).collect();
+        transformed
     }
 
     /// A finding about coordinates as one about parameters; none where it has no meaning for them.
@@ -194,7 +194,7 @@ impl<T: Target> Target for Informed<T> {
 
     fn workspace(&self) -> Self::Workspace {
         Memory {
-            own: self.target.workspace(),
+            target: self.target.workspace(),
             parameters: vec![0.0; self.priors.len()],
             slopes: vec![Vec::new(); self.joint.len()],
             part: Vec::new(),
@@ -203,7 +203,7 @@ impl<T: Target> Target for Informed<T> {
 
     fn log_likelihood(&self, coordinates: &[f64], memory: &mut Self::Workspace) -> Result<f64, Rejected> {
         self.take(coordinates, memory);
-        self.target.log_likelihood(&memory.parameters, &mut memory.own)
+        self.target.log_likelihood(&memory.parameters, &mut memory.target)
     }
 
     fn log_likelihood_gradient(
@@ -213,7 +213,7 @@ impl<T: Target> Target for Informed<T> {
         gradient: &mut [f64],
     ) -> Result<f64, Rejected> {
         self.take(coordinates, memory);
-        let value = self.target.log_likelihood_gradient(&memory.parameters, &mut memory.own, gradient)?;
+        let value = self.target.log_likelihood_gradient(&memory.parameters, &mut memory.target, gradient)?;
         self.pull_back(memory, gradient);
         Ok(value)
     }
@@ -231,7 +231,7 @@ impl<T: LeastSquares> LeastSquares for Informed<T> {
         residuals: &mut [f64],
     ) -> Result<f64, Rejected> {
         self.take(coordinates, memory);
-        self.target.residuals(&memory.parameters, &mut memory.own, residuals)
+        self.target.residuals(&memory.parameters, &mut memory.target, residuals)
     }
 
     fn jacobian(
@@ -243,7 +243,8 @@ impl<T: LeastSquares> LeastSquares for Informed<T> {
         offset_gradient: &mut [f64],
     ) -> Result<f64, Rejected> {
         self.take(coordinates, memory);
-        let offset = self.target.jacobian(&memory.parameters, &mut memory.own, residuals, jacobian, offset_gradient)?;
+        let offset =
+            self.target.jacobian(&memory.parameters, &mut memory.target, residuals, jacobian, offset_gradient)?;
         if !self.joint.is_empty() {
             for row in jacobian.chunks_exact_mut(self.priors.len().max(1)) {
                 self.pull_back(memory, row);

@@ -45,10 +45,11 @@ impl Laplace {
 /// Cholesky factor of the curvature of the free variables, `None` where it is negative or undefined.
 pub(super) fn factor(at: &[f64], bounds: &Bounds, curvature: &[f64], free: &[usize]) -> Option<Vec<f64>> {
     let n = at.len();
-    let mut own: Vec<f64> = free.iter().flat_map(|&i| free.iter().map(move |&j| curvature[i * n + j])).collect();
-    floor_eigenvalues(&mut own, at, bounds, free);
-    cholesky::factor(&mut own, free.len()).ok()?;
-    Some(own)
+    let mut free_curvature: Vec<f64> =
+        free.iter().flat_map(|&i| free.iter().map(move |&j| curvature[i * n + j])).collect();
+    floor_eigenvalues(&mut free_curvature, at, bounds, free);
+    cholesky::factor(&mut free_curvature, free.len()).ok()?;
+    Some(free_curvature)
 }
 
 /// Raises the curvature of directions that data and prior leave open to one that cannot be told from none across the
@@ -62,8 +63,8 @@ fn floor_eigenvalues(curvature: &mut [f64], at: &[f64], bounds: &Bounds, free: &
     let widths: Vec<f64> = free.iter().map(|&i| bounds.upper[i] - bounds.lower[i]).collect();
     let scales: Vec<f64> = (0..k)
         .map(|a| {
-            let own = curvature[a * k + a];
-            let spread = if own > 0.0 { 1.0 / own.sqrt() } else { f64::INFINITY };
+            let diagonal = curvature[a * k + a];
+            let spread = if diagonal > 0.0 { 1.0 / diagonal.sqrt() } else { f64::INFINITY };
             let scale = spread.min(widths[a]);
             if scale.is_finite() { scale } else { at[free[a]].abs().max(f64::MIN_POSITIVE) }
         })

@@ -344,8 +344,8 @@ fn polish<O: Objective>(
         let free = free_variables(&x, &at.gradient, bounds);
         let Some(hessian) = hessian(objective, &x, bounds) else { break };
         let n = x.len();
-        let own = DMatrix::from_fn(free.len(), free.len(), |i, j| hessian[free[i] * n + free[j]]);
-        let Some(factor) = own.cholesky() else { break };
+        let free_hessian = DMatrix::from_fn(free.len(), free.len(), |i, j| hessian[free[i] * n + free[j]]);
+        let Some(factor) = free_hessian.cholesky() else { break };
         let step = factor.solve(&DVector::from_fn(free.len(), |i, _| -at.gradient[free[i]]));
         let mut improved = false;
         let mut share = 1.0;
@@ -458,11 +458,11 @@ mod tests {
         let mut objective = StepAtThreshold { readings: [0.1, -0.2, 0.0, -0.1, 3.1, 2.9, 3.0, 3.2, 2.8, 3.0] };
         let bounds = Bounds { lower: vec![-10.0, 0.0], upper: vec![10.0, 9.0] };
         for threshold in [3.3, 3.5, 3.75] {
-            let found =
+            let minimum =
                 minimise(&mut objective, &[0.5, threshold], &bounds, Effort { most_iterations: 60, least_gain: 0.0 })
                     .unwrap();
-            assert!((found.x[0] - 3.0).abs() < 1e-6, "from {threshold}: {:?}", found.x);
-            assert!(found.x[1] > 3.0 && found.x[1] < 4.0, "from {threshold}: {:?}", found.x);
+            assert!((minimum.x[0] - 3.0).abs() < 1e-6, "from {threshold}: {:?}", minimum.x);
+            assert!(minimum.x[1] > 3.0 && minimum.x[1] < 4.0, "from {threshold}: {:?}", minimum.x);
         }
     }
 
@@ -503,9 +503,9 @@ mod tests {
         let bounds = Bounds { lower: vec![-10.0], upper: vec![10.0] };
         let descend = |least_gain: f64| {
             let effort = Effort { most_iterations: 60, least_gain };
-            let found = minimise(&mut LargeResidual, &[4.0], &bounds, effort).unwrap();
-            assert!(found.x[0].abs() < 0.012, "{found:?}");
-            found.iterations
+            let minimum = minimise(&mut LargeResidual, &[4.0], &bounds, effort).unwrap();
+            assert!(minimum.x[0].abs() < 0.012, "{minimum:?}");
+            minimum.iterations
         };
         let (costly, cheap) = (descend(1.01 * COSTLY), descend(COSTLY));
         assert!(3 * costly <= 2 * cheap, "{costly} and {cheap}");

@@ -137,7 +137,7 @@ pub fn estimate<T: LeastSquares>(
             converged: minimum.as_ref().is_some_and(|m| m.converged),
         });
         if let Some(minimum) = minimum
-            && best.as_ref().is_none_or(|known| minimum.value < known.value)
+            && best.as_ref().is_none_or(|lowest| minimum.value < lowest.value)
         {
             best = Some(minimum);
         }
@@ -174,10 +174,10 @@ fn truncated_moments<T: LeastSquares>(
     curvature: &[f64],
 ) -> Option<Moments> {
     let free = free_variables(&best.x, &best.gradient, bounds);
-    let own = moments(&best.x, &best.gradient, bounds, curvature, &free)?;
-    let mean = objective.parameters(&own.mean);
+    let of_coordinates = moments(&best.x, &best.gradient, bounds, curvature, &free)?;
+    let mean = objective.parameters(&of_coordinates.mean);
     let slope = |i: usize| if objective.logarithmic()[i] { mean[i] } else { 1.0 };
-    let sd = own.sd.iter().enumerate().map(|(i, sd)| sd * slope(i)).collect();
+    let sd = of_coordinates.sd.iter().enumerate().map(|(i, sd)| sd * slope(i)).collect();
     Some(Moments { mean, sd })
 }
 

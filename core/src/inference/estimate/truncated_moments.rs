@@ -106,8 +106,8 @@ impl Parts {
             })
             .collect();
         let left = |a: usize, b: usize| {
-            let taken: f64 = (0..k).map(|j| curvature[held[a] * n + rest[j]] * follow[j * m + b]).sum();
-            curvature[held[a] * n + held[b]] + taken
+            let coupled: f64 = (0..k).map(|j| curvature[held[a] * n + rest[j]] * follow[j * m + b]).sum();
+            curvature[held[a] * n + held[b]] + coupled
         };
         let rays: Vec<Held> = (0..m)
             .map(|a| Held {
@@ -178,10 +178,13 @@ pub fn moments(at: &[f64], gradient: &[f64], bounds: &Bounds, curvature: &[f64],
         }
         for (place, &i) in near.iter().enumerate() {
             let followed: f64 = (0..m).map(|a| follow[i * m + a] * rays[a].inwards * drawn[a]).sum();
-            let known: f64 = (0..place).map(|j| factor[place * c + j] * standard[j]).sum();
-            let own = factor[place * c + place];
+            let conditional_mean: f64 = (0..place).map(|j| factor[place * c + j] * standard[j]).sum();
+            let conditional_sd = factor[place * c + place];
             let (lower, upper) = room(i);
-            let (a, b) = ((lower - followed - known) / own, (upper - followed - known) / own);
+            let (a, b) = (
+                (lower - followed - conditional_mean) / conditional_sd,
+                (upper - followed - conditional_mean) / conditional_sd,
+            );
             let mirrored = a > 0.0;
             let (a, b) = if mirrored { (-b, -a) } else { (a, b) };
             let (below, above) = (normal_cdf(a), normal_cdf(b));
@@ -189,7 +192,7 @@ pub fn moments(at: &[f64], gradient: &[f64], bounds: &Bounds, curvature: &[f64],
             let u = folded(point, steps[m + place]);
             let z = normal_quantile((below + u * (above - below)).clamp(1e-300, 1.0 - 1e-16));
             standard[place] = if mirrored { -z } else { z };
-            drawn[m + place] = known + own * standard[place];
+            drawn[m + place] = conditional_mean + conditional_sd * standard[place];
         }
         if !weight.is_finite() {
             return None;
@@ -227,10 +230,10 @@ pub fn moments(at: &[f64], gradient: &[f64], bounds: &Bounds, curvature: &[f64],
         let explained: f64 = regression.iter().map(|v| v * v).sum();
         cholesky::solve_lower_transposed(&factor, &mut regression);
         onto[m..].copy_from_slice(&regression);
-        let own = if near.contains(&i) { 0.0 } else { (covariance[i * k + i] - explained).max(0.0) };
+        let remaining_variance = if near.contains(&i) { 0.0 } else { (covariance[i * k + i] - explained).max(0.0) };
         let carried: f64 = (0..size).map(|a| (0..size).map(|b| onto[a] * spread(a, b) * onto[b]).sum::<f64>()).sum();
         moments.mean[rest[i]] += onto.iter().zip(&mean).map(|(o, v)| o * v).sum::<f64>();
-        moments.sd[rest[i]] = (own + carried).max(0.0).sqrt();
+        moments.sd[rest[i]] = (remaining_variance + carried).max(0.0).sqrt();
     }
     let finite = moments.mean.iter().chain(&moments.sd).all(|v| v.is_finite());
     finite.then_some(moments)
@@ -260,12 +263,12 @@ mod tests {
 
     fn compare(gradient: [f64; 2], h: [f64; 3], lower: [f64; 2], upper: [f64; 2], free: &[usize]) {
         let bounds = Bounds { lower: lower.to_vec(), upper: upper.to_vec() };
-        let found = moments(&[0.0; 2], &gradient, &bounds, &[h[0], h[1], h[1], h[2]], free).expect("moments");
+        let approximate = moments(&[0.0; 2], &gradient, &bounds, &[h[0], h[1], h[1], h[2]], free).expect("moments");
         let exact = by_quadrature(gradient, h, lower, upper);
         for i in 0..2 {
             // The points leave 0.011 of an exponential density in one variable and 0.022 of two that trade; 4096 of them 0.01.
-            assert!((found.mean[i] - exact.mean[i]).abs() < 0.03 * exact.sd[i], "{i} {found:?} {exact:?}");
-            assert!((found.sd[i] / exact.sd[i] - 1.0).abs() < 0.03, "{i} {found:?} {exact:?}");
+            assert!((approximate.mean[i] - exact.mean[i]).abs() < 0.03 * exact.sd[i], "{i} {approximate:?} {exact:?}");
+            assert!((approximate.sd[i] / exact.sd[i] - 1.0).abs() < 0.03, "{i} {approximate:?} {exact:?}");
         }
     }
 
@@ -276,8 +279,8 @@ mod tests {
         compare([0.5, 0.0], [100.0, 99.0, 100.0], [0.0, -9.0], [3.0, 9.0], &[1]);
         compare([0.0, -40.0], [4.0, 1.0, 3.0], [-9.0, -2.0], [9.0, 0.0], &[0]);
         let bounds = Bounds { lower: vec![0.0, -9.0], upper: vec![3.0, 9.0] };
-        let found = moments(&[0.0; 2], &[0.5, 0.0], &bounds, &[100.0, 99.0, 99.0, 100.0], &[1]).expect("moments");
-        assert!(found.sd[1] > 0.3, "{found:?}");
+        let approximate = moments(&[0.0; 2], &[0.5, 0.0], &bounds, &[100.0, 99.0, 99.0, 100.0], &[1]).expect("moments");
+        assert!(approximate.sd[1] > 0.3, "{approximate:?}");
     }
 
     #[test]
@@ -307,9 +310,9 @@ mod tests {
     #[test]
     fn without_bounds_near_it_is_the_normal_approximation() {
         let bounds = Bounds { lower: vec![-99.0; 2], upper: vec![99.0; 2] };
-        let found = moments(&[1.0, 2.0], &[0.0; 2], &bounds, &[2.0, 1.0, 1.0, 2.0], &[0, 1]).expect("moments");
-        assert_eq!(found.mean, [1.0, 2.0]);
-        assert!(found.sd.iter().all(|sd| (sd * sd - 2.0 / 3.0).abs() < 1e-12), "{found:?}");
+        let approximate = moments(&[1.0, 2.0], &[0.0; 2], &bounds, &[2.0, 1.0, 1.0, 2.0], &[0, 1]).expect("moments");
+        assert_eq!(approximate.mean, [1.0, 2.0]);
+        assert!(approximate.sd.iter().all(|sd| (sd * sd - 2.0 / 3.0).abs() < 1e-12), "{approximate:?}");
         // Nothing limits the second.
         let open = Bounds { lower: vec![-99.0, 0.0], upper: vec![99.0, f64::INFINITY] };
         assert_eq!(moments(&[0.0; 2], &[0.0; 2], &open, &[2.0, 0.0, 0.0, 0.0], &[0]), None);

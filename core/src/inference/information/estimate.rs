@@ -47,14 +47,14 @@ pub struct Replicate {
 
 impl Replicate {
     /// Takes in an outer sample whose sums are over `noises` of its readings: their mean.
-    pub fn add_mean(&mut self, own: &Self, noises: u32) {
+    pub fn add_mean(&mut self, sample: &Self, noises: u32) {
         let n = f64::from(noises);
         self.count += 1;
-        self.sum += own.sum / n;
-        self.marginal_rise += own.marginal_rise / n;
-        self.conditional_rise += own.conditional_rise / n;
-        self.effective += own.effective / n;
-        self.few += u64::from(2 * own.few > u64::from(noises));
+        self.sum += sample.sum / n;
+        self.marginal_rise += sample.marginal_rise / n;
+        self.conditional_rise += sample.conditional_rise / n;
+        self.effective += sample.effective / n;
+        self.few += u64::from(2 * sample.few > u64::from(noises));
     }
 
     /// The mean, each logarithm's bias taken out once: `2 U_M - U_(M/2)`; `None` without samples.
@@ -98,15 +98,16 @@ impl Estimate {
             return None;
         }
         let moments = Moments::of(&values);
-        let count: u64 = replicates.iter().map(|own| own.count).sum();
-        let rises: f64 = replicates.iter().map(|own| own.marginal_rise.abs() + own.conditional_rise.abs()).sum();
+        let count: u64 = replicates.iter().map(|replicate| replicate.count).sum();
+        let rises: f64 =
+            replicates.iter().map(|replicate| replicate.marginal_rise.abs() + replicate.conditional_rise.abs()).sum();
         let standard_error = standard_error(&moments, values.len());
         Some(Self {
             value: moments.mean(),
             standard_error,
             bias_bound: rises / count as f64,
-            effective: replicates.iter().map(|own| own.effective).sum::<f64>() / count as f64,
-            few: replicates.iter().map(|own| own.few).sum::<u64>() as f64 / count as f64,
+            effective: replicates.iter().map(|replicate| replicate.effective).sum::<f64>() / count as f64,
+            few: replicates.iter().map(|replicate| replicate.few).sum::<u64>() as f64 / count as f64,
         })
     }
 
@@ -170,8 +171,8 @@ mod tests {
     #[test]
     fn trust_goes_by_the_bias_and_the_samples_that_are_near() {
         let of = |rise: f64, effective: f64, few: u64| {
-            let own = |mean: f64| Replicate { effective: 10.0 * effective, few, ..replicate(mean + rise, rise) };
-            let many: Vec<Replicate> = (0..16).map(|k| own(3.0 + 0.001 * f64::from(k % 2))).collect();
+            let sample = |mean: f64| Replicate { effective: 10.0 * effective, few, ..replicate(mean + rise, rise) };
+            let many: Vec<Replicate> = (0..16).map(|k| sample(3.0 + 0.001 * f64::from(k % 2))).collect();
             Estimate::of(&many).expect("samples").trust()
         };
         assert_eq!(

@@ -44,14 +44,14 @@ fn log_determinant(jacobian: &[f64], unknowns: usize, first: usize) -> Result<f6
 pub fn divergence(precision_factor: &[f64], mean: &[f64], learn: usize) -> Result<f64, NotPositiveDefinite> {
     let n = mean.len();
     let covariance = cholesky::inverse(precision_factor, n);
-    let mut own = vec![0.0; learn * learn];
+    let mut learned_covariance = vec![0.0; learn * learn];
     let mut sum = -(learn as f64);
     for a in 0..learn {
-        own[a * learn..(a + 1) * learn].copy_from_slice(&covariance[a * n..a * n + learn]);
+        learned_covariance[a * learn..(a + 1) * learn].copy_from_slice(&covariance[a * n..a * n + learn]);
         sum += covariance[a * n + a] + mean[a] * mean[a];
     }
-    cholesky::factor(&mut own, learn)?;
-    Ok(0.5 * (sum - cholesky::log_determinant(&own, learn)))
+    cholesky::factor(&mut learned_covariance, learn)?;
+    Ok(0.5 * (sum - cholesky::log_determinant(&learned_covariance, learn)))
 }
 
 #[cfg(test)]

@@ -105,9 +105,9 @@ impl Inner {
         let mut sums = [0.0; 2];
         let mut squares = 0.0;
         for (sum, half) in sums.iter_mut().zip(&self.halves) {
-            let (own, own_squares) = half.near(point, self.readings - 1);
-            *sum = own;
-            squares += own_squares;
+            let (half_sum, half_squares) = half.near(point, self.readings - 1);
+            *sum = half_sum;
+            squares += half_squares;
         }
         if sums[0] >= LEAST && sums[1] >= LEAST {
             return LogMean::of_sums(sums, squares, self.size, 0.0);
@@ -151,8 +151,8 @@ impl Half {
         for (value, row) in self.lead[first..end].iter().zip(rows) {
             let apart = point[0] - value;
             let mut half_square = 0.5 * apart * apart;
-            for (value, own) in row.iter().zip(&point[1..]) {
-                half_square += 0.5 * (own - value) * (own - value);
+            for (value, reading) in row.iter().zip(&point[1..]) {
+                half_square += 0.5 * (reading - value) * (reading - value);
                 if half_square > CUT {
                     break;
                 }
@@ -201,13 +201,16 @@ mod tests {
             // Amid the samples, at their edge, and far from all.
             for place in [30.0, 3.0, -1.0, -20.0, 500.0] {
                 let z: Vec<f64> = (0..readings).map(|reading| place + reading as f64).collect();
-                let found = inner.log_mean(&z, &mut point);
+                let estimate = inner.log_mean(&z, &mut point);
                 let (all, half) = (plain(&predictions, &z), predictions.len() / 2);
-                assert!((found.whole - all).abs() < 1e-10 * all.abs().max(1.0), "{readings} {place}");
+                assert!((estimate.whole - all).abs() < 1e-10 * all.abs().max(1.0), "{readings} {place}");
                 if place > -10.0 && place < 100.0 {
                     let halves = [plain(&predictions[..half], &z), plain(&predictions[half..], &z)];
-                    assert!(found.halves.iter().zip(halves).all(|(a, b)| (a - b).abs() < 1e-8), "{readings} {place}");
-                    assert!(found.rise() >= 0.0 && found.effective >= 1.0);
+                    assert!(
+                        estimate.halves.iter().zip(halves).all(|(a, b)| (a - b).abs() < 1e-8),
+                        "{readings} {place}"
+                    );
+                    assert!(estimate.rise() >= 0.0 && estimate.effective >= 1.0);
                 }
             }
         }
@@ -216,8 +219,8 @@ mod tests {
     #[test]
     fn samples_without_a_prediction_count_but_weigh_nothing() {
         let inner = Inner::new(&[0.0, f64::NAN, 0.0, f64::NAN], 1).expect("samples");
-        let found = inner.log_mean(&[0.0], &mut [0.0]);
-        assert!((found.whole - ln(0.5)).abs() < 1e-15 && found.rise().abs() < 1e-15);
+        let estimate = inner.log_mean(&[0.0], &mut [0.0]);
+        assert!((estimate.whole - ln(0.5)).abs() < 1e-15 && estimate.rise().abs() < 1e-15);
         assert!(Inner::new(&[1.0], 1).is_none() && Inner::new(&[], 0).is_none());
         let none = Inner::new(&[f64::NAN; 4], 1).expect("samples").log_mean(&[0.0], &mut [0.0]);
         assert_eq!(none.whole, f64::NEG_INFINITY);

@@ -64,10 +64,11 @@ impl Process {
                 for length in LENGTHS {
                     let mut trial = lengths.clone();
                     trial[coordinate] = length;
-                    let found = Self::with_lengths(points, values, &trial);
-                    let likelihood = |own: &Option<Self>| own.as_ref().map_or(f64::NEG_INFINITY, |p| p.log_likelihood);
-                    if likelihood(&found) > likelihood(&best) {
-                        (best, lengths) = (found, trial);
+                    let process = Self::with_lengths(points, values, &trial);
+                    let likelihood =
+                        |fitted: &Option<Self>| fitted.as_ref().map_or(f64::NEG_INFINITY, |p| p.log_likelihood);
+                    if likelihood(&process) > likelihood(&best) {
+                        (best, lengths) = (process, trial);
                     }
                 }
             }
@@ -87,12 +88,12 @@ impl Process {
             }
         }
         cholesky::factor(&mut factor, n).ok()?;
-        let (mut ones, mut own) = (vec![1.0; n], values.to_vec());
+        let (mut ones, mut whitened) = (vec![1.0; n], values.to_vec());
         cholesky::solve_lower(&factor, &mut ones);
-        cholesky::solve_lower(&factor, &mut own);
+        cholesky::solve_lower(&factor, &mut whitened);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let mean = dot(&ones, &own) / dot(&ones, &ones);
-        let mut weights: Vec<f64> = own.iter().zip(&ones).map(|(y, one)| y - mean * one).collect();
+        let mean = dot(&ones, &whitened) / dot(&ones, &ones);
+        let mut weights: Vec<f64> = whitened.iter().zip(&ones).map(|(y, one)| y - mean * one).collect();
         let variance = dot(&weights, &weights) / n as f64;
         if !(variance > 0.0 && variance.is_finite()) {
             return None;
@@ -105,7 +106,7 @@ impl Process {
 
     /// Expectation and standard deviation at a point of the unit cube.
     pub fn at(&self, point: &[f64]) -> (f64, f64) {
-        let mut column: Vec<f64> = self.points.iter().map(|own| correlation(own, point, &self.lengths)).collect();
+        let mut column: Vec<f64> = self.points.iter().map(|sample| correlation(sample, point, &self.lengths)).collect();
         let mean = self.mean + column.iter().zip(&self.weights).map(|(c, w)| c * w).sum::<f64>();
         cholesky::solve_lower(&self.factor, &mut column);
         let left = 1.0 - column.iter().map(|c| c * c).sum::<f64>();
@@ -136,31 +137,31 @@ pub struct Known {
 
 /// The next `count` points of the unit cube at which a larger value within the limits may be expected, rounded to
 /// `1 / steps`; fewer where nothing more is to be expected. `key` gives the points at which the improvement is looked at.
-pub fn next(known: &[Known], count: usize, steps: f64, key: &StreamKey) -> Vec<Vec<f64>> {
-    let mut known = known.to_vec();
-    let mut found = Vec::new();
+pub fn next(evaluated: &[Known], count: usize, steps: f64, key: &StreamKey) -> Vec<Vec<f64>> {
+    let mut evaluated = evaluated.to_vec();
+    let mut points = Vec::new();
     for _ in 0..count {
-        let Some((point, value, excess)) = one(&known, steps, key) else { break };
-        found.push(point.clone());
-        known.push(Known { point, value: Some(value), excess });
+        let Some((point, value, excess)) = one(&evaluated, steps, key) else { break };
+        points.push(point.clone());
+        evaluated.push(Known { point, value: Some(value), excess });
     }
-    found
+    points
 }
 
-fn one(known: &[Known], steps: f64, key: &StreamKey) -> Option<(Vec<f64>, f64, f64)> {
-    let dimensions = known.first()?.point.len();
-    let valued: Vec<(&Known, f64)> = known.iter().filter_map(|own| Some((own, own.value?))).collect();
-    let points: Vec<Vec<f64>> = valued.iter().map(|(own, _)| own.point.clone()).collect();
+fn one(evaluated: &[Known], steps: f64, key: &StreamKey) -> Option<(Vec<f64>, f64, f64)> {
+    let dimensions = evaluated.first()?.point.len();
+    let valued: Vec<(&Known, f64)> = evaluated.iter().filter_map(|sample| Some((sample, sample.value?))).collect();
+    let points: Vec<Vec<f64>> = valued.iter().map(|(sample, _)| sample.point.clone()).collect();
     let values: Vec<f64> = valued.iter().map(|(_, value)| *value).collect();
     let process = Process::fit(&points, &values)?;
-    let all: Vec<Vec<f64>> = known.iter().map(|own| own.point.clone()).collect();
-    let excesses: Vec<f64> = known.iter().map(|own| own.excess).collect();
+    let all: Vec<Vec<f64>> = evaluated.iter().map(|sample| sample.point.clone()).collect();
+    let excesses: Vec<f64> = evaluated.iter().map(|sample| sample.excess).collect();
     let has_forbidden = excesses.iter().any(|excess| *excess > 0.0);
     let limit = if has_forbidden { Process::fit(&all, &excesses) } else { None };
     let mut best: Option<(&Known, f64)> = None;
-    for &(own, value) in valued.iter().filter(|(own, _)| own.excess <= 0.0) {
+    for &(sample, value) in valued.iter().filter(|(sample, _)| sample.excess <= 0.0) {
         if best.is_none_or(|(_, most)| value > most) {
-            best = Some((own, value));
+            best = Some((sample, value));
         }
     }
     let (centre, most) = best?;
@@ -182,12 +183,12 @@ fn one(known: &[Known], steps: f64, key: &StreamKey) -> Option<(Vec<f64>, f64, f
     });
     let mut at: Option<(Vec<f64>, f64)> = None;
     for point in rows.chunks_exact(dimensions).map(<[f64]>::to_vec).chain(near) {
-        let own = worth(&point);
-        if at.as_ref().is_none_or(|(_, most)| own > *most) {
-            at = Some((point, own));
+        let improvement = worth(&point);
+        if at.as_ref().is_none_or(|(_, most)| improvement > *most) {
+            at = Some((point, improvement));
         }
     }
-    let (mut point, mut own) = at?;
+    let (mut point, mut improvement) = at?;
     let mut step = 0.05;
     for _ in 0..HALVINGS {
         for coordinate in 0..dimensions {
@@ -195,16 +196,17 @@ fn one(known: &[Known], steps: f64, key: &StreamKey) -> Option<(Vec<f64>, f64, f
                 let mut trial = point.clone();
                 trial[coordinate] = (trial[coordinate] + sign * step).clamp(0.0, 1.0);
                 let other = worth(&trial);
-                if other > own {
-                    (point, own) = (trial, other);
+                if other > improvement {
+                    (point, improvement) = (trial, other);
                 }
             }
         }
         step *= 0.5;
     }
     point.iter_mut().for_each(|u| *u = (*u * steps).round() / steps);
-    let is_new = !known.iter().any(|other| other.point.iter().zip(&point).all(|(a, b)| (a - b).abs() < 0.5 / steps));
-    if !(own > 0.0 && is_new) {
+    let is_new =
+        !evaluated.iter().any(|other| other.point.iter().zip(&point).all(|(a, b)| (a - b).abs() < 0.5 / steps));
+    if !(improvement > 0.0 && is_new) {
         return None;
     }
     let expected = process.at(&point).0;
@@ -246,12 +248,13 @@ mod tests {
     /// Searches from a coarse grid of 4 x 4 in rounds of 4.
     fn searched(f: impl Fn(&[f64]) -> f64, excess: impl Fn(&[f64]) -> f64) -> (Vec<f64>, f64) {
         let of = |point: Vec<f64>| Known { value: Some(f(&point)), excess: excess(&point), point };
-        let mut known: Vec<Known> = (0..16).map(|k| of(vec![f64::from(k % 4) / 3.0, f64::from(k / 4) / 3.0])).collect();
+        let mut evaluated: Vec<Known> =
+            (0..16).map(|k| of(vec![f64::from(k % 4) / 3.0, f64::from(k / 4) / 3.0])).collect();
         for _ in 0..5 {
-            let points = next(&known, 4, 1000.0, &key());
-            known.extend(points.into_iter().map(&of));
+            let points = next(&evaluated, 4, 1000.0, &key());
+            evaluated.extend(points.into_iter().map(&of));
         }
-        let allowed = known.iter().filter(|own| own.excess <= 0.0);
+        let allowed = evaluated.iter().filter(|sample| sample.excess <= 0.0);
         let best = allowed.max_by(|a, b| a.value.unwrap_or(0.0).total_cmp(&b.value.unwrap_or(0.0))).expect("one");
         (best.point.clone(), best.value.expect("a value"))
     }

@@ -62,8 +62,8 @@ pub enum SeparationError {
 }
 
 fn check(what: &'static str, list: &[f64], expected: usize) -> Result<(), SeparationError> {
-    let found = list.len();
-    if found == expected { Ok(()) } else { Err(SeparationError::Shape { what, found, expected }) }
+    let length = list.len();
+    if length == expected { Ok(()) } else { Err(SeparationError::Shape { what, found: length, expected }) }
 }
 
 /// How far `rival` is from readings that have the mean `truth`, after it was fitted to them too; `noise` is their
@@ -80,9 +80,9 @@ pub fn from_truth(truth: &[f64], rival: &Rival<'_>, noise: &[f64]) -> Result<Sep
     let mut matrix = noise.to_vec();
     let mut row = vec![0.0; p];
     for a in 0..n {
-        let own = &rival.derivatives[a * p..(a + 1) * p];
+        let slopes = &rival.derivatives[a * p..(a + 1) * p];
         for (k, slot) in row.iter_mut().enumerate() {
-            *slot = own.iter().zip(0..p).map(|(f, j)| f * rival.covariance[j * p + k]).sum();
+            *slot = slopes.iter().zip(0..p).map(|(f, j)| f * rival.covariance[j * p + k]).sum();
         }
         for b in 0..=a {
             let other = &rival.derivatives[b * p..(b + 1) * p];
@@ -113,9 +113,9 @@ pub fn least(rivals: &[Rival<'_>], noise: &[f64]) -> Result<Option<(Separation, 
     let mut least: Option<(Separation, [usize; 2])> = None;
     for second in 1..rivals.len() {
         for first in 0..second {
-            let own = between(&rivals[first], &rivals[second], noise)?;
-            if least.is_none_or(|(other, _)| own.distance_squared < other.distance_squared) {
-                least = Some((own, [first, second]));
+            let separation = between(&rivals[first], &rivals[second], noise)?;
+            if least.is_none_or(|(other, _)| separation.distance_squared < other.distance_squared) {
+                least = Some((separation, [first, second]));
             }
         }
     }
@@ -186,8 +186,8 @@ mod tests {
     #[test]
     fn the_distance_is_the_rise_of_the_refitted_rivals_misfit() {
         for new in [&[10.0][..], &[10.0, 12.0], &[0.0], &OLD] {
-            let found = constant(new);
-            assert!((found.distance_squared - rise(new)).abs() < 1e-12, "{new:?}");
+            let separation = constant(new);
+            assert!((separation.distance_squared - rise(new)).abs() < 1e-12, "{new:?}");
         }
         // Repeating the middle tells less than going far.
         assert!(constant(&[1.0]).probability < constant(&[10.0]).probability);
@@ -199,12 +199,12 @@ mod tests {
         // standard errors are 0.008.
         let (c, d): (f64, f64) = (0.3, 0.9);
         let rival = Rival { mean: &[d, -d], derivatives: &[1.0, 2.0], covariance: &[c], parameters: 1 };
-        let found = from_truth(&[0.0, 0.0], &rival, &[0.25, 0.0, 0.0, 0.25]).expect("regular");
+        let separation = from_truth(&[0.0, 0.0], &rival, &[0.25, 0.0, 0.0, 0.25]).expect("regular");
         let s = [0.25 + c, 2.0 * c, 0.25 + 4.0 * c];
         let determinant = s[0] * s[2] - s[1] * s[1];
         let w = [(s[2] * d + s[1] * d) / determinant, (-s[1] * d - s[0] * d) / determinant];
         let square = w[0] * d - w[1] * d;
-        assert!((found.distance_squared - square).abs() < 1e-12);
+        assert!((separation.distance_squared - square).abs() < 1e-12);
         let l = [s[0].sqrt(), s[1] / s[0].sqrt(), (determinant / s[0]).sqrt()];
         let mut stream = StreamKey::new(3, "separation", "test").stream(0);
         let mut right = 0;
@@ -217,19 +217,19 @@ mod tests {
             let says_second = w[0] * z[0] + w[1] * z[1] > 0.5 * square;
             right += u32::from(says_second == is_second);
         }
-        assert!((f64::from(right) / 40_000.0 - found.probability).abs() < 0.008);
+        assert!((f64::from(right) / 40_000.0 - separation.probability).abs() < 0.008);
     }
 
     #[test]
     fn rivals_that_agree_are_not_told_apart() {
         let rival = Rival { mean: &[1.0], derivatives: &[2.0], covariance: &[0.1], parameters: 1 };
-        let known = Rival { mean: &[2.0], derivatives: &[], covariance: &[], parameters: 0 };
+        let fixed = Rival { mean: &[2.0], derivatives: &[], covariance: &[], parameters: 0 };
         assert_eq!(between(&rival, &rival, &[1.0]).expect("regular").probability, 0.5);
         // Whichever is right: against the rival that can adapt.
-        let least_of = between(&rival, &known, &[1.0]).expect("regular");
+        let least_of = between(&rival, &fixed, &[1.0]).expect("regular");
         assert!((least_of.distance_squared - 1.0 / 1.4).abs() < 1e-15);
-        let (found, pair) = least(&[rival, known, rival], &[1.0]).expect("regular").expect("pairs");
-        assert_eq!((found.probability, pair), (0.5, [0, 2]));
+        let (separation, pair) = least(&[rival, fixed, rival], &[1.0]).expect("regular").expect("pairs");
+        assert_eq!((separation.probability, pair), (0.5, [0, 2]));
         assert_eq!(least(&[rival], &[1.0]), Ok(None));
     }
 

@@ -44,8 +44,8 @@ pub(super) fn build(definition: &Definition<'_>) -> Result<Likelihood, Likelihoo
     let parameters: Vec<usize> =
         parameters.iter().copied().filter(|&p| priors.get(p).is_some_and(|prior| !prior.is_fixed())).collect();
     for &parameter in &parameters {
-        let own = &model.parameters[parameter];
-        unknowns.push(own.name.clone(), priors[parameter], &own.unit);
+        let model_parameter = &model.parameters[parameter];
+        unknowns.push(model_parameter.name.clone(), priors[parameter], &model_parameter.unit);
         unknowns.model.push(parameter);
     }
     let mut parts = Vec::new();
@@ -71,10 +71,10 @@ pub(super) fn build(definition: &Definition<'_>) -> Result<Likelihood, Likelihoo
     let mut biases = Vec::new();
     for (input, error) in input_errors.iter().enumerate().take(model.inputs.len()) {
         if let Some(prior) = error.bias.filter(|prior| !prior.is_fixed()) {
-            let own = &model.inputs[input];
-            let unit =
-                Unit::parse(&own.unit).map_or_else(|_| own.unit.clone(), |unit| unit.difference_text().to_owned());
-            unknowns.push(bias_name(&own.name), prior, &unit);
+            let model_input = &model.inputs[input];
+            let unit = Unit::parse(&model_input.unit)
+                .map_or_else(|_| model_input.unit.clone(), |unit| unit.difference_text().to_owned());
+            unknowns.push(bias_name(&model_input.name), prior, &unit);
             biases.push((input, unknowns.len() - 1));
         }
     }
@@ -125,7 +125,7 @@ pub(super) fn build(definition: &Definition<'_>) -> Result<Likelihood, Likelihoo
     let nominal: Vec<f64> = (likelihood.unknowns.priors.iter().enumerate())
         .map(|(place, prior)| match likelihood.parameters.get(place) {
             Some(&parameter) => likelihood.base[parameter],
-            None if likelihood.biases.iter().any(|&(_, own)| own == place) => 0.0,
+            None if likelihood.biases.iter().any(|&(_, bias_place)| bias_place == place) => 0.0,
             None => prior.quantile(0.5),
         })
         .collect();
@@ -151,19 +151,19 @@ fn sensors(
         let mut value = |written: &Option<Uncertain>, what: &str, unit: &str| -> Option<Value> {
             // Nothing is asked of a sensor without a reading to fit.
             let written = written.as_ref()?;
-            let known = Value::Known(written.at(parameters));
-            Some(if used { unknowns.add(names(what), written, unit, parameters) } else { known })
+            let fixed = Value::Known(written.at(parameters));
+            Some(if used { unknowns.add(names(what), written, unit, parameters) } else { fixed })
         };
         let sigma = value(&sensor.sigma, "sigma", unit);
         let Some(sigma) = sigma.or_else(|| (!used).then_some(Value::Known(1.0))) else {
             let (measurement, sensor) = (measurement.name.clone(), sensor.name.clone());
             return Err(LikelihoodError::NoSigma { measurement, sensor });
         };
-        if let Value::Known(known) = sigma
-            && !(known > 0.0 && known.is_finite())
+        if let Value::Known(sd) = sigma
+            && !(sd > 0.0 && sd.is_finite())
         {
             let (measurement, sensor) = (measurement.name.clone(), sensor.name.clone());
-            return Err(LikelihoodError::Sigma { measurement, sensor, value: known });
+            return Err(LikelihoodError::Sigma { measurement, sensor, value: sd });
         }
         let white = value(&sensor.white, "white", unit);
         let bias = value(&sensor.bias, "bias", unit);

@@ -112,18 +112,18 @@ impl Noise {
             if n == 0 {
                 continue;
             }
-            let (earlier, own) = series.jacobian.split_at_mut(row * n);
+            let (earlier, current) = series.jacobian.split_at_mut(row * n);
             let earlier = if row > 0 { &earlier[(row - 1) * n..] } else { &[] };
             for column in 0..n {
                 let behind = earlier.get(column).copied().unwrap_or(0.0);
-                own[column] = (own[column] - phi * behind) / scale;
+                current[column] = (current[column] - phi * behind) / scale;
             }
             if let Some(place) = self.sigma.place() {
-                own[place] -= whitened / sigma;
+                current[place] -= whitened / sigma;
                 series.scale_gradient[place] -= 1.0 / sigma;
             }
             if let Some(place) = tau.place() {
-                own[place] += -phi_slope * before / scale - whitened * log_slope;
+                current[place] += -phi_slope * before / scale - whitened * log_slope;
                 series.scale_gradient[place] -= log_slope;
             }
         }
@@ -146,11 +146,12 @@ impl Noise {
                 let phi = exp(-step);
                 let excess = variance - sigma * sigma;
                 for column in 0..n {
-                    let own = if self.sigma.place() == Some(column) { variance_of_sigma } else { 0.0 };
+                    let variance_slope = if self.sigma.place() == Some(column) { variance_of_sigma } else { 0.0 };
                     let phi_slope = if tau.place() == Some(column) { phi * step / tau_s } else { 0.0 };
                     mean_slopes[column] = phi * mean_slopes[column] + phi_slope * mean;
-                    variance_slopes[column] =
-                        own + phi * phi * (variance_slopes[column] - own) + 2.0 * phi * phi_slope * excess;
+                    variance_slopes[column] = variance_slope
+                        + phi * phi * (variance_slopes[column] - variance_slope)
+                        + 2.0 * phi * phi_slope * excess;
                 }
                 mean *= phi;
                 variance = sigma * sigma + phi * phi * excess;

@@ -457,8 +457,8 @@ impl SteadyPart {
                 cholesky::solve_lower(factor, column);
                 let mut before = 0.0;
                 for row in 0..k {
-                    let own = column[row] * residuals[row];
-                    let slope = -weight * column[row] * (before + 0.5 * own);
+                    let contribution = column[row] * residuals[row];
+                    let slope = -weight * column[row] * (before + 0.5 * contribution);
                     let scale_slope = -0.5 * weight * column[row] * column[row];
                     if let Wanted::Gradient(gradient) = wanted {
                         gradient[place] += scale_slope - residuals[row] * slope;
@@ -466,7 +466,7 @@ impl SteadyPart {
                         memory.jacobian[(first + row) * n + place] += slope;
                         memory.scale_gradient[place] += scale_slope;
                     }
-                    before += own;
+                    before += contribution;
                 }
             }
         }

@@ -69,25 +69,25 @@ impl TransientPart {
         let mut readings = Vec::new();
         let mut rows = 0;
         for sensor in 0..sensors.len() {
-            let mut own = Readings { first: data.len(), rows: vec![], times_s: vec![], values: vec![] };
+            let mut sensor_readings = Readings { first: data.len(), rows: vec![], times_s: vec![], values: vec![] };
             for row in (0..measurement.len()).filter(|&row| is_used(measurement, row, sensor)) {
                 if let Some(value) = measurement.reading(row, sensor) {
-                    own.rows.push(row);
-                    own.times_s.push(inputs.times_s[row]);
-                    own.values.push(value);
+                    sensor_readings.rows.push(row);
+                    sensor_readings.times_s.push(inputs.times_s[row]);
+                    sensor_readings.values.push(value);
                     data.push(Datum { measurement: index, row, sensor });
                     rows = rows.max(row + 1);
                 }
             }
-            readings.push(own);
+            readings.push(sensor_readings);
         }
         Self { name: measurement.name.clone(), index, inputs, start, sensors, readings, rows }
     }
 
     /// Positions of its residuals.
     pub fn residuals(&self) -> std::ops::Range<usize> {
-        let first = self.readings.first().map_or(0, |own| own.first);
-        first..self.readings.last().map_or(first, |own| own.first + own.rows.len())
+        let first = self.readings.first().map_or(0, |of_sensor| of_sensor.first);
+        first..self.readings.last().map_or(first, |of_sensor| of_sensor.first + of_sensor.rows.len())
     }
 
     pub fn evaluate(
@@ -266,23 +266,23 @@ fn begin(model: &Model, measurement: &str, initial: &Initial, unknowns: &mut Unk
             continue;
         };
         let together = shared.contains(&node);
-        let own = match common.filter(|_| together) {
-            Some(known) => known,
+        let start = match common.filter(|_| together) {
+            Some(start) => start,
             None => {
                 let name = if together { ALL } else { &model.nodes[node].name };
-                let own = unknowns.push(start_name(measurement, name), *prior, "K");
-                fitted.extend(own.place());
+                let start = unknowns.push(start_name(measurement, name), *prior, "K");
+                fitted.extend(start.place());
                 seeds.push(vec![0.0; values.len()]);
                 if together {
-                    common = Some(own);
+                    common = Some(start);
                 }
-                own
+                start
             }
         };
-        if let Some(seed) = fitted.iter().position(|&place| own.place() == Some(place)) {
+        if let Some(seed) = fitted.iter().position(|&place| start.place() == Some(place)) {
             seeds[seed][node] = 1.0;
         }
-        begin.push(own);
+        begin.push(start);
     }
     Begin::Temperatures { values: begin, fitted, seeds, balanced: balanced.clone() }
 }

@@ -114,7 +114,7 @@ impl JointPrior {
         let z: Vec<Vec<f64>> =
             scores.iter().enumerate().map(|(i, s)| draws.iter().map(|d| s.of(d[i])).collect()).collect();
         let count = draws.len() as f64;
-        let mean: Vec<f64> = z.iter().map(|own| own.iter().sum::<f64>() / count).collect();
+        let mean: Vec<f64> = z.iter().map(|column| column.iter().sum::<f64>() / count).collect();
         let mut factor = vec![0.0; n * n];
         for i in 0..n {
             for j in 0..=i {
@@ -231,18 +231,18 @@ fn judge(
     let n = z.len();
     let mut fit = Fit { quantile_deviation: Vec::new(), distance_deviation: 0.0, doubts: Vec::new() };
     let mut refused = None;
-    for (i, own) in z.iter().enumerate() {
-        let own = sorted(own);
+    for (i, column) in z.iter().enumerate() {
+        let column = sorted(column);
         let mut largest: f64 = 0.0;
         // By how much what sampling explains is exceeded, with the words for it.
         let mut worst: Option<(f64, String)> = None;
         for share in SHARES {
             let normal = normal_quantile(share);
-            let deviation = (quantile_sorted(&own, share) - mean[i]) / variances[i].sqrt() - normal;
+            let deviation = (quantile_sorted(&column, share) - mean[i]) / variances[i].sqrt() - normal;
             let error = (share * (1.0 - share) / effective).sqrt() / normal_density(normal);
             let excess = deviation.abs() - ERRORS * error;
             largest = largest.max(deviation.abs());
-            if worst.as_ref().is_none_or(|(known, _)| excess > *known) {
+            if worst.as_ref().is_none_or(|(most, _)| excess > *most) {
                 let percent = 100.0 * share;
                 let text =
                     format!("the {percent} % quantile of `{}` is off by {deviation:.2} standard deviations", names[i]);

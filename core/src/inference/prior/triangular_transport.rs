@@ -33,7 +33,7 @@ pub struct NormalApproximation {
 impl NormalApproximation {
     /// Maps of the bounds at the mode.
     fn images(&self, transforms: &[Transform]) -> Vec<Image> {
-        transforms.iter().zip(&self.mode).map(|(own, &value)| own.at(own.coordinate(value))).collect()
+        transforms.iter().zip(&self.mode).map(|(transform, &value)| transform.at(transform.coordinate(value))).collect()
     }
 }
 
@@ -183,11 +183,11 @@ mod tests {
     fn the_coordinates_of_the_approximation_are_uncorrelated() {
         let (priors, transforms, normal) = ridge();
         let transport = Transport::new(&transforms, &priors, &normal).unwrap();
-        let own = covariance_of_coordinates(&transforms, Some(&transport), &normal);
+        let covariance = covariance_of_coordinates(&transforms, Some(&transport), &normal);
         // The rest of a regression has the variance (1 - 0.99^2) of the whole; slopes of the logistic 0.25 and 0.09.
-        assert!((own[0] / ((1.0 - 0.99 * 0.99) * 0.01 * 0.01 / 0.0625) - 1.0).abs() < 1e-6, "{own:?}");
-        assert!((own[4] - 0.05 * 0.05 / (0.09 * 0.09)).abs() < 1e-12);
-        assert!(own[1].abs() < 1e-7 * (own[0] * own[4]).sqrt() + 1e-9, "{own:?}");
+        assert!((covariance[0] / ((1.0 - 0.99 * 0.99) * 0.01 * 0.01 / 0.0625) - 1.0).abs() < 1e-6, "{covariance:?}");
+        assert!((covariance[4] - 0.05 * 0.05 / (0.09 * 0.09)).abs() < 1e-12);
+        assert!(covariance[1].abs() < 1e-7 * (covariance[0] * covariance[4]).sqrt() + 1e-9, "{covariance:?}");
         let plain = covariance_of_coordinates(&transforms, None, &normal);
         assert!((plain[1] / (plain[0] * plain[4]).sqrt() - 0.99).abs() < 1e-12);
     }

@@ -170,8 +170,8 @@ mod tests {
         // By hand: means 3 and 3; deviations (-2,-1), (-1,1), (3,0).
         assert_eq!(running.mean(), &[3.0, 3.0]);
         let expected = [7.0, 0.5, 0.5, 1.0];
-        for (own, by_hand) in covariance.iter().zip(expected) {
-            assert!((own - by_hand).abs() < 1e-14);
+        for (estimate, by_hand) in covariance.iter().zip(expected) {
+            assert!((estimate - by_hand).abs() < 1e-14);
         }
         assert_eq!(running.count(), 3);
         running.reset();

@@ -192,7 +192,7 @@ pub(super) fn start_point<T: Target>(
 pub(crate) fn most_frequent(rejections: &Rejections) -> String {
     let mut best: Option<&(String, u64)> = None;
     for entry in &rejections.by_reason {
-        if best.is_none_or(|known| entry.1 > known.1) {
+        if best.is_none_or(|most| entry.1 > most.1) {
             best = Some(entry);
         }
     }

@@ -133,22 +133,22 @@ pub fn judge(chains: &Chains, priors: &[Distribution], limits: &ConvergenceLimit
     let mut parameters = Vec::with_capacity(priors.len());
     for (parameter, prior) in priors.iter().enumerate() {
         let draws = chains.parameter(parameter);
-        let own = diagnose(&chains.names[parameter], &draws, prior, limits.bound_margin);
-        if own.r_hat.is_none_or(|value| value >= limits.r_hat) {
-            objections.push(Objection::RHat { parameter, value: own.r_hat });
+        let diagnosis = diagnose(&chains.names[parameter], &draws, prior, limits.bound_margin);
+        if diagnosis.r_hat.is_none_or(|value| value >= limits.r_hat) {
+            objections.push(Objection::RHat { parameter, value: diagnosis.r_hat });
         }
-        if own.ess_bulk.is_none_or(|value| value < limits.effective) {
-            objections.push(Objection::EssBulk { parameter, value: own.ess_bulk });
+        if diagnosis.ess_bulk.is_none_or(|value| value < limits.effective) {
+            objections.push(Objection::EssBulk { parameter, value: diagnosis.ess_bulk });
         }
-        if own.ess_tail.is_none_or(|value| value < limits.effective) {
-            objections.push(Objection::EssTail { parameter, value: own.ess_tail });
+        if diagnosis.ess_tail.is_none_or(|value| value < limits.effective) {
+            objections.push(Objection::EssTail { parameter, value: diagnosis.ess_tail });
         }
-        for (upper, share) in [(false, own.share_at_lower), (true, own.share_at_upper)] {
+        for (upper, share) in [(false, diagnosis.share_at_lower), (true, diagnosis.share_at_upper)] {
             if let Some(share) = share.filter(|share| *share > limits.bound_share) {
                 leaning.push(LeaningOnBound { parameter, upper, share });
             }
         }
-        parameters.push(own);
+        parameters.push(diagnosis);
     }
     let draws = chains.len() as f64;
     let divergences: u64 = chains.chains.iter().map(|chain| chain.moves.divergences).sum();

@@ -58,7 +58,7 @@ impl Metric {
 
     /// Takes the covariance of a window of draws, shrunk with the weight of five draws towards what was known before: a
     /// covariance, else 1e-3 of the unit matrix (as Stan does). An estimate without a factor leaves the metric as it was.
-    pub fn learn(&mut self, window: &RunningCovariance, known: Option<&Self>) {
+    pub fn learn(&mut self, window: &RunningCovariance, earlier: Option<&Self>) {
         let count = window.count() as f64;
         if count < 2.0 {
             return;
@@ -71,7 +71,7 @@ impl Metric {
         }
         for i in 0..dimension {
             for j in 0..dimension {
-                let before = known.map_or(if i == j { 1e-3 } else { 0.0 }, |known| known.entry(i, j, dimension));
+                let before = earlier.map_or(if i == j { 1e-3 } else { 0.0 }, |earlier| earlier.entry(i, j, dimension));
                 estimate[i * dimension + j] += before * 5.0 / (count + 5.0);
             }
         }
@@ -82,9 +82,9 @@ impl Metric {
                 }
             }
             Self::Dense { covariance, factor } => {
-                let mut own = estimate.clone();
-                if cholesky::factor(&mut own, dimension).is_ok() {
-                    *factor = own;
+                let mut trial_factor = estimate.clone();
+                if cholesky::factor(&mut trial_factor, dimension).is_ok() {
+                    *factor = trial_factor;
                     *covariance = estimate;
                 }
             }

@@ -132,11 +132,11 @@ pub fn sample_in_parts<T: Target>(
         }
     };
     let dense = dimension <= settings.dense_up_to;
-    let known = normal.and_then(|normal| Metric::of(&in_coordinates(normal, &posterior), dimension, dense));
+    let normal_metric = normal.and_then(|normal| Metric::of(&in_coordinates(normal, &posterior), dimension, dense));
     let mut sampler = Sampler {
         evaluator,
         stream,
-        metric: known.clone().unwrap_or_else(|| Metric::unit(dimension, dense)),
+        metric: normal_metric.clone().unwrap_or_else(|| Metric::unit(dimension, dense)),
         step: 1.0,
         divergence_energy: settings.divergence_energy,
         moving: current.clone(),
@@ -180,7 +180,7 @@ pub fn sample_in_parts<T: Target>(
                 window.add(&trajectory.sample.coordinates);
             }
             if windows.ends(transition) {
-                sampler.metric.learn(&window, known.as_ref());
+                sampler.metric.learn(&window, normal_metric.as_ref());
                 window.reset();
                 sampler.step = sampler.reasonable_step(&trajectory.sample);
                 averaging = DualAveraging::new(sampler.step, settings.acceptance);
@@ -213,22 +213,22 @@ pub fn sample_in_parts<T: Target>(
 /// it: a normal approximation that wide says only that the data say nothing.
 fn in_coordinates<T: Target>(normal: &NormalApproximation, posterior: &Posterior<'_, T>) -> Vec<f64> {
     let n = normal.mode.len();
-    let mut own = posterior.covariance(normal);
-    let cut: Vec<f64> = (0..n).map(|i| (WIDEST / own[i * n + i]).sqrt().min(1.0)).collect();
+    let mut covariance = posterior.covariance(normal);
+    let cut: Vec<f64> = (0..n).map(|i| (WIDEST / covariance[i * n + i]).sqrt().min(1.0)).collect();
     for i in 0..n {
         for j in 0..n {
-            own[i * n + j] *= cut[i] * cut[j];
+            covariance[i * n + j] *= cut[i] * cut[j];
         }
     }
     for i in 0..n {
-        if !(own[i * n + i] > 0.0) {
+        if !(covariance[i * n + i] > 0.0) {
             for j in 0..n {
-                (own[i * n + j], own[j * n + i]) = (0.0, 0.0);
+                (covariance[i * n + j], covariance[j * n + i]) = (0.0, 0.0);
             }
-            own[i * n + i] = 1.0;
+            covariance[i * n + i] = 1.0;
         }
     }
-    own
+    covariance
 }
 
 /// A state without its momentum.

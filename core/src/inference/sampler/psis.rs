@@ -137,13 +137,13 @@ pub fn leave_one_out(log_likelihoods: &[f64], data: usize, relative_efficiency: 
     let mut pareto_k = Vec::with_capacity(data);
     let mut full = 0.0;
     for datum in 0..data {
-        let own: Vec<f64> = (0..draws).map(|draw| log_likelihoods[draw * data + datum]).collect();
-        let ratios: Vec<f64> = own.iter().map(|l| -l).collect();
+        let datum_log_likelihoods: Vec<f64> = (0..draws).map(|draw| log_likelihoods[draw * data + datum]).collect();
+        let ratios: Vec<f64> = datum_log_likelihoods.iter().map(|l| -l).collect();
         let smoothed = smooth(&ratios, relative_efficiency);
-        let terms: Vec<f64> = smoothed.log_weights.iter().zip(&own).map(|(w, l)| w + l).collect();
+        let terms: Vec<f64> = smoothed.log_weights.iter().zip(&datum_log_likelihoods).map(|(w, l)| w + l).collect();
         pointwise.push(log_sum_exp(&terms));
         pareto_k.push(smoothed.pareto_k);
-        full += log_sum_exp(&own) - ln(draws as f64);
+        full += log_sum_exp(&datum_log_likelihoods) - ln(draws as f64);
     }
     let expected_log_density: f64 = pointwise.iter().sum();
     let mean = expected_log_density / data as f64;

@@ -156,7 +156,10 @@ pub fn combine(names: &[String], islands: Vec<Island>) -> SmcResult {
     let island_log_evidences: Vec<f64> = islands.iter().map(|island| island.log_evidence).collect();
     let (log_evidence, scatter) = mean_evidence(&island_log_evidences);
     let count = islands.len() as f64;
-    let weights: Vec<f64> = island_log_evidences.iter().map(|own| exp(own - log_evidence) / count).collect();
+    let weights: Vec<f64> = island_log_evidences
+        .iter()
+        .map(|island_log_evidence| exp(island_log_evidence - log_evidence) / count)
+        .collect();
     let of_island = |(weight, island): (&f64, &Island)| weight * weight * island.evidence_variance;
     let genealogy = weights.iter().zip(&islands).map(of_island).sum::<f64>().sqrt();
     // One that is not a number stays one.
@@ -179,7 +182,7 @@ fn mean_evidence(log_evidences: &[f64]) -> (f64, f64) {
     if !largest.is_finite() {
         return (largest, f64::NAN);
     }
-    let shares: Vec<f64> = log_evidences.iter().map(|own| exp(own - largest)).collect();
+    let shares: Vec<f64> = log_evidences.iter().map(|log_evidence| exp(log_evidence - largest)).collect();
     let mean = shares.iter().sum::<f64>() / count;
     let squares: f64 = shares.iter().map(|share| (share / mean - 1.0) * (share / mean - 1.0)).sum();
     (largest + ln(mean), (squares / (count - 1.0) / count).sqrt())
@@ -321,12 +324,12 @@ impl<'a, T: Target> Population<'a, T> {
             let kind = Kind::of(stage.moves);
             let mut kind_accepted = 0_u64;
             for half in 0..2 {
-                let (own, others) =
+                let (updated, others) =
                     if half == 0 { (0..count / 2, count / 2..count) } else { (count / 2..count, 0..count / 2) };
                 if kind.needs_covariance() {
                     proposal.learn(&self.particles[others.clone()]);
                 }
-                for i in own {
+                for i in updated {
                     let correction = self.propose(kind, i, others.clone(), &mut proposal);
                     kind_accepted += u64::from(self.try_move(i, &proposal.coordinates, correction));
                 }

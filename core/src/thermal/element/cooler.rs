@@ -58,8 +58,8 @@ impl Cooler {
                     let hot = temperature(graph, self.nodes[stage + 1]);
                     let difference = graph.subtract(hot, cold);
                     let seebeck = graph.multiply(couples, self.seebeck);
-                    let own = graph.multiply(seebeck, difference);
-                    back = graph.add(back, own);
+                    let seebeck_voltage = graph.multiply(seebeck, difference);
+                    back = graph.add(back, seebeck_voltage);
                     let resistance = graph.multiply(couples, self.resistance);
                     total = graph.add(total, resistance);
                 }

@@ -114,12 +114,12 @@ macro_rules! elements {
         impl ElementKind {
             /// What the kind answers.
             pub fn physics(&self) -> &dyn Physics {
-                match self { $( Self::$kind(own) => own ),* }
+                match self { $( Self::$kind(element) => element ),* }
             }
 
             /// The same, to be changed.
             pub fn physics_mut(&mut self) -> &mut dyn Physics {
-                match self { $( Self::$kind(own) => own ),* }
+                match self { $( Self::$kind(element) => element ),* }
             }
         }
     };

@@ -64,16 +64,16 @@ impl Integrator<'_> {
         }
         let held = self.file[self.equations.temperatures()].to_vec();
         let mut from = 0.0;
-        let mut found = None;
+        let mut bracket = None;
         for look in 1..=LOOKS {
             let to = look as f64 / LOOKS as f64;
             if self.watch(to, step_s) > 0.0 {
-                found = Some((from, to));
+                bracket = Some((from, to));
                 break;
             }
             from = to;
         }
-        let time_s = found.map(|(mut low, mut high)| {
+        let time_s = bracket.map(|(mut low, mut high)| {
             for _ in 0..BISECTIONS {
                 let middle = 0.5 * (low + high);
                 if !(middle > low && middle < high) {

@@ -132,12 +132,12 @@ impl Integrator<'_> {
                     *base += weight * slope;
                 }
             }
-            let own = &mut tangent.values[stage];
-            own.fill(0.0);
-            Tangent::add(own, columns, &self.equations.residual_tangent, &self.file, |_| -1.0);
+            let stage_tangent = &mut tangent.values[stage];
+            stage_tangent.fill(0.0);
+            Tangent::add(stage_tangent, columns, &self.equations.residual_tangent, &self.file, |_| -1.0);
             let slopes = &self.stage_slopes[stage];
-            Tangent::add(own, columns, &self.equations.capacity_tangent, &self.file, |row| slopes[row]);
-            for (row, rhs) in own.chunks_exact_mut(columns.max(1)).enumerate() {
+            Tangent::add(stage_tangent, columns, &self.equations.capacity_tangent, &self.file, |row| slopes[row]);
+            for (row, rhs) in stage_tangent.chunks_exact_mut(columns.max(1)).enumerate() {
                 let base = &tangent.base[row * columns..(row + 1) * columns];
                 if let Some(register) = self.equations.capacity[row] {
                     let capacity = self.file[register.index()];
@@ -146,14 +146,14 @@ impl Integrator<'_> {
                     }
                 }
             }
-            self.linear.solve_columns(own, columns);
+            self.linear.solve_columns(stage_tangent, columns);
             self.stats.solves += columns as u64;
             let slopes = &mut tangent.slopes[stage];
             for (row, slopes) in slopes.chunks_exact_mut(columns.max(1)).enumerate() {
                 let range = row * columns..(row + 1) * columns;
                 if self.equations.capacity[row].is_some() {
                     for (slope, (value, base)) in
-                        slopes.iter_mut().zip(own[range.clone()].iter().zip(&tangent.base[range]))
+                        slopes.iter_mut().zip(stage_tangent[range.clone()].iter().zip(&tangent.base[range]))
                     {
                         *slope = (value - base) / implicit;
                     }
@@ -184,15 +184,15 @@ impl Integrator<'_> {
                 *out += slope * value;
             }
         }
-        let own = &self.stage_slopes[0];
-        Tangent::add(slopes, columns, &self.equations.capacity_tangent, &self.file, |row| -own[row]);
+        let first_slopes = &self.stage_slopes[0];
+        Tangent::add(slopes, columns, &self.equations.capacity_tangent, &self.file, |row| -first_slopes[row]);
         for (row, slopes) in slopes.chunks_exact_mut(columns.max(1)).enumerate() {
             let capacity = self.capacity(row);
             if !(capacity > 0.0) {
                 slopes.fill(0.0);
                 continue;
             }
-            let rate = self.equations.capacity_slope[row].map_or(0.0, |r| self.file[r.index()] * own[row]);
+            let rate = self.equations.capacity_slope[row].map_or(0.0, |r| self.file[r.index()] * first_slopes[row]);
             for (slope, value) in slopes.iter_mut().zip(&tangent.values[0][row * columns..(row + 1) * columns]) {
                 *slope = (*slope - rate * value) / capacity;
             }

@@ -53,13 +53,13 @@ impl Integrator<'_> {
 
     /// A first guess of a stage from the earlier ones.
     fn predict(&mut self, stage: usize, step_s: f64) {
-        let (earlier_values, own) = self.stage_values.split_at_mut(stage);
+        let (earlier_values, later_values) = self.stage_values.split_at_mut(stage);
         let (earlier_slopes, _) = self.stage_slopes.split_at(stage);
         let weights = &self.predictors[stage];
-        let own = &mut own[0];
+        let stage_values = &mut later_values[0];
         let implicit = GAMMA * step_s;
-        for row in 0..own.len() {
-            own[row] = if self.equations.capacity[row].is_some() {
+        for row in 0..stage_values.len() {
+            stage_values[row] = if self.equations.capacity[row].is_some() {
                 let mut slope = 0.0;
                 for (weight, slopes) in weights.iter().zip(earlier_slopes) {
                     slope += weight * slopes[row];
@@ -78,8 +78,8 @@ impl Integrator<'_> {
                 }
                 value
             };
-            if !(own[row] > 0.0) {
-                own[row] = earlier_values[0][row];
+            if !(stage_values[row] > 0.0) {
+                stage_values[row] = earlier_values[0][row];
             }
         }
     }

@@ -39,8 +39,8 @@ pub const EMBEDDED: [f64; STAGES] = [
 
 /// Weight of a stage's slope in the error estimate.
 pub fn error_weight(stage: usize) -> f64 {
-    let own = if stage == STAGES - 1 { GAMMA } else { COEFFICIENTS[STAGES - 1][stage] };
-    own - EMBEDDED[stage]
+    let weight = if stage == STAGES - 1 { GAMMA } else { COEFFICIENTS[STAGES - 1][stage] };
+    weight - EMBEDDED[stage]
 }
 
 /// Weights with which the slopes of the earlier stages, up to four nearest in time, extrapolate to a stage.
