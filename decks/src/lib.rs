@@ -5,6 +5,7 @@
 
 pub mod deck;
 pub mod error;
+pub mod esatan;
 
 pub use deck::{
     Coupling, CouplingKind, Deck, Group, Input, Load, Node, NodeKind, Note, Parameter, Record, Table, Value,
