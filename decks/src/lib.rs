@@ -5,6 +5,9 @@
 
 pub mod deck;
 pub mod error;
+pub mod xija;
 
-pub use deck::{Coupling, CouplingKind, Deck, Group, Input, Load, Node, NodeKind, Note, Parameter, Record, Table, Value};
+pub use deck::{
+    Coupling, CouplingKind, Deck, Group, Input, Load, Node, NodeKind, Note, Parameter, Record, Table, Value,
+};
 pub use error::DeckError;
