@@ -3,14 +3,14 @@
 //! `cargo run --release --package bmv-decks --example xija_replay -- SPECIFICATION.json [RECORD.csv]`
 //!
 //! The record has a column `t` (s from 1998), one for each input of the deck, in the input's unit, and for each predicted
-//! node one with xija's temperatures in degC, called as the node. An exact solution starts from the first row; the
-//! largest and the mean difference are printed for each node. Without a record the notes of the deck are printed.
+//! node one with xija's temperatures in degC, called as the node. From the first row on, the differences to an exact
+//! solution of the deck are printed for each node, and those to the deck under xija's own rule of integration. Without a record the notes of the deck are printed.
 
 mod expression;
 mod network;
 
 use bmv_decks::{Deck, NodeKind};
-use network::{Inputs, Network};
+use network::{Inputs, Network, Rule};
 
 fn main() -> Result<(), String> {
     let mut arguments = std::env::args().skip(1);
@@ -31,11 +31,11 @@ fn main() -> Result<(), String> {
         }
         return Network::new(deck).map(|_| ());
     };
-    let text = std::fs::read_to_string(&record).map_err(|error| format!("{record}: {error}"))?;
-    compare(deck, &text)
+    let record = std::fs::read_to_string(&record).map_err(|error| format!("{record}: {error}"))?;
+    compare(deck, &text, &record)
 }
 
-fn compare(deck: Deck, record: &str) -> Result<(), String> {
+fn compare(deck: Deck, document: &str, record: &str) -> Result<(), String> {
     let mut lines = record.lines();
     let names: Vec<&str> = lines.next().ok_or("the record is empty")?.split(',').map(str::trim).collect();
     let rows =
@@ -56,14 +56,35 @@ fn compare(deck: Deck, record: &str) -> Result<(), String> {
             predicted.push((at, node.name.clone(), celsius));
         }
     }
-    let rows = Network::new(deck)?.transient(&times, &Inputs { columns }, &start, 8);
+    let (rule, rate_factor) = rule_of(document)?;
+    let inputs = Inputs { columns };
+    let mut network = Network::new(deck)?;
+    let exact = network.transient(&times, &inputs, &start, 8);
+    let replay = network.replay(rule, rate_factor, &times, &inputs, &start);
+    // xija repeats its last but one value.
+    let last = times.len() - 1;
     for (at, name, celsius) in predicted {
-        // xija repeats its last but one value.
-        let last = celsius.len() - 1;
-        let differences = rows.iter().zip(&celsius).take(last).map(|(row, value)| (row[at] - 273.15 - value).abs());
-        let (largest, sum) =
-            differences.fold((0.0_f64, 0.0), |(largest, sum), value| (largest.max(value), sum + value));
-        println!("  {name}: largest difference {largest:.4} K, mean {:.4} K over {last} instants", sum / last as f64);
+        let difference = |rows: &[Vec<f64>]| {
+            let differences = rows.iter().zip(&celsius).take(last).map(|(row, value)| (row[at] - 273.15 - value).abs());
+            let (largest, sum) =
+                differences.fold((0.0_f64, 0.0), |(largest, sum), value| (largest.max(value), sum + value));
+            (largest, sum / last as f64)
+        };
+        let ((largest, mean), (replayed, _)) = (difference(&exact), difference(&replay));
+        println!(
+            "  {name}: exact solution {largest:.4} K off at most, {mean:.4} K in the mean; xija's rule {replayed:.1e} K off"
+        );
     }
     Ok(())
+}
+
+/// The solver of a specification, with the factor that the deck's capacities carry.
+fn rule_of(specification: &str) -> Result<(Rule, f64), String> {
+    let document: serde_json::Value = serde_json::from_str(specification).map_err(|error| error.to_string())?;
+    let number = |key: &str| document.get(key).and_then(serde_json::Value::as_u64);
+    Ok(match (number("evolve_method"), number("rk4")) {
+        (Some(2), Some(1)) => (Rule::Classical, 1.0),
+        (Some(2), _) => (Rule::Midpoint, 1.0),
+        _ => (Rule::Pairs, 1.5),
+    })
 }
