@@ -175,15 +175,17 @@ impl Network {
 pub struct Inputs {
     /// `columns[input][row]`, in the input's unit.
     pub columns: Vec<Vec<f64>>,
+    /// Whether counts and states keep a row's value until the next; else all inputs are linear between rows.
+    pub holds_states: bool,
 }
 
 impl Inputs {
-    /// Values at a share of the interval behind a row. Counts and states keep a row's value; others are linear.
+    /// Values at a share of the interval behind a row.
     fn at(&self, row: usize, share: f64) -> Vec<f64> {
         let value = |column: &Vec<f64>| {
             let next = column.get(row + 1).copied().unwrap_or(column[row]);
-            let is_state = column.iter().all(|value| value.fract() == 0.0);
-            if is_state { column[row] } else { column[row] + share * (next - column[row]) }
+            let is_held = self.holds_states && column.iter().all(|value| value.fract() == 0.0);
+            if is_held { column[row] } else { column[row] + share * (next - column[row]) }
         };
         self.columns.iter().map(value).collect()
     }

@@ -2,14 +2,12 @@
 
 use std::collections::{HashMap, HashSet};
 
-use serde_json::Value as Json;
-
-use crate::deck::{Deck, Input, Load, Note, Parameter, Value};
+use crate::deck::{Deck, Input, Load, Note, Value};
 use crate::error::DeckError;
 
 use super::class::Class;
 use super::component::Component;
-use super::specification::{Entry, Fitted, Specification};
+use super::specification::{Entry, Specification};
 use super::{NODE_CAPACITY_J_PER_K, earth, electronics, heater, network, solar};
 
 /// 0 degC in K.
@@ -39,24 +37,18 @@ const RESERVED: &[&str] = &[
     "Tm",
 ];
 
-/// A fitted time constant.
-#[derive(Debug)]
-pub struct TimeConstant {
-    /// Identifier of its parameter.
-    pub name: String,
-    /// Its value in the file.
-    pub value_ks: f64,
-}
-
 /// A deck that grows.
 pub struct Assembly<'a> {
     /// The deck so far.
     pub deck: Deck,
-    specification: &'a Specification<'a>,
+    /// What is read.
+    pub specification: &'a Specification<'a>,
     /// Heat capacity of every node in J/K.
     pub capacity_j_per_k: f64,
     /// The time constant of each of the deck's couplings; none of a radiative one.
     pub taus_ks: Vec<Option<f64>>,
+    /// Nodes with the rate at which a proportional heater pulls each to its set point.
+    pub heater_rates_per_ks: Vec<(usize, f64)>,
     classes: HashMap<&'a str, Class>,
     /// Index of a component's node in the deck.
     nodes: HashMap<&'a str, usize>,
@@ -64,8 +56,9 @@ pub struct Assembly<'a> {
     inputs: HashMap<String, String>,
     identifiers: HashSet<String>,
     /// The next parameter of the list.
-    next: usize,
-    renamed: usize,
+    pub next: usize,
+    /// How many parameters stand in the list under another name.
+    pub renamed: usize,
 }
 
 impl<'a> Assembly<'a> {
@@ -78,6 +71,7 @@ impl<'a> Assembly<'a> {
             specification,
             capacity_j_per_k: NODE_CAPACITY_J_PER_K / specification.method.rate_factor(),
             taus_ks: Vec::new(),
+            heater_rates_per_ks: Vec::new(),
             classes: entries.filter_map(|entry| Some((entry.name, Class::of(entry.class_name)?))).collect(),
             nodes: HashMap::new(),
             inputs: HashMap::new(),
@@ -185,76 +179,6 @@ impl<'a> Assembly<'a> {
         self.classes.get(name).copied()
     }
 
-    /// The next parameter of the list, which belongs to this component: its identifier.
-    ///
-    /// xija gives parameters to components by their place in the list. The names there are often stale, so that only
-    /// another kind of name is refused.
-    ///
-    /// # Errors
-    /// The end of the list; a parameter of another kind.
-    pub fn parameter(
-        &mut self,
-        component: &Component<'_>,
-        name: &str,
-        unit: &str,
-        si: impl Fn(f64) -> f64,
-    ) -> Result<String, String> {
-        let fitted = self.fitted(name)?;
-        let stale = if fitted.component == component.name && fitted.name == name { "" } else { ", renamed" };
-        self.renamed += usize::from(!stale.is_empty());
-        let frozen = if fitted.is_frozen { ", frozen in xija's fit" } else { "" };
-        let bounds = fitted.bounds.filter(|[lower, upper]| lower.max(-upper) > -1e30 && upper - lower < 1e30);
-        let bounds = bounds.map(|[lower, upper]| format!(", {lower} to {upper} in xija's unit")).unwrap_or_default();
-        let description = format!("{}__{}{bounds}{frozen}{stale}", fitted.component, fitted.name);
-        let name = self.identifier(&format!("{}__{name}", component.name));
-        let nominal = si(fitted.value);
-        if !nominal.is_finite() {
-            return Err(format!("the parameter `{}` is too large", fitted.name));
-        }
-        self.deck.parameters.push(Parameter { name: name.clone(), unit: unit.to_owned(), nominal, description });
-        Ok(name)
-    }
-
-    /// The next parameter's entry of the list.
-    ///
-    /// # Errors
-    /// The end of the list; a parameter of another kind.
-    pub fn fitted(&mut self, name: &str) -> Result<&'a Fitted<'a>, String> {
-        let specification = self.specification;
-        let fitted = specification.fitted.get(self.next).ok_or_else(|| {
-            format!("its parameter `{name}` is missing: `pars` ends before it; list the parameters of all components in order")
-        })?;
-        let kind = |text: &str| match text {
-            "factor" => "tau".to_owned(),
-            _ => text.split_once('_').map_or(text, |halves| halves.0).to_owned(),
-        };
-        if kind(fitted.name) != kind(name) {
-            return Err(format!(
-                "its parameter `{name}` is expected at place {} of `pars`, where `{}` of `{}` stands; xija takes \
-                 parameters by their order: list those of each component in the order of `comps`",
-                self.next + 1,
-                fitted.name,
-                fitted.component
-            ));
-        }
-        self.next += 1;
-        Ok(fitted)
-    }
-
-    /// The next parameter as a time constant in ks, which is a resistance in K/W.
-    ///
-    /// # Errors
-    /// As [`Self::parameter`]; a value not above 0.
-    pub fn time_constant(&mut self, component: &Component<'_>) -> Result<TimeConstant, String> {
-        let value_ks = self.specification.fitted.get(self.next).map_or(f64::NAN, |fitted| fitted.value);
-        let name = self.parameter(component, "tau", "K/W", |tau| tau)?;
-        if value_ks > 0.0 {
-            Ok(TimeConstant { name, value_ks })
-        } else {
-            Err(format!("its time constant `tau` is {value_ks}; it must be above 0 ks"))
-        }
-    }
-
     /// An identifier like `wanted` that is not in use.
     pub fn identifier(&mut self, wanted: &str) -> String {
         let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -341,64 +265,5 @@ impl<'a> Assembly<'a> {
     pub fn note(&mut self, component: &Component<'_>, message: impl Into<String>) {
         let place = component.line.map(|line| format!("{}:{line}", self.specification.file));
         self.deck.notes.push(Note { place, message: message.into() });
-    }
-
-    fn general_notes(&mut self) {
-        let specification = self.specification;
-        let mut messages = vec![
-            "xija has no heat capacities: every node is given 1000 J/K, so that 1/tau in 1/ks is a conductance in W/K and \
-             1 K/ks is 1 W; only ratios to that capacity mean something"
-                .to_owned(),
-            "t counts seconds from 1998-01-01 in days of 86400 s: no leap seconds; Chandra's own seconds are ahead by 63 to \
-             69 s, which no heat here can tell"
-                .to_owned(),
-        ];
-        if self.deck.inputs.iter().any(|input| input.unit == "1") {
-            messages.push(
-                "inputs without a unit are states (0 or 1, counts, positions): let them keep a value until the next"
-                    .to_owned(),
-            );
-        }
-        if self.renamed > 0 {
-            messages.push(format!(
-                "{} parameters stand in `pars` under a name of another version of the model; as in xija their place in the \
-                 list counts (see their descriptions)",
-                self.renamed
-            ));
-        }
-        let text = |key: &str| specification.document.get(key).and_then(Json::as_str);
-        if let Some((start, stop)) = text("datestart").zip(text("datestop")) {
-            messages.push(format!("the file was last fitted or run over {start} to {stop}"));
-        }
-        if let Some(times) =
-            specification.document.get("bad_times").and_then(Json::as_array).filter(|list| !list.is_empty())
-        {
-            let ends = |value: Option<&Json>| value.map(Json::to_string).unwrap_or_default().replace('"', "");
-            let (first, last) = (ends(times.first()), ends(times.last()));
-            messages.push(format!(
-                "the file leaves {} intervals (`bad_times`, from {first} to {last}) out of its fit: leave their readings out",
-                times.len()
-            ));
-        }
-        for (sensor, limits) in specification.document.get("limits").and_then(Json::as_object).into_iter().flatten() {
-            messages.push(format!(
-                "limits of {sensor}: {}",
-                limits.to_string().replace(['"', '{', '}'], "").replace(',', ", ")
-            ));
-        }
-        self.deck.notes.push(specification.method.note(self.capacity_j_per_k));
-        self.deck.notes.extend(messages.into_iter().map(|message| Note { place: None, message }));
-        let rates = network::rates_per_ks(&self.deck, &self.taus_ks).into_iter();
-        let errors = rates.map(|rate| specification.method.relative_error(rate / 1000.0, specification.step_s));
-        for (node, error) in self.deck.nodes.iter().zip(errors).filter(|(_, error)| *error > 0.05) {
-            let message = format!(
-                "node {} is fast for the file's step of {} s: xija's own transients of it are off by about {:.0} %, an exact \
-                 solution differs from them",
-                node.name,
-                specification.step_s,
-                100.0 * error
-            );
-            self.deck.notes.push(Note { place: None, message });
-        }
     }
 }

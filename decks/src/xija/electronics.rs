@@ -22,24 +22,36 @@ pub fn power_of_states(assembly: &mut Assembly<'_>, component: &Component<'_>) -
     if states.is_empty() || states.len() > MOST_STATES {
         return Err(format!("`pow_states` has {} states; 1 to {MOST_STATES} are read", states.len()));
     }
-    for state in &states {
+    // xija takes the states from the names of the parameters in `pars`, which overwrite those of the arguments.
+    let mut named = Vec::new();
+    let mut powers = Vec::new();
+    for declared in &states {
+        let state = assembly.next_name().and_then(|name| name.strip_prefix("pow_")).unwrap_or(declared);
         let is_place = |byte: u8| byte == b'x' || byte.is_ascii_digit();
         if state.is_empty() || state.len() > PLACES.len() || !state.bytes().all(is_place) {
             return Err(format!("the state `{state}` must be up to four digits or `x`, as in 3xx1"));
         }
-    }
-    if let Some(missing) = uncovered(&states) {
-        return Err(format!("no state of `pow_states` fits {missing}; add one, such as `{}xxx`", &missing[..1]));
-    }
-    let mut powers = Vec::new();
-    for state in &states {
         powers.push(assembly.parameter(component, &format!("pow_{state}"), "W", |power| power)?);
+        named.push(state);
+    }
+    if let Some(missing) = uncovered(&named) {
+        let processors = missing.chars().next().unwrap_or('0');
+        return Err(format!("none of its states fits {missing}; add one, such as `{processors}xxx`"));
+    }
+    if named != states {
+        let message = format!(
+            "{}: `pow_states` has {}, but xija takes the states from the names in `pars`, {}; so does the deck",
+            component.name,
+            states.join(" "),
+            named.join(" ")
+        );
+        assembly.note(component, message);
     }
     let factor = assembly.parameter(component, "mult", "1", |factor| factor)?;
     let bias = assembly.parameter(component, "bias", "W", |power| power)?;
     // From the last state back: every state before takes what fits it. All fit one, so that the last needs no mask.
     let mut power = powers.pop().unwrap_or_default();
-    for (state, name) in states.iter().zip(powers).rev() {
+    for (state, name) in named.iter().zip(powers).rev() {
         let mask = mask(assembly, component, state)?;
         power = if mask.is_empty() { name } else { format!("{mask} * {name} + (1 - {mask}) * ({power})") };
     }

@@ -10,6 +10,10 @@ const THERMOSTAT_BAND_K: f64 = 0.1;
 /// `PropHeater`: `k (T_set - T)` below the set point.
 pub fn proportional(assembly: &mut Assembly<'_>, component: &Component<'_>) -> Result<(), String> {
     let control = control(assembly, component)?;
+    if let Some(rate) = assembly.next_value().filter(|_| control == "T") {
+        let node = assembly.predicted_node(component, "node")?;
+        assembly.heater_rates_per_ks.push((node, rate));
+    }
     let k = assembly.parameter(component, "k", "W/K", |k| k)?;
     let set_point = assembly.parameter(component, "T_set", "K", |celsius| celsius + CELSIUS_ZERO_K)?;
     assembly.load(component, format!("{k} * max({set_point} - {control}, 0)"))

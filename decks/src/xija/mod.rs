@@ -19,6 +19,8 @@ mod electronics;
 mod heater;
 mod method;
 mod network;
+mod notes;
+mod parameters;
 mod pitch;
 mod solar;
 mod specification;

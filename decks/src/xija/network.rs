@@ -4,9 +4,10 @@ use std::collections::HashMap;
 
 use crate::deck::{Coupling, CouplingKind, Deck, Node, NodeKind, Note, Value};
 
-use super::assembly::{Assembly, CELSIUS_ZERO_K, TimeConstant};
+use super::assembly::{Assembly, CELSIUS_ZERO_K};
 use super::class::Class;
 use super::component::Component;
+use super::parameters::TimeConstant;
 
 /// xija's Stefan-Boltzmann constant in W/(m2 K4).
 const STEFAN_BOLTZMANN: &str = "0.00000005670374419";
@@ -201,18 +202,25 @@ pub fn merge_opposite(deck: &mut Deck, taus_ks: &mut Vec<Option<f64>>) {
     (deck.couplings, *taus_ks) = kept.into_iter().unzip();
 }
 
-/// The sum of `1 / tau` that act on each node, in 1/ks; radiative couplings count as nothing.
-pub fn rates_per_ks(deck: &Deck, taus_ks: &[Option<f64>]) -> Vec<f64> {
+/// The sum of `1 / tau` that act on each node and of `heaters`, in 1/ks; radiative couplings count as nothing.
+pub fn rates_per_ks(deck: &Deck, taus_ks: &[Option<f64>], heaters: &[(usize, f64)]) -> Vec<f64> {
     let mut rates = vec![0.0; deck.nodes.len()];
+    let mut add = |node: usize, rate: f64| {
+        let predicted = deck.nodes.get(node).is_some_and(is_predicted);
+        if let Some(sum) = rates.get_mut(node).filter(|_| predicted) {
+            *sum += rate;
+        }
+    };
     for (coupling, tau) in deck.couplings.iter().zip(taus_ks) {
         let [from, to] = coupling.between;
-        let is_mutual = coupling.kind == CouplingKind::Linear;
-        for node in is_mutual.then_some(from).into_iter().chain([to]) {
-            let predicted = deck.nodes.get(node).is_some_and(is_predicted);
-            if let (Some(rate), Some(tau), true) = (rates.get_mut(node), tau, predicted) {
-                *rate += 1.0 / tau;
-            }
+        let rate = tau.map_or(0.0, |tau| 1.0 / tau);
+        add(to, rate);
+        if coupling.kind == CouplingKind::Linear {
+            add(from, rate);
         }
+    }
+    for (node, rate) in heaters {
+        add(*node, *rate);
     }
     rates
 }
