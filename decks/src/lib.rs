@@ -6,6 +6,7 @@
 pub mod deck;
 pub mod error;
 pub mod esatan;
+pub mod xija;
 
 pub use deck::{
     Coupling, CouplingKind, Deck, Group, Input, Load, Node, NodeKind, Note, Parameter, Record, Table, Value,

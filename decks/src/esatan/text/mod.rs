@@ -119,7 +119,7 @@ impl Model {
             }
             let quantity = reader.quantity().map_err(|message| format!("{name}: {message}"))?;
             reader.end()?;
-            (name, quantity)
+            (name.clone(), quantity)
         };
         let upper = name.to_ascii_uppercase();
         let Some(is_integer) = is_integer else {
