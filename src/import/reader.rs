@@ -1,6 +1,7 @@
 //! Which reader takes which files. A new reader is a line in [`READERS`].
 
-use bmv_decks::{Deck, DeckError};
+use bmv_decks::esatan::{self, Form};
+use bmv_decks::{Deck, DeckError, xija};
 use thiserror::Error;
 
 /// A file that is to be imported.
@@ -35,7 +36,47 @@ pub struct Reader {
 }
 
 /// All readers; the first that recognises the files reads them.
-pub const READERS: &[Reader] = &[];
+pub const READERS: &[Reader] = &[
+    Reader {
+        tool: "ESATAN-TMS results with the model in them (.TMD)",
+        recognises: |files| is_esatan(files, Form::Tmd),
+        read: |files| one(files, |file| esatan::read_tmd(&file.name, &file.bytes).map_err(|error| vec![error])),
+    },
+    Reader {
+        tool: "ESATAN's dumps as CSV (nodes, conductors, temperatures)",
+        recognises: |files| is_esatan(files, Form::Csv),
+        read: |files| {
+            let texts: Vec<(String, String)> = files.iter().map(|file| (file.name.clone(), file.text())).collect();
+            esatan::read_csv(&texts)
+        },
+    },
+    Reader {
+        tool: "ESATAN's text of a model (.d)",
+        recognises: |files| is_esatan(files, Form::Text),
+        read: |files| one(files, |file| esatan::read_text(&file.name, &file.text())),
+    },
+    Reader {
+        tool: "xija's model specifications (.json)",
+        recognises: |files| files.iter().any(|file| xija::recognises(&file.text())),
+        read: |files| one(files, |file| xija::read(&file.name, &file.text())),
+    },
+];
+
+/// Whether all files are of a form of ESATAN.
+fn is_esatan(files: &[DeckFile], form: Form) -> bool {
+    !files.is_empty() && files.iter().all(|file| esatan::recognises(&file.bytes) == Some(form))
+}
+
+/// Reads the only file of a model that is one file.
+fn one(files: &[DeckFile], read: impl Fn(&DeckFile) -> Result<Deck, Vec<DeckError>>) -> Result<Deck, Vec<DeckError>> {
+    match files {
+        [file] => read(file),
+        [_, second, ..] => {
+            Err(vec![DeckError::of(&second.name, "a second file: this model is one file; import each into its study")])
+        }
+        [] => Err(vec![DeckError::of("", "no file")]),
+    }
+}
 
 /// Files that are not read.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

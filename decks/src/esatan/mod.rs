@@ -26,7 +26,7 @@ pub enum Form {
 
 /// The form of a file by its contents, if it is one of ESATAN's. Any HDF5 file counts as [`Form::Tmd`], whose reader
 /// says what it lacks. The name decides nothing: models are met as `.d`, `.txt`, `.tpl` and `.DAT`.
-pub fn recognises(_name: &str, bytes: &[u8]) -> Option<Form> {
+pub fn recognises(bytes: &[u8]) -> Option<Form> {
     if bytes.starts_with(b"\x89HDF\r\n\x1a\n") {
         return Some(Form::Tmd);
     }

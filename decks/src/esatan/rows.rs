@@ -75,8 +75,7 @@ pub(super) struct Identifiers {
 impl Identifiers {
     /// An identifier from a name, with a number behind it where it is used already.
     pub(super) fn make(&mut self, name: &str) -> String {
-        let mut identifier: String =
-            name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+        let mut identifier: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
         if identifier.chars().next().is_none_or(|c| c.is_ascii_digit()) {
             identifier.insert(0, '_');
         }

@@ -287,7 +287,10 @@ fn add_couplings(
             }
         }
         let index = |node: &u32| {
-            place.get(node).copied().ok_or_else(|| fail(format!("{} joins node {node}, which no dump lists", described(column))))
+            place
+                .get(node)
+                .copied()
+                .ok_or_else(|| fail(format!("{} joins node {node}, which no dump lists", described(column))))
         };
         let (Some(start), Some(end)) = (index(from)?, index(to)?) else { continue };
         let series = kept(columns.series(column).unwrap_or_default(), rows);

@@ -105,7 +105,8 @@ impl Cutter<'_> {
         // In blocks of code a C or a * in the first column marks a comment, as in Fortran.
         let is_code = matches!(self.lines, Lines::Code(_) | Lines::Skipped(_));
         let mut start = line.chars();
-        let is_marked = matches!(start.next(), Some('C' | 'c' | '*')) && !start.next().is_some_and(char::is_alphanumeric);
+        let is_marked =
+            matches!(start.next(), Some('C' | 'c' | '*')) && !start.next().is_some_and(char::is_alphanumeric);
         if is_code && is_marked {
             return;
         }

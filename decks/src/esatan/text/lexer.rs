@@ -103,7 +103,8 @@ fn number(characters: &[char], start: usize) -> Result<(Piece, usize), String> {
                 text.push('e');
                 length += 1;
                 is_integer = false;
-                while let Some(digit) = rest.next_if(|c| c.is_ascii_digit() || (text.ends_with('e') && "+-".contains(*c)))
+                while let Some(digit) =
+                    rest.next_if(|c| c.is_ascii_digit() || (text.ends_with('e') && "+-".contains(*c)))
                 {
                     text.push(digit);
                     length += 1;

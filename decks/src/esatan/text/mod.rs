@@ -22,8 +22,25 @@ const MOST_ERRORS: usize = 50;
 
 /// Names that the expressions of a deck use themselves.
 const RESERVED: [&str; 19] = [
-    "t", "T", "Ta", "Tb", "pi", "exp", "log", "sqrt", "sin", "cos", "tanh", "min", "max", "abs", "step", "smoothstep",
-    "clamp", "interp", "e",
+    "t",
+    "T",
+    "Ta",
+    "Tb",
+    "pi",
+    "exp",
+    "log",
+    "sqrt",
+    "sin",
+    "cos",
+    "tanh",
+    "min",
+    "max",
+    "abs",
+    "step",
+    "smoothstep",
+    "clamp",
+    "interp",
+    "e",
 ];
 
 /// Reads the text of a model: blocks of constants, nodes and conductors, with submodels.

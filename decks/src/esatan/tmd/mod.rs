@@ -82,11 +82,7 @@ fn read(bytes: &[u8]) -> Result<Deck, String> {
 }
 
 /// Adds nodes with their loads; the place of each of the file's nodes in [`Deck::nodes`], none for inactive ones.
-fn add_nodes(
-    table: &NodeTable,
-    identifiers: &mut Identifiers,
-    deck: &mut Deck,
-) -> Result<Vec<Option<usize>>, String> {
+fn add_nodes(table: &NodeTable, identifiers: &mut Identifiers, deck: &mut Deck) -> Result<Vec<Option<usize>>, String> {
     let mut names = HashSet::new();
     let mut place = Vec::with_capacity(table.rows.len());
     let mut inactive = 0;

@@ -122,55 +122,6 @@ pub enum Rule {
     Classical,
 }
 
-impl Network {
-    /// Temperatures in K at all times by xija's own rule, from the rates of its equations: those of the deck over
-    /// `rate_factor`, by which the deck's capacities were divided.
-    pub fn replay(
-        &mut self,
-        rule: Rule,
-        rate_factor: f64,
-        times_s: &[f64],
-        inputs: &Inputs,
-        start_k: &[f64],
-    ) -> Vec<Vec<f64>> {
-        let mut rows = vec![start_k.to_vec(); times_s.len()];
-        self.rates(times_s[0], &inputs.at(0, 0.0), &mut rows[0]);
-        let mut rate = |row: usize, at: &[f64]| -> Vec<f64> {
-            let mut there = at.to_vec();
-            let rates = self.rates(times_s[row], &inputs.at(row, 0.0), &mut there);
-            rates.into_iter().map(|rate| rate / rate_factor).collect()
-        };
-        let along = |from: &[f64], length: f64, slope: &[f64]| -> Vec<f64> {
-            from.iter().zip(slope).map(|(x, slope)| x + length * slope).collect()
-        };
-        let stride = if rule == Rule::Pairs { 2 } else { 1 };
-        for row in (0..times_s.len().saturating_sub(stride)).step_by(stride) {
-            let h = times_s[row + stride] - times_s[row];
-            let start = rows[row].clone();
-            let first = rate(row, &start);
-            let half = along(&start, h / 2.0, &first);
-            if rule == Rule::Pairs {
-                let second = rate(row + 1, &half);
-                rows[row + 1] = along(&half, h / 2.0, &second);
-                rows[row + 2] = along(&half, h, &second);
-                continue;
-            }
-            let mut middle =
-                |at: &[f64]| along(&rate(row, at), 1.0, &rate(row + 1, at)).iter().map(|sum| sum / 2.0).collect();
-            let second: Vec<f64> = middle(&half);
-            if rule == Rule::Midpoint {
-                rows[row + 1] = along(&start, h, &second);
-                continue;
-            }
-            let third: Vec<f64> = middle(&along(&start, h / 2.0, &second));
-            let fourth = rate(row + 1, &along(&start, h, &third));
-            let ends = along(&along(&start, h / 6.0, &first), h / 6.0, &fourth);
-            rows[row + 1] = along(&along(&ends, h / 3.0, &second), h / 3.0, &third);
-        }
-        rows
-    }
-}
-
 /// Inputs over the rows of a record, in the order of the deck's.
 pub struct Inputs {
     /// `columns[input][row]`, in the input's unit.

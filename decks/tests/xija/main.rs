@@ -1,9 +1,7 @@
 //! Decks of xija's specifications against xija's equations, written here a second time: in degC and ks, with the heats
 //! computed by branches instead of expressions. The specification is made up and has a component of nearly every law.
 
-#[path = "../examples/xija_replay/expression.rs"]
 mod expression;
-#[path = "../examples/xija_replay/network.rs"]
 mod network;
 
 use std::collections::HashMap;
