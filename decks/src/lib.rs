@@ -3,9 +3,12 @@
 //! A reader works on text or bytes that it is given and touches no file. It refuses what it does not understand, at its
 //! line, and says in the deck's [notes](Deck::notes) what it assumed or left out.
 
+mod arithmetic;
 pub mod deck;
 pub mod error;
 pub mod esatan;
+mod identifier;
+pub mod sinda;
 pub mod xija;
 
 pub use deck::{

@@ -2,7 +2,8 @@
 //! deck. What was read whole balances; what was left out shows as heat that is missing, at its node.
 //!
 //! Steady results, and arithmetic nodes at every instant, balance by themselves. A node that stores heat in a transient
-//! balances with `C dT/dt`, whose slope is known from the rows alone: there the imbalance is indicative only.
+//! balances with `C dT/dt`, whose slope is known from the rows alone: half the difference between the slopes before and
+//! behind a row is allowed for there.
 
 use serde::Serialize;
 
@@ -15,6 +16,9 @@ use super::study::{DeckResult, ImportedStudy};
 
 /// Most rows that are put into the network.
 const MOST_ROWS: usize = 2000;
+/// What a node may miss in any case, K: the tolerance to which thermal solvers iterate where nothing else is said (ESATAN's
+/// RELXCA, 0.01).
+const SOLVERS_K: f64 = 0.01;
 /// Nodes that are printed.
 const MOST_PRINTED: usize = 20;
 
@@ -27,6 +31,8 @@ pub struct Closure {
     pub rows: usize,
     /// The step of the printed temperatures, K: what rounding alone leaves of a node's imbalance is no larger.
     pub step_k: f64,
+    /// What a node may miss, K: that step, or what solvers iterate to where it is finer.
+    pub tolerance_k: f64,
     /// Nodes, the worst first.
     pub nodes: Vec<NodeClosure>,
     /// Nodes that cannot be judged: the record lacks their temperature or that of a neighbour.
@@ -49,20 +55,26 @@ pub struct NodeClosure {
     pub mean_w: f64,
     /// The worst row: a phase, or an instant in s.
     pub at: String,
-    /// Whether the imbalance holds a slope over time, and is indicative only.
-    pub is_indicative: bool,
+    /// What the uncertain slope over time explains of it, W.
+    pub allowed_w: f64,
     /// What is probably left out there.
     pub hint: Option<String>,
 }
 
 impl NodeClosure {
-    /// Whether rounding of the printed temperatures explains the imbalance: half a step at the node and half a step at
+    /// Whether a tolerance explains the imbalance: half a step of the printed temperatures at the node and half a step at
     /// its neighbours move the balance by at most a step times the conductances that meet at the node.
-    pub fn closes(&self, step_k: f64) -> bool {
-        match self.imbalance_k {
-            Some(imbalance_k) => imbalance_k.abs() <= step_k,
+    pub fn closes(&self, tolerance_k: f64) -> bool {
+        match self.unexplained_k() {
+            Some(kelvin) => kelvin <= tolerance_k,
             None => self.imbalance_w == 0.0,
         }
+    }
+
+    /// What an uncertain slope does not explain of the imbalance, K.
+    fn unexplained_k(&self) -> Option<f64> {
+        let share = (1.0 - self.allowed_w / self.imbalance_w.abs()).max(0.0);
+        self.imbalance_k.map(|kelvin| if self.imbalance_w == 0.0 { 0.0 } else { kelvin.abs() * share })
     }
 }
 
@@ -71,20 +83,18 @@ impl NodeClosure {
 struct Tally {
     worst_w: f64,
     worst_k: Option<f64>,
+    allowed_w: f64,
     row: usize,
     sum_w: f64,
     rows: usize,
 }
 
 impl Tally {
-    fn add(&mut self, heat_w: f64, conductance: f64, row: usize) {
+    fn add(&mut self, heat_w: f64, allowed_w: f64, conductance: f64, row: usize) {
         let kelvin = (conductance > 0.0).then(|| heat_w / conductance);
-        let is_worse = match (kelvin, self.worst_k) {
-            (Some(now), Some(before)) => now.abs() > before.abs(),
-            _ => heat_w.abs() > self.worst_w.abs(),
-        };
-        if self.rows == 0 || is_worse {
-            (self.worst_w, self.worst_k, self.row) = (heat_w, kelvin, row);
+        // Conductances change little from row to row: what is worst in W is so in K.
+        if self.rows == 0 || heat_w.abs() - allowed_w > self.worst_w.abs() - self.allowed_w {
+            (self.worst_w, self.worst_k, self.allowed_w, self.row) = (heat_w, kelvin, allowed_w, row);
         }
         self.sum_w += heat_w;
         self.rows += 1;
@@ -171,18 +181,18 @@ pub fn closure(study: &ImportedStudy, pass: &Pass) -> Result<Option<Closure>, Ne
             network.node_heat(&mut workspace)
         });
         for (position, entry) in now.iter().enumerate().filter(|(_, entry)| judged[entry.node]) {
-            let heat_w = match entry.capacity_j_per_k.filter(|_| !rows.is_steady) {
-                None => entry.heat_w,
+            let (heat_w, allowed_w) = match entry.capacity_j_per_k.filter(|_| !rows.is_steady) {
+                None => (entry.heat_w, 0.0),
                 Some(capacity) => {
                     let instants = |row: usize| Some((*result.times_s.get(row)?, temperature(entry.node, row)?));
                     let neighbours = [row.checked_sub(1).and_then(instants), instants(row), instants(row + 1)];
-                    let Some(slope) = slope(neighbours) else { continue };
+                    let Some((slope, uncertainty)) = slope(neighbours) else { continue };
                     let mean =
                         before.as_ref().map_or(entry.heat_w, |before| 0.5 * (entry.heat_w + before[position].heat_w));
-                    mean - capacity * slope
+                    (mean - capacity * slope, capacity * uncertainty)
                 }
             };
-            tallies[entry.node].add(heat_w, conductances[entry.node], row);
+            tallies[entry.node].add(heat_w, allowed_w, conductances[entry.node], row);
         }
     }
     let name = |node: usize| model.nodes[node].name.clone();
@@ -192,32 +202,28 @@ pub fn closure(study: &ImportedStudy, pass: &Pass) -> Result<Option<Closure>, Ne
         .filter(|node| is_inner(node) && has_rows(node))
         .map(|node| {
             let tally = tallies[node];
-            let stores = matches!(model.nodes[node].kind, NodeKind::Diffusion { .. });
             NodeClosure {
                 node: name(node),
                 imbalance_w: tally.worst_w,
                 imbalance_k: tally.worst_k,
                 mean_w: tally.sum_w / tally.rows as f64,
                 at: rows.labels[tally.row].clone(),
-                is_indicative: stores && !rows.is_steady,
+                allowed_w: tally.allowed_w,
                 hint: None,
             }
         })
         .collect();
-    let size = |entry: &NodeClosure| entry.imbalance_k.map_or(f64::INFINITY, f64::abs);
-    // What is certain comes before what a slope blurs.
-    nodes.sort_by(|a, b| {
-        (a.is_indicative.cmp(&b.is_indicative))
-            .then(size(b).total_cmp(&size(a)))
-            .then(b.imbalance_w.abs().total_cmp(&a.imbalance_w.abs()))
-    });
-    for entry in nodes.iter_mut().filter(|entry| !entry.closes(result.step_k)) {
+    let size = |entry: &NodeClosure| entry.unexplained_k().unwrap_or(f64::INFINITY);
+    nodes.sort_by(|a, b| size(b).total_cmp(&size(a)).then(b.imbalance_w.abs().total_cmp(&a.imbalance_w.abs())));
+    let tolerance_k = result.step_k.max(SOLVERS_K);
+    for entry in nodes.iter_mut().filter(|entry| !entry.closes(tolerance_k)) {
         entry.hint = hint(entry, result, &study.summary.notes);
     }
     Ok(Some(Closure {
         is_steady: rows.is_steady,
         rows: rows_done,
         step_k: result.step_k,
+        tolerance_k,
         nodes,
         not_judged: (0..model.nodes.len()).filter(|node| is_inner(node) && !has_rows(node)).map(name).collect(),
         worst_boundary: worst_boundary.map(|(node, difference)| (name(node), difference)),
@@ -244,12 +250,14 @@ fn judged(model: &Model, positions: &[Option<usize>]) -> Vec<bool> {
     judged
 }
 
-/// The slope of a parabola through three points at the one in the middle; nothing where one is missing.
-fn slope(points: [Option<(f64, f64)>; 3]) -> Option<f64> {
+/// The slope of a parabola through three points at the one in the middle, and half the difference of the slopes before and
+/// behind it; nothing where a point is missing.
+fn slope(points: [Option<(f64, f64)>; 3]) -> Option<(f64, f64)> {
     let [Some((t0, y0)), Some((t1, y1)), Some((t2, y2))] = points else { return None };
     let (before, after) = (t1 - t0, t2 - t1);
     let (rise_before, rise_after) = ((y1 - y0) / before, (y2 - y1) / after);
-    Some((rise_before * after + rise_after * before) / (before + after))
+    let slope = (rise_before * after + rise_after * before) / (before + after);
+    Some((slope, 0.5 * (rise_after - rise_before).abs()))
 }
 
 /// What is probably left out at a node: a note that names it, else what the sign says.
@@ -261,7 +269,9 @@ fn hint(entry: &NodeClosure, result: &DeckResult, notes: &[String]) -> Option<St
             let (before, after) = (note.get(..at).unwrap_or(""), note.get(at + name.len()..).unwrap_or(""));
             // A full stop behind a name ends a sentence.
             let goes_on = after.strip_prefix('.').unwrap_or(after).starts_with(is_part);
-            !before.ends_with(is_part) && !goes_on
+            // A number alone may count something.
+            let is_name = name.contains(|c: char| !c.is_ascii_digit()) || before.trim_end().ends_with("ode");
+            !before.ends_with(is_part) && !goes_on && is_name
         })
     };
     if let Some(note) = notes.iter().find(names_it) {
@@ -277,20 +287,19 @@ fn hint(entry: &NodeClosure, result: &DeckResult, notes: &[String]) -> Option<St
 impl Closure {
     /// Nodes that balance within the rounding of the printed temperatures.
     pub fn closing(&self) -> usize {
-        self.nodes.iter().filter(|entry| entry.closes(self.step_k)).count()
+        self.nodes.iter().filter(|entry| entry.closes(self.tolerance_k)).count()
     }
 
     /// Rows of a table: heading first, the nodes that do not close, the worst first.
     pub fn table(&self) -> Vec<Vec<String>> {
         let mut rows = vec![["node", "imbalance [W]", "[K]", "at", "probably left out"].map(str::to_owned).to_vec()];
-        for entry in self.nodes.iter().filter(|entry| !entry.closes(self.step_k)).take(MOST_PRINTED) {
+        for entry in self.nodes.iter().filter(|entry| !entry.closes(self.tolerance_k)).take(MOST_PRINTED) {
             let kelvin = entry.imbalance_k.map_or("-".to_owned(), |value| format!("{value:+.3e}"));
-            let mark = if entry.is_indicative { " (indicative)" } else { "" };
             rows.push(vec![
                 entry.node.clone(),
                 format!("{:+.3e}", entry.imbalance_w),
                 kelvin,
-                format!("{}{mark}", entry.at),
+                entry.at.clone(),
                 entry.hint.clone().unwrap_or_default(),
             ]);
         }
@@ -302,18 +311,20 @@ impl Closure {
         let (of, closing) = (self.nodes.len(), self.closing());
         let kind = if self.is_steady { "steady result" } else { "instant" };
         let mut text = format!(
-            "Closure: with the record's temperatures {closing} of {of} nodes balance within the rounding of the printed \
-             temperatures ({} K), over {}.\n",
-            self.step_k,
+            "Closure: with the record's temperatures {closing} of {of} nodes balance within {} K ({}), over {}.\n",
+            self.tolerance_k,
+            if self.step_k < self.tolerance_k { "what solvers iterate to" } else { "the rounding of the print" },
             crate::document::counted(self.rows, kind)
         );
-        if self.nodes.iter().any(|entry| entry.is_indicative) {
+        if !self.is_steady {
             text.push_str(
-                "  Nodes that store heat balance with C dT/dt, whose slope comes from neighbouring rows: what they show \
-                 is indicative only.\n",
+                "  Nodes that store heat balance with C dT/dt, whose slope comes from neighbouring rows: half the \
+                 difference between the slopes before and behind a row is allowed for.\n",
             );
         }
-        if let Some((boundary, difference)) = self.worst_boundary.as_ref().filter(|(_, worst)| *worst > self.step_k) {
+        if let Some((boundary, difference)) =
+            self.worst_boundary.as_ref().filter(|(_, worst)| *worst > self.tolerance_k)
+        {
             text.push_str(&format!(
                 "  The boundary `{boundary}` is given another temperature than the record has, by up to {difference:.3e} K.\n"
             ));

@@ -1,6 +1,7 @@
 //! Which reader takes which files. A new reader is a line in [`READERS`].
 
 use bmv_decks::esatan::{self, Form};
+use bmv_decks::sinda::{self, SindaFile};
 use bmv_decks::{Deck, DeckError, xija};
 use thiserror::Error;
 
@@ -56,6 +57,11 @@ pub const READERS: &[Reader] = &[
         read: |files| one(files, |file| esatan::read_text(&file.name, &file.text())),
     },
     Reader {
+        tool: "SINDA/FLUINT's text (.inp, .cc, .k, .hra, .hrl, with a printed .out)",
+        recognises: |files| sinda_files(files, sinda::recognises),
+        read: |files| sinda_files(files, sinda::read),
+    },
+    Reader {
         tool: "xija's model specifications (.json)",
         recognises: |files| files.iter().any(|file| xija::recognises(&file.text())),
         read: |files| one(files, |file| xija::read(&file.name, &file.text())),
@@ -65,6 +71,13 @@ pub const READERS: &[Reader] = &[
 /// Whether all files are of a form of ESATAN.
 fn is_esatan(files: &[DeckFile], form: Form) -> bool {
     !files.is_empty() && files.iter().all(|file| esatan::recognises(&file.bytes) == Some(form))
+}
+
+/// What is made of the files' names and texts.
+fn sinda_files<T>(files: &[DeckFile], call: impl Fn(&[SindaFile<'_>]) -> T) -> T {
+    let texts: Vec<String> = files.iter().map(DeckFile::text).collect();
+    let files = files.iter().zip(&texts).map(|(file, text)| SindaFile { name: &file.name, text });
+    call(&files.collect::<Vec<_>>())
 }
 
 /// Reads the only file of a model that is one file.

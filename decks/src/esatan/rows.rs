@@ -1,7 +1,6 @@
 //! What varies over the rows of a result: constants and inputs, instants and cases.
 
-use std::collections::HashSet;
-
+use crate::identifier::Identifiers;
 use crate::{Deck, Input, Note, Record, Value};
 
 /// Values of one quantity that differ by no more than this, relative to the largest, are one constant. Results hold 16
@@ -64,34 +63,6 @@ pub(super) fn rows_of(times_s: &[f64], has_capacity: bool, notes: &mut Vec<Note>
     }
     let times_s = kept.iter().map(|&row| times_s[row]).collect();
     Ok(Rows { kept, times_s, is_steady: false })
-}
-
-/// Identifiers that stand for the deck's own names.
-#[derive(Default)]
-pub(super) struct Identifiers {
-    used: HashSet<String>,
-}
-
-impl Identifiers {
-    /// An identifier from a name, with a number behind it where it is used already.
-    pub(super) fn make(&mut self, name: &str) -> String {
-        let mut identifier: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-        if identifier.chars().next().is_none_or(|c| c.is_ascii_digit()) {
-            identifier.insert(0, '_');
-        }
-        unique(&mut self.used, identifier, "_")
-    }
-}
-
-/// A name, with a separator and a number behind it where it is used already.
-pub(super) fn unique(used: &mut HashSet<String>, name: String, separator: &str) -> String {
-    let mut candidate = name.clone();
-    let mut count = 1;
-    while !used.insert(candidate.clone()) {
-        count += 1;
-        candidate = format!("{name}{separator}{count}");
-    }
-    candidate
 }
 
 /// The number of values that do not vary, or a new input of the deck's record for values that do.

@@ -225,7 +225,7 @@ fn rates(
 
 /// An instant within the dated step, with inputs that vary; `states` tells whether flags and counts vary too.
 fn drivers(x: f64, states: bool) -> Drivers {
-    let wave = |period: f64| 0.5 + 0.5 * libm::sin(6.283_185 * x / period + period);
+    let wave = |period: f64| 0.5 + 0.5 * libm::sin(std::f64::consts::TAU * x / period + period);
     let count = |period: f64, largest: f64| if states { (wave(period) * (largest + 0.99)).floor() } else { largest };
     HashMap::from([
         ("pitch", 41.0 + 138.0 * wave(0.7)),

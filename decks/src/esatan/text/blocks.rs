@@ -2,7 +2,7 @@
 
 use crate::{DeckError, Note};
 
-use super::lexer::{Piece, pieces, without_comment};
+use crate::arithmetic::piece::{Piece, pieces};
 
 /// Deepest nesting of submodels.
 const DEEPEST: usize = 64;
@@ -251,6 +251,23 @@ impl Cutter<'_> {
             self.fail(statement.line, "the statement does not end before the next block; expected `;`".to_owned());
         }
     }
+}
+
+/// A line without its comment, and the comment. A `#` within quotes is text.
+fn without_comment(line: &str) -> (&str, Option<&str>) {
+    let mut quote = None;
+    for (position, character) in line.char_indices() {
+        match (quote, character) {
+            (None, '#') => {
+                let (code, comment) = line.split_at(position);
+                return (code, comment.get(1..).map(str::trim));
+            }
+            (None, '\'' | '"') => quote = Some(character),
+            (Some(open), _) if open == character => quote = None,
+            _ => {}
+        }
+    }
+    (line, None)
 }
 
 /// Whether a line is a type of constants alone.

@@ -3,45 +3,20 @@
 //! The layout follows the public models of `mlauryn/EsatanOpt`, written by ESATAN-TMS 2017 sp2.
 
 mod blocks;
-mod lexer;
 mod network;
-mod quantity;
 
 use std::collections::BTreeMap;
 
-use crate::esatan::rows::Identifiers;
 use crate::esatan::{CELSIUS_ZERO_K, DEFAULT_STEFAN_BOLTZMANN};
+use crate::identifier::Identifiers;
 use crate::{Deck, DeckError, Note, Parameter, Value};
 
+use crate::arithmetic::piece::Piece;
+use crate::arithmetic::quantity::{Quantity, Reader};
 use blocks::{Data, Statement};
-use lexer::Piece;
-use quantity::{Quantity, Reader};
 
 /// Most errors that are told of one file.
 const MOST_ERRORS: usize = 50;
-
-/// Names that the expressions of a deck use themselves.
-const RESERVED: [&str; 19] = [
-    "t",
-    "T",
-    "Ta",
-    "Tb",
-    "pi",
-    "exp",
-    "log",
-    "sqrt",
-    "sin",
-    "cos",
-    "tanh",
-    "min",
-    "max",
-    "abs",
-    "step",
-    "smoothstep",
-    "clamp",
-    "interp",
-    "e",
-];
 
 /// Reads the text of a model: blocks of constants, nodes and conductors, with submodels.
 ///
@@ -58,14 +33,11 @@ pub fn read_text(name: &str, text: &str) -> Result<Deck, Vec<DeckError>> {
     let mut model = Model {
         constants: BTreeMap::new(),
         parameters: Vec::new(),
-        identifiers: Identifiers::default(),
+        identifiers: Identifiers::beside_expressions(),
         zero_k: CELSIUS_ZERO_K,
         stefan_boltzmann: None,
         controls: 0,
     };
-    for reserved in RESERVED {
-        model.identifiers.make(reserved);
-    }
     let mut errors = blocks.errors;
     // Constants first, whichever block stands first.
     for statement in &blocks.statements {
@@ -135,7 +107,7 @@ impl Model {
                 return Ok(());
             }
             let quantity = reader.quantity().map_err(|message| format!("{name}: {message}"))?;
-            reader.end()?;
+            reader.end("`;`")?;
             (name.clone(), quantity)
         };
         let upper = name.to_ascii_uppercase();

@@ -2,13 +2,13 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use crate::esatan::rows::unique;
+use crate::identifier::unique;
 use crate::{Coupling, CouplingKind, Deck, DeckError, Group, Load, Node, NodeKind, Note, Value};
 
 use super::Model;
 use super::blocks::{Data, Statement};
-use super::lexer::Piece;
-use super::quantity::{Quantity, Reader};
+use crate::arithmetic::piece::Piece;
+use crate::arithmetic::quantity::{Quantity, Reader};
 
 /// Heats of a node, which add.
 const HEATS: [&str; 5] = ["QS", "QA", "QE", "QI", "QR"];
@@ -123,7 +123,7 @@ impl Network<'_> {
                 return Err(format!("node {name}: {attribute} is given twice"));
             }
         }
-        reader.end().map_err(|message| format!("node {name}: {message}"))?;
+        reader.end("`;`").map_err(|message| format!("node {name}: {message}"))?;
         if self.place.contains_key(&name) {
             return Err(format!("node {name} is defined twice"));
         }
@@ -196,7 +196,7 @@ impl Network<'_> {
         reader.expect(')')?;
         reader.expect('=')?;
         let quantity = reader.quantity().map_err(|message| format!("{short}({},{}): {message}", from.0, to.0))?;
-        reader.end()?;
+        reader.end("`;`")?;
         if from.0 == to.0 {
             return Err(format!("{short} joins node {} to itself", from.0));
         }

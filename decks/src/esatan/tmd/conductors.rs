@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, HashSet};
 
 use hdf5_reader::group::Group;
 
-use crate::esatan::rows::{Identifiers, number_or_input, unique};
+use crate::esatan::rows::number_or_input;
+use crate::identifier::{Identifiers, unique};
 use crate::{Coupling, CouplingKind, Deck, Note, Value};
 
 use super::nodes::NodeTable;

@@ -11,7 +11,8 @@ use std::collections::HashSet;
 
 use hdf5_reader::group::Group;
 
-use crate::esatan::rows::{Identifiers, number_or_input, rows_of, unique};
+use crate::esatan::rows::{number_or_input, rows_of};
+use crate::identifier::{Identifiers, unique};
 use crate::{Deck, DeckError, Load, Node, NodeKind, Note, Record};
 
 use nodes::{NodeRow, NodeTable};

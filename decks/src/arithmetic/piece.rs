@@ -1,8 +1,8 @@
-//! Words, numbers and signs of the data blocks.
+//! Words, numbers and signs of a line of a deck.
 
 /// A piece of a statement.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Piece {
+pub(crate) enum Piece {
     /// A letter or `_`, then letters, digits and `_`.
     Word(String),
     /// A number, and whether it is written as an integer.
@@ -17,7 +17,7 @@ pub(super) enum Piece {
 
 impl Piece {
     /// As it stands in a message.
-    pub(super) fn described(&self) -> String {
+    pub(crate) fn described(&self) -> String {
         match self {
             Self::Word(word) => format!("`{word}`"),
             Self::Number(value, _) => format!("`{value}`"),
@@ -28,25 +28,8 @@ impl Piece {
     }
 }
 
-/// A line without its comment, and the comment. A `#` within quotes is text.
-pub(super) fn without_comment(line: &str) -> (&str, Option<&str>) {
-    let mut quote = None;
-    for (position, character) in line.char_indices() {
-        match (quote, character) {
-            (None, '#') => {
-                let (code, comment) = line.split_at(position);
-                return (code, comment.get(1..).map(str::trim));
-            }
-            (None, '\'' | '"') => quote = Some(character),
-            (Some(open), _) if open == character => quote = None,
-            _ => {}
-        }
-    }
-    (line, None)
-}
-
 /// Pieces of a line without comment.
-pub(super) fn pieces(code: &str) -> Result<Vec<Piece>, String> {
+pub(crate) fn pieces(code: &str) -> Result<Vec<Piece>, String> {
     let characters: Vec<char> = code.chars().collect();
     let at = |position: usize| characters.get(position).copied().unwrap_or('\0');
     let run = |start: usize, belongs: fn(char) -> bool| {

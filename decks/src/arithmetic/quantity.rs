@@ -2,7 +2,7 @@
 
 use crate::Value;
 
-use super::lexer::Piece;
+use super::piece::Piece;
 
 /// Longest expression that is kept, in bytes: constants are written out where they are used.
 const LONGEST: usize = 4096;
@@ -11,31 +11,31 @@ const DEEPEST: usize = 64;
 
 /// A number that may depend on constants.
 #[derive(Debug, Clone)]
-pub(super) struct Quantity {
+pub(crate) struct Quantity {
     /// Its value with the deck's constants.
-    pub(super) nominal: f64,
+    pub(crate) nominal: f64,
     is_integer: bool,
     form: Value,
 }
 
 impl Quantity {
     /// A number.
-    pub(super) fn number(value: f64, is_integer: bool) -> Self {
+    pub(crate) fn number(value: f64, is_integer: bool) -> Self {
         Self { nominal: value, is_integer, form: Value::Number(value) }
     }
 
     /// A constant by its name among the deck's parameters.
-    pub(super) fn constant(parameter: &str, nominal: f64) -> Self {
+    pub(crate) fn constant(parameter: &str, nominal: f64) -> Self {
         Self { nominal, is_integer: false, form: Value::Scaled { parameter: parameter.to_owned(), factor: 1.0 } }
     }
 
     /// Whether it depends on no constant.
-    pub(super) fn is_number(&self) -> bool {
+    pub(crate) fn is_number(&self) -> bool {
         matches!(self.form, Value::Number(_))
     }
 
     /// Its value for a deck.
-    pub(super) fn into_value(self) -> Value {
+    pub(crate) fn into_value(self) -> Value {
         self.form
     }
 
@@ -51,7 +51,7 @@ impl Quantity {
     }
 
     /// Joins two by one of `+ - * / ^`.
-    pub(super) fn join(self, sign: char, other: Self) -> Result<Self, String> {
+    pub(crate) fn join(self, sign: char, other: Self) -> Result<Self, String> {
         let (a, b) = (self.nominal, other.nominal);
         let is_integer = self.is_integer && other.is_integer;
         let nominal = match sign {
@@ -128,7 +128,7 @@ fn expression(text: String) -> Result<Value, String> {
 }
 
 /// Reads expressions off the pieces of a statement.
-pub(super) struct Reader<'a> {
+pub(crate) struct Reader<'a> {
     pieces: &'a [Piece],
     position: usize,
     depth: usize,
@@ -138,46 +138,46 @@ pub(super) struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     /// A reader of pieces with the meaning of names.
-    pub(super) fn new(pieces: &'a [Piece], constant: &'a dyn Fn(&str) -> Result<Quantity, String>) -> Self {
+    pub(crate) fn new(pieces: &'a [Piece], constant: &'a dyn Fn(&str) -> Result<Quantity, String>) -> Self {
         Self { pieces, position: 0, depth: 0, constant }
     }
 
     /// The next piece.
-    pub(super) fn peek(&self) -> Option<&'a Piece> {
+    pub(crate) fn peek(&self) -> Option<&'a Piece> {
         self.pieces.get(self.position)
     }
 
     /// The next piece, passed.
-    pub(super) fn next(&mut self) -> Option<&'a Piece> {
+    pub(crate) fn next(&mut self) -> Option<&'a Piece> {
         let piece = self.pieces.get(self.position);
         self.position += 1;
         piece
     }
 
     /// Passes a sign if it comes next.
-    pub(super) fn accept(&mut self, sign: char) -> bool {
+    pub(crate) fn accept(&mut self, sign: char) -> bool {
         let comes = self.peek() == Some(&Piece::Sign(sign));
         self.position += usize::from(comes);
         comes
     }
 
     /// Passes a sign that has to come next.
-    pub(super) fn expect(&mut self, sign: char) -> Result<(), String> {
+    pub(crate) fn expect(&mut self, sign: char) -> Result<(), String> {
         if self.accept(sign) { Ok(()) } else { Err(format!("expected `{sign}` instead of {}", self.coming())) }
     }
 
     /// What comes next, for a message.
-    pub(super) fn coming(&self) -> String {
+    pub(crate) fn coming(&self) -> String {
         self.peek().map_or("the end of the statement".to_owned(), Piece::described)
     }
 
-    /// Refuses anything that is left.
-    pub(super) fn end(&self) -> Result<(), String> {
-        if self.peek().is_none() { Ok(()) } else { Err(format!("expected `;` instead of {}", self.coming())) }
+    /// Refuses anything that is left; `expected` is what should come instead, such as "`;`".
+    pub(crate) fn end(&self, expected: &str) -> Result<(), String> {
+        if self.peek().is_none() { Ok(()) } else { Err(format!("expected {expected} instead of {}", self.coming())) }
     }
 
     /// An expression: sums of products of powers.
-    pub(super) fn quantity(&mut self) -> Result<Quantity, String> {
+    pub(crate) fn quantity(&mut self) -> Result<Quantity, String> {
         let mut sum = self.product()?;
         loop {
             if self.accept('+') {

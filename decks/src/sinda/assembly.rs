@@ -1,0 +1,311 @@
+//! The deck from its blocks.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+
+use super::block::{Block, Kind};
+use super::card::Card;
+use super::conductors::{self, Conductor, Contact};
+use super::control::Control;
+use super::heating::{self, Means};
+use super::loads::{self, Heat};
+use super::{nodes, subroutines};
+use crate::arithmetic::quantity::Quantity;
+use crate::identifier::{Identifiers, unique};
+use crate::{CouplingKind, Deck, DeckError, Group, Input, Load, Node, Note, Parameter, Record, Value};
+
+/// What several conductors or heats have in common.
+pub(super) struct Label {
+    /// The parameter's or input's name.
+    pub(super) parameter: String,
+    /// The deck's own words.
+    description: String,
+}
+
+/// What was read so far.
+pub(super) struct Assembly {
+    /// Units and registers.
+    pub(super) control: Control,
+    /// Conductors in their order.
+    pub(super) conductors: Vec<Conductor>,
+    /// Heats in their order.
+    pub(super) heats: Vec<Heat>,
+    /// Submodels whose heating rates are used.
+    pub(super) heating: BTreeSet<String>,
+    /// Conductors with the same node at both ends.
+    pub(super) joined_to_themselves: usize,
+    deck: Deck,
+    identifiers: Identifiers,
+    /// Index of each node by submodel and number.
+    places: HashMap<(String, u64), usize>,
+    /// Submodels with their nodes.
+    submodels: BTreeMap<String, Vec<usize>>,
+    coupling_names: HashSet<String>,
+    labels: Vec<Label>,
+    /// Position among the labels, by comment.
+    label_places: HashMap<String, usize>,
+}
+
+/// A deck with the unit of its temperatures.
+pub(super) struct Assembled {
+    /// The deck.
+    pub(super) deck: Deck,
+    /// What is added to its temperatures, in K.
+    pub(super) zero_k: f64,
+}
+
+impl Assembled {
+    /// Adds the temperatures of a result, at the deck's own values of the inputs.
+    pub(super) fn add_record(&mut self, record: Record) {
+        let inputs = self.deck.inputs.iter().map(|input| vec![input.nominal]).collect();
+        self.deck.record = Some(Record { inputs, ..record });
+    }
+}
+
+/// Reads all blocks: nodes before what joins and heats them, whichever stands first.
+pub(super) fn assemble(blocks: &[Block<'_>], errors: &mut Vec<DeckError>) -> Assembled {
+    let mut deck = Deck { tool: tool(blocks), ..Deck::default() };
+    let mut identifiers = Identifiers::beside_expressions();
+    let control = Control::read(blocks, &mut identifiers, &mut deck.parameters, &mut deck.notes, errors);
+    deck.title.clone_from(&control.title);
+    deck.stefan_boltzmann = Some(control.stefan_boltzmann);
+    let mut assembly = Assembly {
+        control,
+        conductors: Vec::new(),
+        heats: Vec::new(),
+        heating: BTreeSet::new(),
+        joined_to_themselves: 0,
+        deck,
+        identifiers,
+        places: HashMap::new(),
+        submodels: BTreeMap::new(),
+        coupling_names: HashSet::new(),
+        labels: Vec::new(),
+        label_places: HashMap::new(),
+    };
+    assembly.read(blocks, Kind::Nodes, errors, |assembly, block, card| nodes::add(assembly, &block.submodel, card));
+    if assembly.deck.nodes.is_empty() && errors.is_empty() {
+        let file = blocks.first().map_or("", |block| block.file);
+        errors.push(DeckError::of(file, "the deck has no nodes: expected a block HEADER NODE DATA"));
+    }
+    let mut contact = Contact::default();
+    assembly.read(blocks, Kind::Conductors, errors, |assembly, block, card| {
+        conductors::add(assembly, &mut contact, &block.submodel, card)
+    });
+    assembly
+        .read(blocks, Kind::Variables0, errors, |assembly, block, card| loads::add(assembly, &block.submodel, card));
+    assembly.read(blocks, Kind::Sources, errors, |assembly, block, card| {
+        loads::add_source(assembly, &block.submodel, card)
+    });
+    for kind in [Kind::Variables, Kind::Refused] {
+        assembly.read(blocks, kind, errors, |_, block, card| {
+            let what = if block.kind == Kind::Variables { "statements within the solution" } else { "this block" };
+            Err(format!("`{}`: {what} are not read; write constant values in their place", card.text))
+        });
+    }
+    blocks.iter().filter(|block| block.kind == Kind::Subroutines).for_each(|block| subroutines::check(block, errors));
+    assembly.add_heating(blocks, errors);
+    assembly.finish()
+}
+
+/// `SINDA/FLUINT data created with Thermal Desktop 6.2 Patch 15` as a name.
+fn tool(blocks: &[Block<'_>]) -> String {
+    let comments = blocks.iter().flat_map(|block| &block.comments);
+    let version = comments.filter_map(|comment| comment.text.split_once(" with Thermal Desktop ")).next();
+    version.map_or("SINDA/FLUINT".to_owned(), |(_, version)| format!("Thermal Desktop {}", version.trim()))
+}
+
+impl Assembly {
+    /// Hands the lines of all blocks of a kind on; of a line that is refused the place is told.
+    fn read(
+        &mut self,
+        blocks: &[Block<'_>],
+        kind: Kind,
+        errors: &mut Vec<DeckError>,
+        mut add: impl FnMut(&mut Self, &Block<'_>, &Card<'_>) -> Result<(), String>,
+    ) {
+        for block in blocks.iter().filter(|block| block.kind == kind) {
+            let is_of_submodel = !matches!(kind, Kind::Variables | Kind::Refused);
+            if is_of_submodel && block.submodel.is_empty() && !block.cards.is_empty() {
+                errors.push(DeckError::at(block.file, block.line, "expected the submodel's name behind a comma"));
+                continue;
+            }
+            for card in &block.cards {
+                if let Err(message) = add(self, block, card) {
+                    errors.push(DeckError::at(card.file, card.line, message));
+                }
+            }
+        }
+    }
+
+    /// Adds a node.
+    pub(super) fn add_node(&mut self, submodel: &str, number: u64, node: Node) -> Result<(), String> {
+        let place = self.deck.nodes.len();
+        if self.places.insert((submodel.to_owned(), number), place).is_some() {
+            return Err(format!("node {} is defined twice", node.name));
+        }
+        self.submodels.entry(submodel.to_owned()).or_default().push(place);
+        self.deck.nodes.push(node);
+        Ok(())
+    }
+
+    /// Index of a node.
+    pub(super) fn find_node(&self, (submodel, number): &(String, i64)) -> Result<usize, String> {
+        let key = (submodel.clone(), number.unsigned_abs());
+        self.places.get(&key).copied().ok_or_else(|| format!("node {submodel}.{number} is not defined"))
+    }
+
+    /// A unique name of a coupling.
+    pub(super) fn coupling_name(&mut self, name: String) -> String {
+        unique(&mut self.coupling_names, name, "#")
+    }
+
+    /// The parameter of what a comment names: `Contact - Face Contactor-NAME[SUB][1]::4F`.
+    pub(super) fn label(&mut self, comment: &str, prefix: &str) -> String {
+        let rest = comment.strip_prefix(prefix).unwrap_or(comment);
+        let name = rest.split(['[', ':']).next().unwrap_or(rest).trim();
+        // Behind the kind of the contact stands the name that somebody gave it.
+        let name = name.split_once('-').map_or(name, |(_, name)| name).trim();
+        self.labelled(comment, if name.is_empty() { rest } else { name })
+    }
+
+    /// The scale of a set of radiation conductors.
+    pub(super) fn label_of_set(&mut self, submodel: &str) -> String {
+        let description = format!("Scale of the radiation conductors of {submodel}");
+        self.labelled(&description, &format!("radiation_{submodel}"))
+    }
+
+    fn labelled(&mut self, description: &str, name: &str) -> String {
+        if let Some(label) = self.label_places.get(description).and_then(|&place| self.labels.get(place)) {
+            return label.parameter.clone();
+        }
+        let parameter = self.identifiers.make(name);
+        self.label_places.insert(description.to_owned(), self.labels.len());
+        self.labels.push(Label { parameter: parameter.clone(), description: description.to_owned() });
+        parameter
+    }
+
+    /// Adds the mean heats of an orbit.
+    fn add_heating(&mut self, blocks: &[Block<'_>], errors: &mut Vec<DeckError>) {
+        let mut used = BTreeSet::new();
+        for block in blocks.iter().filter(|block| block.kind == Kind::Arrays) {
+            let means = match heating::means(block) {
+                None => {
+                    if !block.cards.is_empty() {
+                        let place = Some(format!("{}:{}", block.file, block.line));
+                        let message = "Arrays are not read: nothing that is read refers to them.".to_owned();
+                        self.deck.notes.push(Note { place, message });
+                    }
+                    continue;
+                }
+                Some(Err((line, message))) => {
+                    errors.push(DeckError::at(block.file, line, message));
+                    continue;
+                }
+                Some(Ok(means)) => means,
+            };
+            if !self.heating.contains(&block.submodel) {
+                let message = format!("The heating rates of {} are not used: nothing calls for them.", block.submodel);
+                self.deck.notes.push(Note { place: Some(block.file.to_owned()), message });
+                continue;
+            }
+            used.insert(block.submodel.clone());
+            if let Err(message) = self.add_means(&block.submodel, means) {
+                errors.push(DeckError::at(block.file, block.line, message));
+            }
+        }
+        for submodel in self.heating.difference(&used) {
+            let file = blocks.first().map_or("", |block| block.file);
+            let message = format!("the heating rates of {submodel} are called for and not there: give its `.hra`");
+            errors.push(DeckError::of(file, message));
+        }
+    }
+
+    fn add_means(&mut self, submodel: &str, means: Means) -> Result<(), String> {
+        let name = self.identifiers.make(&format!("heating_{submodel}"));
+        let description = format!("Scale of the mean heating rates of {submodel}");
+        let count = means.len();
+        for (node, mean) in means {
+            let power = Quantity::constant(&name, 1.0).join('*', Quantity::number(mean, false))?;
+            let into = self.find_node(&node)?;
+            self.heats.push(Heat { into, power, label: None });
+        }
+        self.deck.parameters.push(Parameter { name, unit: "1".to_owned(), nominal: 1.0, description });
+        let message = format!(
+            "The heating rates of {submodel} are those of its orbit's mean, as a steady state takes them: {count} nodes."
+        );
+        self.deck.notes.push(Note { place: None, message });
+        Ok(())
+    }
+
+    fn finish(mut self) -> Assembled {
+        let totals = conductors::totals(&self.conductors, &self.labels);
+        let mut of_label: BTreeMap<String, (CouplingKind, Vec<usize>)> = BTreeMap::new();
+        for (place, conductor) in self.conductors.into_iter().enumerate() {
+            let Conductor { mut coupling, value, label } = conductor;
+            coupling.value = match &label {
+                Some(parameter) if value.is_number() => {
+                    let total = totals.get(parameter).copied().unwrap_or(0.0);
+                    let is_set = coupling.kind == CouplingKind::Radiative;
+                    let factor = if is_set || total == 0.0 { value.nominal } else { value.nominal / total };
+                    Value::Scaled { parameter: parameter.clone(), factor }
+                }
+                _ => value.into_value(),
+            };
+            if let Some(parameter) = label {
+                of_label.entry(parameter).or_insert((coupling.kind, Vec::new())).1.push(place);
+            }
+            self.deck.couplings.push(coupling);
+        }
+        let mut load_names = HashSet::new();
+        let mut heat_totals: BTreeMap<String, f64> = BTreeMap::new();
+        for heat in &self.heats {
+            if let Some(input) = &heat.label {
+                *heat_totals.entry(input.clone()).or_default() += heat.power.nominal;
+            }
+        }
+        for heat in self.heats {
+            let name = self.deck.nodes.get(heat.into).map_or("", |node| node.name.as_str());
+            let (name, power) = match &heat.label {
+                Some(input) if heat.power.is_number() => {
+                    let total = heat_totals.get(input).copied().unwrap_or(0.0);
+                    let share = if total == 0.0 { 0.0 } else { heat.power.nominal / total };
+                    (format!("{input} into {name}"), Value::Expression(format!("{share:?} * {input}")))
+                }
+                _ => (format!("heat into {name}"), heat.power.into_value()),
+            };
+            let name = unique(&mut load_names, name, "#");
+            self.deck.loads.push(Load { name, into: heat.into, power });
+        }
+        for Label { parameter, description } in self.labels {
+            if let Some(&nominal) = heat_totals.get(&parameter) {
+                self.deck.inputs.push(Input { name: parameter, unit: "W".to_owned(), nominal, description });
+                continue;
+            }
+            let Some((kind, couplings)) = of_label.remove(&parameter) else { continue };
+            let (unit, nominal) = match kind {
+                CouplingKind::Radiative => ("1", 1.0),
+                CouplingKind::Linear | CouplingKind::OneWay => ("W/K", totals.get(&parameter).copied().unwrap_or(0.0)),
+            };
+            self.deck.groups.push(Group { name: parameter.clone(), nodes: Vec::new(), couplings });
+            self.deck.parameters.push(Parameter { name: parameter, unit: unit.to_owned(), nominal, description });
+        }
+        let submodels = self.submodels.into_iter().map(|(name, nodes)| Group { name, nodes, couplings: Vec::new() });
+        self.deck.groups.extend(submodels);
+        let mut note = |message: String| self.deck.notes.push(Note { place: None, message });
+        if self.joined_to_themselves > 0 {
+            note(format!("{} conductors join a node to itself and are left out.", self.joined_to_themselves));
+        }
+        if of_contacts(&self.deck.parameters) {
+            note(
+                "Conductors below a comment `Contact - ...` are taken for the contact's as long as they join the same two \
+                 submodels. A contact's value is the sum of its conductors."
+                    .to_owned(),
+            );
+        }
+        Assembled { zero_k: self.control.zero_k, deck: self.deck }
+    }
+}
+
+fn of_contacts(parameters: &[Parameter]) -> bool {
+    parameters.iter().any(|parameter| parameter.unit == "W/K")
+}

@@ -1,0 +1,37 @@
+//! SUBROUTINE blocks: what Thermal Desktop always writes, and has no physics in it, is passed over; others are refused.
+
+use super::block::Block;
+use crate::DeckError;
+
+/// Routines around the solution; they do nothing unless a heater or the user has put something into them.
+const EMPTY: [&str; 8] = ["TDHTR", "TDREL", "TDHTOT", "TDHTRST", "TDPREBL", "TDPOSTBL", "TDPOSTSL", "BASEPLOT"];
+/// The routine that interpolates heating rates, whose data are read from their arrays.
+const LOADQ: &str = "LOADQ_";
+
+/// Refuses every routine with something in it that would act on the network.
+pub(super) fn check(block: &Block<'_>, errors: &mut Vec<DeckError>) {
+    let mut routine = String::new();
+    for card in &block.cards {
+        let text = card.text.to_ascii_uppercase();
+        let mut words = text.split_whitespace().filter(|word| *word != "RECURSIVE");
+        if words.next() == Some("SUBROUTINE") {
+            routine = words.next().unwrap_or_default().split('(').next().unwrap_or_default().to_owned();
+            if !EMPTY.contains(&routine.as_str()) && !routine.starts_with(LOADQ) {
+                let message = format!("subroutine {routine}: Fortran is not read; write what it does as data");
+                errors.push(DeckError::at(card.file, card.line, message));
+            }
+            continue;
+        }
+        let is_empty = matches!(text.as_str(), "RETURN" | "END" | "CALL COMMON");
+        if EMPTY.contains(&routine.as_str()) && !is_empty {
+            let message = format!(
+                "`{}` in {routine}: heaters and other logic are Fortran, which is not read; write a load instead and \
+                 add the heater to the imported model",
+                card.text
+            );
+            errors.push(DeckError::at(card.file, card.line, message));
+            // One error is enough for a routine.
+            routine.clear();
+        }
+    }
+}
