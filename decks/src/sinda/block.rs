@@ -92,16 +92,16 @@ pub(super) struct Block<'a> {
 
 /// Cuts the files into blocks.
 pub(super) fn blocks<'a>(files: &[SindaFile<'a>], errors: &mut Vec<DeckError>) -> Vec<Block<'a>> {
-    let inserted: Vec<String> = files.iter().flat_map(|file| file.text.lines().filter_map(insert)).collect();
-    let is_inserted = |file: &SindaFile<'_>| inserted.iter().any(|name| is_same(name, &file.base()));
+    let inserts = |file: &SindaFile<'a>, other: &str| {
+        file.base() != other && file.text.lines().filter_map(insert).any(|name| is_same(&name, other))
+    };
+    let is_inserted = |file: &SindaFile<'_>| files.iter().any(|other| inserts(other, &file.base()));
     let mut reading = Reading { files, blocks: Vec::new(), errors, opened: Vec::new(), read: Vec::new() };
     for file in files.iter().filter(|file| !is_inserted(file)) {
         reading.open(*file);
     }
-    if reading.read.is_empty()
-        && let Some(first) = files.first()
-    {
-        reading.errors.push(DeckError::of(first.name, "each file is inserted by another: expected one that is not"));
+    if let Some(file) = files.iter().find(|file| !reading.read.contains(&file.base())) {
+        reading.errors.push(DeckError::of(file.name, "files insert one another in a circle: expected one that begins"));
     }
     reading.blocks
 }

@@ -57,7 +57,7 @@ fn base(name: &str) -> String {
 
 /// Whether the files are a deck, with or without its printed result.
 pub fn recognises(files: &[SindaFile<'_>]) -> bool {
-    files.iter().any(SindaFile::is_deck) && files.iter().all(|file| file.is_deck() || file.is_result())
+    files.iter().any(SindaFile::is_deck)
 }
 
 /// Reads a deck: its blocks in the order of the files that insert others, then those of files that nothing inserts.
@@ -69,7 +69,8 @@ pub fn recognises(files: &[SindaFile<'_>]) -> bool {
 /// # Errors
 /// Each line that is not understood, fifty at most.
 pub fn read(files: &[SindaFile<'_>]) -> Result<Deck, Vec<DeckError>> {
-    let (decks, results): (Vec<_>, Vec<_>) = files.iter().copied().partition(SindaFile::is_deck);
+    let (results, decks): (Vec<_>, Vec<_>) =
+        files.iter().copied().partition(|file| file.is_result() && !file.is_deck());
     let mut errors = Vec::new();
     let blocks = block::blocks(&decks, &mut errors);
     let mut deck = assembly::assemble(&blocks, &mut errors);
