@@ -2,6 +2,7 @@
 
 mod archive;
 mod campaigns;
+mod decks;
 mod documents;
 mod escapes;
 mod frame;
