@@ -36,6 +36,10 @@ pictures:
 bench:
     cargo build --release && cargo bench --package bmv-benches
 
+# studies of grids of nodes with a hidden path, and what each verb takes on them
+sizes +nodes="30 100 300 1000":
+    cargo build --release && benches/sizes/run.sh target/release/bmv {{nodes}}
+
 # the documentation of the library
 doc:
     cargo doc --no-deps --open
