@@ -11,9 +11,9 @@ use bmv::diagnosis::linearisation::signature::{for_each_direction, linearise};
 use bmv::document::Diagnostics;
 use bmv::effect::{Catalogue, candidates};
 use bmv::inference::likelihood::Likelihood;
+use bmv::measurement::sensor_places;
 use bmv::measurement::{Measurement, Phase, Rows, Sensor, Uncertain};
 use bmv::random::Distribution;
-use bmv::study::resolve::adopt::sensor_places;
 use criterion::{Criterion, criterion_group, criterion_main};
 
 #[path = "../tests/verification/build.rs"]

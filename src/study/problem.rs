@@ -5,11 +5,10 @@ use std::sync::Arc;
 use crate::diagnosis::Problem;
 use crate::effect::candidates;
 use crate::inference::likelihood::InputError;
-use crate::measurement::Measurement;
+use crate::measurement::{Measurement, sensor_places};
 use crate::thermal::Model;
 
 use super::model::Prior;
-use super::resolve::adopt::sensor_places;
 use super::resolved::Pass;
 
 /// The problem of a pass over all its measurements.
@@ -34,6 +33,8 @@ pub fn problem_with(pass: &Pass, measurements: Vec<Measurement>, parameters: Vec
         most_steps: Vec::new(),
         noise_freedom: None,
         is_misspecified: false,
+        considered: Vec::new(),
+        places: Default::default(),
         missing_probability: Default::default(),
     }
 }

@@ -4,9 +4,9 @@ use bmv::batch::next_pass::{Asked, NextPass, destination, next_pass, write};
 use bmv::diagnosis::Output;
 use bmv::document::Diagnostics;
 use bmv::effect::{Bound, Candidate, Catalogue, GroupPlace, Site, candidates};
+use bmv::measurement::sensor_places;
 use bmv::random::Distribution;
 use bmv::study::problem::dated;
-use bmv::study::resolve::adopt::sensor_places;
 use serde_json::{Value, json};
 
 use crate::diagnostics::pass_study::Study;

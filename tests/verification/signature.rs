@@ -95,6 +95,8 @@ fn problem(mut measurements: Vec<Measurement>, input_errors: Vec<InputError>) ->
         most_steps: Vec::new(),
         noise_freedom: None,
         is_misspecified: false,
+        considered: Vec::new(),
+        places: Default::default(),
         missing_probability: Default::default(),
     }
 }

@@ -15,6 +15,7 @@ use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::noise::estimate::{EstimatedNoise, fix};
 use crate::diagnosis::noise::model_error::ModelError;
 use crate::diagnosis::odds::posterior_odds::posterior_odds;
+use crate::diagnosis::places::Places;
 use crate::diagnosis::screening::screen::{FamilySummary, Lead, Screening};
 use crate::diagnosis::{Problem, Refit, Settings};
 use crate::effect::Effect;
@@ -129,6 +130,9 @@ pub struct State {
     /// Readings that are left out as faults of the data.
     #[serde(default)]
     pub left_out: Vec<LeftOut>,
+    /// Pairs of nodes that are places, where the model is too large for all.
+    #[serde(default)]
+    pub places: Places,
     /// What went wrong.
     pub warnings: Vec<String>,
 }
@@ -243,9 +247,22 @@ impl Diagnosis {
         &self.key
     }
 
-    /// The diagnosis without the readings that a state leaves out.
+    /// The diagnosis without the readings that a state leaves out, at the places that it chose.
     pub(crate) fn at(&self, state: &State) -> Cow<'_, Self> {
-        if state.left_out.is_empty() { Cow::Borrowed(self) } else { Cow::Owned(self.without(&state.left_out)) }
+        if state.left_out.is_empty() && state.places == self.problem.places {
+            return Cow::Borrowed(self);
+        }
+        let remaining = self.without(&state.left_out);
+        Cow::Owned(if state.places == self.problem.places {
+            remaining
+        } else {
+            remaining.with_places(state.places.clone())
+        })
+    }
+
+    /// The same of another problem.
+    pub(crate) fn with_problem(&self, problem: Problem) -> Self {
+        Self { problem, ..self.clone() }
     }
 
     /// Forgets a reading.
@@ -277,9 +294,10 @@ impl Diagnosis {
         if !faults.is_empty() {
             let without_faulty_readings = self.without(&faults);
             let declared = without_faulty_readings.problem.refit(&[], &begin, &self.key)?;
-            return Ok(State { left_out: faults, ..without_faulty_readings.screen_beside_noise(declared)? });
+            let placed = without_faulty_readings.at_chosen_places(&declared)?;
+            return Ok(State { left_out: faults, ..placed.screen_beside_noise(declared)? });
         }
-        self.screen_beside_noise(declared)
+        self.at_chosen_places(&declared)?.screen_beside_noise(declared)
     }
 
     /// Estimates the noise beside the baseline model as it was fitted, and screens.
@@ -331,6 +349,7 @@ impl Diagnosis {
             remainders: vec![Remainder { effects: Vec::new(), p: screening.family.p, leads: Vec::new() }],
             failed: Vec::new(),
             left_out: Vec::new(),
+            places: self.problem.places.clone(),
             warnings: Vec::new(),
         };
         // A model error is allowed for where a misfit is certain.
@@ -420,7 +439,7 @@ impl Diagnosis {
         let widths = state.refits.get(order.from).map(Refit::widths).unwrap_or_default();
         let begin = Begin { starts: starts.collect(), from_prior, scale: 1.0, widths };
         problem.refit(&order.effects, &begin, &self.key).map_err(|error| {
-            let ids = order.effects.iter().map(|&effect| self.problem.candidates[effect].id.clone());
+            let ids = order.effects.iter().map(|&effect| problem.candidates[effect].id.clone());
             Unfitted { effects: ids.collect(), reason: error.to_string() }
         })
     }

@@ -14,6 +14,7 @@ mod misspecified;
 mod noise;
 pub mod odds;
 pub mod output;
+mod places;
 pub mod problem;
 mod query;
 pub mod screening;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::diagnosis::FitError;
+use crate::diagnosis::places::Places;
 use crate::effect::{Candidate, Catalogue};
 use crate::inference::likelihood::{InputError, Likelihood, LikelihoodError};
 use crate::inference::prior::joint_prior::JointPrior;
@@ -39,6 +40,10 @@ pub struct Problem {
     pub noise_freedom: Option<f64>,
     /// Whether the model is taken to be a little wrong everywhere.
     pub is_misspecified: bool,
+    /// Names of the effects that are considered; empty: all.
+    pub considered: Vec<String>,
+    /// Pairs of nodes between which effects are sought, where the model is too large for all.
+    pub places: Places,
     /// Probabilities beforehand that kinds of effects are missing, by their names, where they are not those of all.
     pub missing_probability: BTreeMap<String, f64>,
 }

@@ -71,6 +71,17 @@ impl Diagnosis {
         state
     }
 
+    /// As [`Diagnosis::refine`]; what fails there is a warning.
+    fn refined(&self, problem: &Problem, state: &mut State, place: usize) -> Option<State> {
+        match self.refine(problem, state, place) {
+            Ok(next) => next,
+            Err(why) => {
+                state.warn(why);
+                None
+            }
+        }
+    }
+
     /// Tests what the best set leaves, and orders the sets that go on from it.
     fn search(&self, mut state: State) -> State {
         state.pending.clear();
@@ -95,6 +106,9 @@ impl Diagnosis {
                 let curves = curves.iter().filter(|lead| self.is_last_resort(lead.candidate));
                 curves.take(BESIDE).for_each(|lead| state.order(&[lead], &[], 0));
             }
+            if let Some(next) = self.refined(&problem, &mut state, place) {
+                return next;
+            }
             if place > 0 && !state.was_extended(place) {
                 let mut screened = self.screen_around(&problem, &state, place);
                 self.extend_set(&problem, &mut state, place, &mut screened);
@@ -105,6 +119,9 @@ impl Diagnosis {
         }
         let weights = posterior_odds(self.problem(), &state.refits, None);
         let Some(place) = best(&weights) else { return state };
+        if let Some(next) = self.refined(&problem, &mut state, place) {
+            return next;
+        }
         if state.was_extended(place) {
             while state.pending.is_empty() && state.aside < MOST_ASIDE {
                 let Some(place) = self.aside(&state, place) else { break };

@@ -49,18 +49,52 @@ struct Spot {
     nodes: Vec<usize>,
 }
 
-/// All candidates, in the order of the catalogue, then of the model.
+/// Nodes of a model between any two of which effects are tried. In a larger one the diagnosis chooses pairs that its sensors can
+/// tell apart.
+pub const MOST_NODES_IN_ALL_PAIRS: usize = 64;
+
+/// Whether pairs of nodes are to be chosen, since they are too many.
+pub fn chooses_pairs(model: &Model) -> bool {
+    model.nodes.len() > MOST_NODES_IN_ALL_PAIRS
+}
+
+/// All candidates, in the order of the catalogue, then of the model; of a model that [chooses its pairs](chooses_pairs) those
+/// between two nodes are not among them.
 pub fn candidates(
     model: &Model,
     groups: &[GroupPlace],
     sensors: &[SensorPlace],
     catalogue: &Catalogue,
 ) -> Vec<Candidate> {
+    let count = if chooses_pairs(model) { 0 } else { model.nodes.len() };
+    let pairs: Vec<[usize; 2]> = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b])).collect();
     let mut candidates = Vec::new();
     for effect in catalogue.effects() {
-        for spot in spots(effect, model, groups, sensors) {
+        for spot in spots(effect, model, groups, sensors, &pairs) {
             for bound in bindings(effect, model, &spot.nodes) {
                 candidates.push(candidate(effect, model, &spot, bound, sensors));
+            }
+        }
+    }
+    candidates
+}
+
+/// The candidates between the nodes of some pairs, in their order, then that of the catalogue.
+pub fn candidates_between(
+    model: &Model,
+    sensors: &[SensorPlace],
+    catalogue: &Catalogue,
+    pairs: &[[usize; 2]],
+) -> Vec<Candidate> {
+    let mut candidates = Vec::new();
+    for pair in pairs {
+        for effect in catalogue.effects().iter().filter(|effect| effect.places.contains(&PlaceKind::Pair)) {
+            for spot in spots(effect, model, &[], sensors, std::slice::from_ref(pair)) {
+                if matches!(spot.site, Site::Pair(_)) {
+                    for bound in bindings(effect, model, &spot.nodes) {
+                        candidates.push(candidate(effect, model, &spot, bound, sensors));
+                    }
+                }
             }
         }
     }
@@ -104,7 +138,13 @@ fn candidate(effect: &Effect, model: &Model, spot: &Spot, bound: Vec<Bound>, sen
     }
 }
 
-fn spots(effect: &Effect, model: &Model, groups: &[GroupPlace], sensors: &[SensorPlace]) -> Vec<Spot> {
+fn spots(
+    effect: &Effect,
+    model: &Model,
+    groups: &[GroupPlace],
+    sensors: &[SensorPlace],
+    pairs: &[[usize; 2]],
+) -> Vec<Spot> {
     let mut spots = Vec::new();
     let name = |node: usize| model.nodes[node].name.clone();
     for &kind in &effect.places {
@@ -113,15 +153,13 @@ fn spots(effect: &Effect, model: &Model, groups: &[GroupPlace], sensors: &[Senso
         };
         match kind {
             PlaceKind::Pair => {
-                for a in 0..model.nodes.len() {
-                    for b in a + 1..model.nodes.len() {
-                        let given = |node: usize| matches!(model.nodes[node].kind, NodeKind::Boundary { .. });
-                        if given(a) && given(b) {
-                            continue;
-                        }
-                        let ends = if name(a) <= name(b) { [a, b] } else { [b, a] };
-                        put(ends.map(name).to_vec(), Site::Pair(ends), ends.to_vec());
+                for &[a, b] in pairs {
+                    let given = |node: usize| matches!(model.nodes[node].kind, NodeKind::Boundary { .. });
+                    if given(a) && given(b) {
+                        continue;
                     }
+                    let ends = if name(a) <= name(b) { [a, b] } else { [b, a] };
+                    put(ends.map(name).to_vec(), Site::Pair(ends), ends.to_vec());
                 }
             }
             PlaceKind::Node | PlaceKind::Boundary | PlaceKind::Capacity => {

@@ -11,7 +11,7 @@ pub mod parameter;
 pub mod place;
 
 pub use apply::{Applied, ApplyError, Instance, SensorChange, apply};
-pub use candidate::{Candidate, GroupPlace, candidates};
+pub use candidate::{Candidate, GroupPlace, candidates, candidates_between, chooses_pairs};
 pub use catalogue::Catalogue;
 pub use checked::Effect;
 pub use parameter::EffectParameter;

@@ -9,6 +9,7 @@ mod date;
 pub mod lag;
 pub mod prediction;
 pub mod scatter;
+mod sensor_places;
 pub mod unknown;
 
 use schemars::JsonSchema;
@@ -21,6 +22,7 @@ use crate::effect::SensorChange;
 use crate::random::Distribution;
 use crate::thermal::Model;
 pub use crate::thermal::transient::{InputColumn, InputTable};
+pub use sensor_places::sensor_places;
 
 /// A number that is known, or has a prior and is inferred.
 #[derive(Clone, Debug, PartialEq, Serialize)]

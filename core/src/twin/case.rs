@@ -173,6 +173,8 @@ fn baseline(
         most_steps: Vec::new(),
         noise_freedom: None,
         is_misspecified: false,
+        considered: Vec::new(),
+        places: Default::default(),
         missing_probability: Default::default(),
     })
 }

@@ -3,7 +3,7 @@
 use crate::document::{Diagnostics, Map, MapEntry, Place, code};
 use crate::effect::{Applied, Bound, Catalogue, Effect, Instance, PlaceKind, SensorChange, SensorPlace, apply};
 use crate::expression::{Dimension, Unit};
-use crate::measurement::{Measurement, Rows};
+use crate::measurement::{Measurement, Rows, sensor_places};
 use crate::random::Distribution;
 use crate::study::folder::Folder;
 use crate::study::inherit::unnamed_file_diagnostic;
@@ -274,29 +274,6 @@ fn add_switch(scope: &mut Scope, name: &str) -> usize {
         description: format!("1 where the adopted effect {name} is there"),
     };
     scope.resolved.add_input(input, Scale { unit: Some(Unit::si(Dimension::NONE)) })
-}
-
-/// Sensors of measurements, each name with each quantity once.
-pub fn sensor_places<'m>(measurements: impl Iterator<Item = &'m Measurement>) -> Vec<SensorPlace> {
-    let mut places: Vec<SensorPlace> = Vec::new();
-    for measurement in measurements {
-        let steady = matches!(measurement.rows, Rows::Steady(_));
-        for sensor in &measurement.sensors {
-            match places.iter_mut().find(|place| place.name == sensor.name && place.quantity == sensor.quantity) {
-                Some(place) => {
-                    place.steady |= steady;
-                    place.transient |= !steady;
-                }
-                None => places.push(SensorPlace {
-                    name: sensor.name.clone(),
-                    quantity: sensor.quantity,
-                    steady,
-                    transient: !steady,
-                }),
-            }
-        }
-    }
-    places
 }
 
 /// Changes the sensors of a measurement.

@@ -47,7 +47,6 @@ use super::reader::Reader;
 use super::resolved::Pass;
 use super::{profile, rule};
 
-pub use adopt::sensor_places;
 use measurement::Outcome;
 use posterior_prior::Upstreams;
 use scope::{Scope, unit_of};
@@ -351,7 +350,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
 
 /// Groups as effects see them; sensors without a measurement are no members.
 fn group_places(groups: &[Group], measurements: &[crate::measurement::Measurement]) -> Vec<GroupPlace> {
-    let sensors = adopt::sensor_places(measurements.iter());
+    let sensors = crate::measurement::sensor_places(measurements.iter());
     let site = |group: &Group| group.members.site(&sensors);
     groups.iter().map(|group| GroupPlace { name: group.name.clone(), site: site(group) }).collect()
 }

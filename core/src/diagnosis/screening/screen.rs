@@ -292,10 +292,12 @@ impl Diagnosis {
             };
             screening.pairs.push([lead(a, amplitudes[0]), lead(b, amplitudes[1])]);
         }
-        for position in 0..problem.candidates.len() {
-            let own: Vec<usize> =
-                (0..scored.directions.len()).filter(|&d| scored.directions[d].candidate == position).collect();
-            if !own.is_empty() && own.iter().all(|&d| !scored.scores[d].seen) {
+        let mut is_seen: BTreeMap<usize, bool> = BTreeMap::new();
+        for (direction, score) in scored.directions.iter().zip(&scored.scores) {
+            *is_seen.entry(direction.candidate).or_default() |= score.seen;
+        }
+        for (position, is_seen) in is_seen {
+            if !is_seen {
                 let why = if is_prior(&problem.candidates[position]) {
                     "nothing presses the parameter out of its prior"
                 } else {
@@ -323,6 +325,23 @@ impl Diagnosis {
     pub(crate) fn likelihood(&self, problem: &Problem) -> Result<Likelihood, FitError> {
         let baseline = problem.hypothesis(&[], 1.0)?;
         baseline.likelihood(problem)
+    }
+
+    /// Of some candidates what they would explain of what a fit leaves, the best first; `refit` is that of the problem's model.
+    pub(crate) fn leads_among(
+        &self,
+        problem: &Problem,
+        refit: &Refit,
+        positions: &[usize],
+    ) -> Result<Vec<Lead>, FitError> {
+        let likelihood = self.likelihood(problem)?;
+        let linear = signature::linearise(&likelihood, &refit.unknowns)?;
+        let mut scored = Scored::new(Prepared::new(&linear));
+        signature::for_each_direction(problem, &likelihood, &refit.unknowns, positions, &mut |direction| {
+            scored.take(direction);
+        })?;
+        scored.keep(MOST_ENTRIES);
+        Ok(self.leads(problem, &scored))
     }
 
     /// The effects, best first, with starts from their best directions.
