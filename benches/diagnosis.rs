@@ -40,6 +40,8 @@ fn problem(path: &Path) -> Option<Problem> {
         most_steps: Vec::new(),
         noise_freedom: None,
         is_misspecified: false,
+        considered: Vec::new(),
+        places: Default::default(),
         missing_probability: Default::default(),
     })
 }
@@ -159,6 +161,8 @@ fn panel() -> Problem {
         most_steps: Vec::new(),
         noise_freedom: None,
         is_misspecified: false,
+        considered: Vec::new(),
+        places: Default::default(),
         missing_probability: Default::default(),
     }
 }

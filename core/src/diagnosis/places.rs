@@ -17,12 +17,18 @@ use crate::effect::{Candidate, Site, candidates, candidates_between, chooses_pai
 use crate::measurement::sensor_places;
 use crate::thermal::NodeKind;
 
-/// Clusters of nodes: 2016 pairs.
-const MOST_CLUSTERS: usize = 64;
+/// Representatives: 2016 pairs.
+const MOST_REPRESENTATIVES: usize = 64;
+/// Neighbours of a representative in shares of all nodes: its own ones and those of the representatives around it.
+const NEIGHBOURS: usize = 4;
+/// Most neighbours of a representative.
+const MOST_NEIGHBOURS: usize = 60;
 /// Boundaries that are ends of their own.
 const MOST_BOUNDARIES: usize = 8;
 /// Pairs near one that was found which become places.
 const MOST_NEAR: usize = 40;
+/// Times that pairs near one that was found are added.
+const MOST_REFINEMENTS: usize = 6;
 /// Those that are fitted at once.
 const FITTED_NEAR: usize = 8;
 /// The effect whose columns tell nodes apart: heat into one.
@@ -31,25 +37,26 @@ const HEAT: &str = "heat-load";
 /// Pairs of nodes that are places.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Places {
-    /// Nodes that the sensors see alike, the one that stands for them first.
-    pub clusters: Vec<Vec<usize>>,
+    /// Representatives, each with the nodes that the sensors see most like it, itself first.
+    pub neighbours: Vec<Vec<usize>>,
     /// Pairs between which effects are sought.
     pub pairs: Vec<[usize; 2]>,
+    /// How often pairs near one that was found were added.
+    pub refinements: usize,
 }
 
 impl Places {
-    /// The pairs between two clusters that are not places yet; none if some were added before.
+    /// Pairs near that of two representatives which are no places yet.
     fn near(&self, ends: [usize; 2]) -> Vec<[usize; 2]> {
-        let cluster = |node: usize| self.clusters.iter().find(|cluster| cluster.contains(&node));
-        let (Some(first), Some(second)) = (cluster(ends[0]), cluster(ends[1])) else { return Vec::new() };
-        let joins =
-            |[a, b]: [usize; 2]| first.contains(&a) && second.contains(&b) || first.contains(&b) && second.contains(&a);
-        let were_added = self.pairs.iter().filter(|&&pair| joins(pair)).count() > 1;
-        if were_added || std::ptr::eq(first, second) {
+        let of = |node: usize| self.neighbours.iter().find(|neighbours| neighbours[0] == node);
+        let (true, Some(first), Some(second)) = (self.refinements < MOST_REFINEMENTS, of(ends[0]), of(ends[1])) else {
             return Vec::new();
-        }
+        };
         let all = first.iter().flat_map(|&a| second.iter().map(move |&b| [a.min(b), a.max(b)]));
-        all.filter(|pair| !self.pairs.contains(pair)).collect()
+        let mut near: Vec<[usize; 2]> = all.filter(|pair| pair[0] < pair[1] && !self.pairs.contains(pair)).collect();
+        near.sort_unstable();
+        near.dedup();
+        near
     }
 }
 
@@ -83,11 +90,11 @@ impl Problem {
                 columns.push((node, direction.columns));
             }
         })?;
-        let mut clusters = clusters(&columns);
+        let mut neighbours = neighbours(&columns);
         let is_boundary = |node: &usize| matches!(self.model.nodes[*node].kind, NodeKind::Boundary { .. });
         let boundaries = (0..self.model.nodes.len()).filter(is_boundary).take(MOST_BOUNDARIES);
-        clusters.extend(boundaries.map(|node| vec![node]));
-        let first: Vec<usize> = clusters.iter().map(|cluster| cluster[0]).collect();
+        neighbours.extend(boundaries.map(|node| vec![node]));
+        let first: Vec<usize> = neighbours.iter().map(|nodes| nodes[0]).collect();
         let mut pairs = Vec::new();
         for (place, &a) in first.iter().enumerate() {
             for &b in &first[place + 1..] {
@@ -96,37 +103,36 @@ impl Problem {
                 }
             }
         }
-        Ok(Places { clusters, pairs })
+        Ok(Places { neighbours, pairs, refinements: 0 })
     }
 }
 
-/// Clusters of nodes with their columns by farthest-first traversal, beginning with the longest column.
-fn clusters(columns: &[(usize, Vec<f64>)]) -> Vec<Vec<usize>> {
+/// Representatives of nodes with their columns by farthest-first traversal, beginning with the longest column, each with its
+/// neighbours.
+fn neighbours(columns: &[(usize, Vec<f64>)]) -> Vec<Vec<usize>> {
     let square = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>();
-    let length = |column: &[f64]| column.iter().map(|x| x * x).sum::<f64>();
-    let mut nearest: Vec<(f64, usize)> = columns.iter().map(|(_, column)| (length(column), usize::MAX)).collect();
+    let mut nearest: Vec<f64> = columns.iter().map(|(_, column)| column.iter().map(|x| x * x).sum()).collect();
+    let count = (NEIGHBOURS * columns.len().div_ceil(MOST_REPRESENTATIVES) + NEIGHBOURS).min(MOST_NEIGHBOURS);
     let mut chosen: Vec<usize> = Vec::new();
-    while chosen.len() < MOST_CLUSTERS.min(columns.len()) {
-        let farther = |a: usize, b: usize| if nearest[b].0 > nearest[a].0 { b } else { a };
+    let mut all = Vec::new();
+    while chosen.len() < MOST_REPRESENTATIVES {
+        let farther = |a: usize, b: usize| if nearest[b] > nearest[a] { b } else { a };
         let Some(next) = (0..columns.len()).filter(|place| !chosen.contains(place)).reduce(farther) else { break };
+        let is_first = chosen.is_empty();
+        let mut by_distance: Vec<(f64, usize)> = Vec::with_capacity(columns.len());
         for (place, (_, column)) in columns.iter().enumerate() {
             let distance = square(column, &columns[next].1);
-            if nearest[place].1 == usize::MAX || distance < nearest[place].0 {
-                nearest[place] = (distance, chosen.len());
+            nearest[place] = if is_first { distance } else { nearest[place].min(distance) };
+            if place != next {
+                by_distance.push((distance, place));
             }
         }
-        nearest[next] = (0.0, chosen.len());
+        by_distance.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let near = by_distance.iter().take(count).map(|&(_, place)| columns[place].0);
+        all.push(std::iter::once(columns[next].0).chain(near).collect());
         chosen.push(next);
     }
-    let mut clusters: Vec<Vec<usize>> = chosen.iter().map(|&place| vec![columns[place].0]).collect();
-    for (place, (node, _)) in columns.iter().enumerate() {
-        if !chosen.contains(&place)
-            && let Some(cluster) = clusters.get_mut(nearest[place].1)
-        {
-            cluster.push(*node);
-        }
-    }
-    clusters
+    all
 }
 
 impl Diagnosis {
@@ -158,6 +164,7 @@ impl Diagnosis {
             leads.truncate(MOST_NEAR);
             let mut next = state.clone();
             next.places.pairs.extend(leads.iter().map(|(pair, _)| *pair));
+            next.places.refinements += 1;
             let refined = self.with_places(next.places.clone());
             let name = &problem.candidates[effect].effect;
             for (pair, lead) in leads.iter().take(FITTED_NEAR) {
@@ -205,7 +212,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn representatives_are_far_apart_and_stand_for_their_neighbours() {
+    fn representatives_are_far_apart_and_have_their_neighbours() {
         // Two bundles of nodes, and one node apart.
         let columns: Vec<(usize, Vec<f64>)> = (0..130)
             .map(|node| match node {
@@ -214,17 +221,22 @@ mod tests {
                 _ => (node, vec![0.0, 100.0 - 1e-3 * node as f64]),
             })
             .collect();
-        let clusters = clusters(&columns);
-        assert_eq!(clusters.len(), MOST_CLUSTERS);
-        assert!(clusters[..3].iter().any(|cluster| *cluster == [129]), "what lies apart comes early");
-        assert_eq!(clusters.iter().map(Vec::len).sum::<usize>(), 130);
-        for cluster in &clusters {
-            assert!(cluster.iter().all(|node| node % 2 == cluster[0] % 2), "bundles stay apart: {cluster:?}");
+        let all = neighbours(&columns);
+        assert_eq!(all.len(), MOST_REPRESENTATIVES);
+        assert!(all[..3].iter().any(|nodes| nodes[0] == 129), "what lies apart comes early");
+        // 130 nodes are 3 a representative: four times that and four more.
+        assert!(all.iter().all(|nodes| nodes.len() == 1 + 16));
+        for nodes in all.iter().filter(|nodes| nodes[0] != 129) {
+            assert!(nodes.iter().all(|node| node % 2 == nodes[0] % 2), "bundles stay apart: {nodes:?}");
         }
-        let places = Places { clusters: vec![vec![1, 4, 5], vec![2, 3], vec![9]], pairs: vec![[1, 2], [1, 9], [2, 9]] };
-        assert_eq!(places.near([1, 2]), [[1, 3], [2, 4], [3, 4], [2, 5], [3, 5]]);
-        assert_eq!(places.near([9, 2]), [[3, 9]]);
-        let refined = Places { pairs: [places.pairs.clone(), vec![[1, 3]]].concat(), ..places };
-        assert!(refined.near([1, 2]).is_empty(), "they were looked at");
+        let places = Places {
+            neighbours: vec![vec![1, 4], vec![2, 3, 4], vec![9]],
+            pairs: vec![[1, 2], [1, 9], [2, 9]],
+            refinements: 0,
+        };
+        assert_eq!(places.near([1, 2]), [[1, 3], [1, 4], [2, 4], [3, 4]]);
+        assert_eq!(places.near([9, 2]), [[3, 9], [4, 9]]);
+        assert!(places.near([1, 3]).is_empty(), "3 stands for itself");
+        assert!(Places { refinements: MOST_REFINEMENTS, ..places }.near([1, 2]).is_empty());
     }
 }
