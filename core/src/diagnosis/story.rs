@@ -10,6 +10,8 @@ use crate::math::sum::log_sum_exp;
 /// Log odds that are clear: by which a curve goes before a law, or a single place before a whole surface, and within which
 /// effects explain as much as one another.
 const CLEARLY: f64 = 10.0;
+/// Log odds by which a single place stands behind a whole surface that explains as much.
+const SINGLE_PLACE: f64 = 3.0;
 /// Share of the gain of a step in log odds within which effects explain as much as one another.
 const ALIKE_SHARE: f64 = 0.1;
 
@@ -135,8 +137,13 @@ impl Diagnosis {
         let chosen = chosen.cloned();
         let mut stays = exp(logs[at] - total);
         if chosen.as_ref().is_some_and(|chosen| !self.is_unknown_function(chosen.effect)) {
-            // Curves are asked only after the laws, single places after the surfaces that explain what they do.
-            chances.retain(|one| !self.is_unknown_function(one.effect) && (!before_others || is_of_group(one)));
+            // Curves are asked only after the laws. Single places stand behind the surface that goes before them, whatever they
+            // gain beyond it: errors of the model decide that.
+            chances.retain(|one| !self.is_unknown_function(one.effect));
+            let most = chosen.as_ref().map_or(0.0, |chosen| chosen.probability * exp(-SINGLE_PLACE));
+            let behind = chances.iter_mut().filter(|one| before_others && !is_of_group(one));
+            behind.for_each(|one| one.probability = (one.probability * exp(-SINGLE_PLACE)).min(most));
+            chances.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
             let rest = stays + chances.iter().map(|one| one.probability).sum::<f64>();
             chances.iter_mut().for_each(|one| one.probability /= rest);
             stays /= rest;

@@ -164,7 +164,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        18
+        19
     }
 
     fn identity(&self) -> Value {
