@@ -1,6 +1,8 @@
 """Writes a study of a spacecraft of panels that are grids of nodes, with synthetic readings of a hidden path.
 
-usage: grid.py FOLDER NODES SENSORS PHASES
+usage: grid.py FOLDER NODES SENSORS PHASES [ROWS]
+
+Steady phases; with ROWS each phase is that many rows of one transient, two minutes apart, of constant inputs.
 
 Ten parameters: contacts, emittances and powers shared by many elements, so groups follow from the model. The readings are of
 this network with parameters of its own and a strap between two nodes that the model lacks, and noise of 0.1 K.
@@ -14,6 +16,8 @@ import sys
 
 SIGMA = 5.670374419e-8
 STRAP_W_K = 0.25
+START_K = 293.15
+CAPACITY_J_K = 200.0
 
 
 def network(nodes):
@@ -93,8 +97,34 @@ def solve(nodes, links, strap, views, values, sink_k, powers):
     raise ArithmeticError("no steady state")
 
 
-def main(folder, nodes, sensors, phases):
-    nodes, sensors, phases = int(nodes), int(sensors), int(phases)
+def advance(temperature, links, strap, views, values, sink_k, powers):
+    """Temperatures two minutes later, K, by Runge and Kutta's method in steps of 20 s: well within what is stable here."""
+
+    def rates(now):
+        heat = [0.0] * len(now)
+        for node, power in powers.items():
+            heat[node] += power
+        for node, key, area in views:
+            heat[node] -= SIGMA * values[key] * area * (now[node] ** 4 - sink_k**4)
+        for a, b, size in [(a, b, values[key] * factor) for a, b, key, factor in links] + [strap]:
+            flow = size * (now[a] - now[b])
+            heat[a] -= flow
+            heat[b] += flow
+        return [one / CAPACITY_J_K for one in heat]
+
+    ahead = lambda slope, step: [one + step * other for one, other in zip(temperature, slope)]
+    for _ in range(6):
+        first = rates(temperature)
+        second = rates(ahead(first, 10.0))
+        third = rates(ahead(second, 10.0))
+        fourth = rates(ahead(third, 20.0))
+        slopes = zip(first, second, third, fourth)
+        temperature = ahead([(a + 2 * b + 2 * c + d) / 6 for a, b, c, d in slopes], 20.0)
+    return temperature
+
+
+def main(folder, nodes, sensors, phases, rows_each="0"):
+    nodes, sensors, phases, rows_each = int(nodes), int(sensors), int(phases), int(rows_each)
     draw = random.Random(nodes)
     panels, links, views = network(nodes)
     name = lambda node: f"n{node}"
@@ -118,7 +148,7 @@ def main(folder, nodes, sensors, phases):
         "inputs": {"T_sink": {"unit": "K", "nominal": 150}}
         | {f"Q_{k}": {"unit": "W", "nominal": 20} for k in range(3)},
         "parameters": {key: {k: v for k, v in entry.items() if k != "prior"} | {"prior": entry["prior"]} for key, entry in parameters.items()},
-        "nodes": {name(n): {"capacity": 200.0} for n in range(nodes)} | {"shroud": {"boundary": "T_sink"}},
+        "nodes": {name(n): {"capacity": CAPACITY_J_K} for n in range(nodes)} | {"shroud": {"boundary": "T_sink"}},
         "conductors": {
             f"c{k}": {"between": [name(a), name(b)], "conductance": f"{key}" if factor == 1 else f"{factor}*{key}"}
             for k, (a, b, key, factor) in enumerate(links)
@@ -133,23 +163,33 @@ def main(folder, nodes, sensors, phases):
     measured = sorted({(k * nodes) // sensors + (nodes // sensors) // 2 for k in range(min(sensors, nodes))})
     strap = (units[0], min(nodes - 1, units[2] + 1))
     rows = []
+    temperatures = [START_K] * nodes
     for phase in range(phases):
         sink = draw.uniform(90, 290)
         power = [draw.uniform(0, 60) for _ in range(3)]
-        exact = solve(
-            nodes, links, (*strap, STRAP_W_K), views, truth, sink,
-            {node: truth[f"f_{k}"] * power[k] for k, node in enumerate(units)},
-        )
-        rows.append([f"P{phase:02}", f"{sink:.2f}", *[f"{p:.2f}" for p in power], *[f"{exact[n] + draw.gauss(0, 0.1):.3f}" for n in measured]])
-    head = ["phase", "T_sink [K]", *[f"Q_{k} [W]" for k in range(3)], *[f"{name(n)} [K]" for n in measured]]
+        powers = {node: truth[f"f_{k}"] * power[k] for k, node in enumerate(units)}
+        network_now = (links, (*strap, STRAP_W_K), views, truth, sink, powers)
+        for row in range(rows_each):
+            readings = [f"{temperatures[n] + draw.gauss(0, 0.1):.3f}" for n in measured]
+            rows.append([str(120 * len(rows)), f"{sink:.2f}", *[f"{p:.2f}" for p in power], *readings])
+            temperatures = advance(temperatures, *network_now)
+        if not rows_each:
+            exact = solve(nodes, *network_now)
+            readings = [f"{exact[n] + draw.gauss(0, 0.1):.3f}" for n in measured]
+            rows.append([f"P{phase:02}", f"{sink:.2f}", *[f"{p:.2f}" for p in power], *readings])
+    first = "time [s]" if rows_each else "phase"
+    head = [first, "T_sink [K]", *[f"Q_{k} [W]" for k in range(3)], *[f"{name(n)} [K]" for n in measured]]
     study = pathlib.Path(folder)
     (study / "data").mkdir(parents=True, exist_ok=True)
     (study / "model.json").write_text(json.dumps(model, indent=1))
     (study / "data" / "test.csv").write_text("\n".join(",".join(row) for row in [head, *rows]) + "\n")
     sensor = lambda n: {"measures": name(n), "sigma": {"value": 0.1, "unit": "K"}}
+    test = {"file": "data/test.csv", "sensors": {name(n): sensor(n) for n in measured}}
+    if rows_each:
+        test |= {"initial": {"temperatures": {"all": {"value": START_K, "unit": "K"}}}, "hold": ["T_sink", "Q_0", "Q_1", "Q_2"]}
     study_pass = {
         "format": "bmv-pass/1", "title": f"Grid of {nodes} nodes", "parent": None, "model": "model.json", "seed": 1,
-        "measurements": {"test": {"steady": {"file": "data/test.csv", "sensors": {name(n): sensor(n) for n in measured}}}},
+        "measurements": {"test": {"transient" if rows_each else "steady": test}},
         "jobs": {
             "delivered": {"compare": {"data": ["test"]}},
             "missing": {"diagnose": {"data": ["test"]}},
