@@ -273,6 +273,9 @@ fn satellite(b: &mut Builder<'_>) {
         b.conductor([radio, stack], 0.05, 0.3);
         b.heated("Q_radio", radio, 2.0);
     }
+    if b.draw.happens(0.5) {
+        b.input("pitch", "rad", 1.5, [0.0, core::f64::consts::PI]);
+    }
 }
 
 fn boards(b: &mut Builder<'_>) {
