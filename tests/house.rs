@@ -282,7 +282,7 @@ fn a_job_kind_is_named_in_its_section_and_in_the_registry_alone() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Element kinds: type, file of its physics and of its form.
+/// Element kinds: type, and the file of its physics and its form.
 const ELEMENTS: &[(&str, &str)] = &[
     ("Conductor", "conductor.rs"),
     ("Radiation", "radiation.rs"),
@@ -311,16 +311,21 @@ fn an_element_kind_is_named_in_its_own_files_and_where_elements_are_made() {
             if !program.contains(&name) {
                 continue;
             }
-            let is_own = path.ends_with(&format!("/element/{file}"));
+            let is_own = path == format!("core/src/thermal/element/{file}");
             own += usize::from(is_own);
             if !is_own && !MAKE_ELEMENTS.iter().any(|(other, _)| path.starts_with(other)) {
                 wrong.push(format!("{path} names {name}"));
             }
         }
+        let forms = (ELEMENTS.iter()).filter(|(kind, file)| {
+            let is_named = words(program).any(|word| word == format!("{kind}Form"));
+            is_named && !["mod.rs", file].iter().any(|own| path == format!("core/src/thermal/element/{own}"))
+        });
+        wrong.extend(forms.map(|(kind, _)| format!("{path} names the form of {kind}")));
         // A pattern over several kinds is a decision that a new kind would miss.
         let arms = ELEMENTS.iter().filter(|(kind, _)| program.contains(&format!("ElementKind::{kind}(_) |")));
         wrong.extend(arms.map(|(kind, _)| format!("{path} decides by the kind {kind}")));
     }
-    assert!(own >= ELEMENTS.len(), "the test reads the sources (saw {own} forms)");
+    assert_eq!(own, ELEMENTS.len(), "each kind is resolved in its own file");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

@@ -1,18 +1,19 @@
 //! The model as written.
 
-use crate::document::{Amount, Map, PriorForm, Scalar, Spanned, WrittenUnit, written_struct};
+use crate::document::{Amount, Diagnostics, Map, PriorForm, Scalar, Spanned, WrittenUnit, written_struct};
+use crate::thermal::element::*;
 
-use super::element::*;
 use super::group::GroupForm;
 use super::quantity::QuantityOrName;
+use super::resolve::ResolvedModel;
 use super::tabulated::TabulatedForm;
 
 /// The format's name in the file.
 pub const FORMAT: &str = "bmv-network/1";
 
-/// Declares the model's form with a field for each kind of element.
+/// Declares the model's form with a field for each kind of element, and how all elements are resolved.
 macro_rules! model_form {
-    ($( $(#[doc = $doc:literal])* $field:ident: $form:ident in $module:ident, )*) => {
+    ($( $(#[doc = $doc:literal])* $field:ident: $kind:ident, $form:ident in $module:ident, )*) => {
         written_struct! {
             /// A thermal network, or an algebraic model without nodes.
             pub struct ModelForm: "a model" {
@@ -44,10 +45,17 @@ macro_rules! model_form {
                 default(Map::default()) quantities: Map<QuantityOrName>,
             }
         }
+
+        impl ModelForm {
+            /// Resolves all elements into the model, in the order of the fields.
+            pub(super) fn resolve_elements(&self, model: &mut ResolvedModel, diagnostics: &mut Diagnostics) {
+                $( model.resolve_elements(&self.$field, diagnostics); )*
+            }
+        }
     };
 }
 
-element_kinds!(model_form);
+bmv_core::element_kinds!(model_form);
 
 written_struct! {
     /// An input: a boundary temperature, a dissipation, an environment.

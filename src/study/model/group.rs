@@ -6,6 +6,7 @@ use crate::effect::{SensorPlace, Site};
 
 use super::name;
 use super::resolve::ResolvedModel;
+use crate::thermal::element::Lookup;
 
 written_choice! {
     /// Members that share physics: one effect with one parameter applies to all.

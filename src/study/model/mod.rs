@@ -1,6 +1,5 @@
 //! `model.json`, format `bmv-network/1`: as written, and resolved to SI, indices and parsed expressions.
 
-pub mod element;
 pub mod form;
 pub mod group;
 mod implied_groups;

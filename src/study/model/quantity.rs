@@ -1,10 +1,11 @@
 //! Quantities: what is asked of a model.
 
-use crate::document::formula::{Expected, Formulas};
+use crate::document::formula::Expected;
 use crate::document::{
     Diagnostic, Diagnostics, Map, NameOr, Place, Sense, Spanned, WrittenUnit, code, written_choice, written_struct,
 };
 use crate::expression::{Dependence, Dimension, ExprId};
+use crate::thermal::element::Lookup;
 use crate::thermal::{Quantity, QuantityValue};
 
 use super::name;
@@ -331,12 +332,5 @@ pub(super) fn resolve_all(form: &Map<QuantityOrName>, model: &mut ResolvedModel,
         };
         model.quantity_dimensions.push(dimension);
         model.model.quantities.push(Quantity { name: entry.name.clone(), unit, is_temperature: absolute, value });
-    }
-}
-
-impl ResolvedModel {
-    /// The graph with the model's names, for more expressions.
-    pub fn formulas(&mut self) -> Formulas<'_> {
-        Formulas { graph: &mut self.model.graph, names: &self.names }
     }
 }

@@ -5,14 +5,13 @@ use std::collections::{BTreeMap, HashMap};
 use crate::document::formula::Expected;
 use crate::document::prior::{Prior, support};
 use crate::document::{
-    Amount, Diagnostic, Diagnostics, MapEntry, Place, Sense, Source, Span, Spanned, WrittenUnit, code,
+    Amount, Diagnostic, Diagnostics, Formulas, Map, MapEntry, Place, Sense, Source, Span, Spanned, WrittenUnit, code,
 };
 use crate::expression::{Dependence, Dimension, Names, Symbol, Table, Unit};
 use crate::random::Distribution;
-use crate::thermal::element::{Contribution, Element, Switch};
+use crate::thermal::element::{Contribution, Element, ElementForm, Lookup, Switch};
 use crate::thermal::{Input, Limits, Model, Node, NodeKind, Parameter};
 
-use super::element;
 use super::form::{InputForm, LimitsForm, ModelForm, NodeForm, ParameterForm, TableForm};
 use super::group::{self, Group};
 use super::implied_groups;
@@ -112,6 +111,24 @@ pub struct ResolvedModel {
     elements: BTreeMap<String, Vec<usize>>,
 }
 
+impl Lookup for ResolvedModel {
+    fn find_node(&self, name: &str, place: &Place, diagnostics: &mut Diagnostics) -> Option<usize> {
+        let node_index = self.node(name);
+        if node_index.is_none() {
+            name::unknown("node", name, place, self.nodes.keys().map(String::as_str), diagnostics);
+        }
+        node_index
+    }
+
+    fn formulas(&mut self) -> Formulas<'_> {
+        Formulas { graph: &mut self.model.graph, names: &self.names }
+    }
+
+    fn note(&mut self, kind: &'static str, name: &str, what: &'static str, place: &Place) {
+        self.places.note(kind, name, what, place);
+    }
+}
+
 impl ResolvedModel {
     /// Index of a node.
     pub fn node(&self, name: &str) -> Option<usize> {
@@ -133,13 +150,15 @@ impl ResolvedModel {
         self.model.quantities.iter().position(|q| q.name == name)
     }
 
-    /// Index of a node; an unknown one is reported at `place`.
-    pub fn find_node(&self, name: &str, place: &Place, diagnostics: &mut Diagnostics) -> Option<usize> {
-        let node_index = self.node(name);
-        if node_index.is_none() {
-            name::unknown("node", name, place, self.nodes.keys().map(String::as_str), diagnostics);
+    /// Resolves the elements of a kind into the model.
+    pub(super) fn resolve_elements<T: ElementForm>(&mut self, forms: &Map<T>, diagnostics: &mut Diagnostics) {
+        name::check_labels(forms, diagnostics);
+        for entry in forms {
+            let name = Spanned { value: entry.name.clone(), place: entry.name_place.clone() };
+            if let Some(kind) = entry.value.resolve(&name, self, diagnostics) {
+                self.model.elements.push(Element { name: name.value, kind });
+            }
         }
-        node_index
     }
 
     /// Index of an element of a kind, by the kind's word, or of any; an unknown one, or two of one name, are reported at
@@ -274,7 +293,7 @@ pub fn resolve(form: &ModelForm, diagnostics: &mut Diagnostics) -> Option<Resolv
     for (index, entry) in form.nodes.iter().enumerate() {
         model.resolve_node(index, entry, diagnostics);
     }
-    element::resolve_all(form, &mut model, diagnostics);
+    form.resolve_elements(&mut model, diagnostics);
     for (index, element) in model.model.elements.iter().enumerate() {
         model.elements.entry(element.name.clone()).or_default().push(index);
     }

@@ -3,9 +3,12 @@
 
 use serde_json::{Value, json};
 
-use crate::expression::{ExprId, Graph, Symbol, Unary};
+use crate::document::formula::Expected;
+use crate::document::{Diagnostics, Scalar, Spanned, written_struct};
+use crate::expression::{Dimension, ExprId, Graph, Symbol, Unary};
 
-use super::{At, Contribution, Description, Drawing, Law, Path, Physics, Switch, arrows, law};
+use super::form::{ElementForm, Lookup, path};
+use super::{At, Contribution, Description, Drawing, ElementKind, Law, Path, Physics, Switch, arrows, law};
 
 /// A linear conductor between two nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,5 +90,34 @@ pub(super) fn between(graph: &mut Graph, [a, b]: [usize; 2], heat: ExprId, balan
         balance_scale: vec![(a, balance_scale), (b, balance_scale)],
         through: Some(heat),
         ..Contribution::default()
+    }
+}
+
+const CONDUCTANCE: Expected = Expected::value(Dimension::CONDUCTANCE, "a conductance");
+
+written_struct! {
+    /// A linear conductor.
+    pub struct ConductorForm: "a conductor" {
+        /// The two nodes.
+        required between: [Spanned<String>; 2],
+        /// Conductance, W/K; may depend on `Ta`, `Tb`, `Tm`.
+        required conductance: Scalar,
+        /// Description, for the report.
+        optional description: String,
+        /// Where the value comes from.
+        optional source: String,
+    }
+}
+
+impl ElementForm for ConductorForm {
+    fn resolve(
+        &self,
+        name: &Spanned<String>,
+        model: &mut dyn Lookup,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<ElementKind> {
+        model.note("conductor", &name.value, law::CONDUCTANCE, self.conductance.place());
+        let (between, conductance) = path(model, &self.between, &self.conductance, CONDUCTANCE, diagnostics)?;
+        Some(ElementKind::Conductor(Conductor { between, conductance }))
     }
 }

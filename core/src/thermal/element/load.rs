@@ -2,9 +2,12 @@
 
 use serde_json::{Value, json};
 
-use crate::expression::{Dependence, ExprId, Graph, Unary};
+use crate::document::formula::Expected;
+use crate::document::{Diagnostics, Scalar, Spanned, written_struct};
+use crate::expression::{Dependence, Dimension, ExprId, Graph, Unary};
 
-use super::{Contribution, Description, Drawing, Physics, Source, Switch};
+use super::form::{ElementForm, Lookup};
+use super::{Contribution, Description, Drawing, ElementKind, Physics, Source, Switch};
 
 /// A heat load.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,3 +59,32 @@ impl Physics for Load {
     }
 }
 
+const POWER: Expected = Expected::value(Dimension::POWER, "a power");
+
+written_struct! {
+    /// Heat into a node.
+    pub struct LoadForm: "a load" {
+        /// The node.
+        required into: Spanned<String>,
+        /// Power, W; may depend on the node's `T`.
+        required power: Scalar,
+        /// Description, for the report.
+        optional description: String,
+        /// Where the value comes from.
+        optional source: String,
+    }
+}
+
+impl ElementForm for LoadForm {
+    fn resolve(
+        &self,
+        _name: &Spanned<String>,
+        model: &mut dyn Lookup,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<ElementKind> {
+        let into = model.find_node(&self.into.value, &self.into.place, diagnostics)?;
+        let locals = [("T", model.formulas().node(into))];
+        let power = model.formulas().scalar(&self.power, POWER, &locals, diagnostics)?;
+        Some(ElementKind::Load(Load { into, power }))
+    }
+}

@@ -1,8 +1,9 @@
 //! Elements of the network, a kind a file. An element says, as expressions, what heat flows into which node;
-//! the network adds them up, differentiates and compiles them. A new kind is a file here, which answers [`Physics`], and a
-//! line in the list below.
+//! the network adds them up, differentiates and compiles them. A new kind is a file here, which answers [`Physics`] and
+//! [`ElementForm`] (how it is written in a model's file), and an entry in the list below.
 
 pub mod drawing;
+pub mod form;
 pub mod law;
 
 use serde_json::{Value, json};
@@ -11,6 +12,7 @@ use crate::expression::{ExprId, Graph};
 
 pub use cooler::Drive;
 pub use drawing::{Drawing, Path, Source};
+pub use form::{ElementForm, Lookup};
 pub use heater::{HeaterControl, Switch};
 pub use law::Law;
 
@@ -100,10 +102,33 @@ pub(super) fn arrows(nodes: &[usize], name: &dyn Fn(usize) -> String) -> String 
     nodes.iter().map(|&node| name(node)).collect::<Vec<_>>().join(" \u{2192} ")
 }
 
+/// Hands the kinds to another macro, each with the field of a model's form, its type, its form and its module. The
+/// documentation describes the field in the schema.
+#[macro_export]
+macro_rules! element_kinds {
+    ($use_them:ident) => {
+        $use_them! {
+            /// Linear conductors: heat a to b = conductance (Ta - Tb).
+            conductors: Conductor, ConductorForm in conductor,
+            /// Radiative exchange: heat a to b = sigma exchange_area (Ta^4 - Tb^4).
+            radiations: Radiation, RadiationForm in radiation,
+            /// Heat into nodes.
+            loads: Load, LoadForm in load,
+            /// Any heat flow between two nodes.
+            flows: Flow, FlowForm in flow,
+            /// Thermoelectric coolers.
+            coolers: Cooler, CoolerForm in cooler,
+            /// Controlled heaters.
+            heaters: Heater, HeaterForm in heater,
+        }
+    };
+}
+pub use element_kinds;
+
 /// Declares the kinds: a module each, a variant, an arm.
-macro_rules! elements {
-    ($( #[doc = $doc:literal] $kind:ident in $module:ident ),* $(,)?) => {
-        $( pub mod $module; pub use $module::$kind; )*
+macro_rules! declare {
+    ($( #[doc = $doc:literal] $field:ident: $kind:ident, $form:ident in $module:ident, )*) => {
+        $( pub mod $module; pub use $module::{$form, $kind}; )*
 
         /// The kinds of element.
         #[derive(Clone, Debug, PartialEq)]
@@ -125,20 +150,7 @@ macro_rules! elements {
     };
 }
 
-elements! {
-    /// Linear conductor.
-    Conductor in conductor,
-    /// Radiative exchange.
-    Radiation in radiation,
-    /// Heat into a node.
-    Load in load,
-    /// Any heat flow between two nodes.
-    Flow in flow,
-    /// Thermoelectric cooler.
-    Cooler in cooler,
-    /// Controlled heater.
-    Heater in heater,
-}
+element_kinds!(declare);
 
 /// An element with its name.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,12 +3,13 @@
 
 use serde_json::{Value, json};
 
-use crate::expression::{ExprId, Graph, Unary};
+use crate::document::formula::Expected;
+use crate::document::{Diagnostics, Scalar, Spanned, written_struct};
+use crate::expression::{Dimension, ExprId, Graph, Unary};
 
 use super::conductor::{between, temperature};
-use super::{
-    At, Contribution, Description, Drawing, Law, Path, Physics, STEFAN_BOLTZMANN, Switch, arrows, law,
-};
+use super::form::{ElementForm, Lookup, path};
+use super::{At, Contribution, Description, Drawing, ElementKind, Law, Path, Physics, STEFAN_BOLTZMANN, Switch, arrows, law};
 use crate::thermal::size::AT_K;
 
 /// Radiative exchange between two nodes.
@@ -85,3 +86,31 @@ impl Physics for Radiation {
     }
 }
 
+const EXCHANGE_AREA: Expected = Expected::value(Dimension::AREA, "an exchange area");
+
+written_struct! {
+    /// Radiative exchange.
+    pub struct RadiationForm: "a radiation" {
+        /// The two nodes.
+        required between: [Spanned<String>; 2],
+        /// Area x emittance x exchange factor, m2; sigma not included.
+        required exchange_area: Scalar,
+        /// Description, for the report.
+        optional description: String,
+        /// Where the value comes from.
+        optional source: String,
+    }
+}
+
+impl ElementForm for RadiationForm {
+    fn resolve(
+        &self,
+        name: &Spanned<String>,
+        model: &mut dyn Lookup,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<ElementKind> {
+        model.note("radiation", &name.value, law::EXCHANGE_AREA, self.exchange_area.place());
+        let (between, exchange_area) = path(model, &self.between, &self.exchange_area, EXCHANGE_AREA, diagnostics)?;
+        Some(ElementKind::Radiation(Radiation { between, exchange_area }))
+    }
+}
