@@ -79,6 +79,12 @@ pub fn solve_lower_transposed(factor: &[f64], x: &mut [f64]) {
     }
 }
 
+/// Solves `A x = b` in place, from the factor of `A`.
+pub fn solve(factor: &[f64], x: &mut [f64]) {
+    solve_lower(factor, x);
+    solve_lower_transposed(factor, x);
+}
+
 /// `ln det A` from the factor.
 pub fn log_determinant(factor: &[f64], n: usize) -> f64 {
     (0..n).map(|i| 2.0 * ln(factor[i * n + i])).sum()
@@ -91,8 +97,7 @@ pub fn inverse(factor: &[f64], n: usize) -> Vec<f64> {
     for j in 0..n {
         column.fill(0.0);
         column[j] = 1.0;
-        solve_lower(factor, &mut column);
-        solve_lower_transposed(factor, &mut column);
+        solve(factor, &mut column);
         for i in 0..n {
             inverse[i * n + j] = column[i];
         }

@@ -15,6 +15,15 @@ pub struct SingularError {
     pub pivot: f64,
 }
 
+/// An n x n matrix of its elements (i, j).
+pub fn square(n: usize, mut element: impl FnMut(usize, usize) -> f64) -> Vec<f64> {
+    let mut matrix = Vec::with_capacity(n * n);
+    for i in 0..n {
+        matrix.extend((0..n).map(|j| element(i, j)));
+    }
+    matrix
+}
+
 /// Replaces an n x n matrix by its factors; `pivots` (length n, which sets n) takes the row exchanged with row k at step k.
 ///
 /// The strict lower triangle then holds `L` (unit diagonal left out), the rest `U`. Cost: 2 n^3 / 3 operations.

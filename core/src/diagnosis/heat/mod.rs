@@ -11,12 +11,11 @@ pub(crate) mod effect_heat_flow;
 mod relations;
 mod sources;
 
-use nalgebra::{DMatrix, DVector};
-
 use crate::diagnosis::fits::evidence::{Amplitude, Evidence};
 use crate::diagnosis::output::{GoesWith, Heat};
 use crate::diagnosis::{Problem, Refit};
-use crate::math::dense::dot_of_columns as dot;
+use crate::math::cholesky;
+use crate::math::dense::{dot_of_columns as dot, square};
 use crate::math::functions::ln;
 use crate::watch;
 use relations::relations;
@@ -116,24 +115,26 @@ fn solve(state: &State, chosen: &Needed) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>
         .chain(chosen.iter().map(|&(place, _)| state.columns[place].as_slice()))
         .collect();
     let first = free.len();
-    let mut matrix = DMatrix::from_fn(columns.len(), columns.len(), |a, b| dot(columns[a], columns[b]));
+    let k = columns.len();
+    let mut factor = square(k, |a, b| dot(columns[a], columns[b]));
     for (position, &i) in free.iter().enumerate() {
         // What the data do not see stays where it is.
         let width = linear.upper[i] - linear.lower[i];
-        matrix[(position, position)] += if width.is_finite() { 1e-6 / (width * width) } else { 0.0 };
+        factor[position * k + position] += if width.is_finite() { 1e-6 / (width * width) } else { 0.0 };
     }
     for (position, (_, sd)) in chosen.iter().enumerate() {
-        matrix[(first + position, first + position)] += 1.0 / (sd * sd);
+        factor[(first + position) * k + first + position] += 1.0 / (sd * sd);
     }
-    let right = DVector::from_fn(columns.len(), |a, _| dot(columns[a], &linear.residuals));
-    let factor = matrix.cholesky()?;
-    let (mean, covariance) = (factor.solve(&right), factor.inverse());
+    cholesky::factor(&mut factor, k).ok()?;
+    let mut mean: Vec<f64> = columns.iter().map(|column| dot(column, &linear.residuals)).collect();
+    cholesky::solve(&factor, &mut mean);
+    let covariance = cholesky::inverse(&factor, k);
     let mut step = vec![0.0; n];
     for (position, &i) in free.iter().enumerate() {
         step[i] = mean[position].max(linear.lower[i]).min(linear.upper[i]);
     }
     let heat: Vec<f64> = (0..chosen.len()).map(|k| mean[first + k]).collect();
-    let sds = (0..chosen.len()).map(|k| covariance[(first + k, first + k)].max(0.0).sqrt()).collect();
+    let sds = (0..chosen.len()).map(|source| covariance[(first + source) * (k + 1)].max(0.0).sqrt()).collect();
     Some((step, heat, sds))
 }
 

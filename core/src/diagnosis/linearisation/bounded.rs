@@ -144,8 +144,7 @@ impl State<'_> {
             (0..k).for_each(|i| factor[i * k + i] += ridge);
             ridge *= 10.0;
         }
-        cholesky::solve_lower(&factor, &mut step);
-        cholesky::solve_lower_transposed(&factor, &mut step);
+        cholesky::solve(&factor, &mut step);
         Some(free.iter().zip(&scale).zip(&step).map(|((&i, s), step)| self.x[i] + s * step).collect())
     }
 }

@@ -8,6 +8,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::math::cholesky;
+use crate::math::dense::square;
+
 /// An objective. Evaluations answer `None` where there is no value; such steps are shortened.
 pub trait Objective {
     /// Number of variables.
@@ -232,13 +235,13 @@ fn damped_step(
         right -= r.tr_solve_upper_triangular(&pull)?;
     }
     let solution = r.solve_upper_triangular(&right)?;
-    let step = cut(&solution, free, scale, x, bounds);
+    let step = cut(solution.as_slice(), free, scale, x, bounds);
     let model = at.predicted(&step);
     (step.iter().all(|s| s.is_finite()) && model > 0.0).then_some((step, model))
 }
 
 /// A step of the scaled free variables as one of all variables, cut at the bounds.
-fn cut(solution: &DVector<f64>, free: &[usize], scale: &[f64], x: &[f64], bounds: &Bounds) -> Vec<f64> {
+fn cut(solution: &[f64], free: &[usize], scale: &[f64], x: &[f64], bounds: &Bounds) -> Vec<f64> {
     let mut step = vec![0.0; x.len()];
     for (column, &i) in free.iter().enumerate() {
         let wanted = x[i] + solution[column] / scale[i];
@@ -286,12 +289,12 @@ impl Bend {
             let square: f64 = at.jacobian.chunks_exact(n).map(|row| row[i] * row[j]).sum();
             (square + self.matrix[(i, j)]) / (scale[i] * scale[j])
         };
-        let mut curvature = DMatrix::from_fn(free.len(), free.len(), |a, b| scaled(free[a], free[b]));
-        for place in 0..free.len() {
-            curvature[(place, place)] += damping;
-        }
-        let downhill = DVector::from_fn(free.len(), |row, _| -at.gradient[free[row]] / scale[free[row]]);
-        let step = cut(&curvature.cholesky()?.solve(&downhill), free, scale, x, bounds);
+        let k = free.len();
+        let mut curvature = square(k, |a, b| scaled(free[a], free[b]) + if a == b { damping } else { 0.0 });
+        let mut step: Vec<f64> = free.iter().map(|&i| -at.gradient[i] / scale[i]).collect();
+        cholesky::factor(&mut curvature, k).ok()?;
+        cholesky::solve(&curvature, &mut step);
+        let step = cut(&step, free, scale, x, bounds);
         let model = at.predicted(&step) - 0.5 * self.along(&step);
         (step.iter().all(|s| s.is_finite()) && model > 0.0).then_some((step, model))
     }
@@ -344,9 +347,12 @@ fn polish<O: Objective>(
         let free = free_variables(&x, &at.gradient, bounds);
         let Some(hessian) = hessian(objective, &x, bounds) else { break };
         let n = x.len();
-        let free_hessian = DMatrix::from_fn(free.len(), free.len(), |i, j| hessian[free[i] * n + free[j]]);
-        let Some(factor) = free_hessian.cholesky() else { break };
-        let step = factor.solve(&DVector::from_fn(free.len(), |i, _| -at.gradient[free[i]]));
+        let mut factor = square(free.len(), |i, j| hessian[free[i] * n + free[j]]);
+        if cholesky::factor(&mut factor, free.len()).is_err() {
+            break;
+        }
+        let mut step: Vec<f64> = free.iter().map(|&i| -at.gradient[i]).collect();
+        cholesky::solve(&factor, &mut step);
         let mut improved = false;
         let mut share = 1.0;
         for _ in 0..8 {

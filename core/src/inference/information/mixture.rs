@@ -43,8 +43,7 @@ impl Mixture {
             }
         }
         cholesky::factor(&mut factor, n)?;
-        cholesky::solve_lower(&factor, &mut mean);
-        cholesky::solve_lower_transposed(&factor, &mut mean);
+        cholesky::solve(&factor, &mut mean);
         let half_log_determinant = 0.5 * cholesky::log_determinant(&factor, n);
         Ok(Self { mean, factor, half_log_determinant })
     }

@@ -81,8 +81,7 @@ impl Transport {
             }
             cholesky::factor(&mut matrix, place).ok()?;
             let mut slopes: Vec<f64> = before.iter().map(|&i| correlation(i, j)).collect();
-            cholesky::solve_lower(&matrix, &mut slopes);
-            cholesky::solve_lower_transposed(&matrix, &mut slopes);
+            cholesky::solve(&matrix, &mut slopes);
             for (&i, slope) in before.iter().zip(&slopes) {
                 factors[j * n + i] = slope * sd[j] / (sd[i] * images[j].slope);
             }

@@ -156,8 +156,7 @@ fn find_mode<T: Target>(
     for _ in 0..100 {
         let factor = damped_factor(evaluator, &at, &gradient);
         let mut step = gradient.clone();
-        cholesky::solve_lower(&factor, &mut step);
-        cholesky::solve_lower_transposed(&factor, &mut step);
+        cholesky::solve(&factor, &mut step);
         let length = step.iter().map(|s| s * s).sum::<f64>().sqrt();
         let mut share = if length > LONGEST { LONGEST / length } else { 1.0 };
         let mut gained = 0.0;
