@@ -29,6 +29,7 @@ mod signature;
 mod solar_monitor;
 mod solar_monitor_flight;
 mod steady;
+mod thermometers;
 mod threshold_diagnosis;
 mod transient;
 mod windows;

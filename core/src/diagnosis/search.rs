@@ -21,6 +21,8 @@ const MOST_ROUNDS: u32 = 8;
 const MOST_ASIDE: u32 = 6;
 /// Single effects from which sets are sought that the best one does not lead to.
 const MOST_SEEDS: usize = 3;
+/// Most effects of a set of which all parts are fitted.
+const MOST_PARTED: usize = 4;
 /// Exchanges of channels that are fitted beside a set that is extended.
 const EXCHANGES_BESIDE: usize = 2;
 
@@ -109,6 +111,7 @@ impl Diagnosis {
             if let Some(next) = self.refined(&problem, &mut state, place) {
                 return next;
             }
+            self.order_parts(&mut state, place);
             if place > 0 && !state.was_extended(place) {
                 let mut screened = self.screen_around(&problem, &state, place);
                 self.extend_set(&problem, &mut state, place, &mut screened);
@@ -265,6 +268,22 @@ impl Diagnosis {
             };
             for candidate in (0..candidates.len()).filter(is_like).take(BESIDE) {
                 state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &rest, place);
+            }
+        }
+    }
+
+    /// Orders the parts of a set, and of the most probable one of laws, that were not fitted: which effect explains most is
+    /// seen only where each stands alone too.
+    fn order_parts(&self, state: &mut State, place: usize) {
+        let logs = log_weights(self.problem(), &state.refits);
+        let is_of_laws = |&place: &usize| !state.refits[place].effects.iter().any(|&one| self.is_unknown_function(one));
+        let likeliest = (0..logs.len()).filter(is_of_laws).reduce(|a, b| if logs[b] > logs[a] { b } else { a });
+        for whole in [Some(place), likeliest].into_iter().flatten() {
+            let effects = state.refits[whole].effects.clone();
+            for chosen in 1..(1_u64 << effects.len().min(MOST_PARTED)) - 1 {
+                let is_in = |position: &usize| chosen >> position & 1 == 1;
+                let part: Vec<usize> = (0..effects.len()).filter(is_in).map(|position| effects[position]).collect();
+                state.order(&[], &part, whole);
             }
         }
     }

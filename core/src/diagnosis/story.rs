@@ -14,6 +14,8 @@ const CLEARLY: f64 = 10.0;
 const SINGLE_PLACE: f64 = 3.0;
 /// Share of the gain of a step in log odds within which effects explain as much as one another.
 const ALIKE_SHARE: f64 = 0.1;
+/// Share of the largest gain of a member below which a member is a minor one, which gives way to any that explains more.
+const MINOR_SHARE: f64 = 0.2;
 
 /// What may be added at a step.
 #[derive(Clone, Debug)]
@@ -96,7 +98,50 @@ impl Diagnosis {
                 at = better;
             }
         }
-        story
+        self.largest_first(state, &logs, story)
+    }
+
+    /// The same sets in the order of what their effects explain: the one that explains most comes first. A law of a whole
+    /// surface goes before single places that explain clearly more only.
+    fn largest_first(&self, state: &State, logs: &[f64], story: Story) -> Story {
+        let end = story.end();
+        let weight = |at: usize, place: usize| {
+            let own = &state.refits[at].effects;
+            let is_of_group = |one: &&usize| !own.contains(*one) && self.problem().candidates[**one].is_group();
+            logs[place] + if state.refits[place].effects.iter().any(|one| is_of_group(&one)) { CLEARLY } else { 0.0 }
+        };
+        let mut sets = vec![0];
+        while let Some(&at) = sets.last().filter(|&&at| at != end) {
+            let next = self.on_the_way(state, at, end).filter(|&place| logs[place].is_finite());
+            let Some(next) = next.reduce(|a, b| if weight(at, b) > weight(at, a) { b } else { a }) else {
+                return story;
+            };
+            sets.push(next);
+        }
+        if sets == story.sets {
+            return story;
+        }
+        let mut ordered = self.along(state, logs, sets, end);
+        ordered.steps.extend(story.steps.into_iter().filter(|step| step.chosen.is_none()));
+        ordered
+    }
+
+    /// Positions of the sets with one effect more than one, all of them effects of another.
+    fn on_the_way<'a>(&self, state: &'a State, at: usize, end: usize) -> impl Iterator<Item = usize> + 'a {
+        let (own, all) = (&state.refits[at].effects, &state.refits[end].effects);
+        let is_next = move |effects: &[usize]| {
+            effects.len() == own.len() + 1
+                && own.iter().all(|one| effects.contains(one))
+                && effects.iter().all(|one| all.contains(one))
+        };
+        (0..state.refits.len()).filter(move |&place| is_next(&state.refits[place].effects))
+    }
+
+    /// What a set gains by a member, in log odds; without end where the set without it was not fitted.
+    fn gain_of(&self, state: &State, logs: &[f64], set: usize, member: usize) -> f64 {
+        let rest = state.refits[set].effects.iter().filter(|&&one| one != member);
+        let without = state.refits.iter().position(|refit| refit.effects.iter().eq(rest.clone()));
+        without.map_or(f64::INFINITY, |without| logs[set] - logs[without])
     }
 
     /// What may be added to a set.
@@ -120,7 +165,7 @@ impl Diagnosis {
         chances.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
         let pays = |one: &&Chance| logs[one.place] > logs[at] && !rises(own, &state.refits[one.place]);
         let is_curve = |one: &&Chance| self.is_unknown_function(one.effect);
-        let is_of_group = |one: &Chance| self.problem().candidates[one.effect].where_kind == "group";
+        let is_of_group = |one: &Chance| self.problem().candidates[one.effect].is_group();
         let law = chances.iter().filter(pays).find(|one| !is_curve(one));
         let of_one_input = |one: &&Chance| is_curve(one) && self.problem().candidates[one.effect].bound.len() == 1;
         let curve = chances.iter().filter(pays).find(of_one_input);
@@ -151,20 +196,25 @@ impl Diagnosis {
         Step { before: at, chosen: chosen.map(|one| one.place), stays, chances }
     }
 
-    /// The most probable set of the story's size that is more probable than its end, with another effect in the place of an earlier one which
-    /// explained as much as that one when it was added; and the step of that one.
+    /// The most probable set of the story's size that is more probable than its end, with another effect in the place of an
+    /// earlier one, and the step of that one. The other explained as much when that one was added, or that one is a minor
+    /// member beside what was added since.
     fn exchange(&self, state: &State, logs: &[f64], story: &Story) -> Option<(usize, usize)> {
         let end = *story.sets.last()?;
         let members = &state.refits[end].effects;
+        let gains: Vec<f64> = members.iter().map(|&member| self.gain_of(state, logs, end, member)).collect();
+        let largest = gains.iter().copied().filter(|gain| gain.is_finite()).fold(0.0, f64::max);
+        let is_minor = |member: usize| {
+            members.iter().zip(&gains).any(|(&one, gain)| one == member && *gain < MINOR_SHARE * largest)
+        };
         let mut best: Option<(usize, usize)> = None;
         for (number, step) in story.steps.iter().enumerate().take(story.steps.len().saturating_sub(1)) {
             let chosen = step.chosen?;
             let gain = logs[chosen] - logs[step.before];
             let member =
                 state.refits[chosen].effects.iter().find(|one| !state.refits[step.before].effects.contains(one))?;
-            for other in
-                step.chances.iter().filter(|one| logs[chosen] - logs[one.place] < CLEARLY.max(ALIKE_SHARE * gain))
-            {
+            let is_alike = |one: &&Chance| logs[chosen] - logs[one.place] < CLEARLY.max(ALIKE_SHARE * gain);
+            for other in step.chances.iter().filter(|one| is_alike(one) || is_minor(*member)) {
                 let before = &state.refits[step.before].effects;
                 let is_other = |&place: &usize| {
                     let effects = &state.refits[place].effects;
@@ -190,14 +240,7 @@ impl Diagnosis {
         while let Some(&at) = sets.last()
             && state.refits[at].effects.len() < state.refits[end].effects.len()
         {
-            let own = &state.refits[at].effects;
-            let is_on_the_way = |place: &usize| {
-                let effects = &state.refits[*place].effects;
-                effects.len() == own.len() + 1
-                    && own.iter().all(|one| effects.contains(one))
-                    && effects.iter().all(|one| state.refits[end].effects.contains(one))
-            };
-            let next = (0..logs.len()).filter(is_on_the_way).reduce(|a, b| if logs[b] > logs[a] { b } else { a });
+            let next = self.on_the_way(state, at, end).reduce(|a, b| if logs[b] > logs[a] { b } else { a });
             sets.push(next.unwrap_or(end));
         }
         let step = |pair: &[usize]| {

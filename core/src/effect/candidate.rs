@@ -40,6 +40,13 @@ pub struct Candidate {
     pub transient: bool,
 }
 
+impl Candidate {
+    /// Whether it acts on a group.
+    pub fn is_group(&self) -> bool {
+        self.where_kind == "group"
+    }
+}
+
 /// A place before what its inputs stand for is chosen.
 struct Spot {
     kind: &'static str,

@@ -2,7 +2,7 @@
 
 pub mod form;
 pub mod group;
-mod implied_groups;
+pub(in crate::study) mod implied_groups;
 pub mod quantity;
 pub mod resolve;
 pub mod tabulated;

@@ -2,6 +2,7 @@
 
 use crate::document::{MapEntry, NameOr, OneOrMany, Spanned, code, suggest};
 use crate::effect::{Bound, Effect, PlaceKind, SensorPlace, Site};
+use crate::study::model::implied_groups::thermometers;
 use crate::study::pass::adopt::{EffectUse, GroupForm};
 use crate::thermal::NodeKind;
 
@@ -181,13 +182,14 @@ fn find(
 }
 
 fn group_place(scope: &mut Scope, effect: &Effect, group: &Spanned<String>, sensors: &[SensorPlace]) -> Option<Placed> {
-    let Some(chosen_group) = scope.resolved.groups.iter().find(|declared| declared.name == group.value).cloned() else {
+    let declared = scope.resolved.groups.iter().find(|declared| declared.name == group.value);
+    let implied = || thermometers(&scope.resolved, sensors).filter(|implied| implied.name == group.value);
+    let Some(site) = declared.map(|group| group.members.site(sensors)).or_else(|| Some(implied()?.site)) else {
         let group_names: Vec<String> = scope.resolved.groups.iter().map(|group| group.name.clone()).collect();
         let group_names: Vec<&str> = group_names.iter().map(String::as_str).collect();
         scope.unknown(&code::UNKNOWN_NAME, "group", &group.value, &group.place, &group_names);
         return None;
     };
-    let site = chosen_group.members.site(sensors);
     let empty = matches!(&site, Site::Sensors(sensors) if sensors.is_empty());
     if empty || !effect.fits_group(&scope.resolved.model, &site) {
         let message = format!("`{}` does not act on the group `{}`", effect.name, group.value);

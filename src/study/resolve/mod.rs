@@ -38,6 +38,7 @@ use crate::thermal::Quantity;
 use super::folder::{Folder, FolderError};
 use super::inherit::{Lineage, folder_diagnostic_at, lineage};
 use super::job::Kinds;
+use super::model::implied_groups::thermometers;
 use super::model::name::check_label;
 use super::model::{self, Group, QuantityForm, QuantityOrName, ResolvedModel};
 use super::pass::measurement::MeasurementForm;
@@ -311,7 +312,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
         }
     }
     let definition_sha256 = definition(files, own_files);
-    let groups = group_places(&scope.resolved.groups, &measurements);
+    let groups = group_places(&scope.resolved, &measurements);
     let ResolvedModel { mut model, reconstructed, input_errors, .. } = scope.resolved;
     model.keeps_signs = true;
     Some(Pass {
@@ -349,10 +350,10 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
 }
 
 /// Groups as effects see them; sensors without a measurement are no members.
-fn group_places(groups: &[Group], measurements: &[crate::measurement::Measurement]) -> Vec<GroupPlace> {
+fn group_places(model: &ResolvedModel, measurements: &[crate::measurement::Measurement]) -> Vec<GroupPlace> {
     let sensors = crate::measurement::sensor_places(measurements.iter());
-    let site = |group: &Group| group.members.site(&sensors);
-    groups.iter().map(|group| GroupPlace { name: group.name.clone(), site: site(group) }).collect()
+    let place = |group: &Group| GroupPlace { name: group.name.clone(), site: group.members.site(&sensors) };
+    model.groups.iter().map(place).chain(thermometers(model, &sensors)).collect()
 }
 
 fn seed(scope: &mut Scope, written: Option<&Spanned<u64>>) -> u64 {
