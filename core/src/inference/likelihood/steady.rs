@@ -244,7 +244,7 @@ impl SteadyPart {
                     Some(covariance) => self.decorrelate(phase, covariance, unknowns, memory, wanted)?,
                 }
                 if let Wanted::Gradient(gradient) = wanted {
-                    self.posterior_odds(phase, memory, &mut lanes, lane, gradient);
+                    self.add_gradient_weights(phase, memory, &mut lanes, lane, gradient);
                 }
             }
             if let Wanted::Gradient(gradient) = wanted {
@@ -339,8 +339,8 @@ impl SteadyPart {
         }
     }
 
-    /// Weights of the readings in the gradient, `w = W' r` of the whitening `W`: the gradient is `sum w d(f + bias)`.
-    fn posterior_odds(
+    /// Adds the weights of the readings in the gradient, `w = W' r` of the whitening `W`: the gradient is `sum w d(f + bias)`.
+    fn add_gradient_weights(
         &self,
         phase: &Phase,
         memory: &mut Memory,
