@@ -25,8 +25,8 @@ impl Equations {
         for (element, law, register) in &self.laws {
             let value = file[register.index()].lane(lane);
             if law.is_broken_by(value) {
-                let Law { what, unit, .. } = *law;
-                return Err(SteadyError::Sign { element: element.clone(), what, unit, value });
+                let Law { what, unit, above_zero, .. } = *law;
+                return Err(SteadyError::Sign { element: element.clone(), what, unit, value, above_zero });
             }
         }
         Ok(())

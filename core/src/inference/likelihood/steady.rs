@@ -302,6 +302,7 @@ impl SteadyPart {
             SteadyError::Singular { .. } => "is not determined by the balances",
             SteadyError::Boundary { .. } => "has a boundary below 0 K",
             SteadyError::Band { .. } => "has a heater whose band is not above 0",
+            SteadyError::Sign { above_zero: true, .. } => "has a conductance, resistance or number that is not above 0",
             SteadyError::Sign { .. } => "has a conductance, exchange area or resistance below 0",
         };
         Rejected::new(format!("the steady state of phase `{}` of `{}` {why}", phase.name, self.name))
