@@ -193,9 +193,9 @@ fn check(problem: &Problem, own: &Own, direction: &Direction, step: f64, toleran
     }
 }
 
-fn reason<'u>(problem: &Problem, unseen: &'u [Unseen], id: &str) -> &'u str {
+fn reason(problem: &Problem, unseen: &[Unseen], id: &str) -> String {
     let position = problem.candidates.iter().position(|candidate| candidate.id == id).expect("there");
-    &unseen.iter().find(|one| one.candidate == position).expect("unseen").reason
+    unseen.iter().find(|one| one.candidate == position).expect("unseen").reason.to_string()
 }
 
 /// Every candidate is seen or said to be unseen, and every smooth direction is the slope of its own likelihood. A

@@ -124,7 +124,7 @@ pub struct State {
     pub pending: Vec<Order>,
     /// What sets leave.
     pub remainders: Vec<Remainder>,
-    /// Effects that cannot be fitted alone, and why.
+    /// Effects that cannot be fitted alone, and why; the state is stored, so reasons are texts here.
     #[serde(default)]
     pub failed: Vec<(usize, String)>,
     /// Readings that are left out as faults of the data.
@@ -157,7 +157,7 @@ impl State {
                 }
                 Err(why) => {
                     if let [effect] = order.effects[..] {
-                        self.failed.push((effect, why.to_string()));
+                        self.failed.push((effect, why.reason.clone()));
                     }
                     self.warn(why);
                 }
@@ -369,7 +369,8 @@ impl Diagnosis {
                     for candidate in exchange_search.likeliest {
                         state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &[], 0);
                     }
-                    state.failed.extend(exchange_search.impossible);
+                    let impossible = exchange_search.impossible.into_iter();
+                    state.failed.extend(impossible.map(|(candidate, why)| (candidate, why.to_string())));
                 }
                 Err(why) => state.warn(why),
             }

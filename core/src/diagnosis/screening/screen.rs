@@ -272,7 +272,7 @@ impl Diagnosis {
             pairs: Vec::new(),
             pairs_screened: 0,
             family: FamilySummary { p, tests },
-            unseen: unseen.into_iter().map(|one| (one.candidate, one.reason)).collect(),
+            unseen: unseen.into_iter().map(|one| (one.candidate, one.reason.to_string())).collect(),
             detectable: Vec::new(),
         };
         let singles = scored.directions.iter().filter(|direction| direction.amplitudes() == 1).count() as u64;

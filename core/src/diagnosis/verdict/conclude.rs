@@ -674,8 +674,7 @@ fn unseen(findings: &Findings<'_>) -> Vec<Unseen> {
     for (effect, why) in findings.state.failed.iter().filter(|(effect, _)| !is_fitted(effect)) {
         let id = findings.id(*effect);
         if !list.iter().any(|known| known.id == id) {
-            let own = why.strip_prefix(id).and_then(|rest| rest.strip_prefix(": ")).unwrap_or(why);
-            list.push(unseen_effect(*effect, format!("it cannot be fitted: {own}")));
+            list.push(unseen_effect(*effect, format!("it cannot be fitted: {why}")));
         }
     }
     list

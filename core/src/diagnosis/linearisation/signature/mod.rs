@@ -37,12 +37,12 @@ const MOST_ENTRIES: usize = 1 << 22;
 const MOST_TOGETHER: usize = 2000;
 
 /// A candidate that has no direction.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Unseen {
     /// Position in the problem's list.
     pub candidate: usize,
     /// Why, such as `steady phases do not see heat capacities`.
-    pub reason: String,
+    pub reason: FitError,
 }
 
 /// Whitened residuals and their slopes at given unknowns (SI, of this likelihood).
@@ -160,7 +160,7 @@ pub fn for_each_direction(
             };
             match candidate_directions {
                 Ok(candidate_directions) => candidate_directions.into_iter().for_each(&mut *give),
-                Err(error) => unseen.push(Unseen { candidate: position, reason: error.to_string() }),
+                Err(reason) => unseen.push(Unseen { candidate: position, reason }),
             }
         }
     }
