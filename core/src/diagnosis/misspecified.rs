@@ -184,7 +184,7 @@ impl Diagnosis {
         let is_wanted = |&place: &usize| {
             let group = &candidates[place];
             let is_dated = self.problem().catalogue.get(&group.effect).is_some_and(Effect::depends_on_date);
-            group.where_kind == "group" && inputs(place) < 2 && !is_dated && !self.is_unknown_function(place)
+            group.is_group() && inputs(place) < 2 && !is_dated && !self.is_unknown_function(place)
         };
         let mut wanted: Vec<usize> = (0..candidates.len()).filter(is_wanted).collect();
         wanted.sort_by_key(|&place| inputs(place));

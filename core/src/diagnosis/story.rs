@@ -120,7 +120,7 @@ impl Diagnosis {
         chances.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
         let pays = |one: &&Chance| logs[one.place] > logs[at] && !rises(own, &state.refits[one.place]);
         let is_curve = |one: &&Chance| self.is_unknown_function(one.effect);
-        let is_of_group = |one: &Chance| self.problem().candidates[one.effect].where_kind == "group";
+        let is_of_group = |one: &Chance| self.problem().candidates[one.effect].is_group();
         let law = chances.iter().filter(pays).find(|one| !is_curve(one));
         let of_one_input = |one: &&Chance| is_curve(one) && self.problem().candidates[one.effect].bound.len() == 1;
         let curve = chances.iter().filter(pays).find(of_one_input);

@@ -15,7 +15,7 @@ use crate::diagnosis::output::{EffectFile, EffectResult};
 use crate::diagnosis::verdict::conclude::{Findings, amounts, watts};
 use crate::diagnosis::{Problem, Refit};
 use crate::document::Diagnostics;
-use crate::effect::law::{LawFile, laws};
+use crate::effect::law::{LawFile, SCALE, laws};
 use crate::effect::{Bound, Candidate};
 
 /// Values of a law's `scale` from which its fit begins.
@@ -88,14 +88,13 @@ impl Diagnosis {
             let position = problem.candidates.len();
             let effects: Vec<usize> =
                 curve_refit.effects.iter().map(|&own| if own == curve { position } else { own }).collect();
-            let scale = format!("{id}.scale");
+            let scale = format!("{id}.{SCALE}");
             let starts = SCALES.iter().map(|&value| {
                 let mut start = curve_refit.by_name();
                 start.insert(scale.clone(), value);
                 start
             });
-            let has_scale = law.text.contains("\"scale\"");
-            let starts = starts.take(if has_scale { SCALES.len() } else { 1 }).collect();
+            let starts = starts.take(if law.has_scale { SCALES.len() } else { 1 }).collect();
             let begin = Begin { starts, from_prior: 0, scale: 1.0, widths: curve_refit.widths() };
             let refit = with_law.refit(&effects, &begin, self.key()).ok()?;
             let is_usable = refit.log_evidence.is_finite() && !refit.does_nothing(position);

@@ -89,7 +89,7 @@ impl Findings<'_> {
             let name = &self.problem.candidates[effect].effect;
             self.problem.catalogue.get(name).is_some_and(crate::effect::Effect::is_unknown_function)
         };
-        let is_of_group = |effect: usize| self.problem.candidates[effect].where_kind == "group";
+        let is_of_group = |effect: usize| self.problem.candidates[effect].is_group();
         let mut found: Vec<Alternative> = Vec::new();
         let mut best = f64::NEG_INFINITY;
         for size in large.len().max(1)..=members.len() + 1 {
