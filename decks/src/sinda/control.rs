@@ -55,7 +55,7 @@ impl Control {
                 }
             }
         }
-        let mut note = |message: String| notes.push(Note { place: None, message });
+        let mut note = |message: String| notes.push(Note::new(message));
         let first = blocks.first().map_or("", |block| block.file);
         control.zero_k = match (constants.get("ABSZRO"), temperature) {
             (Some(&zero), _) if (zero - FAHRENHEIT_ZERO).abs() < 0.5 => {

@@ -264,6 +264,6 @@ impl<'a> Assembly<'a> {
     /// Adds a sentence at the component's line.
     pub fn note(&mut self, component: &Component<'_>, message: impl Into<String>) {
         let place = component.line.map(|line| format!("{}:{line}", self.specification.file));
-        self.deck.notes.push(Note { place, message: message.into() });
+        self.deck.notes.push(Note { place, ..Note::new(message) });
     }
 }

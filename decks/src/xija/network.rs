@@ -189,7 +189,7 @@ pub fn merge_opposite(deck: &mut Deck, taus_ks: &mut Vec<Option<f64>>) {
                 let (name, dropped) = (&other.name, &coupling.name);
                 let message =
                     format!("{name} and {dropped} are equal and opposite: one conductance of both, called {name}");
-                deck.notes.push(Note { place: None, message });
+                deck.notes.push(Note::new(message));
             }
             _ => {
                 if coupling.kind == CouplingKind::OneWay {

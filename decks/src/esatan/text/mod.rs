@@ -170,7 +170,7 @@ impl Model {
         }
         let (kept, unused): (Vec<_>, Vec<_>) =
             self.parameters.into_iter().partition(|parameter| used.contains(parameter.name.as_str()));
-        let mut note = |message: String| deck.notes.push(Note { place: None, message });
+        let mut note = |message: String| deck.notes.push(Note::new(message));
         if !unused.is_empty() {
             let names: Vec<&str> = unused.iter().take(10).map(|parameter| parameter.name.as_str()).collect();
             let more = if unused.len() > names.len() { ", ..." } else { "" };
