@@ -326,9 +326,6 @@ fn the_linear_problem_is_that_of_the_fit() {
     assert_eq!(linear.lower[conductance], f64::NEG_INFINITY);
     assert!((linear.upper[sigma] - libm::log(1.0 / at[sigma])).abs() < 1e-12);
     assert_eq!((linear.rows, linear.readings), (likelihood.residual_count() + 2, likelihood.residual_count()));
-    let noise = likelihood.noise_unknowns();
-    assert_eq!(noise.iter().filter(|own| **own).count(), 1);
-    assert!(noise[sigma]);
     let evaluate = |at: &[f64]| {
         let mut residuals = vec![0.0; linear.readings];
         likelihood.residuals(at, &mut likelihood.workspace(), &mut residuals).unwrap();

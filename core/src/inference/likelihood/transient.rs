@@ -217,10 +217,6 @@ impl TransientPart {
             _ => self.rejected(&error),
         })
     }
-    /// Its sensors.
-    pub fn sensors(&self) -> &[SensorPart] {
-        &self.sensors
-    }
 
     /// Appends the whitening of each sensor.
     pub fn whitening(&self, blocks: &mut Vec<Block>) {

@@ -48,7 +48,7 @@ pub struct Unseen {
 /// Whitened residuals and their slopes at given unknowns (SI, of this likelihood).
 ///
 /// The Jacobian is that of the predictions, so that a step `d` leaves `r - J d`; an unknown of the noise has a column as
-/// any other ([`Likelihood::noise_unknowns`] tells which these are). The bounds are those of a step; exactly 0 for what
+/// any other. The bounds are those of a step; exactly 0 for what
 /// stands at its bound.
 ///
 /// # Errors
