@@ -142,7 +142,7 @@ fn poisoned(mut sample: Sample) -> Sample {
             for test in &mut output.misfit.tests {
                 test.at = name();
             }
-            if let Some(experiment) = &mut output.separating_experiment {
+            if let Some(experiment) = &mut output.discriminating_experiment {
                 experiment.between = vec![name(), name()];
                 experiment.conditions =
                     experiment.conditions.values().map(|setting| (name(), setting.clone())).collect();

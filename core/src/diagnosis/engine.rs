@@ -55,7 +55,7 @@ pub struct Diagnosis {
 
 /// A set of effects to be fitted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Order {
+pub struct FitRequest {
     /// Positions of the effects, ascending.
     pub effects: Vec<usize>,
     /// Starts of the effects' parameters by name, SI.
@@ -121,7 +121,7 @@ pub struct State {
     /// Fits; the first is the baseline model's.
     pub refits: Vec<Refit>,
     /// Sets to be fitted.
-    pub pending: Vec<Order>,
+    pub pending: Vec<FitRequest>,
     /// What sets leave.
     pub remainders: Vec<Remainder>,
     /// Effects that cannot be fitted alone, and why; the state is stored, so reasons are texts here.
@@ -168,7 +168,7 @@ impl State {
     /// Orders a set once more where it was fitted, with a fit of a larger set as its start.
     pub(crate) fn order_again(&mut self, effects: Vec<usize>, from: usize) {
         if !self.pending.iter().any(|order| order.effects == effects) {
-            self.pending.push(Order { effects, starts: vec![BTreeMap::new()], from });
+            self.pending.push(FitRequest { effects, starts: vec![BTreeMap::new()], from });
         }
     }
 
@@ -215,7 +215,7 @@ impl State {
             starts = longer;
         }
         starts.truncate(4);
-        self.pending.push(Order { effects, starts, from });
+        self.pending.push(FitRequest { effects, starts, from });
     }
 }
 
@@ -419,7 +419,7 @@ impl Diagnosis {
     }
 
     /// The sets to be fitted now; none: it is time to conclude.
-    pub fn orders(&self, state: &State) -> Vec<Order> {
+    pub fn orders(&self, state: &State) -> Vec<FitRequest> {
         state.pending.clone()
     }
 
@@ -427,7 +427,7 @@ impl Diagnosis {
     ///
     /// # Errors
     /// Why it cannot be fitted.
-    pub fn refit(&self, state: &State, order: &Order) -> Result<Refit, Unfitted> {
+    pub fn refit(&self, state: &State, order: &FitRequest) -> Result<Refit, Unfitted> {
         let problem = self.at(state).with_noise(&state.noise, &state.most_steps);
         let base = state.refits.get(order.from).map(Refit::by_name).unwrap_or_default();
         let starts = order.starts.iter().map(|order_start| {
@@ -476,7 +476,7 @@ impl Diagnosis {
         next.warnings.clone_from(&state.warnings);
         next.failed.clone_from(&state.failed);
         for refit in &state.refits[1..] {
-            let order = Order { effects: refit.effects.clone(), starts: vec![refit.by_name()], from: 0 };
+            let order = FitRequest { effects: refit.effects.clone(), starts: vec![refit.by_name()], from: 0 };
             if !next.is_known(&order.effects) {
                 next.pending.push(order);
             }

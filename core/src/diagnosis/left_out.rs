@@ -6,9 +6,9 @@
 //! reading is a fault where a set of effects explains all but a few readings, and these
 //! not at all.
 
-use crate::diagnosis::engine::{Diagnosis, Order, State};
+use crate::diagnosis::engine::{Diagnosis, FitRequest, State};
 use crate::diagnosis::fits::refit::Begin;
-use crate::diagnosis::odds::posterior_odds::log_weights;
+use crate::diagnosis::odds::posterior_odds::log_posterior_weights;
 use crate::diagnosis::{FitError, Problem, Refit};
 use crate::document::code::OUTLYING;
 use crate::document::counted;
@@ -269,7 +269,7 @@ impl Diagnosis {
             return Ok(None);
         }
         let problem = self.with_noise(&state.noise, &state.most_steps);
-        let logs = log_weights(&problem, &state.refits);
+        let logs = log_posterior_weights(&problem, &state.refits);
         let cost = |one: &LeftOut| COSTS + ln(problem.measurements[one.measurement].sensors[one.sensor].total_sd());
         let is_seen = |one: &&LeftOut| !problem.measurements[one.measurement].held_out(one.row);
         let mut with_faults: Vec<(f64, Vec<LeftOut>, usize)> = (0..state.refits.len())
@@ -299,7 +299,7 @@ impl Diagnosis {
             else {
                 continue;
             };
-            let log = log_weights(&problem, std::slice::from_ref(&refit))[0];
+            let log = log_posterior_weights(&problem, std::slice::from_ref(&refit))[0];
             if log - faults.iter().filter(is_seen).map(cost).sum::<f64>() <= without_faults {
                 continue;
             }
@@ -308,7 +308,7 @@ impl Diagnosis {
             next.left_out.sort_by_key(|one| (one.measurement, one.sensor, one.row));
             next.warnings.clone_from(&state.warnings);
             if !effects.is_empty() && !next.is_known(effects) {
-                next.pending.push(Order { effects: effects.clone(), starts: vec![refit.by_name()], from: 0 });
+                next.pending.push(FitRequest { effects: effects.clone(), starts: vec![refit.by_name()], from: 0 });
             }
             return Ok(Some(next));
         }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::diagnosis::engine::{Diagnosis, Remainder, SINGLES, State};
 use crate::diagnosis::fits::exchange::exchanges;
 use crate::diagnosis::misspecified::is_unstated;
-use crate::diagnosis::odds::posterior_odds::{best, log_weights, posterior_odds};
+use crate::diagnosis::odds::posterior_odds::{best, log_posterior_weights, posterior_odds};
 use crate::diagnosis::screening::screen::{Lead, Screening};
 use crate::diagnosis::{FitError, Problem};
 
@@ -198,7 +198,7 @@ impl Diagnosis {
     /// explain most at places of their own, while they are smaller.
     fn aside(&self, state: &State, leader: usize) -> Option<usize> {
         let leading = &state.refits[leader].effects;
-        let logs = log_weights(self.problem(), &state.refits);
+        let logs = log_posterior_weights(self.problem(), &state.refits);
         let is_named = |effects: &[usize]| !effects.iter().any(|&effect| self.is_unknown_function(effect));
         let effects = |place: usize| state.refits[place].effects.as_slice();
         let best_of = |allowed: &dyn Fn(&[usize]) -> bool| {

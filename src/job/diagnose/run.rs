@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::diagnosis::output::PriorOfDraws;
-use crate::diagnosis::{Diagnosis, Order, Output, Problem, Refit, Settings, State, Unfitted};
+use crate::diagnosis::{Diagnosis, FitRequest, Output, Problem, Refit, Settings, State, Unfitted};
 use crate::job::{Done, Job, JobError, Parts, Step};
 use crate::random::StreamKey;
 use crate::study::posterior_prior::PosteriorPrior;
@@ -138,7 +138,7 @@ impl Diagnose {
                 inputs: vec![Vec::new()],
             };
         }
-        let inputs = orders.chunks(BLOCK).map(<[Order]>::to_vec).collect();
+        let inputs = orders.chunks(BLOCK).map(<[FitRequest]>::to_vec).collect();
         Step::Blocks { stage: format!("{REFIT} {}", state.rounds), state: Known::Refit(state), inputs }
     }
 }
@@ -155,7 +155,7 @@ pub(super) fn failed(reason: impl std::fmt::Display) -> JobError {
 impl Job for Diagnose {
     type State = Known;
     /// Sets to fit; none in the other stages.
-    type Input = Vec<Order>;
+    type Input = Vec<FitRequest>;
     type Partial = Partial;
     type Output = Output;
 
@@ -200,7 +200,7 @@ impl Job for Diagnose {
         Ok(Step::Blocks { stage: SCREEN.to_owned(), state: Known::Nothing, inputs: vec![Vec::new()] })
     }
 
-    fn block(&self, known: &Known, orders: Vec<Order>, _parts: &dyn Parts) -> Result<Partial, JobError> {
+    fn block(&self, known: &Known, orders: Vec<FitRequest>, _parts: &dyn Parts) -> Result<Partial, JobError> {
         Ok(match known {
             Known::Nothing => Partial::State(Box::new(quietly(|| self.diagnosis.screen()).map_err(failed)?)),
             Known::Refit(state) => {

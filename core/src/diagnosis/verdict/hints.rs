@@ -5,7 +5,7 @@
 //! Laws are compared, not data: heats, capacities, boundaries and readings with and without the effect are evaluated at a
 //! few states of the inputs and temperatures, and are of one law where their ratio (or difference) is the same at all.
 
-use crate::diagnosis::odds::prior_of::is_prior;
+use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::{Problem, Refit};
 use crate::effect::Site;
 use crate::expression::{ExprId, Symbol, Unit};

@@ -1,16 +1,16 @@
 //! From an unknown function to physics: laws that describe the curve of a selected effect within its error.
 //!
-//! Each law is fitted to the data in the curve's place. Laws go before curves at the odds that [`posterior_odds`] gives
-//! them beforehand, so that a law describes the curve where its log evidence lags by no more than that.
+//! Each law is fitted to the data in the curve's place. Laws go before curves at the odds that [`prior_odds`] gives them,
+//! so that a law describes the curve where its log evidence lags by no more than that.
 //!
-//! [`posterior_odds`]: crate::diagnosis::odds::posterior_odds
+//! [`prior_odds`]: crate::diagnosis::odds::prior_odds
 
 use std::sync::Arc;
 
 use crate::diagnosis::engine::Diagnosis;
 use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::heat::effect_heat_flow::effect_heat_flow;
-use crate::diagnosis::odds::posterior_odds::{CURVE_COST, Odds};
+use crate::diagnosis::odds::prior_odds::{CURVE_COST, PriorOdds};
 use crate::diagnosis::output::{EffectFile, EffectResult};
 use crate::diagnosis::verdict::conclude::{Findings, amounts, watts};
 use crate::diagnosis::{Problem, Refit};
@@ -58,7 +58,7 @@ impl Diagnosis {
             Begin { starts: vec![best.refit.by_name()], from_prior: 0, scale: 1.0, widths: best.refit.widths() };
         let alone = if small.is_empty() { None } else { best.problem.refit(&kept, &begin, self.key()).ok() };
         let Some(alone) = alone else { return Vec::new() };
-        let odds = Odds::new(&best.problem);
+        let odds = PriorOdds::new(&best.problem);
         let weight = |refit: &Refit| refit.log_evidence + odds.of(&best.problem, &refit.effects);
         if weight(&alone) < weight(&best.refit) {
             return Vec::new();

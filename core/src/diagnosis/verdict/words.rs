@@ -1,7 +1,7 @@
 //! The verdict in sentences.
 
 use crate::diagnosis::output::{
-    Amount, EffectResult, OneThing, Output, RISES, SeparatingExperiment, StoryStep, Verdict,
+    Amount, DiscriminatingExperiment, EffectResult, OneThing, Output, RISES, StoryStep, Verdict,
 };
 use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::verdict::conclude::Findings;
@@ -275,7 +275,7 @@ fn model_error(output: &Output) -> Option<String> {
 }
 
 /// That a proposed phase goes far beyond all readings so far.
-fn beyond_what_was_measured(experiment: &SeparatingExperiment, problem: &Problem) -> Option<String> {
+fn beyond_what_was_measured(experiment: &DiscriminatingExperiment, problem: &Problem) -> Option<String> {
     let kelvin = |measurement: &Measurement, sensor: usize| {
         problem.model.quantities[measurement.sensors[sensor].quantity].is_temperature
     };
@@ -455,7 +455,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             ));
         }
         words.extend(output.one_thing.as_ref().map(OneThing::in_words));
-        if let Some(experiment) = &output.separating_experiment {
+        if let Some(experiment) = &output.discriminating_experiment {
             words.push(format!(
                 "A steady phase at the conditions stated below would tell {} apart with probability {}; repeating the best old phase with {}.",
                 joined(&experiment.between),
