@@ -192,7 +192,9 @@ impl Diagnosis {
             warnings.extend(still::warnings(&problem, baseline));
         }
         if finds && missing.is_none() {
-            warnings.push("heat whatever its cause could not be weighed beside the effects: the network is too large or not solved so".to_owned());
+            warnings.push("heat of unknown origin could not be compared with the effects: the network is too large, or it has no solution with \
+                 such heat"
+                    .to_owned());
         }
         let story = state.is_misspecified().then(|| self.story(state));
         let mut findings = Findings {

@@ -6,7 +6,7 @@ use crate::diagnosis::output::{
 use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::verdict::conclude::Findings;
 use crate::diagnosis::{PRIOR_OF, Problem};
-use crate::document::{counted, p_stated, percent};
+use crate::document::{counted, p_stated, percent, upper};
 use crate::effect::Effect;
 use crate::expression::Unit;
 use crate::measurement::{Measurement, Rows};
@@ -180,13 +180,13 @@ fn joined(names: &[String]) -> String {
 impl OneThing {
     /// That no phase parts the sets, in a sentence.
     pub fn in_words(&self) -> String {
-        format!("N{}.", &self.clause()[1..])
+        format!("{}.", upper(&self.clause()))
     }
 
     /// The same, to follow a semicolon.
     pub fn clause(&self) -> String {
         format!(
-            "no steady phase within the stated ranges tells {} apart: the best would do so with probability {}, repeating an old one with {}, guessing with 50 %",
+            "no steady phase within the stated ranges reliably tells {} apart: the best one does so with probability {}, a repeated one with {}, guessing with 50 %",
             joined(&self.sets),
             percent(self.probability),
             percent(self.repeat_probability)
@@ -267,7 +267,7 @@ fn model_error(output: &Output) -> Option<String> {
         None => "",
     };
     Some(format!(
-        "The model is a little wrong everywhere: beside what is found it owes {} K (standard deviation), while the instruments' noise is {} K. Such errors are alike in readings that follow one another, so that a reading counts as one with a noise of {} K.{part}",
+        "The model is a little wrong everywhere: beside what is found, a model error of {} K (standard deviation) remains, while the instruments' noise is {} K. Such errors are alike in readings that follow one another, so that a reading counts as one with a noise of {} K.{part}",
         short(worst.0, 2),
         short(worst.1, 2),
         short(worst.2, 2)
@@ -352,7 +352,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             });
             if findings.doubted {
                 words.push(format!(
-                    "A test finds something, but nothing that could have made it is likely enough: that nothing is missing keeps a probability of {}. More data, or stated noise, would decide it.",
+                    "The tests find a misfit, but no effect is probable enough to explain it: that nothing is missing keeps a probability of {}. More data, or stated noise, would decide it.",
                     percent(output.probability_nothing)
                 ));
             }
