@@ -95,8 +95,8 @@ pub fn passes(
     if wrong.is_empty() { Ok(loaded) } else { Err(BatchError::Rendered(wrong.join("\n"))) }
 }
 
-/// Loads the passes found under these paths, and the jobs of other passes of their studies that their jobs need. A job
-/// that cannot be made keeps none but those from running that build on it.
+/// Loads the passes found under these paths, and the jobs of other passes of their studies that their jobs need. Where
+/// a job cannot be made, only those that build on it do not run either.
 ///
 /// # Errors
 /// What is wrong with the files, rendered at its place.

@@ -50,8 +50,9 @@ const MOST_OF_STEADY: f64 = 0.04;
 const COSTS: f64 = 11.512_925_464_970_229;
 /// Sets that are fitted without their faults.
 const MOST_REFITTED: usize = 4;
-/// Fewest readings of a stretch of one value, and times the length that nine of ten such stretches of the channel stay below.
+/// Fewest readings of a stretch of one value that is taken for frozen.
 const LEAST_RUN: f64 = 8.0;
+/// Times that such a stretch is longer than nine of ten stretches of the channel.
 const LONGER_RUN: f64 = 4.0;
 /// The model moves meanwhile by this many typical changes of its error and steps of the channel.
 const MOVES: f64 = 8.0;
@@ -61,7 +62,7 @@ const STUCK: f64 = 1e5;
 const FINE: f64 = 0.1;
 /// Most readings of a sensor, as a share, that are taken for those of a frozen channel.
 const MOST_FROZEN: f64 = 0.5;
-/// Ratio of a robust to a standard deviation (median absolute deviation of a normal variable).
+/// Standard deviation of a normal variable in its median absolute deviations.
 const MEDIAN_TO_SD: f64 = 1.482_602_218_505_602;
 
 /// The median; `None` of nothing.

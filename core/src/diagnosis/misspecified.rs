@@ -103,11 +103,11 @@ fn beside(problem: &Problem, readings: &[FittedReading], refit: &Refit, instrume
     Beside { place: 0, log_weight: log, sds, determined: other_noise::determined(&refit.directions, times) }
 }
 
-/// What is estimated beside one set.
+/// A set with the model errors that are most likely beside it.
 struct Beside {
     /// Position of the set.
     place: usize,
-    /// Log posterior weight of the set with it.
+    /// Log posterior weight of the set with them; of [`beside`] the log evidence alone.
     log_weight: f64,
     /// Standard deviations of the model error, SI, by measurement.
     sds: Vec<f64>,

@@ -1,7 +1,4 @@
-//! Which physics the model is missing: the diagnosis (`crate::diagnosis`) as stages of blocks.
-//!
-//! Stages: `screen` (one block), then rounds of `refit N` (sets of effects, some a block) and `extend N` (one block),
-//! then `conclude` (one block).
+//! The diagnosis as a job: what it is asked, what its stages know, and its blocks.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};

@@ -105,9 +105,9 @@ pub struct Met {
     pub probability: Probability,
     /// Required probability.
     pub required: f64,
-    /// The limit, SI, for people.
+    /// What the quantity must stay below, SI.
     pub below: Option<f64>,
-    /// The limit, SI, for people.
+    /// What the quantity must stay above, SI.
     pub above: Option<f64>,
     /// Unit of the limit.
     pub unit: String,

@@ -16,7 +16,7 @@ pub use form::{ElementForm, Lookup};
 pub use heater::{HeaterControl, Switch};
 pub use sign::SignConstraint;
 
-/// Stefan-Boltzmann constant, W/(m2 K4) (CODATA 2018, exact).
+/// Stefan-Boltzmann constant, W/(m2 K4) (CODATA 2018, to ten digits).
 pub const STEFAN_BOLTZMANN: f64 = 5.670374419e-8;
 
 /// Evaluates an expression at nominal parameters and inputs, all nodes at one temperature, one of them warmer by 1 K.
@@ -195,7 +195,7 @@ impl Element {
         json!({"name": self.name, "element": {physics.kind(): physics.identity(number)}})
     }
 
-    /// All its nodes.
+    /// The nodes that it joins or heats, not one that its controller only senses.
     pub fn nodes(&self) -> Vec<usize> {
         let physics = self.physics();
         physics.joined().iter().copied().chain(physics.heated()).collect()
