@@ -10,9 +10,6 @@ use super::component::Component;
 use super::specification::{Entry, Specification};
 use super::{NODE_CAPACITY_J_PER_K, earth, electronics, heater, network, solar};
 
-/// 0 degC in K.
-pub const CELSIUS_ZERO_K: f64 = 273.15;
-
 /// Names that expressions give a meaning.
 const RESERVED: &[&str] = &[
     "exp",

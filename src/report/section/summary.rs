@@ -10,6 +10,7 @@ use crate::job::{calibrate, compare, conventional, diagnose, predict, propagate}
 use crate::report::number::{self, Shown, fixed, signed};
 use crate::report::page::{Block, Figure, Section, Statement, Status, Text, Tone};
 use crate::report::view::PassReport;
+use crate::study::requirement::ALL;
 
 use super::{Entry, comparison, diagnosis, prediction, propagation, sizing};
 
@@ -285,7 +286,7 @@ fn of_propagation(
         let Some(met) = case.requirements.iter().min_by(|a, b| {
             (a.probability.value - a.required)
                 .total_cmp(&(b.probability.value - b.required))
-                .then((a.requirement == "all").cmp(&(b.requirement == "all")))
+                .then((a.requirement == ALL).cmp(&(b.requirement == ALL)))
         }) else {
             continue;
         };
@@ -329,7 +330,7 @@ fn of_prediction(output: &predict::Output) -> Vec<Statement> {
     let shown = Shown::written(&output.posterior.design_unit);
     for case in propagation::nominal_cases(&output.posterior) {
         let is_whole = |reached: &&propagate::Reached| {
-            reached.environment == case.environment && (reached.requirement == "all" || case.requirements.len() == 1)
+            reached.environment == case.environment && (reached.requirement == ALL || case.requirements.len() == 1)
         };
         let find =
             |from: &propagate::Output| from.reached.iter().find(is_whole).and_then(|reached| reached.design_value);

@@ -9,6 +9,7 @@ use crate::diagnosis::{PRIOR_OF, Problem};
 use crate::document::{counted, p_stated, percent, upper};
 use crate::effect::Effect;
 use crate::expression::Unit;
+use crate::expression::unit::CELSIUS_ZERO_K;
 use crate::measurement::{Measurement, Rows};
 
 /// The first parameter of a curve.
@@ -300,9 +301,9 @@ fn beyond_what_was_measured(experiment: &DiscriminatingExperiment, problem: &Pro
     (beyond(value) > FAR_BEYOND_K).then(|| {
         format!(
             "There `{sensor}` would read {:.0} degC, while all readings so far lie between {:.0} and {:.0} degC: is the hardware made for that?",
-            value - 273.15,
-            measured[0] - 273.15,
-            measured[1] - 273.15
+            value - CELSIUS_ZERO_K,
+            measured[0] - CELSIUS_ZERO_K,
+            measured[1] - CELSIUS_ZERO_K
         )
     })
 }

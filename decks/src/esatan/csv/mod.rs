@@ -8,8 +8,9 @@ mod dump;
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
+use crate::CELSIUS_ZERO_K;
+use crate::esatan::DEFAULT_STEFAN_BOLTZMANN;
 use crate::esatan::rows::{Rows, number_or_input, rows_of};
-use crate::esatan::{CELSIUS_ZERO_K, DEFAULT_STEFAN_BOLTZMANN};
 use crate::identifier::Identifiers;
 use crate::{Coupling, CouplingKind, Deck, DeckError, Group, Load, Node, NodeKind, Note, Record};
 

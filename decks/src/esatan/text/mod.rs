@@ -7,7 +7,8 @@ mod network;
 
 use std::collections::BTreeMap;
 
-use crate::esatan::{CELSIUS_ZERO_K, DEFAULT_STEFAN_BOLTZMANN};
+use crate::CELSIUS_ZERO_K;
+use crate::esatan::DEFAULT_STEFAN_BOLTZMANN;
 use crate::identifier::Identifiers;
 use crate::{Deck, DeckError, Note, Parameter, Value};
 
