@@ -140,7 +140,7 @@ pub struct State {
 impl State {
     /// Takes the fits of the pending sets, in order. Of two fits of a set the better one stays.
     pub fn take(&mut self, refits: Vec<Result<Refit, Unfitted>>) {
-        for (order, refit) in std::mem::take(&mut self.pending).into_iter().zip(refits) {
+        for (request, refit) in std::mem::take(&mut self.pending).into_iter().zip(refits) {
             match refit {
                 Ok(refit) => {
                     match self.refits.iter_mut().find(|earlier_refit| earlier_refit.effects == refit.effects) {
@@ -156,7 +156,7 @@ impl State {
                     }
                 }
                 Err(why) => {
-                    if let [effect] = order.effects[..] {
+                    if let [effect] = request.effects[..] {
                         self.failed.push((effect, why.reason.clone()));
                     }
                     self.warn(why);
@@ -167,7 +167,7 @@ impl State {
 
     /// Orders a set once more where it was fitted, with a fit of a larger set as its start.
     pub(crate) fn order_again(&mut self, effects: Vec<usize>, from: usize) {
-        if !self.pending.iter().any(|order| order.effects == effects) {
+        if !self.pending.iter().any(|request| request.effects == effects) {
             self.pending.push(FitRequest { effects, starts: vec![BTreeMap::new()], from });
         }
     }
@@ -191,7 +191,7 @@ impl State {
 
     pub(crate) fn is_known(&self, effects: &[usize]) -> bool {
         self.refits.iter().any(|refit| refit.effects == effects)
-            || self.pending.iter().any(|order| order.effects == effects)
+            || self.pending.iter().any(|request| request.effects == effects)
     }
 
     /// Orders a fit of a set, unless it is there.
@@ -419,7 +419,7 @@ impl Diagnosis {
     }
 
     /// The sets to be fitted now; none: it is time to conclude.
-    pub fn orders(&self, state: &State) -> Vec<FitRequest> {
+    pub fn requests(&self, state: &State) -> Vec<FitRequest> {
         state.pending.clone()
     }
 
@@ -427,20 +427,20 @@ impl Diagnosis {
     ///
     /// # Errors
     /// Why it cannot be fitted.
-    pub fn refit(&self, state: &State, order: &FitRequest) -> Result<Refit, Unfitted> {
+    pub fn refit(&self, state: &State, request: &FitRequest) -> Result<Refit, Unfitted> {
         let problem = self.at(state).with_noise(&state.noise, &state.most_steps);
-        let base = state.refits.get(order.from).map(Refit::by_name).unwrap_or_default();
-        let starts = order.starts.iter().map(|order_start| {
+        let base = state.refits.get(request.from).map(Refit::by_name).unwrap_or_default();
+        let starts = request.starts.iter().map(|request_start| {
             let mut start = base.clone();
-            start.extend(order_start.iter().map(|(name, value)| (name.clone(), *value)));
+            start.extend(request_start.iter().map(|(name, value)| (name.clone(), *value)));
             start
         });
         // Where something is missing, the baseline model may be bent far from where its parameters are with the effect.
         let from_prior = usize::from(self.finds(&state.screening) && !state.is_misspecified());
-        let widths = state.refits.get(order.from).map(Refit::widths).unwrap_or_default();
+        let widths = state.refits.get(request.from).map(Refit::widths).unwrap_or_default();
         let begin = Begin { starts: starts.collect(), from_prior, scale: 1.0, widths };
-        problem.refit(&order.effects, &begin, &self.key).map_err(|error| {
-            let ids = order.effects.iter().map(|&effect| problem.candidates[effect].id.clone());
+        problem.refit(&request.effects, &begin, &self.key).map_err(|error| {
+            let ids = request.effects.iter().map(|&effect| problem.candidates[effect].id.clone());
             Unfitted { effects: ids.collect(), reason: error.to_string() }
         })
     }
@@ -476,9 +476,9 @@ impl Diagnosis {
         next.warnings.clone_from(&state.warnings);
         next.failed.clone_from(&state.failed);
         for refit in &state.refits[1..] {
-            let order = FitRequest { effects: refit.effects.clone(), starts: vec![refit.by_name()], from: 0 };
-            if !next.is_known(&order.effects) {
-                next.pending.push(order);
+            let request = FitRequest { effects: refit.effects.clone(), starts: vec![refit.by_name()], from: 0 };
+            if !next.is_known(&request.effects) {
+                next.pending.push(request);
             }
         }
         Ok(Some(next))
@@ -497,11 +497,11 @@ impl Diagnosis {
     pub fn run(&self) -> Result<crate::diagnosis::Output, FitError> {
         let mut state = self.screen()?;
         loop {
-            let orders = self.orders(&state);
-            if orders.is_empty() {
+            let requests = self.requests(&state);
+            if requests.is_empty() {
                 return Ok(self.conclude(&state));
             }
-            let refits = orders.iter().map(|order| self.refit(&state, order)).collect();
+            let refits = requests.iter().map(|request| self.refit(&state, request)).collect();
             state.take(refits);
             state = self.extend(state);
         }

@@ -165,13 +165,13 @@ impl Diagnosis {
         let beside = self.beside_sets(state, &self.instruments(state, 0));
         for beside in beside.iter().take(MOST_AGAIN) {
             let refit = &state.refits[beside.place];
-            let order = FitRequest { effects: refit.effects.clone(), starts: vec![refit.by_name()], from: 0 };
+            let request = FitRequest { effects: refit.effects.clone(), starts: vec![refit.by_name()], from: 0 };
             if let Some(pending_order) =
-                next.pending.iter_mut().find(|pending_order| pending_order.effects == order.effects)
+                next.pending.iter_mut().find(|pending_order| pending_order.effects == request.effects)
             {
-                pending_order.starts = order.starts;
-            } else if !next.is_known(&order.effects) {
-                next.pending.push(order);
+                pending_order.starts = request.starts;
+            } else if !next.is_known(&request.effects) {
+                next.pending.push(request);
             }
         }
         Ok(Some(next))

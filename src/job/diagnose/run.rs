@@ -127,15 +127,15 @@ impl Diagnose {
     }
 
     pub(super) fn next(&self, state: Box<State>) -> Step<Self> {
-        let orders = self.diagnosis.orders(&state);
-        if orders.is_empty() {
+        let requests = self.diagnosis.requests(&state);
+        if requests.is_empty() {
             return Step::Blocks {
                 stage: CONCLUDE.to_owned(),
                 state: Known::Conclude(state),
                 inputs: vec![Vec::new()],
             };
         }
-        let inputs = orders.chunks(BLOCK).map(<[FitRequest]>::to_vec).collect();
+        let inputs = requests.chunks(BLOCK).map(<[FitRequest]>::to_vec).collect();
         Step::Blocks { stage: format!("{REFIT} {}", state.rounds), state: Known::Refit(state), inputs }
     }
 }
@@ -197,14 +197,14 @@ impl Job for Diagnose {
         Ok(Step::Blocks { stage: SCREEN.to_owned(), state: Known::Nothing, inputs: vec![Vec::new()] })
     }
 
-    fn block(&self, known: &Known, orders: Vec<FitRequest>, _parts: &dyn Parts) -> Result<Partial, JobError> {
+    fn block(&self, known: &Known, requests: Vec<FitRequest>, _parts: &dyn Parts) -> Result<Partial, JobError> {
         Ok(match known {
             Known::Nothing => Partial::State(Box::new(quietly(|| self.diagnosis.screen()).map_err(failed)?)),
             Known::Refit(state) => {
-                let mut refits = Vec::with_capacity(orders.len());
-                for (done, order) in orders.iter().enumerate() {
-                    watch::at(done as u64, orders.len() as u64);
-                    refits.push(quietly(|| self.diagnosis.refit(state, order)));
+                let mut refits = Vec::with_capacity(requests.len());
+                for (done, request) in requests.iter().enumerate() {
+                    watch::at(done as u64, requests.len() as u64);
+                    refits.push(quietly(|| self.diagnosis.refit(state, request)));
                 }
                 Partial::Refits(refits)
             }
