@@ -329,3 +329,58 @@ fn an_element_kind_is_named_in_its_own_files_and_where_elements_are_made() {
     assert_eq!(own, ELEMENTS.len(), "each kind is resolved in its own file");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// Paths of Rust files in backticks; those with a placeholder, as `NAME`, are patterns.
+fn paths_named(line: &str) -> impl Iterator<Item = &str> {
+    let is_path = |word: &&str| {
+        let is_plain = word.chars().all(|c| c.is_ascii_alphanumeric() || "_/.-".contains(c));
+        is_plain && word.ends_with(".rs") && !word.contains("NAME") && !word.contains("KIND")
+    };
+    line.split('`').skip(1).step_by(2).filter(is_path)
+}
+
+#[test]
+fn files_that_texts_name_are_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let is_known = |entry: &walkdir::DirEntry| {
+        entry.depth() == 0 || !["target", ".git", ".bmv"].iter().any(|name| entry.file_name() == *name)
+    };
+    let files: Vec<PathBuf> = (walkdir::WalkDir::new(root).sort_by_file_name().into_iter().filter_entry(is_known))
+        .flatten()
+        .filter(|entry| entry.file_type().is_file())
+        .map(walkdir::DirEntry::into_path)
+        .collect();
+    let names: BTreeSet<&std::ffi::OsStr> = files.iter().filter_map(|file| file.file_name()).collect();
+    let folders = ["", "core/src", "src", "core/src/diagnosis"].map(|folder| root.join(folder));
+    let (mut wrong, mut seen) = (Vec::new(), 0);
+    for file in &files {
+        let relative = file.strip_prefix(root).expect("below the root");
+        let is_rust = file.extension().is_some_and(|e| e == "rs");
+        let is_text = file.extension().is_some_and(|e| e == "md")
+            && (relative.starts_with("docs") || relative.parent() == Some(Path::new("")));
+        if !is_rust && !is_text {
+            continue;
+        }
+        let text = std::fs::read_to_string(file).expect("readable");
+        for (number, line) in text.lines().enumerate() {
+            if is_rust && !line.trim_start().starts_with("//") {
+                continue;
+            }
+            for path in paths_named(line) {
+                seen += 1;
+                // A name alone is that of any file.
+                let is_there = if path.contains('/') {
+                    let own = file.parent().map(|folder| folder.join(path));
+                    folders.iter().map(|folder| folder.join(path)).chain(own).any(|path| path.is_file())
+                } else {
+                    names.contains(std::ffi::OsStr::new(path))
+                };
+                if !is_there {
+                    wrong.push(format!("{}:{}: `{path}` is not there", relative.display(), number + 1));
+                }
+            }
+        }
+    }
+    assert!(seen > 80, "the test reads the texts (saw {seen} paths)");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

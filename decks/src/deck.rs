@@ -186,4 +186,24 @@ pub struct Note {
     pub place: Option<String>,
     /// A sentence.
     pub message: String,
+    /// Names of the nodes whose heat it concerns, in the deck's words.
+    pub nodes: Vec<String>,
+}
+
+impl Note {
+    /// On the deck as a whole.
+    pub fn new(message: impl Into<String>) -> Self {
+        Self { place: None, message: message.into(), nodes: Vec::new() }
+    }
+
+    /// At a file, or at a line of one.
+    pub fn at(place: impl Into<String>, message: impl Into<String>) -> Self {
+        Self { place: Some(place.into()), ..Self::new(message) }
+    }
+
+    /// The same as one that concerns the heat of a node.
+    pub fn of_node(mut self, name: &str) -> Self {
+        self.nodes.push(name.to_owned());
+        self
+    }
 }

@@ -15,3 +15,6 @@ pub use deck::{
     Coupling, CouplingKind, Deck, Group, Input, Load, Node, NodeKind, Note, Parameter, Record, Table, Value,
 };
 pub use error::DeckError;
+
+/// 0 degC in K (exact).
+const CELSIUS_ZERO_K: f64 = 273.15;

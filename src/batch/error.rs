@@ -8,6 +8,9 @@ pub enum BatchError {
     /// The input is wrong: the message says what, at its place.
     #[error("{0}")]
     Input(String),
+    /// The input is wrong: rendered diagnostics.
+    #[error("{0}")]
+    Rendered(String),
     /// What came of a job cannot be read or written.
     #[error("{0}")]
     Job(String),

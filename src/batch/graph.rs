@@ -101,8 +101,9 @@ pub(super) fn add_upstream(
             if !wanted.contains(&&name) || is_there(nodes, &name) {
                 continue;
             }
-            if let Readiness::Refused(diagnostics) = &readiness {
-                refused.insert(id(&shown_pass, &name), diagnostics.clone());
+            if let Readiness::Refused(refusals) = &readiness {
+                let diagnostics = refusals.iter().map(|refusal| refusal.diagnostic.clone()).collect();
+                refused.insert(id(&shown_pass, &name), diagnostics);
             }
             if let Some((node, needed)) = node(&shown_pass, other, name, readiness) {
                 nodes.push(node);

@@ -8,7 +8,7 @@ use super::BatchError;
 use super::graph::{add_upstream, id, in_study, node, remove_orphans};
 use crate::document::{Diagnostic, Diagnostics};
 use crate::job;
-use crate::job::ready::Readiness;
+use crate::job::ready::{Readiness, Refusal};
 use crate::runner::Node;
 use crate::study::{Pass, Project, Reader, discover};
 
@@ -49,12 +49,11 @@ pub struct RefusedJob {
 
 impl LoadedPass {
     /// Notes that a job cannot be made.
-    fn refuse(&mut self, name: &str, diagnostics: Vec<Diagnostic>) {
-        let prefix = job::refusal_prefix(name);
-        let plain = |message: &'_ String| message.strip_prefix(&prefix).unwrap_or(message).to_owned();
-        let why: Vec<String> = diagnostics.iter().map(|diagnostic| plain(&diagnostic.message)).collect();
+    fn refuse(&mut self, name: &str, refusals: Vec<Refusal>) {
+        let why: Vec<&str> = refusals.iter().map(|refusal| refusal.reason.as_str()).collect();
         self.not_run.push(format!("Job {name} has no result: {}.", why.join("; ")));
         let kind = self.pass.jobs.iter().find(|job| job.name == name).map_or("", |job| job.spec.kind());
+        let diagnostics = refusals.into_iter().map(|refusal| refusal.diagnostic).collect();
         self.refused.push(RefusedJob { kind: kind.to_owned(), name: name.to_owned(), diagnostics });
     }
 }
@@ -93,11 +92,11 @@ pub fn passes(
             }
         }
     }
-    if wrong.is_empty() { Ok(loaded) } else { Err(BatchError::input(wrong.join("\n"))) }
+    if wrong.is_empty() { Ok(loaded) } else { Err(BatchError::Rendered(wrong.join("\n"))) }
 }
 
-/// Loads the passes found under these paths, and the jobs of other passes of their studies that their jobs need. A job
-/// that cannot be made keeps none but those from running that build on it.
+/// Loads the passes found under these paths, and the jobs of other passes of their studies that their jobs need. Where
+/// a job cannot be made, only those that build on it do not run either.
 ///
 /// # Errors
 /// What is wrong with the files, rendered at its place.
@@ -131,7 +130,7 @@ fn load_with(reader: &Reader, paths: &[PathBuf], coloured: bool) -> Result<Loade
                     entry.not_run.push(format!("Job {name} did not run: {reason}."));
                     all.notes.push(format!("{shown}: job `{name}` does not run: {reason}"));
                 }
-                Readiness::Refused(diagnostics) => entry.refuse(&name, diagnostics.clone()),
+                Readiness::Refused(refusals) => entry.refuse(&name, refusals.clone()),
                 Readiness::Ready(_) | Readiness::After(_) => {}
             }
             if let Some((node, needed)) = node(&shown, &pass, name, readiness) {
@@ -160,10 +159,10 @@ fn load_with(reader: &Reader, paths: &[PathBuf], coloured: bool) -> Result<Loade
         }
         entry.jobs.retain(|id| *id != orphan);
         let reason = format!("it builds on {}, which has no result", in_study(&missing));
-        let mut diagnostics = vec![job::refusal(job, reason)];
+        let mut refusals = vec![Refusal::new(job, reason)];
         // Of a pass that was not asked for nothing else tells what is wrong.
-        diagnostics.extend(refused.get(&missing).into_iter().flatten().cloned());
-        entry.refuse(&job.name, diagnostics);
+        refusals.extend(refused.get(&missing).into_iter().flatten().cloned().map(Refusal::from));
+        entry.refuse(&job.name, refusals);
     }
     Ok(all)
 }

@@ -52,7 +52,7 @@ impl Adopt {
         let of_job = self.job.as_ref().map_or_else(String::new, |job| format!(" --job {}", shell_word(job)));
         let pass = self.pass.display().to_string();
         let asked = Asked::new(&format!("bmv adopt {}{of_job}", shell_word(&pass)), &self.effects);
-        let refused = |wrong: Diagnostics| Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS));
+        let refused = |wrong: Diagnostics| Failure::rendered(wrong.render(context.coloured, MOST_DIAGNOSTICS));
         let job = select::job_of_kind(&self.pass, "diagnose", self.job.as_deref(), context.coloured)?;
         let options = self.options.clone().into();
         let executed = execute(std::slice::from_ref(&self.pass), &options, context, |_, name| name == job)?;

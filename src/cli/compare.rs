@@ -12,12 +12,12 @@ use super::{Context, select};
 use crate::batch::{self, Loaded};
 use crate::job::compare::Kind;
 use crate::report::section::{READINGS, TUNED, results};
-use crate::report::{JobEntry, terminal};
+use crate::report::terminal;
 
 /// Arguments of `bmv compare`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "With --json one document is printed: of several jobs of kind `compare` that of the first at \
-                        nominal parameters, in the order of the file; `bmv show PASS JOB --json` prints another. \
+#[command(after_help = "With --json one document is printed: of several jobs of kind `compare` that of the first in \
+                        the order of the file; `bmv show PASS JOB --json` prints another. \
                         A sensor that occurs in several measurements has its statistics over all of them under its \
                         name in `sensors`, and those of each measurement in `measurements`.")]
 pub(super) struct Compare {
@@ -61,10 +61,7 @@ impl Compare {
             }
             let mut report = batch::view(pass, &executed)?;
             if self.json {
-                let is_nominal =
-                    |job: &&JobEntry| job.output_of::<Kind>().is_some_and(|output| output.state == "nominal");
-                let first = report.results.iter().find(is_nominal).or(report.results.first());
-                if let Some(job) = first {
+                if let Some(job) = report.results.iter().find(|job| job.output_of::<Kind>().is_some()) {
                     print_json(&batch::document(job, self.rows != Some(Rows::None))?)?;
                 }
                 continue;

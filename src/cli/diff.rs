@@ -71,7 +71,7 @@ impl Diff {
             return Err(Failure::input("name two pass files"));
         };
         let entries = changed(&old.pass, &new.pass)
-            .map_err(|wrong| Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS)))?;
+            .map_err(|wrong| Failure::rendered(wrong.render(context.coloured, MOST_DIAGNOSTICS)))?;
         let mut names: Vec<&str> = Vec::new();
         for job in old.pass.jobs.iter().chain(&new.pass.jobs) {
             if !names.contains(&job.name.as_str()) {

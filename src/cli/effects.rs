@@ -29,7 +29,7 @@ const MOST_DIAGNOSTICS: usize = 20;
 impl Effects {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         let catalogue = crate::study::effects(self.study.as_deref())
-            .map_err(|wrong| Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS)))?;
+            .map_err(|wrong| Failure::rendered(wrong.render(context.coloured, MOST_DIAGNOSTICS)))?;
         let Some(name) = self.name else {
             if self.json {
                 print_json(&json!({"effects": catalogue.effects().iter().map(as_json).collect::<Vec<_>>()}))?;

@@ -59,7 +59,7 @@ impl Import {
         let loaded = crate::study::load(&crate::job::kinds(), &pass).map_err(|diagnostics| {
             let report = diagnostics.render(context.coloured, MOST_DIAGNOSTICS);
             let folder = shown(&self.into);
-            Failure::input(format!("{report}\n`{folder}` was written, but is no study yet: mend these places there"))
+            Failure::rendered(format!("{report}\n`{folder}` was written, but is no study yet: mend these places there"))
         })?;
         let closure = closure::closure(&imported, &loaded)
             .map_err(|error| Failure::input(format!("the network cannot be solved: {error}")))?;

@@ -63,7 +63,7 @@ impl LabVerb {
         }
         let spec = Spec { effect: self.effect.clone(), amplitude: self.amplitude, cases: self.cases, seed: self.seed };
         let rendered =
-            |wrong: crate::document::Diagnostics| Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS));
+            |wrong: crate::document::Diagnostics| Failure::rendered(wrong.render(context.coloured, MOST_DIAGNOSTICS));
         let mut project = Project::here();
         let (shown_id, lab) = match &self.study {
             Some(study) => {
@@ -121,7 +121,7 @@ impl LabVerb {
 
     fn write(&self, folder: &Path, context: &Context) -> Result<Status, Failure> {
         let catalogue = crate::study::effects(None)
-            .map_err(|wrong| Failure::input(wrong.render(context.coloured, MOST_DIAGNOSTICS)))?;
+            .map_err(|wrong| Failure::rendered(wrong.render(context.coloured, MOST_DIAGNOSTICS)))?;
         let catalogue = Arc::new(catalogue);
         let mut written = Vec::new();
         for number in 0..self.cases {

@@ -194,9 +194,7 @@ pub fn main() -> ExitCode {
     let status = program.verb.execute(&context).unwrap_or_else(|failure| {
         let label = if coloured { "\u{1b}[1;31merror:\u{1b}[0m" } else { "error:" };
         let message = failure.message.trim_end();
-        // Rendered diagnostics carry their own label.
-        let is_labelled = message.split(' ').next().is_some_and(|word| word.contains("error["));
-        output::tell(&if is_labelled { message.to_owned() } else { format!("{label} {message}") });
+        output::tell(&if failure.is_rendered { message.to_owned() } else { format!("{label} {message}") });
         failure.status
     });
     status.into()

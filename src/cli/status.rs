@@ -46,17 +46,24 @@ pub struct Failure {
     pub status: Status,
     /// What is stated on standard error.
     pub message: String,
+    /// Whether the message is made of rendered diagnostics, which carry their own labels.
+    pub is_rendered: bool,
 }
 
 impl Failure {
     /// The input is wrong.
     pub fn input(message: impl Into<String>) -> Self {
-        Self { status: Status::WrongInput, message: message.into() }
+        Self { status: Status::WrongInput, message: message.into(), is_rendered: false }
+    }
+
+    /// The input is wrong: rendered diagnostics.
+    pub fn rendered(message: impl Into<String>) -> Self {
+        Self { is_rendered: true, ..Self::input(message) }
     }
 
     /// A job, or what follows from it, failed.
     pub fn job(message: impl Into<String>) -> Self {
-        Self { status: Status::JobFailed, message: message.into() }
+        Self { status: Status::JobFailed, message: message.into(), is_rendered: false }
     }
 }
 
@@ -69,7 +76,7 @@ impl From<crate::runner::RunnerError> for Failure {
             }
             _ => Status::JobFailed,
         };
-        Self { status, message: error.to_string() }
+        Self { status, message: error.to_string(), is_rendered: false }
     }
 }
 
@@ -78,6 +85,7 @@ impl From<crate::batch::BatchError> for Failure {
         use crate::batch::BatchError as E;
         match error {
             E::Input(message) => Self::input(message),
+            E::Rendered(message) => Self::rendered(message),
             E::Job(message) => Self::job(message),
             E::Runner(error) => error.into(),
         }
@@ -86,6 +94,6 @@ impl From<crate::batch::BatchError> for Failure {
 
 impl From<std::io::Error> for Failure {
     fn from(error: std::io::Error) -> Self {
-        Self { status: Status::JobFailed, message: format!("cannot write: {error}") }
+        Self::job(format!("cannot write: {error}"))
     }
 }

@@ -217,7 +217,7 @@ pub fn closure(study: &ImportedStudy, pass: &Pass) -> Result<Option<Closure>, Ne
     nodes.sort_by(|a, b| size(b).total_cmp(&size(a)).then(b.imbalance_w.abs().total_cmp(&a.imbalance_w.abs())));
     let tolerance_k = result.step_k.max(SOLVERS_K);
     for entry in nodes.iter_mut().filter(|entry| !entry.closes(tolerance_k)) {
-        entry.hint = hint(entry, result, &study.summary.notes);
+        entry.hint = hint(entry, result);
     }
     Ok(Some(Closure {
         is_steady: rows.is_steady,
@@ -260,21 +260,10 @@ fn slope(points: [Option<(f64, f64)>; 3]) -> Option<(f64, f64)> {
     Some((slope, 0.5 * (rise_after - rise_before).abs()))
 }
 
-/// What is probably left out at a node: a note that names it, else what the sign says.
-fn hint(entry: &NodeClosure, result: &DeckResult, notes: &[String]) -> Option<String> {
+/// What is probably left out at a node: what the reader noted of it, else what the sign says.
+fn hint(entry: &NodeClosure, result: &DeckResult) -> Option<String> {
     let node = result.nodes.iter().find(|node| node.name == entry.node)?;
-    let is_part = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.');
-    let names_it = |note: &&String| {
-        note.match_indices(node.deck_name.as_str()).any(|(at, name)| {
-            let (before, after) = (note.get(..at).unwrap_or(""), note.get(at + name.len()..).unwrap_or(""));
-            // A full stop behind a name ends a sentence.
-            let goes_on = after.strip_prefix('.').unwrap_or(after).starts_with(is_part);
-            // A number alone may count something.
-            let is_name = name.contains(|c: char| !c.is_ascii_digit()) || before.trim_end().ends_with("ode");
-            !before.ends_with(is_part) && !goes_on && is_name
-        })
-    };
-    if let Some(note) = notes.iter().find(names_it) {
+    if let Some(note) = &node.note {
         return Some(note.clone());
     }
     Some(if entry.imbalance_w > 0.0 {

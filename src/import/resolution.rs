@@ -1,12 +1,13 @@
 //! How finely the temperatures of a record were printed: the step between two neighbouring values.
 
+use crate::expression::unit::CELSIUS_ZERO_K;
+
 /// Steps in a degree that are looked for; finer values count as exact.
 const STEPS: [f64; 7] = [1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6];
 /// How far a printed value may lie from a multiple of its step, in steps: what conversion to K in 64 bits leaves of six
 /// decimals of some hundred degrees is a thousandth of this.
 const NEAR: f64 = 1e-4;
-/// 0 degC and the freezing point in K, degF at 0 K.
-const ICE_K: f64 = 273.15;
+/// 0 K in degF.
 const FAHRENHEIT_AT_0_K: f64 = -459.67;
 
 /// A scale of temperature.
@@ -22,7 +23,7 @@ struct Scale {
 pub(super) fn step_k(temperatures_k: impl Iterator<Item = f64> + Clone) -> f64 {
     let scales: [Scale; 3] = [
         Scale { value: |kelvin| kelvin, degree_k: 1.0 },
-        Scale { value: |kelvin| kelvin - ICE_K, degree_k: 1.0 },
+        Scale { value: |kelvin| kelvin - CELSIUS_ZERO_K, degree_k: 1.0 },
         Scale { value: |kelvin| kelvin * 1.8 + FAHRENHEIT_AT_0_K, degree_k: 1.0 / 1.8 },
     ];
     let finite = temperatures_k.filter(|kelvin| kelvin.is_finite());

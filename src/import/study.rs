@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use bmv_decks::Deck;
+use bmv_decks::{Deck, Note};
 use thiserror::Error;
 
 use crate::batch::next_pass::text::Item;
@@ -62,7 +62,7 @@ pub struct ImportedStudy {
 /// The record's temperatures by the nodes' names in the study.
 #[derive(Debug)]
 pub(super) struct DeckResult {
-    /// Names in the study, with the deck's own and the temperatures of the rows of `data/record.csv`, K.
+    /// Names in the study, with the reader's notes and the temperatures of the rows of `data/record.csv`, K.
     pub nodes: Vec<ResultNode>,
     /// Instants of the same rows, s.
     pub times_s: Vec<f64>,
@@ -76,7 +76,8 @@ pub(super) struct DeckResult {
 #[derive(Debug)]
 pub(super) struct ResultNode {
     pub name: String,
-    pub deck_name: String,
+    /// What the reader noted of its heat.
+    pub note: Option<String>,
     pub temperatures_k: Vec<f64>,
 }
 
@@ -106,7 +107,7 @@ pub fn import(deck: &Deck, files: &[String]) -> Result<ImportedStudy, ImportErro
             .filter(|(index, _)| written.is_there[*index])
             .map(|(index, (node, values))| ResultNode {
                 name: written.node(index).to_owned(),
-                deck_name: node.name.clone(),
+                note: deck.notes.iter().find(|note| note.nodes.contains(&node.name)).map(in_words),
                 temperatures_k: of_rows(values),
             })
             .collect();
@@ -116,10 +117,7 @@ pub fn import(deck: &Deck, files: &[String]) -> Result<ImportedStudy, ImportErro
     study_files.push((MODEL, item.document()));
     study_files.push((PASS, pass(deck, measured.as_ref())));
     let counts = super::summary::counts(deck, &written.is_there, &couplings.became, parameters, measured.as_ref());
-    let of_reader = deck.notes.iter().map(|note| match &note.place {
-        Some(place) => format!("{place}: {}", note.message),
-        None => note.message.clone(),
-    });
+    let of_reader = deck.notes.iter().map(in_words);
     let summary = Summary {
         title: deck.title.clone(),
         tool: deck.tool.clone(),
@@ -129,6 +127,14 @@ pub fn import(deck: &Deck, files: &[String]) -> Result<ImportedStudy, ImportErro
         files: study_files.iter().map(|(path, _)| (*path).to_owned()).collect(),
     };
     Ok(ImportedStudy { files: study_files, summary, result })
+}
+
+/// A note of the reader, at its place.
+fn in_words(note: &Note) -> String {
+    match &note.place {
+        Some(place) => format!("{place}: {}", note.message),
+        None => note.message.clone(),
+    }
 }
 
 /// The first pass: the model against what the other tool computed, where that is there.

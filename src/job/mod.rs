@@ -15,7 +15,7 @@ use thiserror::Error;
 
 use kind::ErasedKind;
 pub use kind::{kinds, load};
-pub use ready::{delivered, ready, refusal, refusal_prefix};
+pub use ready::{delivered, ready};
 pub use runnable::{Next, Runnable, Stage};
 use stored::Block;
 

@@ -25,7 +25,31 @@ pub enum Readiness {
     /// It does not run now; the reason in a line.
     NotRun(String),
     /// It cannot be made from its definition; what is wrong, at its place.
-    Refused(Vec<Diagnostic>),
+    Refused(Vec<Refusal>),
+}
+
+/// What is wrong with the definition of a job.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refusal {
+    /// Why it cannot be made.
+    pub reason: String,
+    /// The same at its place, with the name of the job.
+    pub diagnostic: Diagnostic,
+}
+
+impl Refusal {
+    /// In general: at the job's name.
+    pub fn new(named: &NamedJob, reason: impl std::fmt::Display) -> Self {
+        let reason = reason.to_string();
+        let message = format!("job `{}` cannot be made: {reason}", named.name);
+        Self { reason, diagnostic: Diagnostic::error(&code::JOB_REFUSED, &named.place, message) }
+    }
+}
+
+impl From<Diagnostic> for Refusal {
+    fn from(diagnostic: Diagnostic) -> Self {
+        Self { reason: diagnostic.message.clone(), diagnostic }
+    }
 }
 
 /// Makes a job from the results that it waits for.
@@ -116,17 +140,6 @@ pub fn delivered(pass: &Pass, named: &NamedJob) -> Option<Readiness> {
     shared.made(named).ok()
 }
 
-/// What is wrong with the definition of a job, in general: at its name.
-pub fn refusal(named: &NamedJob, reason: impl std::fmt::Display) -> Diagnostic {
-    let message = format!("{}{reason}", refusal_prefix(&named.name));
-    Diagnostic::error(&code::JOB_REFUSED, &named.place, message)
-}
-
-/// What stands before the reason in the message of a [`refusal`].
-pub fn refusal_prefix(name: &str) -> String {
-    format!("job `{name}` cannot be made: ")
-}
-
 /// The draws, those of calibrations from their results; takes as many results as there are calibrations.
 ///
 /// # Errors
@@ -170,12 +183,12 @@ impl<'p> Shared<'p> {
 
     fn readiness(&self, named: &NamedJob) -> Readiness {
         let refusals = self.pass.refused.iter().filter(|refused| refused.job == named.name);
-        let diagnostics: Vec<Diagnostic> = refusals.map(|refused| refused.diagnostic.clone()).collect();
+        let refusals: Vec<Refusal> = refusals.map(|refused| refused.diagnostic.clone().into()).collect();
         match blocked(self.pass, &named.name) {
-            Some(_) if !diagnostics.is_empty() => Readiness::Refused(diagnostics),
+            Some(_) if !refusals.is_empty() => Readiness::Refused(refusals),
             Some(Blocked { reason, is_wrong: false }) => Readiness::NotRun(reason),
-            Some(Blocked { reason, is_wrong: true }) => Readiness::Refused(vec![refusal(named, reason)]),
-            None => self.made(named).unwrap_or_else(|error| Readiness::Refused(vec![refusal(named, error)])),
+            Some(Blocked { reason, is_wrong: true }) => Readiness::Refused(vec![Refusal::new(named, reason)]),
+            None => self.made(named).unwrap_or_else(|error| Readiness::Refused(vec![Refusal::new(named, error)])),
         }
     }
 

@@ -2,10 +2,8 @@
 //! prefixes, absolute temperatures in degrees Celsius where the study writes them so.
 
 use crate::expression::Unit;
+use crate::expression::unit::CELSIUS_ZERO_K;
 use crate::math::functions::ln;
-
-/// Zero of the Celsius scale, K (exact).
-pub const CELSIUS_ZERO_K: f64 = 273.15;
 
 /// What stands for a number that is not there.
 pub const NONE: &str = "\u{2014}";

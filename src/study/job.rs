@@ -15,8 +15,6 @@ use super::resolved::{Blocked, Pass};
 
 /// Kind of the jobs whose posterior may be a prior elsewhere.
 pub const CALIBRATION: &str = "calibrate";
-/// Kind of the jobs that hold a pass against its measurements.
-pub const COMPARISON: &str = "compare";
 
 /// A kind of job.
 pub trait Kind: Sync {

@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Stands for all requirements together in results.
+pub const ALL: &str = "all";
+
 /// A limit on a quantity, with the probability with which it must be met.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Requirement {

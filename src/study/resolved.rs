@@ -43,7 +43,7 @@ pub struct Pass {
     pub seed: u64,
     /// The model.
     pub model: Model,
-    /// The parameters' priors, SI, in the model's order; of a posterior as prior the original prior.
+    /// The parameters' priors, SI, in the model's order; where draws stand in for one, the original one.
     pub priors: Vec<Distribution>,
     /// Draws that stand in for priors.
     pub posterior_priors: Vec<PosteriorReference>,

@@ -88,7 +88,7 @@ fn chain() -> Deck {
         loads: vec![load("board", 0, Value::Expression("Q".into()))],
         groups: vec![Group { name: "A".into(), nodes: vec![0, 1, 2], couplings: vec![] }],
         record: steady(&[320.0, 300.0, 290.0], &[10.0]),
-        notes: vec![Note { place: Some("deck.inp:3".into()), message: "A.2 has no material".into() }],
+        notes: vec![Note::at("deck.inp:3", "A.2 has no material")],
         ..Deck::default()
     }
 }
@@ -169,7 +169,7 @@ fn a_record_closes_with_the_decks_own_radiation_constant() {
 fn what_is_left_out_shows_at_its_node_in_watts_and_kelvin() {
     let mut deck = radiating();
     deck.couplings.remove(1);
-    deck.notes.push(Note { place: None, message: "the fluid lump beside bracket is left out".into() });
+    deck.notes.push(Note::new("the fluid lump beside bracket is left out").of_node("bracket"));
     let (_root, _, closure) = imported(&deck);
     let closure = closure.unwrap();
     let worst = &closure.nodes[0];

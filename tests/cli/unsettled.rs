@@ -56,7 +56,7 @@ fn rivals_that_no_phase_parts_are_said_to_be_so_and_adopted_by_name_only() {
     let output = bmv(root.path(), &["diagnose", "box/pass-1.json"]);
     let (said, next) = (text(&output.stdout).replace('\n', " "), text(&output.stderr));
     assert!(
-        said.contains("No steady phase within the stated ranges tells heat-load:")
+        said.contains("No steady phase within the stated ranges reliably tells heat-load:")
             && said.contains("Perhaps missing: "),
         "{said}"
     );
@@ -94,7 +94,7 @@ fn a_wrong_start_is_named_before_the_verdict() {
     let root = study(json!({"transient": {"file": "data/test.csv", "initial": initial, "sensors": sensor()}}), &data);
     let said = printed(root.path(), &["diagnose", "box/pass-1.json"]).replace('\n', " ");
     let before =
-        said.find("Mend this before the result is believed: the first readings of test lie apart").expect(&said);
+        said.find("Correct this before relying on the result: the first readings of test lie apart").expect(&said);
     assert!(before < said.find("Verdict: ").expect("a verdict"), "{said}");
     assert!(said.contains(r#"Repair: "initial": {"measured": {}}"#) && said.contains("with a prior"), "{said}");
     let output = bmv(root.path(), &["diagnose", "box/pass-1.json"]);
@@ -104,8 +104,8 @@ fn a_wrong_start_is_named_before_the_verdict() {
     let lines: Vec<&str> = said.lines().collect();
     for job in ["  missing: ", "  tuned: "] {
         let at = lines.iter().position(|line| line.starts_with(job)).unwrap_or_else(|| panic!("{job} in {said}"));
-        assert!(lines[at..(at + 4).min(lines.len())].iter().any(|line| line.contains("Mend this before")), "{said}");
+        assert!(lines[at..(at + 4).min(lines.len())].iter().any(|line| line.contains("Correct this before")), "{said}");
     }
     let adopted = bmv(root.path(), &["adopt", "box/pass-1.json", "heat-load:box", "--force"]);
-    assert!(text(&adopted.stderr).contains("warning: Mend this before"), "{}", text(&adopted.stderr));
+    assert!(text(&adopted.stderr).contains("warning: Correct this before"), "{}", text(&adopted.stderr));
 }

@@ -64,7 +64,7 @@ fn the_studies_of_the_pages_load_without_a_warning() {
                 match readiness {
                     Ready(_) | After(_) => {}
                     NotRun(reason) => panic!("{page}: {pass}: `{name}` does not run: {reason}"),
-                    Refused(findings) => panic!("{page}: {pass}: `{name}`: {}", findings[0].message),
+                    Refused(findings) => panic!("{page}: {pass}: `{name}`: {}", findings[0].reason),
                 }
             }
         }

@@ -294,7 +294,10 @@ fn what_the_data_do_not_settle_is_adopted_by_name_with_its_odds() {
         "probability": 0.557, "repeat_probability": 0.5}}));
     let next = adopt(&study, &none, &["conductive-path"], false).expect("adopted");
     let help = next.warnings.plain()[0].help.clone().expect("help");
-    assert!(help.starts_with("no steady phase within the stated ranges tells") && help.contains("55.7 %"), "{help}");
+    assert!(
+        help.starts_with("no steady phase within the stated ranges reliably tells") && help.contains("55.7 %"),
+        "{help}"
+    );
     // What is settled is adopted without a word.
     let settled = findings("identified", vec![harness(None)], &["conductive-path:box:detector"]);
     assert!(adopt(&study, &settled, &[], false).expect("adopted").warnings.is_empty());

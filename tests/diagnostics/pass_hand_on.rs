@@ -53,7 +53,7 @@ fn what_takes_distributions_does_not_run_with_draws() {
         let pass = load(&study.path("pass-2.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
         let jobs = ready(&pass);
         let Readiness::Refused(why) = &jobs[0].1 else { panic!("{job} runs with the original prior") };
-        let plain = why[0].plain();
+        let plain = why[0].diagnostic.plain();
         assert!(plain.message.contains("`G` has the draws of `tuned` of `pass-1.json`"), "{}", plain.message);
         assert_eq!((plain.code.as_str(), plain.path.as_str()), ("job-refused", "$.jobs.next"));
     }
@@ -212,7 +212,7 @@ fn a_sensor_without_noise_stops_its_calibration_alone() {
     assert!(plain.help.is_some_and(|help| help.contains(r#"write "sigma": {"value": ..., "unit": "K"}"#)));
     let jobs = ready(&pass);
     assert!(matches!(&jobs[1].1, Readiness::Ready(job) if job.kind() == "compare"), "without the tuned state");
-    assert!(matches!(&jobs[3].1, Readiness::Refused(why) if why[0].message.contains("has no `sigma`")));
+    assert!(matches!(&jobs[3].1, Readiness::Refused(why) if why[0].reason.contains("has no `sigma`")));
 }
 
 #[test]

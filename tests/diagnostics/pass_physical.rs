@@ -91,7 +91,8 @@ fn a_value_below_zero_in_a_sample_is_named_with_its_element() {
     network.set_parameters(&mut workspace, &[-0.3]);
     let error = network.solve_steady(&mut workspace, Start::Default).expect_err("refused");
     let (element, what, unit) = ("bolts".to_owned(), "conductance", "W/K");
-    assert_eq!(error, SteadyError::Sign { element, what, unit, value: -0.3 });
+    assert_eq!(error.to_string(), "the conductance of `bolts` is -0.3 W/K: it must be 0 or more");
+    assert_eq!(error, SteadyError::Sign { element, what, unit, value: -0.3, above_zero: false });
     let mut batch = network.batch::<4>();
     batch.set_parameter(2, 0, -0.3);
     network.solve_steady_batch(&mut batch, Start::Default);

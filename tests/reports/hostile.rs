@@ -142,7 +142,7 @@ fn poisoned(mut sample: Sample) -> Sample {
             for test in &mut output.misfit.tests {
                 test.at = name();
             }
-            if let Some(experiment) = &mut output.separating_experiment {
+            if let Some(experiment) = &mut output.discriminating_experiment {
                 experiment.between = vec![name(), name()];
                 experiment.conditions =
                     experiment.conditions.values().map(|setting| (name(), setting.clone())).collect();
@@ -426,7 +426,7 @@ fn plots_of_degenerate_data_are_drawings() {
         ] {
             let svg = drawing.svg("id", "title", "description", true);
             assert_well_formed(&svg);
-            assert!(drawing.aspect() > 0.05);
+            assert!(aspect(&svg) > 0.05);
         }
     }
 }
@@ -453,4 +453,11 @@ fn networks_of_any_shape_are_drawings() {
         assert_well_formed(&svg);
         assert!(count == 0 || svg.contains("\nnode 0 \n"));
     }
+}
+
+/// Height divided by width of a drawing.
+fn aspect(svg: &str) -> f64 {
+    let view_box = svg.split_once("viewBox=\"0 0 ").and_then(|(_, rest)| rest.split_once('"')).expect("a view box").0;
+    let (width, height) = view_box.split_once(' ').expect("a width and a height");
+    height.parse::<f64>().expect("a number") / width.parse::<f64>().expect("a number")
 }

@@ -2,9 +2,9 @@
 
 use bmv::random::StreamKey;
 use bmv::statistics::Moments;
-use bmv::statistics::autocorrelation::{effective_size, effective_size_lag_one};
+use bmv::statistics::autocorrelation::effective_size_lag_one;
 use bmv::statistics::kolmogorov::{p_value, statistic_sorted};
-use bmv::statistics::quantile::{quantile_interval_sorted, quantile_sorted, quantile_standard_error_sorted, sorted};
+use bmv::statistics::quantile::{quantile_sorted, quantile_standard_error_sorted, sorted};
 use bmv::statistics::regression::Line;
 fn autoregressive(r: f64, n: usize) -> Vec<f64> {
     let mut stream = StreamKey::new(6, "t", "ar").stream((r * 100.0) as u64);
@@ -36,21 +36,18 @@ fn standard_errors_are_the_scatter_over_repetitions() {
 }
 
 #[test]
-fn standard_errors_and_intervals_hold_over_repetitions() {
+fn standard_errors_hold_over_repetitions() {
     let mut stream = StreamKey::new(5, "t", "quantile").stream(0);
-    let (p, truth) = (0.9, 1.281_551_565_544_6);
-    let (mut found, mut stated, mut covered) = (vec![], 0.0, 0);
+    let p = 0.9;
+    let (mut found, mut stated) = (vec![], 0.0);
     for _ in 0..400 {
         let values = sorted(&(0..200).map(|_| stream.normal()).collect::<Vec<_>>());
         found.push(quantile_sorted(&values, p));
         stated += quantile_standard_error_sorted(&values, p) / 400.0;
-        let interval = quantile_interval_sorted(&values, p, 0.95);
-        covered += i32::from(interval.lower <= truth && truth <= interval.upper);
     }
     // Theory: sqrt(p q / n) / density = 0.1209; scatter over 400 repetitions is known to 3.5 %, four of these.
     assert!((stated / 0.1209 - 1.0).abs() < 0.14, "{stated}");
     assert!((Moments::of(&found).sd() / stated - 1.0).abs() < 0.14);
-    assert!((375..=400).contains(&covered), "{covered} of 400");
 }
 
 #[test]
@@ -93,11 +90,10 @@ fn rejects_as_often_as_stated() {
 
 #[test]
 fn effective_sizes_of_autoregressive_series() {
-    // Truth: n (1 - r) / (1 + r). Both estimates scatter by some per cent at this length; 20 % is over four deviations.
+    // Truth: n (1 - r) / (1 + r). The estimate scatters by some per cent at this length; 20 % is over four deviations.
     for r in [0.0, 0.5, 0.8] {
         let values = autoregressive(r, 20_000);
         let truth = 20_000.0 * (1.0 - r) / (1.0 + r);
         assert!((effective_size_lag_one(&values) / truth - 1.0).abs() < 0.2, "{r}");
-        assert!((effective_size(&values) / truth - 1.0).abs() < 0.2, "{r}: {}", effective_size(&values));
     }
 }

@@ -188,7 +188,7 @@ fn a_strong_path_is_found_and_all_laws_are_fitted_at_its_place() {
     let diagnosis = Diagnosis::new(case.problem.clone(), Settings::default(), StreamKey::new(SEED, "test", "laws"));
     let mut state = diagnosis.screen().expect("screened");
     loop {
-        let orders = diagnosis.orders(&state);
+        let orders = diagnosis.requests(&state);
         if orders.is_empty() {
             break;
         }

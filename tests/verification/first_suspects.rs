@@ -171,7 +171,7 @@ fn laws_that_no_phase_tells_apart_are_one_thing() {
     let effects = r#"{"effects": ["input-proportional-load", "heater-efficiency"]}"#;
     let output = Study::steady("[0.499, 0.501]", "Q", [0.5, 0.3, 0.8], [0.1, 0.1], effects).diagnosed();
     assert_eq!(output.verdict, Verdict::Ambiguous, "{:?}", output.words);
-    assert_eq!(output.separating_experiment, None);
+    assert_eq!(output.discriminating_experiment, None);
     let one = output.one_thing.expect("one thing");
     let mut sets = one.sets.clone();
     sets.sort();

@@ -55,7 +55,7 @@ pub struct Diagnosis {
 
 /// A set of effects to be fitted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Order {
+pub struct FitRequest {
     /// Positions of the effects, ascending.
     pub effects: Vec<usize>,
     /// Starts of the effects' parameters by name, SI.
@@ -121,10 +121,10 @@ pub struct State {
     /// Fits; the first is the baseline model's.
     pub refits: Vec<Refit>,
     /// Sets to be fitted.
-    pub pending: Vec<Order>,
+    pub pending: Vec<FitRequest>,
     /// What sets leave.
     pub remainders: Vec<Remainder>,
-    /// Effects that cannot be fitted alone, and why.
+    /// Effects that cannot be fitted alone, and why; the state is stored, so reasons are texts here.
     #[serde(default)]
     pub failed: Vec<(usize, String)>,
     /// Readings that are left out as faults of the data.
@@ -140,7 +140,7 @@ pub struct State {
 impl State {
     /// Takes the fits of the pending sets, in order. Of two fits of a set the better one stays.
     pub fn take(&mut self, refits: Vec<Result<Refit, Unfitted>>) {
-        for (order, refit) in std::mem::take(&mut self.pending).into_iter().zip(refits) {
+        for (request, refit) in std::mem::take(&mut self.pending).into_iter().zip(refits) {
             match refit {
                 Ok(refit) => {
                     match self.refits.iter_mut().find(|earlier_refit| earlier_refit.effects == refit.effects) {
@@ -156,8 +156,8 @@ impl State {
                     }
                 }
                 Err(why) => {
-                    if let [effect] = order.effects[..] {
-                        self.failed.push((effect, why.to_string()));
+                    if let [effect] = request.effects[..] {
+                        self.failed.push((effect, why.reason.clone()));
                     }
                     self.warn(why);
                 }
@@ -167,8 +167,8 @@ impl State {
 
     /// Orders a set once more where it was fitted, with a fit of a larger set as its start.
     pub(crate) fn order_again(&mut self, effects: Vec<usize>, from: usize) {
-        if !self.pending.iter().any(|order| order.effects == effects) {
-            self.pending.push(Order { effects, starts: vec![BTreeMap::new()], from });
+        if !self.pending.iter().any(|request| request.effects == effects) {
+            self.pending.push(FitRequest { effects, starts: vec![BTreeMap::new()], from });
         }
     }
 
@@ -191,7 +191,7 @@ impl State {
 
     pub(crate) fn is_known(&self, effects: &[usize]) -> bool {
         self.refits.iter().any(|refit| refit.effects == effects)
-            || self.pending.iter().any(|order| order.effects == effects)
+            || self.pending.iter().any(|request| request.effects == effects)
     }
 
     /// Orders a fit of a set, unless it is there.
@@ -215,7 +215,7 @@ impl State {
             starts = longer;
         }
         starts.truncate(4);
-        self.pending.push(Order { effects, starts, from });
+        self.pending.push(FitRequest { effects, starts, from });
     }
 }
 
@@ -369,7 +369,8 @@ impl Diagnosis {
                     for candidate in exchange_search.likeliest {
                         state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &[], 0);
                     }
-                    state.failed.extend(exchange_search.impossible);
+                    let impossible = exchange_search.impossible.into_iter();
+                    state.failed.extend(impossible.map(|(candidate, why)| (candidate, why.to_string())));
                 }
                 Err(why) => state.warn(why),
             }
@@ -418,7 +419,7 @@ impl Diagnosis {
     }
 
     /// The sets to be fitted now; none: it is time to conclude.
-    pub fn orders(&self, state: &State) -> Vec<Order> {
+    pub fn requests(&self, state: &State) -> Vec<FitRequest> {
         state.pending.clone()
     }
 
@@ -426,20 +427,20 @@ impl Diagnosis {
     ///
     /// # Errors
     /// Why it cannot be fitted.
-    pub fn refit(&self, state: &State, order: &Order) -> Result<Refit, Unfitted> {
+    pub fn refit(&self, state: &State, request: &FitRequest) -> Result<Refit, Unfitted> {
         let problem = self.at(state).with_noise(&state.noise, &state.most_steps);
-        let base = state.refits.get(order.from).map(Refit::by_name).unwrap_or_default();
-        let starts = order.starts.iter().map(|order_start| {
+        let base = state.refits.get(request.from).map(Refit::by_name).unwrap_or_default();
+        let starts = request.starts.iter().map(|request_start| {
             let mut start = base.clone();
-            start.extend(order_start.iter().map(|(name, value)| (name.clone(), *value)));
+            start.extend(request_start.iter().map(|(name, value)| (name.clone(), *value)));
             start
         });
         // Where something is missing, the baseline model may be bent far from where its parameters are with the effect.
         let from_prior = usize::from(self.finds(&state.screening) && !state.is_misspecified());
-        let widths = state.refits.get(order.from).map(Refit::widths).unwrap_or_default();
+        let widths = state.refits.get(request.from).map(Refit::widths).unwrap_or_default();
         let begin = Begin { starts: starts.collect(), from_prior, scale: 1.0, widths };
-        problem.refit(&order.effects, &begin, &self.key).map_err(|error| {
-            let ids = order.effects.iter().map(|&effect| problem.candidates[effect].id.clone());
+        problem.refit(&request.effects, &begin, &self.key).map_err(|error| {
+            let ids = request.effects.iter().map(|&effect| problem.candidates[effect].id.clone());
             Unfitted { effects: ids.collect(), reason: error.to_string() }
         })
     }
@@ -475,9 +476,9 @@ impl Diagnosis {
         next.warnings.clone_from(&state.warnings);
         next.failed.clone_from(&state.failed);
         for refit in &state.refits[1..] {
-            let order = Order { effects: refit.effects.clone(), starts: vec![refit.by_name()], from: 0 };
-            if !next.is_known(&order.effects) {
-                next.pending.push(order);
+            let request = FitRequest { effects: refit.effects.clone(), starts: vec![refit.by_name()], from: 0 };
+            if !next.is_known(&request.effects) {
+                next.pending.push(request);
             }
         }
         Ok(Some(next))
@@ -496,11 +497,11 @@ impl Diagnosis {
     pub fn run(&self) -> Result<crate::diagnosis::Output, FitError> {
         let mut state = self.screen()?;
         loop {
-            let orders = self.orders(&state);
-            if orders.is_empty() {
+            let requests = self.requests(&state);
+            if requests.is_empty() {
                 return Ok(self.conclude(&state));
             }
-            let refits = orders.iter().map(|order| self.refit(&state, order)).collect();
+            let refits = requests.iter().map(|request| self.refit(&state, request)).collect();
             state.take(refits);
             state = self.extend(state);
         }

@@ -38,10 +38,10 @@ pub enum FitError {
     #[error(transparent)]
     NoDirection(#[from] NoDirection),
     /// No descent ended.
-    #[error("no fit")]
+    #[error("no descent from any start ended in a fit")]
     NoFit,
     /// The curvature at the fit is not positive definite.
-    #[error("the fit has no curvature")]
+    #[error("the curvature at the fit is not positive definite")]
     NoCurvature,
     /// A row, held out perhaps, in which the fitted model has no solution.
     #[error("no solution in row {row} of `{measurement}`")]

@@ -6,9 +6,9 @@
 //! reading is a fault where a set of effects explains all but a few readings, and these
 //! not at all.
 
-use crate::diagnosis::engine::{Diagnosis, Order, State};
+use crate::diagnosis::engine::{Diagnosis, FitRequest, State};
 use crate::diagnosis::fits::refit::Begin;
-use crate::diagnosis::odds::posterior_odds::log_weights;
+use crate::diagnosis::odds::posterior_odds::log_posterior_weights;
 use crate::diagnosis::{FitError, Problem, Refit};
 use crate::document::code::OUTLYING;
 use crate::document::counted;
@@ -50,8 +50,9 @@ const MOST_OF_STEADY: f64 = 0.04;
 const COSTS: f64 = 11.512_925_464_970_229;
 /// Sets that are fitted without their faults.
 const MOST_REFITTED: usize = 4;
-/// Fewest readings of a stretch of one value, and times the length that nine of ten such stretches of the channel stay below.
+/// Fewest readings of a stretch of one value that is taken for frozen.
 const LEAST_RUN: f64 = 8.0;
+/// Times that such a stretch is longer than nine of ten stretches of the channel.
 const LONGER_RUN: f64 = 4.0;
 /// The model moves meanwhile by this many typical changes of its error and steps of the channel.
 const MOVES: f64 = 8.0;
@@ -61,7 +62,7 @@ const STUCK: f64 = 1e5;
 const FINE: f64 = 0.1;
 /// Most readings of a sensor, as a share, that are taken for those of a frozen channel.
 const MOST_FROZEN: f64 = 0.5;
-/// Ratio of a robust to a standard deviation (median absolute deviation of a normal variable).
+/// Standard deviation of a normal variable in its median absolute deviations.
 const MEDIAN_TO_SD: f64 = 1.482_602_218_505_602;
 
 /// The median; `None` of nothing.
@@ -269,7 +270,7 @@ impl Diagnosis {
             return Ok(None);
         }
         let problem = self.with_noise(&state.noise, &state.most_steps);
-        let logs = log_weights(&problem, &state.refits);
+        let logs = log_posterior_weights(&problem, &state.refits);
         let cost = |one: &LeftOut| COSTS + ln(problem.measurements[one.measurement].sensors[one.sensor].total_sd());
         let is_seen = |one: &&LeftOut| !problem.measurements[one.measurement].held_out(one.row);
         let mut with_faults: Vec<(f64, Vec<LeftOut>, usize)> = (0..state.refits.len())
@@ -299,7 +300,7 @@ impl Diagnosis {
             else {
                 continue;
             };
-            let log = log_weights(&problem, std::slice::from_ref(&refit))[0];
+            let log = log_posterior_weights(&problem, std::slice::from_ref(&refit))[0];
             if log - faults.iter().filter(is_seen).map(cost).sum::<f64>() <= without_faults {
                 continue;
             }
@@ -308,7 +309,7 @@ impl Diagnosis {
             next.left_out.sort_by_key(|one| (one.measurement, one.sensor, one.row));
             next.warnings.clone_from(&state.warnings);
             if !effects.is_empty() && !next.is_known(effects) {
-                next.pending.push(Order { effects: effects.clone(), starts: vec![refit.by_name()], from: 0 });
+                next.pending.push(FitRequest { effects: effects.clone(), starts: vec![refit.by_name()], from: 0 });
             }
             return Ok(Some(next));
         }

@@ -8,14 +8,15 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnosis::engine::{Diagnosis, Order, SensorNoise, State};
+use crate::diagnosis::engine::{Diagnosis, FitRequest, SensorNoise, State};
 use crate::diagnosis::fits::{held_out, other_noise};
 use crate::diagnosis::heat;
 use crate::diagnosis::noise::estimate::EstimatedNoise;
 use crate::diagnosis::noise::model_error::{
     Errors, ModelError, STEADY_READINGS_OF_ONE, quiet_scatter, readings_of_one,
 };
-use crate::diagnosis::odds::posterior_odds::{Odds, best, posterior_odds};
+use crate::diagnosis::odds::posterior_odds::{best, posterior_odds};
+use crate::diagnosis::odds::prior_odds::PriorOdds;
 use crate::diagnosis::problem::FittedReading;
 use crate::diagnosis::screening::screen::Lead;
 use crate::diagnosis::{FitError, Problem, Refit};
@@ -102,11 +103,11 @@ fn beside(problem: &Problem, readings: &[FittedReading], refit: &Refit, instrume
     Beside { place: 0, log_weight: log, sds, determined: other_noise::determined(&refit.directions, times) }
 }
 
-/// What is estimated beside one set.
+/// A set with the model errors that are most likely beside it.
 struct Beside {
     /// Position of the set.
     place: usize,
-    /// Log posterior weight of the set with it.
+    /// Log posterior weight of the set with them; of [`beside`] the log evidence alone.
     log_weight: f64,
     /// Standard deviations of the model error, SI, by measurement.
     sds: Vec<f64>,
@@ -164,13 +165,13 @@ impl Diagnosis {
         let beside = self.beside_sets(state, &self.instruments(state, 0));
         for beside in beside.iter().take(MOST_AGAIN) {
             let refit = &state.refits[beside.place];
-            let order = Order { effects: refit.effects.clone(), starts: vec![refit.by_name()], from: 0 };
+            let request = FitRequest { effects: refit.effects.clone(), starts: vec![refit.by_name()], from: 0 };
             if let Some(pending_order) =
-                next.pending.iter_mut().find(|pending_order| pending_order.effects == order.effects)
+                next.pending.iter_mut().find(|pending_order| pending_order.effects == request.effects)
             {
-                pending_order.starts = order.starts;
-            } else if !next.is_known(&order.effects) {
-                next.pending.push(order);
+                pending_order.starts = request.starts;
+            } else if !next.is_known(&request.effects) {
+                next.pending.push(request);
             }
         }
         Ok(Some(next))
@@ -371,7 +372,7 @@ impl Diagnosis {
     /// All sets with the model errors that are most likely beside them, the most probable first.
     fn beside_sets(&self, state: &State, instruments: &[Errors]) -> Vec<Beside> {
         let problem = self.with_noise(&state.noise, &state.most_steps);
-        let (readings, odds) = (problem.fitted_readings(), Odds::new(&problem));
+        let (readings, odds) = (problem.fitted_readings(), PriorOdds::new(&problem));
         let mut sets: Vec<Beside> = (0..state.refits.len())
             .map(|place| {
                 let refit = &state.refits[place];

@@ -23,13 +23,13 @@ mod settings;
 mod story;
 mod verdict;
 
-pub use engine::{Diagnosis, Order, State};
+pub use engine::{Diagnosis, FitRequest, State};
 pub use error::{FitError, Unfitted};
 pub use fits::evidence::{Amplitude, Evidence};
 pub use fits::refit::Refit;
 pub use hypothesis::Hypothesis;
 pub use linearisation::linear::{Direction, Linear};
-pub use odds::prior_of::{PRIOR_OF, wider};
+pub use odds::narrow_prior::{PRIOR_OF, wider};
 pub use output::{Output, RISES, Verdict};
 pub use problem::Problem;
 pub use screening::family::{Extras, Family, FamilyWise, Member, MemberKind};

@@ -272,7 +272,7 @@ pub struct Setting {
 
 /// Conditions that would part rivals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct SeparatingExperiment {
+pub struct DiscriminatingExperiment {
     /// Ids of the rivals.
     pub between: Vec<String>,
     /// Inputs to set.
@@ -391,7 +391,8 @@ pub struct Output {
     /// Noise of each sensor; where several measurements have a sensor of one name, that of the last.
     pub noise: BTreeMap<String, NoiseResult>,
     /// Conditions that would part the rivals of an ambiguous group.
-    pub separating_experiment: Option<SeparatingExperiment>,
+    #[serde(rename = "separating_experiment")]
+    pub discriminating_experiment: Option<DiscriminatingExperiment>,
     /// Rivals of an ambiguous group that no allowed steady phase tells apart.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub one_thing: Option<OneThing>,

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::diagnosis::engine::{Diagnosis, Remainder, SINGLES, State};
 use crate::diagnosis::fits::exchange::exchanges;
 use crate::diagnosis::misspecified::is_unstated;
-use crate::diagnosis::odds::posterior_odds::{best, log_weights, posterior_odds};
+use crate::diagnosis::odds::posterior_odds::{best, log_posterior_weights, posterior_odds};
 use crate::diagnosis::screening::screen::{Lead, Screening};
 use crate::diagnosis::{FitError, Problem};
 
@@ -201,7 +201,7 @@ impl Diagnosis {
     /// explain most at places of their own, while they are smaller.
     fn aside(&self, state: &State, leader: usize) -> Option<usize> {
         let leading = &state.refits[leader].effects;
-        let logs = log_weights(self.problem(), &state.refits);
+        let logs = log_posterior_weights(self.problem(), &state.refits);
         let is_named = |effects: &[usize]| !effects.iter().any(|&effect| self.is_unknown_function(effect));
         let effects = |place: usize| state.refits[place].effects.as_slice();
         let best_of = |allowed: &dyn Fn(&[usize]) -> bool| {
@@ -275,7 +275,7 @@ impl Diagnosis {
     /// Orders the parts of a set, and of the most probable one of laws, that were not fitted: which effect explains most is
     /// seen only where each stands alone too.
     fn order_parts(&self, state: &mut State, place: usize) {
-        let logs = log_weights(self.problem(), &state.refits);
+        let logs = log_posterior_weights(self.problem(), &state.refits);
         let is_of_laws = |&place: &usize| !state.refits[place].effects.iter().any(|&one| self.is_unknown_function(one));
         let likeliest = (0..logs.len()).filter(is_of_laws).reduce(|a, b| if logs[b] > logs[a] { b } else { a });
         for whole in [Some(place), likeliest].into_iter().flatten() {

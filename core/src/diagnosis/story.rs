@@ -19,7 +19,7 @@ const MINOR_SHARE: f64 = 0.2;
 
 /// What may be added at a step.
 #[derive(Clone, Debug)]
-pub(crate) struct Chance {
+pub(crate) struct Addition {
     /// The effect.
     pub effect: usize,
     /// Position of the set with it.
@@ -38,7 +38,7 @@ pub(crate) struct Step {
     /// Probability that nothing is to be added.
     pub stays: f64,
     /// What may be added, most probable first.
-    pub chances: Vec<Chance>,
+    pub additions: Vec<Addition>,
 }
 
 /// How effects are added one by one.
@@ -158,25 +158,25 @@ impl Diagnosis {
             .collect();
         let all: Vec<f64> = next.iter().map(|one| logs[one.1]).chain([logs[at]]).collect();
         let total = log_sum_exp(&all);
-        let mut chances: Vec<Chance> = next
+        let mut additions: Vec<Addition> = next
             .iter()
-            .map(|&(effect, place)| Chance { effect, place, probability: exp(logs[place] - total) })
+            .map(|&(effect, place)| Addition { effect, place, probability: exp(logs[place] - total) })
             .collect();
-        chances.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
-        let pays = |one: &&Chance| logs[one.place] > logs[at] && !rises(own, &state.refits[one.place]);
-        let is_curve = |one: &&Chance| self.is_unknown_function(one.effect);
-        let is_of_group = |one: &Chance| self.problem().candidates[one.effect].is_group();
-        let law = chances.iter().filter(pays).find(|one| !is_curve(one));
-        let of_one_input = |one: &&Chance| is_curve(one) && self.problem().candidates[one.effect].bound.len() == 1;
-        let curve = chances.iter().filter(pays).find(of_one_input);
+        additions.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
+        let pays = |one: &&Addition| logs[one.place] > logs[at] && !rises(own, &state.refits[one.place]);
+        let is_curve = |one: &&Addition| self.is_unknown_function(one.effect);
+        let is_of_group = |one: &Addition| self.problem().candidates[one.effect].is_group();
+        let law = additions.iter().filter(pays).find(|one| !is_curve(one));
+        let of_one_input = |one: &&Addition| is_curve(one) && self.problem().candidates[one.effect].bound.len() == 1;
+        let curve = additions.iter().filter(pays).find(of_one_input);
         let chosen = match (law, curve) {
             (Some(law), Some(curve)) if logs[curve.place] > logs[law.place] + CLEARLY => Some(curve),
             (Some(law), _) => {
                 // A law of a whole surface goes before what explains as much at single places.
-                let alike = |one: &&Chance| logs[one.place] > logs[law.place] - CLEARLY && !is_curve(one);
-                chances.iter().filter(pays).filter(|one| is_of_group(one)).find(alike).or(Some(law))
+                let alike = |one: &&Addition| logs[one.place] > logs[law.place] - CLEARLY && !is_curve(one);
+                additions.iter().filter(pays).filter(|one| is_of_group(one)).find(alike).or(Some(law))
             }
-            (None, curve) => curve.or_else(|| chances.iter().find(pays)),
+            (None, curve) => curve.or_else(|| additions.iter().find(pays)),
         };
         let before_others = law.zip(chosen).is_some_and(|(law, chosen)| is_of_group(chosen) && !is_of_group(law));
         let chosen = chosen.cloned();
@@ -184,16 +184,16 @@ impl Diagnosis {
         if chosen.as_ref().is_some_and(|chosen| !self.is_unknown_function(chosen.effect)) {
             // Curves are asked only after the laws. Single places stand behind the surface that goes before them, whatever they
             // gain beyond it: errors of the model decide that.
-            chances.retain(|one| !self.is_unknown_function(one.effect));
+            additions.retain(|one| !self.is_unknown_function(one.effect));
             let most = chosen.as_ref().map_or(0.0, |chosen| chosen.probability * exp(-SINGLE_PLACE));
-            let behind = chances.iter_mut().filter(|one| before_others && !is_of_group(one));
+            let behind = additions.iter_mut().filter(|one| before_others && !is_of_group(one));
             behind.for_each(|one| one.probability = (one.probability * exp(-SINGLE_PLACE)).min(most));
-            chances.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
-            let rest = stays + chances.iter().map(|one| one.probability).sum::<f64>();
-            chances.iter_mut().for_each(|one| one.probability /= rest);
+            additions.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
+            let rest = stays + additions.iter().map(|one| one.probability).sum::<f64>();
+            additions.iter_mut().for_each(|one| one.probability /= rest);
             stays /= rest;
         }
-        Step { before: at, chosen: chosen.map(|one| one.place), stays, chances }
+        Step { before: at, chosen: chosen.map(|one| one.place), stays, additions }
     }
 
     /// The most probable set of the story's size that is more probable than its end, with another effect in the place of an
@@ -213,8 +213,8 @@ impl Diagnosis {
             let gain = logs[chosen] - logs[step.before];
             let member =
                 state.refits[chosen].effects.iter().find(|one| !state.refits[step.before].effects.contains(one))?;
-            let is_alike = |one: &&Chance| logs[chosen] - logs[one.place] < CLEARLY.max(ALIKE_SHARE * gain);
-            for other in step.chances.iter().filter(|one| is_alike(one) || is_minor(*member)) {
+            let is_alike = |one: &&Addition| logs[chosen] - logs[one.place] < CLEARLY.max(ALIKE_SHARE * gain);
+            for other in step.additions.iter().filter(|one| is_alike(one) || is_minor(*member)) {
                 let before = &state.refits[step.before].effects;
                 let is_other = |&place: &usize| {
                     let effects = &state.refits[place].effects;
@@ -245,11 +245,11 @@ impl Diagnosis {
         }
         let step = |pair: &[usize]| {
             let own = Step { chosen: Some(pair[1]), ..self.step(state, logs, pair[0]) };
-            let most = own.chances.iter().map(|one| one.probability).fold(0.0, f64::max);
-            let is_likely = |one: &Chance| one.place == pair[1] && one.probability * RIVALS_WITHIN >= most;
+            let most = own.additions.iter().map(|one| one.probability).fold(0.0, f64::max);
+            let is_likely = |one: &Addition| one.place == pair[1] && one.probability * RIVALS_WITHIN >= most;
             // What shows only beside the others is judged beside them.
             let beside = || self.last_of(state, logs, pair, end);
-            if own.chances.iter().any(is_likely) { own } else { beside().unwrap_or(own) }
+            if own.additions.iter().any(is_likely) { own } else { beside().unwrap_or(own) }
         };
         let steps = sets.windows(2).map(step).collect();
         Story { sets, steps, logs: logs.to_vec() }

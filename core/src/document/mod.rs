@@ -32,5 +32,5 @@ pub use prior::{Prior, PriorForm};
 pub use quantity::{Amount, Scalar, Sense, WrittenUnit};
 pub use schema::Schemas;
 pub use source::{JsonPath, Place, Position, Source, Span};
-pub use words::{counted, p_stated, p_value, percent};
+pub use words::{counted, p_stated, p_value, percent, upper};
 pub use written::{NameOr, OneOrMany, Spanned, Written, read_file};

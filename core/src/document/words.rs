@@ -18,6 +18,12 @@ pub fn counted<N: Display + PartialEq + From<u8>>(count: N, noun: &str) -> Strin
     }
 }
 
+/// A clause with a capital letter, as a sentence begins.
+pub fn upper(clause: &str) -> String {
+    let mut letters = clause.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// A p-value to two digits, or the bound that it lies below: `0.96`, `0.012`, `6.5e-5`, `< 1e-6`.
 pub fn p_value(p: f64) -> String {
     match p {

@@ -17,6 +17,9 @@ pub struct GroupPlace {
     pub site: Site,
 }
 
+/// `where_kind` of a group.
+const GROUP: &str = "group";
+
 /// An effect at a place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
@@ -41,9 +44,18 @@ pub struct Candidate {
 }
 
 impl Candidate {
+    /// Inputs of the model that the effect goes with; not the date.
+    pub fn inputs(&self, model: &Model) -> Vec<usize> {
+        let input = |bound: &Bound| match bound {
+            Bound::Input(input) => Some(*input).filter(|input| model.date != Some(*input)),
+            Bound::Node(_) => None,
+        };
+        self.bound.iter().filter_map(input).collect()
+    }
+
     /// Whether it acts on a group.
     pub fn is_group(&self) -> bool {
-        self.where_kind == "group"
+        self.where_kind == GROUP
     }
 }
 
@@ -203,7 +215,7 @@ fn spots(
     if effect.groups {
         let fitting = groups.iter().filter(|group| effect.fits_group(model, &group.site));
         spots.extend(fitting.map(|group| Spot {
-            kind: "group",
+            kind: GROUP,
             names: vec![group.name.clone()],
             site: group.site.clone(),
             nodes: Vec::new(),

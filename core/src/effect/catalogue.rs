@@ -1,6 +1,6 @@
 //! The catalogue: effects that come with the program, and a study's own.
 //!
-//! To add an effect to the program: a file in `src/effect/catalogue` and a line in the list below.
+//! To add an effect to the program: a file in `core/src/effect/catalogue` and a line in the list below.
 
 use crate::document::{Diagnostic, Diagnostics, Node, Schemas, code, read_file};
 

@@ -201,7 +201,7 @@ written_struct! {
         optional contact: Spanned<String>,
         /// Heat into the node that follows an unknown function.
         optional curve: CurveForm,
-        /// What the sensor reads: an expression of the true value `T`, its `rate` (1/s, of a node's temperature),
+        /// What the sensor reads: an expression of the true value `T`, its `rate` (K/s, of a node's temperature),
         /// `zero` (273.15 for temperatures, else 0) and `t`.
         optional reading: Spanned<String>,
         /// Time constant with which the sensor follows, s.

@@ -14,6 +14,8 @@ pub struct LawFile {
     pub law: &'static str,
     /// The file's text.
     pub text: String,
+    /// Whether it has the shape [`SCALE`].
+    pub has_scale: bool,
 }
 
 /// A law of one variable.
@@ -29,6 +31,9 @@ struct Law {
     has_threshold: bool,
     of_angle: bool,
 }
+
+/// Name of the shape that stretches a law along its input.
+pub const SCALE: &str = "scale";
 
 const CONSTANT: (&str, usize, &str) = ("constant", 0, "the part that does not vary");
 
@@ -66,7 +71,7 @@ const LAWS: &[Law] = &[
         words: "exponential",
         heat: "constant + size * exp((x - x_upper) / (scale * (x_upper - x_lower)))",
         amplitudes: &[CONSTANT, ("size", 0, "the growing part at the input's upper end")],
-        shapes: &[("scale", "change of the input by which it grows to e times, as a share of the input's range")],
+        shapes: &[(SCALE, "change of the input by which it grows to e times, as a share of the input's range")],
         has_threshold: false,
         of_angle: false,
     },
@@ -75,7 +80,7 @@ const LAWS: &[Law] = &[
         words: "saturation",
         heat: "constant + size * (1 - exp((x_lower - x) / (scale * (x_upper - x_lower))))",
         amplitudes: &[CONSTANT, ("size", 0, "the rise from the input's lower end until it saturates")],
-        shapes: &[("scale", "change of the input by which 63 % of the rise is there, as a share of the input's range")],
+        shapes: &[(SCALE, "change of the input by which 63 % of the rise is there, as a share of the input's range")],
         has_threshold: false,
         of_angle: false,
     },
@@ -180,7 +185,8 @@ pub fn laws(effect: &Effect, of_angle: bool, of: &str) -> Vec<LawFile> {
             ("evidence", json!("definition")),
         ];
         let lines: Vec<String> = fields.iter().map(|(field, value)| format!("  \"{field}\": {value}")).collect();
-        LawFile { name, law: law.words, text: format!("{{\n{}\n}}\n", lines.join(",\n")) }
+        let has_scale = law.shapes.iter().any(|(shape, _)| *shape == SCALE);
+        LawFile { name, law: law.words, text: format!("{{\n{}\n}}\n", lines.join(",\n")), has_scale }
     };
     fitting.map(file).collect()
 }

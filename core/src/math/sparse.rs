@@ -106,14 +106,6 @@ impl Pattern {
         }
     }
 
-    /// `product = A' x`, values by slot.
-    pub fn multiply_transposed(&self, values: &[f64], x: &[f64], product: &mut [f64]) {
-        for (column, product) in product.iter_mut().enumerate() {
-            let range = self.column(column);
-            *product = self.rows[range.clone()].iter().zip(&values[range]).map(|(row, value)| value * x[*row]).sum();
-        }
-    }
-
     /// Neighbours of each index in the graph of A + A', ascending, without loops.
     pub fn symmetric_neighbours(&self) -> Vec<Vec<usize>> {
         let mut neighbours = vec![Vec::new(); self.size()];
@@ -159,8 +151,6 @@ mod tests {
         let mut product = [0.0; 3];
         pattern.multiply(&values, &[2.0, 7.0, 4.0], &mut product);
         assert_eq!(product, [2.0, 20.0, 6.0]);
-        pattern.multiply_transposed(&values, &[2.0, 7.0, 4.0], &mut product);
-        assert_eq!(product, [14.0, 0.0, 35.0]);
     }
 
     #[test]

@@ -140,9 +140,9 @@ pub struct Phase {
 /// What a window of a time series says about steadiness, by sensor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stabilisation {
-    /// Window, s.
+    /// Begin of the window, s.
     pub from_s: f64,
-    /// Window, s.
+    /// End of the window, s.
     pub to_s: f64,
     /// Slope of each sensor, SI unit a second.
     pub slopes: Vec<Option<f64>>,
@@ -223,10 +223,10 @@ impl Doubt {
         self.code == code::START_APART.name
     }
 
-    /// What to mend before a result is believed, and how.
+    /// What to correct before relying on a result, and how.
     pub fn in_words(&self) -> String {
         let repair = self.repair.as_ref().map_or_else(String::new, |repair| format!(" Repair: {repair}."));
-        format!("Mend this before the result is believed: {}.{repair}", self.message)
+        format!("Correct this before relying on the result: {}.{repair}", self.message)
     }
 }
 

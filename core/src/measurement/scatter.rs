@@ -78,7 +78,7 @@ pub fn warning(sensors: &[Scatter], free: usize) -> Option<String> {
         }
         format!(
             "The stated noise (`sigma`) is too large: the readings scatter less about the fit than it allows. They look like {}. \
-             With a `sigma` that is too large small effects stay unseen, and what is found is stated too unsurely.",
+             With too large a `sigma` small effects go undetected, and stated uncertainties are too wide.",
             text.join(", ")
         )
     };

@@ -6,7 +6,7 @@
 
 use super::quantile::quantile_sorted;
 use crate::math::functions::ln;
-use crate::math::special::{beta_quantile, normal_quantile};
+use crate::math::special::normal_quantile;
 
 /// The larger of the rank-normalised split R-hats of the draws and of their distances from the median; `None` also for
 /// draws that never change.
@@ -60,18 +60,6 @@ pub fn mcse_sd<C: AsRef<[f64]>>(chains: &[C]) -> Option<f64> {
     let variance = squares.iter().flatten().sum::<f64>() / count;
     let fourth = squares.iter().flatten().map(|s| s * s).sum::<f64>() / count;
     Some(((fourth - variance * variance) / ess / variance / 4.0).sqrt())
-}
-
-/// Monte Carlo standard error of a quantile (`probability` within 0 to 1): half the spread between the order statistics
-/// at the one-sigma limits of the beta distribution with the quantile's effective sample size.
-pub fn mcse_quantile<C: AsRef<[f64]>>(chains: &[C], probability: f64) -> Option<f64> {
-    let ess = ess_quantile(chains, probability)?;
-    let draws = sorted_draws(chains);
-    let size = draws.len() as f64;
-    let (a, b) = (ess * probability + 1.0, ess * (1.0 - probability) + 1.0);
-    let low = (beta_quantile(0.158_655_3, a, b) * size - 1.0).max(0.0).floor();
-    let high = (beta_quantile(0.841_344_7, a, b) * size - 1.0).min(size - 1.0).ceil();
-    Some(0.5 * (draws[high as usize] - draws[low as usize]))
 }
 
 /// The first and the last half of each chain; the middle draw of an odd number belongs to neither.

@@ -1,8 +1,7 @@
-//! Quantiles of a sample, their standard errors and distribution-free intervals.
+//! Quantiles of a sample and their standard errors.
 
-use super::interval::Interval;
 use crate::math::functions::sqrt;
-use crate::math::special::{beta_regularised, normal_quantile};
+use crate::math::special::beta_regularised;
 use crate::math::sum::CompensatedSum;
 
 /// The values in rising order (NaN last).
@@ -57,38 +56,6 @@ pub fn quantile_standard_error_sorted(sorted: &[f64], p: f64) -> f64 {
     sqrt((square.value() - mean.value() * mean.value()).max(0.0))
 }
 
-/// Interval between order statistics that holds the distribution's quantile at p with at least the given confidence,
-/// whatever the (continuous) distribution (David & Nagaraja 2003, section 7.1). An end that the sample is too small to
-/// give is infinite.
-pub fn quantile_interval_sorted(sorted: &[f64], p: f64, confidence: f64) -> Interval {
-    let n = sorted.len();
-    let tail = 0.5 * (1.0 - confidence);
-    // Count of values below the quantile: binomial; P(count <= k) = I_(1 - p)(n - k, k + 1).
-    let at_most = |k: usize| if k >= n { 1.0 } else { beta_regularised((n - k) as f64, k as f64 + 1.0, 1.0 - p) };
-    let at_least = |k: usize| if k == 0 { 1.0 } else { beta_regularised(k as f64, (n - k) as f64 + 1.0, p) };
-    let spread = normal_quantile(1.0 - tail) * sqrt(n as f64 * p * (1.0 - p));
-    // The sample's k-th value (from 1) is above the quantile when at most k - 1 values are below it.
-    let mut low = ((n as f64 * p - spread).max(0.0) as usize).min(n);
-    while low > 0 && at_most(low - 1) > tail {
-        low -= 1;
-    }
-    while low < n && at_most(low) <= tail {
-        low += 1;
-    }
-    // The k-th value is below the quantile when at least k values are.
-    let mut high = ((n as f64 * p + spread) as usize + 1).clamp(1, n + 1);
-    while high <= n && at_least(high) > tail {
-        high += 1;
-    }
-    while high > 1 && at_least(high - 1) <= tail {
-        high -= 1;
-    }
-    Interval {
-        lower: if low == 0 { f64::NEG_INFINITY } else { sorted[low - 1] },
-        upper: if high > n { f64::INFINITY } else { sorted[high - 1] },
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -114,18 +81,5 @@ mod tests {
         assert_eq!([0.0, 0.25, 0.5, 1.0].map(|p| quantile_sorted(&values, p)), [1.0, 1.75, 2.5, 4.0]);
         assert_eq!(quantile_sorted(&[7.0], 0.3), 7.0);
         assert!(quantile_sorted(&[], 0.5).is_nan());
-    }
-
-    #[test]
-    fn the_median_interval_of_twenty_values_is_the_tabled_one() {
-        // Conover, Practical Nonparametric Statistics: 95 % interval of the median for n = 20 is from the 6th to the 15th value.
-        let values: Vec<f64> = (1..=20).map(f64::from).collect();
-        assert_eq!(quantile_interval_sorted(&values, 0.5, 0.95), Interval { lower: 6.0, upper: 15.0 });
-        // 59 values are the least that bound the 95 % point from above with 95 % confidence (Wilks 1941), one-sided.
-        let one_sided = |n: u32| {
-            let values: Vec<f64> = (1..=n).map(f64::from).collect();
-            quantile_interval_sorted(&values, 0.95, 0.9).upper
-        };
-        assert_eq!((one_sided(58), one_sided(59)), (f64::INFINITY, 59.0));
     }
 }

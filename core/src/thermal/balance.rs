@@ -30,13 +30,6 @@ pub struct NodeHeat {
     pub capacity_j_per_k: Option<f64>,
 }
 
-impl HeatBalance {
-    /// What is left over, W: rounding only.
-    pub fn residue_w(&self) -> f64 {
-        self.source_w - self.boundary_w - self.stored_w
-    }
-}
-
 impl Network {
     /// Puts temperatures of all nodes in place, K, for asking what follows from them (boundaries' entries are ignored:
     /// they follow from the inputs).

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use crate::expression::{Dependence, ExprId, Graph, Program, Register, Segment, Symbol, Term};
 
 use super::element::heater::Switch;
-use super::element::{Contribution, Law};
+use super::element::{Contribution, SignConstraint};
 use super::model::{Model, NodeKind};
 use super::network::NetworkError;
 
@@ -86,7 +86,7 @@ pub(super) struct Equations {
     /// Width of each controller's band, with its element's name.
     pub bands: Vec<(String, Register)>,
     /// Values that have a sign, with their element's name; those that follow from parameters, inputs and time.
-    pub laws: Vec<(String, Law, Register)>,
+    pub signs: Vec<(String, SignConstraint, Register)>,
     pub residual: Vec<Register>,
     pub balance_scale: Vec<Register>,
     /// Slopes of the balances, by row then column, each position once.
@@ -323,12 +323,14 @@ impl Equations {
             .filter(|(_, band)| graph.dependence(*band).within(given))
             .collect();
 
-        let is_kept = |law: &Law| {
-            model.keeps_signs && graph.constant(law.value).is_none() && graph.dependence(law.value).within(given)
+        let is_kept = |sign: &SignConstraint| {
+            model.keeps_signs && graph.constant(sign.value).is_none() && graph.dependence(sign.value).within(given)
         };
-        let laws: Vec<(String, Law)> = (model.elements.iter())
-            .flat_map(|element| element.physics().laws().into_iter().map(|law| (element.name.clone(), law)))
-            .filter(|(_, law)| is_kept(law))
+        let signs: Vec<(String, SignConstraint)> = (model.elements.iter())
+            .flat_map(|element| {
+                element.physics().sign_constraints().into_iter().map(|sign| (element.name.clone(), sign))
+            })
+            .filter(|(_, sign)| is_kept(sign))
             .collect();
 
         // One list of outputs a segment; `take` reads the registers back in the same order.
@@ -338,7 +340,7 @@ impl Equations {
         let outputs: Vec<Vec<ExprId>> = vec![
             (boundary.iter().copied())
                 .chain(bands.iter().map(|&(_, band)| band))
-                .chain(laws.iter().map(|(_, law)| law.value))
+                .chain(signs.iter().map(|(_, sign)| sign.value))
                 .collect(),
             residual,
             balance_scale,
@@ -422,8 +424,8 @@ impl Equations {
             bands: (bands.into_iter().zip(&program.outputs(segment::BOUNDARY)[boundary_nodes.len()..]))
                 .map(|((name, _), &register)| (name, register))
                 .collect(),
-            laws: (laws.into_iter().zip(&program.outputs(segment::BOUNDARY)[after_bands..]))
-                .map(|((name, law), &register)| (name, law, register))
+            signs: (signs.into_iter().zip(&program.outputs(segment::BOUNDARY)[after_bands..]))
+                .map(|((name, sign), &register)| (name, sign, register))
                 .collect(),
             residual: program.outputs(segment::RESIDUAL).to_vec(),
             balance_scale: program.outputs(segment::BALANCE_SCALE).to_vec(),

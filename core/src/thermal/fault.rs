@@ -2,7 +2,7 @@
 
 use crate::expression::{ExprId, Lanes, Symbol};
 
-use super::element::Law;
+use super::element::SignConstraint;
 use super::equations::Equations;
 use super::steady::SteadyError;
 
@@ -22,11 +22,11 @@ impl Equations {
                 return Err(SteadyError::Band { element: element.clone(), band_k });
             }
         }
-        for (element, law, register) in &self.laws {
+        for (element, constraint, register) in &self.signs {
             let value = file[register.index()].lane(lane);
-            if law.is_broken_by(value) {
-                let Law { what, unit, .. } = *law;
-                return Err(SteadyError::Sign { element: element.clone(), what, unit, value });
+            if constraint.is_broken_by(value) {
+                let SignConstraint { what, unit, above_zero, .. } = *constraint;
+                return Err(SteadyError::Sign { element: element.clone(), what, unit, value, above_zero });
             }
         }
         Ok(())

@@ -27,7 +27,7 @@ pub struct Model {
     pub elements: Vec<Element>,
     /// Named quantities, in the order of the file.
     pub quantities: Vec<Quantity>,
-    /// Whether a conductance or the like below 0 ([`super::element::Law`]) is an error where the model is solved. Where
+    /// Whether a conductance or the like below 0 ([`super::element::SignConstraint`]) is an error where the model is solved. Where
     /// effects are tried, either sign tells something.
     pub keeps_signs: bool,
     /// Its size when that was first asked for: what effects add to it does not change what it is to them.

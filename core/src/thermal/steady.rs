@@ -70,8 +70,8 @@ pub enum SteadyError {
         /// Its width, K.
         band_k: f64,
     },
-    /// A conductance, exchange area or the like below 0.
-    #[error("the {what} of `{element}` is {value} {unit}: it is 0 or more")]
+    /// A conductance, exchange area or the like below 0, or 0 where that is too small.
+    #[error("the {what} of `{element}` is {}: it must be {}", with_unit(*value, unit), bound(*above_zero))]
     Sign {
         /// The element.
         element: String,
@@ -81,6 +81,8 @@ pub enum SteadyError {
         unit: &'static str,
         /// The value, SI.
         value: f64,
+        /// Whether 0 is too small.
+        above_zero: bool,
     },
     /// The matrix of slopes is singular.
     #[error("the balances do not determine the temperatures (node `{node}`): a conductance may be zero")]
@@ -92,6 +94,14 @@ pub enum SteadyError {
 
 fn quoted(names: &[String]) -> String {
     names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+fn with_unit(value: f64, unit: &str) -> String {
+    format!("{value} {unit}").trim_end().to_owned()
+}
+
+fn bound(above_zero: bool) -> &'static str {
+    if above_zero { "above 0" } else { "0 or more" }
 }
 
 fn listed(temperatures: &[(String, f64)]) -> String {

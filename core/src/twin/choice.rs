@@ -4,7 +4,7 @@ use super::draw::{Draw, short};
 use super::inject::InjectError;
 use super::truth::{HiddenEffect, HiddenValue, Outside};
 use crate::diagnosis::Problem;
-use crate::diagnosis::odds::posterior_odds::Odds;
+use crate::diagnosis::odds::prior_odds::PriorOdds;
 use crate::effect::{Effect, EffectParameter};
 use crate::measurement::{Measurement, Rows};
 use crate::thermal::NodeKind;
@@ -90,7 +90,7 @@ pub(super) fn draw_effect(
     chosen: &[Chosen],
     draw: &mut Draw,
 ) -> Result<Chosen, InjectError> {
-    let odds = Odds::new(problem);
+    let odds = PriorOdds::new(problem);
     let fits = |position: &usize| {
         let candidate = &problem.candidates[*position];
         is_seen(problem, *position)

@@ -8,6 +8,7 @@ use super::inject::InjectError;
 use super::world::World;
 use crate::diagnosis::Problem;
 use crate::expression::{Binary, ExprId, Symbol, Unary};
+use crate::thermal::element::sign::EXCHANGE_AREA;
 use crate::thermal::element::{Conductor, Element, ElementKind};
 use crate::thermal::{Limits, Node, NodeKind, QuantityValue};
 
@@ -137,16 +138,18 @@ impl World {
             if !element.physics().is_passive() {
                 continue;
             }
-            if let ElementKind::Radiation(radiation) = &mut element.kind {
+            let physics = element.kind.physics_mut();
+            let is_radiative = physics.sign_constraints().iter().any(|sign| sign.what == EXCHANGE_AREA);
+            if let Some(exchange_area) = physics.scaled().filter(|_| is_radiative) {
                 // 1 K/W within the nodes goes with 10 % of error.
                 let error = model.graph.number(0.1 * error);
                 let error = model.graph.multiply(error, coarseness);
                 let error = model.graph.binary(Binary::Maximum, error, lower);
                 let error = model.graph.binary(Binary::Minimum, error, upper);
                 let factor = model.graph.unary(Unary::Exp, error);
-                radiation.exchange_area = model.graph.multiply(factor, radiation.exchange_area);
+                *exchange_area = model.graph.multiply(factor, *exchange_area);
             }
-            let Some(between) = element.kind.physics_mut().between_mut() else { continue };
+            let Some(between) = physics.between_mut() else { continue };
             for (end, share) in between.iter_mut().zip(ends) {
                 *end = spots.get(*end).map_or(*end, |spots| at(spots, *share));
             }

@@ -35,7 +35,7 @@ pub(super) fn rows_of(times_s: &[f64], has_capacity: bool, notes: &mut Vec<Note>
     }
     let does_not_fall = times_s.windows(2).all(|pair| pair[0] <= pair[1]);
     let rises = times_s.windows(2).all(|pair| pair[0] < pair[1]);
-    let mut note = |message: String| notes.push(Note { place: None, message });
+    let mut note = |message: String| notes.push(Note::new(message));
     let count = times_s.len();
     let never_rises = count > 1 && times_s.windows(2).all(|pair| pair[0] == pair[1]);
     if count == 1 || !has_capacity || never_rises {

@@ -191,9 +191,9 @@ impl Assembly {
             let means = match heating::means(block) {
                 None => {
                     if !block.cards.is_empty() {
-                        let place = Some(format!("{}:{}", block.file, block.line));
+                        let place = format!("{}:{}", block.file, block.line);
                         let message = "Arrays are not read: nothing that is read refers to them.".to_owned();
-                        self.deck.notes.push(Note { place, message });
+                        self.deck.notes.push(Note::at(place, message));
                     }
                     continue;
                 }
@@ -205,7 +205,7 @@ impl Assembly {
             };
             if !self.heating.contains(&block.submodel) {
                 let message = format!("The heating rates of {} are not used: nothing calls for them.", block.submodel);
-                self.deck.notes.push(Note { place: Some(block.file.to_owned()), message });
+                self.deck.notes.push(Note::at(block.file, message));
                 continue;
             }
             used.insert(block.submodel.clone());
@@ -233,7 +233,7 @@ impl Assembly {
         let message = format!(
             "The heating rates of {submodel} are those of its orbit's mean, as a steady state takes them: {count} nodes."
         );
-        self.deck.notes.push(Note { place: None, message });
+        self.deck.notes.push(Note::new(message));
         Ok(())
     }
 
@@ -291,7 +291,7 @@ impl Assembly {
         }
         let submodels = self.submodels.into_iter().map(|(name, nodes)| Group { name, nodes, couplings: Vec::new() });
         self.deck.groups.extend(submodels);
-        let mut note = |message: String| self.deck.notes.push(Note { place: None, message });
+        let mut note = |message: String| self.deck.notes.push(Note::new(message));
         if self.joined_to_themselves > 0 {
             note(format!("{} conductors join a node to itself and are left out.", self.joined_to_themselves));
         }

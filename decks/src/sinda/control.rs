@@ -7,12 +7,10 @@ use super::card::Card;
 use crate::arithmetic::piece::pieces;
 use crate::arithmetic::quantity::{Quantity, Reader};
 use crate::identifier::Identifiers;
-use crate::{DeckError, Note, Parameter};
+use crate::{CELSIUS_ZERO_K, DeckError, Note, Parameter};
 
 /// Stefan-Boltzmann constant that Thermal Desktop writes in SI units, in W/(m2 K4).
 const THERMAL_DESKTOP_SIGMA: f64 = 5.6704e-8;
-/// 0 degC in K.
-const CELSIUS_ZERO_K: f64 = 273.15;
 /// Absolute zero in degF; decks round it to -460.
 const FAHRENHEIT_ZERO: f64 = -459.67;
 /// Units of Thermal Desktop, by their names in the heading, that are read.
@@ -55,7 +53,7 @@ impl Control {
                 }
             }
         }
-        let mut note = |message: String| notes.push(Note { place: None, message });
+        let mut note = |message: String| notes.push(Note::new(message));
         let first = blocks.first().map_or("", |block| block.file);
         control.zero_k = match (constants.get("ABSZRO"), temperature) {
             (Some(&zero), _) if (zero - FAHRENHEIT_ZERO).abs() < 0.5 => {

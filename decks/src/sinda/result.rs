@@ -82,7 +82,7 @@ pub(super) fn record(file: &SindaFile<'_>, nodes: &[Node], zero_k: f64) -> Resul
     let mut notes = Vec::new();
     if let [first, ..] = missing.as_slice() {
         let message = format!("{} nodes have no printed temperature, {first} among them.", missing.len());
-        notes.push(Note { place: Some(file.name.to_owned()), message });
+        notes.push(Note::at(file.name, message));
     }
     let record = Record { times_s: vec![0.0], is_steady: true, inputs: Vec::new(), held: false, temperatures_k };
     Ok((record, notes))

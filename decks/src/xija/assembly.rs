@@ -10,9 +10,6 @@ use super::component::Component;
 use super::specification::{Entry, Specification};
 use super::{NODE_CAPACITY_J_PER_K, earth, electronics, heater, network, solar};
 
-/// 0 degC in K.
-pub const CELSIUS_ZERO_K: f64 = 273.15;
-
 /// Names that expressions give a meaning.
 const RESERVED: &[&str] = &[
     "exp",
@@ -264,6 +261,6 @@ impl<'a> Assembly<'a> {
     /// Adds a sentence at the component's line.
     pub fn note(&mut self, component: &Component<'_>, message: impl Into<String>) {
         let place = component.line.map(|line| format!("{}:{line}", self.specification.file));
-        self.deck.notes.push(Note { place, message: message.into() });
+        self.deck.notes.push(Note { place, ..Note::new(message) });
     }
 }

@@ -1,8 +1,9 @@
 //! Heaters that the model controls.
 
-use super::assembly::{Assembly, CELSIUS_ZERO_K};
+use super::assembly::Assembly;
 use super::class::Class;
 use super::component::Component;
+use crate::CELSIUS_ZERO_K;
 
 /// Width in K of the band in which a thermostat's power falls from all to nothing.
 const THERMOSTAT_BAND_K: f64 = 0.1;

@@ -49,7 +49,7 @@ impl Method {
                  time constants act as they stand"
             ),
         };
-        Note { place: None, message }
+        Note::new(message)
     }
 
     /// About how wrong xija's own transient of a node is at `rate_per_s` (of the equations): the relative error of that

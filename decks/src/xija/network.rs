@@ -4,10 +4,11 @@ use std::collections::HashMap;
 
 use crate::deck::{Coupling, CouplingKind, Deck, Node, NodeKind, Note, Value};
 
-use super::assembly::{Assembly, CELSIUS_ZERO_K};
+use super::assembly::Assembly;
 use super::class::Class;
 use super::component::Component;
 use super::parameters::TimeConstant;
+use crate::CELSIUS_ZERO_K;
 
 /// xija's Stefan-Boltzmann constant in W/(m2 K4).
 const STEFAN_BOLTZMANN: &str = "0.00000005670374419";
@@ -189,7 +190,7 @@ pub fn merge_opposite(deck: &mut Deck, taus_ks: &mut Vec<Option<f64>>) {
                 let (name, dropped) = (&other.name, &coupling.name);
                 let message =
                     format!("{name} and {dropped} are equal and opposite: one conductance of both, called {name}");
-                deck.notes.push(Note { place: None, message });
+                deck.notes.push(Note::new(message));
             }
             _ => {
                 if coupling.kind == CouplingKind::OneWay {

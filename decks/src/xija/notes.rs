@@ -52,7 +52,7 @@ impl Assembly<'_> {
             ));
         }
         self.deck.notes.push(specification.method.note(self.capacity_j_per_k));
-        self.deck.notes.extend(messages.into_iter().map(|message| Note { place: None, message }));
+        self.deck.notes.extend(messages.into_iter().map(Note::new));
         let rates = network::rates_per_ks(&self.deck, &self.taus_ks, &self.heater_rates_per_ks).into_iter();
         let errors = rates.map(|rate| specification.method.relative_error(rate / 1000.0, specification.step_s));
         for (node, error) in self.deck.nodes.iter().zip(errors).filter(|(_, error)| *error > 0.05) {
@@ -62,7 +62,7 @@ impl Assembly<'_> {
                  solution differs from them",
                 node.name, specification.step_s,
             );
-            self.deck.notes.push(Note { place: None, message });
+            self.deck.notes.push(Note::new(message).of_node(&node.name));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Specifications of the tests, and what is refused. The laws are checked against xija's in `tests/xija.rs`.
+//! Specifications of the tests, and what is refused. The laws are checked against xija's in `decks/tests/xija/main.rs`.
 
 use serde_json::{Value as Json, json};
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::diagnosis::output::{EffectResult, OneThing, SeparatingExperiment};
+use crate::diagnosis::output::{DiscriminatingExperiment, EffectResult, OneThing};
 use crate::diagnosis::{Output, Verdict};
 use crate::document::visible::shell_word;
 use crate::document::{Diagnostic, Diagnostics, Place, Source, Span, code, percent, suggest};
@@ -295,14 +295,14 @@ fn odds(diagnosis: &Output, chosen: &[&EffectResult]) -> String {
 
 /// What would part the rivals, or that no phase does: as the diagnosis decided it.
 fn parting(diagnosis: &Output, model: &Model) -> Option<String> {
-    let phase = diagnosis.separating_experiment.as_ref().and_then(|separating| experiment(separating, model));
+    let phase = diagnosis.discriminating_experiment.as_ref().and_then(|apart| experiment(apart, model));
     let none = diagnosis.one_thing.as_ref().map(OneThing::clause);
     let words: Vec<String> = phase.into_iter().chain(none).collect();
     (!words.is_empty()).then(|| words.join("; "))
 }
 
 /// The separating experiment in words.
-fn experiment(experiment: &SeparatingExperiment, model: &Model) -> Option<String> {
+fn experiment(experiment: &DiscriminatingExperiment, model: &Model) -> Option<String> {
     if experiment.conditions.is_empty() {
         return None;
     }

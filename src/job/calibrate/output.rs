@@ -52,7 +52,7 @@ pub struct PosteriorPriorOf {
 pub struct ParameterSummary {
     /// Unit.
     pub unit: String,
-    /// Prior, SI; of a posterior as prior the original prior, by which its scores are taken.
+    /// Prior, SI; where draws stand in for it, the original one, by which their normal scores are taken.
     #[schemars(with = "serde_json::Value")]
     pub prior: Distribution,
     /// The posterior that is the prior, where one is.

@@ -1,9 +1,4 @@
-//! Parameters from measurements: the most probable point from several starts, the posterior by chains or islands, the
-//! evidence, and predictive checks.
-//!
-//! Stages: `estimate` (one block), `sample` (a chain, an island or the evidence a block), `predict` (draws of
-//! posterior and prior). Chains start round the modes that the estimate found, spread by three halves of Laplace's
-//! standard deviations.
+//! The calibration as a job: what it is asked, and its stages.
 
 use super::{Output, Spec};
 use std::sync::Arc;
@@ -44,10 +39,10 @@ pub struct Inputs {
 pub struct Calibrate {
     pub(super) spec: Spec,
     pub(super) inputs: Inputs,
-    /// The likelihood with priors that may be posteriors as priors.
+    /// The likelihood with its priors, of which some may be the draws of a posterior.
     pub(super) target: Informed<Likelihood>,
     pub(super) posterior_priors: Vec<PosteriorPrior>,
-    /// How well a density describes the draws of each posterior as prior.
+    /// How well a density describes the draws of each posterior that is a prior.
     pub(super) fits: Vec<(String, Fit)>,
     pub(super) predictor: Predictor,
     pub(super) key: StreamKey,

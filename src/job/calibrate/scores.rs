@@ -7,15 +7,12 @@
 
 use super::output::{HeldOutScore, PhaseScore};
 use super::predictive::{Draws, InputSpread};
-use crate::inference::likelihood::Datum;
+use crate::inference::likelihood::{Datum, HALF_LN_TAU};
 use crate::inference::sampler::psis::LeaveOneOut;
 use crate::math::cholesky;
 use crate::math::functions::ln;
 use crate::math::sum::log_sum_exp;
 use crate::measurement::{Measurement, Rows};
-
-/// Half of ln(2 pi).
-const HALF_LN_TAU: f64 = 0.918_938_533_204_672_7;
 
 /// A fitted phase: its measurement and row, and how many readings it has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

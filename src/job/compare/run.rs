@@ -1,4 +1,4 @@
-//! Model against measurements at given parameters: by sensor, by phase, against criteria, and in words.
+//! The comparison as a job: what it is asked, and a block a measurement.
 
 use super::{
     Deviation, FailedPhase, HeatBalance, Output, PhaseSummary, Row, SensorSummary, Spec, StabilisationCheck, Trend,

@@ -1,9 +1,4 @@
-//! The conventional way: nominal and stacked worst-case analysis with margins by rule, and the size each leads to.
-//!
-//! The stack takes for each uncertain parameter the end of its prior that is worse for the requirement when tried
-//! alone, the others nominal; priors without bounds are cut at 3 sigma. A size is the design value from which on, towards
-//! the range's end, the rule passes: the smallest in a range that rises, the largest in one that falls. A heat-load
-//! margin changes the heat loads of the case, nominal or stacked, up or down, whichever is worse.
+//! The conventional analysis as a job of one block.
 
 use super::{Basis, Output, Size, Spec, WorstEnd};
 use crate::study::rule::{Margin, Rule};

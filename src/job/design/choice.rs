@@ -98,7 +98,7 @@ impl Design {
             }
             Estimator::Nested if is_first => {
                 state.output.because = format!("`nested` is not good: {words}");
-                self.extend_set(state, Estimator::Importance)
+                self.try_estimator(state, Estimator::Importance)
             }
             Estimator::Importance if current_trust == Trust::No => {
                 let usable = |(estimator, replicates): &(Estimator, Vec<Vec<Replicate>>)| {
@@ -113,13 +113,14 @@ impl Design {
                     return Choice::Return;
                 }
                 state.output.because.push_str(&format!("; `importance` cannot be trusted: {words}"));
-                self.extend_set(state, Estimator::Laplace)
+                self.try_estimator(state, Estimator::Laplace)
             }
             _ => Choice::Keep,
         }
     }
 
-    fn extend_set(&self, state: &mut State, next: Estimator) -> Choice {
+    /// Sets aside what the current estimator gave and goes on with another one.
+    fn try_estimator(&self, state: &mut State, next: Estimator) -> Choice {
         let empty = vec![Vec::new(); state.replicates.len()];
         let left = (state.estimator, std::mem::replace(&mut state.replicates, empty));
         state.tried.push(left);

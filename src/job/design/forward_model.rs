@@ -4,6 +4,7 @@ use super::output::{DesignSensor, Phase, Spec};
 use super::samples::{Kind, Unknown};
 use crate::expression::Symbol;
 use crate::inference::information::coordinates;
+use crate::inference::likelihood::covariance_by_inputs;
 use crate::job::JobError;
 use crate::math::cholesky;
 use crate::random::Distribution;
@@ -175,14 +176,8 @@ impl ForwardModel {
         network.solve_steady(&mut workspace, Start::Default).ok()?;
         let mut slopes = vec![0.0; network.quantities() * sigmas.len()];
         network.quantity_tangent(&mut workspace, &mut slopes).ok()?;
-        let row = |sensor: usize| &slopes[self.quantities[sensor] * sigmas.len()..][..sigmas.len()];
-        let mut covariance = Vec::new();
-        for a in 0..self.sensors() {
-            for b in 0..self.sensors() {
-                covariance.push(row(a).iter().zip(row(b)).zip(sigmas).map(|((x, y), s)| x * y * s * s).sum());
-            }
-        }
-        covariance.iter().all(|value: &f64| value.is_finite()).then_some(covariance)
+        let covariance = covariance_by_inputs(&slopes, sigmas, &self.quantities);
+        covariance.iter().all(|value| value.is_finite()).then_some(covariance)
     }
 
     pub fn unknowns(&self) -> &[Unknown] {

@@ -1,11 +1,4 @@
-//! The experiment that teaches most: expected information gain about parameters over candidate phases, with nuisance
-//! parameters integrated out, limits kept, several phases chosen one after the other, and sensors ranked.
-//!
-//! Stages: `predict` (a block a candidate: noise-free readings of all samples, limits), `information` (blocks of
-//! replicates of a candidate; once more by another estimator where one cannot be trusted), `search N` (blocks of phases between the values of the grid, by Bayesian optimisation), then
-//! `phase N` and `sensor N` for greedy choices. The readings of the samples are solved
-//! once: those of a replicate are outer samples there and inner samples of the replicates before it. All candidates see
-//! the same random numbers, so that their differences are known better than their values.
+//! The choice of an experiment as a job: what it is asked, and its stages.
 
 use super::{Estimator, Output, Phase, Spec, samples};
 use std::sync::Arc;

@@ -1,13 +1,10 @@
-//! Which physics the model is missing: the diagnosis (`crate::diagnosis`) as stages of blocks.
-//!
-//! Stages: `screen` (one block), then rounds of `refit N` (sets of effects, some a block) and `extend N` (one block),
-//! then `conclude` (one block).
+//! The diagnosis as a job: what it is asked, what its stages know, and its blocks.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::diagnosis::output::PriorOfDraws;
-use crate::diagnosis::{Diagnosis, Order, Output, Problem, Refit, Settings, State, Unfitted};
+use crate::diagnosis::{Diagnosis, FitRequest, Output, Problem, Refit, Settings, State, Unfitted};
 use crate::job::{Done, Job, JobError, Parts, Step};
 use crate::random::StreamKey;
 use crate::study::posterior_prior::PosteriorPrior;
@@ -130,15 +127,15 @@ impl Diagnose {
     }
 
     pub(super) fn next(&self, state: Box<State>) -> Step<Self> {
-        let orders = self.diagnosis.orders(&state);
-        if orders.is_empty() {
+        let requests = self.diagnosis.requests(&state);
+        if requests.is_empty() {
             return Step::Blocks {
                 stage: CONCLUDE.to_owned(),
                 state: Known::Conclude(state),
                 inputs: vec![Vec::new()],
             };
         }
-        let inputs = orders.chunks(BLOCK).map(<[Order]>::to_vec).collect();
+        let inputs = requests.chunks(BLOCK).map(<[FitRequest]>::to_vec).collect();
         Step::Blocks { stage: format!("{REFIT} {}", state.rounds), state: Known::Refit(state), inputs }
     }
 }
@@ -155,7 +152,7 @@ pub(super) fn failed(reason: impl std::fmt::Display) -> JobError {
 impl Job for Diagnose {
     type State = Known;
     /// Sets to fit; none in the other stages.
-    type Input = Vec<Order>;
+    type Input = Vec<FitRequest>;
     type Partial = Partial;
     type Output = Output;
 
@@ -200,14 +197,14 @@ impl Job for Diagnose {
         Ok(Step::Blocks { stage: SCREEN.to_owned(), state: Known::Nothing, inputs: vec![Vec::new()] })
     }
 
-    fn block(&self, known: &Known, orders: Vec<Order>, _parts: &dyn Parts) -> Result<Partial, JobError> {
+    fn block(&self, known: &Known, requests: Vec<FitRequest>, _parts: &dyn Parts) -> Result<Partial, JobError> {
         Ok(match known {
             Known::Nothing => Partial::State(Box::new(quietly(|| self.diagnosis.screen()).map_err(failed)?)),
             Known::Refit(state) => {
-                let mut refits = Vec::with_capacity(orders.len());
-                for (done, order) in orders.iter().enumerate() {
-                    watch::at(done as u64, orders.len() as u64);
-                    refits.push(quietly(|| self.diagnosis.refit(state, order)));
+                let mut refits = Vec::with_capacity(requests.len());
+                for (done, request) in requests.iter().enumerate() {
+                    watch::at(done as u64, requests.len() as u64);
+                    refits.push(quietly(|| self.diagnosis.refit(state, request)));
                 }
                 Partial::Refits(refits)
             }

@@ -1,9 +1,4 @@
-//! Experimental goal setting (Stout 2015, step 3): how well the leading parameters must be known for all requirements to be met with
-//! the required probability by the given design, which design value is within reach with what knowledge, and so which experiment
-//! comes next.
-//!
-//! Better knowledge of a parameter is its prior times the likelihood of a measurement with a normal error. By itself it is tried at the
-//! prior's mean, where it changes the spread alone; then over truths drawn from the prior, since a lucky truth is no merit of an experiment.
+//! Goal setting as a job: what it is asked, and its stages.
 
 use super::{Output, Spec, output};
 use std::sync::Arc;

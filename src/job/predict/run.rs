@@ -1,8 +1,4 @@
-//! Prediction after calibration: a posterior carried to environments, beside the same with the priors that the
-//! calibration began with.
-//!
-//! Both are propagations with the same points, so that their difference is not blurred by sampling: parameters that the
-//! calibration did not infer keep their priors, and have the same values in both.
+//! The prediction as a job: the blocks of two propagations.
 
 use crate::job::propagate::Discrepancy;
 use crate::random::Distribution;

@@ -105,9 +105,9 @@ pub struct Met {
     pub probability: Probability,
     /// Required probability.
     pub required: f64,
-    /// The limit, SI, for people.
+    /// The quantity must be at most this, SI.
     pub below: Option<f64>,
-    /// The limit, SI, for people.
+    /// The quantity must be at least this, SI.
     pub above: Option<f64>,
     /// Unit of the limit.
     pub unit: String,

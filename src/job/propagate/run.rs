@@ -1,13 +1,4 @@
-//! Propagation: samples of the priors through the model, to distributions of quantities and to the probability that
-//! requirements are met, along a design variable where one is swept.
-//!
-//! Every case (environment and design value) uses the same samples, so that differences between cases are not blurred by
-//! sampling. A sample is one row of a point set, each uncertain parameter one quantile of it.
-//!
-//! Parameters with a posterior as prior take one of its draws together: the coordinate of the first of them picks the
-//! draw, so that a stratified point set uses all draws equally often. The draws are not smoothed: a kernel would widen
-//! the posterior, and blur its bounds and bends, to hide a coarseness that the parameters propagated beside it blur
-//! anyway; what the number of draws leaves open stands in the intervals instead (`statistics::clusters`).
+//! The propagation as a job of one stage.
 
 use super::{
     AddedDiscrepancy, BlockInput, BlockOutput, Case, Discrepancy, FailedSample, Met, Output, Reached, Sampling, Spec,

@@ -7,6 +7,7 @@ use crate::statistics::interval::Interval;
 use crate::statistics::moments::{Moments, correlation};
 use crate::statistics::quantile::{quantile_sorted, quantile_standard_error_sorted, sorted};
 use crate::thermal::Model;
+use crate::study::requirement::ALL;
 
 /// Probabilities of the quantiles given.
 const QUANTILES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
@@ -125,7 +126,7 @@ fn requirements(spec: &Spec, model: &Model, values: &[Vec<f64>], clusters: &[Clu
     if met_requirements.len() > 1 {
         let required = met_requirements.iter().map(|m| m.required).fold(0.0, f64::max);
         met_requirements.push(Met {
-            requirement: "all".to_owned(),
+            requirement: ALL.to_owned(),
             probability: probability(&all, clusters),
             required,
             below: None,

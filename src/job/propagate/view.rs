@@ -3,9 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::output::{Case, Distributed, Met, Output};
-
-/// Name under which all requirements stand together.
-const ALL: &str = "all";
+use crate::study::requirement::ALL;
 
 /// The document of `show --json`: everything in SI.
 ///

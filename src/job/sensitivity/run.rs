@@ -1,9 +1,4 @@
-//! Which parameters matter: exact local derivatives, elementary effects, shares of the variance with intervals from
-//! independent scrambles of Sobol points, and bounds of the total effects by mean squared derivatives.
-//!
-//! All methods take the priors as independent. A row of Saltelli's design of which any solve fails is left out whole, since its
-//! differences are what the estimators are made of; how far that could move an index is part of the result.
-//! Blocks hold sums, not values, so that memory does not grow with the number of points.
+//! The sensitivity analysis as a job: what it is asked, and its stages.
 
 use super::{FailedSolve, Method, Output, Spec, block};
 use std::sync::Arc;

@@ -26,11 +26,6 @@ pub struct Drawing {
 }
 
 impl Drawing {
-    /// Height divided by width.
-    pub fn aspect(&self) -> f64 {
-        f64::from(self.height) / f64::from(self.width)
-    }
-
     /// The drawing as an SVG element. `title` and `description` are what a screen reader says; `id` makes their
     /// names unique in a page. `standalone` adds what a file of its own needs.
     pub fn svg(&self, id: &str, title: &str, description: &str, standalone: bool) -> String {

@@ -26,14 +26,9 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         if jobs > 1 {
             blocks.push(Block::Heading(format!("Job {name}")));
         }
-        let first = blocks.len();
         blocks.push(Block::Paragraph(
             Text::new("Parameters: ")
-                .strong(if output.state == "nominal" {
-                    "nominal, the model as delivered".to_owned()
-                } else {
-                    output.state.clone()
-                })
+                .strong("nominal, the model as delivered")
                 .plain(". Deviations are measured minus predicted: positive where the model is too low."),
         ));
         blocks.extend(where_it_fails(output));
@@ -53,10 +48,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
                     .plain("."),
             ));
         } else {
-            blocks.extend(readings(report, output));
-        }
-        if output.sensors.windows(2).all(|pair| pair[0].measurement == pair[1].measurement) {
-            blocks[first..].iter_mut().for_each(without_measurement);
+            blocks.extend(readings(report, output, has_several(output)));
         }
     }
     (!blocks.is_empty()).then(|| Section { id: "comparison", title: "Model against measurements".into(), blocks })
@@ -64,22 +56,23 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
 
 /// The readings alone, all of them; not without such a job.
 pub fn readings_alone(report: &PassReport<'_>) -> Option<Section> {
-    let blocks: Vec<Block> = report.outputs::<Kind>().filter_map(|(_, output)| readings(report, output)).collect();
+    let blocks: Vec<Block> = report.outputs::<Kind>().filter_map(|(_, output)| readings(report, output, true)).collect();
     (!blocks.is_empty()).then(|| Section { id: "readings", title: "Readings".into(), blocks })
 }
 
-/// Takes the measurement's name out of tables; where there is only one it says nothing.
-fn without_measurement(block: &mut Block) {
-    match block {
-        Block::Table(table) if table.columns.first().is_some_and(|c| c.title == "Measurement") => {
-            table.columns.remove(0);
-            for row in &mut table.rows {
-                row.remove(0);
-            }
-        }
-        Block::Details(_, blocks) => blocks.iter_mut().for_each(without_measurement),
-        _ => {}
+/// Whether there are several measurements.
+fn has_several(output: &Output) -> bool {
+    output.sensors.windows(2).any(|pair| pair[0].measurement != pair[1].measurement)
+}
+
+/// A table whose first column names the measurement, which says nothing where there is only one.
+fn by_measurement(mut table: Table, has_several: bool) -> Block {
+    if has_several {
+        table.columns.insert(0, Column::text("Measurement"));
+    } else {
+        table.rows.iter_mut().for_each(|row| drop(row.remove(0)));
     }
+    Block::Table(table)
 }
 
 fn where_it_fails(output: &Output) -> Vec<Block> {
@@ -91,11 +84,11 @@ fn where_it_fails(output: &Output) -> Vec<Block> {
             .map(|f| vec![Cell::code(&f.measurement), Cell::code(&f.phase), f.reason.clone().into()])
             .collect();
         blocks.push(Block::callout(Tone::Warning, "Some phases have no prediction; they are in no statistic below."));
-        blocks.push(Block::Table(Table {
+        blocks.push(by_measurement(Table {
             caption: "Phases without a prediction.".into(),
-            columns: vec![Column::text("Measurement"), Column::text("Phase"), Column::text("Reason")],
+            columns: vec![Column::text("Phase"), Column::text("Reason")],
             rows,
-        }));
+        }, has_several(output)));
     }
     if output.fails.is_empty() {
         blocks.push(Block::callout(Tone::Verdict, "The comparison finds no place where the model fails."));
@@ -182,7 +175,7 @@ fn sensors(output: &Output) -> Block {
             rows.push(row);
         }
     }
-    let mut columns = vec![Column::text("Measurement"), Column::text("Sensor")];
+    let mut columns = vec![Column::text("Sensor")];
     if has_held_out {
         columns.push(Column::text("Readings"));
     }
@@ -191,7 +184,7 @@ fn sensors(output: &Output) -> Block {
             .map(|t| Column::number(t, "")),
     );
     columns.push(Column::text("Unit"));
-    Block::Table(Table {
+    by_measurement(Table {
         caption: if output.sensors.iter().all(|s| s.noise_rmse.is_none()) {
             "Deviations by sensor."
         } else {
@@ -200,7 +193,7 @@ fn sensors(output: &Output) -> Block {
         .into(),
         columns,
         rows,
-    })
+    }, has_several(output))
 }
 
 fn phases(output: &Output) -> Option<Block> {
@@ -223,10 +216,9 @@ fn phases(output: &Output) -> Option<Block> {
             ]
         })
         .collect();
-    let table = Block::Table(Table {
+    let table = by_measurement(Table {
         caption: "Deviations by phase or stretch of time, over all sensors, K.".into(),
         columns: vec![
-            Column::text("Measurement"),
             Column::text("Phase"),
             Column::text("Readings"),
             Column::number("Mean", ""),
@@ -236,7 +228,7 @@ fn phases(output: &Output) -> Option<Block> {
             Column::number("Its deviation", ""),
         ],
         rows,
-    });
+    }, has_several(output));
     Some(if output.phases.len() > 12 {
         Block::Details(format!("Table of the phases ({})", output.phases.len()), vec![table])
     } else {
@@ -265,12 +257,11 @@ fn trends(output: &Output) -> Option<Block> {
             ]
         })
         .collect();
-    Some(Block::Table(Table {
+    Some(by_measurement(Table {
         caption: "What the deviations go with, strongest first; marked where the slope is more than three standard errors from zero. \
                   A deviation that follows an input points at the physics of that input."
             .into(),
         columns: vec![
-            Column::text("Measurement"),
             Column::text("Sensor"),
             Column::text("Against"),
             Column::number("Change over its range", "K"),
@@ -279,7 +270,7 @@ fn trends(output: &Output) -> Option<Block> {
             Column::number("Correlation", ""),
         ],
         rows,
-    }))
+    }, has_several(output)))
 }
 
 fn heat(output: &Output) -> Option<Block> {
@@ -292,7 +283,7 @@ fn heat(output: &Output) -> Option<Block> {
             boundaries.push(name);
         }
     }
-    let mut columns = vec![Column::text("Measurement"), Column::text("Phase"), Column::number("Sources", "W")];
+    let mut columns = vec![Column::text("Phase"), Column::number("Sources", "W")];
     columns.extend(boundaries.iter().map(|b| Column::number(format!("into {b}"), "W")));
     columns.extend([Column::number("Stored", "W"), Column::number("Imbalance", "W")]);
     let watts = |w: f64| Cell::from(if w.abs() < 5e-7 { "0".to_owned() } else { significant(w, 3) });
@@ -311,7 +302,7 @@ fn heat(output: &Output) -> Option<Block> {
             row
         })
         .collect();
-    let table = Block::Table(Table { caption: "Heat balance of the model.".into(), columns, rows });
+    let table = by_measurement(Table { caption: "Heat balance of the model.".into(), columns, rows }, has_several(output));
     Some(if output.heat.len() > 12 {
         Block::Details(format!("Heat balance ({} phases)", output.heat.len()), vec![table])
     } else {
@@ -344,10 +335,9 @@ fn stabilisation(output: &Output) -> Option<Block> {
             ]
         })
         .collect();
-    Some(Block::Table(Table {
+    Some(by_measurement(Table {
         caption: "Steadiness of the phases: the fastest drift, and the heat that it hides.".into(),
         columns: vec![
-            Column::text("Measurement"),
             Column::text("Phase"),
             Column::text("Sensor"),
             Column::number("Drift", "K/h"),
@@ -355,10 +345,10 @@ fn stabilisation(output: &Output) -> Option<Block> {
             Column::text("Outcome"),
         ],
         rows,
-    }))
+    }, has_several(output)))
 }
 
-fn readings(report: &PassReport<'_>, output: &Output) -> Option<Block> {
+fn readings(report: &PassReport<'_>, output: &Output, has_several: bool) -> Option<Block> {
     if output.rows.is_empty() {
         return None;
     }
@@ -384,10 +374,9 @@ fn readings(report: &PassReport<'_>, output: &Output) -> Option<Block> {
             ]
         })
         .collect();
-    let table = Block::Table(Table {
+    let table = by_measurement(Table {
         caption: "Readings beside predictions.".into(),
         columns: vec![
-            Column::text("Measurement"),
             Column::text("Phase or time"),
             Column::text("Sensor"),
             Column::number("Measured", ""),
@@ -397,6 +386,6 @@ fn readings(report: &PassReport<'_>, output: &Output) -> Option<Block> {
             Column::text(""),
         ],
         rows,
-    });
+    }, has_several);
     Some(Block::Details(format!("All readings ({})", output.rows.len()), vec![table]))
 }

@@ -23,7 +23,7 @@ const MOST_EFFECTS: usize = 10;
 const LEAST_EFFECTS: usize = 3;
 /// Probability below which an effect needs no line of its own.
 const WORTH_A_LINE: f64 = 1e-3;
-/// Sensors that the table of a separating experiment names.
+/// Sensors that the table of a discriminating experiment names.
 const MOST_SENSORS: usize = 4;
 
 /// The section, and its kind's results in brief.
@@ -208,7 +208,7 @@ fn effects(output: &Output) -> Option<Block> {
 }
 
 fn experiment(report: &PassReport<'_>, output: &Output) -> Option<Block> {
-    let experiment = output.separating_experiment.as_ref()?;
+    let experiment = output.discriminating_experiment.as_ref()?;
     let shown = |name: &str, unit: &str| {
         let input = report.model.inputs.iter().find(|input| input.name == name);
         input.map_or_else(|| Shown::quantity(unit, unit == "K"), |input| Shown::written(&input.unit))

@@ -9,15 +9,13 @@ use crate::report::number::{self, NONE, Shown, significant, with_error};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
 use crate::report::plot::{Along, Axis, Chart, Layer, Limit, Mark, Stroke, palette};
 use crate::report::view::PassReport;
+use crate::study::requirement::ALL;
 
 use super::Entry;
 use super::problem::limits;
 use super::propagation::{
     cumulative, curve, environments, failures, histogram, joint, nominal_cases, probability_text, quantile, standing,
 };
-
-/// Name under which all requirements stand together.
-const ALL: &str = "all";
 
 /// The section, and its kind's results in brief.
 pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Prediction);

@@ -8,6 +8,7 @@ use crate::report::number::{self, Shown, fixed, percent, significant, with_error
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
 use crate::report::plot::{Along, Axis, Chart, Layer, Limit, Mark, Stroke, palette};
 use crate::report::view::PassReport;
+use crate::study::requirement::ALL;
 
 use super::Entry;
 use super::problem::limits;
@@ -206,7 +207,7 @@ pub(super) fn probability_figures(output: &Output, job: &str) -> Vec<Figure> {
         let mut words = Vec::new();
         // With one requirement `all` repeats it.
         let is_single = case.requirements.len() <= 2;
-        for (position, met) in case.requirements.iter().filter(|m| !(is_single && m.requirement == "all")).enumerate() {
+        for (position, met) in case.requirements.iter().filter(|m| !(is_single && m.requirement == ALL)).enumerate() {
             let colour = palette::series(position);
             let points = curve(output, environment, &met.requirement);
             let x = |p: &(f64, Probability)| shown.value(p.0);

@@ -9,12 +9,10 @@ use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, T
 use crate::report::plot::{Axis, Bar, bar_chart, palette};
 use crate::report::view::PassReport;
 use crate::study::rule::Margin;
+use crate::study::requirement::ALL;
 
 use super::Entry;
 use super::propagation::curve;
-
-/// Name under which the outcome of all requirements together stands.
-const ALL: &str = "all";
 
 /// The section, and its kind's results in brief.
 pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Sizing);

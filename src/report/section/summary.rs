@@ -10,6 +10,7 @@ use crate::job::{calibrate, compare, conventional, diagnose, predict, propagate}
 use crate::report::number::{self, Shown, fixed, signed};
 use crate::report::page::{Block, Figure, Section, Statement, Status, Text, Tone};
 use crate::report::view::PassReport;
+use crate::study::requirement::ALL;
 
 use super::{Entry, comparison, diagnosis, prediction, propagation, sizing};
 
@@ -28,11 +29,8 @@ pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut verdicts = Vec::new();
     // What a calibrated model is for goes before how well it fits.
     for (_, output) in report.outputs::<predict::Kind>() {
-        let (about_requirements, _) = of_propagation(report, &output.posterior);
-        statements.extend(about_requirements.into_iter().map(|statement| Statement {
-            label: statement.label.replacen("Probability,", "Probability after calibration,", 1),
-            ..statement
-        }));
+        let (about_requirements, _) = of_propagation(report, &output.posterior, "Probability after calibration");
+        statements.extend(about_requirements);
         statements.extend(of_prediction(output));
     }
     let mut details = Vec::new();
@@ -55,7 +53,7 @@ pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
     // What a requirement or a size says goes before what a distribution says, where there is no room for all.
     let mut distributions = Vec::new();
     for (_, output) in report.outputs::<propagate::Kind>() {
-        let (about_requirements, about_quantities) = of_propagation(report, output);
+        let (about_requirements, about_quantities) = of_propagation(report, output, "Probability");
         statements.extend(about_requirements);
         distributions.extend(about_quantities);
     }
@@ -276,14 +274,19 @@ fn how_wrong(output: &Output, shown: &Shown) -> Statement {
     Statement { label, value: shown.text(best.rmse), text: text.plain("."), status }
 }
 
-/// By environment: the requirement that is farthest from what is required, and its quantity's distribution.
-fn of_propagation(report: &PassReport<'_>, output: &propagate::Output) -> (Vec<Statement>, Vec<Statement>) {
+/// By environment: the requirement that is farthest from what is required, under this label, and its quantity's
+/// distribution.
+fn of_propagation(
+    report: &PassReport<'_>,
+    output: &propagate::Output,
+    probability: &str,
+) -> (Vec<Statement>, Vec<Statement>) {
     let (mut out, mut quantities) = (Vec::new(), Vec::new());
     for case in propagation::nominal_cases(output) {
         let Some(met) = case.requirements.iter().min_by(|a, b| {
             (a.probability.value - a.required)
                 .total_cmp(&(b.probability.value - b.required))
-                .then((a.requirement == "all").cmp(&(b.requirement == "all")))
+                .then((a.requirement == ALL).cmp(&(b.requirement == ALL)))
         }) else {
             continue;
         };
@@ -300,7 +303,7 @@ fn of_propagation(report: &PassReport<'_>, output: &propagate::Output) -> (Vec<S
             Status::Fail => "not met",
         };
         out.push(Statement {
-            label: format!("Probability, nominal design, {}", case.environment),
+            label: format!("{probability}, nominal design, {}", case.environment),
             value: number::probability(met.probability.value),
             text: Text::new(format!("{what}; required {}: ", number::probability(met.required)))
                 .strong(words)
@@ -327,7 +330,7 @@ fn of_prediction(output: &predict::Output) -> Vec<Statement> {
     let shown = Shown::written(&output.posterior.design_unit);
     for case in propagation::nominal_cases(&output.posterior) {
         let is_whole = |reached: &&propagate::Reached| {
-            reached.environment == case.environment && (reached.requirement == "all" || case.requirements.len() == 1)
+            reached.environment == case.environment && (reached.requirement == ALL || case.requirements.len() == 1)
         };
         let find =
             |from: &propagate::Output| from.reached.iter().find(is_whole).and_then(|reached| reached.design_value);

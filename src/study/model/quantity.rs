@@ -205,13 +205,11 @@ fn unnamed(
             Some(Unnamed::instant(id, Dimension::POWER, false))
         }
         QuantityForm::Current(name) => {
-            let element = model.find_element(&name.value, Some("cooler"), &name.place, diagnostics)?;
-            let id = model.contribution(element).current?;
+            let id = model.find_output(&name.value, "current", |element| element.current, &name.place, diagnostics)?;
             Some(Unnamed::instant(id, Dimension::CURRENT, false))
         }
         QuantityForm::Duty(name) => {
-            let element = model.find_element(&name.value, Some("heater"), &name.place, diagnostics)?;
-            let id = model.contribution(element).duty?;
+            let id = model.find_output(&name.value, "duty", |element| element.duty, &name.place, diagnostics)?;
             Some(Unnamed::instant(id, Dimension::NONE, false))
         }
         QuantityForm::OverTime(form) => {

@@ -6,8 +6,9 @@ use crate::document::formula::Expected;
 use crate::document::prior::{Prior, support};
 use crate::document::{
     Amount, Diagnostic, Diagnostics, Formulas, Map, MapEntry, Place, Sense, Source, Span, Spanned, WrittenUnit, code,
+    suggest,
 };
-use crate::expression::{Dependence, Dimension, Names, Symbol, Table, Unit};
+use crate::expression::{Dependence, Dimension, ExprId, Names, Symbol, Table, Unit};
 use crate::random::Distribution;
 use crate::thermal::element::{Contribution, Element, ElementForm, Lookup, Switch};
 use crate::thermal::{Input, Limits, Model, Node, NodeKind, Parameter};
@@ -192,6 +193,36 @@ impl ResolvedModel {
                 None
             }
         }
+    }
+
+    /// What the element of a name gives beside heat, such as its `current`; an unknown name, or elements that give no such
+    /// thing, are reported at `place`.
+    pub fn find_output(
+        &mut self,
+        name: &str,
+        what: &str,
+        output: fn(&Contribution) -> Option<ExprId>,
+        place: &Place,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<ExprId> {
+        // Elements of several kinds may have the name: what they are asked for leaves no trace in the graph.
+        let mut graph = self.model.graph.clone();
+        let mut gives = |element: &Element| output(&element.contribution(&mut graph, &mut Vec::new(), false)).is_some();
+        let of_name = self.elements.get(name).map_or(&[][..], Vec::as_slice);
+        if let Some(&element) = of_name.iter().find(|&&index| gives(&self.model.elements[index])) {
+            return output(&self.contribution(element));
+        }
+        let giving = self.model.elements.iter().filter(|element| gives(element));
+        let names: Vec<&str> = giving.map(|element| element.name.as_str()).collect();
+        let message =
+            if of_name.is_empty() { format!("unknown element `{name}`") } else { format!("`{name}` has no {what}") };
+        let expected = match names.as_slice() {
+            [] => format!("there is no element with a {what}"),
+            names => format!("one of {}", suggest::listed(names.iter().copied(), 12)),
+        };
+        let near = diagnostics.nearest(name, names.iter().copied());
+        diagnostics.push(Diagnostic::error(&code::UNKNOWN_NAME, place, message).expected(expected).suggest(near));
+        None
     }
 
     /// What an element does to the network, in the steady form.

@@ -12,7 +12,7 @@ use crate::measurement::{Measurement, Rows};
 use crate::random::Distribution;
 use crate::study::pass::PassForm;
 use crate::study::requirement::Environment;
-use crate::thermal::element::Law;
+use crate::thermal::element::SignConstraint;
 use crate::thermal::{Model, NodeKind};
 
 use super::scope::Scope;
@@ -29,7 +29,7 @@ struct Signed {
     /// `conductor`, `node`, ...
     kind: &'static str,
     name: String,
-    law: Law,
+    constraint: SignConstraint,
 }
 
 /// Checks the model with all that the pass adds to it.
@@ -49,10 +49,10 @@ pub(super) fn check(
     let mut left = MOST_EVALUATIONS;
     for signed in signed(&scope.resolved.model) {
         let Some((fault, is_error)) = tried.fault(&signed, &mut left) else { continue };
-        let place = place(scope, form, signed.kind, &signed.name, signed.law.what);
-        let (name, kind, what, unit) = (&signed.name, signed.kind, signed.law.what, signed.law.unit);
+        let place = place(scope, form, signed.kind, &signed.name, signed.constraint.what);
+        let (name, kind, what, unit) = (&signed.name, signed.kind, signed.constraint.what, signed.constraint.unit);
         let message = format!("the {what} of the {kind} `{name}` is {} {unit} {}", fault.value, fault.at);
-        let expected = if signed.law.above_zero { "above 0" } else { "0 or more" };
+        let expected = if signed.constraint.above_zero { "above 0" } else { "0 or more" };
         findings.push(if is_error {
             Diagnostic::error(&code::OUT_OF_RANGE, &place, message).expected(expected)
         } else {
@@ -65,20 +65,20 @@ pub(super) fn check(
 /// All values with a sign.
 fn signed(model: &Model) -> Vec<Signed> {
     let of_nodes = model.nodes.iter().filter_map(|node| {
-        let law = match node.kind {
+        let constraint = match node.kind {
             NodeKind::Diffusion { capacity } => {
-                Law { what: "heat capacity", unit: "J/K", value: capacity, above_zero: true }
+                SignConstraint { what: "heat capacity", unit: "J/K", value: capacity, above_zero: true }
             }
             NodeKind::Boundary { temperature } => {
-                Law { what: "temperature", unit: "K", value: temperature, above_zero: false }
+                SignConstraint { what: "temperature", unit: "K", value: temperature, above_zero: false }
             }
             NodeKind::Arithmetic => return None,
         };
-        Some(Signed { kind: "node", name: node.name.clone(), law })
+        Some(Signed { kind: "node", name: node.name.clone(), constraint })
     });
     let of_elements = model.elements.iter().flat_map(|element| {
-        let signed_law = |law| Signed { kind: element.physics().kind(), name: element.name.clone(), law };
-        element.physics().laws().into_iter().map(signed_law)
+        let of = |constraint| Signed { kind: element.physics().kind(), name: element.name.clone(), constraint };
+        element.physics().sign_constraints().into_iter().map(of)
     });
     of_nodes.chain(of_elements).collect()
 }
@@ -179,16 +179,16 @@ impl<'a> Tried<'a> {
     /// temperature that fails at one end only need not meet it.
     fn wrong(&self, signed: &Signed, parameters: &[f64], inputs: &[f64], depends: bool) -> Option<(f64, f64)> {
         let temperatures = if depends { self.temperatures.as_slice() } else { &self.temperatures[..1] };
-        let mut tried = temperatures
-            .iter()
-            .map(|temperature_k| (*temperature_k, self.value(signed.law.value, parameters, inputs, *temperature_k)));
-        let first = tried.next().filter(|(_, value)| signed.law.is_broken_by(*value))?;
-        tried.all(|(_, value)| signed.law.is_broken_by(value)).then_some(first)
+        let mut tried = temperatures.iter().map(|temperature_k| {
+            (*temperature_k, self.value(signed.constraint.value, parameters, inputs, *temperature_k))
+        });
+        let first = tried.next().filter(|(_, value)| signed.constraint.is_broken_by(*value))?;
+        tried.all(|(_, value)| signed.constraint.is_broken_by(value)).then_some(first)
     }
 
     /// The first fault of a value, and whether it is an error.
     fn fault(&self, signed: &Signed, left: &mut usize) -> Option<(Fault, bool)> {
-        let symbols = self.model.graph.symbols(signed.law.value);
+        let symbols = self.model.graph.symbols(signed.constraint.value);
         let depends = symbols.iter().any(|symbol| matches!(symbol, Symbol::Node(_)));
         let with = |at: &str, (temperature_k, value): (f64, f64), is_certain: bool| {
             let hot = if depends { format!(" and {temperature_k} K") } else { String::new() };

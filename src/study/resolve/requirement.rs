@@ -2,12 +2,9 @@
 
 use crate::document::{Amount, Map, code};
 use crate::study::pass::RequirementForm;
-use crate::study::requirement::{Environment, Requirement};
+use crate::study::requirement::{ALL, Environment, Requirement};
 
 use super::scope::Scope;
-
-/// Stands for all requirements together in results.
-const ALL: &str = "all";
 
 /// The requirements in SI.
 pub fn requirements(scope: &mut Scope, forms: &Map<RequirementForm>) -> Vec<Requirement> {

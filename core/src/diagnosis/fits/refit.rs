@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::diagnosis::fits::other_noise::{Direction, directions};
 use crate::diagnosis::fits::threshold_gaps::{Flat, together};
-use crate::diagnosis::odds::prior_of::is_prior;
+use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::prior_scale::{Amplitudes, WIDTHS};
 use crate::diagnosis::{Hypothesis, Problem};
 use crate::expression::Unit;

@@ -2,7 +2,7 @@
 //!
 //! The residuals of the fit hold noise and whatever the model lacks. So they are first freed of the parameters and of the
 //! pair of effects that explains most, by least squares on the linearised problem; what is left is given, sensor by
-//! sensor, the most likely Ornstein-Uhlenbeck process with white noise beside it (`inference::noise`), its variance
+//! sensor, the most likely Ornstein-Uhlenbeck process with white noise beside it (`inference::likelihood::noise`), its variance
 //! enlarged by the freedom that the fit took. A stated sigma stands: then only the share and the time of the correlation
 //! are sought, at that size or a smaller one. White noise and noise with any share and time are as likely beforehand: the likelihood's
 //! mean over shares and times is weighed against that of white noise, which charges their freedom for what it is worth in these data

@@ -61,7 +61,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::diagnosis::odds::posterior_odds::Odds;
+    use crate::diagnosis::odds::prior_odds::PriorOdds;
     use crate::document::Diagnostics;
     use crate::effect::{Bound, Catalogue};
     use crate::math::functions::ln;
@@ -107,7 +107,7 @@ mod tests {
 
     fn id_odds(problem: &Problem, effect: &str) -> f64 {
         let candidate = problem.candidates.iter().position(|own| own.effect == effect).unwrap();
-        Odds::new(problem).of(problem, &[candidate])
+        PriorOdds::new(problem).of(problem, &[candidate])
     }
 
     #[test]
@@ -135,7 +135,7 @@ mod tests {
                 own.effect == "input-proportional-load" && own.bound == [Bound::Input(heater)]
             };
             let candidate = problem.candidates.iter().position(own).unwrap();
-            Odds::new(problem).of(problem, &[candidate])
+            PriorOdds::new(problem).of(problem, &[candidate])
         };
         let before = of_it(&problem);
         problem.model = Arc::new(model);

@@ -1,21 +1,12 @@
 //! Probabilities of sets of effects.
 //!
-//! Beforehand each kind of effect is missing with probability 0.05 if the study does not say otherwise, at any of its places in this network alike, and so is
-//! physics that no kind describes: so the number of places is paid for. What is out of place, such as convection in
-//! vacuum, is less probable. A hidden node between two nodes that the model does not join is two things at once, a path
-//! and a part. Probabilities sum to one over "nothing", the refitted sets and "something else".
+//! They sum to one over "nothing", the refitted sets and "something else".
 
-use std::collections::BTreeMap;
-
-use crate::diagnosis::odds::medium::{is_pressure, is_vacuum};
+use crate::diagnosis::odds::prior_odds::PriorOdds;
 use crate::diagnosis::{Problem, Refit};
-use crate::effect::{Bound, Effect, Site};
 use crate::math::functions::{exp, ln};
 use crate::math::sum::log_sum_exp;
-use crate::thermal::element::Element;
 
-/// Probability beforehand that a kind of effect is missing.
-const MISSING: f64 = 0.05;
 /// Sets within this factor of the best are rivals.
 pub const RIVALS_WITHIN: f64 = 10.0;
 /// Most rivals that are taken to hold enough probability.
@@ -24,83 +15,16 @@ pub const MOST_RIVALS: usize = 5;
 /// Probability below which a set that is not near the best is no rival.
 pub const LEAST_RIVAL: f64 = 0.01;
 
-/// Log odds by which an unknown function stands behind an effect that has a name.
-pub(crate) const CURVE_COST: f64 = 3.0;
-/// Log odds by which an effect stands behind others where its physics is out of place: a twentieth, not nothing, as the
-/// model may say too little of where it is.
-const OUT_OF_PLACE: f64 = 3.0;
-/// Probability at which "nothing" stands against a test that is not clear.
+/// Probability at which "nothing" stands against a test that is not clear: a convention. Four to one
+/// for something are too little where no test is clear.
 pub const STANDS: f64 = 0.2;
-/// Probability that a group and its rivals hold together.
+/// Probability that a group and its rivals hold together: what a set keeps against a single one that is a tenth as
+/// probable, the least that is a rival ([`RIVALS_WITHIN`]), `10 / 11`.
 pub const SURE: f64 = 0.91;
-
-/// Log prior odds, against "nothing", of one instance of each kind of effect.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Odds {
-    kinds: BTreeMap<String, f64>,
-    vacuum: bool,
-}
-
-impl Odds {
-    /// Counts the places of each kind.
-    pub fn new(problem: &Problem) -> Self {
-        let mut counts: BTreeMap<String, usize> = BTreeMap::new();
-        for candidate in &problem.candidates {
-            *counts.entry(candidate.effect.clone()).or_default() += 1;
-        }
-        let odds = |effect: &str, count: usize| {
-            let unknown = problem.catalogue.get(effect).is_some_and(Effect::is_unknown_function);
-            let behind = if unknown { CURVE_COST } else { 0.0 };
-            let missing = problem.missing_probability.get(effect).copied().unwrap_or(MISSING);
-            ln(missing / (1.0 - missing)) - ln(count.max(1) as f64) - behind
-        };
-        let kinds = counts.into_iter().map(|(effect, count)| (effect.clone(), odds(&effect, count))).collect();
-        Self { kinds, vacuum: is_vacuum(problem) }
-    }
-
-    /// Whether a candidate's physics is out of place: it needs a gas in vacuum, or something that any input may stand for
-    /// is a pressure (heat moves through a gas between two temperatures; no pressure is a source of it).
-    pub fn is_out_of_place(&self, problem: &Problem, candidate: usize) -> bool {
-        let candidate = &problem.candidates[candidate];
-        let Some(effect) = problem.catalogue.get(&candidate.effect) else { return false };
-        let mut bound = effect.form.inputs.iter().zip(&candidate.bound);
-        self.vacuum && effect.needs_gas()
-            || bound.any(|(form, bound)| {
-                form.value.unit.is_none()
-                    && matches!(bound, Bound::Input(input) if is_pressure(&problem.model.inputs[*input]))
-            })
-    }
-
-    /// Of a set of candidates.
-    pub fn of(&self, problem: &Problem, effects: &[usize]) -> f64 {
-        let one = |&effect: &usize| {
-            let odds = self.kinds.get(&problem.candidates[effect].effect)?;
-            let place = if self.is_out_of_place(problem, effect) { OUT_OF_PLACE } else { 0.0 };
-            let second = if is_path_and_part(problem, effect) { ln(MISSING / (1.0 - MISSING)) } else { 0.0 };
-            Some(odds + second - place)
-        };
-        effects.iter().filter_map(one).sum()
-    }
-
-    /// Of "something else".
-    pub fn unexplained() -> f64 {
-        ln(MISSING / (1.0 - MISSING))
-    }
-}
-
-/// Whether an effect is a hidden node between two nodes that nothing in the baseline model joins.
-fn is_path_and_part(problem: &Problem, effect: usize) -> bool {
-    let candidate = &problem.candidates[effect];
-    let Site::Pair([a, b]) = candidate.site else { return false };
-    let has_node = problem.catalogue.get(&candidate.effect).is_some_and(|own| own.form.adds.value.node.is_some());
-    let joins =
-        |element: &Element| element.physics().between().is_some_and(|between| between == [a, b] || between == [b, a]);
-    has_node && !problem.model.elements.iter().any(joins)
-}
 
 /// Probabilities of the sets, in their order, and of something else.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Weights {
+pub struct SetProbabilities {
     /// Of each set.
     pub sets: Vec<f64>,
     /// Of something that is in none of the sets.
@@ -108,20 +32,20 @@ pub struct Weights {
 }
 
 /// Logarithms of what sets weigh by evidence and prior, not normalised.
-pub fn log_weights(problem: &Problem, refits: &[Refit]) -> Vec<f64> {
-    let odds = Odds::new(problem);
+pub fn log_posterior_weights(problem: &Problem, refits: &[Refit]) -> Vec<f64> {
+    let odds = PriorOdds::new(problem);
     refits.iter().map(|refit| refit.log_evidence + odds.of(problem, &refit.effects)).collect()
 }
 
 /// Weighs sets by evidence and prior; `unexplained` is the log evidence of something else, where it is known.
-pub fn posterior_odds(problem: &Problem, refits: &[Refit], unexplained: Option<f64>) -> Weights {
-    let mut logs = log_weights(problem, refits);
-    logs.push(unexplained.map_or(f64::NEG_INFINITY, |evidence| evidence + Odds::unexplained()));
+pub fn posterior_odds(problem: &Problem, refits: &[Refit], unexplained: Option<f64>) -> SetProbabilities {
+    let mut logs = log_posterior_weights(problem, refits);
+    logs.push(unexplained.map_or(f64::NEG_INFINITY, |evidence| evidence + PriorOdds::unexplained()));
     let total = log_sum_exp(&logs);
     let mut sets: Vec<f64> =
         logs.into_iter().map(|log| if total.is_finite() { exp(log - total) } else { 0.0 }).collect();
     let unexplained = sets.pop().unwrap_or(0.0);
-    Weights { sets, unexplained }
+    SetProbabilities { sets, unexplained }
 }
 
 /// Whether "nothing" stands although a test finds something with this p: it keeps a fifth of the probability, also against an
@@ -130,7 +54,7 @@ pub fn posterior_odds(problem: &Problem, refits: &[Refit], unexplained: Option<f
 pub fn nothing_stands(nothing: f64, p: f64) -> bool {
     let p = p.min(exp(-1.0));
     let least = -std::f64::consts::E * p * ln(p);
-    nothing / (1.0 + nothing * exp(Odds::unexplained()) / least) >= STANDS
+    nothing / (1.0 + nothing * exp(PriorOdds::unexplained()) / least) >= STANDS
 }
 
 /// What is left of the weights when sets are vetoed.
@@ -139,9 +63,9 @@ pub struct Vetoed {
     /// The vetoed sets, ascending.
     pub sets: Vec<usize>,
     /// Their probability given to what no set explains.
-    pub with: Weights,
+    pub with: SetProbabilities,
     /// The probabilities of the others and of something else when the vetoed sets are out of the question.
-    pub without: Weights,
+    pub without: SetProbabilities,
 }
 
 /// Asks, of every set of at least some probability, whether it is vetoed; also of those that come to it as others go. The
@@ -149,10 +73,11 @@ pub struct Vetoed {
 ///
 /// Where a set is left that explains all, giving what is lost to something else is too much: a flexible curve with the best
 /// fit to the rows that it saw would take the effect that made them along when it fails on others.
-pub fn veto(weights: &Weights, least: f64, is_vetoed: impl Fn(usize) -> bool) -> Vetoed {
+pub fn veto(weights: &SetProbabilities, least: f64, is_vetoed: impl Fn(usize) -> bool) -> Vetoed {
     let mut vetoed = Vetoed { sets: Vec::new(), with: weights.clone(), without: weights.clone() };
     let mut asked = vec![false; weights.sets.len()];
-    let next = |asked: &[bool], left: &Weights| (1..asked.len()).find(|&set| !asked[set] && left.sets[set] >= least);
+    let next =
+        |asked: &[bool], left: &SetProbabilities| (1..asked.len()).find(|&set| !asked[set] && left.sets[set] >= least);
     while let Some(set) = next(&asked, &vetoed.without) {
         asked[set] = true;
         if !is_vetoed(set) {
@@ -173,7 +98,7 @@ pub fn veto(weights: &Weights, least: f64, is_vetoed: impl Fn(usize) -> bool) ->
 }
 
 /// Position of the most probable set.
-pub fn best(weights: &Weights) -> Option<usize> {
+pub fn best(weights: &SetProbabilities) -> Option<usize> {
     let better = |best: Option<usize>, next: usize| match best {
         Some(known) if !(weights.sets[next] > weights.sets[known]) => Some(known),
         _ => Some(next),
@@ -187,7 +112,7 @@ pub fn best(weights: &Weights) -> Option<usize> {
 /// predict the same, and others while the groups together do not hold [`SURE`]. Between sets that predict the same only the
 /// odds beforehand decide, which are conventions (how many places a kind of effect has): no data tell them apart. A rival's
 /// effects that the set does not have go into the groups of the members that the rival lacks.
-pub fn groups(refits: &[Refit], weights: &Weights, of: usize, within: f64) -> (Vec<Vec<usize>>, Vec<usize>) {
+pub fn groups(refits: &[Refit], weights: &SetProbabilities, of: usize, within: f64) -> (Vec<Vec<usize>>, Vec<usize>) {
     let own = &refits[of].effects;
     let mut groups: Vec<Vec<usize>> = own.iter().map(|&effect| vec![effect]).collect();
     let mut rivals = vec![of];
@@ -230,37 +155,14 @@ fn predict_the_same(a: &Refit, b: &Refit) -> bool {
 }
 
 /// Probability of the sets that have an effect of every group.
-pub fn held(refits: &[Refit], weights: &Weights, groups: &[Vec<usize>]) -> f64 {
+pub fn held(refits: &[Refit], weights: &SetProbabilities, groups: &[Vec<usize>]) -> f64 {
     let hits = |refit: &Refit| groups.iter().all(|group| group.iter().any(|effect| refit.effects.contains(effect)));
     refits.iter().zip(&weights.sets).filter(|(refit, _)| hits(refit)).map(|(_, weight)| weight).sum()
 }
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
-    use crate::document::Diagnostics;
-    use crate::effect::Catalogue;
-    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
-
-    /// A kind that is held for likely gains the ratio of its odds to the conventional 1/19 at each of its places, others nothing.
-    #[test]
-    fn the_study_may_say_how_probable_a_kind_of_effect_is() {
-        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
-        let mut problem =
-            case(&catalogue, &Recipe::of(Topology::Star, TestKind::Steady, InjectionRequest::default()), 1, 0)
-                .unwrap()
-                .problem;
-        let of = |effect: &str| problem.candidates.iter().position(|own| own.effect == effect).unwrap();
-        let (load, path) = (of("heat-load"), of("conductive-path"));
-        let before = Odds::new(&problem);
-        problem.missing_probability.insert("heat-load".to_owned(), 0.5);
-        let after = Odds::new(&problem);
-        let gain = |effects: &[usize]| after.of(&problem, effects) - before.of(&problem, effects);
-        assert!((gain(&[load]) - ln(19.0)).abs() < 1e-12 && gain(&[path]) == 0.0);
-        assert!((gain(&[load, path]) - ln(19.0)).abs() < 1e-12);
-    }
 
     #[test]
     fn nothing_stands_while_no_test_is_clear_and_no_set_takes_its_probability() {
@@ -272,7 +174,7 @@ mod tests {
     /// A curve at 0.9 and, once it is gone, another at 1e-4 are vetoed; what is left is 0.08 + 0.01 + 0.0099.
     #[test]
     fn vetoed_sets_go_to_something_else_or_out_of_the_question() {
-        let weights = Weights { sets: vec![0.0, 0.9, 0.08, 1e-4, 0.01], unexplained: 0.0099 };
+        let weights = SetProbabilities { sets: vec![0.0, 0.9, 0.08, 1e-4, 0.01], unexplained: 0.0099 };
         let found = veto(&weights, 2e-3, |set| set == 1 || set == 3);
         assert_eq!(found.sets, [1]);
         assert!((found.with.unexplained - 0.9099).abs() < 1e-12 && found.with.sets[2] == 0.08);

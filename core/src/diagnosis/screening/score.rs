@@ -5,7 +5,7 @@
 //! With `P` the projection on the columns of the parameters that are free at the fit, and `g~ = (I - P) g`, the free problem
 //! has the amplitude `a^ = g~'r / |g~|^2` of standard deviation `1 / |g~|` and the score `z = g~'r / |g~|`, `z^2` being its
 //! likelihood ratio (Rao 1948). A parameter that the data press against a bound is not free: `P` leaves it out.
-//! Of directions with several columns: `several`.
+//! Of directions with several columns: `multi_column`.
 
 use crate::diagnosis::linearisation::bounded::{Minimum, Place, minimise};
 use crate::diagnosis::linearisation::scalar_products::{add_scaled, orthonormal, project_out};

@@ -11,8 +11,8 @@ use crate::diagnosis::linearisation::signature;
 use crate::diagnosis::misspecified::is_unstated;
 use crate::diagnosis::noise::estimate;
 use crate::diagnosis::noise::restricted_likelihood::Taken;
+use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::posterior_odds::nothing_stands;
-use crate::diagnosis::odds::prior_of::is_prior;
 use crate::diagnosis::odds::prior_scale::WIDTHS;
 use crate::diagnosis::screening::detectable::detectable;
 use crate::diagnosis::screening::family::{Extras, Family, MemberKind};
@@ -272,7 +272,7 @@ impl Diagnosis {
             pairs: Vec::new(),
             pairs_screened: 0,
             family: FamilySummary { p, tests },
-            unseen: unseen.into_iter().map(|one| (one.candidate, one.reason)).collect(),
+            unseen: unseen.into_iter().map(|one| (one.candidate, one.reason.to_string())).collect(),
             detectable: Vec::new(),
         };
         let singles = scored.directions.iter().filter(|direction| direction.amplitudes() == 1).count() as u64;

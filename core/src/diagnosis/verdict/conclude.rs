@@ -9,11 +9,11 @@ use crate::diagnosis::fits::refit::{Amplitude, Begin};
 use crate::diagnosis::heat;
 use crate::diagnosis::heat::effect_heat_flow::effect_heat_flow;
 use crate::diagnosis::noise::overstated;
+use crate::diagnosis::odds::narrow_prior::{SEPARATE, TITLE, is_prior};
 use crate::diagnosis::odds::posterior_odds::{
-    LEAST_RIVAL, MOST_RIVALS, RIVALS_WITHIN, STANDS, SURE, Weights, best, groups, held, nothing_stands, posterior_odds,
-    veto,
+    LEAST_RIVAL, MOST_RIVALS, RIVALS_WITHIN, STANDS, SURE, SetProbabilities, best, groups, held, nothing_stands,
+    posterior_odds, veto,
 };
-use crate::diagnosis::odds::prior_of::{SEPARATE, TITLE, is_prior};
 use crate::diagnosis::output::{
     Amount, Detectable, EffectHeat, EffectResult, Misfit, ModelResult, NoiseResult, Output, Rmse, RmseChange,
     StoryStep, Test, Unseen, Verdict,
@@ -66,7 +66,7 @@ const FAR_FROM_NOISE: f64 = 1e-3;
 pub(crate) struct Findings<'a> {
     pub problem: &'a Problem,
     pub state: &'a State,
-    pub weights: Weights,
+    pub weights: SetProbabilities,
     /// The steps that lead to the selected set, where the model is taken to be a little wrong everywhere.
     pub story: Option<Story>,
     /// Position of the selected fit; that of the baseline model where nothing is selected.
@@ -98,7 +98,7 @@ impl Findings<'_> {
     pub(super) fn step_of(&self, effect: usize) -> Option<(usize, usize)> {
         let steps = &self.story.as_ref()?.steps;
         let of = |step: &Step| {
-            let chance = step.chances.iter().find(|one| one.effect == effect)?;
+            let chance = step.additions.iter().find(|one| one.effect == effect)?;
             Some((step.chosen == Some(chance.place), chance.probability, (step.before, chance.place)))
         };
         let best = steps.iter().filter_map(of).reduce(|a, b| if (b.0, b.1) > (a.0, a.1) { b } else { a });
@@ -112,8 +112,8 @@ impl Findings<'_> {
         let result = |step: &Step| {
             let place = step.chosen.unwrap_or(step.before);
             let (before, after) = (&refits[step.before], &refits[place]);
-            let added = step.chances.iter().find(|one| step.chosen == Some(one.place));
-            let others = step.chances.iter().filter(|one| step.chosen != Some(one.place));
+            let added = step.additions.iter().find(|one| step.chosen == Some(one.place));
+            let others = step.additions.iter().filter(|one| step.chosen != Some(one.place));
             let likely = others.filter(|one| one.probability >= LEAST_RIVAL).take(MOST_RIVALS);
             let group = self.groups.iter().find(|group| added.is_some_and(|one| group[0] == one.effect));
             let mut alternatives: Vec<usize> = likely.map(|one| one.effect).collect();
@@ -158,7 +158,7 @@ impl Findings<'_> {
     /// The same as if models had no errors of their own.
     pub(super) fn probability_as_weighed(&self, effect: usize) -> f64 {
         if let Some(story) = &self.story {
-            let chances = story.steps.iter().flat_map(|step| &step.chances).filter(|one| one.effect == effect);
+            let chances = story.steps.iter().flat_map(|step| &step.additions).filter(|one| one.effect == effect);
             return chances.map(|one| one.probability).fold(0.0, f64::max);
         }
         let with =
@@ -192,7 +192,9 @@ impl Diagnosis {
             warnings.extend(still::warnings(&problem, baseline));
         }
         if finds && missing.is_none() {
-            warnings.push("heat whatever its cause could not be weighed beside the effects: the network is too large or not solved so".to_owned());
+            warnings.push("heat of unknown origin could not be compared with the effects: the network is too large, or it has no solution with \
+                 such heat"
+                    .to_owned());
         }
         let story = state.is_misspecified().then(|| self.story(state));
         let mut findings = Findings {
@@ -278,10 +280,10 @@ impl Diagnosis {
         if let Some(overstated) = overstated {
             warnings.insert(0, overstated);
         }
-        let parted = if verdict == Verdict::Ambiguous {
+        let discrimination = if verdict == Verdict::Ambiguous {
             discriminating_experiment::experiment(&findings)
         } else {
-            discriminating_experiment::Parted::default()
+            discriminating_experiment::Discrimination::default()
         };
         let remaining_p = if findings.selected > 0 { findings.remaining_now() } else { None };
         let (heat, goes_with) = missing.map_or_else(Default::default, |missing| (missing.heat, missing.goes_with));
@@ -298,8 +300,8 @@ impl Diagnosis {
             unseen: unseen(&findings),
             detectable: detectable(&findings),
             noise: noise(&problem, state),
-            separating_experiment: parted.experiment,
-            one_thing: parted.one_thing,
+            discriminating_experiment: discrimination.experiment,
+            one_thing: discrimination.one_thing,
             heat,
             goes_with,
             held_out_test,
@@ -493,10 +495,10 @@ impl Findings<'_> {
         self.selected = story.end();
         for step in &story.steps {
             let Some(chosen) = step.chosen else { continue };
-            let chance = |place: usize| step.chances.iter().find(|one| one.place == place);
+            let chance = |place: usize| step.additions.iter().find(|one| one.place == place);
             let Some(own) = chance(chosen) else { continue };
             let (mut group, mut held) = (vec![own.effect], own.probability);
-            for other in step.chances.iter().filter(|one| one.place != chosen) {
+            for other in step.additions.iter().filter(|one| one.place != chosen) {
                 let near = other.probability * RIVALS_WITHIN >= own.probability;
                 let unsure = held < SURE && other.probability >= LEAST_RIVAL;
                 if (near || unsure) && group.len() <= MOST_RIVALS {
@@ -504,7 +506,8 @@ impl Findings<'_> {
                     held += other.probability;
                 }
             }
-            self.rivals = step.chances.iter().filter(|one| group.contains(&one.effect)).map(|one| one.place).collect();
+            self.rivals =
+                step.additions.iter().filter(|one| group.contains(&one.effect)).map(|one| one.place).collect();
             self.rivals.sort_by_key(|place| *place != chosen);
             self.groups.push(group);
         }
@@ -674,8 +677,7 @@ fn unseen(findings: &Findings<'_>) -> Vec<Unseen> {
     for (effect, why) in findings.state.failed.iter().filter(|(effect, _)| !is_fitted(effect)) {
         let id = findings.id(*effect);
         if !list.iter().any(|known| known.id == id) {
-            let own = why.strip_prefix(id).and_then(|rest| rest.strip_prefix(": ")).unwrap_or(why);
-            list.push(unseen_effect(*effect, format!("it cannot be fitted: {own}")));
+            list.push(unseen_effect(*effect, format!("it cannot be fitted: {why}")));
         }
     }
     list

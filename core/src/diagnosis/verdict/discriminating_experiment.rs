@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use nalgebra::DMatrix;
 
 use crate::diagnosis::linearisation::signature::linearise;
-use crate::diagnosis::output::{OneThing, SeparatingExperiment, Setting};
+use crate::diagnosis::output::{DiscriminatingExperiment, OneThing, Setting};
 use crate::diagnosis::verdict::conclude::Findings;
 use crate::diagnosis::{Problem, Refit};
 use crate::inference::information::separation;
@@ -37,9 +37,9 @@ const USEFUL: f64 = 0.6;
 
 /// What would part the selected set and its rivals.
 #[derive(Default)]
-pub(crate) struct Parted {
+pub(crate) struct Discrimination {
     /// The experiment that parts them, as far as one does.
-    pub experiment: Option<SeparatingExperiment>,
+    pub experiment: Option<DiscriminatingExperiment>,
     /// Those that none parts.
     pub one_thing: Option<OneThing>,
 }
@@ -56,11 +56,11 @@ fn is_useful(probability: f64) -> bool {
 
 /// The experiment that parts the rivals of the selected set, and those rivals that no phase within the limits parts from it.
 /// Nothing where there is nothing to set, or no sensor to see it.
-pub(crate) fn experiment(findings: &Findings<'_>) -> Parted {
+pub(crate) fn experiment(findings: &Findings<'_>) -> Discrimination {
     parted(findings).unwrap_or_default()
 }
 
-fn parted(findings: &Findings<'_>) -> Option<Parted> {
+fn parted(findings: &Findings<'_>) -> Option<Discrimination> {
     let problem = findings.problem;
     let fits: Vec<&Refit> =
         findings.rivals.iter().take(MOST_RIVALS).map(|&place| &findings.state.refits[place]).collect();
@@ -104,7 +104,7 @@ fn parted(findings: &Findings<'_>) -> Option<Parted> {
         repeat_probability: alike.iter().map(|own| own.2).fold(0.5, f64::max),
     });
     if others.is_empty() {
-        return Some(Parted { experiment: None, one_thing });
+        return Some(Discrimination { experiment: None, one_thing });
     }
     if !is_useful(distinguishing_probability(greatest(&first, &others)?.square(&others))) {
         // No phase parts all of them at once: the most probable goes first.
@@ -123,7 +123,7 @@ fn parted(findings: &Findings<'_>) -> Option<Parted> {
     let told_apart = || std::iter::once(0).chain(others.iter().map(|rival| rival + 1));
     let sensors = template.sensors.iter().enumerate();
     let predicted = |place: usize| told_apart().map(|rival| best.predictions[rival][place]).collect();
-    let experiment = SeparatingExperiment {
+    let experiment = DiscriminatingExperiment {
         between: told_apart().map(|rival| of(fits[rival])).collect(),
         conditions: conditions.collect(),
         probability: distinguishing_probability(best.square(&others)),
@@ -133,7 +133,7 @@ fn parted(findings: &Findings<'_>) -> Option<Parted> {
             .map(|(place, sensor)| (sensor.name.clone(), predicted(place)))
             .collect::<BTreeMap<_, Vec<f64>>>(),
     };
-    Some(Parted { experiment: Some(experiment), one_thing })
+    Some(Discrimination { experiment: Some(experiment), one_thing })
 }
 
 /// A rival hypothesis at its fit.

@@ -1,5 +1,7 @@
 //! Data that cannot show what is missing, or hardly where: few readings, one sensor, one phase, inputs that never move.
 
+use std::collections::BTreeSet;
+
 use crate::diagnosis::Problem;
 use crate::diagnosis::problem::FittedReading;
 use crate::measurement::Rows;
@@ -41,18 +43,15 @@ pub(crate) fn warnings(problem: &Problem, free: usize) -> Vec<String> {
 
 /// What is said of inputs of effects that are the same in all rows that are fitted.
 fn still_inputs(problem: &Problem, readings: &[FittedReading]) -> Option<String> {
-    let is_used = |name: &str| {
-        let used = |own: &str| own.split('*').any(|one| one == name);
-        problem.candidates.iter().any(|candidate| candidate.input.as_deref().is_some_and(used))
-    };
+    let used: BTreeSet<usize> =
+        problem.candidates.iter().flat_map(|candidate| candidate.inputs(&problem.model)).collect();
     let is_still = |&input: &usize| {
         let level = |one: &FittedReading| problem.measurements[one.measurement].level(&problem.model, one.row, input);
         let first = readings.first().and_then(level);
         first.is_some() && readings.iter().all(|one| level(one) == first)
     };
-    let inputs =
-        (0..problem.model.inputs.len()).filter(is_still).map(|input| problem.model.inputs[input].name.as_str());
-    let named: Vec<String> = inputs.filter(|name| is_used(name)).map(|name| format!("`{name}`")).collect();
+    let inputs = used.iter().filter(|input| is_still(input));
+    let named: Vec<String> = inputs.map(|&input| format!("`{}`", problem.model.inputs[input].name)).collect();
     (!named.is_empty()).then(|| {
         format!(
             "the same in all rows that are fitted: {}; an effect that goes with such an input looks like a constant one",

@@ -5,9 +5,10 @@
 //! Laws are compared, not data: heats, capacities, boundaries and readings with and without the effect are evaluated at a
 //! few states of the inputs and temperatures, and are of one law where their ratio (or difference) is the same at all.
 
-use crate::diagnosis::odds::prior_of::is_prior;
+use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::{Problem, Refit};
 use crate::effect::Site;
+use crate::expression::unit::CELSIUS_ZERO_K;
 use crate::expression::{ExprId, Symbol, Unit};
 use crate::math::functions::ln;
 use crate::thermal::{Model, NodeKind};
@@ -22,8 +23,6 @@ const WITHIN: f64 = 2.0;
 const NEAR: f64 = 0.005;
 /// Relative standard deviation above which a size could be any.
 const UNSURE: f64 = 0.02;
-/// 0 degC, K.
-const ZERO_CELSIUS_K: f64 = 273.15;
 
 /// Factors between units that are taken for one another, with what they are.
 const UNITS: [(f64, &str); 10] = [
@@ -90,7 +89,7 @@ fn likeness_words(own: &Likeness) -> Option<String> {
 
 fn offset_words(own: &(String, f64, f64)) -> Option<String> {
     let (of, offset, sd) = own;
-    ((offset.abs() - ZERO_CELSIUS_K).abs() <= (WITHIN * sd).max(0.5)).then(|| {
+    ((offset.abs() - CELSIUS_ZERO_K).abs() <= (WITHIN * sd).max(0.5)).then(|| {
         format!("It shifts `{of}` by {offset:+.2} K: this is the size of degC taken for K. Check the model or the file first.")
     })
 }
@@ -170,7 +169,7 @@ fn compared(problem: &Problem, refit: &Refit, effect: usize, spread: f64) -> Opt
                 offsets.push((sensor.name.clone(), shift, shift.abs() * spread));
             }
             // A gain turns about 0 degC.
-            let above = |values: &[f64]| vec![(0, values.iter().map(|value| value - ZERO_CELSIUS_K).collect())];
+            let above = |values: &[f64]| vec![(0, values.iter().map(|value| value - CELSIUS_ZERO_K).collect())];
             if let Some(times) = ratio(&above(&new), &above(&old)).filter(|times| *times != 1.0) {
                 let of = format!("reading of {} in degC", sensor.name);
                 likenesses.push(Likeness { of, times, sd: (times - 1.0).abs() * spread, is_beside: false });

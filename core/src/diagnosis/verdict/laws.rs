@@ -1,21 +1,21 @@
 //! From an unknown function to physics: laws that describe the curve of a selected effect within its error.
 //!
-//! Each law is fitted to the data in the curve's place. Laws go before curves at the odds that [`posterior_odds`] gives
-//! them beforehand, so that a law describes the curve where its log evidence lags by no more than that.
+//! Each law is fitted to the data in the curve's place. Laws go before curves at the odds that [`prior_odds`] gives them,
+//! so that a law describes the curve where its log evidence lags by no more than that.
 //!
-//! [`posterior_odds`]: crate::diagnosis::odds::posterior_odds
+//! [`prior_odds`]: crate::diagnosis::odds::prior_odds
 
 use std::sync::Arc;
 
 use crate::diagnosis::engine::Diagnosis;
 use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::heat::effect_heat_flow::effect_heat_flow;
-use crate::diagnosis::odds::posterior_odds::{CURVE_COST, Odds};
+use crate::diagnosis::odds::prior_odds::{CURVE_COST, PriorOdds};
 use crate::diagnosis::output::{EffectFile, EffectResult};
 use crate::diagnosis::verdict::conclude::{Findings, amounts, watts};
 use crate::diagnosis::{Problem, Refit};
 use crate::document::Diagnostics;
-use crate::effect::law::{LawFile, laws};
+use crate::effect::law::{LawFile, SCALE, laws};
 use crate::effect::{Bound, Candidate};
 
 /// Values of a law's `scale` from which its fit begins.
@@ -58,7 +58,7 @@ impl Diagnosis {
             Begin { starts: vec![best.refit.by_name()], from_prior: 0, scale: 1.0, widths: best.refit.widths() };
         let alone = if small.is_empty() { None } else { best.problem.refit(&kept, &begin, self.key()).ok() };
         let Some(alone) = alone else { return Vec::new() };
-        let odds = Odds::new(&best.problem);
+        let odds = PriorOdds::new(&best.problem);
         let weight = |refit: &Refit| refit.log_evidence + odds.of(&best.problem, &refit.effects);
         if weight(&alone) < weight(&best.refit) {
             return Vec::new();
@@ -88,14 +88,13 @@ impl Diagnosis {
             let position = problem.candidates.len();
             let effects: Vec<usize> =
                 curve_refit.effects.iter().map(|&own| if own == curve { position } else { own }).collect();
-            let scale = format!("{id}.scale");
+            let scale = format!("{id}.{SCALE}");
             let starts = SCALES.iter().map(|&value| {
                 let mut start = curve_refit.by_name();
                 start.insert(scale.clone(), value);
                 start
             });
-            let has_scale = law.text.contains("\"scale\"");
-            let starts = starts.take(if has_scale { SCALES.len() } else { 1 }).collect();
+            let starts = starts.take(if law.has_scale { SCALES.len() } else { 1 }).collect();
             let begin = Begin { starts, from_prior: 0, scale: 1.0, widths: curve_refit.widths() };
             let refit = with_law.refit(&effects, &begin, self.key()).ok()?;
             let is_usable = refit.log_evidence.is_finite() && !refit.does_nothing(position);

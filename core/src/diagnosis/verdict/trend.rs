@@ -14,12 +14,8 @@ pub(crate) fn warnings(problem: &Problem, effects: &[usize]) -> Vec<String> {
     let mut said = Vec::new();
     for &effect in effects {
         let candidate = &problem.candidates[effect];
-        let inputs = (0..problem.model.inputs.len()).filter(|&input| {
-            candidate
-                .input
-                .as_deref()
-                .is_some_and(|own| own.split('*').any(|one| one == problem.model.inputs[input].name))
-        });
+        let own = candidate.inputs(&problem.model);
+        let inputs = (0..problem.model.inputs.len()).filter(|input| own.contains(input));
         for input in inputs.filter(|&input| follows_time(problem, input)) {
             said.push(format!(
                 "`{}` goes with `{}`, which rises or falls throughout the test: the effect may stand for anything else that changed with time",

@@ -1,14 +1,15 @@
 //! The verdict in sentences.
 
 use crate::diagnosis::output::{
-    Amount, EffectResult, OneThing, Output, RISES, SeparatingExperiment, StoryStep, Verdict,
+    Amount, DiscriminatingExperiment, EffectResult, OneThing, Output, RISES, StoryStep, Verdict,
 };
 use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::verdict::conclude::Findings;
 use crate::diagnosis::{PRIOR_OF, Problem};
-use crate::document::{counted, p_stated, percent};
+use crate::document::{counted, p_stated, percent, upper};
 use crate::effect::Effect;
 use crate::expression::Unit;
+use crate::expression::unit::CELSIUS_ZERO_K;
 use crate::measurement::{Measurement, Rows};
 
 /// The first parameter of a curve.
@@ -180,13 +181,13 @@ fn joined(names: &[String]) -> String {
 impl OneThing {
     /// That no phase parts the sets, in a sentence.
     pub fn in_words(&self) -> String {
-        format!("N{}.", &self.clause()[1..])
+        format!("{}.", upper(&self.clause()))
     }
 
     /// The same, to follow a semicolon.
     pub fn clause(&self) -> String {
         format!(
-            "no steady phase within the stated ranges tells {} apart: the best would do so with probability {}, repeating an old one with {}, guessing with 50 %",
+            "no steady phase within the stated ranges reliably tells {} apart: the best one does so with probability {}, a repeated one with {}, guessing with 50 %",
             joined(&self.sets),
             percent(self.probability),
             percent(self.repeat_probability)
@@ -267,7 +268,7 @@ fn model_error(output: &Output) -> Option<String> {
         None => "",
     };
     Some(format!(
-        "The model is a little wrong everywhere: beside what is found it owes {} K (standard deviation), while the instruments' noise is {} K. Such errors are alike in readings that follow one another, so that a reading counts as one with a noise of {} K.{part}",
+        "The model is a little wrong everywhere: beside what is found, a model error of {} K (standard deviation) remains, while the instruments' noise is {} K. Such errors are alike in readings that follow one another, so that a reading counts as one with a noise of {} K.{part}",
         short(worst.0, 2),
         short(worst.1, 2),
         short(worst.2, 2)
@@ -275,7 +276,7 @@ fn model_error(output: &Output) -> Option<String> {
 }
 
 /// That a proposed phase goes far beyond all readings so far.
-fn beyond_what_was_measured(experiment: &SeparatingExperiment, problem: &Problem) -> Option<String> {
+fn beyond_what_was_measured(experiment: &DiscriminatingExperiment, problem: &Problem) -> Option<String> {
     let kelvin = |measurement: &Measurement, sensor: usize| {
         problem.model.quantities[measurement.sensors[sensor].quantity].is_temperature
     };
@@ -300,9 +301,9 @@ fn beyond_what_was_measured(experiment: &SeparatingExperiment, problem: &Problem
     (beyond(value) > FAR_BEYOND_K).then(|| {
         format!(
             "There `{sensor}` would read {:.0} degC, while all readings so far lie between {:.0} and {:.0} degC: is the hardware made for that?",
-            value - 273.15,
-            measured[0] - 273.15,
-            measured[1] - 273.15
+            value - CELSIUS_ZERO_K,
+            measured[0] - CELSIUS_ZERO_K,
+            measured[1] - CELSIUS_ZERO_K
         )
     })
 }
@@ -352,7 +353,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             });
             if findings.doubted {
                 words.push(format!(
-                    "A test finds something, but nothing that could have made it is likely enough: that nothing is missing keeps a probability of {}. More data, or stated noise, would decide it.",
+                    "The tests find a misfit, but no effect is probable enough to explain it: that nothing is missing keeps a probability of {}. More data, or stated noise, would decide it.",
                     percent(output.probability_nothing)
                 ));
             }
@@ -455,7 +456,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             ));
         }
         words.extend(output.one_thing.as_ref().map(OneThing::in_words));
-        if let Some(experiment) = &output.separating_experiment {
+        if let Some(experiment) = &output.discriminating_experiment {
             words.push(format!(
                 "A steady phase at the conditions stated below would tell {} apart with probability {}; repeating the best old phase with {}.",
                 joined(&experiment.between),

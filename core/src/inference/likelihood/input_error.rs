@@ -36,18 +36,21 @@ impl InputErrors {
         if tangent.iter().any(|slope| !slope.is_finite()) {
             return None;
         }
-        let k = sensors.len();
-        let row = |sensor: usize| {
-            let quantity = sensors[sensor].quantity;
-            &tangent[quantity * columns..(quantity + 1) * columns]
-        };
-        let mut covariance = vec![0.0; k * k];
-        for a in 0..k {
-            for b in 0..k {
-                let terms = row(a).iter().zip(row(b)).zip(&self.sigmas);
-                covariance[a * k + b] = terms.map(|((x, y), sigma)| x * y * sigma * sigma).sum();
-            }
-        }
-        Some(covariance)
+        let quantities: Vec<usize> = sensors.iter().map(|sensor| sensor.quantity).collect();
+        Some(covariance_by_inputs(&tangent, &self.sigmas, &quantities))
     }
+}
+
+/// `F S F'` of readings of these quantities, row by row: `slopes` of all quantities by the inputs, and the inputs' standard
+/// deviations.
+pub fn covariance_by_inputs(slopes: &[f64], sigmas: &[f64], quantities: &[usize]) -> Vec<f64> {
+    let row = |quantity: usize| &slopes[quantity * sigmas.len()..][..sigmas.len()];
+    let mut covariance = Vec::with_capacity(quantities.len() * quantities.len());
+    for &a in quantities {
+        for &b in quantities {
+            let terms = row(a).iter().zip(row(b)).zip(sigmas);
+            covariance.push(terms.map(|((x, y), sigma)| x * y * sigma * sigma).sum());
+        }
+    }
+    covariance
 }

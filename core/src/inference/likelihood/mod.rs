@@ -34,10 +34,11 @@ use noise::Noise;
 use steady::{SteadyLanes, SteadyPart};
 use transient::TransientPart;
 
+pub use input_error::covariance_by_inputs;
 pub use whitening::Whitening;
 
 /// Half of ln(2 pi).
-pub(crate) const HALF_LN_TAU: f64 = 0.918_938_533_204_672_7;
+pub const HALF_LN_TAU: f64 = 0.918_938_533_204_672_7;
 
 /// The own error of an input.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]

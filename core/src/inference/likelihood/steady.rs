@@ -244,7 +244,7 @@ impl SteadyPart {
                     Some(covariance) => self.decorrelate(phase, covariance, unknowns, memory, wanted)?,
                 }
                 if let Wanted::Gradient(gradient) = wanted {
-                    self.posterior_odds(phase, memory, &mut lanes, lane, gradient);
+                    self.add_gradient_weights(phase, memory, &mut lanes, lane, gradient);
                 }
             }
             if let Wanted::Gradient(gradient) = wanted {
@@ -302,6 +302,7 @@ impl SteadyPart {
             SteadyError::Singular { .. } => "is not determined by the balances",
             SteadyError::Boundary { .. } => "has a boundary below 0 K",
             SteadyError::Band { .. } => "has a heater whose band is not above 0",
+            SteadyError::Sign { above_zero: true, .. } => "has a conductance, resistance or number that is not above 0",
             SteadyError::Sign { .. } => "has a conductance, exchange area or resistance below 0",
         };
         Rejected::new(format!("the steady state of phase `{}` of `{}` {why}", phase.name, self.name))
@@ -339,8 +340,8 @@ impl SteadyPart {
         }
     }
 
-    /// Weights of the readings in the gradient, `w = W' r` of the whitening `W`: the gradient is `sum w d(f + bias)`.
-    fn posterior_odds(
+    /// Adds the weights of the readings in the gradient, `w = W' r` of the whitening `W`: the gradient is `sum w d(f + bias)`.
+    fn add_gradient_weights(
         &self,
         phase: &Phase,
         memory: &mut Memory,

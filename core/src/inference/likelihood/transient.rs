@@ -1,4 +1,5 @@
-//! Transients in the likelihood.
+//! Transients in the likelihood: integrates to the last used row, applies lag and bias, gives the differences; `noise`
+//! whitens them, `mod` sums the density.
 
 use super::build::is_used;
 use super::whitening::Block;
@@ -216,10 +217,6 @@ impl TransientPart {
             },
             _ => self.rejected(&error),
         })
-    }
-    /// Its sensors.
-    pub fn sensors(&self) -> &[SensorPart] {
-        &self.sensors
     }
 
     /// Appends the whitening of each sensor.

@@ -39,24 +39,6 @@ impl Likelihood {
         }
         Ok(Whitening { unknowns: unknowns.to_vec(), blocks })
     }
-
-    /// Which unknowns describe the noise: they move no prediction.
-    pub fn noise_unknowns(&self) -> Vec<bool> {
-        let mut is_noise = vec![false; self.unknowns.len()];
-        for part in &self.parts {
-            let sensors = match part {
-                Part::Steady(part) => part.sensors(),
-                Part::Transient(part) => part.sensors(),
-            };
-            for noise in sensors.iter().map(|sensor| &sensor.noise) {
-                let values = [Some(noise.sigma), noise.correlation_time_s, noise.white];
-                for place in values.into_iter().flatten().filter_map(|value| value.place()) {
-                    is_noise[place] = true;
-                }
-            }
-        }
-        is_noise
-    }
 }
 
 impl Whitening {

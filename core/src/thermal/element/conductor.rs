@@ -8,7 +8,7 @@ use crate::document::{Diagnostics, Scalar, Spanned, written_struct};
 use crate::expression::{Dimension, ExprId, Graph, Symbol, Unary};
 
 use super::form::{ElementForm, Lookup, path};
-use super::{At, Contribution, Description, Drawing, ElementKind, Law, Path, Physics, Switch, arrows, law};
+use super::{At, Contribution, Description, Drawing, ElementKind, SignConstraint, Path, Physics, Switch, arrows, sign};
 
 /// A linear conductor between two nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,8 +68,8 @@ impl Physics for Conductor {
         Some(at(self.conductance, None))
     }
 
-    fn laws(&self) -> Vec<Law> {
-        vec![Law::at_least_zero(law::CONDUCTANCE, "W/K", self.conductance)]
+    fn sign_constraints(&self) -> Vec<SignConstraint> {
+        vec![SignConstraint::at_least_zero(sign::CONDUCTANCE, "W/K", self.conductance)]
     }
 
     fn scaled(&mut self) -> Option<&mut ExprId> {
@@ -116,7 +116,7 @@ impl ElementForm for ConductorForm {
         model: &mut dyn Lookup,
         diagnostics: &mut Diagnostics,
     ) -> Option<ElementKind> {
-        model.note("conductor", &name.value, law::CONDUCTANCE, self.conductance.place());
+        model.note("conductor", &name.value, sign::CONDUCTANCE, self.conductance.place());
         let (between, conductance) = path(model, &self.between, &self.conductance, CONDUCTANCE, diagnostics)?;
         Some(ElementKind::Conductor(Conductor { between, conductance }))
     }

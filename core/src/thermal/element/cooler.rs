@@ -17,7 +17,7 @@ use crate::document::{Diagnostic, Diagnostics, OneOrMany, Scalar, Spanned, code,
 use crate::expression::{Binary, Dimension, ExprId, Graph, Unary};
 
 use super::form::{ElementForm, Lookup, refuse};
-use super::{Contribution, Description, Drawing, ElementKind, Law, Path, Physics, Switch, arrows, law};
+use super::{Contribution, Description, Drawing, ElementKind, SignConstraint, Path, Physics, Switch, arrows, sign};
 use super::conductor::temperature;
 
 /// What the electronics holds.
@@ -161,14 +161,14 @@ impl Physics for Cooler {
         (stages == 0 || nodes != stages + 1).then(|| format!("has {nodes} nodes for {stages} stages; a cooler needs one node more than it has stages"))
     }
 
-    fn laws(&self) -> Vec<Law> {
-        let mut laws = vec![
-            Law::above_zero(law::COUPLE_RESISTANCE, "ohm", self.resistance),
-            Law::above_zero(law::COUPLE_CONDUCTANCE, "W/K", self.conductance),
-            Law::at_least_zero(law::LEADS, "ohm", self.lead_resistance),
+    fn sign_constraints(&self) -> Vec<SignConstraint> {
+        let mut constraints = vec![
+            SignConstraint::above_zero(sign::COUPLE_RESISTANCE, "ohm", self.resistance),
+            SignConstraint::above_zero(sign::COUPLE_CONDUCTANCE, "W/K", self.conductance),
+            SignConstraint::at_least_zero(sign::LEADS, "ohm", self.lead_resistance),
         ];
-        laws.extend(self.couples.iter().map(|&couples| Law::above_zero(law::COUPLES, "", couples)));
-        laws
+        constraints.extend(self.couples.iter().map(|&couples| SignConstraint::above_zero(sign::COUPLES, "", couples)));
+        constraints
     }
 }
 
@@ -216,9 +216,9 @@ impl ElementForm for CoolerForm {
         model: &mut dyn Lookup,
         diagnostics: &mut Diagnostics,
     ) -> Option<ElementKind> {
-        model.note("cooler", &name.value, law::COUPLES, &self.couples.place);
-        let scalars = [(law::COUPLE_RESISTANCE, &self.resistance), (law::COUPLE_CONDUCTANCE, &self.conductance)];
-        let leads = self.lead_resistance.as_ref().map(|resistance| (law::LEADS, resistance));
+        model.note("cooler", &name.value, sign::COUPLES, &self.couples.place);
+        let scalars = [(sign::COUPLE_RESISTANCE, &self.resistance), (sign::COUPLE_CONDUCTANCE, &self.conductance)];
+        let leads = self.lead_resistance.as_ref().map(|resistance| (sign::LEADS, resistance));
         for (what, scalar) in scalars.into_iter().chain(leads) {
             model.note("cooler", &name.value, what, scalar.place());
         }

@@ -4,7 +4,7 @@
 
 pub mod drawing;
 pub mod form;
-pub mod law;
+pub mod sign;
 
 use serde_json::{Value, json};
 
@@ -14,9 +14,9 @@ pub use cooler::Drive;
 pub use drawing::{Drawing, Path, Source};
 pub use form::{ElementForm, Lookup};
 pub use heater::{HeaterControl, Switch};
-pub use law::Law;
+pub use sign::SignConstraint;
 
-/// Stefan-Boltzmann constant, W/(m2 K4) (CODATA 2018, exact).
+/// Stefan-Boltzmann constant, W/(m2 K4) (CODATA 2018, to ten digits).
 pub const STEFAN_BOLTZMANN: f64 = 5.670374419e-8;
 
 /// Evaluates an expression at nominal parameters and inputs, all nodes at one temperature, one of them warmer by 1 K.
@@ -64,8 +64,8 @@ pub trait Physics {
     fn conductance(&self, _at: &At<'_>) -> Option<f64> {
         None
     }
-    /// Its values that have a sign. Heats have a direction instead.
-    fn laws(&self) -> Vec<Law> {
+    /// Its values that must have a sign. Heats have a direction instead.
+    fn sign_constraints(&self) -> Vec<SignConstraint> {
         Vec::new()
     }
     /// What a factor changes: conductance, exchange area, power.
@@ -195,7 +195,7 @@ impl Element {
         json!({"name": self.name, "element": {physics.kind(): physics.identity(number)}})
     }
 
-    /// All its nodes.
+    /// The nodes that it joins or heats, not one that its controller only senses.
     pub fn nodes(&self) -> Vec<usize> {
         let physics = self.physics();
         physics.joined().iter().copied().chain(physics.heated()).collect()

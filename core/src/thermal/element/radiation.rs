@@ -9,7 +9,7 @@ use crate::expression::{Dimension, ExprId, Graph, Unary};
 
 use super::conductor::{between, temperature};
 use super::form::{ElementForm, Lookup, path};
-use super::{At, Contribution, Description, Drawing, ElementKind, Law, Path, Physics, STEFAN_BOLTZMANN, Switch, arrows, law};
+use super::{At, Contribution, Description, Drawing, ElementKind, SignConstraint, Path, Physics, STEFAN_BOLTZMANN, Switch, arrows, sign};
 use crate::thermal::size::AT_K;
 
 /// Radiative exchange between two nodes.
@@ -77,8 +77,8 @@ impl Physics for Radiation {
         Some(4.0 * STEFAN_BOLTZMANN * at(self.exchange_area, None) * AT_K * AT_K * AT_K)
     }
 
-    fn laws(&self) -> Vec<Law> {
-        vec![Law::at_least_zero(law::EXCHANGE_AREA, "m2", self.exchange_area)]
+    fn sign_constraints(&self) -> Vec<SignConstraint> {
+        vec![SignConstraint::at_least_zero(sign::EXCHANGE_AREA, "m2", self.exchange_area)]
     }
 
     fn scaled(&mut self) -> Option<&mut ExprId> {
@@ -109,7 +109,7 @@ impl ElementForm for RadiationForm {
         model: &mut dyn Lookup,
         diagnostics: &mut Diagnostics,
     ) -> Option<ElementKind> {
-        model.note("radiation", &name.value, law::EXCHANGE_AREA, self.exchange_area.place());
+        model.note("radiation", &name.value, sign::EXCHANGE_AREA, self.exchange_area.place());
         let (between, exchange_area) = path(model, &self.between, &self.exchange_area, EXCHANGE_AREA, diagnostics)?;
         Some(ElementKind::Radiation(Radiation { between, exchange_area }))
     }

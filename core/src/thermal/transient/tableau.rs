@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn order_conditions_hold() {
-        // Exact rationals of balance_scale below 1: only rounding is left.
+        // Exact rationals of magnitude below 1: only rounding is left.
         for (order, defect) in conditions(&full()[STAGES - 1]) {
             assert!(defect.abs() < 1e-14, "order {order}: {defect}");
         }
@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn the_scheme_is_l_stable() {
         // On y' = l y the result over the step is the last stage; |R| <= 1 on the imaginary axis, -> 0 at infinity.
-        let balance_scale = |re: f64, im: f64| {
+        let magnitude = |re: f64, im: f64| {
             let a = full();
             let mut stage = [(1.0, 0.0); STAGES];
             for i in 1..STAGES {
@@ -128,9 +128,9 @@ mod tests {
             (x * x + y * y).sqrt()
         };
         for i in 0..2000 {
-            assert!(balance_scale(0.0, 0.01 * f64::from(i)) <= 1.0 + 1e-12);
-            assert!(balance_scale(-0.01 * f64::from(i), 0.0) <= 1.0 + 1e-12);
+            assert!(magnitude(0.0, 0.01 * f64::from(i)) <= 1.0 + 1e-12);
+            assert!(magnitude(-0.01 * f64::from(i), 0.0) <= 1.0 + 1e-12);
         }
-        assert!(balance_scale(-1e8, 0.0) < 1e-6);
+        assert!(magnitude(-1e8, 0.0) < 1e-6);
     }
 }

@@ -8,8 +8,9 @@ mod dump;
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
+use crate::CELSIUS_ZERO_K;
+use crate::esatan::DEFAULT_STEFAN_BOLTZMANN;
 use crate::esatan::rows::{Rows, number_or_input, rows_of};
-use crate::esatan::{CELSIUS_ZERO_K, DEFAULT_STEFAN_BOLTZMANN};
 use crate::identifier::Identifiers;
 use crate::{Coupling, CouplingKind, Deck, DeckError, Group, Load, Node, NodeKind, Note, Record};
 
@@ -120,7 +121,7 @@ fn collect<'a>(dumps: &'a [(&'a str, Dump)], times_s: &[f64], notes: &mut Vec<No
     }
     if replaced > 0 {
         let message = format!("{replaced} quantities stand in two dumps: those with more rows are read.");
-        notes.push(Note { place: None, message });
+        notes.push(Note::new(message));
     }
     Ok(columns)
 }
@@ -134,7 +135,7 @@ fn assemble(dumps: &[(&str, Dump)]) -> Result<Deck, DeckError> {
         }
         if dump.1.model != dumps[0].1.model {
             let message = format!("It is of model {}, not of {} as {}.", dump.1.model, dumps[0].1.model, dumps[0].0);
-            deck.notes.push(Note { place: Some(dump.0.to_owned()), message });
+            deck.notes.push(Note::at(dump.0, message));
         }
     }
     deck.title = longest.1.model.clone();
@@ -163,11 +164,11 @@ fn assemble(dumps: &[(&str, Dump)]) -> Result<Deck, DeckError> {
     } else {
         "The dumps hold no capacities: all nodes but the environment are arithmetic, which is right in steady cases."
     };
-    deck.notes.push(Note { place: None, message: message.to_owned() });
+    deck.notes.push(Note::new(message));
     let message = format!(
         "Dumps state no Stefan-Boltzmann constant: {DEFAULT_STEFAN_BOLTZMANN:e} W/(m2 K4) is taken, that of ESATAN 2017."
     );
-    deck.notes.push(Note { place: None, message });
+    deck.notes.push(Note::new(message));
     Ok(deck)
 }
 
@@ -190,7 +191,7 @@ fn add_nodes(
         if columns.is(number, INACTIVE) {
             place.insert(number, None);
             let message = format!("Node {number} is inactive: it is left out with its conductors.");
-            deck.notes.push(Note { place: None, message });
+            deck.notes.push(Note::new(message));
             continue;
         }
         let temperature_k: Option<Vec<f64>> = columns
@@ -302,7 +303,7 @@ fn add_couplings(
     }
     if one_way > 0 {
         let message = format!("{one_way} pairs stand there in one direction only, and are read as if in both.");
-        deck.notes.push(Note { place: None, message });
+        deck.notes.push(Note::new(message));
     }
     Ok(())
 }

@@ -134,8 +134,8 @@ impl Cutter<'_> {
             }
             Lines::Skipped(block) if !self.is_reported => {
                 self.is_reported = true;
-                let place = Some(format!("{}:{number}", self.file));
-                self.blocks.notes.push(Note { place, message: format!("Block ${block} is left out.") });
+                let place = format!("{}:{number}", self.file);
+                self.blocks.notes.push(Note::at(place, format!("Block ${block} is left out.")));
             }
             Lines::Code(_) | Lines::Skipped(_) => {}
         }

@@ -7,7 +7,8 @@ mod network;
 
 use std::collections::BTreeMap;
 
-use crate::esatan::{CELSIUS_ZERO_K, DEFAULT_STEFAN_BOLTZMANN};
+use crate::CELSIUS_ZERO_K;
+use crate::esatan::DEFAULT_STEFAN_BOLTZMANN;
 use crate::identifier::Identifiers;
 use crate::{Deck, DeckError, Note, Parameter, Value};
 
@@ -170,7 +171,7 @@ impl Model {
         }
         let (kept, unused): (Vec<_>, Vec<_>) =
             self.parameters.into_iter().partition(|parameter| used.contains(parameter.name.as_str()));
-        let mut note = |message: String| deck.notes.push(Note { place: None, message });
+        let mut note = |message: String| deck.notes.push(Note::new(message));
         if !unused.is_empty() {
             let names: Vec<&str> = unused.iter().take(10).map(|parameter| parameter.name.as_str()).collect();
             let more = if unused.len() > names.len() { ", ..." } else { "" };

@@ -258,7 +258,7 @@ impl Network<'_> {
         }
         let mut note = |count: usize, message: &str| {
             if count > 0 {
-                self.deck.notes.push(Note { place: None, message: format!("{count} {message}") });
+                self.deck.notes.push(Note::new(format!("{count} {message}")));
             }
         };
         note(self.inactive, "inactive nodes (type X) are left out with their conductors.");

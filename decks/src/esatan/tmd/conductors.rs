@@ -39,7 +39,7 @@ pub(super) fn look_for_others(root: &Group, analysis: &Group, notes: &mut Vec<No
     let (analyses, _) = root.member_names().map_err(unreadable)?;
     let (solutions, tables) = analysis.member_names().map_err(unreadable)?;
     for name in analyses.iter().filter(|name| *name != ANALYSIS).chain(solutions.iter().filter(|n| *n != SOLUTION)) {
-        notes.push(Note { place: None, message: format!("`{name}` is left out: `{ANALYSIS}/{SOLUTION}` is read.") });
+        notes.push(Note::new(format!("`{name}` is left out: `{ANALYSIS}/{SOLUTION}` is read.")));
     }
     let is_other = |name: &&String| {
         name.strip_prefix("conductors").is_some_and(|short| KINDS.iter().all(|kind| kind.short != short))
@@ -112,7 +112,7 @@ pub(super) fn read(
     }
     for (count, what) in [(to_itself, "join a node to itself and are left out"), (negative, "start with a value < 0")] {
         if count > 0 {
-            deck.notes.push(Note { place: None, message: format!("{count} conductors {short} {what}.") });
+            deck.notes.push(Note::new(format!("{count} conductors {short} {what}.")));
         }
     }
     Ok(())

@@ -120,7 +120,7 @@ fn add_nodes(table: &NodeTable, identifiers: &mut Identifiers, deck: &mut Deck) 
     }
     let mut note = |count: usize, message: &str| {
         if count > 0 {
-            deck.notes.push(Note { place: None, message: format!("{count} {message}") });
+            deck.notes.push(Note::new(format!("{count} {message}")));
         }
     };
     note(inactive, "inactive nodes (type X) are left out with their conductors.");

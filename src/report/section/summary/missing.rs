@@ -198,7 +198,7 @@ fn what_else(output: &Output, selected: &[&EffectResult]) -> Option<Statement> {
     }
     let names: Vec<String> = rivals.iter().map(|rival| rival.id.clone()).collect();
     let mut text = listed(Text::new("These data cannot tell it from "), &names, MOST_RIVALS).plain(".");
-    if let Some(experiment) = &output.separating_experiment {
+    if let Some(experiment) = &output.discriminating_experiment {
         text = text
             .plain(format!(" The phase proposed below would, with probability {}.", chance(experiment.probability)));
     } else if let Some(one) = &output.one_thing {

@@ -37,18 +37,18 @@ const MOST_ENTRIES: usize = 1 << 22;
 const MOST_TOGETHER: usize = 2000;
 
 /// A candidate that has no direction.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Unseen {
     /// Position in the problem's list.
     pub candidate: usize,
     /// Why, such as `steady phases do not see heat capacities`.
-    pub reason: String,
+    pub reason: FitError,
 }
 
 /// Whitened residuals and their slopes at given unknowns (SI, of this likelihood).
 ///
 /// The Jacobian is that of the predictions, so that a step `d` leaves `r - J d`; an unknown of the noise has a column as
-/// any other ([`Likelihood::noise_unknowns`] tells which these are). The bounds are those of a step; exactly 0 for what
+/// any other. The bounds are those of a step; exactly 0 for what
 /// stands at its bound.
 ///
 /// # Errors
@@ -160,7 +160,7 @@ pub fn for_each_direction(
             };
             match candidate_directions {
                 Ok(candidate_directions) => candidate_directions.into_iter().for_each(&mut *give),
-                Err(error) => unseen.push(Unseen { candidate: position, reason: error.to_string() }),
+                Err(reason) => unseen.push(Unseen { candidate: position, reason }),
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Values of elements that have a sign: a conductance below 0 would move heat uphill.
+//! Signs that values of elements must have: a conductance below 0 would move heat uphill.
 
 use crate::expression::ExprId;
 
@@ -15,9 +15,9 @@ pub const COUPLES: &str = "number of couples";
 /// Resistance of a cooler's leads.
 pub const LEADS: &str = "leads' resistance";
 
-/// A value of an element that has a sign.
+/// A value of an element that must not be below 0, or must be above it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Law {
+pub struct SignConstraint {
     /// What it is: [`CONDUCTANCE`], ...
     pub what: &'static str,
     /// Its SI unit.
@@ -28,7 +28,7 @@ pub struct Law {
     pub above_zero: bool,
 }
 
-impl Law {
+impl SignConstraint {
     /// Of a value that may be 0.
     pub fn at_least_zero(what: &'static str, unit: &'static str, value: ExprId) -> Self {
         Self { what, unit, value, above_zero: false }
