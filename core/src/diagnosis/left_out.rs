@@ -64,6 +64,8 @@ const FINE: f64 = 0.1;
 const MOST_FROZEN: f64 = 0.5;
 /// Standard deviation of a normal variable in its median absolute deviations.
 const MEDIAN_TO_SD: f64 = 1.482_602_218_505_602;
+/// Share of a jump of the error that the channel itself must show.
+const LEAST_OF_JUMP: f64 = 0.5;
 
 /// The median; `None` of nothing.
 fn median(mut values: Vec<f64>) -> Option<f64> {
@@ -87,7 +89,11 @@ fn spikes(errors: &[f64], readings: &[f64]) -> Vec<usize> {
     let resolution = steps.fold(f64::INFINITY, f64::min);
     let scale = MEDIAN_TO_SD * median(distances).unwrap_or(0.0);
     let least = SPIKE * scale.max(if resolution.is_finite() { 0.5 * resolution } else { 0.0 });
-    let jumps = |a: usize, b: usize| (errors[b] - errors[a]).abs() > least;
+    // Where the model jumps and the channel does not, the model is wrong: a start, or a sensor that follows late.
+    let jumps = |a: usize, b: usize| {
+        let jump = errors[b] - errors[a];
+        jump.abs() > least && (readings[b] - readings[a]) / jump > LEAST_OF_JUMP
+    };
     let most = (MOST_OF_TRANSIENT * n as f64) as usize;
     let mut spike_rows = Vec::new();
     let mut at = 1;
@@ -378,6 +384,8 @@ mod tests {
         }
         let expected: Vec<usize> = [50, 200, 201].into_iter().chain(400..410).collect();
         assert_eq!(spikes(&bad, &shown), expected);
+        // The same errors of a model that jumps: the channel is right.
+        assert!(spikes(&bad, &readings).is_empty());
     }
 
     #[test]
