@@ -253,8 +253,8 @@ fn how_wrong(output: &Output, shown: &Shown) -> Statement {
         (&output.train, format!("{}; none is held out", counted(output.train.count, "reading")))
     };
     let Some(tuned) = &output.tuned else {
-        let rest = match output.held_out.count {
-            0 => String::new(),
+        let rest = match (output.held_out.count, output.train.count) {
+            (0, _) | (_, 0) => String::new(),
             _ => format!("; {} over the {} that a fit may use", shown.text(output.train.rmse), output.train.count),
         };
         let text = format!("RMSE over {of}{rest}.");
@@ -274,6 +274,12 @@ fn how_wrong(output: &Output, shown: &Shown) -> Statement {
     Statement { label, value: shown.text(best.rmse), text: text.plain("."), status }
 }
 
+/// Whether the model breaks the criteria of a test to which nothing of it was tuned.
+fn fails_its_test(report: &PassReport<'_>) -> bool {
+    let breaks = |output: &Output| output.tuned.is_none() && output.verdicts.iter().any(|verdict| !verdict.kept);
+    report.outputs::<compare::Kind>().any(|(_, output)| breaks(output))
+}
+
 /// By environment: the requirement that is farthest from what is required, under this label, and its quantity's
 /// distribution.
 fn of_propagation(
@@ -282,6 +288,7 @@ fn of_propagation(
     probability: &str,
 ) -> (Vec<Statement>, Vec<Statement>) {
     let (mut out, mut quantities) = (Vec::new(), Vec::new());
+    let fails = fails_its_test(report);
     for case in propagation::nominal_cases(output) {
         let Some(met) = case.requirements.iter().min_by(|a, b| {
             (a.probability.value - a.required)
@@ -297,14 +304,15 @@ fn of_propagation(
         } else {
             format!("{} {}", met.quantity, super::problem::limits(&shown, met.above, met.below))
         };
-        let words = match status {
-            Status::Ok => "met",
-            Status::Caution => "undecided with these samples",
-            Status::Fail => "not met",
+        let (words, status) = match status {
+            Status::Ok if fails => ("met by the model, which fails its test: this is no proof", Status::Caution),
+            Status::Ok => ("met", status),
+            Status::Caution => ("undecided with these samples", status),
+            Status::Fail => ("not met", status),
         };
         out.push(Statement {
             label: format!("{probability}, nominal design, {}", case.environment),
-            value: number::probability(met.probability.value),
+            value: propagation::probability_stated(&met.probability),
             text: Text::new(format!("{what}; required {}: ", number::probability(met.required)))
                 .strong(words)
                 .plain("."),
