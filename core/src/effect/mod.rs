@@ -9,6 +9,7 @@ pub mod form;
 pub mod law;
 pub mod parameter;
 pub mod place;
+mod thermometers;
 
 pub use apply::{Applied, ApplyError, Instance, SensorChange, apply};
 pub use candidate::{Candidate, GroupPlace, candidates, candidates_between, chooses_pairs};
@@ -16,3 +17,4 @@ pub use catalogue::Catalogue;
 pub use checked::Effect;
 pub use parameter::EffectParameter;
 pub use place::{Bound, PlaceKind, SensorPlace, Site};
+pub use thermometers::thermometers;

@@ -15,7 +15,7 @@ use super::topology::{Topology, network};
 use super::truth::{Rival, Truth};
 use crate::diagnosis::Problem;
 use crate::document::hash::sha256_hex;
-use crate::effect::{Catalogue, Effect, SensorChange, SensorPlace, candidates};
+use crate::effect::{Catalogue, Effect, GroupPlace, SensorChange, SensorPlace, candidates, thermometers};
 use crate::measurement::{Rows, Uncertain};
 use crate::random::StreamKey;
 
@@ -159,7 +159,8 @@ fn baseline(
             transient,
         })
         .collect();
-    let candidates = candidates(&model, &[], &sensors, catalogue);
+    let groups: Vec<GroupPlace> = thermometers(&model, &[], &sensors).into_iter().collect();
+    let candidates = candidates(&model, &groups, &sensors, catalogue);
     let priors = specification.priors();
     Ok(Problem {
         parameters: (0..priors.len()).filter(|&index| !priors[index].is_fixed()).collect(),

@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 
-use crate::effect::{GroupPlace, SensorPlace, Site};
 use crate::expression::{ExprId, Symbol};
 use crate::thermal::NodeKind;
 
@@ -12,8 +11,6 @@ use super::resolve::ResolvedModel;
 
 /// Most groups that are implied: each is a place for a dozen effects.
 const MOST: usize = 12;
-/// Name of the group of all thermometers.
-const THERMOMETERS: &str = "all thermometers";
 
 /// Groups beside those of the file, none with members of another: nodes whose joints with the same boundary share a
 /// parameter, weighted by these joints' nominal values; nodes whose heat capacities share one, weighted by these;
@@ -27,17 +24,6 @@ pub(super) fn implied(model: &ResolvedModel, written: &[Group]) -> Vec<Group> {
         }
     }
     groups
-}
-
-/// The group of all thermometers of a pass, which one logger reads and one kind of mounting holds; `None` where there is
-/// one only, or a group of the file has all of them.
-pub(in crate::study) fn thermometers(model: &ResolvedModel, sensors: &[SensorPlace]) -> Option<GroupPlace> {
-    let is_thermometer = |sensor: &&SensorPlace| model.model.quantities[sensor.quantity].is_temperature;
-    let all = Site::Sensors(sensors.iter().filter(is_thermometer).cloned().collect());
-    let is_written = |group: &Group| group.name == THERMOMETERS || group.members.site(sensors) == all;
-    let is_several = matches!(&all, Site::Sensors(all) if all.len() > 1);
-    (is_several && !model.groups.iter().any(is_written))
-        .then(|| GroupPlace { name: THERMOMETERS.to_owned(), site: all })
 }
 
 fn indices(members: &Members) -> Vec<usize> {

@@ -2,7 +2,7 @@
 
 pub mod form;
 pub mod group;
-pub(in crate::study) mod implied_groups;
+mod implied_groups;
 pub mod quantity;
 pub mod resolve;
 pub mod tabulated;

@@ -1,11 +1,11 @@
 //! Where an adopted effect acts, and what its inputs stand for.
 
 use crate::document::{MapEntry, NameOr, OneOrMany, Spanned, code, suggest};
-use crate::effect::{Bound, Effect, PlaceKind, SensorPlace, Site};
-use crate::study::model::implied_groups::thermometers;
+use crate::effect::{Bound, Effect, GroupPlace, PlaceKind, SensorPlace, Site};
 use crate::study::pass::adopt::{EffectUse, GroupForm};
 use crate::thermal::NodeKind;
 
+use super::group_places;
 use super::scope::Scope;
 
 /// A place that was found.
@@ -182,11 +182,9 @@ fn find(
 }
 
 fn group_place(scope: &mut Scope, effect: &Effect, group: &Spanned<String>, sensors: &[SensorPlace]) -> Option<Placed> {
-    let declared = scope.resolved.groups.iter().find(|declared| declared.name == group.value);
-    let implied = || thermometers(&scope.resolved, sensors).filter(|implied| implied.name == group.value);
-    let Some(site) = declared.map(|group| group.members.site(sensors)).or_else(|| Some(implied()?.site)) else {
-        let group_names: Vec<String> = scope.resolved.groups.iter().map(|group| group.name.clone()).collect();
-        let group_names: Vec<&str> = group_names.iter().map(String::as_str).collect();
+    let groups = group_places(&scope.resolved, sensors);
+    let Some(GroupPlace { site, .. }) = groups.iter().find(|known| known.name == group.value).cloned() else {
+        let group_names: Vec<&str> = groups.iter().map(|known| known.name.as_str()).collect();
         scope.unknown(&code::UNKNOWN_NAME, "group", &group.value, &group.place, &group_names);
         return None;
     };

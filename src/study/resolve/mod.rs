@@ -32,13 +32,13 @@ use crate::document::written::check_format;
 use crate::document::{
     Diagnostic, Diagnostics, MapEntry, NameOr, Node, Place, Source, Span, Spanned, Value, Written, canonical, code,
 };
-use crate::effect::{Catalogue, GroupPlace};
+use crate::effect::{Catalogue, GroupPlace, SensorPlace, thermometers};
+use crate::measurement::sensor_places;
 use crate::thermal::Quantity;
 
 use super::folder::{Folder, FolderError};
 use super::inherit::{Lineage, folder_diagnostic_at, lineage};
 use super::job::Kinds;
-use super::model::implied_groups::thermometers;
 use super::model::name::check_label;
 use super::model::{self, Group, QuantityForm, QuantityOrName, ResolvedModel};
 use super::pass::measurement::MeasurementForm;
@@ -312,7 +312,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
         }
     }
     let definition_sha256 = definition(files, own_files);
-    let groups = group_places(&scope.resolved, &measurements);
+    let groups = group_places(&scope.resolved, &sensor_places(measurements.iter()));
     let ResolvedModel { mut model, reconstructed, input_errors, .. } = scope.resolved;
     model.keeps_signs = true;
     Some(Pass {
@@ -349,11 +349,12 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     })
 }
 
-/// Groups as effects see them; sensors without a measurement are no members.
-fn group_places(model: &ResolvedModel, measurements: &[crate::measurement::Measurement]) -> Vec<GroupPlace> {
-    let sensors = crate::measurement::sensor_places(measurements.iter());
-    let place = |group: &Group| GroupPlace { name: group.name.clone(), site: group.members.site(&sensors) };
-    model.groups.iter().map(place).chain(thermometers(model, &sensors)).collect()
+/// Groups as effects see them, and the one that the sensors imply; sensors without a measurement are no members.
+fn group_places(model: &ResolvedModel, sensors: &[SensorPlace]) -> Vec<GroupPlace> {
+    let place = |group: &Group| GroupPlace { name: group.name.clone(), site: group.members.site(sensors) };
+    let mut groups: Vec<GroupPlace> = model.groups.iter().map(place).collect();
+    groups.extend(thermometers(&model.model, &groups, sensors));
+    groups
 }
 
 fn seed(scope: &mut Scope, written: Option<&Spanned<u64>>) -> u64 {
