@@ -172,9 +172,9 @@ fn every_effect_can_be_hidden() {
         let mut tests = TestKind::ALL;
         tests.reverse();
         let kinds = Topology::ALL.into_iter().flat_map(|topology| tests.map(|test| (topology, test)));
-        let drawn = kinds.into_iter().find_map(|(topology, test)| {
-            (0..2).find_map(|number| case(&catalogue, &Recipe::of(topology, test, request()), SEED, number).ok())
-        });
+        let mut kinds = kinds.into_iter();
+        let drawn =
+            kinds.find_map(|(topology, test)| case(&catalogue, &Recipe::of(topology, test, request()), SEED, 0).ok());
         let case = drawn.unwrap_or_else(|| panic!("`{}` finds no place", effect.name));
         assert_eq!(case.truth.effects[0].effect, effect.name);
         check(&case, 0.5);

@@ -112,6 +112,9 @@ const MOST_ROUNDS: usize = 24;
 const LEAST_SCALE: f64 = 1e-8;
 /// Places tried before giving up.
 const TRIES: usize = 40;
+/// Places at which an effect that was asked for by name is too small, before giving up: a test that is too short for it is so
+/// everywhere, and each place costs a fit.
+const MOST_OUT_OF_REACH: usize = 4;
 /// What a permutation of channels must leave to be a case, in standard deviations.
 const LEAST_SWAP: f64 = 0.3;
 
@@ -133,10 +136,15 @@ pub fn with_stated_noise(problem: &Problem) -> Problem {
 pub fn inject(problem: &Problem, request: &InjectionRequest, draw: &mut Draw) -> Result<Hidden, InjectError> {
     let problem = with_stated_noise(problem);
     let mut last = InjectError::NoPlace;
+    let mut out_of_reach = 0;
     for _ in 0..TRIES {
         match attempt(&problem, request, draw) {
             Ok(hidden) => return Ok(hidden),
             Err(error) => last = error,
+        }
+        out_of_reach += usize::from(matches!(last, InjectError::OutOfReach { .. }));
+        if request.only.is_some() && out_of_reach == MOST_OUT_OF_REACH {
+            break;
         }
     }
     Err(last)
