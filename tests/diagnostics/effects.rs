@@ -374,6 +374,23 @@ fn an_own_effect_whose_prior_and_sign_differ() {
     "##);
 }
 
+/// `rate` in a reading is how fast it changes, so that a parameter of that name would never act.
+#[test]
+fn a_parameter_whose_name_a_reading_has_already() {
+    insta::assert_snapshot!(said_of_own(r##"{"format": "bmv-effect/1", "title": "Own", "applies": {"sensor": {}},
+ "parameters": {"rate": {"unit": "K/s", "prior": {"normal": {"mean": 0, "sd": 1e-5}}}},
+ "adds": {"reading": "T + rate * t"}, "source": "bench"}
+"##), @r##"
+    error[effect-file]: in a reading `rate` means something else already
+     --> study/effects/own.json:2:17
+      |
+    2 |  "parameters": {"rate": {"unit": "K/s", "prior": {"normal": {"mean": 0, "sd": 1e-5}}}},
+      |                 ^^^^^^ another name: `T` is the reading, `rate` its rate of change, `zero` its zero
+      |
+      = note: at $.parameters.rate
+    "##);
+}
+
 #[test]
 fn a_flow_without_its_other_end() {
     insta::assert_snapshot!(said_of_own(r##"{"format": "bmv-effect/1", "title": "Own", "applies": {"node": {}},
