@@ -385,7 +385,7 @@ fn a_parameter_whose_name_a_reading_has_already() {
      --> study/effects/own.json:2:17
       |
     2 |  "parameters": {"rate": {"unit": "K/s", "prior": {"normal": {"mean": 0, "sd": 1e-5}}}},
-      |                 ^^^^^^ another name: `T` is the reading, `rate` its rate of change, `zero` its zero
+      |                 ^^^^^^ another name: `rate` is the reading's rate of change, `zero` its zero
       |
       = note: at $.parameters.rate
     "##);

@@ -310,22 +310,24 @@ impl Effect {
         }
         if let Some(reading) = &adds.reading {
             // A sensor may measure anything: of its reading only the names are checked.
-            let locals = check.locals(&OF_READING);
+            let locals = check.locals(&["T", RATE, ZERO]);
             let mut formulas = Formulas { graph: &mut check.graph, names: &check.names };
             formulas.parse(reading, &locals, check.diagnostics);
             let parameters = self.form.parameters.iter().map(|entry| (&entry.name, &entry.name_place));
             let own = parameters.chain(self.form.inputs.iter().map(|entry| (&entry.name, &entry.name_place)));
-            for (name, place) in own.filter(|(name, _)| OF_READING.contains(&name.as_str())) {
+            for (name, place) in own.filter(|(name, _)| [RATE, ZERO].contains(&name.as_str())) {
                 let message = format!("in a reading `{name}` means something else already");
-                let expected = "another name: `T` is the reading, `rate` its rate of change, `zero` its zero";
+                let expected = "another name: `rate` is the reading's rate of change, `zero` its zero";
                 check.diagnostics.push(Diagnostic::error(&code::EFFECT_FILE, place, message).expected(expected));
             }
         }
     }
 }
 
-/// What a reading may name beside parameters and inputs.
-const OF_READING: [&str; 3] = ["T", "rate", "zero"];
+/// Rate of change of what a sensor measures. In a reading only: elsewhere a parameter may have this name.
+const RATE: &str = "rate";
+/// Zero of what a sensor measures, likewise.
+const ZERO: &str = "zero";
 
 /// The parameter that describes a curve's knots.
 pub const KNOT: &str = "knot";

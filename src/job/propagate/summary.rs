@@ -6,8 +6,8 @@ use crate::statistics::histogram::{Histogram, PairHistogram, edges_sorted};
 use crate::statistics::interval::Interval;
 use crate::statistics::moments::{Moments, correlation};
 use crate::statistics::quantile::{quantile_sorted, quantile_standard_error_sorted, sorted};
-use crate::thermal::Model;
 use crate::study::requirement::ALL;
+use crate::thermal::Model;
 
 /// Probabilities of the quantiles given.
 const QUANTILES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];

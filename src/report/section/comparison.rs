@@ -56,7 +56,8 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
 
 /// The readings alone, all of them; not without such a job.
 pub fn readings_alone(report: &PassReport<'_>) -> Option<Section> {
-    let blocks: Vec<Block> = report.outputs::<Kind>().filter_map(|(_, output)| readings(report, output, true)).collect();
+    let blocks: Vec<Block> =
+        report.outputs::<Kind>().filter_map(|(_, output)| readings(report, output, true)).collect();
     (!blocks.is_empty()).then(|| Section { id: "readings", title: "Readings".into(), blocks })
 }
 
@@ -84,11 +85,14 @@ fn where_it_fails(output: &Output) -> Vec<Block> {
             .map(|f| vec![Cell::code(&f.measurement), Cell::code(&f.phase), f.reason.clone().into()])
             .collect();
         blocks.push(Block::callout(Tone::Warning, "Some phases have no prediction; they are in no statistic below."));
-        blocks.push(by_measurement(Table {
-            caption: "Phases without a prediction.".into(),
-            columns: vec![Column::text("Phase"), Column::text("Reason")],
-            rows,
-        }, has_several(output)));
+        blocks.push(by_measurement(
+            Table {
+                caption: "Phases without a prediction.".into(),
+                columns: vec![Column::text("Phase"), Column::text("Reason")],
+                rows,
+            },
+            has_several(output),
+        ));
     }
     if output.fails.is_empty() {
         blocks.push(Block::callout(Tone::Verdict, "The comparison finds no place where the model fails."));
@@ -216,19 +220,22 @@ fn phases(output: &Output) -> Option<Block> {
             ]
         })
         .collect();
-    let table = by_measurement(Table {
-        caption: "Deviations by phase or stretch of time, over all sensors, K.".into(),
-        columns: vec![
-            Column::text("Phase"),
-            Column::text("Readings"),
-            Column::number("Mean", ""),
-            Column::number("Standard deviation", ""),
-            Column::number("RMSE", ""),
-            Column::text("Worst sensor"),
-            Column::number("Its deviation", ""),
-        ],
-        rows,
-    }, has_several(output));
+    let table = by_measurement(
+        Table {
+            caption: "Deviations by phase or stretch of time, over all sensors, K.".into(),
+            columns: vec![
+                Column::text("Phase"),
+                Column::text("Readings"),
+                Column::number("Mean", ""),
+                Column::number("Standard deviation", ""),
+                Column::number("RMSE", ""),
+                Column::text("Worst sensor"),
+                Column::number("Its deviation", ""),
+            ],
+            rows,
+        },
+        has_several(output),
+    );
     Some(if output.phases.len() > 12 {
         Block::Details(format!("Table of the phases ({})", output.phases.len()), vec![table])
     } else {
@@ -302,7 +309,8 @@ fn heat(output: &Output) -> Option<Block> {
             row
         })
         .collect();
-    let table = by_measurement(Table { caption: "Heat balance of the model.".into(), columns, rows }, has_several(output));
+    let table =
+        by_measurement(Table { caption: "Heat balance of the model.".into(), columns, rows }, has_several(output));
     Some(if output.heat.len() > 12 {
         Block::Details(format!("Heat balance ({} phases)", output.heat.len()), vec![table])
     } else {
@@ -335,17 +343,20 @@ fn stabilisation(output: &Output) -> Option<Block> {
             ]
         })
         .collect();
-    Some(by_measurement(Table {
-        caption: "Steadiness of the phases: the fastest drift, and the heat that it hides.".into(),
-        columns: vec![
-            Column::text("Phase"),
-            Column::text("Sensor"),
-            Column::number("Drift", "K/h"),
-            Column::number("Heat stored", "W"),
-            Column::text("Outcome"),
-        ],
-        rows,
-    }, has_several(output)))
+    Some(by_measurement(
+        Table {
+            caption: "Steadiness of the phases: the fastest drift, and the heat that it hides.".into(),
+            columns: vec![
+                Column::text("Phase"),
+                Column::text("Sensor"),
+                Column::number("Drift", "K/h"),
+                Column::number("Heat stored", "W"),
+                Column::text("Outcome"),
+            ],
+            rows,
+        },
+        has_several(output),
+    ))
 }
 
 fn readings(report: &PassReport<'_>, output: &Output, has_several: bool) -> Option<Block> {
@@ -374,18 +385,21 @@ fn readings(report: &PassReport<'_>, output: &Output, has_several: bool) -> Opti
             ]
         })
         .collect();
-    let table = by_measurement(Table {
-        caption: "Readings beside predictions.".into(),
-        columns: vec![
-            Column::text("Phase or time"),
-            Column::text("Sensor"),
-            Column::number("Measured", ""),
-            Column::number("Predicted", ""),
-            Column::number("Deviation", ""),
-            Column::text("Unit"),
-            Column::text(""),
-        ],
-        rows,
-    }, has_several);
+    let table = by_measurement(
+        Table {
+            caption: "Readings beside predictions.".into(),
+            columns: vec![
+                Column::text("Phase or time"),
+                Column::text("Sensor"),
+                Column::number("Measured", ""),
+                Column::number("Predicted", ""),
+                Column::number("Deviation", ""),
+                Column::text("Unit"),
+                Column::text(""),
+            ],
+            rows,
+        },
+        has_several,
+    );
     Some(Block::Details(format!("All readings ({})", output.rows.len()), vec![table]))
 }

@@ -265,11 +265,8 @@ fn tests(output: &Output) -> Option<Block> {
         .collect();
     (!rows.is_empty()).then(|| {
         Block::Table(Table {
-            caption: format!(
-                "Tests of the tuned baseline model; together {}.",
-                p_stated(output.misfit.family_wise_p)
-            )
-            .into(),
+            caption: format!("Tests of the tuned baseline model; together {}.", p_stated(output.misfit.family_wise_p))
+                .into(),
             columns: vec![Column::text("Test"), Column::text("Worst at"), Column::number("p", "")],
             rows,
         })
@@ -287,7 +284,9 @@ fn noise(output: &Output) -> Option<Block> {
             if with_model_error {
                 row.extend([shown(noise.model_error).into(), shown(noise.counts_as).into()]);
             } else {
-                row.push(noise.correlation_time_s.map_or_else(|| "white".to_owned(), |time| significant(time, 3)).into());
+                row.push(
+                    noise.correlation_time_s.map_or_else(|| "white".to_owned(), |time| significant(time, 3)).into(),
+                );
                 row.push(percent(noise.correlated_share, 0).into());
             }
             row
@@ -306,9 +305,7 @@ fn noise(output: &Output) -> Option<Block> {
         )
     };
     let columns = [Column::text("Sensor"), Column::number("Standard deviation", "K")].into_iter().chain(columns);
-    (!rows.is_empty()).then(|| {
-        Block::Table(Table { caption: caption.into(), columns: columns.collect(), rows })
-    })
+    (!rows.is_empty()).then(|| Block::Table(Table { caption: caption.into(), columns: columns.collect(), rows }))
 }
 
 fn method(output: &Output) -> String {

@@ -8,8 +8,8 @@ use crate::report::number::{self, NONE, Shown, percent, significant};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text};
 use crate::report::plot::{Axis, Bar, bar_chart, palette};
 use crate::report::view::PassReport;
-use crate::study::rule::Margin;
 use crate::study::requirement::ALL;
+use crate::study::rule::Margin;
 
 use super::Entry;
 use super::propagation::curve;

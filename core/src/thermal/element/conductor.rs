@@ -8,7 +8,7 @@ use crate::document::{Diagnostics, Scalar, Spanned, written_struct};
 use crate::expression::{Dimension, ExprId, Graph, Symbol, Unary};
 
 use super::form::{ElementForm, Lookup, path};
-use super::{At, Contribution, Description, Drawing, ElementKind, SignConstraint, Path, Physics, Switch, arrows, sign};
+use super::{At, Contribution, Description, Drawing, ElementKind, Path, Physics, SignConstraint, Switch, arrows, sign};
 
 /// A linear conductor between two nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]

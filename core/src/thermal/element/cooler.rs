@@ -16,9 +16,9 @@ use crate::document::formula::Expected;
 use crate::document::{Diagnostic, Diagnostics, OneOrMany, Scalar, Spanned, code, counted, written_struct};
 use crate::expression::{Binary, Dimension, ExprId, Graph, Unary};
 
-use super::form::{ElementForm, Lookup, refuse};
-use super::{Contribution, Description, Drawing, ElementKind, SignConstraint, Path, Physics, Switch, arrows, sign};
 use super::conductor::temperature;
+use super::form::{ElementForm, Lookup, refuse};
+use super::{Contribution, Description, Drawing, ElementKind, Path, Physics, SignConstraint, Switch, arrows, sign};
 
 /// What the electronics holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,7 +78,6 @@ impl Cooler {
             }
         }
     }
-
 }
 
 impl Physics for Cooler {
@@ -158,7 +157,8 @@ impl Physics for Cooler {
 
     fn fault(&self) -> Option<String> {
         let (nodes, stages) = (self.nodes.len(), self.couples.len());
-        (stages == 0 || nodes != stages + 1).then(|| format!("has {nodes} nodes for {stages} stages; a cooler needs one node more than it has stages"))
+        (stages == 0 || nodes != stages + 1)
+            .then(|| format!("has {nodes} nodes for {stages} stages; a cooler needs one node more than it has stages"))
     }
 
     fn sign_constraints(&self) -> Vec<SignConstraint> {

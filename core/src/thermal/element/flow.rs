@@ -7,9 +7,9 @@ use crate::document::formula::Expected;
 use crate::document::{Diagnostics, Scalar, Spanned, written_struct};
 use crate::expression::{Dimension, ExprId, Graph, Unary};
 
+use super::conductor::between;
 use super::form::{ElementForm, Lookup, path};
 use super::{At, Contribution, Description, Drawing, ElementKind, Path, Physics, Switch, arrows};
-use super::conductor::between;
 
 /// A heat flow given by an expression.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +52,13 @@ impl Physics for Flow {
 
     fn description(&self, name: &dyn Fn(usize) -> String) -> Description {
         let ends = arrows(&self.between, name);
-        Description { what: if self.one_way { "heat flow, one way" } else { "heat flow" }, ends, value: self.heat, unit: "W", others: Vec::new() }
+        Description {
+            what: if self.one_way { "heat flow, one way" } else { "heat flow" },
+            ends,
+            value: self.heat,
+            unit: "W",
+            others: Vec::new(),
+        }
     }
 
     fn drawing(&self) -> Drawing {

@@ -10,9 +10,9 @@ use crate::document::formula::Expected;
 use crate::document::{Diagnostic, Diagnostics, Scalar, Spanned, code, written_struct};
 use crate::expression::{Binary, Dimension, ExprId, Graph, Symbol, Unary};
 
+use super::conductor::temperature;
 use super::form::{ElementForm, Lookup, refuse};
 use super::{Contribution, Description, Drawing, ElementKind, Physics, Source};
-use super::conductor::temperature;
 
 /// How a heater is controlled. Temperatures in K, free of node temperatures.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -238,8 +238,9 @@ impl ElementForm for HeaterForm {
                 None
             }
         };
-        let values =
-            order.map(|(low, high, place)| (model.formulas().graph.constant(low), model.formulas().graph.constant(high), place));
+        let values = order.map(|(low, high, place)| {
+            (model.formulas().graph.constant(low), model.formulas().graph.constant(high), place)
+        });
         if let Some((Some(low), Some(high), place)) = values
             && low >= high
         {

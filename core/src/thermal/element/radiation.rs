@@ -9,7 +9,10 @@ use crate::expression::{Dimension, ExprId, Graph, Unary};
 
 use super::conductor::{between, temperature};
 use super::form::{ElementForm, Lookup, path};
-use super::{At, Contribution, Description, Drawing, ElementKind, SignConstraint, Path, Physics, STEFAN_BOLTZMANN, Switch, arrows, sign};
+use super::{
+    At, Contribution, Description, Drawing, ElementKind, Path, Physics, STEFAN_BOLTZMANN, SignConstraint, Switch,
+    arrows, sign,
+};
 use crate::thermal::size::AT_K;
 
 /// Radiative exchange between two nodes.
