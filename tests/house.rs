@@ -185,7 +185,7 @@ fn threads_are_started_by_the_runner_and_by_the_search_of_effects() {
         .filter(|(_, _, text)| program(text).contains("rayon"))
         .map(|(path, room, _)| format!("{room}: {}", path.display()))
         .filter(|user| !user.starts_with("runner: ") && !user.contains("diagnosis/linearisation/signature/"))
-        .filter(|user| !user.ends_with("diagnosis/search.rs"))
+        .filter(|user| !user.ends_with("diagnosis/search.rs") && !user.contains("diagnosis/screening/"))
         .collect();
     assert!(users.is_empty(), "{users:?}");
 }

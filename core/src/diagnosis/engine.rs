@@ -28,6 +28,8 @@ use crate::random::StreamKey;
 pub(crate) const SINGLES: usize = 30;
 /// Pairs that are fitted at first.
 const PAIRS: usize = 30;
+/// Single effects, and pairs, that are fitted before the noise of transients is estimated beside the best of them.
+const PILOTS: usize = 8;
 /// Most exchanges of channels that are fitted whatever their linearisation says.
 const EXCHANGES: usize = 4;
 /// Single effects that are fitted beside those that were fitted before, where a model error is allowed for.
@@ -108,6 +110,9 @@ pub struct State {
     /// How often a model error was estimated.
     #[serde(default)]
     pub model_errors: u32,
+    /// Whether only few sets were fitted yet, to estimate the noise beside the best of them.
+    #[serde(default)]
+    pub is_pilot: bool,
     /// Noise that was estimated.
     pub noise: Vec<SensorNoise>,
     /// Attempted steps after which a hypothesis's transient is given up, by measurement; empty without transients.
@@ -307,7 +312,15 @@ impl Diagnosis {
         let at_first_noise = self.with_noise(&at_first, &most_steps);
         let mut noise = self.estimate_noise(&at_first_noise, &declared, true)?;
         noise.extend(at_first);
-        self.screen_with(&declared, noise, most_steps)
+        let (problem, mut state) = self.screened_with(&declared, noise, most_steps)?;
+        // Steady phases are fitted in no time.
+        state.is_pilot = !state.noise.is_empty() && !state.most_steps.is_empty() && !problem.is_misspecified;
+        if state.is_pilot {
+            self.order_pilots(&mut state);
+        } else {
+            self.order_first(&problem, &mut state);
+        }
+        Ok(state)
     }
 
     /// Attempted steps after which a transient is given up: many times those of the baseline model at its fit. In a wrong
@@ -329,6 +342,18 @@ impl Diagnosis {
         noise: Vec<SensorNoise>,
         most_steps: Vec<u64>,
     ) -> Result<State, FitError> {
+        let (problem, mut state) = self.screened_with(fitted, noise, most_steps)?;
+        self.order_first(&problem, &mut state);
+        Ok(state)
+    }
+
+    /// The same before anything is ordered, with the problem of that noise.
+    fn screened_with(
+        &self,
+        fitted: &Refit,
+        noise: Vec<SensorNoise>,
+        most_steps: Vec<u64>,
+    ) -> Result<(Problem, State), FitError> {
         let problem = self.with_noise(&noise, &most_steps);
         let mut baseline = fitted.clone();
         if !noise.is_empty() {
@@ -336,22 +361,30 @@ impl Diagnosis {
             baseline = problem.refit(&[], &begin, &self.key)?;
         }
         let screening = self.screen_problem(&problem, &baseline, true)?;
-        let mut state = State {
+        let remainders = vec![Remainder { effects: Vec::new(), p: screening.family.p, leads: Vec::new() }];
+        let state = State {
             rounds: 0,
             aside: 0,
             model_errors: 0,
+            is_pilot: false,
             noise,
             most_steps,
-            screening: screening.clone(),
+            screening,
             stated_family: None,
             refits: vec![baseline],
             pending: Vec::new(),
-            remainders: vec![Remainder { effects: Vec::new(), p: screening.family.p, leads: Vec::new() }],
+            remainders,
             failed: Vec::new(),
             left_out: Vec::new(),
             places: self.problem.places.clone(),
             warnings: Vec::new(),
         };
+        Ok((problem, state))
+    }
+
+    /// Orders the sets that are fitted first: those that screening found, and those that it may have missed.
+    pub(crate) fn order_first(&self, problem: &Problem, state: &mut State) {
+        let screening = state.screening.clone();
         // A model error is allowed for where a misfit is certain.
         let finds = self.finds(&screening) || state.is_misspecified();
         let singles = match (state.is_misspecified(), finds) {
@@ -364,7 +397,7 @@ impl Diagnosis {
             state.order(&[lead], &[], 0);
         }
         if finds {
-            match exchanges(&problem, &state.refits[0], EXCHANGES) {
+            match exchanges(problem, &state.refits[0], EXCHANGES) {
                 Ok(exchange_search) => {
                     for candidate in exchange_search.likeliest {
                         state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &[], 0);
@@ -374,20 +407,32 @@ impl Diagnosis {
                 }
                 Err(why) => state.warn(why),
             }
-            match self.leads_at_prior_medians(&problem, &state.refits[0]) {
+            match self.leads_at_prior_medians(problem, &state.refits[0]) {
                 Ok(leads) => leads.iter().take(SINGLES_AT_PRIOR_MEDIANS).for_each(|lead| state.order(&[lead], &[], 0)),
                 // The model may have no solution there.
                 Err(why) => state.warn(why),
             }
         }
         if problem.is_misspecified {
-            self.order_groups(&mut state);
+            self.order_groups(state);
         } else if finds && self.settings.most > 1 {
             for pair in screening.pairs.iter().take(PAIRS) {
                 state.order(&[&pair[0], &pair[1]], &[], 0);
             }
         }
-        Ok(state)
+    }
+
+    /// Orders few sets, beside the best of which the noise is estimated before the others are fitted: with another noise
+    /// all would be fitted again.
+    fn order_pilots(&self, state: &mut State) {
+        let screening = state.screening.clone();
+        for lead in screening.leads.iter().take(PILOTS) {
+            state.order(&[lead], &[], 0);
+        }
+        let is_with_pairs = self.settings.most > 1 && self.finds(&screening);
+        for pair in screening.pairs.iter().take(if is_with_pairs { PILOTS } else { 0 }) {
+            state.order(&[&pair[0], &pair[1]], &[], 0);
+        }
     }
 
     /// What stands out where the parameters are at the medians of their priors, if the fit bends them far from there: about
@@ -405,7 +450,7 @@ impl Diagnosis {
         if !bent {
             return Ok(Vec::new());
         }
-        let mut leads = self.screen_problem(problem, &at_medians, false)?.leads;
+        let mut leads = self.leads_beside(problem, &at_medians)?;
         for start in leads.iter_mut().flat_map(|lead| &mut lead.starts) {
             let screened_start = std::mem::replace(start, at_medians.by_name());
             start.extend(screened_start);
@@ -472,7 +517,8 @@ impl Diagnosis {
             return Ok(None);
         }
         let mut next = self.screen_with(&state.refits[0], noise, state.most_steps.clone())?;
-        next.rounds = state.rounds;
+        // After a pilot it is estimated once more, beside the best of all sets.
+        next.rounds = if state.is_pilot { 0 } else { state.rounds };
         next.warnings.clone_from(&state.warnings);
         next.failed.clone_from(&state.failed);
         for refit in &state.refits[1..] {

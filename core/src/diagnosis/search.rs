@@ -100,6 +100,12 @@ impl Diagnosis {
             }
         }
         let problem = self.with_noise(&state.noise, &state.most_steps);
+        if state.is_pilot {
+            state.is_pilot = false;
+            state.rounds = 0;
+            self.order_first(&problem, &mut state);
+            return state;
+        }
         if problem.is_misspecified {
             // Step by step: what a larger set gains there is as likely to be model error.
             let place = self.story(&state).end();

@@ -27,6 +27,9 @@ use crate::math::special::{
 const LARGEST_RANK: usize = 512;
 /// Conditions on parameters at bounds that are kept; each halves the share of the draws that count.
 const LARGEST_CONDITIONS: usize = 5;
+/// A family-wise probability below this is stated by its upper limit, the sum over the members (Bonferroni): no verdict
+/// depends on how much smaller it is, and long records take seconds to draw it.
+const CERTAIN: f64 = 1e-9;
 
 /// What a member of the family tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +94,23 @@ pub struct FamilyWise {
 pub struct Family {
     /// As observed.
     pub members: Vec<Member>,
+    /// Of what the distribution is made when it is first asked for; none afterwards.
+    parts: Option<Parts>,
     null: Null,
+}
+
+/// What the distribution of the statistics is made of, as columns of the readings.
+#[derive(Clone, Debug)]
+struct Parts {
+    rows: usize,
+    freedom: usize,
+    singles: Vec<(Vec<f64>, Side)>,
+    several: Vec<Several>,
+    conditions: Vec<Vec<f64>>,
+    omnibus: bool,
+    degrees: Option<f64>,
+    /// Orthonormal columns of the free parameters.
+    free_basis: Vec<f64>,
 }
 
 impl Family {
@@ -174,31 +193,74 @@ impl Family {
         let chosen = orthonormal(&pressed, Vec::new(), 1e-3).1;
         let kept = (0..pressed.len()).filter(|k| chosen.contains(k)).take(LARGEST_CONDITIONS);
         let conditions: Vec<Vec<f64>> = kept.map(|k| pressed[k].to_vec()).collect();
-        let null = Self::coordinates(prepared, singles, several, conditions, extras.omnibus, degrees);
-        Self { members, null }
+        let omnibus = extras.omnibus && freedom > 0;
+        let free_basis = if omnibus { prepared.free_basis().to_vec() } else { Vec::new() };
+        let parts = Parts { rows, freedom, singles, several, conditions, omnibus, degrees, free_basis };
+        Self { members, parts: Some(parts), null: Null::default() }
     }
 
+    /// The distribution of the statistics where nothing is missing.
+    fn null(&mut self) -> &Null {
+        if let Some(parts) = self.parts.take() {
+            self.null = parts.null();
+        }
+        &self.null
+    }
+
+    /// The smallest probability of a member, and its position.
+    fn smallest(&self) -> Option<(usize, f64)> {
+        let mut best: Option<(usize, f64)> = None;
+        for (position, member) in self.members.iter().enumerate() {
+            let better = best.is_none_or(|(at, p)| {
+                member.p < p || (member.p == p && member.equivalent > self.members[at].equivalent)
+            });
+            if better {
+                best = Some((position, member.p));
+            }
+        }
+        best
+    }
+
+    /// Judges the family. A probability below 1e-9 is stated by its upper limit.
+    pub fn test(&mut self, sampling: &Sampling) -> FamilyWise {
+        let (which, smallest_p) = self.smallest().map_or((None, 1.0), |(which, p)| (Some(which), p));
+        // Given conditions, of which each holds for about half of the draws and those that exclude each other for fewer.
+        let conditions = self.parts.as_ref().map_or(0, |parts| parts.conditions.len());
+        let limit = smallest_p * self.members.len() as f64 * f64::from(1 << (2 * conditions));
+        let (p, se) = if limit < CERTAIN {
+            (limit, 0.0)
+        } else {
+            self.null().probability(smallest_p, sampling)
+        };
+        let max_z = which.map_or(f64::NEG_INFINITY, |which| self.members[which].equivalent);
+        FamilyWise { p, se, smallest_p, max_z, which, members: self.members.clone() }
+    }
+
+    /// Probability, and its standard error, that the smallest probability of a member is at most this where nothing is missing.
+    pub fn probability(&mut self, smallest_p: f64, sampling: &Sampling) -> (f64, f64) {
+        self.null().probability(smallest_p, sampling)
+    }
+
+    /// The smallest probability of a member that stays unusual at a level (0.005, say) for the whole family: found by false
+    /// position on the logarithms, to half a per cent, with the same random numbers for each trial.
+    pub fn critical(&mut self, level: f64, sampling: &Sampling) -> f64 {
+        self.null().critical(level, sampling)
+    }
+}
+
+impl Parts {
     /// Turns all directions to the coordinates of their span where that is small.
-    fn coordinates(
-        prepared: &Prepared,
-        singles: Vec<(Vec<f64>, Side)>,
-        several: Vec<Several>,
-        conditions: Vec<Vec<f64>>,
-        omnibus: bool,
-        degrees: Option<f64>,
-    ) -> Null {
-        let rows = prepared.rows;
+    fn null(self) -> Null {
+        let Self { rows, freedom, singles, several, conditions, omnibus, degrees, free_basis } = self;
         let all: Vec<&[f64]> = singles
             .iter()
             .map(|(unit, _)| unit.as_slice())
             .chain(several.iter().flat_map(|s| s.columns.chunks_exact(rows.max(1))))
             .chain(conditions.iter().map(Vec::as_slice))
             .collect();
-        let freedom = prepared.freedom();
         let span = coordinates(&all, LARGEST_RANK.min(7 * rows / 10));
         let sides = singles.iter().map(|(_, side)| *side).collect();
-        let mut null =
-            Null { dimensions: rows, freedom, omnibus: omnibus && freedom > 0, degrees, sides, ..Null::default() };
+        let mut null = Null { dimensions: rows, freedom, omnibus, degrees, sides, ..Null::default() };
         match span {
             Some((found, dimensions)) => {
                 let mut found = found.as_slice();
@@ -220,45 +282,10 @@ impl Family {
                 null.units = singles.into_iter().flat_map(|(unit, _)| unit).collect();
                 null.conditions = conditions.concat();
                 null.several = several;
-                if null.omnibus {
-                    null.taken_out = prepared.free_basis().to_vec();
-                }
+                null.taken_out = free_basis;
             }
         }
         null
-    }
-
-    /// The smallest probability of a member, and its position.
-    fn smallest(&self) -> Option<(usize, f64)> {
-        let mut best: Option<(usize, f64)> = None;
-        for (position, member) in self.members.iter().enumerate() {
-            let better = best.is_none_or(|(at, p)| {
-                member.p < p || (member.p == p && member.equivalent > self.members[at].equivalent)
-            });
-            if better {
-                best = Some((position, member.p));
-            }
-        }
-        best
-    }
-
-    /// Judges the family.
-    pub fn test(&self, sampling: &Sampling) -> FamilyWise {
-        let (which, smallest_p) = self.smallest().map_or((None, 1.0), |(which, p)| (Some(which), p));
-        let (p, se) = self.null.probability(smallest_p, sampling);
-        let max_z = which.map_or(f64::NEG_INFINITY, |which| self.members[which].equivalent);
-        FamilyWise { p, se, smallest_p, max_z, which, members: self.members.clone() }
-    }
-
-    /// Probability, and its standard error, that the smallest probability of a member is at most this where nothing is missing.
-    pub fn probability(&self, smallest_p: f64, sampling: &Sampling) -> (f64, f64) {
-        self.null.probability(smallest_p, sampling)
-    }
-
-    /// The smallest probability of a member that stays unusual at a level (0.005, say) for the whole family: found by false
-    /// position on the logarithms, to half a per cent, with the same random numbers for each trial.
-    pub fn critical(&self, level: f64, sampling: &Sampling) -> f64 {
-        self.null.critical(level, sampling)
     }
 }
 

@@ -40,7 +40,7 @@ fn independent_members_have_the_probability_of_sidak() {
     let m = 40;
     let directions: Vec<Direction> = (0..m).map(|k| direction(k, unit(200, k), 1)).collect();
     let prepared = bare(vec![0.0; 200]);
-    let family = family(&prepared, &directions, &nothing(), None);
+    let mut family = family(&prepared, &directions, &nothing(), None);
     for p1 in [0.01, 1e-3, 1e-5, 1e-30] {
         let (p, se) = family.probability(p1, &sampling(2000));
         let expected = -libm::expm1(f64::from(m as u32) * libm::log1p(-p1));
@@ -125,7 +125,7 @@ fn a_single_member_of_any_kind_has_its_own_probability() {
 fn an_unknown_scale_gives_student_tails_that_depend() {
     let (m, d) = (30, 8.0);
     let directions: Vec<Direction> = (0..m).map(|k| direction(k, unit(40, k), 1)).collect();
-    let family = family(&bare(vec![0.0; 40]), &directions, &nothing(), Some(d));
+    let mut family = family(&bare(vec![0.0; 40]), &directions, &nothing(), Some(d));
     for p1 in [0.01, 1e-4] {
         let c = -crate::math::special::student_t_quantile(0.5 * p1, d);
         assert!((2.0 * student_t_cdf(-c, d) - p1).abs() < 1e-9);
@@ -159,7 +159,7 @@ fn parameters_at_bounds_are_a_condition() {
         let prepared = Prepared::new(&linear);
         let mut g = direction(0, vec![rho, sqrt(1.0 - rho * rho), 0.0], 1);
         g.lower[0] = 0.0;
-        let family = family(&prepared, &[g], &nothing(), None);
+        let mut family = family(&prepared, &[g], &nothing(), None);
         for p1 in [0.05, 1e-3] {
             let c = -crate::math::special::normal_quantile(p1);
             // P(z > c, x < 0) / P(x < 0).
@@ -189,7 +189,7 @@ fn mixed(draws: usize) {
     let extras = Extras { groups: &groups, bounds: true, priors: true, omnibus: true };
     let prepared = Prepared::new(&linear);
     assert_eq!(prepared.pinned().len(), 1);
-    let family = family(&prepared, &directions, &extras, None);
+    let mut family = family(&prepared, &directions, &extras, None);
     assert_eq!(family.members.len(), 12 + 1 + 2 + 2 + 1 + 1);
     let p1 = 0.004;
     let (p, se) = family.probability(p1, &sampling(4000));
@@ -237,7 +237,7 @@ fn many_random_members_agree_with_counting() {
             g.columns.iter().map(|x| x / norm).collect()
         })
         .collect();
-    let family = family(&bare(vec![0.0; rows]), &directions, &nothing(), None);
+    let mut family = family(&bare(vec![0.0; rows]), &directions, &nothing(), None);
     let p1 = 1e-4;
     let c = -crate::math::special::normal_quantile(0.5 * p1);
     let (p, se) = family.probability(p1, &sampling(2000));
@@ -282,7 +282,7 @@ fn critical_probabilities_and_detectable_amplitudes() {
     let m = 40;
     let directions: Vec<Direction> = (0..m).map(|k| direction(k, unit(60, k), 1)).collect();
     let prepared = bare(vec![0.0; 60]);
-    let family = family(&prepared, &directions, &nothing(), None);
+    let mut family = family(&prepared, &directions, &nothing(), None);
     let critical_p = family.critical(0.005, &sampling(4000));
     // Independent members: 1 - 0.995^(1/40), to the standard error and the half per cent of the search.
     let expected = 1.0 - pow(0.995, 1.0 / 40.0);

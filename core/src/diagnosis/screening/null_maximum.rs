@@ -12,6 +12,8 @@
 //! With an unknown scale, `e = x / s` with `d s^2` a chi-square of d degrees: `s` is drawn given what was drawn from the tail,
 //! as `(d + length^2) s^2` is a chi-square of `d + k` degrees, k being the number of components drawn.
 
+use rayon::prelude::*;
+
 use crate::diagnosis::linearisation::scalar_products::{add_scaled, project_out};
 use crate::diagnosis::screening::family::square_tail;
 use crate::diagnosis::screening::score::Side;
@@ -24,6 +26,8 @@ use crate::watch;
 
 /// Draws that meet the directions together.
 const LANES: usize = 8;
+/// Draws that a thread takes at a time.
+const TOGETHER: usize = 16 * LANES;
 /// A threshold is met but for this share, for rounding.
 const ROUNDING: f64 = 1e-11;
 
@@ -145,25 +149,30 @@ impl Null {
         let thresholds = self.thresholds(p.max(1e-290));
         let draws = sampling.draws.max(2) << self.condition_count();
         let words = (self.dimensions + 5) as u64;
-        let mut stream = sampling.key.stream(0);
-        let mut weights = Vec::with_capacity(draws);
-        let mut block: Vec<Draw> = Vec::with_capacity(LANES);
-        for index in 0..draws {
-            stream.seek(index as u64 * words);
-            // Members in turn, so that each is drawn its share of times.
-            let place = (index as f64 + stream.uniform()) / draws as f64;
-            let member = ((place * members as f64) as usize).min(members - 1);
-            let draw = self.draw(member, &thresholds, &mut stream);
-            // The others weigh nothing.
-            if self.conditions.chunks_exact(self.dimensions.max(1)).all(|c| dot(c, &draw.vector) >= 0.0) {
-                block.push(draw);
+        let weights_of = |first: usize| {
+            let mut stream = sampling.key.stream(0);
+            let mut weights = Vec::with_capacity(TOGETHER);
+            let mut block: Vec<Draw> = Vec::with_capacity(LANES);
+            for index in first..(first + TOGETHER).min(draws) {
+                stream.seek(index as u64 * words);
+                // Members in turn, so that each is drawn its share of times.
+                let place = (index as f64 + stream.uniform()) / draws as f64;
+                let member = ((place * members as f64) as usize).min(members - 1);
+                let draw = self.draw(member, &thresholds, &mut stream);
+                // The others weigh nothing.
+                if self.conditions.chunks_exact(self.dimensions.max(1)).all(|c| dot(c, &draw.vector) >= 0.0) {
+                    block.push(draw);
+                }
+                if block.len() == LANES {
+                    weights.extend(self.weights(&block, &thresholds));
+                    block.clear();
+                }
             }
-            if block.len() == LANES {
-                weights.extend(self.weights(&block, &thresholds));
-                block.clear();
-            }
-        }
-        weights.extend(self.weights(&block, &thresholds));
+            weights.extend(self.weights(&block, &thresholds));
+            weights
+        };
+        let firsts: Vec<usize> = (0..draws).step_by(TOGETHER).collect();
+        let mut weights: Vec<f64> = firsts.par_iter().flat_map_iter(|&first| weights_of(first)).collect();
         weights.resize(draws, 0.0);
         let n = draws as f64;
         let mean = weights.iter().sum::<f64>() / n;

@@ -8,6 +8,8 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
+use rayon::prelude::*;
+
 use crate::diagnosis::Direction;
 use crate::diagnosis::screening::multi_column::Projected;
 use crate::diagnosis::screening::score::{Column, Prepared, Score, Side};
@@ -73,10 +75,10 @@ impl PartialOrd for Screened {
 pub fn screen(units: &[f64], rows: usize, z: &[f64], sides: &[Side], count: usize) -> Vec<Screened> {
     let n = z.len();
     let unit = |k: usize| &units[k * rows..(k + 1) * rows];
-    let mut heap: BinaryHeap<Screened> = BinaryHeap::with_capacity(count + 1);
-    let mut worst = f64::NEG_INFINITY;
     let allowed = |side: Side, amplitude: f64| side.fold(amplitude) > 0.0;
-    for first_tile in (0..n).step_by(TILE) {
+    let best_of_tile = |first_tile: usize| {
+        let mut heap: BinaryHeap<Screened> = BinaryHeap::with_capacity(count + 1);
+        let mut worst = f64::NEG_INFINITY;
         for second_tile in (first_tile..n).step_by(TILE) {
             watch::check();
             for j in first_tile..(first_tile + TILE).min(n) {
@@ -101,8 +103,13 @@ pub fn screen(units: &[f64], rows: usize, z: &[f64], sides: &[Side], count: usiz
                 }
             }
         }
-    }
-    heap.into_sorted_vec()
+        heap.into_vec()
+    };
+    let tiles: Vec<usize> = (0..n).step_by(TILE).collect();
+    let mut best: Vec<Screened> = tiles.par_iter().flat_map_iter(|&tile| best_of_tile(tile)).collect();
+    best.sort_unstable();
+    best.truncate(count);
+    best
 }
 
 /// The `count` best pairs of the directions that have one column and are seen: twice as many are screened, fitted between

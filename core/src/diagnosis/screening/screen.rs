@@ -246,7 +246,7 @@ impl Diagnosis {
         let (groups, names) = groups(problem, &likelihood);
         let estimated = problem.noise_freedom;
         let extras = Extras { groups: &groups, bounds: true, priors: true, omnibus: estimated.is_none() };
-        let family = Family::new(&scored.prepared, &scored.directions, &scored.scores, &extras, estimated);
+        let mut family = Family::new(&scored.prepared, &scored.directions, &scored.scores, &extras, estimated);
         let sampling = Sampling { key: *self.key(), draws: DRAWS };
         let judged = family.test(&sampling);
         // What was left out might have been found: all of them are paid for (Bonferroni).
@@ -325,6 +325,14 @@ impl Diagnosis {
     pub(crate) fn likelihood(&self, problem: &Problem) -> Result<Likelihood, FitError> {
         let baseline = problem.hypothesis(&[], 1.0)?;
         baseline.likelihood(problem)
+    }
+
+    /// What effects would explain of what a fit of the problem's model leaves, the best first, without any test.
+    pub(crate) fn leads_beside(&self, problem: &Problem, refit: &Refit) -> Result<Vec<Lead>, FitError> {
+        let likelihood = self.likelihood(problem)?;
+        let linear = signature::linearise(&likelihood, &refit.unknowns)?;
+        let (scored, _) = Scored::best(problem, &likelihood, &refit.unknowns, &linear, |_| true)?;
+        Ok(self.leads(problem, &scored))
     }
 
     /// Of some candidates what they would explain of what a fit leaves, the best first; `refit` is that of the problem's model.

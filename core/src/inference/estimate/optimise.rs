@@ -144,6 +144,13 @@ pub fn minimise<O: Objective>(objective: &mut O, start: &[f64], bounds: &Bounds,
         };
         // Rounding must not take a step to a bound beyond it.
         let trial: Vec<f64> = (0..n).map(|i| (x[i] + step[i]).max(bounds.lower[i]).min(bounds.upper[i])).collect();
+        if effort.least_gain > COSTLY && predicted < effort.least_gain {
+            // So near that the linear model tells what is there.
+            at.advance(&step, predicted);
+            x = trial;
+            converged = true;
+            break;
+        }
         let negligible = x.iter().zip(&step).all(|(x, s)| s.abs() <= 1e-14 * x.abs());
         // After a step that was taken the next one most likely is: then its slopes are wanted at once.
         let at_once = if descends { linearise(objective, &trial) } else { None };
@@ -251,6 +258,16 @@ fn cut(solution: &[f64], free: &[usize], scale: &[f64], x: &[f64], bounds: &Boun
 }
 
 impl Linearised {
+    /// Goes a step on as far as the linear residuals tell; `gain` is by how much the objective falls.
+    fn advance(&mut self, step: &[f64], gain: f64) {
+        for (row, residual) in self.jacobian.chunks_exact(step.len()).zip(&mut self.residuals) {
+            let along: f64 = row.iter().zip(step).map(|(j, s)| j * s).sum();
+            *residual += along;
+            self.gradient.iter_mut().zip(row).for_each(|(g, j)| *g += j * along);
+        }
+        self.value -= gain;
+    }
+
     /// By how much a step lowers the objective according to the linear residuals.
     fn predicted(&self, step: &[f64]) -> f64 {
         let mut model = 0.0;

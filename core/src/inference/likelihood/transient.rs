@@ -207,6 +207,7 @@ impl TransientPart {
         request.seeds = seeds;
         request.balanced = balanced;
         request.sensitivities = slopes;
+        request.temperatures = false;
         let limit = likelihood.most_steps.get(self.index).copied();
         request.options.most_steps = limit.unwrap_or(request.options.most_steps);
         network.solve_transient(&request).map_err(|error| match (&error, limit) {

@@ -592,7 +592,7 @@ impl Network {
             (None, None) => request.inputs.times_s.last().copied().unwrap_or(start_s),
         };
         let mut result = Transient { start: integrator.all_temperatures(), ..Transient::default() };
-        let mut recorder = Recorder::new(&integrator, request.outputs_s, start_s, end_s);
+        let mut recorder = Recorder::new(&integrator, request, start_s, end_s);
         integrator.run(end_s, &mut recorder, &mut result)?;
         result.end = integrator.all_temperatures();
         result.stats = integrator.stats;

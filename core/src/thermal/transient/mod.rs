@@ -87,6 +87,8 @@ pub struct TransientRequest<'a> {
     pub end_s: Option<f64>,
     /// Whether derivatives are wanted.
     pub sensitivities: bool,
+    /// Whether the temperatures of all nodes at the outputs, and their derivatives, are wanted beside the quantities.
+    pub temperatures: bool,
     /// Accuracy.
     pub options: TransientOptions,
 }
@@ -104,6 +106,7 @@ impl<'a> TransientRequest<'a> {
             outputs_s,
             end_s: None,
             sensitivities: false,
+            temperatures: true,
             options: TransientOptions::default(),
         }
     }
@@ -151,7 +154,7 @@ pub struct SwitchEvent {
 /// A transient solution at the instants asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Transient {
-    /// Temperatures, `outputs x nodes`, K.
+    /// Temperatures, `outputs x nodes`, K; empty where they were not wanted.
     pub temperatures: Vec<f64>,
     /// Quantities at the instants, `outputs x quantities`, SI.
     pub quantities: Vec<f64>,

@@ -8,7 +8,7 @@ use crate::thermal::equations::segment;
 use crate::thermal::model::QuantityValue;
 
 use super::integrator::Integrator;
-use super::{Transient, TransientError};
+use super::{Transient, TransientError, TransientRequest};
 
 /// Intervals a step is cut into for statistics over time.
 const LOOKS: usize = 4;
@@ -18,6 +18,8 @@ const BOOLE: [f64; LOOKS + 1] = [7.0 / 90.0, 32.0 / 90.0, 12.0 / 90.0, 32.0 / 90
 /// Records a transient as it goes.
 pub(super) struct Recorder<'a> {
     outputs_s: &'a [f64],
+    /// Whether temperatures are recorded beside quantities.
+    temperatures: bool,
     next: usize,
     /// Quantities over time: index and what of it.
     followed: Vec<(usize, QuantityValue)>,
@@ -29,7 +31,7 @@ pub(super) struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    pub fn new(integrator: &Integrator<'_>, outputs_s: &'a [f64], start_s: f64, end_s: f64) -> Self {
+    pub fn new(integrator: &Integrator<'_>, request: &TransientRequest<'a>, start_s: f64, end_s: f64) -> Self {
         let network = integrator.network;
         let followed: Vec<(usize, QuantityValue)> = (0..network.quantities())
             .filter(|&quantity| network.is_over_time(quantity))
@@ -37,7 +39,8 @@ impl<'a> Recorder<'a> {
             .collect();
         let columns = integrator.tangent.as_ref().map_or(0, |tangent| tangent.columns());
         Self {
-            outputs_s,
+            outputs_s: request.outputs_s,
+            temperatures: request.temperatures,
             next: 0,
             values: followed
                 .iter()
@@ -112,19 +115,11 @@ impl<'a> Recorder<'a> {
         self.next += 1;
         integrator.state_at(share, step_s)?;
         integrator.evaluate_quantities();
-        integrator.equations.program.run(segment::BOUNDARY, &mut integrator.file);
-        let from = result.temperatures.len();
-        result.temperatures.resize(from + integrator.network.nodes.len(), 0.0);
-        let row = &mut result.temperatures[from..];
-        for &(node, register) in &integrator.equations.boundaries {
-            row[node] = integrator.file[register.index()];
-        }
-        let first = integrator.equations.temperatures().start;
-        for (position, &node) in integrator.equations.unknowns.iter().enumerate() {
-            row[node] = integrator.file[first + position];
-        }
         result.quantities.extend((0..integrator.network.quantities()).map(|q| integrator.quantity(q)));
-        integrator.output_tangent(share, step_s, result);
+        if self.temperatures {
+            integrator.output_temperatures(result);
+        }
+        integrator.output_tangent(share, step_s, self.temperatures, result);
         Ok(())
     }
 
@@ -228,6 +223,21 @@ impl Integrator<'_> {
             self.file[range].copy_from_slice(&self.stage_values[1]);
         }
         Ok(())
+    }
+
+    /// Appends the temperatures of all nodes at the state in the file to the result.
+    fn output_temperatures(&mut self, result: &mut Transient) {
+        self.equations.program.run(segment::BOUNDARY, &mut self.file);
+        let from = result.temperatures.len();
+        result.temperatures.resize(from + self.network.nodes.len(), 0.0);
+        let row = &mut result.temperatures[from..];
+        for &(node, register) in &self.equations.boundaries {
+            row[node] = self.file[register.index()];
+        }
+        let first = self.equations.temperatures().start;
+        for (position, &node) in self.equations.unknowns.iter().enumerate() {
+            row[node] = self.file[first + position];
+        }
     }
 
     /// Evaluates the quantities at the state in the file.

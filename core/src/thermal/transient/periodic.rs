@@ -93,6 +93,7 @@ impl Network {
                 start_s: Some(first_s),
                 end_s: None,
                 sensitivities: true,
+                temperatures: true,
                 ..*request
             };
             let result = {
@@ -172,6 +173,7 @@ impl Network {
             start_s: Some(first_s),
             end_s: None,
             sensitivities: derivatives.is_some(),
+            temperatures: true,
             ..*request
         };
         let mut integrator = Integrator::new(self, &cycle)?;

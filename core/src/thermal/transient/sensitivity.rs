@@ -5,6 +5,8 @@
 //! thermostat at `t*`, whose function `w` crosses zero, `dt*/dp = -(w_T dT/dp + w_p) / (w_T dT/dt)` and the derivative
 //! jumps by `(dT/dt before - after) dt*/dp`. Thresholds that move in time are taken as resting at the switching.
 
+use std::ops::Range;
+
 use crate::expression::Symbol;
 use crate::thermal::equations::{Entry, Equations, segment};
 use crate::thermal::network::{Network, Workspace};
@@ -28,6 +30,9 @@ pub(super) struct Tangent {
     base: Vec<f64>,
     /// Change of the instant of the switching under way, by column.
     shift: Vec<f64>,
+    /// Rows on which quantities depend, and room for all at an output.
+    seen_rows: Vec<usize>,
+    seen: Vec<f64>,
 }
 
 impl Tangent {
@@ -48,6 +53,9 @@ impl Tangent {
                 values[0][row * columns + symbols + seed] = direction.get(node).copied().unwrap_or(0.0);
             }
         }
+        let mut seen_rows: Vec<usize> = equations.quantity_temperature.iter().map(|entry| entry.column).collect();
+        seen_rows.sort_unstable();
+        seen_rows.dedup();
         Self {
             size,
             symbols,
@@ -55,6 +63,8 @@ impl Tangent {
             slopes: vec![vec![0.0; size * columns]; STAGES],
             base: vec![0.0; size * columns],
             shift: vec![0.0; columns],
+            seen_rows,
+            seen: vec![0.0; size * columns],
             values,
         }
     }
@@ -86,6 +96,24 @@ impl Tangent {
     pub fn arrive(&mut self) {
         self.values.swap(0, STAGES - 1);
         self.slopes.swap(0, STAGES - 1);
+    }
+
+    /// Writes the derivatives of some rows at a share of the step just tried into a field of all rows.
+    fn interpolate(&self, share: f64, step_s: f64, rows: Range<usize>, field: &mut [f64]) {
+        let range = rows.start * self.columns..rows.end * self.columns;
+        let [from, to] = [&self.values[0][range.clone()], &self.values[STAGES - 1][range.clone()]];
+        let [first, last] = [&self.slopes[0][range.clone()], &self.slopes[STAGES - 1][range.clone()]];
+        let field = &mut field[range];
+        if share == 0.0 {
+            field.copy_from_slice(from);
+            return;
+        }
+        let weights = hermite(share);
+        for (i, value) in field.iter_mut().enumerate() {
+            *value = weights[0] * from[i]
+                + weights[1] * to[i]
+                + step_s * (weights[2] * first[i] + weights[3] * last[i]);
+        }
     }
 
     /// Adds `weight` times the entries' registers to a field of columns.
@@ -266,19 +294,8 @@ impl Integrator<'_> {
     fn tangent_at(&mut self, share: f64, step_s: f64) -> (Vec<f64>, usize) {
         let Some(tangent) = self.tangent.take() else { return (Vec::new(), 0) };
         let columns = tangent.columns;
-        let mut field = if share == 0.0 {
-            tangent.values[0].clone()
-        } else {
-            let weights = hermite(share);
-            let last = STAGES - 1;
-            (0..tangent.size * columns)
-                .map(|i| {
-                    weights[0] * tangent.values[0][i]
-                        + weights[1] * tangent.values[last][i]
-                        + step_s * (weights[2] * tangent.slopes[0][i] + weights[3] * tangent.slopes[last][i])
-                })
-                .collect()
-        };
+        let mut field = vec![0.0; tangent.size * columns];
+        tangent.interpolate(share, step_s, 0..tangent.size, &mut field);
         if self.algebraic.is_some() {
             self.equations.program.run(segment::RESIDUAL, &mut self.file);
             self.equations.program.run(segment::JACOBIAN, &mut self.file);
@@ -292,12 +309,26 @@ impl Integrator<'_> {
     /// Derivatives of the quantities at a share of the step just tried, `quantities x columns`; the file holds the
     /// state there and the quantities have been evaluated.
     pub(super) fn quantity_tangent_at(&mut self, share: f64, step_s: f64) -> Vec<f64> {
-        let (field, columns) = self.tangent_at(share, step_s);
-        self.quantity_slopes(&field, columns)
+        if self.algebraic.is_some() {
+            // All rows: the balances of arithmetic nodes join them.
+            let (field, columns) = self.tangent_at(share, step_s);
+            self.equations.program.run(segment::QUANTITY, &mut self.file);
+            return self.quantity_slopes(&field, columns);
+        }
+        let Some(mut tangent) = self.tangent.take() else { return Vec::new() };
+        let columns = tangent.columns;
+        let mut field = std::mem::take(&mut tangent.seen);
+        for &row in &tangent.seen_rows {
+            tangent.interpolate(share, step_s, row..row + 1, &mut field);
+        }
+        let slopes = self.quantity_slopes(&field, columns);
+        tangent.seen = field;
+        self.tangent = Some(tangent);
+        slopes
     }
 
+    /// Derivatives of the quantities, as evaluated last, from those of the temperatures.
     fn quantity_slopes(&mut self, field: &[f64], columns: usize) -> Vec<f64> {
-        self.equations.program.run(segment::QUANTITY, &mut self.file);
         self.equations.program.run(segment::QUANTITY_TANGENT, &mut self.file);
         let mut out = vec![0.0; self.network.quantities() * columns];
         for entry in &self.equations.quantity_temperature {
@@ -313,11 +344,16 @@ impl Integrator<'_> {
     }
 
     /// Appends the derivatives at an output to the result.
-    pub(super) fn output_tangent(&mut self, share: f64, step_s: f64, result: &mut Transient) {
+    pub(super) fn output_tangent(&mut self, share: f64, step_s: f64, temperatures: bool, result: &mut Transient) {
         if self.tangent.is_none() {
             return;
         }
+        if !temperatures {
+            result.quantity_tangent.extend(self.quantity_tangent_at(share, step_s));
+            return;
+        }
         let (field, columns) = self.tangent_at(share, step_s);
+        self.equations.program.run(segment::QUANTITY, &mut self.file);
         let quantities = self.quantity_slopes(&field, columns);
         result.quantity_tangent.extend(quantities);
         let nodes = self.network.nodes.len();
