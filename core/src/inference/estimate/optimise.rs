@@ -75,6 +75,13 @@ pub struct Minimum {
 /// slopes as there are variables, twice.
 const COSTLY: f64 = 1e-4;
 
+/// Share of the height above a known minimum; steps that are foreseen to gain less do not lead below it.
+const HOPELESS: f64 = 0.01;
+/// Such steps in a row after which a descent is left.
+const MOST_HOPELESS: u32 = 2;
+/// Share of the height above a known minimum within which the linear residuals must foretell it to lead there.
+const SAME: f64 = 0.02;
+
 struct Linearised {
     residuals: Vec<f64>,
     jacobian: Vec<f64>,
@@ -109,6 +116,19 @@ fn half_square(residuals: &[f64]) -> f64 {
 
 /// Descends from a start (moved into the bounds). `None` where the start has no value.
 pub fn minimise<O: Objective>(objective: &mut O, start: &[f64], bounds: &Bounds, effort: Effort) -> Option<Minimum> {
+    minimise_beside(objective, start, bounds, effort, None)
+}
+
+/// The same beside a minimum that is known: where slopes are costly, a descent that leads to it, or nowhere lower, is left
+/// before its end.
+pub fn minimise_beside<O: Objective>(
+    objective: &mut O,
+    start: &[f64],
+    bounds: &Bounds,
+    effort: Effort,
+    known: Option<&Minimum>,
+) -> Option<Minimum> {
+    let known = known.filter(|_| effort.least_gain > COSTLY);
     let n = objective.dimension();
     let mut x: Vec<f64> = (0..n).map(|i| start[i].max(bounds.lower[i]).min(bounds.upper[i])).collect();
     let mut at = linearise(objective, &x)?;
@@ -117,6 +137,7 @@ pub fn minimise<O: Objective>(objective: &mut O, start: &[f64], bounds: &Bounds,
     let (mut damping, mut growth) = (1e-3, 2.0);
     let mut penalised = false;
     let (mut iterations, mut converged, mut small_gains) = (0, false, 0);
+    let mut hopeless = 0;
     let mut descends = false;
     let mut bend = (effort.least_gain > COSTLY).then(|| Bend::new(n));
     while iterations < effort.most_iterations && !converged {
@@ -142,6 +163,12 @@ pub fn minimise<O: Objective>(objective: &mut O, start: &[f64], bounds: &Bounds,
             growth *= 2.0;
             continue;
         };
+        if let Some(known) = known {
+            hopeless = if predicted < HOPELESS * (at.value - known.value) { hopeless + 1 } else { 0 };
+            if hopeless > MOST_HOPELESS || at.leads_to(&x, known) {
+                break;
+            }
+        }
         // Rounding must not take a step to a bound beyond it.
         let trial: Vec<f64> = (0..n).map(|i| (x[i] + step[i]).max(bounds.lower[i]).min(bounds.upper[i])).collect();
         if effort.least_gain > COSTLY && predicted < effort.least_gain {
@@ -258,6 +285,14 @@ fn cut(solution: &[f64], free: &[usize], scale: &[f64], x: &[f64], bounds: &Boun
 }
 
 impl Linearised {
+    /// Whether a minimum lies where, and as deep as, the linear residuals say.
+    fn leads_to(&self, x: &[f64], known: &Minimum) -> bool {
+        let depth = self.value - known.value;
+        let way: Vec<f64> = known.x.iter().zip(x).map(|(to, from)| to - from).collect();
+        let foreseen = self.predicted(&way);
+        depth > 0.0 && (foreseen - depth).abs() < SAME * depth
+    }
+
     /// Goes a step on as far as the linear residuals tell; `gain` is by how much the objective falls.
     fn advance(&mut self, step: &[f64], gain: f64) {
         for (row, residual) in self.jacobian.chunks_exact(step.len()).zip(&mut self.residuals) {
@@ -487,6 +522,61 @@ mod tests {
             assert!((minimum.x[0] - 3.0).abs() < 1e-6, "from {threshold}: {:?}", minimum.x);
             assert!(minimum.x[1] > 3.0 && minimum.x[1] < 4.0, "from {threshold}: {:?}", minimum.x);
         }
+    }
+
+    /// `r = (x, 50 (y^2 - 1))`: minima at y = 1 and y = -1.
+    struct TwoMinima {
+        slopes: u32,
+    }
+
+    impl Objective for TwoMinima {
+        fn dimension(&self) -> usize {
+            2
+        }
+
+        fn rows(&self) -> usize {
+            2
+        }
+
+        fn value(&mut self, x: &[f64], residuals: &mut [f64]) -> Option<f64> {
+            residuals.copy_from_slice(&[x[0], 50.0 * (x[1] * x[1] - 1.0)]);
+            Some(0.0)
+        }
+
+        fn slopes(
+            &mut self,
+            x: &[f64],
+            residuals: &mut [f64],
+            jacobian: &mut [f64],
+            penalty_gradient: &mut [f64],
+        ) -> Option<f64> {
+            self.slopes += 1;
+            penalty_gradient.fill(0.0);
+            jacobian.copy_from_slice(&[1.0, 0.0, 0.0, 100.0 * x[1]]);
+            self.value(x, residuals)
+        }
+    }
+
+    /// From another side of the same minimum a descent is left early; one that leads to another minimum is not.
+    #[test]
+    fn a_descent_to_a_known_minimum_is_left_early_and_one_to_another_is_not() {
+        let bounds = Bounds { lower: vec![-10.0; 2], upper: vec![10.0; 2] };
+        let effort = Effort { most_iterations: 60, least_gain: 1.01 * COSTLY };
+        let mut descend = |start: [f64; 2], known: Option<&Minimum>| {
+            let mut objective = TwoMinima { slopes: 0 };
+            let minimum = minimise_beside(&mut objective, &start, &bounds, effort, known).unwrap();
+            (minimum, objective.slopes)
+        };
+        let (known, _) = descend([1.0, 2.0], None);
+        let (alone, slopes_alone) = descend([4.0, 3.0], None);
+        assert!((alone.x[1] - 1.0).abs() < 1e-3 && (known.x[1] - 1.0).abs() < 1e-3);
+        let (beside, slopes) = descend([4.0, 3.0], Some(&known));
+        assert!(slopes < slopes_alone, "{slopes} of {slopes_alone}");
+        assert!(beside.value >= known.value);
+        // A minimum that is taken for a worse one than it is.
+        let worse = Minimum { value: known.value + 3.0, ..known.clone() };
+        let (other, _) = descend([4.0, -3.0], Some(&worse));
+        assert!((other.x[1] + 1.0).abs() < 1e-3, "{:?}", other.x);
     }
 
     /// `r = (x, 0.65 + x^2 / 2)`: near 0 the objective is bent 1.65 times as much as the Jacobian tells, so that its steps end

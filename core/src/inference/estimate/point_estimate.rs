@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::inference::estimate::identifiability::{self, Finding};
 use crate::inference::estimate::laplace::Laplace;
 use crate::inference::estimate::natural::NaturalObjective;
-use crate::inference::estimate::optimise::{Bounds, Effort, Minimum, free_variables, hessian, minimise};
+use crate::inference::estimate::optimise::{Bounds, Effort, Minimum, free_variables, hessian, minimise_beside};
 use crate::inference::estimate::truncated_moments::{Moments, moments};
 use crate::inference::posterior::Work;
 use crate::inference::prior::triangular_transport::NormalApproximation;
@@ -128,7 +128,7 @@ pub fn estimate<T: LeastSquares>(
     for start in starts {
         watch::at(descents.len() as u64, count);
         let from = objective.coordinates(&start);
-        let minimum = minimise(&mut objective, &from, &bounds, effort);
+        let minimum = minimise_beside(&mut objective, &from, &bounds, effort, best.as_ref());
         descents.push(Descent {
             start,
             end: minimum.as_ref().map(|m| objective.parameters(&m.x)),

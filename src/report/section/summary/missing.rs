@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use crate::diagnosis::Verdict;
-use crate::diagnosis::output::{EffectResult, Heat, HeldOutTest, Output};
+use crate::diagnosis::output::{EffectResult, Heat, HeldOutTest, Output, StoryStep};
 use crate::document::{counted, p_stated};
 use crate::report::number::{fixed, significant, with_unit};
 use crate::report::page::{Statement, Status, Text};
@@ -13,6 +13,8 @@ use crate::report::view::PassReport;
 
 /// Rivals that a statement names.
 const MOST_RIVALS: usize = 3;
+/// Steps that stand on the first screen.
+const MOST_STEPS: usize = 3;
 
 /// The statements of a diagnosis.
 pub(super) fn of_diagnosis(output: &Output) -> Vec<Statement> {
@@ -20,7 +22,12 @@ pub(super) fn of_diagnosis(output: &Output) -> Vec<Statement> {
         output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id)).collect();
     let mut out = vec![what(output, &selected)];
     out.push(how_sure(output, &selected));
-    out.extend(error(output, &selected));
+    let steps = steps(output);
+    if steps.is_empty() {
+        out.extend(error(output, &selected));
+    } else {
+        out.extend(steps);
+    }
     out.extend(what_else(output, &selected));
     out
 }
@@ -137,6 +144,39 @@ fn held(output: &Output) -> f64 {
     hits.map(|model| model.probability).sum()
 }
 
+/// An error before and after something, and whether it fell.
+fn change(before: Option<f64>, after: Option<f64>) -> Option<(String, bool)> {
+    let (before, after) = (before?, after?);
+    Some((with_unit(&format!("{} \u{2192} {}", fixed(before, 2), fixed(after, 2)), "K"), after < before))
+}
+
+/// What each effect does to the error, where they are added one by one; what remains stands with the last one.
+fn steps(output: &Output) -> Vec<Statement> {
+    let added: Vec<(&String, &StoryStep)> =
+        output.steps.iter().filter_map(|step| step.effect.as_ref().map(|id| (id, step))).collect();
+    let shown = added.iter().take(MOST_STEPS).enumerate().filter_map(|(position, (id, step))| {
+        let [before, after] = step.rmse_k.train;
+        let train = change(before, after)?;
+        let held_out = change(step.rmse_k.held_out[0], step.rmse_k.held_out[1]);
+        let text = Text::default().code(id.as_str()).plain(format!(", probability {}. ", chance(step.probability)));
+        let (value, fell, text) = match held_out {
+            Some((value, fell)) => {
+                (value, fell, text.plain(format!("RMSE on held-out readings; on those of the fit {}.", train.0)))
+            }
+            None => (train.0, train.1, text.plain("RMSE on the readings of the fit; none is held out.")),
+        };
+        let is_last = position + 1 == added.len().min(MOST_STEPS);
+        let text = match added.len() - added.len().min(MOST_STEPS) {
+            _ if !is_last => text,
+            0 => text.plain(" No further effect is worth adding."),
+            more => text.plain(format!(" {} follow; the diagnosis lists them.", counted(more, "smaller step"))),
+        };
+        let status = Some(if fell { Status::Ok } else { Status::Caution });
+        Some(Statement { label: format!("Error, step {}", position + 1), value, text, status })
+    });
+    shown.collect()
+}
+
 fn error(output: &Output, selected: &[&EffectResult]) -> Option<Statement> {
     if selected.is_empty() {
         return None;
@@ -149,10 +189,6 @@ fn error(output: &Output, selected: &[&EffectResult]) -> Option<Statement> {
             model.effects.len() == output.selected.len() && model.effects.iter().all(|id| output.selected.contains(id))
         })?
         .rmse_k;
-    let change = |before: Option<f64>, after: Option<f64>| {
-        let (before, after) = (before?, after?);
-        Some((with_unit(&format!("{} \u{2192} {}", fixed(before, 2), fixed(after, 2)), "K"), after < before))
-    };
     let train = change(before.train, after.train)?;
     let held_out = change(before.held_out, after.held_out);
     let with = if selected.len() == 1 { "With it" } else { "With them" };
