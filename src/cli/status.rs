@@ -71,7 +71,7 @@ impl From<crate::runner::RunnerError> for Failure {
     fn from(error: crate::runner::RunnerError) -> Self {
         use crate::runner::RunnerError as E;
         let status = match error {
-            E::DuplicateJob { .. } | E::UnknownUpstream { .. } | E::Cycle { .. } | E::Manifest { .. } => {
+            E::DuplicateJob { .. } | E::UnknownUpstream { .. } | E::Cycle { .. } | E::Manifest { .. } | E::Baseline { .. } => {
                 Status::WrongInput
             }
             _ => Status::JobFailed,
