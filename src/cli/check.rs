@@ -181,7 +181,8 @@ fn of_job(job: &JobCheck) -> String {
     }
     for number in job.numbers.iter().filter(|number| number.is_of_interest()) {
         if let Some(detectable) = number.detectable {
-            let of_value = number.detectable_percent.map_or_else(String::new, |p| format!(" ({} %)", significant(p, 2)));
+            let of_value =
+                number.detectable_percent.map_or_else(String::new, |p| format!(" ({} %)", significant(p, 2)));
             let line = format!("would see {}{of_value}", with_unit(detectable, 2, &number.unit));
             text.push_str(&format!("  {}: {}\n", escaped(&number.of), escaped(&line)));
         }

@@ -189,7 +189,10 @@ mod tests {
         assert_eq!(Baseline::read(&there).unwrap(), Some(baseline()));
         assert_eq!(files(study.path(), "pass-1.json").unwrap(), std::slice::from_ref(&there));
         let text = fs::read_to_string(&there).unwrap();
-        assert!(text.contains("\n    {\"of\":\"x\",\"statistic\":\"size\",\"unit\":\"\",\"value\":2.0}\n  ]\n}\n"), "{text}");
+        assert!(
+            text.contains("\n    {\"of\":\"x\",\"statistic\":\"size\",\"unit\":\"\",\"value\":2.0}\n  ]\n}\n"),
+            "{text}"
+        );
         let empty = Baseline { numbers: Vec::new(), date: Some("2026-01-02".into()), ..baseline() };
         empty.write(study.path(), &inside).unwrap();
         assert_eq!(Baseline::read(&there).unwrap(), Some(empty));

@@ -64,7 +64,8 @@ impl Reader {
             return loaded.clone();
         }
         let loaded = resolve::load(self, pass, chain);
-        let loaded = loaded.map(|pass| Arc::new(Pass { seed: self.seed.unwrap_or(pass.seed), ..pass })).map_err(Arc::new);
+        let loaded =
+            loaded.map(|pass| Arc::new(Pass { seed: self.seed.unwrap_or(pass.seed), ..pass })).map_err(Arc::new);
         self.passes.borrow_mut().insert(pass.to_owned(), loaded.clone());
         loaded
     }

@@ -105,7 +105,12 @@ pub fn error_of_mean<C: AsRef<[f64]>>(chains: &[C], weights: Option<&[f64]>) -> 
 }
 
 /// Error of the standard deviation, as [`error_of_mean`] of the squared deviations from the mean.
-pub fn error_of_sd<C: AsRef<[f64]>>(chains: &[C], weights: Option<&[f64]>, mean: f64, sd: f64) -> Option<StandardError> {
+pub fn error_of_sd<C: AsRef<[f64]>>(
+    chains: &[C],
+    weights: Option<&[f64]>,
+    mean: f64,
+    sd: f64,
+) -> Option<StandardError> {
     let error = error_of_mean(&map(chains, |x| (x - mean) * (x - mean)), weights)?;
     StandardError::new(error.standard_error / (2.0 * sd), error.degrees_of_freedom)
 }
@@ -118,9 +123,7 @@ pub fn error_of_covariance<C: AsRef<[f64]>>(
 ) -> Option<StandardError> {
     let pairs = chains[0].iter().zip(chains[1]);
     let products: Vec<Vec<f64>> = pairs
-        .map(|(a, b)| {
-            a.as_ref().iter().zip(b.as_ref()).map(|(a, b)| (a - means[0]) * (b - means[1])).collect()
-        })
+        .map(|(a, b)| a.as_ref().iter().zip(b.as_ref()).map(|(a, b)| (a - means[0]) * (b - means[1])).collect())
         .collect();
     error_of_mean(&products, weights)
 }

@@ -52,8 +52,8 @@ impl JobKind for Kind {
         let nothing = KeyNumber::new("nothing", "probability", "", output.probability_nothing, None);
         let unexplained = KeyNumber::new("something else", "probability", "", output.probability_unexplained, None);
         let effects = output.effects.iter().filter(|effect| effect.probability >= LEAST_PROBABILITY);
-        let of_effect =
-            effects.map(|effect| KeyNumber::new(&effect.id, "probability of being missing", "", effect.probability, None));
+        let of_effect = effects
+            .map(|effect| KeyNumber::new(&effect.id, "probability of being missing", "", effect.probability, None));
         [nothing, unexplained].into_iter().chain(of_effect).collect()
     }
 

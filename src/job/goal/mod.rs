@@ -49,9 +49,10 @@ impl JobKind for Kind {
 
     fn key_numbers(output: &Output) -> Vec<KeyNumber> {
         let of_all = ("all requirements".to_owned(), &output.probability);
-        let of_each = output.requirements.iter().map(|met| {
-            (format!("{} ({})", met.requirement, met.environment), &met.probability)
-        });
+        let of_each = output
+            .requirements
+            .iter()
+            .map(|met| (format!("{} ({})", met.requirement, met.environment), &met.probability));
         let number = |(of, probability): (String, &Probability)| {
             KeyNumber::new(of, "probability", "", probability.value, of_probability(probability))
         };

@@ -18,10 +18,8 @@ pub(super) fn key_numbers(output: &Output) -> Vec<KeyNumber> {
             let mut add = |statistic: &str, effects: &[Index]| {
                 for (parameter, Index { estimate, .. }) in output.parameters.iter().zip(effects) {
                     let error = StandardError::of_replicates(estimate.lower, estimate.upper, output.scrambles);
-                    let error = error.map(|error| StandardError {
-                        standard_error: error.standard_error.max(LEAST),
-                        ..error
-                    });
+                    let error =
+                        error.map(|error| StandardError { standard_error: error.standard_error.max(LEAST), ..error });
                     let of = format!("{} on {} ({})", parameter.name, quantity.name, case.environment);
                     numbers.push(KeyNumber::new(of, statistic, "", estimate.value, error));
                 }
