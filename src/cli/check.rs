@@ -190,7 +190,9 @@ fn of_job(job: &JobCheck) -> String {
     text
 }
 
+/// A number with its unit; `1` is none.
 fn with_unit(value: f64, digits: usize, unit: &str) -> String {
+    let unit = if unit == "1" { "" } else { unit };
     format!("{} {unit}", significant(value, digits)).trim_end().to_owned()
 }
 
