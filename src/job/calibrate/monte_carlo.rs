@@ -124,7 +124,7 @@ mod tests {
         let numbers = numbers(&chains(1, 2500), None, &shown());
         let find = |name: &str| numbers.iter().find(|number| number.name() == name).unwrap();
         // Errors of 10,000 normal draws; the estimated ones are known to some per cent, those of quantiles to a quarter.
-        let density = |z: f64| (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
+        let density = crate::math::special::normal_density;
         let of_quantile = |p: f64, z: f64| (p * (1.0 - p)).sqrt() / density(z) / 100.0;
         for (name, value, error, tolerance) in [
             ("a, mean", 2.0, 0.01, 0.1),
