@@ -7,7 +7,7 @@ mod evidence;
 pub mod hand_on;
 mod job_calibration;
 mod laboratory;
-mod monte_carlo;
 pub mod models;
+mod monte_carlo;
 mod predictive_scores;
 pub mod samplers;

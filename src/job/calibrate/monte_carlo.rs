@@ -123,15 +123,16 @@ mod tests {
     fn errors_of_independent_draws_are_those_of_theory() {
         let numbers = numbers(&chains(1, 2500), None, &shown());
         let find = |name: &str| numbers.iter().find(|number| number.name() == name).unwrap();
-        // Errors of 10,000 normal draws; the estimated ones are known to some per cent, those of quantiles to a quarter.
+        // Errors of 10,000 normal draws; the estimated ones are known to some per cent, those of outer quantiles
+        // to a seventh: three of that.
         let density = crate::math::special::normal_density;
         let of_quantile = |p: f64, z: f64| (p * (1.0 - p)).sqrt() / density(z) / 100.0;
         for (name, value, error, tolerance) in [
             ("a, mean", 2.0, 0.01, 0.1),
             ("a, sd", 1.0, 0.5_f64.sqrt() / 100.0, 0.1),
-            ("a, q05", 2.0 - 1.644_853_6, of_quantile(0.05, 1.644_853_6), 0.25),
-            ("a, q50", 2.0, of_quantile(0.5, 0.0), 0.25),
-            ("b, q95", 26.85 + 16.448_536, 10.0 * of_quantile(0.05, 1.644_853_6), 0.25),
+            ("a, q05", 2.0 - 1.644_853_6, of_quantile(0.05, 1.644_853_6), 0.45),
+            ("a, q50", 2.0, of_quantile(0.5, 0.0), 0.45),
+            ("b, q95", 26.85 + 16.448_536, 10.0 * of_quantile(0.05, 1.644_853_6), 0.45),
             ("a and b, covariance", 6.0, 10.0 * 1.36_f64.sqrt() / 100.0, 0.1),
         ] {
             let number = find(name);
