@@ -12,9 +12,9 @@ test:
 ci:
     .ci/run
 
-# slow statistical checks, large cases, regression of archived results, all studies' reports
-nightly:
-    cargo run --release -- report && cargo test --release -- --include-ignored
+# all studies' reports, their results against the baselines with the same seed and with another, slow statistical checks, large cases
+nightly seed="$(date +%Y%m%d)":
+    cargo run --release -- report && cargo run --release -- check studies && cargo run --release -- check studies --other-seed={{seed}} && cargo test --release -- --include-ignored
 
 # the diagnosis on cases of known truth: hours; prints the tables of docs/verification.md
 laboratory nulls="2000" cases="1000" finer="400" dated="200" seed="1":

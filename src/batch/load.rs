@@ -104,6 +104,14 @@ pub fn load(paths: &[PathBuf], coloured: bool) -> Result<Loaded, BatchError> {
     load_with(&Reader::new(job::kinds()), paths, coloured)
 }
 
+/// As [`load`], with another seed than the passes state.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_with_seed(paths: &[PathBuf], seed: u64, coloured: bool) -> Result<Loaded, BatchError> {
+    load_with(&Reader::new(job::kinds()).with_seed(seed), paths, coloured)
+}
+
 fn load_with(reader: &Reader, paths: &[PathBuf], coloured: bool) -> Result<Loaded, BatchError> {
     let mut all = Loaded::default();
     let mut needed = Vec::new();

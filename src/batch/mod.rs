@@ -1,5 +1,5 @@
 //! Batches of passes: the graph of their jobs across passes and studies, what of it runs, the history of a study's error,
-//! the archived report of a pass, the pass that follows a diagnosis. Knows how passes, jobs, the runner and reports meet;
+//! the archived report of a pass, its results against their baselines, the pass that follows a diagnosis. Knows how passes, jobs, the runner and reports meet;
 //! may not print, nor know of verbs and their options.
 
 pub mod archive;
@@ -12,11 +12,12 @@ pub mod load;
 pub mod memory;
 pub mod next_pass;
 mod prepared;
+pub mod regression;
 pub mod view;
 
 pub use error::BatchError;
 pub use executed::{Executed, is_judge};
 pub use history::history;
-pub use load::{Loaded, LoadedPass, RefusedJob, load, parents, passes};
+pub use load::{Loaded, LoadedPass, RefusedJob, load, load_with_seed, parents, passes};
 pub use prepared::{NotThere, Prepared, prepare};
 pub use view::{document, view, without_rows};

@@ -71,9 +71,11 @@ impl From<crate::runner::RunnerError> for Failure {
     fn from(error: crate::runner::RunnerError) -> Self {
         use crate::runner::RunnerError as E;
         let status = match error {
-            E::DuplicateJob { .. } | E::UnknownUpstream { .. } | E::Cycle { .. } | E::Manifest { .. } => {
-                Status::WrongInput
-            }
+            E::DuplicateJob { .. }
+            | E::UnknownUpstream { .. }
+            | E::Cycle { .. }
+            | E::Manifest { .. }
+            | E::Baseline { .. } => Status::WrongInput,
             _ => Status::JobFailed,
         };
         Self { status, message: error.to_string(), is_rendered: false }

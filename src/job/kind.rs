@@ -9,6 +9,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize as _, Serialize};
 use serde_json::Value;
 
+use super::key_number::KeyNumber;
 use super::ready::{Readiness, Shared};
 use super::{JobError, KINDS};
 use crate::document::{Diagnostics, Node, Place, Schemas, Written};
@@ -55,6 +56,12 @@ pub trait JobKind: Sync + 'static {
     /// The result without its single readings, where it has some.
     fn without_rows(_output: &Self::Output) -> Option<Self::Output> {
         None
+    }
+
+    /// The numbers of the result that a baseline keeps, each with its Monte Carlo error where the result states it; names
+    /// are unique. Of a kind without any the baseline keeps the hash of the result alone.
+    fn key_numbers(_output: &Self::Output) -> Vec<KeyNumber> {
+        Vec::new()
     }
 }
 
@@ -139,6 +146,8 @@ pub trait AnyOutput: fmt::Debug + Send + Sync {
     /// # Errors
     /// A result that cannot be written as JSON.
     fn document(&self, with_rows: bool) -> Result<Value, JobError>;
+    /// See [`JobKind::key_numbers`].
+    fn key_numbers(&self) -> Vec<KeyNumber>;
     /// See [`JobKind::without_rows`].
     fn without_rows(&self) -> Option<Arc<dyn AnyOutput>>;
 }
@@ -167,6 +176,10 @@ impl<K: JobKind> AnyOutput for OutputOf<K> {
 
     fn document(&self, with_rows: bool) -> Result<Value, JobError> {
         K::document(&self.0, with_rows)
+    }
+
+    fn key_numbers(&self) -> Vec<KeyNumber> {
+        K::key_numbers(&self.0)
     }
 
     fn without_rows(&self) -> Option<Arc<dyn AnyOutput>> {

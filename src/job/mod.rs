@@ -3,6 +3,7 @@
 //! threads or files.
 
 mod fault;
+pub mod key_number;
 pub mod kind;
 pub mod lab;
 pub mod ready;

@@ -1,22 +1,153 @@
-//! Archived results of a study, in `baseline/PASS/JOB.json`, against which the nightly check holds a fresh run.
+//! Baselines: of every job of a study the hash of its result and its key numbers, in `baseline/PASS/JOB.json`, against which
+//! later runs are held.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use serde_json::Value;
+use serde::{Deserialize, Serialize};
 
-use super::difference::{Difference, differences};
 use super::error::RunnerError;
+use super::key::Key;
+use crate::job::key_number::KeyNumber;
 use crate::study::file::{self, Existing};
 
-/// Largest archived result that is read, bytes.
-const LARGEST: u64 = 1 << 30;
+/// The form of the files.
+const FORMAT: &str = "bmv-baseline/1";
+/// Largest baseline that is read, bytes.
+const LARGEST: u64 = 1 << 26;
 
-/// Where a job's archived result lies in the study's folder: names of jobs may hold any character, so those that file systems treat in their
-/// own way are written as `%` and their code.
+/// What a job's result was, and why it was taken for the baseline.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Baseline {
+    /// The form of the file.
+    format: String,
+    /// Why it was last renewed.
+    pub because: String,
+    /// When, as whoever renewed it wrote it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub date: Option<String>,
+    /// Version of the program.
+    pub program: String,
+    /// Kind of the job.
+    pub kind: String,
+    /// Version of that kind's algorithm.
+    pub algorithm_version: u32,
+    /// Version of the numeric engine.
+    pub engine_version: u32,
+    /// Seed.
+    pub seed: u64,
+    /// Key of the job: what decided the result.
+    pub key: Key,
+    /// SHA-256 of the canonical bytes of the result.
+    pub sha256: Key,
+    /// Key numbers.
+    pub numbers: Vec<KeyNumber>,
+}
+
+impl Baseline {
+    /// A baseline of a result; `because` and `date` are written down.
+    pub fn new(
+        because: &str,
+        date: Option<&str>,
+        (kind, algorithm_version, engine_version): (&str, u32, u32),
+        (seed, key): (u64, &Key),
+        sha256: &Key,
+        numbers: Vec<KeyNumber>,
+    ) -> Self {
+        Self {
+            format: FORMAT.to_owned(),
+            because: because.to_owned(),
+            date: date.map(str::to_owned),
+            program: env!("CARGO_PKG_VERSION").to_owned(),
+            kind: kind.to_owned(),
+            algorithm_version,
+            engine_version,
+            seed,
+            key: key.clone(),
+            sha256: sha256.clone(),
+            numbers,
+        }
+    }
+
+    /// Whether it is of the same result by the same definition, whatever the reason and the program that wrote it.
+    pub fn is_of_same(&self, other: &Self) -> bool {
+        (&self.key, &self.sha256, &self.numbers) == (&other.key, &other.sha256, &other.numbers)
+    }
+
+    /// Reads the baseline at a path. Nothing if none is there.
+    ///
+    /// # Errors
+    /// [`RunnerError::File`] if it cannot be read, [`RunnerError::Baseline`] if it is none.
+    pub fn read(path: &Path) -> Result<Option<Self>, RunnerError> {
+        let text = match file::read(path, LARGEST) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            read => read.map_err(RunnerError::file("read", path))?,
+        };
+        let damaged = |reason: String| RunnerError::Baseline { path: path.to_owned(), reason };
+        let baseline: Self = serde_json::from_slice(&text).map_err(|error| damaged(error.to_string()))?;
+        if baseline.format != FORMAT {
+            return Err(damaged(format!("its format is `{}`, this version reads `{FORMAT}`", baseline.format)));
+        }
+        let is_wrong = |number: &&KeyNumber| {
+            let error = number.error.is_some_and(|error| {
+                !(error.standard_error >= 0.0) || error.degrees_of_freedom.is_some_and(|degrees| !(degrees > 0.0))
+            });
+            error || !number.value.is_finite()
+        };
+        match baseline.numbers.iter().find(is_wrong) {
+            Some(number) => Err(damaged(format!("`{}` has no possible error", number.name()))),
+            None => Ok(Some(baseline)),
+        }
+    }
+
+    /// Writes it to its path in the study's folder: the facts on a line each, and a line a number, so that versions can be
+    /// compared line by line.
+    ///
+    /// # Errors
+    /// [`RunnerError::File`] if the system refuses, or a link is in the way.
+    pub fn write(&self, study: &Path, path: &Path) -> Result<(), RunnerError> {
+        let not_json = |error: serde_json::Error| RunnerError::NotCanonical {
+            what: format!("the baseline `{}`", path.display()),
+            reason: error.to_string(),
+        };
+        let facts = serde_json::to_string_pretty(&Self { numbers: Vec::new(), ..self.clone() }).map_err(not_json)?;
+        let lines = self.numbers.iter().map(serde_json::to_string).collect::<Result<Vec<_>, _>>().map_err(not_json)?;
+        let numbers = if lines.is_empty() { "[]".to_owned() } else { format!("[\n    {}\n  ]", lines.join(",\n    ")) };
+        let head = facts.strip_suffix("[]\n}").unwrap_or(&facts);
+        let text = format!("{head}{numbers}\n}}\n");
+        file::write(study, path, text.as_bytes(), Existing::Replace)
+            .map_err(RunnerError::file("write", study.join(path)))
+    }
+}
+
+/// Where a job's baseline lies in the study's folder: names of jobs may hold any character, so those that file systems treat
+/// in their own way are written as `%` and their code.
 pub fn path(pass: &str, job: &str) -> PathBuf {
-    let pass = pass.strip_suffix(".json").unwrap_or(pass);
-    Path::new("baseline").join(file_name(pass)).join(format!("{}.json", file_name(job)))
+    folder(pass).join(format!("{}.json", file_name(job)))
+}
+
+/// Where the baselines of a pass lie in the study's folder.
+pub fn folder(pass: &str) -> PathBuf {
+    Path::new("baseline").join(file_name(pass.strip_suffix(".json").unwrap_or(pass)))
+}
+
+/// The files in the folder of a pass's baselines, in the order of their names; none where there is no such folder.
+///
+/// # Errors
+/// [`RunnerError::File`] if the system refuses.
+pub fn files(study: &Path, pass: &str) -> Result<Vec<PathBuf>, RunnerError> {
+    let folder = study.join(self::folder(pass));
+    let entries = match std::fs::read_dir(&folder) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+        read => read.map_err(RunnerError::file("read", &folder))?,
+    };
+    let mut files = Vec::new();
+    for entry in entries {
+        files.push(entry.map_err(RunnerError::file("read", &folder))?.path());
+    }
+    files.sort();
+    Ok(files)
 }
 
 fn file_name(name: &str) -> String {
@@ -32,53 +163,39 @@ fn file_name(name: &str) -> String {
     out
 }
 
-/// Compares a result with the one archived at a path. Nothing if none is archived.
-///
-/// # Errors
-/// [`RunnerError::File`] if it cannot be read, [`RunnerError::NotCanonical`] if it is no JSON.
-pub fn compare(path: &Path, result: &Value) -> Result<Option<Vec<Difference>>, RunnerError> {
-    let text = match file::read(path, LARGEST) {
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-        read => read.map_err(RunnerError::file("read", path))?,
-    };
-    let archived: Value = serde_json::from_slice(&text).map_err(|error| RunnerError::NotCanonical {
-        what: format!("the archived result `{}`", path.display()),
-        reason: error.to_string(),
-    })?;
-    Ok(Some(differences(&archived, result)))
-}
-
-/// Archives a result at its path in the study's folder, indented so that it can be read and compared line by line.
-///
-/// # Errors
-/// [`RunnerError::File`] if the system refuses, or a link is in the way.
-pub fn archive(study: &Path, path: &Path, result: &Value) -> Result<(), RunnerError> {
-    let text = format!("{result:#}\n");
-    file::write(study, path, text.as_bytes(), Existing::Replace).map_err(RunnerError::file("write", study.join(path)))
-}
-
 #[cfg(test)]
 mod tests {
     use std::fs;
 
-    use serde_json::json;
-
     use super::*;
+    use crate::statistics::monte_carlo::StandardError;
+
+    fn baseline() -> Baseline {
+        let error = StandardError::new(0.1 + 0.2, Some(1.0 / 3.0));
+        let numbers =
+            vec![KeyNumber::new("Gh", "mean", "W/K", 0.1 + 0.7, error), KeyNumber::new("x", "size", "", 2.0, None)];
+        Baseline::new("first", None, ("calibrate", 9, 3), (2015, &Key::of(b"key")), &Key::of(b"result"), numbers)
+    }
 
     #[test]
-    fn what_was_archived_is_compared_exactly() {
+    fn a_baseline_is_read_as_it_was_written() {
         let study = tempfile::tempdir().unwrap();
         let inside = path("pass-1.json", "before");
         assert_eq!(inside, Path::new("baseline/pass-1/before.json"));
-        let path = study.path().join(&inside);
-        let result = json!({"mean": 0.1 + 0.2, "count": u64::MAX, "whole": 2});
-        assert_eq!(compare(&path, &result).unwrap(), None);
-        archive(study.path(), &inside, &result).unwrap();
-        assert_eq!(compare(&path, &result).unwrap(), Some(Vec::new()));
-        let drifted = json!({"mean": 0.3, "count": u64::MAX, "whole": 2});
-        let differences = compare(&path, &drifted).unwrap().unwrap();
-        assert_eq!(differences.len(), 1, "the last bit counts");
-        assert_eq!(differences[0].path, "mean");
+        let there = study.path().join(&inside);
+        assert_eq!(Baseline::read(&there).unwrap(), None);
+        assert!(files(study.path(), "pass-1.json").unwrap().is_empty());
+        baseline().write(study.path(), &inside).unwrap();
+        assert_eq!(Baseline::read(&there).unwrap(), Some(baseline()));
+        assert_eq!(files(study.path(), "pass-1.json").unwrap(), std::slice::from_ref(&there));
+        let text = fs::read_to_string(&there).unwrap();
+        assert!(
+            text.contains("\n    {\"of\":\"x\",\"statistic\":\"size\",\"unit\":\"\",\"value\":2.0}\n  ]\n}\n"),
+            "{text}"
+        );
+        let empty = Baseline { numbers: Vec::new(), date: Some("2026-01-02".into()), ..baseline() };
+        empty.write(study.path(), &inside).unwrap();
+        assert_eq!(Baseline::read(&there).unwrap(), Some(empty));
     }
 
     #[test]
@@ -89,7 +206,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn an_archive_does_not_lead_out_and_is_not_waited_for() {
+    fn a_baseline_does_not_lead_out_and_is_not_waited_for() {
         let (study, outside) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let foreign = outside.path().join("before.json");
         fs::write(&foreign, "foreign").unwrap();
@@ -98,20 +215,33 @@ mod tests {
         fs::create_dir(study.path().join("baseline/pass-2")).unwrap();
         std::os::unix::fs::symlink(&foreign, study.path().join("baseline/pass-2/before.json")).unwrap();
         for pass in ["pass-1.json", "pass-2.json"] {
-            let error = archive(study.path(), &path(pass, "before"), &json!({})).unwrap_err().to_string();
+            let error = baseline().write(study.path(), &path(pass, "before")).unwrap_err().to_string();
             assert!(error.contains("is a link, and nothing is written through links"), "{error}");
         }
         assert_eq!(fs::read(&foreign).unwrap(), b"foreign");
         let pipe = study.path().join("pipe.json");
         assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-        assert!(compare(&pipe, &json!({})).unwrap_err().to_string().contains("is no regular file"));
+        assert!(Baseline::read(&pipe).unwrap_err().to_string().contains("is no regular file"));
     }
 
     #[test]
-    fn a_torn_archive_is_an_error() {
+    fn a_damaged_baseline_is_an_error_that_names_the_file() {
         let study = tempfile::tempdir().unwrap();
-        let path = study.path().join("x.json");
-        fs::write(&path, "{\"mean\": ").unwrap();
-        assert!(compare(&path, &json!({})).unwrap_err().to_string().starts_with("the archived result `"));
+        let there = study.path().join("x.json");
+        let whole = serde_json::to_string(&baseline()).unwrap();
+        for (damaged, reason) in [
+            (whole[..40].to_owned(), "EOF while parsing"),
+            ("\u{0}".to_owned(), "expected value"),
+            ("[]".to_owned(), "invalid length 0"),
+            (whole.replace("bmv-baseline/1", "bmv-baseline/9"), "its format is `bmv-baseline/9`"),
+            (whole.replace("\"sha256\":\"", "\"sha256\":\"x"), "is not a key"),
+            (whole.replace("\"standard_error\":", "\"standard_error\":-"), "`Gh, mean` has no possible error"),
+            (whole.replace("\"seed\":2015", "\"seed\":-1"), "invalid value"),
+        ] {
+            fs::write(&there, damaged).unwrap();
+            let error = Baseline::read(&there).unwrap_err().to_string();
+            let start = format!("the baseline `{}` cannot be used: ", there.display());
+            assert!(error.starts_with(&start) && error.contains(reason), "{error}");
+        }
     }
 }

@@ -81,6 +81,14 @@ pub enum RunnerError {
         /// What the system says.
         reason: String,
     },
+    /// A file that should be a baseline is damaged.
+    #[error("the baseline `{}` cannot be used: {reason}", path.display())]
+    Baseline {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
     /// A manifest is not one.
     #[error("`{}` is not a manifest: {reason}", path.display())]
     Manifest {

@@ -17,6 +17,7 @@ pub mod manifest;
 pub mod plan;
 pub mod progress;
 
+pub use baseline::Baseline;
 pub use cache::{Cache, Kind};
 pub use difference::{Difference, differences};
 pub use engine::{Finished, Outcome, RunSummary, Settings, StopFlag};

@@ -33,12 +33,21 @@ pub struct Reader {
     pub(super) kinds: Kinds,
     passes: RefCell<HashMap<PathBuf, Loaded>>,
     trees: RefCell<HashMap<PathBuf, Parsed>>,
+    /// The seed of all passes, whatever they state.
+    seed: Option<u64>,
 }
 
 impl Reader {
     /// A reader of passes with jobs of these kinds.
     pub fn new(kinds: Kinds) -> Self {
-        Self { kinds, passes: RefCell::default(), trees: RefCell::default() }
+        Self { kinds, passes: RefCell::default(), trees: RefCell::default(), seed: None }
+    }
+
+    /// A reader that gives all passes another seed than they state: what samples draws other numbers, and data stay as they
+    /// are.
+    #[must_use]
+    pub fn with_seed(self, seed: u64) -> Self {
+        Self { seed: Some(seed), ..self }
     }
 
     /// A pass with its parents, its model and its data.
@@ -54,7 +63,9 @@ impl Reader {
         if let Some(loaded) = self.passes.borrow().get(pass) {
             return loaded.clone();
         }
-        let loaded = resolve::load(self, pass, chain).map(Arc::new).map_err(Arc::new);
+        let loaded = resolve::load(self, pass, chain);
+        let loaded =
+            loaded.map(|pass| Arc::new(Pass { seed: self.seed.unwrap_or(pass.seed), ..pass })).map_err(Arc::new);
         self.passes.borrow_mut().insert(pass.to_owned(), loaded.clone());
         loaded
     }

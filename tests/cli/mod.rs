@@ -2,6 +2,7 @@
 
 mod archive;
 mod campaigns;
+mod check;
 mod decks;
 mod documents;
 mod escapes;

@@ -184,20 +184,6 @@ fn diff_names_the_changed_setting() {
 }
 
 #[test]
-fn check_fails_where_nothing_is_archived_and_where_something_drifted() {
-    let root = plate();
-    assert_eq!(code(&bmv(root.path(), &["check", "plate"])), 1);
-    printed(root.path(), &["check", "plate", "--archive"]);
-    printed(root.path(), &["check", "plate"]);
-    let archived = root.path().join("plate/baseline/pass-1/delivered.json");
-    let drifted = fs::read_to_string(&archived).unwrap().replacen("\"rmse\": ", "\"rmse\": 1", 1);
-    fs::write(&archived, drifted).unwrap();
-    let found = bmv(root.path(), &["check", "plate"]);
-    assert_eq!(code(&found), 1);
-    assert!(text(&found.stdout).contains("plate/pass-1.json:delivered: DRIFTED"), "{}", text(&found.stdout));
-}
-
-#[test]
 fn wrong_files_end_with_two_before_anything_runs() {
     let root = plate();
     let pass = root.path().join("plate/pass-1.json");

@@ -38,9 +38,9 @@ fn chain_diagnostics_equal_those_of_arviz() {
             ("ess_q30", own::ess_quantile(&chains, 0.3)),
             ("mcse_mean", own::mcse_mean(&chains)),
             ("mcse_sd", own::mcse_sd(&chains)),
-            ("mcse_q05", super::mcse_quantile(&chains, 0.05)),
-            ("mcse_q50", super::mcse_quantile(&chains, 0.5)),
-            ("mcse_q95", super::mcse_quantile(&chains, 0.95)),
+            ("mcse_q05", own::mcse_quantile(&chains, 0.05)),
+            ("mcse_q50", own::mcse_quantile(&chains, 0.5)),
+            ("mcse_q95", own::mcse_quantile(&chains, 0.95)),
         ];
         for (what, result) in results {
             assert_close(result.expect("a result"), number(&expected[name][what]), &format!("{name} {what}"));

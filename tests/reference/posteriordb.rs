@@ -8,7 +8,7 @@ use bmv::inference::sampler::chains::Chains;
 use bmv::inference::sampler::metropolis::MetropolisSettings;
 use bmv::inference::sampler::nuts::NutsSettings;
 use bmv::inference::sampler::smc::SmcSettings;
-use bmv::statistics::chain_diagnostics::{ess_quantile, mcse_mean};
+use bmv::statistics::chain_diagnostics::{self, ess_quantile, mcse_mean};
 use bmv::statistics::quantile::{quantile_sorted, sorted};
 use serde_json::Value;
 
@@ -52,7 +52,7 @@ fn compare(
         let ordered = sorted(&values.concat());
         for (key, p) in [("q05", 0.05), ("q50", 0.5), ("q95", 0.95)] {
             let own = quantile_sorted(&ordered, p);
-            let error = super::mcse_quantile(&values, p).expect("an error");
+            let error = chain_diagnostics::mcse_quantile(&values, p).expect("an error");
             // The reference's error follows from ours by the numbers of effective draws.
             let ratio = ess_quantile(&values, p).expect("a number") / draws;
             let limit = 4.0 * error * (1.0 + ratio).sqrt();

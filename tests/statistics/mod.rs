@@ -8,5 +8,6 @@ pub mod hand_on;
 mod job_calibration;
 mod laboratory;
 pub mod models;
+mod monte_carlo;
 mod predictive_scores;
 pub mod samplers;

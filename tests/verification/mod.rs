@@ -17,7 +17,7 @@ mod likelihood;
 mod linear_diagnosis;
 mod model_error;
 mod monitor_calibration;
-mod monitor_campaign;
+pub mod monitor_campaign;
 pub mod network8_data;
 mod orbit;
 mod periodic_diagnosis;

@@ -61,8 +61,33 @@ pub fn phases() -> Vec<(f64, f64)> {
 }
 
 pub fn chamber(pass: &Pass, (voltage, deck_c): (f64, f64)) -> (Vec<f64>, f64) {
+    chamber_of(pass, &TRUTH, (voltage, deck_c))
+}
+
+fn chamber_of(pass: &Pass, truth: &[(&str, f64)], (voltage, deck_c): (f64, f64)) -> (Vec<f64>, f64) {
     let inputs = [("T_orex", deck_c + ZERO_C), ("V", voltage), ("q_sun", 0.0), ("T_sky", 150.0)];
-    solved(pass, &TRUTH, inputs)
+    solved(pass, truth, inputs)
+}
+
+/// The campaign's file where this is true, with the noise of the one that is stored.
+pub fn campaign(pass: &Pass, truth: &[(&str, f64)]) -> String {
+    let mut text = String::from("phase,V [V],T_orex [degC],T_sky [K],q_sun [W/m^2]");
+    for (name, _) in SENSORS {
+        write!(text, ",{name} [degC]").unwrap();
+    }
+    text.push('\n');
+    let noise = StreamKey::new(SEED, "thermal vacuum", "noise");
+    for (index, phase) in phases().into_iter().enumerate() {
+        let (temperatures, _) = chamber_of(pass, truth, phase);
+        let mut stream = noise.stream(index as u64);
+        write!(text, "T{:02},{},{},150,0", index + 1, phase.0, phase.1).unwrap();
+        for (name, sd) in SENSORS {
+            let node = pass.model.nodes.iter().position(|n| n.name == name).unwrap();
+            write!(text, ",{:.3}", temperatures[node] + sd * stream.normal()).unwrap();
+        }
+        text.push('\n');
+    }
+    text
 }
 
 #[test]
@@ -114,23 +139,7 @@ fn the_noise_free_campaign_has_its_golden_phases() {
 
 #[test]
 fn the_campaign_is_made_again_byte_for_byte() {
-    let pass = study("pass-1.json");
-    let mut text = String::from("phase,V [V],T_orex [degC],T_sky [K],q_sun [W/m^2]");
-    for (name, _) in SENSORS {
-        write!(text, ",{name} [degC]").unwrap();
-    }
-    text.push('\n');
-    let noise = StreamKey::new(SEED, "thermal vacuum", "noise");
-    for (index, phase) in phases().into_iter().enumerate() {
-        let (temperatures, _) = chamber(&pass, phase);
-        let mut stream = noise.stream(index as u64);
-        write!(text, "T{:02},{},{},150,0", index + 1, phase.0, phase.1).unwrap();
-        for (name, sd) in SENSORS {
-            let node = pass.model.nodes.iter().position(|n| n.name == name).unwrap();
-            write!(text, ",{:.3}", temperatures[node] + sd * stream.normal()).unwrap();
-        }
-        text.push('\n');
-    }
+    let text = campaign(&study("pass-1.json"), &TRUTH);
     let stored = std::fs::read_to_string(folder().join("data/thermal-vacuum.csv")).unwrap_or_default();
     if stored != text {
         let made = Path::new(env!("CARGO_TARGET_TMPDIR")).join("thermal-vacuum.csv");

@@ -4,9 +4,17 @@
 //! All functions take equally long chains of one quantity. They answer `None` where there is nothing to judge: chains of
 //! fewer than four draws, of different lengths, or with a number that is not finite.
 
+use super::monte_carlo::StandardError;
 use super::quantile::quantile_sorted;
-use crate::math::functions::ln;
-use crate::math::special::normal_quantile;
+use crate::math::functions::{ln, sqrt};
+use crate::math::special::{beta_quantile, normal_quantile};
+
+/// Probability below one standard deviation under the mean of a normal distribution.
+const BELOW_ONE_SIGMA: f64 = 0.158_655_253_931_457_05;
+/// Effective draws for a degree of freedom of a standard error. An autocorrelation time summed over a window of `m` lags of
+/// `n` draws has the relative variance `2 (2m + 1) / n` (Sokal 1997, section 3), hence `n / (2m + 1)` degrees of freedom; sums
+/// end after about five autocorrelation times.
+const DRAWS_A_DEGREE: f64 = 10.0;
 
 /// The larger of the rank-normalised split R-hats of the draws and of their distances from the median; `None` also for
 /// draws that never change.
@@ -60,6 +68,84 @@ pub fn mcse_sd<C: AsRef<[f64]>>(chains: &[C]) -> Option<f64> {
     let variance = squares.iter().flatten().sum::<f64>() / count;
     let fourth = squares.iter().flatten().map(|s| s * s).sum::<f64>() / count;
     Some(((fourth - variance * variance) / ess / variance / 4.0).sqrt())
+}
+
+/// Monte Carlo standard error of a quantile (`probability` within 0 to 1): half the spread between the order statistics at
+/// the one-sigma limits of the beta distribution with the quantile's effective sample size (Vehtari et al. 2021, section 4.4).
+pub fn mcse_quantile<C: AsRef<[f64]>>(chains: &[C], probability: f64) -> Option<f64> {
+    let ess = ess_quantile(chains, probability)?;
+    let draws = sorted_draws(chains);
+    let last = draws.len() as f64 - 1.0;
+    let (a, b) = (ess * probability + 1.0, ess * (1.0 - probability) + 1.0);
+    let place = |sigma: f64| beta_quantile(sigma, a, b) * draws.len() as f64 - 1.0;
+    let low = place(BELOW_ONE_SIGMA).clamp(0.0, last).floor();
+    let high = place(1.0 - BELOW_ONE_SIGMA).clamp(0.0, last).ceil();
+    Some(0.5 * (draws[high as usize] - draws[low as usize]))
+}
+
+/// Error of the mean of a function's values along chains, as [`mcse_mean`], with what it is known by. `weights`, one a chain,
+/// are those of independent islands: then the error is that of a ratio of sums over them, from their scatter (Cochran 1977,
+/// section 6.4).
+pub fn error_of_mean<C: AsRef<[f64]>>(chains: &[C], weights: Option<&[f64]>) -> Option<StandardError> {
+    let Some(weights) = weights else {
+        return StandardError::new(mcse_mean(chains)?, Some(ess_mean(chains)? / DRAWS_A_DEGREE));
+    };
+    if weights.len() != chains.len() || split(chains).is_none() {
+        return None;
+    }
+    let total: f64 = weights.iter().sum();
+    let means: Vec<f64> =
+        chains.iter().map(|chain| chain.as_ref().iter().sum::<f64>() / chain.as_ref().len() as f64).collect();
+    let islands = || weights.iter().map(|weight| weight / total).zip(&means);
+    let mean: f64 = islands().map(|(weight, mean)| weight * mean).sum();
+    let squares: f64 = islands().map(|(weight, own)| weight * weight * (own - mean) * (own - mean)).sum();
+    let effective = 1.0 / islands().map(|(weight, _)| weight * weight).sum::<f64>();
+    let count = means.len() as f64;
+    StandardError::new((squares * count / (count - 1.0)).sqrt(), Some(effective - 1.0))
+}
+
+/// Error of the standard deviation, as [`error_of_mean`] of the squared deviations from the mean.
+pub fn error_of_sd<C: AsRef<[f64]>>(
+    chains: &[C],
+    weights: Option<&[f64]>,
+    mean: f64,
+    sd: f64,
+) -> Option<StandardError> {
+    let error = error_of_mean(&map(chains, |x| (x - mean) * (x - mean)), weights)?;
+    StandardError::new(error.standard_error / (2.0 * sd), error.degrees_of_freedom)
+}
+
+/// Error of the covariance of two quantities, as [`error_of_mean`] of the products of their deviations from the means.
+pub fn error_of_covariance<C: AsRef<[f64]>>(
+    chains: [&[C]; 2],
+    weights: Option<&[f64]>,
+    means: [f64; 2],
+) -> Option<StandardError> {
+    let pairs = chains[0].iter().zip(chains[1]);
+    let products: Vec<Vec<f64>> = pairs
+        .map(|(a, b)| a.as_ref().iter().zip(b.as_ref()).map(|(a, b)| (a - means[0]) * (b - means[1])).collect())
+        .collect();
+    error_of_mean(&products, weights)
+}
+
+/// Error of a quantile; `quantile` gives that of the (weighted) draws at any probability. Without weights it is
+/// [`mcse_quantile`], which rests on the spacing of about `k = 2 sqrt(n p (1 - p))` of the `n` effective draws: a sum of `k`
+/// nearly exponential spacings has the relative variance `1/k`, its square `4/k`, so that it has `k/2` degrees of freedom.
+pub fn error_of_quantile<C: AsRef<[f64]>>(
+    chains: &[C],
+    weights: Option<&[f64]>,
+    probability: f64,
+    quantile: impl Fn(f64) -> f64,
+) -> Option<StandardError> {
+    if weights.is_none() {
+        let ess = ess_quantile(chains, probability)?;
+        let of_spacing = sqrt(ess * probability * (1.0 - probability));
+        return StandardError::new(mcse_quantile(chains, probability)?, Some(of_spacing.min(ess / DRAWS_A_DEGREE)));
+    }
+    let limit = quantile(probability);
+    let error = error_of_mean(&map(chains, |x| if x <= limit { 1.0 } else { 0.0 }), weights)?;
+    let at = |side: f64| quantile((probability + side * error.standard_error).clamp(0.0, 1.0));
+    StandardError::new(0.5 * (at(1.0) - at(-1.0)), error.degrees_of_freedom)
 }
 
 /// The first and the last half of each chain; the middle draw of an odd number belongs to neither.

@@ -1,5 +1,5 @@
 //! Moments, quantiles, intervals, histograms, regression, autocorrelation, goodness of fit,
-//! convergence of chains, sensitivity.
+//! convergence of chains, errors by Monte Carlo, sensitivity.
 
 pub mod autocorrelation;
 pub mod chain_diagnostics;
@@ -10,6 +10,7 @@ pub mod histogram;
 pub mod interval;
 pub mod kolmogorov;
 pub mod moments;
+pub mod monte_carlo;
 pub mod poincare;
 pub mod quantile;
 pub mod regression;

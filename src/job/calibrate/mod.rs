@@ -8,6 +8,7 @@
 mod block;
 mod checks;
 mod form;
+mod monte_carlo;
 mod output;
 mod predictive;
 mod resolve;
@@ -32,6 +33,7 @@ use serde_json::Value;
 
 use crate::job::JobError;
 use crate::job::Runnable;
+use crate::job::key_number::KeyNumber;
 use crate::job::kind::JobKind;
 use crate::job::ready::{Readiness, Shared};
 use crate::job::ready::{after, filled, unfilled};
@@ -58,6 +60,10 @@ impl JobKind for Kind {
 
     fn resolve(form: &CalibrateForm, scope: &mut Scope, entry: &Entry, asked: &mut Asked) -> Option<JobSpec> {
         resolve::resolve(scope, entry, form, asked.offered)
+    }
+
+    fn key_numbers(output: &Output) -> Vec<KeyNumber> {
+        monte_carlo::of_output(output)
     }
 
     fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {

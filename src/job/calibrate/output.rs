@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::sampler::Sampler;
 
 use crate::inference::prior::joint_prior::Fit;
+use crate::job::key_number::KeyNumber;
 use crate::random::Distribution;
 use crate::study::posterior_prior::PosteriorPriorSummary;
 
@@ -263,6 +264,9 @@ pub struct Output {
     pub parameters: BTreeMap<String, ParameterSummary>,
     /// Evidence.
     pub log_evidence: Evidence,
+    /// Numbers of the posterior with their Monte Carlo errors, from all draws.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub key_numbers: Vec<KeyNumber>,
     /// Posterior correlations, in the order of `order`.
     pub correlations: Vec<Vec<f64>>,
     /// The most probable point.

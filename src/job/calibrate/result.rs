@@ -1,6 +1,7 @@
 //! From the chains to the result: whether they can be believed, the evidence, summaries by parameter.
 
 use super::block::Partial;
+use super::monte_carlo::{self, Shown};
 use super::output::{Evidence, MostProbable, Output, ParameterSummary, PosteriorPriorOf, Spent, UsedData};
 use super::summary::Weighted;
 use super::{Calibrate, words};
@@ -13,6 +14,7 @@ use crate::inference::sampler::chains::{Chain, Chains};
 use crate::inference::sampler::convergence::{self, Convergence, ConvergenceLimits};
 use crate::inference::sampler::smc::{self, Island};
 use crate::inference::target::{LeastSquares, Target};
+use crate::job::key_number::KeyNumber;
 use crate::job::{Done, JobError, Step};
 use crate::measurement::Doubt;
 use crate::measurement::scatter;
@@ -150,6 +152,7 @@ impl Calibrate {
             chains: [chains.chains.len() as u64, chains.chains[0].len() as u64],
             order: unknowns.names.clone(),
             model_parameters: self.likelihood().model_parameters() as u64,
+            key_numbers: self.key_numbers(chains, weights),
             correlations: weighted.correlations(unknowns.len()),
             most_probable: MostProbable {
                 log_likelihood: estimate.log_likelihood,
@@ -180,6 +183,24 @@ impl Calibrate {
             posterior_prior_fits: self.fits.iter().map(|(_, fit)| fit.clone()).collect(),
             log_evidence,
         }
+    }
+
+    /// Numbers of the posterior with their Monte Carlo errors, in the unknowns' units.
+    fn key_numbers(&self, chains: &Chains, weights: Option<&[f64]>) -> Vec<KeyNumber> {
+        let unknowns = self.likelihood().unknowns();
+        let shown = unknowns.names.iter().zip(&unknowns.units).map(|(name, text)| {
+            let unit = Unit::parse(text).ok();
+            let of_difference = unit.clone();
+            Shown {
+                name,
+                unit: text,
+                value: Box::new(move |value| unit.as_ref().map_or(value, |unit| unit.from_si(value))),
+                difference: Box::new(move |value| {
+                    of_difference.as_ref().map_or(value, |unit| unit.difference_from_si(value))
+                }),
+            }
+        });
+        monte_carlo::numbers(chains, weights, &shown.collect::<Vec<_>>())
     }
 
     /// The posterior that is the prior of an unknown.

@@ -122,7 +122,7 @@ impl Job for Calibrate {
     }
 
     fn algorithm_version(&self) -> u32 {
-        8
+        9
     }
 
     fn identity(&self) -> Value {

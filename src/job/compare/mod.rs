@@ -26,6 +26,7 @@ use serde_json::Value;
 use crate::document::Place;
 use crate::job::JobError;
 use crate::job::Runnable;
+use crate::job::key_number::KeyNumber;
 use crate::job::kind::JobKind;
 use crate::job::ready::{Readiness, Shared};
 use crate::study::blocked::blocked;
@@ -64,6 +65,25 @@ impl JobKind for Kind {
 
     fn without_rows(output: &Output) -> Option<Output> {
         Some(Output { rows: Vec::new(), ..output.clone() })
+    }
+
+    fn key_numbers(output: &Output) -> Vec<KeyNumber> {
+        let number = |(of, deviation): (String, &Deviation), unit: &str| {
+            (deviation.count > 0).then(|| KeyNumber::new(of, "rmse", unit, deviation.rmse, None))
+        };
+        let mut numbers = Vec::new();
+        let whole = [("readings to be fitted", &output.train), ("readings held out", &output.held_out)];
+        let tuned = output.tuned.iter().flat_map(|tuned| {
+            [("readings fitted, tuned", &tuned.train), ("readings held out, tuned", &tuned.held_out)]
+        });
+        let unit = output.sensors.first().map_or("", |sensor| sensor.unit.as_str());
+        numbers.extend(whole.into_iter().chain(tuned).filter_map(|(of, all)| number((of.to_owned(), all), unit)));
+        for sensor in &output.sensors {
+            let of = format!("{} of {}", sensor.sensor, sensor.measurement);
+            numbers.extend(number((of.clone(), &sensor.train), &sensor.unit));
+            numbers.extend(number((format!("{of}, held out"), &sensor.held_out), &sensor.unit));
+        }
+        numbers
     }
 
     fn ready(spec: &Spec, shared: &Shared, _name: &str) -> Result<Readiness, JobError> {

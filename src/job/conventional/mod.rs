@@ -19,6 +19,7 @@ use serde_json::Value;
 
 use crate::job::JobError;
 use crate::job::Runnable;
+use crate::job::key_number::KeyNumber;
 use crate::job::kind::JobKind;
 use crate::job::ready::{Readiness, Shared};
 use crate::job::ready::{after, filled};
@@ -43,6 +44,14 @@ impl JobKind for Kind {
 
     fn resolve(form: &ConventionalForm, scope: &mut Scope, entry: &Entry, asked: &mut Asked) -> Option<JobSpec> {
         resolve::resolve(scope, entry, form, asked.offered).map(JobSpec::of)
+    }
+
+    fn key_numbers(output: &Output) -> Vec<KeyNumber> {
+        let number = |size: &Size| {
+            let of = format!("{}, {} ({}, {})", size.requirement, size.environment, size.rule.name, size.basis.words());
+            Some(KeyNumber::new(of, "size", "SI", size.size?, None))
+        };
+        output.sizes.iter().filter_map(number).collect()
     }
 
     fn ready(spec: &Spec, shared: &Shared, _name: &str) -> Result<Readiness, JobError> {

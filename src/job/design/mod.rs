@@ -28,13 +28,16 @@ pub use run::Design;
 use std::sync::Arc;
 
 use crate::job::JobError;
+use crate::job::key_number::KeyNumber;
 use crate::job::kind::JobKind;
 use crate::job::ready::{Readiness, Shared};
+use crate::statistics::monte_carlo::StandardError;
 use crate::study::job::{Asked, Entry, JobSpec};
 use crate::study::resolve::scope::Scope;
 use crate::study::resolved::Blocked;
 use crate::study::{self, Pass};
 use form::DesignForm;
+use samples::REPLICATES;
 
 /// The kind `design`.
 #[derive(Clone, Copy, Debug)]
@@ -49,6 +52,19 @@ impl JobKind for Kind {
 
     fn resolve(form: &DesignForm, scope: &mut Scope, entry: &Entry, asked: &mut Asked) -> Option<JobSpec> {
         resolve::resolve(scope, entry, form, asked.offered).map(JobSpec::of)
+    }
+
+    fn key_numbers(output: &Output) -> Vec<KeyNumber> {
+        // What a search found lies elsewhere with another seed.
+        let of_grid = output.candidates.iter().filter(|candidate| !candidate.is_found);
+        let number = |candidate: &Candidate| {
+            let conditions: Vec<String> =
+                candidate.conditions.iter().map(|(input, value)| format!("{input} = {value}")).collect();
+            let error = StandardError::new(candidate.se?, Some(REPLICATES as f64 - 1.0));
+            let value = candidate.information_nats?;
+            Some(KeyNumber::new(conditions.join(", "), "information", "nat", value, error))
+        };
+        of_grid.filter_map(number).collect()
     }
 
     fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {

@@ -16,6 +16,7 @@ use serde_json::Value;
 use crate::diagnosis::{Output, PRIOR_OF, Problem};
 use crate::job::JobError;
 use crate::job::Runnable;
+use crate::job::key_number::KeyNumber;
 use crate::job::kind::JobKind;
 use crate::job::ready::{Readiness, Shared};
 use crate::job::ready::{after, filled, unfilled};
@@ -28,6 +29,9 @@ use crate::study::resolved::Blocked;
 use crate::study::resolved::PosteriorReference;
 use crate::study::{self, Pass};
 use form::DiagnoseForm;
+
+/// Effects that are less probable are no key numbers of a diagnosis: they come and go with the last digit of a fit.
+const LEAST_PROBABILITY: f64 = 0.01;
 
 /// The kind `diagnose`.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +46,15 @@ impl JobKind for Kind {
 
     fn resolve(form: &DiagnoseForm, scope: &mut Scope, entry: &Entry, asked: &mut Asked) -> Option<JobSpec> {
         resolve::resolve(scope, entry, form, asked.offered)
+    }
+
+    fn key_numbers(output: &Output) -> Vec<KeyNumber> {
+        let nothing = KeyNumber::new("nothing", "probability", "", output.probability_nothing, None);
+        let unexplained = KeyNumber::new("something else", "probability", "", output.probability_unexplained, None);
+        let effects = output.effects.iter().filter(|effect| effect.probability >= LEAST_PROBABILITY);
+        let of_effect = effects
+            .map(|effect| KeyNumber::new(&effect.id, "probability of being missing", "", effect.probability, None));
+        [nothing, unexplained].into_iter().chain(of_effect).collect()
     }
 
     fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {

@@ -22,7 +22,9 @@ pub use run::Goal;
 use std::sync::Arc;
 
 use crate::job::JobError;
+use crate::job::key_number::KeyNumber;
 use crate::job::kind::JobKind;
+use crate::job::propagate::{Probability, of_probability};
 use crate::job::ready::{Readiness, Shared};
 use crate::study::job::{Asked, Entry, JobSpec};
 use crate::study::resolve::scope::Scope;
@@ -43,6 +45,18 @@ impl JobKind for Kind {
 
     fn resolve(form: &GoalForm, scope: &mut Scope, entry: &Entry, asked: &mut Asked) -> Option<JobSpec> {
         resolve::resolve(scope, entry, form, asked.offered).map(JobSpec::of)
+    }
+
+    fn key_numbers(output: &Output) -> Vec<KeyNumber> {
+        let of_all = ("all requirements".to_owned(), &output.probability);
+        let of_each = output
+            .requirements
+            .iter()
+            .map(|met| (format!("{} ({})", met.requirement, met.environment), &met.probability));
+        let number = |(of, probability): (String, &Probability)| {
+            KeyNumber::new(of, "probability", "", probability.value, of_probability(probability))
+        };
+        std::iter::once(of_all).chain(of_each).map(number).collect()
     }
 
     fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {

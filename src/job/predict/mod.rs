@@ -16,7 +16,9 @@ use serde_json::Value;
 
 use crate::job::JobError;
 use crate::job::Runnable;
+use crate::job::key_number::KeyNumber;
 use crate::job::kind::JobKind;
+use crate::job::propagate;
 use crate::job::ready::{Readiness, Shared};
 use crate::job::ready::{after, filled, unfilled};
 use crate::study::blocked::blocked;
@@ -46,6 +48,10 @@ impl JobKind for Kind {
 
     fn document(output: &Output, _with_rows: bool) -> Result<Value, JobError> {
         Ok(view(output))
+    }
+
+    fn key_numbers(output: &Output) -> Vec<KeyNumber> {
+        propagate::key_numbers(&output.posterior)
     }
 
     fn ready(spec: &Prediction, shared: &Shared, name: &str) -> Result<Readiness, JobError> {

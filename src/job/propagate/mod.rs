@@ -11,6 +11,7 @@
 
 mod block;
 mod form;
+mod key_numbers;
 mod main_effects;
 mod output;
 pub(super) mod reached;
@@ -21,6 +22,7 @@ mod view;
 
 pub use block::{BlockInput, BlockOutput};
 pub use form::{PropagateForm, SamplingForm};
+pub use key_numbers::{key_numbers, of_probability};
 pub use output::{
     AddedDiscrepancy, Case, Conditional, Discrepancy, Distributed, FailedSample, Joint, MainEffect, Met, Output,
     Probability, Quantile, Reached, Sampling, Spec,
@@ -35,6 +37,7 @@ use serde_json::Value;
 
 use crate::job::JobError;
 use crate::job::Runnable;
+use crate::job::key_number::KeyNumber;
 use crate::job::kind::JobKind;
 use crate::job::ready::{Readiness, Shared};
 use crate::job::ready::{after, filled, unfilled};
@@ -61,6 +64,10 @@ impl JobKind for Kind {
 
     fn document(output: &Output, _with_rows: bool) -> Result<Value, JobError> {
         Ok(view(output))
+    }
+
+    fn key_numbers(output: &Output) -> Vec<KeyNumber> {
+        key_numbers(output)
     }
 
     fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {

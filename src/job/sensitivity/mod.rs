@@ -8,6 +8,7 @@
 mod block;
 mod evaluate;
 mod form;
+mod key_numbers;
 mod one_at_a_time;
 mod output;
 mod resolve;
@@ -28,6 +29,7 @@ use std::sync::Arc;
 use serde_json::Value;
 
 use crate::job::JobError;
+use crate::job::key_number::KeyNumber;
 use crate::job::kind::JobKind;
 use crate::job::ready::{Readiness, Shared};
 use crate::study::job::{Asked, Entry, JobSpec};
@@ -53,6 +55,10 @@ impl JobKind for Kind {
 
     fn document(output: &Output, _with_rows: bool) -> Result<Value, JobError> {
         Ok(view(output))
+    }
+
+    fn key_numbers(output: &Output) -> Vec<KeyNumber> {
+        key_numbers::key_numbers(output)
     }
 
     fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {

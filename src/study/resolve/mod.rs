@@ -58,7 +58,7 @@ const MODEL: &str = "model.json";
 /// The seed where no pass states one.
 const SEED: u64 = 1;
 /// Largest seed: larger integers are not exact in every JSON reader.
-const LARGEST_SEED: u64 = (1 << 53) - 1;
+pub const LARGEST_SEED: u64 = (1 << 53) - 1;
 
 /// Reads a pass with its parents, its model and its data, because one of the study's passes of this chain uses it.
 ///
