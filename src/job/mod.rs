@@ -37,6 +37,7 @@ kinds! {
     calibrate,
     compare,
     diagnose,
+    discrepancy,
     predict,
     conventional,
 }
