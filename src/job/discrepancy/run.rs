@@ -15,6 +15,7 @@ use crate::measurement::prediction::Predictor;
 use crate::measurement::unknown::with_unknowns;
 use crate::measurement::{Measurement, Rows, Uncertain};
 use crate::random::StreamKey;
+use crate::study::resolve::scope::unit_of;
 use crate::thermal::Model;
 
 /// Draws of the posterior in a block; part of the job's identity.
@@ -180,7 +181,8 @@ impl Discrepancy {
             let lower = values.iter().copied().fold(f64::INFINITY, f64::min);
             let upper = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             if lower.is_finite() && upper.is_finite() && Some(input) != self.model.date {
-                ranges.push(TestedRange { input: own.name.clone(), unit: own.unit.clone(), lower, upper });
+                let unit = unit_of(&own.unit).dimension.to_string();
+                ranges.push(TestedRange { input: own.name.clone(), unit, lower, upper });
             }
         }
         ranges
