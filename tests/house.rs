@@ -209,6 +209,7 @@ const KINDS: &[(&str, &str)] = &[
     ("calibrate", "calibration"),
     ("compare", "comparison"),
     ("diagnose", "diagnosis"),
+    ("discrepancy", "discrepancy"),
     ("predict", "prediction"),
     ("conventional", "sizing"),
 ];

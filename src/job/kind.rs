@@ -221,7 +221,7 @@ mod tests {
             assert!(KINDS[..position].iter().all(|other| other.name() != kind.name()), "{} stands twice", kind.name());
             assert_eq!(find(kind.name()).map(|listed_kind| listed_kind.name()), Some(kind.name()));
         }
-        assert!(find("discrepancy").is_none());
+        assert!(find("sizing").is_none());
     }
 
     #[test]

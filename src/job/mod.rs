@@ -38,6 +38,7 @@ kinds! {
     calibrate,
     compare,
     diagnose,
+    discrepancy,
     predict,
     conventional,
 }

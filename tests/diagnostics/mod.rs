@@ -23,6 +23,7 @@ fn rendered(text: &str) -> String {
 mod next_pass;
 mod pass_adopt;
 mod pass_data;
+mod pass_discrepancy;
 mod pass_entries;
 mod pass_hand_on;
 mod pass_inputs;

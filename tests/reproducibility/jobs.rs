@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bmv::job::design::{self, Design};
+use bmv::job::discrepancy::{self, Calibrated, Discrepancy};
 use bmv::job::goal::{self, Goal};
 use bmv::job::{JobError, Runnable};
 use bmv::runner::{Cache, Plan};
@@ -58,4 +59,28 @@ fn a_goal() {
     let spec = pass.jobs.iter().find_map(|job| job.spec.get::<bmv::job::goal::Spec>().cloned());
     let spec = goal::Spec { samples: 1024, ..spec.unwrap() };
     same(64, &|| Ok(Arc::new(Goal::new(spec.clone(), Arc::new(pass.model.clone()), pass.priors.clone(), 7, "goal")?)));
+}
+
+/// After a calibration of the solar monitor whose draws are made up.
+#[test]
+fn a_discrepancy() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/sxm/pass-5.json");
+    let Ok(pass) = bmv::job::load(&file) else { panic!("the solar monitor loads") };
+    let spec = pass.jobs.iter().find_map(|job| job.spec.get::<discrepancy::Spec>().cloned()).unwrap();
+    let draws: Vec<[f64; 3]> = (0..24)
+        .map(|draw| {
+            [0.38 + 0.002 * f64::from(draw % 3), 0.25 + 0.001 * f64::from(draw % 4), 0.35 + 0.001 * f64::from(draw % 5)]
+        })
+        .collect();
+    let result = serde_json::json!({
+        "converged": true, "order": ["Gh", "Gsub", "Gb"], "tuned": [["Gpre", 0.08]], "draws": {"values": draws},
+    });
+    let calibrated = Calibrated::from_result("made up", &result).unwrap();
+    let (model, measurements) = (Arc::new(pass.model.clone()), Arc::new(pass.measurements.clone()));
+    let spec = discrepancy::Spec { sensors: vec!["bracket".into(), "sdd".into()], ..spec };
+    // The mean and 24 draws in one block, two sensors.
+    same(3, &|| {
+        let job = Discrepancy::new(spec.clone(), Arc::clone(&model), Arc::clone(&measurements), 7, "unexplained")?;
+        Ok(Arc::new(job.with_calibrated(calibrated.clone())))
+    });
 }

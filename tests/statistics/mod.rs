@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod calibration;
+mod discrepancy;
 mod estimators;
 mod evidence;
 pub mod hand_on;

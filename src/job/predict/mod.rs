@@ -4,11 +4,12 @@
 //! Both are propagations with the same points, so that their difference is not blurred by sampling: parameters that the
 //! calibration did not infer keep their priors, and have the same values in both.
 
+mod added;
 mod form;
 mod resolve;
 mod run;
 
-pub use run::{Output, Predict, Prediction, view};
+pub use run::{Added, Output, Predict, Prediction, Term, Validated, view};
 
 use std::sync::Arc;
 
@@ -20,13 +21,14 @@ use crate::job::key_number::KeyNumber;
 use crate::job::kind::JobKind;
 use crate::job::propagate;
 use crate::job::ready::{Readiness, Shared};
-use crate::job::ready::{after, filled, unfilled};
+use crate::job::ready::{filled, unfilled};
 use crate::study::blocked::blocked;
 use crate::study::job::{Asked, Entry, JobSpec};
 use crate::study::posterior_prior::PosteriorPrior;
 use crate::study::resolve::scope::Scope;
 use crate::study::resolved::Blocked;
 use crate::study::resolved::PosteriorReference;
+use crate::study::resolved::Upstream;
 use crate::study::{self, Pass};
 use form::PredictForm;
 
@@ -69,17 +71,40 @@ impl JobKind for Kind {
         };
         let others = unfilled(&rest);
         let prior = make()?.with_posterior_priors(join(unfilled(&before), &others));
-        let unprepared = Predict::new(prior, make()?.with_posterior_priors(join(unfilled(&references), &others)));
+        let with_posterior = || Ok::<_, JobError>(make()?.with_posterior_priors(join(unfilled(&references), &others)));
+        let mut unprepared = Predict::new(prior, with_posterior()?);
+        if let Some(added) = &spec.added {
+            let identity = added::identity(added);
+            unprepared =
+                unprepared.with_added(with_posterior()?, identity, added.source.clone(), Vec::new(), true);
+        }
         let draws = [references.clone(), before.clone(), rest.clone()];
+        let mut from: Vec<Upstream> =
+            draws.iter().flatten().filter_map(|reference| reference.from.clone()).collect();
+        from.extend(spec.added.iter().map(|added| added.from.clone()));
+        let (added, named, seed) = (spec.added.clone(), name.to_owned(), shared.pass.seed);
         let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
-            let mut results = results.iter();
-            let filled_draws = filled(&references, &mut results)?;
-            let before = filled(&before, &mut results)?;
-            let others = filled(&rest, &mut results)?;
+            let mut left = results.iter();
+            let filled_draws = filled(&references, &mut left)?;
+            let before = filled(&before, &mut left)?;
+            let others = filled(&rest, &mut left)?;
             let prior = make()?.with_posterior_priors(join(before, &others));
-            Ok(Arc::new(Predict::new(prior, make()?.with_posterior_priors(join(filled_draws, &others)))))
+            let with_posterior = || Ok::<_, JobError>(make()?.with_posterior_priors(join(filled_draws.clone(), &others)));
+            let posterior = with_posterior()?;
+            let Some(added) = &added else { return Ok(Arc::new(Predict::new(prior, posterior))) };
+            let missing = || JobError::Failed("a result is not there".to_owned());
+            let (calibration, law) = (results.first().ok_or_else(missing)?, left.next().ok_or_else(missing)?);
+            let laws = added::laws(added, &posterior, &references[0], calibration, law)?;
+            let posterior = posterior.with_adjustments(laws.adjustments, 0, seed, &named)?;
+            let identity = added::identity(added);
+            let predict = Predict::new(prior, posterior);
+            let source = added.source.clone();
+            Ok(Arc::new(predict.with_added(with_posterior()?, identity, source, laws.terms, laws.converged)))
         };
-        after(&[&draws[0], &draws[1], &draws[2]], Arc::new(unprepared), Box::new(prepare))
+        if from.is_empty() {
+            return prepare(&[]).map(Readiness::Ready);
+        }
+        Ok(Readiness::after(from, Arc::new(unprepared), Box::new(prepare)))
     }
 }
 
@@ -96,7 +121,13 @@ impl study::job::Spec for Prediction {
             _ => self.posterior.blocks(),
         };
         let others = rest(pass, self);
-        calibration_blocked.or_else(|| others.iter().chain(&self.posterior_priors).find_map(PosteriorReference::blocks))
+        let added = self.added.as_ref().and_then(|added| {
+            let own = if added.from.file == pass.file { blocked(pass, &added.from.job) } else { None };
+            let blocked_job = own.or_else(|| added.blocked.clone())?;
+            let reason = format!("it adds the discrepancy of {}, which does not run: {}", added.source, blocked_job.reason);
+            Some(Blocked { reason, ..blocked_job })
+        });
+        calibration_blocked.or(added).or_else(|| others.iter().chain(&self.posterior_priors).find_map(PosteriorReference::blocks))
     }
 }
 

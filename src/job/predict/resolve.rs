@@ -1,19 +1,23 @@
 //! Predictions: whose posterior is carried, to what.
 
 use super::Kind;
-use super::form::PredictForm;
-use super::run::Prediction;
+use super::form::{AddedForm, PredictForm};
+use super::run::{self, Prediction};
 use crate::document::prior::PosteriorForm;
 use crate::document::{NameOr, Place, code};
+use crate::expression::Symbol;
+use crate::job::discrepancy;
 use crate::job::goal::discrepancies;
 use crate::job::kind::JobKind;
 use crate::job::propagate::{self, PropagateForm};
 use crate::random::Distribution;
+use crate::study::blocked::blocked as blocked_job;
 use crate::study::job::{Asked, CALIBRATION, Entry, Forms, Inference, JobSpec};
 use crate::study::posterior_prior::PosteriorPrior;
 use crate::study::resolve::posterior_prior;
 use crate::study::resolve::scope::Scope;
 use crate::study::resolved::{PosteriorReference, Upstream};
+use crate::thermal::QuantityValue;
 
 /// What of the calibration's pass a prediction needs.
 struct Source<'p> {
@@ -39,13 +43,17 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &PredictForm, aske
         failure_limit: form.failure_limit.clone(),
     };
     let spec = propagate::resolve(scope, &written, offered);
-    let discrepancy = form.with.as_ref().map_or_else(Vec::new, |with| discrepancies(scope, &with.discrepancy));
-    if let (Some(spec), Some(with)) = (&spec, &form.with) {
-        for (declared, written) in discrepancy.iter().zip(&with.discrepancy) {
-            if !spec.quantities.contains(&declared.quantity) {
-                let message = format!("`{}` is no quantity of this prediction", written.name);
-                let expected = "one of its `quantities`, or of its requirements where it says none";
-                scope.error(&code::JOB_SETTING, &written.name_place, message, expected);
+    let written_discrepancy = form.with.as_ref().and_then(|with| with.discrepancy.as_ref());
+    let mut discrepancy = Vec::new();
+    if let Some(AddedForm::Sizes(written)) = written_discrepancy {
+        discrepancy = discrepancies(scope, written);
+        if let Some(spec) = &spec {
+            for (declared, written) in discrepancy.iter().zip(written) {
+                if !spec.quantities.contains(&declared.quantity) {
+                    let message = format!("`{}` is no quantity of this prediction", written.name);
+                    let expected = "one of its `quantities`, or of its requirements where it says none";
+                    scope.error(&code::JOB_SETTING, &written.name_place, message, expected);
+                }
             }
         }
     }
@@ -98,8 +106,104 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &PredictForm, aske
             }
         }
     };
-    let prediction = Prediction { discrepancy, ..assemble(scope, source, spec?) };
+    let mut prediction = Prediction { discrepancy, ..assemble(scope, source, spec?) };
+    match written_discrepancy.map(|written| added(scope, asked, written, &prediction)) {
+        Some(Added::Known(known)) => prediction.added = Some(known),
+        Some(Added::NotYet(spec)) => return Some(spec),
+        Some(Added::Nothing) | None => {}
+    }
     (scope.diagnostics.errors() == before).then(|| JobSpec::of(prediction))
+}
+
+/// What a discrepancy job adds.
+enum Added {
+    Known(run::Added),
+    /// It waits for something.
+    NotYet(JobSpec),
+    /// Sizes are added, or what is wrong has been reported.
+    Nothing,
+}
+
+/// The discrepancy job that is asked for, and to which quantities its sensors add.
+fn added(scope: &mut Scope, asked: &mut Asked, written: &AddedForm, prediction: &Prediction) -> Added {
+    let other;
+    let (file, name, place, jobs, measurements, model) = match written {
+        AddedForm::Sizes(_) => return Added::Nothing,
+        AddedForm::Own(name) => {
+            let offered = asked.offered;
+            (offered.file.to_owned(), name.value.clone(), &name.place, asked.jobs, offered.data, None)
+        }
+        AddedForm::Other(from) => {
+            let PosteriorForm { pass: file, job } = &from.value;
+            let Some(pass) = asked.upstreams.pass(scope, &file.value, &file.place) else { return Added::Nothing };
+            other = pass;
+            let (jobs, measurements) = (other.jobs.as_slice(), other.measurements.as_slice());
+            (other.file.clone(), job.value.clone(), &job.place, jobs, measurements, Some(&other.model))
+        }
+    };
+    let is_own = model.is_none();
+    let source = if is_own { format!("`{name}`") } else { format!("`{name}` of `{file}`") };
+    let spec = jobs.iter().find(|job| job.name == name).map(|job| &job.spec);
+    let known = match spec {
+        Some(spec) if spec.kind() == discrepancy::Kind::NAME => spec.get::<discrepancy::Spec>(),
+        Some(other) => {
+            let message = format!("{source} is a `{}` job", other.kind());
+            scope.error(&code::PREDICTION, place, message, "a `discrepancy` job, or standard deviations by quantity");
+            return Added::Nothing;
+        }
+        // One of this pass whose settings are wrong has been reported.
+        None if is_own && asked.forms.kind(&name) == Some(discrepancy::Kind::NAME) => return Added::Nothing,
+        None if is_own && asked.forms.kind(&name).is_some() => {
+            let message = format!("{source} is a `{}` job", asked.forms.kind(&name).unwrap_or_default());
+            scope.error(&code::PREDICTION, place, message, "a `discrepancy` job, or standard deviations by quantity");
+            return Added::Nothing;
+        }
+        None => {
+            let of_kind = jobs.iter().filter(|job| job.spec.kind() == discrepancy::Kind::NAME);
+            let names: Vec<&str> = of_kind.map(|job| job.name.as_str()).collect();
+            scope.unknown(&code::PREDICTION, "discrepancy job", &name, place, &names);
+            return Added::Nothing;
+        }
+    };
+    let Some(known) = known else {
+        let reason = format!("it adds the discrepancy of {source}, whose data are not here");
+        return Added::NotYet(JobSpec::NotYet { kind: Kind::NAME, reason });
+    };
+    if prediction.posterior.from.as_ref() != Some(&known.calibration) {
+        let message = format!("{source} has the residuals of {}", known.source);
+        let expected = format!("a discrepancy after {}, whose posterior is carried", prediction.posterior.draws.source);
+        scope.error(&code::PREDICTION, place, message, &expected);
+        return Added::Nothing;
+    }
+    let mut sensors = Vec::new();
+    for sensor in &known.sensors {
+        let of = |&index: &usize| measurements[index].sensors.iter().find(|own| own.name == *sensor);
+        let Some(quantity) = known.data.iter().find_map(of).map(|own| own.quantity) else { continue };
+        let measured = model.unwrap_or(&scope.resolved.model).quantities[quantity].name.clone();
+        let value = match (scope.resolved.quantity(&measured), scope.resolved.node(&measured)) {
+            (Some(index), _) => scope.resolved.model.quantities[index].value.clone(),
+            (None, Some(node)) => {
+                let symbol = Symbol::Node(u32::try_from(node).unwrap_or(u32::MAX));
+                QuantityValue::Instant(scope.resolved.model.graph.symbol(symbol))
+            }
+            (None, None) => continue,
+        };
+        let quantities = &prediction.propagate.quantities;
+        let same = |&position: &usize| scope.resolved.model.quantities[quantities[position]].value == value;
+        let positions: Vec<usize> = (0..quantities.len()).filter(same).collect();
+        if !positions.is_empty() {
+            sensors.push((sensor.clone(), positions));
+        }
+    }
+    if sensors.is_empty() {
+        let message = format!("no quantity of this prediction is measured by a sensor of {source}");
+        scope.error(&code::PREDICTION, place, message, "a quantity that one of its sensors measures");
+        return Added::Nothing;
+    }
+    let from = Upstream { file, job: name };
+    let blocked = model.and_then(|_| asked.upstreams.passes.iter().find(|pass| pass.file == from.file));
+    let blocked = blocked.and_then(|pass| blocked_job(pass, &from.job));
+    Added::Known(run::Added { from, source, blocked, sensors })
 }
 
 fn of_this_pass(file: &str, job: &str, place: &Place) -> PosteriorReference {
@@ -187,5 +291,5 @@ fn assemble(scope: &Scope, source: Source<'_>, propagate: propagate::Spec) -> Pr
         kept_reference.draws.parameters = indices;
         posterior_priors.push(kept_reference);
     }
-    Prediction { propagate, posterior, priors, posterior_priors, discrepancy: Vec::new() }
+    Prediction { propagate, posterior, priors, posterior_priors, discrepancy: Vec::new(), added: None }
 }

@@ -219,6 +219,15 @@ pub struct Discrepancy {
     pub sd: f64,
 }
 
+/// A discrepancy that is added to quantities of each sample, as it belongs to the sample's draw of a posterior.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Adjustment {
+    /// Positions of the quantities.
+    pub positions: Vec<usize>,
+    /// By case, then by draw of its hyperparameters: its mean for each draw of the posterior, and its standard deviation, SI.
+    pub cases: Vec<Vec<(Vec<f64>, f64)>>,
+}
+
 /// An error of the model that is added to a quantity: normal with mean 0.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct AddedDiscrepancy {

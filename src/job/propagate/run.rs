@@ -1,7 +1,7 @@
 //! The propagation as a job of one stage.
 
 use super::{
-    AddedDiscrepancy, BlockInput, BlockOutput, Case, Discrepancy, FailedSample, Met, Output, Reached, Sampling, Spec,
+    AddedDiscrepancy, Adjustment, BlockInput, BlockOutput, Case, Discrepancy, FailedSample, Met, Output, Reached, Sampling, Spec,
     reached, summary,
 };
 use crate::study::variable::Variable;
@@ -45,6 +45,9 @@ pub struct Propagate {
     pub(super) posterior_priors: Vec<PosteriorPrior>,
     /// What is added to quantities, and a coordinate each of points of their own, which pick the errors.
     pub(super) discrepancy: Option<(Vec<Discrepancy>, Points)>,
+    /// What is added by the draw of a posterior, that posterior's place in the list, and two coordinates each of points of
+    /// their own.
+    pub(super) adjustments: Option<(Vec<Adjustment>, usize, Points)>,
 }
 
 impl Propagate {
@@ -86,6 +89,7 @@ impl Propagate {
             nominal: Vec::new(),
             posterior_priors: Vec::new(),
             discrepancy: None,
+            adjustments: None,
         };
         let mut workspace = job.network.workspace();
         for case in 0..job.cases() {
@@ -131,6 +135,68 @@ impl Propagate {
         let points = Points::new(PointKind::MonteCarlo, key, samples, discrepancy.len())
             .map_err(|error| JobError::Failed(error.to_string()))?;
         Ok(Self { discrepancy: Some((discrepancy, points)), ..self })
+    }
+
+    /// The same with discrepancies added to quantities, each as it belongs to the sample's draw of the posterior at this place
+    /// of the list; normal about their means, independent of one another, the same deviate in all cases of a sample.
+    ///
+    /// # Errors
+    /// Settings that fit no point set.
+    pub fn with_adjustments(
+        self,
+        adjustments: Vec<Adjustment>,
+        posterior: usize,
+        seed: u64,
+        name: &str,
+    ) -> Result<Self, JobError> {
+        if adjustments.is_empty() {
+            return Ok(self);
+        }
+        let samples = usize::try_from(self.spec.samples).unwrap_or(usize::MAX);
+        let key = StreamKey::new(seed, name, "discrepancy law");
+        let points = Points::new(PointKind::MonteCarlo, key, samples, 2 * adjustments.len())
+            .map_err(|error| JobError::Failed(error.to_string()))?;
+        Ok(Self { adjustments: Some((adjustments, posterior, points)), ..self })
+    }
+
+    /// Name of a quantity, by its position among those asked for.
+    pub fn quantity_name(&self, position: usize) -> String {
+        self.model.quantities[self.spec.quantities[position]].name.clone()
+    }
+
+    /// Name of the environment, design value and inputs (SI, by name) of each case.
+    pub fn described(&self) -> Vec<(String, Option<f64>, Vec<(String, f64)>)> {
+        let of = |case: usize| {
+            let (environment, design) = self.case_name(case);
+            let (_, inputs) = self.nominal_case(case);
+            let named = self.model.inputs.iter().map(|input| input.name.clone()).zip(inputs);
+            (environment, design, named.collect())
+        };
+        (0..self.cases()).map(of).collect()
+    }
+
+    /// Adds the discrepancies to the values of a block.
+    fn add_adjustments(&self, block: BlockInput, first: usize, count: usize, values: &mut [f64]) {
+        let Some((adjustments, posterior, points)) = &self.adjustments else { return };
+        let posterior_prior = self.posterior_priors.get(*posterior);
+        let leader = posterior_prior.and_then(|own| Some((own, self.leader(own)?)));
+        let (width, own_width) = (self.uncertain.len(), 2 * adjustments.len());
+        let (mut row, mut own) = (vec![0.5; width], vec![0.5; own_width]);
+        for sample in 0..count {
+            self.points.fill_row(first + sample, &mut row);
+            points.fill_row(first + sample, &mut own);
+            let draw = leader.map_or(0, |(posterior_prior, leader)| posterior_prior.position(row[leader]));
+            for (adjustment, coordinates) in adjustments.iter().zip(own.chunks_exact(2)) {
+                let laws = &adjustment.cases[block.case];
+                let picked = ((coordinates[0] * laws.len() as f64) as usize).min(laws.len().saturating_sub(1));
+                let Some((means, sd)) = laws.get(picked) else { continue };
+                let mean = means.get(draw).copied().unwrap_or(0.0);
+                let added = mean + sd * normal_quantile(coordinates[1]);
+                for &position in &adjustment.positions {
+                    values[position * count + sample] += added;
+                }
+            }
+        }
     }
 
     /// Adds the model's errors to the values of a block (`quantities x count`).
@@ -295,6 +361,7 @@ impl Propagate {
             done += lanes;
         }
         self.add_discrepancy(first, count, &mut output.values);
+        self.add_adjustments(block, first, count, &mut output.values);
         output
     }
 

@@ -99,6 +99,7 @@ sections! {
     comparison,
     calibration,
     diagnosis,
+    discrepancy,
     history,
     prediction,
     data,

@@ -3,7 +3,7 @@
 mod brief;
 
 use crate::document::counted;
-use crate::job::predict::{Kind, Output};
+use crate::job::predict::{Kind, Output, Term, Validated};
 use crate::job::propagate::{self, Met};
 use crate::report::number::{self, NONE, Shown, significant, with_error};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
@@ -30,6 +30,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
             blocks.push(Block::callout(Tone::Warning, text));
         }
         blocks.extend(failures(&output.posterior));
+        blocks.extend(output.validated.iter().flat_map(|validated| added(report, validated)));
         blocks.push(requirements(report, output));
         blocks.extend(reached(output));
         // The first picture stands in the summary where that has no better one.
@@ -73,11 +74,90 @@ fn opening(name: &str, output: &Output) -> Text {
         let list = added.join(", ");
         text = text.plain(format!("with an error of the model added, normal with a standard deviation of {list}, "));
     }
+    if let Some(validated) = &output.validated {
+        let source = validated.source.replace('`', "");
+        text = text.plain(format!("with the discrepancy of {source} added, "));
+    }
     text.plain(format!(
         "carried to the environments in {} a case; other parameters keep their priors. Beside it the same with the priors that \
          the calibration began with. The intervals count what the number of draws leaves open.",
         counted(output.posterior.samples, "sample")
     ))
+}
+
+/// What a discrepancy job adds to the nominal cases, and where that is an extrapolation.
+fn added(report: &PassReport<'_>, validated: &Validated) -> Vec<Block> {
+    let input = |name: &str| report.model.inputs.iter().find(|own| own.name == name);
+    let text = |name: &str, value: f64| {
+        let shown = input(name).map_or_else(|| Shown::si(""), |own| Shown::written(&own.unit));
+        shown.text(value)
+    };
+    let outside = |term: &Term| {
+        let list = term.outside.iter().map(|own| {
+            let [lower, upper] = own.tested;
+            let tested = if lower == upper {
+                format!("tested at {} alone", text(&own.input, lower))
+            } else {
+                format!("tested from {} to {}", text(&own.input, lower), text(&own.input, upper))
+            };
+            format!("{} = {}, {tested}", own.input, text(&own.input, own.value))
+        });
+        list.collect::<Vec<_>>().join("; ")
+    };
+    let mut blocks = Vec::new();
+    let flagged = validated.terms.iter().filter(|term| !term.outside.is_empty()).count();
+    if flagged > 0 {
+        let text = format!(
+            "Extrapolation: in {flagged} of {} the discrepancy is taken outside what was tested. What it is there, no reading \
+             says; the probabilities take it to be what the test found.",
+            counted(validated.terms.len(), "case")
+        );
+        blocks.push(Block::callout(Tone::Warning, text));
+    }
+    let nominal = validated.terms.iter().filter(|term| term.design_value.is_none());
+    let rows = nominal.map(|term| {
+        let status = if term.outside.is_empty() { Status::Ok } else { Status::Caution };
+        let flag = if term.outside.is_empty() { "within what was tested".to_owned() } else { outside(term) };
+        vec![
+            Cell::code(&term.environment),
+            Cell::code(&term.sensor),
+            term.quantities.join(", ").into(),
+            term.law.clone().into(),
+            super::discrepancy::amount(term.mean, &term.unit).into(),
+            format!("{} {}", significant(term.sd, 3), term.unit).into(),
+            number::fixed(term.distance, 2).into(),
+            Cell::marked(flag, status),
+        ]
+    });
+    blocks.push(Block::Table(Table {
+        caption: "What is added to each sample for the nominal design: mean and standard deviation of the discrepancy, and the \
+                  distance to the nearest phase behind it in lengths of its Gaussian process."
+            .into(),
+        columns: vec![
+            Column::text("Environment"),
+            Column::text("Sensor"),
+            Column::text("Quantities"),
+            Column::text("Law"),
+            Column::number("Mean", ""),
+            Column::number("Standard deviation", ""),
+            Column::number("Distance", "lengths"),
+            Column::text("Extrapolation"),
+        ],
+        rows: rows.collect(),
+    }));
+    blocks
+}
+
+/// The same outcome with the posterior, where a discrepancy is added to that.
+fn without<'o>(output: &'o Output, environment: &str, design: Option<f64>, requirement: &str) -> Option<&'o Met> {
+    let cases = &output.validated.as_ref()?.without.cases;
+    let case = cases.iter().find(|case| case.environment == environment && case.design_value == design)?;
+    case.requirements.iter().find(|met| met.requirement == requirement)
+}
+
+/// What the last column of probabilities is with.
+fn last(output: &Output) -> &'static str {
+    if output.validated.is_some() { "With the discrepancy too" } else { "With the posterior" }
 }
 
 /// The same outcome with the priors.
@@ -98,28 +178,35 @@ fn requirements(report: &PassReport<'_>, output: &Output) -> Block {
                 Status::Fail => "not met",
             };
             let prior = before(output, &case.environment, case.design_value, &met.requirement);
-            rows.push(vec![
+            let mut row = vec![
                 Cell::code(&case.environment),
                 Cell::code(&met.requirement),
                 limits(&shown, met.above, met.below).into(),
                 prior.map_or_else(|| NONE.to_owned(), |met| probability_text(&met.probability)).into(),
-                probability_text(&met.probability).into(),
-                number::probability(met.required).into(),
-                Cell::marked(word, status),
-            ]);
+            ];
+            if output.validated.is_some() {
+                let alone = without(output, &case.environment, case.design_value, &met.requirement);
+                row.push(alone.map_or_else(|| NONE.to_owned(), |met| probability_text(&met.probability)).into());
+            }
+            row.push(probability_text(&met.probability).into());
+            row.push(number::probability(met.required).into());
+            row.push(Cell::marked(word, status));
+            rows.push(row);
         }
     }
+    let mut columns = vec![
+        Column::text("Environment"),
+        Column::text("Requirement"),
+        Column::text("Limit"),
+        Column::number("With the priors", ""),
+    ];
+    if output.validated.is_some() {
+        columns.push(Column::number("With the posterior", ""));
+    }
+    columns.extend([Column::number(last(output), ""), Column::number("Required", ""), Column::text("Outcome")]);
     Block::Table(Table {
         caption: "Probability that the requirements are met by the nominal design, with 95 % intervals.".into(),
-        columns: vec![
-            Column::text("Environment"),
-            Column::text("Requirement"),
-            Column::text("Limit"),
-            Column::number("With the priors", ""),
-            Column::number("With the posterior", ""),
-            Column::number("Required", ""),
-            Column::text("Outcome"),
-        ],
+        columns,
         rows,
     })
 }
@@ -140,14 +227,23 @@ fn reached(output: &Output) -> Option<Block> {
                 p.environment == posterior_reached.environment && p.requirement == posterior_reached.requirement
             });
         let change = prior.and_then(|prior| Some(posterior_reached.design_value? - prior.design_value?));
-        vec![
+        let mut row = vec![
             Cell::code(&posterior_reached.environment),
             Cell::code(&posterior_reached.requirement),
             number::probability(posterior_reached.probability).into(),
             text(prior).into(),
-            text(Some(posterior_reached)).into(),
+        ];
+        if let Some(validated) = &output.validated {
+            let alone = validated.without.reached.iter().find(|own| {
+                own.environment == posterior_reached.environment && own.requirement == posterior_reached.requirement
+            });
+            row.push(text(alone).into());
+        }
+        row.push(text(Some(posterior_reached)).into());
+        row.push(
             change.map_or_else(|| NONE.to_owned(), |change| number::signed(shown.difference().value(change), 1)).into(),
-        ]
+        );
+        row
     });
     Some(Block::Table(Table {
         caption: format!(
@@ -156,14 +252,20 @@ fn reached(output: &Output) -> Option<Block> {
             shown.unit
         )
         .into(),
-        columns: vec![
-            Column::text("Environment"),
-            Column::text("Requirement"),
-            Column::number("Required", ""),
-            Column::number("With the priors", ""),
-            Column::number("With the posterior", ""),
-            Column::number("Change", shown.difference().unit.clone()),
-        ],
+        columns: {
+            let mut columns = vec![
+                Column::text("Environment"),
+                Column::text("Requirement"),
+                Column::number("Required", ""),
+                Column::number("With the priors", ""),
+            ];
+            if output.validated.is_some() {
+                columns.push(Column::number("With the posterior", ""));
+            }
+            columns.push(Column::number(last(output), ""));
+            columns.push(Column::number("Change", shown.difference().unit.clone()));
+            columns
+        },
         rows: rows.collect(),
     }))
 }
@@ -202,7 +304,7 @@ pub(super) fn figures(output: &Output, job: &str) -> Vec<Figure> {
                 label: label("priors"),
             });
             let points = line(&posterior);
-            let label = label("posterior");
+            let label = label(if output.validated.is_some() { "posterior and discrepancy" } else { "posterior" });
             chart.layers.push(Layer::Line { points: points.clone(), colour, stroke: Stroke::Solid, label });
             chart.layers.push(Layer::Dots { points, colour, mark: Mark::Disc, label: String::new() });
             if !chart.limits.iter().any(|limit| limit.value == met.required) {
@@ -211,8 +313,9 @@ pub(super) fn figures(output: &Output, job: &str) -> Vec<Figure> {
             }
         }
         let caption = format!(
-            "Probability of meeting the requirements against {design}, environment {environment}: with the posterior (solid, \
-             with its 95 % interval) and with the priors that the calibration began with (dashed)."
+            "Probability of meeting the requirements against {design}, environment {environment}: with the posterior{} (solid, \
+             with its 95 % interval) and with the priors that the calibration began with (dashed).",
+            if output.validated.is_some() { " and the discrepancy" } else { "" }
         );
         figures.push(Figure {
             id: format!("{job}-prediction-{environment}"),

@@ -141,6 +141,9 @@ codes! { PASS_CODES:
     NO_SIGMA = "no-sigma", "a sensor without noise in a calibration",
         "How closely a model must follow a reading is decided by the noise of its sensor. A comparison works without it, a calibration does not: it needs the standard deviation as a value, or a prior under which it is inferred.",
         "wrong: \"panel\": {\"measures\": \"panel\"}\nright: \"panel\": {\"measures\": \"panel\", \"sigma\": {\"value\": 0.25, \"unit\": \"K\"}}";
+    DISCREPANCY = "discrepancy", "a discrepancy that its data do not allow",
+        "A `discrepancy` job takes what a calibration leaves unexplained in steady phases, sensor by sensor, as a function of inputs. A sensor needs five readings in phases that are fitted, a Gaussian process five phases with different inputs; phases with the same inputs count as repetitions. The residuals are those after a `calibrate` job, of this pass or another, which `from` names.",
+        "wrong: {\"discrepancy\": {\"mode\": \"joint\"}}\nright: {\"discrepancy\": {\"from\": \"tuned\", \"inputs\": [\"V\", \"T_if\"]}}";
     PREDICTION = "prediction", "a prediction that has nothing to predict with",
         "A `predict` job carries the posterior of a `calibrate` job, of this pass or of another, to environments. `from` names it: a job of this pass, or {\"pass\": ..., \"job\": ...}. Where the pass has one calibration, that is taken.",
         "right: {\"predict\": {\"from\": {\"pass\": \"pass-3.json\", \"job\": \"relaxed\"}}}";

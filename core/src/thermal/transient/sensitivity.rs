@@ -110,9 +110,8 @@ impl Tangent {
         }
         let weights = hermite(share);
         for (i, value) in field.iter_mut().enumerate() {
-            *value = weights[0] * from[i]
-                + weights[1] * to[i]
-                + step_s * (weights[2] * first[i] + weights[3] * last[i]);
+            *value =
+                weights[0] * from[i] + weights[1] * to[i] + step_s * (weights[2] * first[i] + weights[3] * last[i]);
         }
     }
 

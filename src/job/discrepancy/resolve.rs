@@ -1,0 +1,253 @@
+//! Discrepancies: settings with their defaults, names looked up, data that allow one.
+
+use super::form::{DiscrepancyForm, HyperparametersForm, KernelForm, LawForm, ModeForm, TrendForm};
+use super::output::{Law, Spec};
+use super::Kind;
+use crate::document::prior::PosteriorForm;
+use crate::document::{Diagnostic, NameOr, Place, code, counted};
+use crate::inference::gaussian_process::{FEWEST_POINTS, Kernel, Trend};
+use crate::job::kind::JobKind;
+use crate::measurement::{Measurement, Rows};
+use crate::study::blocked::blocked;
+use crate::study::job::{Asked, CALIBRATION, Entry, JobSpec};
+use crate::study::resolve::chosen::data;
+use crate::study::resolve::posterior_prior;
+use crate::study::resolve::scope::Scope;
+use crate::study::resolve::settings::{number, push_new};
+use crate::study::resolved::{Blocked, Upstream};
+
+/// Kind of the jobs that seek physical effects.
+const DIAGNOSIS: &str = "diagnose";
+/// Draws of the calibration where a job says nothing.
+const DRAWS: u64 = 200;
+
+/// Resolves the settings of a discrepancy.
+pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, asked: &mut Asked) -> Option<JobSpec> {
+    let (before, offered) = (scope.diagnostics.errors(), asked.offered);
+    if let Some(mode) = form.mode.as_ref().filter(|mode| mode.value == ModeForm::Joint) {
+        let diagnostic = Diagnostic::error(&code::DISCREPANCY, &mode.place, "the mode `joint` is not there")
+            .expected("`modular`, the discrepancy after the calibration")
+            .help("the result of `modular` says which parameters a discrepancy beside them would move, and how far");
+        scope.diagnostics.push(diagnostic);
+    }
+    let (mut chosen, missing) = data(scope, entry, form.data.as_ref(), "take residuals of", offered);
+    // An erroneous measurement has a position that nothing has.
+    chosen.retain(|&position| position < offered.data.len());
+    let is_steady = |&position: &usize| matches!(offered.data[position].rows, Rows::Steady(_));
+    let places: Vec<Place> = form.data.iter().flatten().map(|name| name.place.clone()).collect();
+    let place = places.first().unwrap_or(&entry.name_place).clone();
+    if let Some(transient) = chosen.iter().find(|position| !is_steady(position)) {
+        if form.data.is_some() || !chosen.iter().any(|position| is_steady(position)) {
+            let message = format!("`{}` is a transient", offered.data[*transient].name);
+            let diagnostic = Diagnostic::error(&code::DISCREPANCY, &place, message)
+                .expected("steady phases: residuals of neighbouring instants are no independent ones")
+                .help("cut steady phases from it (`windows`)");
+            scope.diagnostics.push(diagnostic);
+            return None;
+        }
+        chosen.retain(is_steady);
+    }
+    let calibration = calibration(scope, entry, form.from.as_ref(), asked)?;
+    let measurements: Vec<&Measurement> = chosen.iter().map(|&position| &offered.data[position]).collect();
+    if scope.diagnostics.errors() > before {
+        return None;
+    }
+    if !missing.is_empty() {
+        return Some(JobSpec::Waiting { kind: Kind::NAME, measurements: missing, command: offered.command.clone() });
+    }
+    let sensors = sensors(scope, entry, form, &measurements);
+    let inputs = inputs(scope, form, &measurements);
+    let law = form.law.as_ref().and_then(|law| match law.value {
+        LawForm::Automatic => None,
+        LawForm::None => Some(Law::None),
+        LawForm::Constant => Some(Law::Constant),
+        LawForm::ResidualLaw => Some(Law::ResidualLaw),
+        LawForm::GaussianProcess => Some(Law::GaussianProcess),
+    });
+    points(scope, entry, form, &measurements, &inputs);
+    let draws = number(scope, form.draws.as_ref(), DRAWS, 20, 1000, "draws");
+    if scope.diagnostics.errors() > before {
+        return None;
+    }
+    let (upstream, source, blocked) = calibration;
+    Some(JobSpec::of(Spec {
+        data: chosen,
+        calibration: upstream,
+        source,
+        blocked,
+        sensors,
+        inputs,
+        kernel: match form.kernel {
+            Some(KernelForm::Matern52) => Kernel::Matern52,
+            Some(KernelForm::SquaredExponential) | None => Kernel::SquaredExponential,
+        },
+        trend: match form.trend {
+            Some(TrendForm::None) => Trend::None,
+            Some(TrendForm::Linear) => Trend::Linear,
+            Some(TrendForm::Constant) | None => Trend::Constant,
+        },
+        law,
+        sampled: form.hyperparameters != Some(HyperparametersForm::Maximum),
+        draws,
+        diagnosis: asked.forms.of_kind(DIAGNOSIS).first().map(|name| (*name).to_owned()),
+    }))
+}
+
+/// The calibration, in words, and why it does not run where it is another pass's.
+fn calibration(
+    scope: &mut Scope,
+    entry: &Entry,
+    written: Option<&NameOr<crate::document::Spanned<PosteriorForm>>>,
+    asked: &mut Asked,
+) -> Option<(Upstream, String, Option<Blocked>)> {
+    let own = |name: &str| {
+        let upstream = Upstream { file: asked.offered.file.to_owned(), job: name.to_owned() };
+        Some((upstream, format!("`{name}`"), None))
+    };
+    let calibrations = asked.forms.of_kind(CALIBRATION);
+    match written {
+        Some(NameOr::Other(from)) => {
+            let PosteriorForm { pass: file, job } = &from.value;
+            let pass = asked.upstreams.pass(scope, &file.value, &file.place)?;
+            posterior_prior::calibration(scope, &pass, &job.value, &job.place)?;
+            let upstream = Upstream { file: pass.file.clone(), job: job.value.clone() };
+            Some((upstream, format!("`{}` of `{}`", job.value, pass.file), blocked(&pass, &job.value)))
+        }
+        Some(NameOr::Name(name)) if calibrations.contains(&name.value.as_str()) => own(&name.value),
+        Some(NameOr::Name(name)) => {
+            match asked.forms.kind(&name.value) {
+                Some(other) => {
+                    let message = format!("`{}` is a `{other}` job", name.value);
+                    scope.error(&code::DISCREPANCY, &name.place, message, "a `calibrate` job");
+                }
+                None => scope.unknown(&code::DISCREPANCY, "calibration", &name.value, &name.place, &calibrations),
+            }
+            None
+        }
+        None => match calibrations.as_slice() {
+            [only] => own(only),
+            several => {
+                let count = several.len();
+                let message = format!("`{}` does not say `from` which calibration, and the pass has {count}", entry.name);
+                let expected = match several {
+                    [] => "\"from\": {\"pass\": \"pass-1.json\", \"job\": ...}".to_owned(),
+                    several => format!("\"from\": one of {}", several.join(", ")),
+                };
+                scope.error(&code::DISCREPANCY, &entry.name_place, message, &expected);
+                None
+            }
+        },
+    }
+}
+
+/// Phases that calibration and law may use.
+fn fitted_phases<'m>(measurement: &'m Measurement) -> impl Iterator<Item = (usize, &'m [f64])> {
+    let phases = match &measurement.rows {
+        Rows::Steady(phases) => phases.as_slice(),
+        Rows::Transient { .. } => &[],
+    };
+    let is_used = |row: usize| !measurement.ignored(row) && !measurement.held_out(row);
+    phases.iter().enumerate().filter(move |(row, _)| is_used(*row)).map(|(row, phase)| (row, phase.inputs.as_slice()))
+}
+
+/// The sensors asked for, each with enough readings.
+fn sensors(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, measurements: &[&Measurement]) -> Vec<String> {
+    let readings = |name: &str| -> usize {
+        let of = |measurement: &&Measurement| {
+            let position = measurement.sensors.iter().position(|sensor| sensor.name == name);
+            position.map_or(0, |position| {
+                fitted_phases(measurement).filter(|(row, _)| measurement.reading(*row, position).is_some()).count()
+            })
+        };
+        measurements.iter().map(of).sum()
+    };
+    let mut known: Vec<&str> = Vec::new();
+    for sensor in measurements.iter().flat_map(|measurement| &measurement.sensors) {
+        if !known.contains(&sensor.name.as_str()) {
+            known.push(&sensor.name);
+        }
+    }
+    let Some(names) = &form.sensors else {
+        let enough: Vec<String> = known.iter().filter(|name| readings(name) >= FEWEST_POINTS).map(|name| (*name).to_owned()).collect();
+        if enough.is_empty() {
+            let most = known.iter().map(|name| readings(name)).max().unwrap_or(0);
+            let message = format!("no sensor has more than {} in phases that are fitted", counted(most, "reading"));
+            let expected = format!("{FEWEST_POINTS} readings of a sensor or more: with fewer nothing is said of a discrepancy");
+            scope.error(&code::DISCREPANCY, &entry.name_place, message, &expected);
+        }
+        return enough;
+    };
+    let mut chosen: Vec<String> = Vec::new();
+    for name in names {
+        if !known.contains(&name.value.as_str()) {
+            scope.unknown(&code::DISCREPANCY, "sensor of these data", &name.value, &name.place, &known);
+        } else if readings(&name.value) < FEWEST_POINTS {
+            let count = counted(readings(&name.value), "reading");
+            let message = format!("`{}` has {count} in phases that are fitted", name.value);
+            let expected = format!("{FEWEST_POINTS} or more: with fewer nothing is said of a discrepancy");
+            scope.error(&code::DISCREPANCY, &name.place, message, &expected);
+        } else if !chosen.contains(&name.value) {
+            chosen.push(name.value.clone());
+        }
+    }
+    chosen
+}
+
+/// The inputs asked for, each of which must vary; all that vary where none are named.
+fn inputs(scope: &mut Scope, form: &DiscrepancyForm, measurements: &[&Measurement]) -> Vec<usize> {
+    let varies = |input: usize| {
+        let mut values = measurements.iter().flat_map(|measurement| fitted_phases(measurement)).map(|(_, inputs)| inputs[input]);
+        let first = values.next();
+        values.any(|value| Some(value) != first)
+    };
+    let Some(names) = &form.inputs else {
+        let date = scope.resolved.model.date;
+        return (0..scope.resolved.model.inputs.len()).filter(|&input| Some(input) != date && varies(input)).collect();
+    };
+    let mut chosen = Vec::new();
+    for name in names {
+        let Some(input) = scope.known_input(&name.value, &name.place) else { continue };
+        if varies(input) {
+            push_new(&mut chosen, input);
+        } else {
+            let message = format!("`{}` has the same value in all phases that are fitted", name.value);
+            scope.error(&code::DISCREPANCY, &name.place, message, "an input that the phases vary");
+        }
+    }
+    chosen
+}
+
+/// Says where phases coincide, and refuses a Gaussian process that is asked for and has too few places.
+fn points(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, measurements: &[&Measurement], inputs: &[usize]) {
+    let mut places: Vec<(Vec<f64>, String)> = Vec::new();
+    let mut same = None;
+    for measurement in measurements {
+        let Rows::Steady(phases) = &measurement.rows else { continue };
+        for (row, values) in fitted_phases(measurement) {
+            let at: Vec<f64> = inputs.iter().map(|&input| values[input]).collect();
+            match places.iter().find(|(other, _)| *other == at) {
+                Some((_, first)) => same = same.or_else(|| Some([first.clone(), phases[row].name.clone()])),
+                None => places.push((at, phases[row].name.clone())),
+            }
+        }
+    }
+    let asked_for = form.law.as_ref().filter(|law| law.value == LawForm::GaussianProcess);
+    if let Some(law) = asked_for.filter(|_| places.len() < FEWEST_POINTS || inputs.is_empty()) {
+        let message = match same {
+            _ if inputs.is_empty() => "no input varies over the phases that are fitted".to_owned(),
+            Some([first, second]) => format!(
+                "the phases have {} of the inputs: `{first}` and `{second}` have the same",
+                counted(places.len(), "different set")
+            ),
+            None => format!("the fit has {}", counted(places.len(), "phase")),
+        };
+        let expected = format!("{FEWEST_POINTS} different ones or more for a Gaussian process");
+        scope.error(&code::DISCREPANCY, &law.place, message, &expected);
+    } else if let Some([first, second]) = same.filter(|_| !inputs.is_empty()) {
+        let message = format!("the phases `{first}` and `{second}` have the same values of the inputs of the discrepancy");
+        let help = "they count as repetitions, whose difference only noise and scatter explain: name a further input if they \
+                    differ in one";
+        let place = form.inputs.as_ref().and_then(|names| names.first()).map_or(&entry.name_place, |name| &name.place);
+        scope.diagnostics.push(Diagnostic::warning(&code::DISCREPANCY, place, message).help(help));
+    }
+}

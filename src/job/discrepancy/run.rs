@@ -1,0 +1,407 @@
+//! The discrepancy as a job.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::laws::{Question, two};
+use super::output::{Confounded, Output, PhaseResidual, SensorDiscrepancy, Spec};
+use super::residuals::{Reading, Residuals, readings};
+use crate::inference::gaussian_process::confounding::{Information, moved};
+use crate::inference::gaussian_process::tested_range::TestedRange;
+use crate::job::{Done, Job, JobError, Parts, Step};
+use crate::measurement::prediction::Predictor;
+use crate::measurement::unknown::with_unknowns;
+use crate::measurement::{Measurement, Rows, Uncertain};
+use crate::random::StreamKey;
+use crate::study::resolve::scope::unit_of;
+use crate::thermal::Model;
+
+/// Draws of the posterior in a block; part of the job's identity.
+const BLOCK: usize = 25;
+/// Largest share of draws without a solution that is tolerated.
+const MOST_FAILED: f64 = 0.1;
+/// Ratio of standard deviations, and shift in standard deviations, beyond which a parameter counts as confounded.
+const CONFOUNDED: f64 = 2.0;
+/// Part of a residual that is not linear in the unknowns, in standard deviations of the noise, that is warned of.
+const BENT: f64 = 0.5;
+
+/// The part of a calibration's result that is used.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct Calibrated {
+    converged: bool,
+    order: Vec<String>,
+    tuned: Vec<(String, f64)>,
+    draws: Draws,
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+struct Draws {
+    values: Vec<Vec<f64>>,
+}
+
+impl Calibrated {
+    /// From a calibration's result.
+    ///
+    /// # Errors
+    /// A result without draws.
+    pub fn from_result(source: &str, result: &Value) -> Result<Self, JobError> {
+        let failed = |reason: String| JobError::Failed(format!("the posterior of {source}: {reason}"));
+        let own = Self::deserialize(result).map_err(|error| failed(error.to_string()))?;
+        let is_whole = |draw: &Vec<f64>| draw.len() == own.order.len() && draw.iter().all(|value| value.is_finite());
+        if own.draws.values.is_empty() || !own.draws.values.iter().all(is_whole) {
+            return Err(failed("it has no draws, or one that is not whole".to_owned()));
+        }
+        Ok(own)
+    }
+
+    /// So many draws, evenly spaced.
+    fn some(&self, count: usize) -> Vec<&Vec<f64>> {
+        let all = self.draws.values.len();
+        (0..count.min(all)).map(|k| &self.draws.values[k * all / count.min(all)]).collect()
+    }
+}
+
+/// A discrepancy, ready to run.
+#[derive(Debug)]
+pub struct Discrepancy {
+    pub(super) spec: Spec,
+    model: Arc<Model>,
+    measurements: Arc<Vec<Measurement>>,
+    predictor: Predictor,
+    readings: Vec<Reading>,
+    key: StreamKey,
+    calibrated: Option<Calibrated>,
+}
+
+/// What a block is to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Input {
+    /// Residuals at points of the unknowns: the first is the posterior mean, the others draws.
+    Points {
+        /// First point.
+        first: usize,
+        /// Number of points.
+        count: usize,
+    },
+    /// The law of a sensor, by its place in the settings.
+    Sensor(usize),
+}
+
+/// What a block found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Partial {
+    /// Residuals at each point, reading by reading; NaN where there is no solution.
+    Residuals(Vec<Vec<f64>>),
+    /// The law, and what the readings say of the unknowns.
+    Law(Box<SensorDiscrepancy>, Option<Information>),
+}
+
+/// The residuals, once they are known.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Known(Residuals);
+
+impl Discrepancy {
+    /// Prepares the job. `measurements` are the pass's; `seed` and `name` key its random numbers.
+    ///
+    /// # Errors
+    /// A network that cannot be compiled.
+    pub fn new(
+        spec: Spec,
+        model: Arc<Model>,
+        measurements: Arc<Vec<Measurement>>,
+        seed: u64,
+        name: &str,
+    ) -> Result<Self, JobError> {
+        let predictor = Predictor::new(&model, &[]).map_err(|error| JobError::Failed(error.to_string()))?;
+        let readings = readings(&measurements, &spec.data, &spec.sensors);
+        let key = StreamKey::new(seed, name, "discrepancy");
+        Ok(Self { spec, model, measurements, predictor, readings, key, calibrated: None })
+    }
+
+    /// The same with the posterior after which residuals are taken.
+    pub fn with_calibrated(self, calibrated: Calibrated) -> Self {
+        Self { calibrated: Some(calibrated), ..self }
+    }
+
+    fn calibrated(&self) -> Result<&Calibrated, JobError> {
+        self.calibrated.as_ref().ok_or_else(|| JobError::Failed("the calibration has no result yet".to_owned()))
+    }
+
+    /// The points of the unknowns: their means over the draws, then the draws.
+    fn points(&self) -> Result<Vec<Vec<f64>>, JobError> {
+        let calibrated = self.calibrated()?;
+        // A slope is told from the noise of the others only with some draws for each unknown.
+        let count = usize::try_from(self.spec.draws).unwrap_or(usize::MAX).max(4 * (calibrated.order.len() + 1));
+        let draws = calibrated.some(count);
+        let mean = |a: usize| draws.iter().map(|draw| draw[a]).sum::<f64>() / draws.len() as f64;
+        let means: Vec<f64> = (0..calibrated.order.len()).map(mean).collect();
+        Ok(std::iter::once(means).chain(draws.into_iter().cloned()).collect())
+    }
+
+    /// Measurements with what was inferred of them put in, at a point of the unknowns, and the model's parameters there.
+    fn fixed(&self, calibrated: &Calibrated, point: &[f64]) -> (Vec<Measurement>, Vec<f64>) {
+        let find = |name: &str| {
+            let inferred = calibrated.order.iter().position(|own| own == name).map(|place| point[place]);
+            inferred.or_else(|| calibrated.tuned.iter().find(|(own, _)| own == name).map(|(_, value)| *value))
+        };
+        let parameters =
+            self.model.parameters.iter().map(|parameter| find(&parameter.name).unwrap_or(parameter.nominal)).collect();
+        let inputs: Vec<String> = self.model.inputs.iter().map(|input| input.name.clone()).collect();
+        let nodes: Vec<String> = self.model.nodes.iter().map(|node| node.name.clone()).collect();
+        let of = |&index: &usize| with_unknowns(&self.measurements[index], &inputs, &nodes, &find);
+        (self.spec.data.iter().map(of).collect(), parameters)
+    }
+
+    fn residuals_at(&self, calibrated: &Calibrated, point: &[f64]) -> Vec<f64> {
+        let (fixed, parameters) = self.fixed(calibrated, point);
+        let mut workspace = self.predictor.workspace();
+        let predictions: Vec<_> =
+            fixed.iter().map(|own| self.predictor.predict(&mut workspace, own, &parameters).readings).collect();
+        let residual = |reading: &Reading| {
+            let place = self.spec.data.iter().position(|&index| index == reading.measurement).unwrap_or(0);
+            let measured = fixed[place].reading(reading.row, reading.sensor).unwrap_or(f64::NAN);
+            measured - predictions[place][reading.row * fixed[place].sensors.len() + reading.sensor]
+        };
+        self.readings.iter().map(residual).collect()
+    }
+
+    /// What was tested of every input: by the phases that calibration and law used.
+    fn tested(&self) -> Vec<TestedRange> {
+        let mut ranges = Vec::new();
+        for (input, own) in self.model.inputs.iter().enumerate() {
+            let mut values = Vec::new();
+            for &index in &self.spec.data {
+                let measurement = &self.measurements[index];
+                let Rows::Steady(phases) = &measurement.rows else { continue };
+                let used = (0..phases.len()).filter(|&row| !measurement.ignored(row) && !measurement.held_out(row));
+                values.extend(used.map(|row| phases[row].inputs[input]));
+            }
+            let lower = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let upper = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            if lower.is_finite() && upper.is_finite() && Some(input) != self.model.date {
+                let unit = unit_of(&own.unit).dimension.to_string();
+                ranges.push(TestedRange { input: own.name.clone(), unit, lower, upper });
+            }
+        }
+        ranges
+    }
+
+    fn law(&self, residuals: &Residuals, name: usize) -> Result<Partial, JobError> {
+        let calibrated = self.calibrated()?;
+        let (fixed, parameters) = self.fixed(calibrated, &residuals.means);
+        let tested = self.tested();
+        let own_inputs: Vec<&String> = self.spec.inputs.iter().map(|&input| &self.model.inputs[input].name).collect();
+        let ranges: Vec<TestedRange> =
+            own_inputs.iter().filter_map(|own| tested.iter().find(|range| range.input == **own).cloned()).collect();
+        let mut phases = Vec::new();
+        let mut quantity = 0;
+        for (place, reading) in self.readings.iter().enumerate().filter(|(_, reading)| reading.name == name) {
+            let position = self.spec.data.iter().position(|&index| index == reading.measurement).unwrap_or(0);
+            let (measurement, sensor) = (&fixed[position], &fixed[position].sensors[reading.sensor]);
+            quantity = sensor.quantity;
+            let Rows::Steady(rows) = &measurement.rows else { continue };
+            let part = |value: &Option<Uncertain>| value.as_ref().map_or(0.0, |value| value.at(&parameters));
+            // Inputs as they were written: constant errors of theirs belong to the calibration.
+            let inputs = match &self.measurements[reading.measurement].rows {
+                Rows::Steady(written) => &written[reading.row].inputs,
+                Rows::Transient { .. } => continue,
+            };
+            phases.push(PhaseResidual {
+                measurement: measurement.name.clone(),
+                phase: rows[reading.row].name.clone(),
+                inputs: self.spec.inputs.iter().map(|&input| inputs[input]).collect(),
+                residual: residuals.at_mean[place],
+                calibration_sd: residuals.sds[place],
+                noise_sd: crate::measurement::total_sd(part(&sensor.sigma), part(&sensor.white)),
+                slopes: residuals.slopes[place].clone(),
+                held_out: reading.held_out,
+                expected: 0.0,
+                expected_sd: 0.0,
+            });
+        }
+        let own = &self.model.quantities[quantity];
+        let question = Question {
+            names: [&self.spec.sensors[name], &own.name, &own.unit],
+            residuals: phases,
+            ranges: &ranges,
+            kernel: self.spec.kernel,
+            trend: self.spec.trend,
+            law: self.spec.law,
+            sampled: self.spec.sampled,
+            key: self.key,
+        };
+        let (answer, information) = question.answer()?;
+        Ok(Partial::Law(Box::new(answer), information))
+    }
+
+    /// Takes the residuals together; begins with the laws.
+    fn known(&self, rows: Vec<Vec<f64>>) -> Result<Step<Self>, JobError> {
+        let points = self.points()?;
+        let (Some(at_mean), Some(means)) = (rows.first(), points.first()) else {
+            return Err(JobError::Failed("no residual was taken".to_owned()));
+        };
+        if let Some(place) = at_mean.iter().position(|residual| !residual.is_finite()) {
+            let reading = &self.readings[place];
+            let measurement = &self.measurements[reading.measurement];
+            let phase = match &measurement.rows {
+                Rows::Steady(phases) => phases[reading.row].name.as_str(),
+                Rows::Transient { .. } => "",
+            };
+            let sensor = &measurement.sensors[reading.sensor].name;
+            return Err(JobError::Failed(format!(
+                "the model has no value for sensor `{sensor}` in phase `{phase}` of `{}` at the posterior mean",
+                measurement.name
+            )));
+        }
+        let residuals = Residuals::new(means.clone(), at_mean.clone(), &points[1..], &rows[1..]);
+        let [used, failed] = residuals.draws;
+        if failed as f64 > MOST_FAILED * (used + failed) as f64 || used < 2 {
+            return Err(JobError::Failed(format!("at {failed} of {} draws of the posterior a phase has no solution", used + failed)));
+        }
+        let inputs = (0..self.spec.sensors.len()).map(Input::Sensor).collect();
+        Ok(Step::Blocks { stage: "laws".to_owned(), state: Some(Known(residuals)), inputs })
+    }
+
+    fn output(&self, residuals: &Residuals, laws: Vec<(SensorDiscrepancy, Option<Information>)>) -> Result<Output, JobError> {
+        let calibrated = self.calibrated()?;
+        let unknowns = calibrated.order.clone();
+        let information: Vec<Information> = laws.iter().filter_map(|(_, information)| information.clone()).collect();
+        let moved = moved(&residuals.covariance, unknowns.len(), &information).unwrap_or_default();
+        let parameters: Vec<Confounded> = (unknowns.iter().zip(&moved))
+            .map(|(name, own)| Confounded {
+                name: name.clone(),
+                sd: own.sd,
+                free_sd: own.free_sd,
+                shift: own.shift,
+                absorbed: own.absorbed,
+                is_confounded: own.free_sd > CONFOUNDED * own.sd || own.shift.abs() > CONFOUNDED * own.sd,
+            })
+            .collect();
+        let sensors: Vec<SensorDiscrepancy> = laws.into_iter().map(|(law, _)| law).collect();
+        let mut findings = Vec::new();
+        let confounded: Vec<&str> =
+            parameters.iter().filter(|own| own.is_confounded).map(|own| own.name.as_str()).collect();
+        if !confounded.is_empty() {
+            let diagnosis = match &self.spec.diagnosis {
+                Some(name) => format!("`{name}` of this pass says whether it finds one"),
+                None => "a `diagnose` job seeks one".to_owned(),
+            };
+            findings.push(format!(
+                "with a discrepancy free beside them the posteriors of {} would become more than {CONFOUNDED} times as wide or \
+                 move by more than {CONFOUNDED} standard deviations: these data do not tell them from a discrepancy, and what the \
+                 calibration says of them as physical values is not to be trusted (Brynjarsdottir & O'Hagan 2014). A physical \
+                 effect that explains the residuals removes this; {diagnosis}",
+                confounded.join(", ")
+            ));
+        }
+        let mut worst: Option<f64> = None;
+        for (reading, bent) in self.readings.iter().zip(&residuals.bent) {
+            let noise = self.measurements[reading.measurement].sensors[reading.sensor].total_sd();
+            if noise > 0.0 {
+                worst = Some(worst.unwrap_or(0.0).max(bent / noise));
+            }
+        }
+        if let Some(bent) = worst.filter(|bent| *bent > BENT) {
+            findings.push(format!(
+                "residuals are no linear functions of the unknowns over the posterior: up to {} standard deviations of the noise \
+                 are left out of what a prediction adds to a draw",
+                two(bent)
+            ));
+        }
+        let r_hats_are_good = sensors.iter().all(|own| own.r_hat.is_none_or(|r_hat| r_hat <= 1.05));
+        Ok(Output {
+            converged: calibrated.converged && r_hats_are_good,
+            source: self.spec.source.clone(),
+            draws: residuals.draws,
+            unknowns,
+            means: residuals.means.clone(),
+            nonlinearity: worst,
+            inputs: self.spec.inputs.iter().map(|&input| self.model.inputs[input].name.clone()).collect(),
+            tested: self.tested(),
+            sensors,
+            parameters,
+            findings,
+        })
+    }
+}
+
+impl Job for Discrepancy {
+    type State = Option<Known>;
+    type Input = Input;
+    type Partial = Partial;
+    type Output = Output;
+
+    fn kind(&self) -> &'static str {
+        "discrepancy"
+    }
+
+    fn algorithm_version(&self) -> u32 {
+        1
+    }
+
+    fn identity(&self) -> Value {
+        json!({
+            "data": self.spec.data.iter().map(|&index| self.measurements[index].identity()).collect::<Vec<_>>(),
+            "source": self.spec.source,
+            "sensors": self.spec.sensors,
+            "inputs": self.spec.inputs,
+            "kernel": self.spec.kernel,
+            "trend": self.spec.trend,
+            "law": self.spec.law,
+            "sampled": self.spec.sampled,
+            "draws": self.spec.draws,
+            "diagnosis": self.spec.diagnosis,
+            "block": BLOCK,
+            "model": self.model.identity(),
+        })
+    }
+
+    fn begin(&self) -> Result<Step<Self>, JobError> {
+        let points = self.points()?.len();
+        let block = |first: usize| Input::Points { first, count: BLOCK.min(points - first) };
+        let inputs = (0..points).step_by(BLOCK).map(block).collect();
+        Ok(Step::Blocks { stage: "residuals".to_owned(), state: None, inputs })
+    }
+
+    fn block(&self, state: &Option<Known>, input: Input, _parts: &dyn Parts) -> Result<Partial, JobError> {
+        match (input, state) {
+            (Input::Points { first, count }, _) => {
+                let calibrated = self.calibrated()?;
+                let points = self.points()?;
+                let some = points.iter().skip(first).take(count);
+                Ok(Partial::Residuals(some.map(|point| self.residuals_at(calibrated, point)).collect()))
+            }
+            (Input::Sensor(name), Some(Known(residuals))) => self.law(residuals, name),
+            (Input::Sensor(_), None) => Err(JobError::Failed("the residuals are not known yet".to_owned())),
+        }
+    }
+
+    fn is_last(&self, state: &Option<Known>) -> bool {
+        state.is_some()
+    }
+
+    fn reduce(&self, state: Option<Known>, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        match state {
+            None => {
+                let mut rows = Vec::new();
+                for (_, partial) in blocks {
+                    if let Partial::Residuals(more) = partial {
+                        rows.extend(more);
+                    }
+                }
+                self.known(rows)
+            }
+            Some(Known(residuals)) => {
+                let mut laws = Vec::new();
+                for (_, partial) in blocks {
+                    if let Partial::Law(law, information) = partial {
+                        laws.push((*law, information));
+                    }
+                }
+                Ok(Step::Done(Box::new(self.output(&residuals, laws)?)))
+            }
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! Discrepancies of a straight line whose truth is known: laws, predictions with them, extrapolation, confounding.
+
+use std::fmt::Write as _;
+
+use bmv::job::discrepancy::{self, Law};
+use bmv::job::predict;
+use bmv::random::StreamKey;
+
+use super::hand_on::Results;
+
+/// `y = a + b x`, and the same for a second sensor `u`, whose discrepancy no input explains.
+const MODEL: &str = r#"{"format": "bmv-network/1", "title": "Line",
+ "inputs": {"x": {"unit": "1", "nominal": 0.5}, "w": {"unit": "1", "nominal": 0.5}, "p": {"unit": "1", "nominal": 0}},
+ "parameters": {"a": {"unit": "1", "nominal": 1, "prior": {"normal": {"mean": 1, "sd": 2}}},
+                "b": {"unit": "1", "nominal": 0, "prior": {"normal": {"mean": 0, "sd": 2}}}},
+ "quantities": {"y": {"expression": {"of": "a + b * x", "unit": "1"}}, "u": {"expression": {"of": "2 * a - b * x", "unit": "1"}},
+                "same as y": {"expression": {"of": "a + b * x", "unit": "1"}}}}"#;
+
+const NOISE: f64 = 0.1;
+
+/// The discrepancy of `y`.
+fn truth(w: f64) -> f64 {
+    0.8 * libm::sin(5.0 * w)
+}
+
+fn study() -> tempfile::TempDir {
+    let root = tempfile::tempdir().unwrap();
+    let put = |name: &str, text: &str| {
+        std::fs::create_dir_all(root.path().join("data")).unwrap();
+        std::fs::write(root.path().join(name), text).unwrap();
+    };
+    let mut table = String::from("phase,x [1],w [1],y [1],u [1]\n");
+    for phase in 0..30u32 {
+        let mut stream = StreamKey::new(3, "line", "noise").stream(u64::from(phase));
+        let (x, w) = (f64::from(phase % 6) / 5.0, f64::from((7 * phase) % 30) / 29.0);
+        let y = 1.5 + 0.7 * x + truth(w) + NOISE * stream.normal();
+        let u = 3.0 - 0.7 * x + 0.5 * stream.normal() + NOISE * stream.normal();
+        writeln!(table, "P{phase},{x},{w},{y},{u}").unwrap();
+    }
+    put("data/line.csv", &table);
+    put("model.json", MODEL);
+    put(
+        "pass-1.json",
+        &format!(
+            r#"{{"format": "bmv-pass/1", "title": "t", "parent": null, "seed": 5,
+ "requirements": {{"low": {{"quantity": "same as y", "below": 3, "probability": 0.9}}}},
+ "environments": {{"inside": {{"x": 0.4, "w": 0.3}}, "beyond": {{"x": 0.4, "w": 1.5}}, "another p": {{"x": 0.4, "w": 0.3, "p": 1}}}},
+ "measurements": {{"line": {{"steady": {{"file": "data/line.csv", "sensors": {{"y": {{"measures": "y", "sigma": {NOISE}}},
+   "u": {{"measures": "u", "sigma": {NOISE}}}}}, "inputs": {{"p": 0}}, "held_out": {{"phases": ["P4", "P11", "P17", "P22", "P25"]}}}}}}}},
+ "jobs": {{"fit": {{"calibrate": {{"draws": 500}}}}, "left": {{"discrepancy": {{}}}},
+   "plain": {{"discrepancy": {{"law": "none", "hyperparameters": "maximum", "kernel": "matern-5/2", "trend": "linear"}}}},
+   "flight": {{"predict": {{"with": {{"discrepancy": "left"}}, "samples": 4096}}}}}}}}"#
+        ),
+    );
+    put(
+        "pass-2.json",
+        r#"{"format": "bmv-pass/1", "title": "t", "parent": "pass-1.json", "measurements": {"line": null},
+ "jobs": {"later": {"predict": {"from": {"pass": "pass-1.json", "job": "fit"}, "samples": 4096,
+   "with": {"discrepancy": {"pass": "pass-1.json", "job": "left"}}}}}}"#,
+    );
+    root
+}
+
+#[test]
+fn laws_predictions_and_flags_are_those_of_the_truth() {
+    let root = study();
+    let mut results = Results::of_study(root.path());
+    let output: discrepancy::Output = serde_json::from_value((*results.of("pass-1.json", "left")).clone()).unwrap();
+    let [y, u] = output.sensors.as_slice() else { panic!("two sensors") };
+    assert_eq!((y.law, u.law), (Law::GaussianProcess, Law::ResidualLaw), "{:?} {:?}", y.laws, u.laws);
+    // x does not explain it, w does.
+    let find = |name: &str| y.hyperparameters.iter().find(|own| own.name == name).expect("named");
+    assert!(find("length in x").value > 2.0 * find("length in w").value, "{:?}", y.hyperparameters);
+    let scatter = u.hyperparameters.iter().find(|own| own.name == "scatter").expect("named");
+    let [lower, upper] = scatter.interval.expect("drawn");
+    assert!(lower < 0.5 && 0.5 < upper && upper < 1.0, "{scatter:?}");
+    for own in [y, u] {
+        assert_eq!((own.left_out.count, own.held_out.count, own.residuals.len()), (25, 5, 30));
+        assert!(own.left_out.inside >= 20 && own.held_out.inside >= 3, "{:?} {:?}", own.left_out, own.held_out);
+    }
+    // A constant of the discrepancy and `a` are one and the same to these readings of y.
+    assert!(output.parameters.iter().any(|own| own.name == "a" && own.is_confounded), "{:?}", output.parameters);
+    assert!(output.findings.iter().any(|text| text.contains("Brynjarsdottir & O'Hagan 2014")));
+    let plain: discrepancy::Output = serde_json::from_value((*results.of("pass-1.json", "plain")).clone()).unwrap();
+    assert!(plain.sensors.iter().all(|own| own.law == Law::None && own.draws == [Vec::<f64>::new()]));
+
+    let flight: predict::Output = serde_json::from_value((*results.of("pass-1.json", "flight")).clone()).unwrap();
+    let validated = flight.validated.as_ref().expect("a discrepancy");
+    let case = |output: &bmv::job::propagate::Output, environment: &str| {
+        let case = output.cases.iter().find(|case| case.environment == environment).expect("a case").clone();
+        case.quantities.into_iter().find(|own| own.name == "same as y").expect("asked for")
+    };
+    let (with, without) = (case(&flight.posterior, "inside"), case(&validated.without, "inside"));
+    let at = 1.5 + 0.7 * 0.4 + truth(0.3);
+    assert!((with.mean - at).abs() < 3.0 * with.sd && with.sd < 0.2, "{} {} {at}", with.mean, with.sd);
+    assert!((without.mean - at).abs() > 0.3, "{}", without.mean);
+    // Outside what was tested the law is wider, and flagged with the input that is outside; within it is not.
+    assert!(case(&flight.posterior, "beyond").sd > 1.5 * with.sd);
+    for term in &validated.terms {
+        let outside: Vec<&str> = term.outside.iter().map(|own| own.input.as_str()).collect();
+        let expected: &[&str] = match term.environment.as_str() {
+            "inside" => &[],
+            "beyond" => &["w"],
+            _ => &["p"],
+        };
+        assert_eq!((outside.as_slice(), term.quantities.as_slice()), (expected, &["same as y".to_owned()][..]));
+    }
+    // The same from another pass.
+    let later: predict::Output = serde_json::from_value((*results.of("pass-2.json", "later")).clone()).unwrap();
+    let other = case(&later.posterior, "inside");
+    assert!(
+        (other.mean - with.mean).abs() < 0.02 && (other.sd / with.sd - 1.0).abs() < 0.1,
+        "{} {}",
+        other.mean,
+        other.sd
+    );
+}
