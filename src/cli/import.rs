@@ -9,7 +9,7 @@ use super::output::{escaped, print, print_json, shown, table, tell};
 use super::status::{Failure, Status};
 use crate::document::visible::shell_word;
 use crate::import::reader::{self, READERS};
-use crate::import::{Closure, DeckFile, PASS, Summary, closure, import, study};
+use crate::import::{Closure, DeckFile, PASS, Summary, closure, import, parts, study};
 use crate::study::file;
 
 /// Larger files are refused, in bytes.
@@ -31,6 +31,13 @@ pub(super) struct Import {
     /// Folder of the new study; it is made
     #[arg(long, value_name = "STUDY")]
     into: PathBuf,
+    /// CSV file of the model's parts, `part,first,last`: names and ranges of node numbers
+    ///
+    /// Conductors within a part and between two parts get a factor as a parameter, the part's heats and boundary
+    /// temperatures become inputs, and a diagnosis tries each part as a place. Without it a deck that names no
+    /// parameters is divided by its submodels and labels.
+    #[arg(long, value_name = "FILE")]
+    parts: Option<PathBuf>,
     /// Print one JSON document
     #[arg(long)]
     json: bool,
@@ -50,9 +57,23 @@ impl Import {
         let wrong = |error: study::ImportError| Failure::input(error.to_string());
         study::check_folder(&self.into).map_err(wrong)?;
         let files = self.files.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
-        let deck = reader::read(READERS, &files).map_err(|error| Failure::input(error.to_string()))?;
+        let mut deck = reader::read(READERS, &files).map_err(|error| Failure::input(error.to_string()))?;
+        let parts = self.parts.as_deref().map(read).transpose()?;
+        match &parts {
+            Some(file) => {
+                let ranges = parts::ranges(&file.name, &file.text());
+                ranges
+                    .and_then(|ranges| parts::divide_by_ranges(&mut deck, &file.name, &ranges))
+                    .map_err(|error| Failure::input(error.to_string()))?;
+            }
+            None if deck.parameters.is_empty() => parts::divide_by_groups(&mut deck),
+            None => {}
+        }
         let names: Vec<String> = files.into_iter().map(|file| file.name).collect();
-        let imported = import(&deck, &names).map_err(wrong)?;
+        let mut imported = import(&deck, &names).map_err(wrong)?;
+        if let Some(file) = &parts {
+            imported.keep_parts(file.text());
+        }
         imported.write(&self.into).map_err(wrong)?;
         let pass = self.into.join(PASS);
         // Loaded as any study is: what the deck says must be what the format understands.

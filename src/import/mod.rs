@@ -1,7 +1,8 @@
 //! Models of other tools as studies: a deck becomes `model.json`, tables of couplings, a record of results and a pass
 //! that holds the model against them.
 //!
-//! `reader`: which reader takes which files. `name`: names of a deck as the study format allows them. `model`, `record`: the
+//! `reader`: which reader takes which files. `parts`: parts of a deck, and the
+//! parameters and inputs that they give. `name`: names of a deck as the study format allows them. `model`, `record`: the
 //! parts of the study. `study`: all of it, in memory. `closure`: whether the record's temperatures balance in the
 //! network, which is the proof of an import.
 
@@ -10,6 +11,7 @@ pub mod closure;
 mod coupling;
 mod model;
 mod name;
+pub mod parts;
 pub mod reader;
 mod record;
 mod resolution;

@@ -171,5 +171,13 @@ fn start(deck: &Deck, record: &Record, written: &Written, row: usize, notes: &mu
         }
         entries.insert(0, ("all".to_owned(), Item::number(start_k)));
     }
+    // One entry says what all have in common.
+    let first = entries.first().map(|(_, item)| item.clone());
+    if let Some(first) = first
+        && entries.len() > 1
+        && entries.iter().all(|(_, item)| *item == first)
+    {
+        entries = vec![("all".to_owned(), first)];
+    }
     Item::Object(entries)
 }

@@ -20,6 +20,8 @@ use super::{DECK_RESULT, PASS};
 const MODEL: &str = "model.json";
 /// The files of tables of conductors and radiations.
 const TABLES: [&str; 2] = ["data/conductors.csv", "data/radiations.csv"];
+/// The user's list of parts, so that the import can be made again.
+const PARTS: &str = "data/parts.csv";
 
 /// A deck that becomes no study.
 #[derive(Debug, Error)]
@@ -170,6 +172,12 @@ pub fn check_folder(folder: &Path) -> Result<(), ImportError> {
 }
 
 impl ImportedStudy {
+    /// Keeps the list of parts by which the deck was divided.
+    pub fn keep_parts(&mut self, text: String) {
+        self.files.insert(0, (PARTS, text));
+        self.summary.files.insert(0, PARTS.to_owned());
+    }
+
     /// Writes the study into a folder that is made, or is empty.
     ///
     /// # Errors

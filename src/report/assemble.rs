@@ -85,6 +85,7 @@ pub fn assemble<'p>(
         description: pass.description.clone(),
         reconstructed: pass.reconstructed.clone(),
         model: &pass.model,
+        groups: &pass.groups,
         priors: names.zip(pass.priors.iter().copied()).collect(),
         posterior_priors: (pass.posterior_priors.iter())
             .flat_map(|reference| {

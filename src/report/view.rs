@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::effect::GroupPlace;
 use crate::job::compare;
 use crate::job::kind::{AnyOutput, JobKind};
 use crate::measurement::{Measurement, Rows, Sensor};
@@ -74,6 +75,8 @@ pub struct PassReport<'a> {
     pub reconstructed: Option<String>,
     /// The model, adopted effects included.
     pub model: &'a Model,
+    /// Groups of the model, in the order of its file and then those that it implies.
+    pub groups: &'a [GroupPlace],
     /// Priors by parameter name; a parameter without one is fixed at its nominal value.
     pub priors: Vec<Prior>,
     /// Parameters whose prior is draws, with where these come from.

@@ -40,6 +40,7 @@ impl Sample {
             description: "A study made for the tests of the report.\n\nIts second paragraph says no more.".into(),
             reconstructed: self.reconstructed.clone(),
             model: &self.model,
+            groups: &[],
             priors: self.priors.clone(),
             posterior_priors: vec![],
             requirements: self.requirements.clone(),

@@ -176,7 +176,10 @@ impl Diagnosis {
                     next.order(&[&Lead { candidate, ..lead.clone() }], &rest, from);
                 }
             }
-            return Ok(Some(next));
+            // Where no neighbour shows anything, the search goes on beside the set as it is.
+            if !next.pending.is_empty() {
+                return Ok(Some(next));
+            }
         }
         Ok(None)
     }

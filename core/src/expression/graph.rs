@@ -9,6 +9,8 @@ use serde::Serialize;
 
 use crate::math::functions;
 
+use super::hasher::Map;
+
 /// A subexpression of a [`Graph`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ExprId(pub(super) u32);
@@ -264,8 +266,8 @@ pub(super) fn apply_binary(function: Binary, a: f64, b: f64) -> f64 {
 pub struct Graph {
     terms: Vec<Term>,
     dependences: Vec<Dependence>,
-    index: HashMap<Term, ExprId>,
-    slopes: HashMap<(ExprId, Symbol), ExprId>,
+    index: Map<Term, ExprId>,
+    slopes: Map<(ExprId, Symbol), ExprId>,
     tables: Vec<Table>,
 }
 

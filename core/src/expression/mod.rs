@@ -2,6 +2,7 @@
 
 pub mod dimension;
 pub mod graph;
+mod hasher;
 pub mod infer;
 pub mod parse;
 pub mod program;

@@ -19,10 +19,14 @@ pub struct Batch<const N: usize> {
     pub(super) outcomes: Vec<Result<SteadyStats, SteadyError>>,
     /// For lanes that the plain method loses.
     pub(super) alone: Workspace,
+    /// Of networks with sparse factors a workspace a lane, since such lanes are solved one after the other.
+    pub(super) own: Vec<Workspace>,
     /// Lanes written so far hold the solution.
     temperatures: Vec<[f64; N]>,
     /// Whether what follows from the parameters must be computed again.
     stale_parameters: bool,
+    /// Lanes from here on have no work of their own.
+    used: usize,
 }
 
 /// Samples that jobs solve side by side; no part of any identity, since each lane gives the bits of a solve alone.
@@ -66,6 +70,17 @@ impl<const N: usize> Batch<N> {
         for (slot, &value) in self.temperatures.iter_mut().zip(values) {
             slot[lane] = value;
         }
+    }
+
+    /// Says how many lanes, from the first on, have work of their own. Where lanes are solved one after the other (large
+    /// networks), the others are left out; what they hold is then without meaning.
+    pub fn use_lanes(&mut self, count: usize) {
+        self.used = count.min(N);
+    }
+
+    /// Lanes with work of their own.
+    pub(super) fn used(&self) -> usize {
+        self.used
     }
 
     /// How the last solve of a lane ended.
@@ -120,8 +135,10 @@ impl Network {
             last_step: [0.0; N],
             outcomes: vec![Ok(SteadyStats::default()); N],
             alone: self.workspace(),
+            own: if self.linear.is_dense() { Vec::new() } else { (0..N).map(|_| self.workspace()).collect() },
             temperatures: vec![[0.0; N]; self.nodes.len()],
             stale_parameters: true,
+            used: N,
         };
         for lane in 0..N {
             batch.set_parameters(self, lane, &self.nominal_parameters);
@@ -133,8 +150,14 @@ impl Network {
     /// Solves every lane. A lane that fails leaves its reason in [`Batch::outcome`]; the others are not affected.
     pub fn solve_steady_batch<const N: usize>(&self, batch: &mut Batch<N>, start: Start<'_>) {
         let equations = &self.steady;
-        if self.isolated_nodes().is_some() || !batch.linear.is_dense() {
-            for lane in 0..N {
+        if !batch.own.is_empty() {
+            for lane in 0..batch.used {
+                self.solve_own(batch, lane, start);
+            }
+            return;
+        }
+        if self.isolated_nodes().is_some() {
+            for lane in 0..batch.used {
                 self.solve_alone(batch, lane, start);
             }
             equations.program.run(segment::QUANTITY, &mut batch.state.file);
@@ -188,6 +211,30 @@ impl Network {
         equations.program.run(segment::QUANTITY, &mut batch.state.file);
     }
 
+    /// Solves a lane in its own workspace, where derivatives find it; its temperatures and quantities go to the batch.
+    fn solve_own<const N: usize>(&self, batch: &mut Batch<N>, lane: usize, start: Start<'_>) {
+        let equations = &self.steady;
+        let own = &mut batch.own[lane];
+        let (parameters, inputs) = (0..equations.parameters, equations.parameters..equations.time());
+        // What follows from parameters that did not change since the lane's last solve is not computed again.
+        own.stale_parameters |= taken(&mut own.state.file[parameters.clone()], &batch.state.file[parameters], lane);
+        taken(&mut own.state.file[inputs.clone()], &batch.state.file[inputs], lane);
+        // The boundaries, too, are filled in anew.
+        own.stale_inputs = true;
+        if let Start::Current = start {
+            for (slot, lanes) in own.temperatures.iter_mut().zip(&batch.temperatures) {
+                *slot = lanes[lane];
+            }
+        }
+        batch.outcomes[lane] = self.solve_steady(own, start);
+        for (lanes, &value) in batch.temperatures.iter_mut().zip(&own.temperatures) {
+            lanes[lane] = value;
+        }
+        for register in &equations.quantity {
+            batch.state.file[register.index()][lane] = own.state.file[register.index()];
+        }
+    }
+
     /// Solves one lane by itself and puts the result back.
     fn solve_alone<const N: usize>(&self, batch: &mut Batch<N>, lane: usize, start: Start<'_>) {
         let equations = &self.steady;
@@ -210,4 +257,14 @@ impl Network {
             batch.state.file[place][lane] = batch.alone.state.file[place];
         }
     }
+}
+
+/// Takes over the values of a lane; whether any of them is another.
+fn taken<const N: usize>(own: &mut [f64], lanes: &[[f64; N]], lane: usize) -> bool {
+    let mut changed = false;
+    for (slot, lanes) in own.iter_mut().zip(lanes) {
+        changed |= slot.to_bits() != lanes[lane].to_bits();
+        *slot = lanes[lane];
+    }
+    changed
 }

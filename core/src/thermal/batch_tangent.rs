@@ -28,9 +28,8 @@ impl Network {
         let columns = self.differentiate.len();
         if !batch.linear.is_dense() {
             let mut lane_tangent = vec![0.0; out.len()];
-            for lane in 0..N {
-                self.lane_to_workspace(batch, lane);
-                let solved = self.quantity_tangent(&mut batch.alone, &mut lane_tangent).is_ok();
+            for lane in 0..batch.used() {
+                let solved = self.quantity_tangent(&mut batch.own[lane], &mut lane_tangent).is_ok();
                 for (out, &value) in out.iter_mut().zip(&lane_tangent) {
                     out[lane] = if solved { value } else { f64::NAN };
                 }
@@ -84,12 +83,11 @@ impl Network {
         let equations = &self.steady;
         if !batch.linear.is_dense() {
             let (mut lane_gradient, mut lane_weights) = (vec![0.0; out.len()], vec![0.0; weights.len()]);
-            for lane in 0..N {
-                self.lane_to_workspace(batch, lane);
+            for lane in 0..batch.used() {
                 for (lane_weight, weight) in lane_weights.iter_mut().zip(weights) {
                     *lane_weight = weight[lane];
                 }
-                let solved = self.quantity_gradient(&mut batch.alone, &lane_weights, &mut lane_gradient).is_ok();
+                let solved = self.quantity_gradient(&mut batch.own[lane], &lane_weights, &mut lane_gradient).is_ok();
                 for (out, &value) in out.iter_mut().zip(&lane_gradient) {
                     out[lane] = if solved { value } else { f64::NAN };
                 }
@@ -123,14 +121,5 @@ impl Network {
         }
         batch.linear.load(&self.steady, file);
         batch.linear.factor();
-    }
-
-    /// Makes the batch's own workspace that of a lane.
-    fn lane_to_workspace<const N: usize>(&self, batch: &mut Batch<N>, lane: usize) {
-        for (slot, lanes) in batch.alone.state.file.iter_mut().zip(&batch.state.file) {
-            *slot = lanes[lane];
-        }
-        batch.alone.solved = batch.outcomes[lane].is_ok();
-        batch.alone.factored = false;
     }
 }

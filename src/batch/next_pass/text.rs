@@ -7,6 +7,9 @@ use crate::document::json::{Node, Value};
 /// Longest line on which an object or array stands whole, in characters.
 const WIDTH: usize = 120;
 
+/// Objects and arrays of at least so many plain values have several on a line.
+const FILLED: usize = 20;
+
 /// Levels whose objects are always broken: the document and its sections.
 const BROKEN: usize = 2;
 
@@ -71,6 +74,43 @@ impl Item {
         }
     }
 
+    /// Whether it holds nothing but plain values.
+    fn is_plain(&self) -> bool {
+        let is_raw = |item: &Self| matches!(item, Self::Raw(_));
+        match self {
+            Self::Raw(_) => true,
+            Self::List(items) => items.iter().all(is_raw),
+            Self::Object(entries) => entries.iter().all(|(_, item)| is_raw(item)),
+        }
+    }
+
+    /// Appends its entries, as many on a line as fit.
+    fn fill(&self, indent: &str, text: &mut String) {
+        let entries: Vec<String> = match self {
+            Self::Raw(_) => Vec::new(),
+            Self::List(items) => items.iter().map(Self::line).collect(),
+            Self::Object(entries) => {
+                entries.iter().map(|(key, item)| format!("{}: {}", canonical::quoted(key), item.line())).collect()
+            }
+        };
+        let mut column = WIDTH;
+        for (position, entry) in entries.iter().enumerate() {
+            let width = entry.chars().count() + 2;
+            if position > 0 {
+                text.push(',');
+            }
+            if column + width > WIDTH {
+                text.push('\n');
+                text.push_str(indent);
+                column = indent.len();
+            } else {
+                text.push(' ');
+            }
+            text.push_str(entry);
+            column += width;
+        }
+    }
+
     /// Appends it where `column` characters stand on the line already.
     fn put(&self, level: usize, column: usize, text: &mut String) {
         let line = self.line();
@@ -98,6 +138,13 @@ impl Item {
         }
         let indent = "  ".repeat(level + 1);
         text.push_str(open);
+        if count >= FILLED && !is_section && self.is_plain() {
+            self.fill(&indent, text);
+            text.push('\n');
+            text.push_str(&"  ".repeat(level));
+            text.push_str(close);
+            return;
+        }
         for position in 0..count {
             text.push_str(if position == 0 { "\n" } else { ",\n" });
             text.push_str(&indent);

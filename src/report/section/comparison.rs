@@ -4,7 +4,8 @@ mod brief;
 mod figures;
 
 use crate::job::compare::{Deviation, Kind, Output, SensorSummary};
-use crate::report::number::{NONE, Shown, fixed, percent, signed, significant, with_error};
+use crate::document::counted;
+use crate::report::number::{NONE, Shown, fixed, percent, signed, significant, with_error, with_unit};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
 use crate::report::view::PassReport;
 
@@ -14,6 +15,11 @@ pub(super) use figures::{Shows, phase_map, time_history};
 
 /// Readings up to which the table of all of them is part of the report.
 const MOST_ROWS: usize = 300;
+
+/// Sensors up to which all stand in the table; of more the worst ones do.
+const MOST_SENSORS: usize = 24;
+/// So many of the worst.
+const WORST_SENSORS: usize = 20;
 
 /// The section, and its kind's results in brief.
 pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Comparison);
@@ -34,7 +40,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.extend(where_it_fails(output));
         let doubts = output.warnings.iter().map(|doubt| Block::callout(Tone::Warning, Text::new(doubt.clone())));
         blocks.extend(doubts);
-        blocks.push(sensors(output));
+        blocks.extend(sensors(output));
         blocks.extend(figures::figures(report, name, output));
         blocks.extend(phases(output));
         blocks.extend(criteria(output));
@@ -149,10 +155,25 @@ pub(super) fn against_noise(sensor: &SensorSummary, deviation: &Deviation) -> Op
     })
 }
 
-fn sensors(output: &Output) -> Block {
+fn sensors(output: &Output) -> Vec<Block> {
     let has_held_out = output.sensors.iter().any(|s| s.held_out.count > 0);
     let mut rows = Vec::new();
-    for sensor in &output.sensors {
+    let mut shown: Vec<&SensorSummary> = output.sensors.iter().collect();
+    let mut left_out = None;
+    if shown.len() > MOST_SENSORS {
+        let worst = |sensor: &SensorSummary| sensor.train.rmse.max(sensor.held_out.rmse);
+        // Stable, so that equal ones keep the file's order.
+        shown.sort_by(|a, b| worst(b).total_cmp(&worst(a)));
+        let others = shown.split_off(WORST_SENSORS);
+        left_out = others.first().map(|next| {
+            let rmse = with_unit(&significant(worst(next), 2), &next.unit);
+            let count = counted(others.len(), "more sensor");
+            Block::Paragraph(
+                Text::new(format!("{count} with an RMSE of at most {rmse} are in ")).code("results.json").plain("."),
+            )
+        });
+    }
+    for sensor in shown {
         let digits = decimals(&sensor.unit);
         for (name, deviation) in [("for fits", &sensor.train), ("held out", &sensor.held_out)] {
             if deviation.count == 0 {
@@ -188,7 +209,7 @@ fn sensors(output: &Output) -> Block {
             .map(|t| Column::number(t, "")),
     );
     columns.push(Column::text("Unit"));
-    by_measurement(Table {
+    let table = by_measurement(Table {
         caption: if output.sensors.iter().all(|s| s.noise_rmse.is_none()) {
             "Deviations by sensor."
         } else {
@@ -197,7 +218,8 @@ fn sensors(output: &Output) -> Block {
         .into(),
         columns,
         rows,
-    }, has_several(output))
+    }, has_several(output));
+    std::iter::once(table).chain(left_out).collect()
 }
 
 fn phases(output: &Output) -> Option<Block> {

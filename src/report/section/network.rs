@@ -1,5 +1,7 @@
 //! The model: its network as a diagram, and tables of nodes and elements.
 
+mod parts;
+
 use std::collections::BTreeSet;
 
 use crate::document::counted;
@@ -8,7 +10,7 @@ use crate::report::number::{NONE, Shown, as_given, with_unit};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Table, Text};
 use crate::report::plot::{Diagram, NodeShape, network};
 use crate::report::view::PassReport;
-use crate::thermal::element::Drawing;
+use crate::thermal::element::{Drawing, Element};
 use crate::thermal::{Model, NodeKind};
 
 use super::Entry;
@@ -34,6 +36,18 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         counted(model.elements.len(), "element")
     );
     blocks.push(Block::paragraph(words.clone()));
+    if let Some(parts) = parts::Parts::new(report) {
+        blocks.extend(parts.diagram(model).map(|diagram| {
+            Block::Figure(Figure {
+                id: "network".into(),
+                drawing: network(&diagram),
+                caption: "The network by its parts. Positions carry no meaning.".into(),
+                alternative: format!("Diagram of the network's parts. {words} The tables that follow list the parts."),
+            })
+        }));
+        blocks.extend(parts.tables(model));
+        return Some(Section { id: "model", title: "Thermal model".into(), blocks });
+    }
     blocks.push(Block::Figure(Figure {
         id: "network".into(),
         drawing: network(&diagram(model)),
@@ -165,18 +179,22 @@ fn nodes(model: &Model) -> Block {
 }
 
 fn elements(model: &Model) -> Block {
-    let mut rows = Vec::new();
-    for element in &model.elements {
-        let description = element.physics().description(&|node| name_of(model, node).to_owned());
-        let ids: Vec<ExprId> = std::iter::once(description.value).chain(description.others).collect();
-        rows.push(vec![
-            Cell::code(&element.name),
-            description.what.into(),
-            description.ends.into(),
-            value_cell(model, description.value, &Shown::si(description.unit)),
-            depends(model, &ids).into(),
-        ]);
-    }
+    element_table(model.elements.iter().map(|element| element_row(model, element)).collect())
+}
+
+fn element_row(model: &Model, element: &Element) -> Vec<Cell> {
+    let description = element.physics().description(&|node| name_of(model, node).to_owned());
+    let ids: Vec<ExprId> = std::iter::once(description.value).chain(description.others).collect();
+    vec![
+        Cell::code(&element.name),
+        description.what.into(),
+        description.ends.into(),
+        value_cell(model, description.value, &Shown::si(description.unit)),
+        depends(model, &ids).into(),
+    ]
+}
+
+fn element_table(rows: Vec<Vec<Cell>>) -> Block {
     Block::Table(Table {
         caption: "Elements, at nominal parameters and inputs: conductance, exchange area (without the \
                   Stefan-Boltzmann constant), power or drive."

@@ -270,6 +270,7 @@ impl SteadyPart {
         memory: &mut Memory,
         lanes: &mut SteadyLanes,
     ) -> Result<(), Rejected> {
+        lanes.batch.use_lanes(phases.len());
         for lane in 0..LANES {
             // What is left over does the last phase's work again.
             let Some(phase) = phases.get(lane).or(phases.last()) else { continue };
