@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::run::{Added, Term};
 use crate::job::JobError;
 use crate::job::discrepancy::{self, Case, Rebuilt};
-use crate::job::propagate::{Adjustment, Propagate};
+use crate::job::propagate::{Adjustment, CaseInputs, Propagate};
 use crate::study::resolved::PosteriorReference;
 
 /// What is added.
@@ -55,7 +55,7 @@ pub(super) fn laws(
         let own = own.ok_or_else(|| failed(format!("it has no sensor `{name}`")))?;
         let rebuilt = Rebuilt::new(&output, own).map_err(|error| failed(error.to_string()))?;
         let mut adjustment = Adjustment { positions: positions.clone(), cases: Vec::new() };
-        for (environment, design_value, inputs) in &cases {
+        for CaseInputs { environment, design_value, inputs } in &cases {
             let value = |input: &String| inputs.iter().find(|(name, _)| name == input).map(|(_, value)| *value);
             let values = output.inputs.iter().map(|input| {
                 value(input).ok_or_else(|| failed(format!("this model has no input `{input}`")))
@@ -84,7 +84,8 @@ pub(super) fn laws(
     }
     // By case, then sensor: as people read them.
     let order = |term: &Term| {
-        cases.iter().position(|(environment, design, _)| *environment == term.environment && *design == term.design_value)
+        let same = |case: &CaseInputs| case.environment == term.environment && case.design_value == term.design_value;
+        cases.iter().position(same)
     };
     laws.terms.sort_by_key(order);
     Ok(laws)

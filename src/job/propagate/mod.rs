@@ -22,7 +22,7 @@ mod view;
 pub use block::{BlockInput, BlockOutput};
 pub use form::{PropagateForm, SamplingForm};
 pub use output::{
-    AddedDiscrepancy, Adjustment, Case, Conditional, Discrepancy, Distributed, FailedSample, Joint, MainEffect, Met, Output,
+    AddedDiscrepancy, Adjustment, Case, CaseInputs, Conditional, Discrepancy, Distributed, FailedSample, Joint, MainEffect, Met, Output,
     Probability, Quantile, Reached, Sampling, Spec,
 };
 pub use resolve::resolve;

@@ -219,6 +219,17 @@ pub struct Discrepancy {
     pub sd: f64,
 }
 
+/// The inputs of a case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CaseInputs {
+    /// Environment.
+    pub environment: String,
+    /// Value of the design variable, SI; `None`: its nominal value.
+    pub design_value: Option<f64>,
+    /// Inputs by name, SI.
+    pub inputs: Vec<(String, f64)>,
+}
+
 /// A discrepancy that is added to quantities of each sample, as it belongs to the sample's draw of a posterior.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Adjustment {
