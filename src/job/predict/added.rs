@@ -47,14 +47,14 @@ pub(super) fn laws(
     all.parameters = vec![usize::MAX; output.unknowns.len()];
     let draws = all.filled(calibration)?.draws;
     let deviation = |draw: &Vec<f64>| -> Vec<f64> { draw.iter().zip(&output.means).map(|(value, mean)| value - mean).collect() };
-    let deviations: Vec<Vec<f64>> = draws.iter().map(deviation).collect();
+    let deviations: Arc<Vec<Vec<f64>>> = Arc::new(draws.iter().map(deviation).collect());
     let cases = propagate.described();
     let mut laws = Laws { adjustments: Vec::new(), terms: Vec::new(), converged: output.converged };
     for (name, positions) in &added.sensors {
         let own = output.sensors.iter().find(|own| own.sensor == *name);
         let own = own.ok_or_else(|| failed(format!("it has no sensor `{name}`")))?;
         let rebuilt = Rebuilt::new(&output, own).map_err(|error| failed(error.to_string()))?;
-        let mut adjustment = Adjustment { positions: positions.clone(), cases: Vec::new() };
+        let mut adjustment = Adjustment { positions: positions.clone(), cases: Vec::new(), deviations: Arc::clone(&deviations) };
         for CaseInputs { environment, design_value, inputs } in &cases {
             let value = |input: &String| inputs.iter().find(|(name, _)| name == input).map(|(_, value)| *value);
             let values = output.inputs.iter().map(|input| {
@@ -74,11 +74,7 @@ pub(super) fn laws(
                 outside: output.outside(inputs),
                 distance: case.distance,
             });
-            let by_draw = |(mean, slopes, sd): (f64, Vec<f64>, f64)| {
-                let at = |own: &Vec<f64>| mean + own.iter().zip(&slopes).map(|(d, slope)| d * slope).sum::<f64>();
-                (deviations.iter().map(at).collect(), sd)
-            };
-            adjustment.cases.push(case.draws.into_iter().map(by_draw).collect());
+            adjustment.cases.push(case.draws);
         }
         laws.adjustments.push(adjustment);
     }

@@ -189,9 +189,10 @@ impl Propagate {
             for (adjustment, coordinates) in adjustments.iter().zip(own.chunks_exact(2)) {
                 let laws = &adjustment.cases[block.case];
                 let picked = ((coordinates[0] * laws.len() as f64) as usize).min(laws.len().saturating_sub(1));
-                let Some((means, sd)) = laws.get(picked) else { continue };
-                let mean = means.get(draw).copied().unwrap_or(0.0);
-                let added = mean + sd * normal_quantile(coordinates[1]);
+                let Some((mean, slopes, sd)) = laws.get(picked) else { continue };
+                let deviations = adjustment.deviations.get(draw).map_or(&[][..], Vec::as_slice);
+                let along = deviations.iter().zip(slopes).map(|(deviation, slope)| deviation * slope).sum::<f64>();
+                let added = mean + along + sd * normal_quantile(coordinates[1]);
                 for &position in &adjustment.positions {
                     values[position * count + sample] += added;
                 }
