@@ -192,6 +192,8 @@ fn predictions_name_a_calibration() {
     let text = said(r#"{"predict": {"from": "tuned"}}"#);
     assert!(text.contains("unknown calibration `tuned`"), "{text}");
     let text = said(r#"{"predict": {"from": {"pass": "pass-1.json", "job": "tuned"}, "with": {"discrepancy": "gp"}}}"#);
+    assert!(text.contains("unknown discrepancy job `gp`"), "{text}");
+    let text = said(r#"{"predict": {"from": {"pass": "pass-1.json", "job": "tuned"}, "with": {"discrepancy": 7}}}"#);
     assert!(text.contains("an object of names, each a number"), "{text}");
     let study =
         posterior_priors(r#""jobs": {"flight": {"predict": {"from": {"pass": "pass-1.json", "job": "tuned"}}}}"#);

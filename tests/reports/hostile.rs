@@ -1,5 +1,6 @@
 //! Names and numbers that try to break a report.
 
+use bmv::inference::gaussian_process::tested_range::Outside;
 use bmv::job::calibrate::KeptDraws;
 use bmv::job::compare::Deviation;
 use bmv::job::{calibrate, compare, conventional, design, diagnose, goal, kind, predict, propagate, sensitivity};
@@ -32,7 +33,23 @@ fn predicted() -> Sample {
                 converged: false,
             };
             let posterior = propagate::Output { posterior_priors: vec![posterior_priors], ..output.clone() };
-            let output = predict::Output { converged: false, prior: output.clone(), posterior };
+            let tested = [300.0, 300.0];
+            let outside = Outside { input: HOSTILE.into(), unit: "K".into(), value: 4.0, tested, beyond: None };
+            let term = predict::Term {
+                environment: output.cases[0].environment.clone(),
+                design_value: None,
+                sensor: HOSTILE.into(),
+                quantities: vec![HOSTILE.into()],
+                law: "residual law".into(),
+                unit: "K".into(),
+                mean: f64::NAN,
+                sd: 1.0,
+                outside: vec![outside],
+                distance: f64::INFINITY,
+            };
+            let validated = predict::Validated { source: HOSTILE.into(), terms: vec![term], without: output.clone() };
+            let validated = Some(validated);
+            let output = predict::Output { converged: false, prior: output.clone(), posterior, validated };
             job.output = kind::output::<predict::Kind>(output);
         }
     }

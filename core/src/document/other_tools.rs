@@ -125,7 +125,10 @@ static SAME_FIELD: &[(&[&str], &str)] = &[
          `estimator`",
     ),
     (&["scrambles", "replicates", "bootstrap", "resamples", "repeats"], "`sensitivity` has `scrambles`"),
-    (&["data", "measurements", "tests", "datasets"], "`compare`, `calibrate` and `diagnose` have `data`"),
+    (
+        &["data", "measurements", "tests", "datasets"],
+        "`compare`, `calibrate`, `diagnose` and `discrepancy` have `data`",
+    ),
     (
         &["parameters", "learn", "unknowns", "variables", "free", "fit"],
         "`calibrate`, `diagnose` and `goal` have `parameters`; `design` has `learn`",

@@ -219,7 +219,8 @@ impl Question<'_> {
         let lengths = if taken.form.kernel.is_some() { widths.len() } else { 0 };
         for (place, fitted) in taken.fit.hyperparameters.iter().enumerate() {
             let is_length = taken.form.kernel.is_some() && (1..=lengths).contains(&place);
-            let is_scatter = !is_length && !(place == 0 && taken.form.kernel.is_some());
+            let is_size = place == 0 && taken.form.kernel.is_some();
+            let is_scatter = !(is_length || is_size);
             let value = |logarithm: f64| {
                 if is_length { exp(logarithm) * widths[place - 1] } else { exp(0.5 * logarithm) }
             };

@@ -95,9 +95,11 @@ impl Residuals {
             }
             let bent = mean(&|d| {
                 let along: f64 = (0..p).map(|a| slopes[a] * (draws[d][a] - centres[a])).sum();
-                (residuals[d][reading] - centre - along).powi(2)
+                let left = residuals[d][reading] - centre - along;
+                left * left
             });
-            found.sds.push(mean(&|d| (residuals[d][reading] - centre).powi(2)).sqrt());
+            let square = |d: usize| (residuals[d][reading] - centre) * (residuals[d][reading] - centre);
+            found.sds.push(mean(&square).sqrt());
             found.slopes.push(slopes);
             found.bent.push(bent.sqrt());
         }

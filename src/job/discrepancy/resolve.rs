@@ -37,7 +37,7 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, 
     let places: Vec<Place> = form.data.iter().flatten().map(|name| name.place.clone()).collect();
     let place = places.first().unwrap_or(&entry.name_place).clone();
     if let Some(transient) = chosen.iter().find(|position| !is_steady(position)) {
-        if form.data.is_some() || !chosen.iter().any(|position| is_steady(position)) {
+        if form.data.is_some() || !chosen.iter().any(is_steady) {
             let message = format!("`{}` is a transient", offered.data[*transient].name);
             let diagnostic = Diagnostic::error(&code::DISCREPANCY, &place, message)
                 .expected("steady phases: residuals of neighbouring instants are no independent ones")
@@ -141,7 +141,7 @@ fn calibration(
 }
 
 /// Phases that calibration and law may use.
-fn fitted_phases<'m>(measurement: &'m Measurement) -> impl Iterator<Item = (usize, &'m [f64])> {
+fn fitted_phases(measurement: &Measurement) -> impl Iterator<Item = (usize, &[f64])> {
     let phases = match &measurement.rows {
         Rows::Steady(phases) => phases.as_slice(),
         Rows::Transient { .. } => &[],

@@ -22,8 +22,10 @@ use crate::thermal::Model;
 const BLOCK: usize = 25;
 /// Largest share of draws without a solution that is tolerated.
 const MOST_FAILED: f64 = 0.1;
-/// Ratio of standard deviations, and shift in standard deviations, beyond which a parameter counts as confounded.
-const CONFOUNDED: f64 = 2.0;
+/// Ratio of standard deviations beyond which a parameter counts as confounded.
+const WIDER: f64 = 1.25;
+/// Shift in standard deviations beyond which it does.
+const SHIFTED: f64 = 1.0;
 /// Part of a residual that is not linear in the unknowns, in standard deviations of the noise, that is warned of.
 const BENT: f64 = 0.5;
 
@@ -276,7 +278,7 @@ impl Discrepancy {
                 free_sd: own.free_sd,
                 shift: own.shift,
                 absorbed: own.absorbed,
-                is_confounded: own.free_sd > CONFOUNDED * own.sd || own.shift.abs() > CONFOUNDED * own.sd,
+                is_confounded: own.free_sd > WIDER * own.sd || own.shift.abs() > SHIFTED * own.sd,
             })
             .collect();
         let sensors: Vec<SensorDiscrepancy> = laws.into_iter().map(|(law, _)| law).collect();
@@ -289,10 +291,10 @@ impl Discrepancy {
                 None => "a `diagnose` job seeks one".to_owned(),
             };
             findings.push(format!(
-                "with a discrepancy free beside them the posteriors of {} would become more than {CONFOUNDED} times as wide or \
-                 move by more than {CONFOUNDED} standard deviations: these data do not tell them from a discrepancy, and what the \
-                 calibration says of them as physical values is not to be trusted (Brynjarsdottir & O'Hagan 2014). A physical \
-                 effect that explains the residuals removes this; {diagnosis}",
+                "with a discrepancy free beside them the posteriors of {} would be more than {WIDER} times as wide, or move by more \
+                 than their standard deviation: these data do not tell them from a discrepancy wholly, so that their calibrated \
+                 values may be off by more than their intervals say (Brynjarsdottir & O'Hagan 2014). A physical effect that \
+                 explains the residuals removes this; {diagnosis}",
                 confounded.join(", ")
             ));
         }

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::run::{Added, Term};
 use crate::job::JobError;
 use crate::job::discrepancy::{self, Case, Rebuilt};
-use crate::job::propagate::{Adjustment, Propagate};
+use crate::job::propagate::{Adjustment, CaseInputs, Propagate};
 use crate::study::resolved::PosteriorReference;
 
 /// What is added.
@@ -47,15 +47,15 @@ pub(super) fn laws(
     all.parameters = vec![usize::MAX; output.unknowns.len()];
     let draws = all.filled(calibration)?.draws;
     let deviation = |draw: &Vec<f64>| -> Vec<f64> { draw.iter().zip(&output.means).map(|(value, mean)| value - mean).collect() };
-    let deviations: Vec<Vec<f64>> = draws.iter().map(deviation).collect();
+    let deviations: Arc<Vec<Vec<f64>>> = Arc::new(draws.iter().map(deviation).collect());
     let cases = propagate.described();
     let mut laws = Laws { adjustments: Vec::new(), terms: Vec::new(), converged: output.converged };
     for (name, positions) in &added.sensors {
         let own = output.sensors.iter().find(|own| own.sensor == *name);
         let own = own.ok_or_else(|| failed(format!("it has no sensor `{name}`")))?;
         let rebuilt = Rebuilt::new(&output, own).map_err(|error| failed(error.to_string()))?;
-        let mut adjustment = Adjustment { positions: positions.clone(), cases: Vec::new() };
-        for (environment, design_value, inputs) in &cases {
+        let mut adjustment = Adjustment { positions: positions.clone(), cases: Vec::new(), deviations: Arc::clone(&deviations) };
+        for CaseInputs { environment, design_value, inputs } in &cases {
             let value = |input: &String| inputs.iter().find(|(name, _)| name == input).map(|(_, value)| *value);
             let values = output.inputs.iter().map(|input| {
                 value(input).ok_or_else(|| failed(format!("this model has no input `{input}`")))
@@ -74,17 +74,14 @@ pub(super) fn laws(
                 outside: output.outside(inputs),
                 distance: case.distance,
             });
-            let by_draw = |(mean, slopes, sd): (f64, Vec<f64>, f64)| {
-                let at = |own: &Vec<f64>| mean + own.iter().zip(&slopes).map(|(d, slope)| d * slope).sum::<f64>();
-                (deviations.iter().map(at).collect(), sd)
-            };
-            adjustment.cases.push(case.draws.into_iter().map(by_draw).collect());
+            adjustment.cases.push(case.draws);
         }
         laws.adjustments.push(adjustment);
     }
     // By case, then sensor: as people read them.
     let order = |term: &Term| {
-        cases.iter().position(|(environment, design, _)| *environment == term.environment && *design == term.design_value)
+        let same = |case: &CaseInputs| case.environment == term.environment && case.design_value == term.design_value;
+        cases.iter().position(same)
     };
     laws.terms.sort_by_key(order);
     Ok(laws)

@@ -181,7 +181,7 @@ fn added(scope: &mut Scope, asked: &mut Asked, written: &AddedForm, prediction: 
         let Some(quantity) = known.data.iter().find_map(of).map(|own| own.quantity) else { continue };
         let measured = model.unwrap_or(&scope.resolved.model).quantities[quantity].name.clone();
         let value = match (scope.resolved.quantity(&measured), scope.resolved.node(&measured)) {
-            (Some(index), _) => scope.resolved.model.quantities[index].value.clone(),
+            (Some(index), _) => scope.resolved.model.quantities[index].value,
             (None, Some(node)) => {
                 let symbol = Symbol::Node(u32::try_from(node).unwrap_or(u32::MAX));
                 QuantityValue::Instant(scope.resolved.model.graph.symbol(symbol))

@@ -1,5 +1,7 @@
 //! Settings and result of a propagation.
 
+use std::sync::Arc;
+
 use crate::study::variable::Sweep;
 use serde::{Deserialize, Serialize};
 
@@ -219,13 +221,27 @@ pub struct Discrepancy {
     pub sd: f64,
 }
 
+/// The inputs of a case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CaseInputs {
+    /// Environment.
+    pub environment: String,
+    /// Value of the design variable, SI; `None`: its nominal value.
+    pub design_value: Option<f64>,
+    /// Inputs by name, SI.
+    pub inputs: Vec<(String, f64)>,
+}
+
 /// A discrepancy that is added to quantities of each sample, as it belongs to the sample's draw of a posterior.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Adjustment {
     /// Positions of the quantities.
     pub positions: Vec<usize>,
-    /// By case, then by draw of its hyperparameters: its mean for each draw of the posterior, and its standard deviation, SI.
-    pub cases: Vec<Vec<(Vec<f64>, f64)>>,
+    /// By case, then by draw of its hyperparameters: its mean at the posterior mean, the slopes of that with the unknowns of
+    /// the calibration, and its standard deviation, SI.
+    pub cases: Vec<Vec<(f64, Vec<f64>, f64)>>,
+    /// For each draw of the posterior the unknowns' deviations from their means.
+    pub deviations: Arc<Vec<Vec<f64>>>,
 }
 
 /// An error of the model that is added to a quantity: normal with mean 0.

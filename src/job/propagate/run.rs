@@ -1,7 +1,7 @@
 //! The propagation as a job of one stage.
 
 use super::{
-    AddedDiscrepancy, Adjustment, BlockInput, BlockOutput, Case, Discrepancy, FailedSample, Met, Output, Reached, Sampling, Spec,
+    AddedDiscrepancy, Adjustment, BlockInput, CaseInputs, BlockOutput, Case, Discrepancy, FailedSample, Met, Output, Reached, Sampling, Spec,
     reached, summary,
 };
 use crate::study::variable::Variable;
@@ -165,12 +165,12 @@ impl Propagate {
     }
 
     /// Name of the environment, design value and inputs (SI, by name) of each case.
-    pub fn described(&self) -> Vec<(String, Option<f64>, Vec<(String, f64)>)> {
+    pub fn described(&self) -> Vec<CaseInputs> {
         let of = |case: usize| {
-            let (environment, design) = self.case_name(case);
+            let (environment, design_value) = self.case_name(case);
             let (_, inputs) = self.nominal_case(case);
-            let named = self.model.inputs.iter().map(|input| input.name.clone()).zip(inputs);
-            (environment, design, named.collect())
+            let inputs = self.model.inputs.iter().map(|input| input.name.clone()).zip(inputs).collect();
+            CaseInputs { environment, design_value, inputs }
         };
         (0..self.cases()).map(of).collect()
     }
@@ -189,9 +189,10 @@ impl Propagate {
             for (adjustment, coordinates) in adjustments.iter().zip(own.chunks_exact(2)) {
                 let laws = &adjustment.cases[block.case];
                 let picked = ((coordinates[0] * laws.len() as f64) as usize).min(laws.len().saturating_sub(1));
-                let Some((means, sd)) = laws.get(picked) else { continue };
-                let mean = means.get(draw).copied().unwrap_or(0.0);
-                let added = mean + sd * normal_quantile(coordinates[1]);
+                let Some((mean, slopes, sd)) = laws.get(picked) else { continue };
+                let deviations = adjustment.deviations.get(draw).map_or(&[][..], Vec::as_slice);
+                let along = deviations.iter().zip(slopes).map(|(deviation, slope)| deviation * slope).sum::<f64>();
+                let added = mean + along + sd * normal_quantile(coordinates[1]);
                 for &position in &adjustment.positions {
                     values[position * count + sample] += added;
                 }

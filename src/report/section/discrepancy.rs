@@ -39,7 +39,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         if !findings.is_empty() {
             blocks.push(Block::List(findings));
         }
-        blocks.extend(hyperparameters(report, output));
+        blocks.extend(hyperparameters(output));
         blocks.extend(parameters(output));
         let mut folded = Vec::new();
         for own in &output.sensors {
@@ -154,8 +154,7 @@ fn scores(output: &Output) -> Block {
     })
 }
 
-fn hyperparameters(report: &PassReport<'_>, output: &Output) -> Option<Block> {
-    let _ = report;
+fn hyperparameters(output: &Output) -> Option<Block> {
     let mut rows = Vec::new();
     for own in &output.sensors {
         for parameter in &own.hyperparameters {
@@ -262,7 +261,8 @@ fn figure(report: &PassReport<'_>, job: &str, own: &SensorDiscrepancy, place: us
         chosen.map(|residual| (x.value(residual.inputs[place]), residual.residual)).collect::<Vec<_>>()
     };
     let error = |residual: &PhaseResidual| {
-        let sd = residual.noise_sd.hypot(residual.calibration_sd);
+        let (noise, calibration) = (residual.noise_sd, residual.calibration_sd);
+        let sd = (noise * noise + calibration * calibration).sqrt();
         let (at, half) = (x.value(residual.inputs[place]), HALF_WIDTH * sd);
         (at, residual.residual - half, residual.residual + half)
     };

@@ -101,7 +101,8 @@ pub fn fit(training: &Training, form: &Form, search: &Search, key: &StreamKey) -
     let competing =
         (n > 2 * COMPETING).then(|| training.some(&(0..COMPETING).map(|k| k * n / COMPETING).collect::<Vec<usize>>()));
     let contest = competing.as_ref().unwrap_or(training);
-    let share = (contest.len() as f64 / n as f64).powi(3);
+    let part = contest.len() as f64 / n as f64;
+    let share = part * part * part;
     let mut evaluations = 0.0;
     let mut failed = GaussianProcessError::Indefinite;
     let mut objective =

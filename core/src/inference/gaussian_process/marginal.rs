@@ -105,7 +105,10 @@ impl Factored {
         // What is left of a column beside the others is rounding where it is this small.
         let largest = (0..columns).map(|a| coefficients[a * columns + a]).fold(0.0, f64::max);
         let told_apart = cholesky::factor(&mut coefficients, columns).is_ok()
-            && (0..columns).all(|a| coefficients[a * columns + a].powi(2) > 1e-13 * largest);
+            && (0..columns).all(|a| {
+                let left = coefficients[a * columns + a];
+                left * left > 1e-13 * largest
+            });
         if !told_apart || columns > n {
             return Err(GaussianProcessError::Trend { points: n });
         }

@@ -259,7 +259,9 @@ mod tests {
         for a in 0..3 {
             for b in 0..3 {
                 let product: f64 = draws.iter().map(|d| (d[a] - means[a]) * (d[b] - means[b])).sum::<f64>() / 20_000.0;
-                let spread = (covariance[a * 3 + a] * covariance[b * 3 + b] + covariance[a * 3 + b].powi(2)).sqrt();
+                let spread = (covariance[a * 3 + a] * covariance[b * 3 + b]
+                    + covariance[a * 3 + b] * covariance[a * 3 + b])
+                    .sqrt();
                 // Five standard errors of a product of normals.
                 assert!((product - covariance[a * 3 + b]).abs() < 5.0 * spread / 20_000f64.sqrt(), "{a} {b} {product}");
             }
