@@ -40,6 +40,10 @@ bench:
 sizes +nodes="30 100 300 1000":
     cargo build --release && benches/sizes/run.sh target/release/bmv {{nodes}}
 
+# the same on one record of 30 nodes and 6 sensors: ten phases of so many rows
+record rows="200":
+    cargo build --release && ROWS={{rows}} benches/sizes/run.sh target/release/bmv 30
+
 # the documentation of the library
 doc:
     cargo doc --no-deps --open
