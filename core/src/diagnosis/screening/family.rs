@@ -227,7 +227,11 @@ impl Family {
         // Given conditions, of which each holds for about half of the draws and those that exclude each other for fewer.
         let conditions = self.parts.as_ref().map_or(0, |parts| parts.conditions.len());
         let limit = smallest_p * self.members.len() as f64 * f64::from(1 << (2 * conditions));
-        let (p, se) = if limit < CERTAIN { (limit, 0.0) } else { self.null().probability(smallest_p, sampling) };
+        let (p, se) = if which.is_some() && limit < CERTAIN {
+            (limit, 0.0)
+        } else {
+            self.null().probability(smallest_p, sampling)
+        };
         let max_z = which.map_or(f64::NEG_INFINITY, |which| self.members[which].equivalent);
         FamilyWise { p, se, smallest_p, max_z, which, members: self.members.clone() }
     }
