@@ -5,6 +5,7 @@ mod comparison;
 mod dated_diagnosis;
 mod derivatives;
 mod design;
+mod disctr;
 mod effects;
 mod elements;
 mod first_suspects;

@@ -155,18 +155,26 @@ pub(super) fn against_noise(sensor: &SensorSummary, deviation: &Deviation) -> Op
     })
 }
 
+/// The larger RMSE of the rows for fits and those held out, SI.
+fn worst_rmse(sensor: &SensorSummary) -> f64 {
+    sensor.train.rmse.max(sensor.held_out.rmse)
+}
+
+/// Orders sensors by RMSE; equal ones keep the file's order.
+fn worst_first(sensors: &mut [&SensorSummary]) {
+    sensors.sort_by(|a, b| worst_rmse(b).total_cmp(&worst_rmse(a)));
+}
+
 fn sensors(output: &Output) -> Vec<Block> {
     let has_held_out = output.sensors.iter().any(|s| s.held_out.count > 0);
     let mut rows = Vec::new();
     let mut shown: Vec<&SensorSummary> = output.sensors.iter().collect();
     let mut left_out = None;
     if shown.len() > MOST_SENSORS {
-        let worst = |sensor: &SensorSummary| sensor.train.rmse.max(sensor.held_out.rmse);
-        // Stable, so that equal ones keep the file's order.
-        shown.sort_by(|a, b| worst(b).total_cmp(&worst(a)));
+        worst_first(&mut shown);
         let others = shown.split_off(WORST_SENSORS);
         left_out = others.first().map(|next| {
-            let rmse = with_unit(&significant(worst(next), 2), &next.unit);
+            let rmse = with_unit(&significant(worst_rmse(next), 2), &next.unit);
             let count = counted(others.len(), "more sensor");
             Block::Paragraph(
                 Text::new(format!("{count} with an RMSE of at most {rmse} are in ")).code("results.json").plain("."),

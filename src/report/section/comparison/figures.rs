@@ -1,13 +1,15 @@
 //! Figures of a comparison: map of the phases, residuals and histories in time, histogram of the deviations.
 
 use crate::document::counted;
-use crate::job::compare::{Output, Row};
+use crate::job::compare::{Output, Row, SensorSummary};
 use crate::report::number::{NONE, signed};
 use crate::report::page::{Block, Figure, Text};
 use crate::report::plot::{
     Along, Axis, Chart, HeatMap, History, Layer, Limit, Shade, Strip, heat_map, history, palette, residual_strips,
 };
 use crate::report::view::PassReport;
+
+use super::{MOST_SENSORS, WORST_SENSORS, worst_first};
 
 /// Measurements of an output in the order of the rows.
 fn measurements(output: &Output) -> Vec<&str> {
@@ -20,12 +22,20 @@ fn measurements(output: &Output) -> Vec<&str> {
     out
 }
 
+/// Sensors of a measurement with their units; the worst where there are many.
 fn sensor_names<'a>(output: &'a Output, measurement: &str) -> Vec<(&'a str, &'a str)> {
     let mut out: Vec<(&str, &str)> = Vec::new();
     for row in output.rows.iter().filter(|r| r.measurement == measurement) {
         if !out.iter().any(|listed_sensor| listed_sensor.0 == row.sensor) {
             out.push((&row.sensor, &row.unit));
         }
+    }
+    if out.len() > MOST_SENSORS {
+        let of_measurement = output.sensors.iter().filter(|sensor| sensor.measurement == measurement);
+        let mut sensors: Vec<&SensorSummary> = of_measurement.collect();
+        worst_first(&mut sensors);
+        sensors.truncate(WORST_SENSORS);
+        out.retain(|(name, _)| sensors.iter().any(|sensor| sensor.sensor == *name));
     }
     out
 }
