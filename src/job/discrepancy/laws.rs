@@ -125,10 +125,12 @@ impl Question<'_> {
             let process = Process::new(training.clone(), free.form, &free.fit.hyperparameters).ok()?;
             let noise = training.noise();
             // Slopes of predicted readings are those of residuals with the other sign.
-            let slopes = behind.iter().map(|&i| self.residuals[i].slopes.iter().map(|s| -s).collect()).collect::<Vec<_>>();
-            noise.iter().all(|variance| *variance > 0.0).then(|| {
-                Information::new(&process.precision(), noise, &slopes, training.values())
-            })
+            let slopes =
+                behind.iter().map(|&i| self.residuals[i].slopes.iter().map(|s| -s).collect()).collect::<Vec<_>>();
+            noise
+                .iter()
+                .all(|variance| *variance > 0.0)
+                .then(|| Information::new(&process.precision(), noise, &slopes, training.values()))
         });
         let hyperparameters = self.by_name(taken, &processes, &draws);
         let curves = self.curves(&processes);
@@ -173,11 +175,16 @@ impl Question<'_> {
         let process =
             fitted.and_then(|fitted| Process::new(training.clone(), fitted.form, &fitted.fit.hyperparameters).ok());
         let held_out = self.residuals.iter().filter(|residual| residual.held_out);
-        let held_out: Vec<f64> = process.iter().flat_map(|process| held_out.clone().map(|residual| {
-            let (mean, sd) = mixture(std::slice::from_ref(process), &scaled(self.ranges, &residual.inputs));
-            let total = (sd * sd + residual.noise_sd * residual.noise_sd).sqrt();
-            ln_normal_density((residual.residual - mean) / total) - ln(total)
-        })).collect();
+        let held_out: Vec<f64> = process
+            .iter()
+            .flat_map(|process| {
+                held_out.clone().map(|residual| {
+                    let (mean, sd) = mixture(std::slice::from_ref(process), &scaled(self.ranges, &residual.inputs));
+                    let total = (sd * sd + residual.noise_sd * residual.noise_sd).sqrt();
+                    ln_normal_density((residual.residual - mean) / total) - ln(total)
+                })
+            })
+            .collect();
         LawScore {
             law,
             refused,
@@ -285,8 +292,10 @@ fn mixture(processes: &[Process], point: &[f64]) -> (f64, f64) {
 
 /// How standardised errors lie.
 fn checked<'r>(residuals: impl Iterator<Item = &'r PhaseResidual>) -> Check {
-    let errors: Vec<f64> =
-        residuals.map(|own| (own.residual - own.expected) / own.expected_sd).filter(|error| error.is_finite()).collect();
+    let errors: Vec<f64> = residuals
+        .map(|own| (own.residual - own.expected) / own.expected_sd)
+        .filter(|error| error.is_finite())
+        .collect();
     let count = errors.len().max(1) as f64;
     Check {
         count: errors.len() as u64,
@@ -299,9 +308,10 @@ fn checked<'r>(residuals: impl Iterator<Item = &'r PhaseResidual>) -> Check {
 /// Holds the laws against the best.
 fn compare(scores: &mut [LawScore], fitted: &[Fitted]) {
     let densities = |law: Law| fitted.iter().find(|own| own.law == law).map(|own| &own.left_out);
-    let best = scores.iter().filter(|own| own.score.is_some()).max_by(|a, b| {
-        a.score.unwrap_or(f64::NEG_INFINITY).total_cmp(&b.score.unwrap_or(f64::NEG_INFINITY))
-    });
+    let best = scores
+        .iter()
+        .filter(|own| own.score.is_some())
+        .max_by(|a, b| a.score.unwrap_or(f64::NEG_INFINITY).total_cmp(&b.score.unwrap_or(f64::NEG_INFINITY)));
     let Some(best) = best.and_then(|own| densities(own.law)) else { return };
     for own in scores.iter_mut() {
         let Some(other) = densities(own.law) else { continue };
@@ -313,7 +323,8 @@ fn compare(scores: &mut [LawScore], fitted: &[Fitted]) {
 
 /// The simplest law that is not behind the best by more than the standard error of the difference.
 fn choose(scores: &[LawScore]) -> Option<(Law, String)> {
-    let taken = scores.iter().find(|own| own.behind.zip(own.behind_se).is_some_and(|(behind, error)| behind <= error))?;
+    let taken =
+        scores.iter().find(|own| own.behind.zip(own.behind_se).is_some_and(|(behind, error)| behind <= error))?;
     let best = scores.iter().find(|own| own.behind == Some(0.0)).unwrap_or(taken);
     let because = if taken.law == best.law {
         "it foretells readings left out best".to_owned()

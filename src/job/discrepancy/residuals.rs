@@ -81,7 +81,8 @@ impl Residuals {
             covariance[a * p + b] / (sds[a] * sds[b]) + if a == b { RIDGE } else { 0.0 }
         });
         let is_regular = cholesky::factor(&mut factor, k).is_ok();
-        let mut found = Self { at_mean, draws: [used.len() as u64, (draws.len() - used.len()) as u64], ..Self::default() };
+        let mut found =
+            Self { at_mean, draws: [used.len() as u64, (draws.len() - used.len()) as u64], ..Self::default() };
         for reading in 0..found.at_mean.len() {
             let centre = mean(&|d| residuals[d][reading]);
             let mut slopes = vec![0.0; p];

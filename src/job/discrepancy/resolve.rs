@@ -1,8 +1,8 @@
 //! Discrepancies: settings with their defaults, names looked up, data that allow one.
 
+use super::Kind;
 use super::form::{DiscrepancyForm, HyperparametersForm, KernelForm, LawForm, ModeForm, TrendForm};
 use super::output::{Law, Spec};
-use super::Kind;
 use crate::document::prior::PosteriorForm;
 use crate::document::{Diagnostic, NameOr, Place, code, counted};
 use crate::inference::gaussian_process::{FEWEST_POINTS, Kernel, Trend};
@@ -128,7 +128,8 @@ fn calibration(
             [only] => own(only),
             several => {
                 let count = several.len();
-                let message = format!("`{}` does not say `from` which calibration, and the pass has {count}", entry.name);
+                let message =
+                    format!("`{}` does not say `from` which calibration, and the pass has {count}", entry.name);
                 let expected = match several {
                     [] => "\"from\": {\"pass\": \"pass-1.json\", \"job\": ...}".to_owned(),
                     several => format!("\"from\": one of {}", several.join(", ")),
@@ -168,11 +169,13 @@ fn sensors(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, measurement
         }
     }
     let Some(names) = &form.sensors else {
-        let enough: Vec<String> = known.iter().filter(|name| readings(name) >= FEWEST_POINTS).map(|name| (*name).to_owned()).collect();
+        let enough: Vec<String> =
+            known.iter().filter(|name| readings(name) >= FEWEST_POINTS).map(|name| (*name).to_owned()).collect();
         if enough.is_empty() {
             let most = known.iter().map(|name| readings(name)).max().unwrap_or(0);
             let message = format!("no sensor has more than {} in phases that are fitted", counted(most, "reading"));
-            let expected = format!("{FEWEST_POINTS} readings of a sensor or more: with fewer nothing is said of a discrepancy");
+            let expected =
+                format!("{FEWEST_POINTS} readings of a sensor or more: with fewer nothing is said of a discrepancy");
             scope.error(&code::DISCREPANCY, &entry.name_place, message, &expected);
         }
         return enough;
@@ -196,7 +199,8 @@ fn sensors(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, measurement
 /// The inputs asked for, each of which must vary; all that vary where none are named.
 fn inputs(scope: &mut Scope, form: &DiscrepancyForm, measurements: &[&Measurement]) -> Vec<usize> {
     let varies = |input: usize| {
-        let mut values = measurements.iter().flat_map(|measurement| fitted_phases(measurement)).map(|(_, inputs)| inputs[input]);
+        let mut values =
+            measurements.iter().flat_map(|measurement| fitted_phases(measurement)).map(|(_, inputs)| inputs[input]);
         let first = values.next();
         values.any(|value| Some(value) != first)
     };
@@ -244,7 +248,8 @@ fn points(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, measurements
         let expected = format!("{FEWEST_POINTS} different ones or more for a Gaussian process");
         scope.error(&code::DISCREPANCY, &law.place, message, &expected);
     } else if let Some([first, second]) = same.filter(|_| !inputs.is_empty()) {
-        let message = format!("the phases `{first}` and `{second}` have the same values of the inputs of the discrepancy");
+        let message =
+            format!("the phases `{first}` and `{second}` have the same values of the inputs of the discrepancy");
         let help = "they count as repetitions, whose difference only noise and scatter explain: name a further input if they \
                     differ in one";
         let place = form.inputs.as_ref().and_then(|names| names.first()).map_or(&entry.name_place, |name| &name.place);

@@ -260,13 +260,20 @@ impl Discrepancy {
         let residuals = Residuals::new(means.clone(), at_mean.clone(), &points[1..], &rows[1..]);
         let [used, failed] = residuals.draws;
         if failed as f64 > MOST_FAILED * (used + failed) as f64 || used < 2 {
-            return Err(JobError::Failed(format!("at {failed} of {} draws of the posterior a phase has no solution", used + failed)));
+            return Err(JobError::Failed(format!(
+                "at {failed} of {} draws of the posterior a phase has no solution",
+                used + failed
+            )));
         }
         let inputs = (0..self.spec.sensors.len()).map(Input::Sensor).collect();
         Ok(Step::Blocks { stage: "laws".to_owned(), state: Some(Known(residuals)), inputs })
     }
 
-    fn output(&self, residuals: &Residuals, laws: Vec<(SensorDiscrepancy, Option<Information>)>) -> Result<Output, JobError> {
+    fn output(
+        &self,
+        residuals: &Residuals,
+        laws: Vec<(SensorDiscrepancy, Option<Information>)>,
+    ) -> Result<Output, JobError> {
         let calibrated = self.calibrated()?;
         let unknowns = calibrated.order.clone();
         let information: Vec<Information> = laws.iter().filter_map(|(_, information)| information.clone()).collect();

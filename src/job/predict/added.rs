@@ -46,7 +46,8 @@ pub(super) fn laws(
     all.names.clone_from(&output.unknowns);
     all.parameters = vec![usize::MAX; output.unknowns.len()];
     let draws = all.filled(calibration)?.draws;
-    let deviation = |draw: &Vec<f64>| -> Vec<f64> { draw.iter().zip(&output.means).map(|(value, mean)| value - mean).collect() };
+    let deviation =
+        |draw: &Vec<f64>| -> Vec<f64> { draw.iter().zip(&output.means).map(|(value, mean)| value - mean).collect() };
     let deviations: Arc<Vec<Vec<f64>>> = Arc::new(draws.iter().map(deviation).collect());
     let cases = propagate.described();
     let mut laws = Laws { adjustments: Vec::new(), terms: Vec::new(), converged: output.converged };
@@ -54,12 +55,14 @@ pub(super) fn laws(
         let own = output.sensors.iter().find(|own| own.sensor == *name);
         let own = own.ok_or_else(|| failed(format!("it has no sensor `{name}`")))?;
         let rebuilt = Rebuilt::new(&output, own).map_err(|error| failed(error.to_string()))?;
-        let mut adjustment = Adjustment { positions: positions.clone(), cases: Vec::new(), deviations: Arc::clone(&deviations) };
+        let mut adjustment =
+            Adjustment { positions: positions.clone(), cases: Vec::new(), deviations: Arc::clone(&deviations) };
         for CaseInputs { environment, design_value, inputs } in &cases {
             let value = |input: &String| inputs.iter().find(|(name, _)| name == input).map(|(_, value)| *value);
-            let values = output.inputs.iter().map(|input| {
-                value(input).ok_or_else(|| failed(format!("this model has no input `{input}`")))
-            });
+            let values = output
+                .inputs
+                .iter()
+                .map(|input| value(input).ok_or_else(|| failed(format!("this model has no input `{input}`"))));
             let case: Case = rebuilt.at(&values.collect::<Result<Vec<f64>, _>>()?);
             let (mean, sd) = case.moments();
             laws.terms.push(Term {

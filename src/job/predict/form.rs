@@ -3,9 +3,7 @@
 use crate::document::prior::PosteriorForm;
 use serde_json::json;
 
-use crate::document::{
-    Amount, Diagnostics, Map, NameOr, Node, Schemas, Spanned, Value, Written, written_struct,
-};
+use crate::document::{Amount, Diagnostics, Map, NameOr, Node, Schemas, Spanned, Value, Written, written_struct};
 use crate::job::propagate::SamplingForm;
 use crate::study::pass::variable::SweepForm;
 

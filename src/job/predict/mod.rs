@@ -75,12 +75,10 @@ impl JobKind for Kind {
         let mut unprepared = Predict::new(prior, with_posterior()?);
         if let Some(added) = &spec.added {
             let identity = added::identity(added);
-            unprepared =
-                unprepared.with_added(with_posterior()?, identity, added.source.clone(), Vec::new(), true);
+            unprepared = unprepared.with_added(with_posterior()?, identity, added.source.clone(), Vec::new(), true);
         }
         let draws = [references.clone(), before.clone(), rest.clone()];
-        let mut from: Vec<Upstream> =
-            draws.iter().flatten().filter_map(|reference| reference.from.clone()).collect();
+        let mut from: Vec<Upstream> = draws.iter().flatten().filter_map(|reference| reference.from.clone()).collect();
         from.extend(spec.added.iter().map(|added| added.from.clone()));
         let (added, named, seed) = (spec.added.clone(), name.to_owned(), shared.pass.seed);
         let prepare = move |results: &[Arc<Value>]| -> Result<Arc<dyn Runnable>, JobError> {
@@ -89,7 +87,8 @@ impl JobKind for Kind {
             let before = filled(&before, &mut left)?;
             let others = filled(&rest, &mut left)?;
             let prior = make()?.with_posterior_priors(join(before, &others));
-            let with_posterior = || Ok::<_, JobError>(make()?.with_posterior_priors(join(filled_draws.clone(), &others)));
+            let with_posterior =
+                || Ok::<_, JobError>(make()?.with_posterior_priors(join(filled_draws.clone(), &others)));
             let posterior = with_posterior()?;
             let Some(added) = &added else { return Ok(Arc::new(Predict::new(prior, posterior))) };
             let missing = || JobError::Failed("a result is not there".to_owned());
@@ -124,10 +123,13 @@ impl study::job::Spec for Prediction {
         let added = self.added.as_ref().and_then(|added| {
             let own = if added.from.file == pass.file { blocked(pass, &added.from.job) } else { None };
             let blocked_job = own.or_else(|| added.blocked.clone())?;
-            let reason = format!("it adds the discrepancy of {}, which does not run: {}", added.source, blocked_job.reason);
+            let reason =
+                format!("it adds the discrepancy of {}, which does not run: {}", added.source, blocked_job.reason);
             Some(Blocked { reason, ..blocked_job })
         });
-        calibration_blocked.or(added).or_else(|| others.iter().chain(&self.posterior_priors).find_map(PosteriorReference::blocks))
+        calibration_blocked
+            .or(added)
+            .or_else(|| others.iter().chain(&self.posterior_priors).find_map(PosteriorReference::blocks))
     }
 }
 

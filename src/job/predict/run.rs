@@ -1,8 +1,8 @@
 //! The prediction as a job: the blocks of two propagations.
 
+use crate::inference::gaussian_process::tested_range::Outside;
 use crate::job::propagate::Discrepancy;
 use crate::random::Distribution;
-use crate::inference::gaussian_process::tested_range::Outside;
 use crate::study::resolved::{Blocked, PosteriorReference, Upstream};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -153,7 +153,14 @@ impl Predict {
 
     /// The same with the laws of a discrepancy job added: `without` is the propagation with the posterior alone, `identity`
     /// what of the job decides the result beside its key.
-    pub fn with_added(self, without: Propagate, identity: Value, source: String, terms: Vec<Term>, converged: bool) -> Self {
+    pub fn with_added(
+        self,
+        without: Propagate,
+        identity: Value,
+        source: String,
+        terms: Vec<Term>,
+        converged: bool,
+    ) -> Self {
         Self { added: Some((without, identity, source, terms, converged)), ..self }
     }
 }

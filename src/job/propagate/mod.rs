@@ -24,8 +24,8 @@ pub use block::{BlockInput, BlockOutput};
 pub use form::{PropagateForm, SamplingForm};
 pub use key_numbers::{key_numbers, of_probability};
 pub use output::{
-    AddedDiscrepancy, Adjustment, Case, CaseInputs, Conditional, Discrepancy, Distributed, FailedSample, Joint, MainEffect, Met, Output,
-    Probability, Quantile, Reached, Sampling, Spec,
+    AddedDiscrepancy, Adjustment, Case, CaseInputs, Conditional, Discrepancy, Distributed, FailedSample, Joint,
+    MainEffect, Met, Output, Probability, Quantile, Reached, Sampling, Spec,
 };
 pub use resolve::resolve;
 pub use run::Propagate;

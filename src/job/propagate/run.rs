@@ -1,8 +1,8 @@
 //! The propagation as a job of one stage.
 
 use super::{
-    AddedDiscrepancy, Adjustment, BlockInput, CaseInputs, BlockOutput, Case, Discrepancy, FailedSample, Met, Output, Reached, Sampling, Spec,
-    reached, summary,
+    AddedDiscrepancy, Adjustment, BlockInput, BlockOutput, Case, CaseInputs, Discrepancy, FailedSample, Met, Output,
+    Reached, Sampling, Spec, reached, summary,
 };
 use crate::study::variable::Variable;
 use std::sync::Arc;

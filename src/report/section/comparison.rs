@@ -3,8 +3,8 @@
 mod brief;
 mod figures;
 
-use crate::job::compare::{Deviation, Kind, Output, SensorSummary};
 use crate::document::counted;
+use crate::job::compare::{Deviation, Kind, Output, SensorSummary};
 use crate::report::number::{NONE, Shown, fixed, percent, signed, significant, with_error, with_unit};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
 use crate::report::view::PassReport;

@@ -4,7 +4,7 @@ mod brief;
 
 use crate::document::counted;
 use crate::job::discrepancy::{Check, Curve, Kind, Law, Output, PhaseResidual, SensorDiscrepancy};
-use crate::report::number::{self, NONE, Shown, fixed, percent, significant, signed};
+use crate::report::number::{self, NONE, Shown, fixed, percent, signed, significant};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
 use crate::report::plot::{Along, Axis, Chart, Layer, Limit, Mark, Stroke, palette};
 use crate::report::view::PassReport;
@@ -116,7 +116,8 @@ fn laws(output: &Output) -> Block {
 }
 
 fn scores(output: &Output) -> Block {
-    let number = |value: Option<f64>, decimals: usize| value.map_or_else(|| NONE.to_owned(), |value| signed(value, decimals));
+    let number =
+        |value: Option<f64>, decimals: usize| value.map_or_else(|| NONE.to_owned(), |value| signed(value, decimals));
     let mut rows = Vec::new();
     for own in &output.sensors {
         for score in &own.laws {
@@ -239,9 +240,10 @@ fn tested(report: &PassReport<'_>, output: &Output) -> Block {
         vec![Cell::code(&range.input), shown.text(range.lower).into(), shown.text(range.upper).into(), note.into()]
     });
     Block::Table(Table {
-        caption: "Range of every input over the phases behind the laws. A prediction outside it is an extrapolation, and is \
+        caption:
+            "Range of every input over the phases behind the laws. A prediction outside it is an extrapolation, and is \
                   flagged as one."
-            .into(),
+                .into(),
         columns: vec![
             Column::text("Input"),
             Column::number("From", ""),
@@ -254,7 +256,8 @@ fn tested(report: &PassReport<'_>, output: &Output) -> Block {
 
 fn figure(report: &PassReport<'_>, job: &str, own: &SensorDiscrepancy, place: usize, curve: &Curve) -> Figure {
     let x = shown(report, &curve.input, &curve.unit);
-    let band = (curve.at.iter().zip(&curve.lower).zip(&curve.upper)).map(|((at, lower), upper)| (x.value(*at), *lower, *upper));
+    let band = (curve.at.iter().zip(&curve.lower).zip(&curve.upper))
+        .map(|((at, lower), upper)| (x.value(*at), *lower, *upper));
     let line = curve.at.iter().zip(&curve.mean).map(|(at, mean)| (x.value(*at), *mean));
     let of = |held_out: bool| {
         let chosen = own.residuals.iter().filter(move |residual| residual.held_out == held_out);
@@ -268,7 +271,12 @@ fn figure(report: &PassReport<'_>, job: &str, own: &SensorDiscrepancy, place: us
     };
     let mut layers = vec![
         Layer::Band { points: band.collect(), colour: palette::BLUE, label: "95 % band, scatter included".into() },
-        Layer::Line { points: line.collect(), colour: palette::BLUE, stroke: Stroke::Solid, label: own.law.words().into() },
+        Layer::Line {
+            points: line.collect(),
+            colour: palette::BLUE,
+            stroke: Stroke::Solid,
+            label: own.law.words().into(),
+        },
         Layer::Intervals { points: own.residuals.iter().map(error).collect(), colour: palette::MUTED },
         Layer::Dots { points: of(false), colour: palette::INK, mark: Mark::Disc, label: "residuals".into() },
     ];

@@ -48,9 +48,7 @@ impl Parts {
         }
         let (mut names, mut of) = (Vec::new(), Vec::with_capacity(nodes.len()));
         for (index, node) in nodes.iter().enumerate() {
-            let holds = |group: &&GroupPlace| {
-                matches!(&group.site, Site::Nodes(members) if members.iter().any(|member| member.0 == index))
-            };
+            let holds = |group: &&GroupPlace| matches!(&group.site, Site::Nodes(members) if members.iter().any(|member| member.0 == index));
             let name = match (report.groups.iter().find(holds), node.kind) {
                 (Some(group), _) => group.name.clone(),
                 (None, NodeKind::Boundary { .. }) => node.name.clone(),
@@ -162,7 +160,8 @@ impl Parts {
                     [one] => model.nodes[*one].name.clone(),
                     [first, .., last] => format!("{} to {}", model.nodes[*first].name, model.nodes[*last].name),
                 };
-                let capacity = if capacity > 0.0 { with_unit(&significant(capacity, 4), "J/K") } else { NONE.to_owned() };
+                let capacity =
+                    if capacity > 0.0 { with_unit(&significant(capacity, 4), "J/K") } else { NONE.to_owned() };
                 vec![Cell::code(name), nodes.len().to_string().into(), ends.into(), capacity.into()]
             })
             .collect();
@@ -177,8 +176,11 @@ impl Parts {
             rows,
         };
         let joints = self.classes(model).into_iter().map(|((is_radiative, a, b), class)| {
-            let between =
-                if a == b { format!("within {}", self.names[a]) } else { format!("{} to {}", self.names[a], self.names[b]) };
+            let between = if a == b {
+                format!("within {}", self.names[a])
+            } else {
+                format!("{} to {}", self.names[a], self.names[b])
+            };
             let names = match class.elements.as_slice() {
                 few if few.len() <= NAMED => {
                     few.iter().map(|&index| model.elements[index].name.as_str()).collect::<Vec<&str>>().join(", ")
