@@ -78,8 +78,9 @@ impl Truth {
             let linear = self.conductors.iter().map(|(a, b, g)| (a, b, [*g, *g], 0.0));
             let radiative = self.radiations.iter().map(|(a, b, area)| {
                 let (from, to) = (kelvin(a), kelvin(b));
-                let slopes = [4.0 * SIGMA * area * from.powi(3), 4.0 * SIGMA * area * to.powi(3)];
-                let heat = SIGMA * area * (from.powi(4) - to.powi(4));
+                let cube = |t: f64| t * t * t;
+                let slopes = [4.0 * SIGMA * area * cube(from), 4.0 * SIGMA * area * cube(to)];
+                let heat = SIGMA * area * (cube(from) * from - cube(to) * to);
                 (a, b, slopes, heat - slopes[0] * from + slopes[1] * to)
             });
             for (a, b, [slope_a, slope_b], constant) in linear.chain(radiative) {

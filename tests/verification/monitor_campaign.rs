@@ -168,7 +168,7 @@ fn is_stored(file: &str, text: &str) {
     let stored = std::fs::read_to_string(folder().join("data").join(file)).unwrap_or_default();
     if stored != text {
         let made = Path::new(env!("CARGO_TARGET_TMPDIR")).join(file);
-        std::fs::write(&made, &text).unwrap();
+        std::fs::write(&made, text).unwrap();
         panic!("studies/sxm/data/{file} is not what the truth and the seed give: see {}", made.display());
     }
 }

@@ -562,7 +562,7 @@ mod tests {
     fn a_descent_to_a_known_minimum_is_left_early_and_one_to_another_is_not() {
         let bounds = Bounds { lower: vec![-10.0; 2], upper: vec![10.0; 2] };
         let effort = Effort { most_iterations: 60, least_gain: 1.01 * COSTLY };
-        let mut descend = |start: [f64; 2], known: Option<&Minimum>| {
+        let descend = |start: [f64; 2], known: Option<&Minimum>| {
             let mut objective = TwoMinima { slopes: 0 };
             let minimum = minimise_beside(&mut objective, &start, &bounds, effort, known).unwrap();
             (minimum, objective.slopes)
