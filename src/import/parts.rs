@@ -6,6 +6,7 @@
 //! part become inputs, which a test sets.
 
 use std::collections::{BTreeMap, HashSet};
+use std::path::Path;
 
 use bmv_decks::{CouplingKind, Deck, Group, Input, NodeKind, Note, Parameter, Value};
 use thiserror::Error;
@@ -141,7 +142,9 @@ pub fn divide_by_ranges(deck: &mut Deck, file: &str, ranges: &[Range]) -> Result
     }
     let count = stated.iter().filter(|part| part.is_none()).count();
     if count > 0 {
-        deck.notes.push(Note::new(format!("{count} nodes are in no part of `{file}`: the deck's groups say theirs.")));
+        // The note goes into the study, which is the same wherever the list lay.
+        let name = Path::new(file).file_name().unwrap_or_default().to_string_lossy();
+        deck.notes.push(Note::new(format!("{count} nodes are in no part of `{name}`: the deck's groups say theirs.")));
     }
     divide(deck, division(deck, &stated));
     Ok(())

@@ -96,6 +96,28 @@ fn the_first_screen_says_what_is_missing_how_surely_and_what_it_does() {
 }
 
 #[test]
+fn the_first_screen_tells_the_steps_and_what_each_does_to_the_error() {
+    let step = |effect: Option<&str>, train: [f64; 2], held_out: [f64; 2]| json!({"effect": effect, "probability": 0.62, "rmse_k": {"train": train, "held_out": held_out}, "alternatives": []});
+    let shown = |steps: Vec<Value>| {
+        let mut sample = diagnosed("ambiguous");
+        let is_one = edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+            output.steps = serde_json::from_value(Value::from(steps.clone())).expect("steps");
+        });
+        assert!(is_one, "a diagnosis");
+        let markdown = rendered(&sample).markdown.replace('\u{A0}', " ");
+        markdown.split("## 2. ").next().expect("a summary").to_owned()
+    };
+    let first = step(Some("conductive-path:baseplate:board"), [0.71, 0.30], [0.83, 0.35]);
+    let second = step(Some("heat-load:board"), [0.30, 0.26], [0.35, 0.36]);
+    let summary = shown(vec![first.clone(), second.clone(), step(None, [0.26, 0.26], [0.36, 0.36])]);
+    has(&summary, &["Error, step 1: 0.83 → 0.35 K", "`conductive-path:baseplate:board`, probability 62.0 %"]);
+    has(&summary, &["Error, step 2: 0.35 → 0.36 K", "0.30 → 0.26 K", "No further effect is worth adding."]);
+    assert!(!summary.contains("What that does to the error"), "{summary}");
+    // As many effects as a set may have: nothing was said of a further one.
+    assert!(!shown(vec![first, second]).contains("No further effect"));
+}
+
+#[test]
 fn rivals_are_named_with_the_phase_that_parts_them() {
     let (summary, own) = told("ambiguous");
     has(&summary, &["How sure: ambiguous", "1 rival", "radiative-path:baseplate:board", "with probability 97.0 %"]);

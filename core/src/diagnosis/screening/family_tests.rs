@@ -54,6 +54,25 @@ fn independent_members_have_the_probability_of_sidak() {
     assert!((p - (1.0 - pow(0.99, 80.0))).abs() < 4.0 * se, "{p} {se}");
 }
 
+/// Of independent members the upper limit is the probability itself, to first order; it is taken only where that is tiny.
+#[test]
+fn a_clear_misfit_is_stated_by_its_upper_limit() {
+    let m = 40;
+    let directions: Vec<Direction> = (0..m).map(|k| direction(k, unit(200, k), 1)).collect();
+    for (size, is_limit) in [(8.0, true), (4.0, false)] {
+        let mut residuals = vec![0.0; 200];
+        residuals[3] = size;
+        let mut family = family(&bare(residuals), &directions, &nothing(), None);
+        let test = family.test(&sampling(2000));
+        let limit = m as f64 * test.smallest_p;
+        assert_eq!(test.p == limit && test.se == 0.0, is_limit, "{} {limit}", test.p);
+        let (drawn, se) = family.probability(test.smallest_p, &sampling(2000));
+        // As of Sidak's probability: 4 standard errors, and rounding where all draws weigh the same.
+        let apart = 4.0 * se + 1e-9 * limit;
+        assert!(limit > drawn - apart && (test.p - drawn).abs() < apart, "{} {drawn} {se}", test.p);
+    }
+}
+
 #[test]
 fn equal_members_cost_nothing() {
     let mut stream = stream("equal", 0);
