@@ -43,6 +43,7 @@ fn problem(path: &Path) -> Option<Problem> {
         considered: Vec::new(),
         places: Default::default(),
         missing_probability: Default::default(),
+        tolerance: 1.0,
     })
 }
 
@@ -164,6 +165,7 @@ fn panel() -> Problem {
         considered: Vec::new(),
         places: Default::default(),
         missing_probability: Default::default(),
+        tolerance: 1.0,
     }
 }
 

@@ -36,6 +36,7 @@ pub fn problem_with(pass: &Pass, measurements: Vec<Measurement>, parameters: Vec
         considered: Vec::new(),
         places: Default::default(),
         missing_probability: Default::default(),
+        tolerance: 1.0,
     }
 }
 

@@ -332,6 +332,29 @@ fn a_held_input_that_steps_at_the_kink_of_an_expression_is_not_missed() {
 }
 
 #[test]
+fn a_discontinuity_within_rounding_of_a_corner_of_an_input_is_passed() {
+    // A load of 1 W from the last instant before 5700 s on, where a held input steps from 0 to 5 W.
+    let mut b = Build::default();
+    let node = b.diffusion("node", 10.0);
+    let power = b.input("power", 0.0);
+    let (time, start) = (b.time(), b.n(5700.0 * (1.0 - 2.0 * f64::EPSILON)));
+    let since = b.sub(time, start);
+    let on = b.graph().unary(Unary::Step, since);
+    let both = b.add(on, power);
+    b.load("load", node, both);
+    let network = Network::compile(&b.model, &[]).unwrap();
+    let inputs = InputTable {
+        times_s: vec![0.0, 5700.0, 5800.0],
+        columns: vec![InputColumn { input: 0, values: vec![0.0, 5.0, 5.0], hold: true }],
+        base: vec![0.0],
+    };
+    let request = TransientRequest::new(&[], &inputs, InitialState::Temperatures(&[300.0]), &[5700.0, 5800.0]);
+    let result = network.solve_transient(&request).unwrap();
+    assert!((result.temperatures[0] - 300.0).abs() < 1e-8, "{:?}", result.temperatures);
+    assert!((result.temperatures[1] - 360.0).abs() < 1e-8, "{:?}", result.temperatures);
+}
+
+#[test]
 fn a_pulse_in_a_table_over_time_is_not_stepped_over() {
     // 100 W for 10 s with ramps of 0.1 s in the middle of a day at rest: 1010 J into 10 J/K.
     let mut b = Build::default();

@@ -36,6 +36,8 @@ pub struct Problem {
     pub joint: Vec<JointPrior>,
     /// Attempted steps after which a measurement's transient is given up, by measurement; empty: never.
     pub most_steps: Vec<u64>,
+    /// Times the usual local error that a step of a transient may have: 1 but where effects are only put in order.
+    pub tolerance: f64,
     /// Degrees of freedom with which the size of the errors was estimated; `None` where the noise is stated.
     pub noise_freedom: Option<f64>,
     /// Whether the model is taken to be a little wrong everywhere.
@@ -75,7 +77,10 @@ impl Problem {
     /// A likelihood of the problem's parameters, and perhaps others after them, with the joint priors; `most_steps` are those
     /// of its measurements.
     pub(crate) fn informed(&self, likelihood: Likelihood, most_steps: &[u64]) -> Likelihood {
-        likelihood.with_joint_priors(self.joint.clone()).with_most_steps(most_steps.to_vec())
+        likelihood
+            .with_joint_priors(self.joint.clone())
+            .with_most_steps(most_steps.to_vec())
+            .with_tolerance(self.tolerance)
     }
 
     /// The problem with something to infer. Where nothing is, as in a model whose parameters are all fixed, it gets a

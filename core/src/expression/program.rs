@@ -9,6 +9,7 @@
 use std::collections::HashMap;
 
 use super::graph::{Binary, ExprId, Graph, Symbol, Table, Term, Unary, apply_binary, apply_unary};
+use super::schedule;
 
 /// A place in the file of registers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +22,7 @@ impl Register {
     }
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Code {
     Unary(Unary),
     Binary(Binary),
@@ -29,11 +30,19 @@ enum Code {
     Slope,
 }
 
+/// Registers of an instruction's arguments; of a function of one argument `b` is its table or nothing.
 #[derive(Clone, Copy, Debug)]
 struct Instruction {
-    code: Code,
     a: u32,
     b: u32,
+}
+
+/// Like instructions one after another.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    code: Code,
+    /// Where they end in the list.
+    end: usize,
 }
 
 /// One value, or several evaluated side by side with the same bits as one at a time.
@@ -140,8 +149,9 @@ pub struct Program {
     first_constant: usize,
     first_instruction: usize,
     instructions: Vec<Instruction>,
-    /// End of each segment in `instructions`.
-    ends: Vec<usize>,
+    runs: Vec<Run>,
+    /// End of each segment in `instructions` and in `runs`.
+    ends: Vec<[usize; 2]>,
     /// Registers of the outputs of each segment.
     outputs: Vec<Vec<Register>>,
     tables: Vec<Table>,
@@ -240,8 +250,8 @@ impl Program {
         for (id, position) in number_ids {
             placements.add(id, 0, register(first_constant + position).0);
         }
-        let mut instructions = Vec::new();
-        let mut ends = Vec::new();
+        let mut instructions: Vec<(Code, Instruction)> = Vec::new();
+        let mut ends: Vec<usize> = Vec::new();
         let mut outputs = Vec::new();
         let mut stack = Vec::new();
         for (number, segment) in segments.iter().enumerate() {
@@ -278,9 +288,9 @@ impl Program {
                                 Term::Interpolate(table, _) | Term::Slope(table, _) => table,
                                 _ => 0,
                             };
-                            instructions.push(Instruction { code, a, b });
+                            instructions.push((code, Instruction { a, b }));
                         }
-                        (Some(a), Some(Some(b))) => instructions.push(Instruction { code, a, b }),
+                        (Some(a), Some(Some(b))) => instructions.push((code, Instruction { a, b })),
                         _ => {
                             if let (Some(None), Some(second)) = (b, second) {
                                 stack.push(second);
@@ -303,17 +313,73 @@ impl Program {
         let places = (0..graph.len())
             .map(|index| placements.find(ExprId(register(index).0), &everything).unwrap_or(u32::MAX))
             .collect();
-        Self {
+        let mut program = Self {
             symbols: registers,
             constants,
             first_constant,
             first_instruction,
-            instructions,
-            ends,
+            instructions: Vec::new(),
+            runs: Vec::new(),
+            ends: Vec::new(),
             outputs,
             tables: graph.tables().to_vec(),
             places,
+        };
+        program.arrange(&instructions, &ends);
+        program
+    }
+
+    /// Takes the instructions, segment by segment, in an order in which like ones stand together.
+    fn arrange(&mut self, instructions: &[(Code, Instruction)], ends: &[usize]) {
+        let mut kinds: Vec<Code> = Vec::new();
+        let kind_of = |kinds: &mut Vec<Code>, code: Code| match kinds.iter().position(|kind| *kind == code) {
+            Some(kind) => kind,
+            None => {
+                kinds.push(code);
+                kinds.len() - 1
+            }
+        };
+        let of_each: Vec<usize> = instructions.iter().map(|(code, _)| kind_of(&mut kinds, *code)).collect();
+        let first = self.first_instruction;
+        // Of each instruction as it was listed its register.
+        let mut registers = vec![0_u32; instructions.len()];
+        let mut from = 0;
+        for &end in ends {
+            let arguments = |place: usize| {
+                let (code, own) = instructions[from + place];
+                let within = |argument: u32| (argument as usize).checked_sub(first + from);
+                [within(own.a), if let Code::Binary(_) = code { within(own.b) } else { None }]
+            };
+            let order = schedule::order(end - from, |place| of_each[from + place], arguments);
+            for (place, &old) in order.iter().enumerate() {
+                registers[from + old] = register(first + from + place).0;
+            }
+            let moved = |argument: u32| match (argument as usize).checked_sub(first) {
+                Some(place) => registers[place],
+                None => argument,
+            };
+            for &old in &order {
+                let (code, own) = instructions[from + old];
+                let b = if let Code::Binary(_) = code { moved(own.b) } else { own.b };
+                self.instructions.push(Instruction { a: moved(own.a), b });
+                let (end, is_first) = (self.instructions.len(), self.instructions.len() == from + 1);
+                match self.runs.last_mut() {
+                    Some(run) if run.code == code && !is_first => run.end = end,
+                    _ => self.runs.push(Run { code, end }),
+                }
+            }
+            self.ends.push([self.instructions.len(), self.runs.len()]);
+            from = end;
         }
+        let moved = |argument: &mut u32| {
+            if *argument != u32::MAX
+                && let Some(place) = (*argument as usize).checked_sub(first)
+            {
+                *argument = registers[place];
+            }
+        };
+        self.places.iter_mut().for_each(moved);
+        self.outputs.iter_mut().flatten().for_each(|output| moved(&mut output.0));
     }
 
     /// Registers of a segment's outputs, in their order.
@@ -342,40 +408,60 @@ impl Program {
 
     /// Number of instructions of a segment.
     pub fn cost(&self, segment: usize) -> usize {
-        self.ends[segment] - self.start(segment)
+        self.ends[segment][0] - self.start(segment)[0]
     }
 
-    fn start(&self, segment: usize) -> usize {
-        if segment == 0 { 0 } else { self.ends[segment - 1] }
+    fn start(&self, segment: usize) -> [usize; 2] {
+        if segment == 0 { [0; 2] } else { self.ends[segment - 1] }
     }
 
     /// Runs one segment on a file made by [`Program::registers`] of this program. Earlier segments must have run
     /// for the present symbols.
     pub fn run<V: Lanes>(&self, segment: usize, file: &mut [V]) {
-        let (from, to) = (self.start(segment), self.ends[segment]);
-        let offset = self.first_instruction;
-        for (position, instruction) in self.instructions[from..to].iter().enumerate() {
-            // An instruction's arguments stand before it: symbols, constants, earlier instructions.
-            let (before, rest) = file.split_at_mut(offset + from + position);
-            let (value, a) = (&mut rest[0], &before[instruction.a as usize]);
+        let [mut from, first_run] = self.start(segment);
+        for run in &self.runs[first_run..self.ends[segment][1]] {
+            let like = Like { first: self.first_instruction + from, instructions: &self.instructions[from..run.end] };
             // The common ones apart, so that the compiler sees a loop over the lanes without a branch.
-            match instruction.code {
-                Code::Binary(function) => {
-                    let b = &before[instruction.b as usize];
-                    match function {
-                        Binary::Add => value.become_zip(a, b, |x, y| x + y),
-                        Binary::Subtract => value.become_zip(a, b, |x, y| x - y),
-                        Binary::Multiply => value.become_zip(a, b, |x, y| x * y),
-                        Binary::Divide => value.become_zip(a, b, |x, y| x / y),
-                        other => value.become_zip(a, b, |x, y| apply_binary(other, x, y)),
-                    }
-                }
-                Code::Unary(Unary::Negate) => value.become_map(a, |x| -x),
-                Code::Unary(Unary::Abs) => value.become_map(a, f64::abs),
-                Code::Unary(function) => value.become_map(a, |x| apply_unary(function, x)),
-                Code::Interpolate => value.become_map(a, |x| self.tables[instruction.b as usize].value(x)),
-                Code::Slope => value.become_map(a, |x| self.tables[instruction.b as usize].slope(x)),
+            match run.code {
+                Code::Binary(Binary::Add) => like.pairs(file, |x, y| x + y),
+                Code::Binary(Binary::Subtract) => like.pairs(file, |x, y| x - y),
+                Code::Binary(Binary::Multiply) => like.pairs(file, |x, y| x * y),
+                Code::Binary(Binary::Divide) => like.pairs(file, |x, y| x / y),
+                Code::Binary(other) => like.pairs(file, |x, y| apply_binary(other, x, y)),
+                Code::Unary(Unary::Negate) => like.each(file, |_, x| -x),
+                Code::Unary(Unary::Abs) => like.each(file, |_, x| x.abs()),
+                Code::Unary(function) => like.each(file, |_, x| apply_unary(function, x)),
+                Code::Interpolate => like.each(file, |table, x| self.tables[table as usize].value(x)),
+                Code::Slope => like.each(file, |table, x| self.tables[table as usize].slope(x)),
             }
+            from = run.end;
+        }
+    }
+}
+
+/// Like instructions and the register of the first.
+struct Like<'a> {
+    first: usize,
+    instructions: &'a [Instruction],
+}
+
+impl Like<'_> {
+    /// Runs a function of two arguments.
+    #[inline]
+    fn pairs<V: Lanes>(&self, file: &mut [V], function: impl Fn(f64, f64) -> f64) {
+        for (position, instruction) in self.instructions.iter().enumerate() {
+            // An instruction's arguments stand before it: symbols, constants, earlier instructions.
+            let (before, rest) = file.split_at_mut(self.first + position);
+            rest[0].become_zip(&before[instruction.a as usize], &before[instruction.b as usize], &function);
+        }
+    }
+
+    /// Runs a function of one argument, told the instruction's table.
+    #[inline]
+    fn each<V: Lanes>(&self, file: &mut [V], function: impl Fn(u32, f64) -> f64) {
+        for (position, instruction) in self.instructions.iter().enumerate() {
+            let (before, rest) = file.split_at_mut(self.first + position);
+            rest[0].become_map(&before[instruction.a as usize], |x| function(instruction.b, x));
         }
     }
 }

@@ -177,5 +177,6 @@ fn baseline(
         considered: Vec::new(),
         places: Default::default(),
         missing_probability: Default::default(),
+        tolerance: 1.0,
     })
 }

@@ -161,7 +161,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        22
+        23
     }
 
     fn identity(&self) -> Value {

@@ -121,6 +121,7 @@ pub(super) fn build(definition: &Definition<'_>) -> Result<Likelihood, Likelihoo
         known_errors,
         joint: Vec::new(),
         most_steps: Vec::new(),
+        tolerance: 1.0,
     };
     let nominal: Vec<f64> = (likelihood.unknowns.priors.iter().enumerate())
         .map(|(place, prior)| match likelihood.parameters.get(place) {

@@ -172,6 +172,8 @@ pub struct Likelihood {
     joint: Vec<JointPrior>,
     /// Attempted steps after which the transient of a measurement is given up; may be shorter, or empty: never.
     most_steps: Vec<u64>,
+    /// Times the usual local error that a step of a transient may have.
+    tolerance: f64,
 }
 
 /// What an evaluation leaves in the memory beside residuals and scales.
@@ -221,6 +223,12 @@ impl Likelihood {
     /// rejected ([`Rejected::is_given_up`]).
     pub fn with_most_steps(mut self, most_steps: Vec<u64>) -> Self {
         self.most_steps = most_steps;
+        self
+    }
+
+    /// The same with transients whose steps may have so many times the usual local error.
+    pub fn with_tolerance(mut self, tolerance: f64) -> Self {
+        self.tolerance = tolerance;
         self
     }
 

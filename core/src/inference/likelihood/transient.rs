@@ -208,6 +208,8 @@ impl TransientPart {
         request.balanced = balanced;
         request.sensitivities = slopes;
         request.temperatures = false;
+        request.options.relative_tolerance *= likelihood.tolerance;
+        request.options.absolute_tolerance_k *= likelihood.tolerance;
         let limit = likelihood.most_steps.get(self.index).copied();
         request.options.most_steps = limit.unwrap_or(request.options.most_steps);
         network.solve_transient(&request).map_err(|error| match (&error, limit) {

@@ -371,6 +371,11 @@ impl<'a> Integrator<'a> {
                     self.pass_discontinuity(after)?;
                     continue;
                 }
+                if reaches_stop {
+                    // A discontinuity just before a corner of the inputs: nothing changes in between.
+                    self.pass_discontinuity(stop)?;
+                    continue;
+                }
                 return Err(TransientError::StepTooShort { time_s: self.time_s, node: self.fastest() });
             }
             let attempt = self.attempt(present);

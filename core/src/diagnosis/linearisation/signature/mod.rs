@@ -2,11 +2,13 @@
 //!
 //! `linearise`: the baseline model at its fit. `directions`: every candidate. An effect that is smooth at amplitude 0
 //! has exact derivatives, with steady phases alone by adjoints (`adjoint`), with transients as sensitivities of a model
-//! that holds many effects with amplitude 0 (`extended`); one that is not, such as a hidden node, is tried at finite
+//! that holds many effects with amplitude 0 (`extended`), of long ones on fewer rows (`coarse`); one that is not, such as a hidden node, is tried at finite
 //! values (`probe`); exchanged channels are exchanged predictions (`swap`), a prior that is too narrow is its parameter (`parameter`). What no reading can see is stated with its
 //! reason (`form`: which of these an effect is, and why not).
 
 mod adjoint;
+mod blank;
+mod coarse;
 mod extended;
 mod form;
 mod parameter;
@@ -27,7 +29,9 @@ use crate::inference::likelihood::{Likelihood, Whitening};
 use crate::inference::target::{LeastSquares, Rejected, Target};
 use crate::measurement::Rows;
 use adjoint::Phases;
+use coarse::Coarse;
 use form::{Form, Forms};
+use variant::Variant;
 
 /// A coordinate this close to a bound, as a share of its range, is at it.
 const AT_BOUND: f64 = 1e-9;
@@ -132,6 +136,10 @@ pub fn for_each_direction(
     give: &mut dyn FnMut(Direction),
 ) -> Result<Vec<Unseen>, FitError> {
     let base = Base::new(problem, likelihood, unknowns)?;
+    // Where the means have no solution, every row is kept.
+    let coarse = Coarse::new(&base).ok().flatten();
+    let coarse_base = coarse.as_ref().and_then(|coarse| coarse.base().ok());
+    let fewer_rows = coarse.as_ref().zip(coarse_base.as_ref());
     let forms = Forms::new(problem);
     // Transients have no adjoints here.
     let phases = if forms.is_steady() { Some(Phases::new(likelihood, unknowns)?) } else { None };
@@ -143,9 +151,16 @@ pub fn for_each_direction(
         let forms: Vec<Form<'_>> = block.iter().map(|&position| forms.of(problem, position)).collect();
         let smooth: Vec<(usize, &Form<'_>)> =
             block.iter().copied().zip(&forms).filter(|(_, form)| matches!(form, Form::Smooth { .. })).collect();
-        let mut exact = exact(&base, phases.as_ref(), &smooth).into_iter();
-        let probe = |(&position, form): (&usize, &Form<'_>)| match form {
-            Form::Probe { effect } => Some(probe::directions(&base, position, effect)),
+        let mut exact = match fewer_rows {
+            Some(fewer_rows) => exact_on_fewer_rows(&base, fewer_rows, &smooth),
+            None => exact(&base, phases.as_ref(), &smooth),
+        }
+        .into_iter();
+        let probe = |(&position, form): (&usize, &Form<'_>)| match (form, fewer_rows) {
+            (Form::Probe { effect }, Some((coarse, coarse_base))) if coarse.takes(position) => {
+                Some(coarse.on_all_rows(&base, probe::directions(coarse_base, position, effect)))
+            }
+            (Form::Probe { effect }, _) => Some(probe::directions(&base, position, effect)),
             _ => None,
         };
         let probed: Vec<Found> = block.par_iter().zip(&forms).filter_map(probe).collect();
@@ -175,6 +190,31 @@ fn exact(base: &Base<'_>, phases: Option<&Phases>, asked: &[(usize, &Form<'_>)])
         Some(phases) => phases.directions(base, &variants, &mut exact_directions),
         None => extended::solve(base, &variants, &mut exact_directions),
     }
+    without_reading(exact_directions)
+}
+
+/// The same where effects on nodes are found on fewer rows. Thresholds are those between the levels of all rows.
+fn exact_on_fewer_rows(
+    base: &Base<'_>,
+    (coarse, coarse_base): (&Coarse, &Base<'_>),
+    asked: &[(usize, &Form<'_>)],
+) -> Vec<Found> {
+    let is_coarse = |variant: &Variant<'_>| coarse.takes(variant.candidate);
+    let (on_fewer, on_all): (Vec<Variant<'_>>, Vec<Variant<'_>>) =
+        variant::variants(base, asked).into_iter().partition(is_coarse);
+    let mut exact_directions: Vec<Found> = asked.iter().map(|_| Ok(Vec::new())).collect();
+    extended::solve(coarse_base, &on_fewer, &mut exact_directions);
+    for (directions, (position, _)) in exact_directions.iter_mut().zip(asked) {
+        if coarse.takes(*position) {
+            *directions = coarse.on_all_rows(base, std::mem::replace(directions, Ok(Vec::new())));
+        }
+    }
+    extended::solve(base, &on_all, &mut exact_directions);
+    without_reading(exact_directions)
+}
+
+/// Says of candidates without a direction that no reading depends on them.
+fn without_reading(mut exact_directions: Vec<Found>) -> Vec<Found> {
     for directions in exact_directions.iter_mut().filter(|directions| directions.as_ref().is_ok_and(Vec::is_empty)) {
         *directions = Err(NoDirection::NoReading.into());
     }

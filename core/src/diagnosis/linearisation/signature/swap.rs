@@ -1,5 +1,6 @@
 //! Two sensors whose channels are exchanged: each reads what the other would.
 
+use super::blank::blank;
 use super::probe::share;
 use super::{Base, Found};
 use crate::diagnosis::FitError;
@@ -7,7 +8,7 @@ use crate::diagnosis::error::NoDirection;
 use crate::effect::Site;
 use crate::inference::likelihood::{Definition, InputError, Likelihood};
 use crate::inference::target::{LeastSquares, Target};
-use crate::measurement::{Measurement, Uncertain};
+use crate::measurement::Measurement;
 
 /// Predictions of every sensor at every row, found when first asked for.
 #[derive(Default)]
@@ -75,16 +76,4 @@ fn predictions(base: &Base<'_>) -> Result<Vec<Vec<f64>>, FitError> {
         predictions[datum.measurement][datum.row * blank[datum.measurement].sensors.len() + datum.sensor] = -residual;
     }
     Ok(predictions)
-}
-
-/// A measurement with a reading of 0 everywhere.
-fn blank(measurement: &Measurement) -> Measurement {
-    let mut blank = measurement.clone();
-    blank.readings.fill(Some(0.0));
-    for sensor in &mut blank.sensors {
-        sensor.sigma = Some(Uncertain::Known(1.0));
-        sensor.correlation_time_s = None;
-        sensor.white = None;
-    }
-    blank
 }
