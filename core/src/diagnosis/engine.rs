@@ -21,7 +21,6 @@ use crate::diagnosis::{Problem, Refit, Settings};
 use crate::effect::Effect;
 use crate::inference::prior::joint_prior::JointPrior;
 use crate::inference::target::Target;
-use crate::measurement::Rows;
 use crate::random::StreamKey;
 
 /// Single effects that are fitted at first.
@@ -326,7 +325,7 @@ impl Diagnosis {
     /// Attempted steps after which a transient is given up: many times those of the baseline model at its fit. In a wrong
     /// hypothesis an integrator may crawl, and what it would find there counts for nothing.
     fn most_steps(&self, fitted: &Refit) -> Result<Vec<u64>, FitError> {
-        if !self.problem.measurements.iter().any(|measurement| matches!(measurement.rows, Rows::Transient { .. })) {
+        if !self.problem.has_transients() {
             return Ok(Vec::new());
         }
         let baseline = self.problem.hypothesis(&[], 1.0).and_then(|hypothesis| hypothesis.likelihood(&self.problem));
@@ -483,7 +482,9 @@ impl Diagnosis {
         // Where something is missing, the baseline model may be bent far from where its parameters are with the effect.
         let from_prior = usize::from(self.finds(&state.screening) && !state.is_misspecified());
         let widths = state.refits.get(request.from).map(Refit::widths).unwrap_or_default();
-        let begin = Begin { starts: starts.collect(), from_prior, scale: 1.0, widths };
+        // Effects that can only harm, as an exchange of channels, need not be fitted to the end.
+        let least_log_likelihood = state.refits.first().map(|baseline| baseline.log_likelihood);
+        let begin = Begin { starts: starts.collect(), from_prior, scale: 1.0, widths, least_log_likelihood };
         problem.refit(&request.effects, &begin, &self.key).map_err(|error| {
             let ids = request.effects.iter().map(|&effect| problem.candidates[effect].id.clone());
             Unfitted { effects: ids.collect(), reason: error.to_string() }

@@ -297,9 +297,9 @@ impl Diagnosis {
             let without_faults_diagnosis = self.without(&faults);
             let begin = Begin {
                 starts: vec![state.refits[place].by_name()],
-                from_prior: 0,
                 scale: 1.0,
                 widths: state.refits[place].widths(),
+                ..Begin::default()
             };
             let Ok(refit) =
                 without_faults_diagnosis.with_noise(&state.noise, &state.most_steps).refit(effects, &begin, self.key())

@@ -8,7 +8,7 @@ use crate::diagnosis::places::Places;
 use crate::effect::{Candidate, Catalogue};
 use crate::inference::likelihood::{InputError, Likelihood, LikelihoodError};
 use crate::inference::prior::joint_prior::JointPrior;
-use crate::measurement::Measurement;
+use crate::measurement::{Measurement, Rows};
 use crate::random::Distribution;
 use crate::thermal::{Model, Parameter};
 
@@ -72,6 +72,11 @@ impl Problem {
             }
         }
         list
+    }
+
+    /// Whether a measurement is a transient.
+    pub fn has_transients(&self) -> bool {
+        self.measurements.iter().any(|measurement| matches!(measurement.rows, Rows::Transient { .. }))
     }
 
     /// A likelihood of the problem's parameters, and perhaps others after them, with the joint priors; `most_steps` are those

@@ -10,7 +10,7 @@ use crate::measurement::Measurement;
 use super::inject::InjectError;
 
 /// Steps of a fit.
-const EFFORT: Effort = Effort { most_iterations: 60, least_gain: 1e-6 };
+const EFFORT: Effort = Effort { most_iterations: 60, least_gain: 1e-6, ceiling: f64::INFINITY };
 
 /// A fit in natural coordinates.
 #[derive(Clone, Debug)]

@@ -14,7 +14,7 @@ pub(super) const SCREEN: &str = "screen";
 pub(super) const REFIT: &str = "refit";
 pub(super) const EXTEND: &str = "extend";
 pub(super) const CONCLUDE: &str = "conclude";
-/// Sets of a block.
+/// Sets of a block; of transients, whose fits differ in length and take long, one is a block.
 pub(super) const BLOCK: usize = 4;
 
 /// What is asked.
@@ -135,7 +135,8 @@ impl Diagnose {
                 inputs: vec![Vec::new()],
             };
         }
-        let inputs = requests.chunks(BLOCK).map(<[FitRequest]>::to_vec).collect();
+        let sets = if self.diagnosis.problem().has_transients() { 1 } else { BLOCK };
+        let inputs = requests.chunks(sets).map(<[FitRequest]>::to_vec).collect();
         Step::Blocks { stage: format!("{REFIT} {}", state.rounds), state: Known::Refit(state), inputs }
     }
 }

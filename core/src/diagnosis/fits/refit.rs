@@ -19,12 +19,7 @@ use crate::inference::target::{LeastSquares, Target};
 use crate::math::functions::ln;
 use crate::measurement::prediction::Predictor;
 use crate::measurement::unknown::with_unknowns;
-use crate::measurement::{Measurement, Rows};
 use crate::random::StreamKey;
-
-fn is_transient(measurement: &Measurement) -> bool {
-    matches!(measurement.rows, Rows::Transient { .. })
-}
 
 /// A parameter of an effect after the fit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -107,6 +102,8 @@ pub struct Begin {
     pub scale: f64,
     /// Widths of effects in the fit from which it starts: where the model is wrong everywhere, it begins with these.
     pub widths: BTreeMap<usize, f64>,
+    /// A log likelihood that a fit of any use exceeds, such as that without the effects.
+    pub least_log_likelihood: Option<f64>,
 }
 
 /// Most steps of a descent.
@@ -161,7 +158,12 @@ impl Problem {
             if wider == places {
                 break;
             }
-            let begin = Begin { starts: vec![best.by_name()], scale: begin.scale, ..Begin::default() };
+            let begin = Begin {
+                starts: vec![best.by_name()],
+                scale: begin.scale,
+                least_log_likelihood: begin.least_log_likelihood,
+                ..Begin::default()
+            };
             match self.refit_of_widths(effects, &wider, &begin, key, moments) {
                 Ok(next) if next.0.log_evidence > best.log_evidence => (best, amplitudes) = next,
                 _ => break,
@@ -202,8 +204,9 @@ impl Problem {
         let settings = PointSettings {
             starts: begin.from_prior,
             most_iterations: MOST_STEPS,
-            least_gain: if self.measurements.iter().any(is_transient) { LEAST_GAIN_OF_TRANSIENTS } else { LEAST_GAIN },
+            least_gain: if self.has_transients() { LEAST_GAIN_OF_TRANSIENTS } else { LEAST_GAIN },
             findings: false,
+            least_log_likelihood: begin.least_log_likelihood,
             moments,
             ..PointSettings::default()
         };

@@ -57,9 +57,10 @@ impl Problem {
         }
         let at = |start, from: &Refit| Begin {
             starts: vec![start],
-            from_prior: 0,
             scale: begin.scale,
             widths: from.widths(),
+            least_log_likelihood: begin.least_log_likelihood,
+            ..Begin::default()
         };
         let mut refits = vec![self.refit_here(effects, begin, key, false)?];
         for threshold in thresholds {

@@ -331,7 +331,7 @@ impl Diagnosis {
             if *weight < LEAST_TESTED || !problem.has_thresholds(&refit.effects) || !is_vetoed(refit) {
                 continue;
             }
-            let begin = Begin { starts: vec![refit.by_name()], from_prior: 0, scale: 1.0, widths: refit.widths() };
+            let begin = Begin { starts: vec![refit.by_name()], scale: 1.0, widths: refit.widths(), ..Begin::default() };
             let all = match problem.refits_over_gaps(&refit.effects, &begin, self.key()) {
                 Ok(all) => all,
                 Err(why) => {

@@ -55,7 +55,7 @@ impl Diagnosis {
         let (kept, small): (Vec<usize>, Vec<usize>) =
             best.refit.effects.iter().partition(|&effect| !findings.small.contains(effect));
         let begin =
-            Begin { starts: vec![best.refit.by_name()], from_prior: 0, scale: 1.0, widths: best.refit.widths() };
+            Begin { starts: vec![best.refit.by_name()], scale: 1.0, widths: best.refit.widths(), ..Begin::default() };
         let alone = if small.is_empty() { None } else { best.problem.refit(&kept, &begin, self.key()).ok() };
         let Some(alone) = alone else { return Vec::new() };
         let odds = PriorOdds::new(&best.problem);
@@ -95,7 +95,7 @@ impl Diagnosis {
                 start
             });
             let starts = starts.take(if law.has_scale { SCALES.len() } else { 1 }).collect();
-            let begin = Begin { starts, from_prior: 0, scale: 1.0, widths: curve_refit.widths() };
+            let begin = Begin { starts, scale: 1.0, widths: curve_refit.widths(), ..Begin::default() };
             let refit = with_law.refit(&effects, &begin, self.key()).ok()?;
             let is_usable = refit.log_evidence.is_finite() && !refit.does_nothing(position);
             is_usable.then_some(Fitted { law, problem: with_law, candidate: position, refit })

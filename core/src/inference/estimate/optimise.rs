@@ -48,6 +48,9 @@ pub struct Effort {
     pub most_iterations: u64,
     /// A step that lowers the objective by less, as foreseen, is the last one; 0 for the precision of the arithmetic.
     pub least_gain: f64,
+    /// An objective that an end of any use lies below; infinite where there is none. Where slopes are costly, a descent that
+    /// does not lead there is left before its end.
+    pub ceiling: f64,
 }
 
 /// Where a descent ended.
@@ -75,7 +78,7 @@ pub struct Minimum {
 /// slopes as there are variables, twice.
 const COSTLY: f64 = 1e-4;
 
-/// Share of the height above a known minimum; steps that are foreseen to gain less do not lead below it.
+/// Share of the height above a known minimum or the ceiling; steps that are foreseen to gain less do not lead below it.
 const HOPELESS: f64 = 0.01;
 /// Such steps in a row after which a descent is left.
 const MOST_HOPELESS: u32 = 2;
@@ -128,7 +131,10 @@ pub fn minimise_beside<O: Objective>(
     effort: Effort,
     known: Option<&Minimum>,
 ) -> Option<Minimum> {
-    let known = known.filter(|_| effort.least_gain > COSTLY);
+    let is_costly = effort.least_gain > COSTLY;
+    let known = known.filter(|_| is_costly);
+    let aim =
+        if is_costly { known.map_or(effort.ceiling, |known| known.value.min(effort.ceiling)) } else { f64::INFINITY };
     let n = objective.dimension();
     let mut x: Vec<f64> = (0..n).map(|i| start[i].max(bounds.lower[i]).min(bounds.upper[i])).collect();
     let mut at = linearise(objective, &x)?;
@@ -139,7 +145,7 @@ pub fn minimise_beside<O: Objective>(
     let (mut iterations, mut converged, mut small_gains) = (0, false, 0);
     let mut hopeless = 0;
     let mut descends = false;
-    let mut bend = (effort.least_gain > COSTLY).then(|| Bend::new(n));
+    let mut bend = is_costly.then(|| Bend::new(n));
     while iterations < effort.most_iterations && !converged {
         iterations += 1;
         penalised |= at.penalty_gradient.iter().any(|g| *g != 0.0);
@@ -163,15 +169,13 @@ pub fn minimise_beside<O: Objective>(
             growth *= 2.0;
             continue;
         };
-        if let Some(known) = known {
-            hopeless = if predicted < HOPELESS * (at.value - known.value) { hopeless + 1 } else { 0 };
-            if hopeless > MOST_HOPELESS || at.leads_to(&x, known) {
-                break;
-            }
+        hopeless = if predicted < HOPELESS * (at.value - aim) { hopeless + 1 } else { 0 };
+        if hopeless > MOST_HOPELESS || known.is_some_and(|known| at.leads_to(&x, known)) {
+            break;
         }
         // Rounding must not take a step to a bound beyond it.
         let trial: Vec<f64> = (0..n).map(|i| (x[i] + step[i]).max(bounds.lower[i]).min(bounds.upper[i])).collect();
-        if effort.least_gain > COSTLY && predicted < effort.least_gain {
+        if is_costly && predicted < effort.least_gain {
             // So near that the linear model tells what is there.
             at.advance(&step, predicted);
             x = trial;
@@ -216,7 +220,7 @@ pub fn minimise_beside<O: Objective>(
             growth *= 2.0;
         }
     }
-    if penalised && effort.least_gain <= COSTLY {
+    if penalised && !is_costly {
         (x, at) = polish(objective, x, at, bounds);
     }
     Some(Minimum {
@@ -516,9 +520,13 @@ mod tests {
         let mut objective = StepAtThreshold { readings: [0.1, -0.2, 0.0, -0.1, 3.1, 2.9, 3.0, 3.2, 2.8, 3.0] };
         let bounds = Bounds { lower: vec![-10.0, 0.0], upper: vec![10.0, 9.0] };
         for threshold in [3.3, 3.5, 3.75] {
-            let minimum =
-                minimise(&mut objective, &[0.5, threshold], &bounds, Effort { most_iterations: 60, least_gain: 0.0 })
-                    .unwrap();
+            let minimum = minimise(
+                &mut objective,
+                &[0.5, threshold],
+                &bounds,
+                Effort { most_iterations: 60, least_gain: 0.0, ceiling: f64::INFINITY },
+            )
+            .unwrap();
             assert!((minimum.x[0] - 3.0).abs() < 1e-6, "from {threshold}: {:?}", minimum.x);
             assert!(minimum.x[1] > 3.0 && minimum.x[1] < 4.0, "from {threshold}: {:?}", minimum.x);
         }
@@ -561,7 +569,7 @@ mod tests {
     #[test]
     fn a_descent_to_a_known_minimum_is_left_early_and_one_to_another_is_not() {
         let bounds = Bounds { lower: vec![-10.0; 2], upper: vec![10.0; 2] };
-        let effort = Effort { most_iterations: 60, least_gain: 1.01 * COSTLY };
+        let effort = Effort { most_iterations: 60, least_gain: 1.01 * COSTLY, ceiling: f64::INFINITY };
         let descend = |start: [f64; 2], known: Option<&Minimum>| {
             let mut objective = TwoMinima { slopes: 0 };
             let minimum = minimise_beside(&mut objective, &start, &bounds, effort, known).unwrap();
@@ -577,6 +585,56 @@ mod tests {
         let worse = Minimum { value: known.value + 3.0, ..known.clone() };
         let (other, _) = descend([4.0, -3.0], Some(&worse));
         assert!((other.x[1] + 1.0).abs() < 1e-3, "{:?}", other.x);
+    }
+
+    /// `r = (x - y^2, 1 - y, 1000)` scaled as Rosenbrock's valley: a long way of many small gains, far above a ceiling of 1.
+    struct Valley {
+        slopes: u32,
+    }
+
+    impl Objective for Valley {
+        fn dimension(&self) -> usize {
+            2
+        }
+
+        fn rows(&self) -> usize {
+            3
+        }
+
+        fn value(&mut self, x: &[f64], residuals: &mut [f64]) -> Option<f64> {
+            residuals.copy_from_slice(&[30.0 * (x[1] - x[0] * x[0]), 1.0 - x[0], 1000.0]);
+            Some(0.0)
+        }
+
+        fn slopes(
+            &mut self,
+            x: &[f64],
+            residuals: &mut [f64],
+            jacobian: &mut [f64],
+            penalty_gradient: &mut [f64],
+        ) -> Option<f64> {
+            self.slopes += 1;
+            penalty_gradient.fill(0.0);
+            jacobian.copy_from_slice(&[-60.0 * x[0], 30.0, -1.0, 0.0, 0.0, 0.0]);
+            self.value(x, residuals)
+        }
+    }
+
+    /// The valley's end is at 500,000.
+    #[test]
+    fn a_descent_far_above_the_ceiling_is_left_early() {
+        let bounds = Bounds { lower: vec![-10.0; 2], upper: vec![10.0; 2] };
+        let descend = |ceiling: f64| {
+            let effort = Effort { most_iterations: 60, least_gain: 1.01 * COSTLY, ceiling };
+            let mut objective = Valley { slopes: 0 };
+            let minimum = minimise(&mut objective, &[-1.2, 1.0], &bounds, effort).unwrap();
+            (minimum.value, objective.slopes)
+        };
+        let (to_its_end, to_the_ceiling) = (descend(f64::INFINITY), descend(1.0));
+        assert!((to_its_end.0 - 500_000.0).abs() < 1e-3, "{to_its_end:?}");
+        assert!(to_the_ceiling.1 < to_its_end.1, "{to_the_ceiling:?} of {to_its_end:?}");
+        // One that leads below the ceiling goes to its end.
+        assert_eq!(descend(to_its_end.0 + 1.0), to_its_end);
     }
 
     /// `r = (x, 0.65 + x^2 / 2)`: near 0 the objective is bent 1.65 times as much as the Jacobian tells, so that its steps end
@@ -615,7 +673,7 @@ mod tests {
     fn the_curvature_of_large_residuals_is_learned_where_slopes_are_costly() {
         let bounds = Bounds { lower: vec![-10.0], upper: vec![10.0] };
         let descend = |least_gain: f64| {
-            let effort = Effort { most_iterations: 60, least_gain };
+            let effort = Effort { most_iterations: 60, least_gain, ceiling: f64::INFINITY };
             let minimum = minimise(&mut LargeResidual, &[4.0], &bounds, effort).unwrap();
             assert!(minimum.x[0].abs() < 0.012, "{minimum:?}");
             minimum.iterations

@@ -27,6 +27,10 @@ pub struct PointSettings {
     pub most_iterations: u64,
     /// Steps that gain less in log posterior density end a descent; 0 for the precision of the arithmetic.
     pub least_gain: f64,
+    /// A log likelihood that an estimate of any use exceeds: with costly steps, descents that do not lead there are left before
+    /// their end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub least_log_likelihood: Option<f64>,
     /// Take the Hessian by differences of the gradient instead of the Jacobian's product; done in any case where a noise
     /// parameter is inferred or a prior is triangular.
     pub exact_hessian: bool,
@@ -38,7 +42,15 @@ pub struct PointSettings {
 
 impl Default for PointSettings {
     fn default() -> Self {
-        Self { starts: 8, most_iterations: 200, least_gain: 0.0, exact_hessian: false, findings: true, moments: false }
+        Self {
+            starts: 8,
+            most_iterations: 200,
+            least_gain: 0.0,
+            least_log_likelihood: None,
+            exact_hessian: false,
+            findings: true,
+            moments: false,
+        }
     }
 }
 
@@ -123,7 +135,12 @@ pub fn estimate<T: LeastSquares>(
     let starts = starts(target, settings, key, given);
     let count = starts.len() as u64;
     let mut descents = Vec::with_capacity(starts.len());
-    let effort = Effort { most_iterations: settings.most_iterations, least_gain: settings.least_gain };
+    let effort = Effort {
+        most_iterations: settings.most_iterations,
+        least_gain: settings.least_gain,
+        // But for the priors' rows, which are few.
+        ceiling: settings.least_log_likelihood.map_or(f64::INFINITY, |least| -least),
+    };
     let mut best: Option<Minimum> = None;
     for start in starts {
         watch::at(descents.len() as u64, count);
