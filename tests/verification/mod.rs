@@ -19,6 +19,8 @@ mod linear_diagnosis;
 mod model_error;
 mod monitor_calibration;
 pub mod monitor_campaign;
+mod monitor_ladder;
+mod monitor_leak;
 pub mod network8_data;
 mod orbit;
 mod periodic_diagnosis;
