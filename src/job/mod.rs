@@ -40,6 +40,7 @@ kinds! {
     diagnose,
     discrepancy,
     predict,
+    test_plan,
     conventional,
 }
 

@@ -60,6 +60,9 @@ pub const CALIBRATION: Build = calibration::outlined;
 /// What diagnoses say, alone.
 pub const DIAGNOSIS: Build = diagnosis::build;
 
+/// Test plans, alone.
+pub const TEST_PLAN: Build = test_plan::build;
+
 /// What tuning achieved in comparisons, alone.
 pub const TUNED: Build = calibration::achieved_alone;
 
@@ -96,6 +99,7 @@ sections! {
     goal,
     sizing,
     design,
+    test_plan,
     comparison,
     calibration,
     diagnosis,
