@@ -213,6 +213,7 @@ const KINDS: &[(&str, &str)] = &[
     ("predict", "prediction"),
     ("conventional", "sizing"),
     ("test_plan", "test_plan"),
+    ("margins_from_history", "margins_from_history"),
 ];
 
 /// Files that name a kind's module without being its section, with the reason.

@@ -42,6 +42,7 @@ kinds! {
     predict,
     test_plan,
     conventional,
+    margins_from_history,
 }
 
 /// What a job does next.

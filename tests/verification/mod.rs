@@ -14,6 +14,7 @@ mod gaps;
 mod goal;
 mod held;
 mod hidden_effect;
+mod history_margins;
 mod likelihood;
 mod linear_diagnosis;
 mod model_error;

@@ -15,7 +15,9 @@ mod resolve;
 mod run;
 
 pub use data_sheet::{csv, measurement};
-pub use output::{Instrument, Limited, Output, PlannedPhase, Predicted, Probability, SetPoint, Settling, Spec};
+pub use output::{
+    Instrument, Limited, Output, PlannedPhase, PlannedSensor, Predicted, Probability, SetPoint, Settling, Spec,
+};
 pub use run::{Chosen, TestPlan};
 
 use std::sync::Arc;

@@ -16,9 +16,8 @@ pub struct Spec {
     pub inputs: Vec<f64>,
     /// Inputs before the first phase, SI.
     pub start: Vec<f64>,
-    /// Sensors of the design: name, index of the measured quantity, standard deviation of the noise and of a constant error
-    /// that nobody knows, SI.
-    pub sensors: Vec<(String, usize, f64, Option<f64>)>,
+    /// Sensors of the design.
+    pub sensors: Vec<PlannedSensor>,
     /// What the test is for.
     pub objectives: Vec<String>,
     /// When it has succeeded.
@@ -35,6 +34,19 @@ pub struct Spec {
     pub samples: u64,
     /// Samples whose transients are integrated.
     pub transients: u64,
+}
+
+/// A sensor as the design has it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlannedSensor {
+    /// Name.
+    pub name: String,
+    /// Index of the measured quantity.
+    pub quantity: usize,
+    /// Standard deviation of its noise, SI.
+    pub sigma: f64,
+    /// Standard deviation of a constant error that nobody knows, SI.
+    pub bias_sd: Option<f64>,
 }
 
 /// An input of the model, all of which a phase sets.

@@ -1,7 +1,7 @@
 //! Test plans: the design looked up, settings with their defaults.
 
 use super::form::TestPlanForm;
-use super::output::Spec;
+use super::output::{PlannedSensor, Spec};
 use crate::document::{Amount, Place, Spanned, code};
 use crate::job::design;
 use crate::job::kind::JobKind;
@@ -65,9 +65,11 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &TestPlanForm, ask
     let sentences = |written: &Option<Vec<Spanned<String>>>| -> Vec<String> {
         written.iter().flatten().map(|sentence| sentence.value.clone()).collect()
     };
-    let sensors = spec.sensors.iter().map(|sensor| {
-        let bias_sd = sensor.bias.as_ref().map(|bias| bias.sd());
-        (sensor.name.clone(), sensor.quantity, sensor.sigma, bias_sd)
+    let sensors = spec.sensors.iter().map(|sensor| PlannedSensor {
+        name: sensor.name.clone(),
+        quantity: sensor.quantity,
+        sigma: sensor.sigma,
+        bias_sd: sensor.bias.as_ref().map(|bias| bias.sd()),
     });
     let resolved = Spec {
         design: Upstream { file: offered.file.to_owned(), job: design },

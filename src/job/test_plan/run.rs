@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::output::{Instrument, Limited, Output, PlannedPhase, Predicted, SetPoint, Settling, Spec};
+use super::output::{Instrument, Limited, Output, PlannedPhase, PlannedSensor, Predicted, SetPoint, Settling, Spec};
 use crate::job::design;
 use crate::job::propagate::Probability;
 use crate::job::{Done, Job, JobError, Parts, Step};
@@ -36,12 +36,21 @@ pub struct Chosen {
     learn: Vec<String>,
     /// Inputs that differ between the candidates.
     varied: Vec<String>,
-    /// Each chosen phase: its inputs that differ (SI), information so far and its standard error, nats.
-    phases: Vec<(Vec<(String, f64)>, f64, f64)>,
+    /// The phases in order.
+    phases: Vec<ChosenPhase>,
     /// Sensors that were chosen; none where all are read.
     sensors: Vec<String>,
     /// What stands against the choice.
     findings: Vec<String>,
+}
+
+/// A phase that was chosen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct ChosenPhase {
+    /// Its inputs that differ between the candidates, SI.
+    conditions: Vec<(String, f64)>,
+    /// Information of it and those before it, and its standard error, nats.
+    information_nats: [f64; 2],
 }
 
 impl Chosen {
@@ -62,8 +71,8 @@ impl Chosen {
             picks.push((best.candidate, best.information_nats, best.se));
         }
         let phase = |(position, information, se): (usize, f64, f64)| {
-            let conditions = output.candidates.get(position)?.conditions.clone();
-            Some((conditions.into_iter().collect(), information, se))
+            let conditions = output.candidates.get(position)?.conditions.clone().into_iter().collect();
+            Some(ChosenPhase { conditions, information_nats: [information, se] })
         };
         let phases = picks.into_iter().map(phase).collect::<Option<Vec<_>>>();
         let mut findings = Vec::new();
@@ -182,9 +191,9 @@ impl TestPlan {
     }
 
     /// The sensors that are read: those chosen, else all.
-    fn instruments(&self) -> Result<Vec<&(String, usize, f64, Option<f64>)>, JobError> {
+    fn instruments(&self) -> Result<Vec<&PlannedSensor>, JobError> {
         let wanted = &self.chosen()?.sensors;
-        Ok(self.spec.sensors.iter().filter(|sensor| wanted.is_empty() || wanted.contains(&sensor.0)).collect())
+        Ok(self.spec.sensors.iter().filter(|sensor| wanted.is_empty() || wanted.contains(&sensor.name)).collect())
     }
 
     fn nominal(&self) -> Vec<f64> {
@@ -291,9 +300,9 @@ impl TestPlan {
 
     fn phase(&self, index: usize) -> Result<Found, JobError> {
         let chosen = self.chosen()?;
-        let after = self.inputs(&chosen.phases[index].0);
+        let after = self.inputs(&chosen.phases[index].conditions);
         let before = match index.checked_sub(1) {
-            Some(before) => self.inputs(&chosen.phases[before].0),
+            Some(before) => self.inputs(&chosen.phases[before].conditions),
             None => self.spec.start.clone(),
         };
         let instruments = self.instruments()?;
@@ -303,7 +312,7 @@ impl TestPlan {
             .steady(&mut workspace, &nominal, &after, Start::Default)
             .map_err(|error| JobError::Failed(format!("phase {} at nominal parameters: {error}", index + 1)))?;
         let of_sensors = |workspace: &Workspace| -> Vec<f64> {
-            instruments.iter().map(|sensor| self.network.quantity(workspace, sensor.1)).collect()
+            instruments.iter().map(|sensor| self.network.quantity(workspace, sensor.quantity)).collect()
         };
         let nominal_readings = of_sensors(&workspace);
         let limited: Vec<usize> = (0..self.model.nodes.len())
@@ -344,7 +353,7 @@ impl TestPlan {
                 outside_red: outside(column, own.limits.red),
             }
         });
-        let thermometers: Vec<usize> = (instruments.iter().map(|sensor| sensor.1))
+        let thermometers: Vec<usize> = (instruments.iter().map(|sensor| sensor.quantity))
             .filter(|&quantity| self.model.quantities[quantity].is_temperature)
             .collect();
         let ways: [&[f64]; 2] = [&before, &after];
@@ -379,25 +388,31 @@ impl TestPlan {
             [total(0), time_quantile(&totals, 0.05), time_quantile(&totals, 0.5), time_quantile(&totals, 0.95)];
         let mut findings = chosen.findings.clone();
         let mut phases = Vec::new();
-        for (index, (phase, (conditions, information_nats, information_se))) in
+        for (index, (phase, ChosenPhase { conditions, information_nats })) in
             found.into_iter().zip(&chosen.phases).enumerate()
         {
             let (nominal, own) = phase.settling_s.split_first().map_or((None, &[][..]), |(first, rest)| (*first, rest));
             let unsettled = own.iter().filter(|time| time.is_none()).count() as u64;
             let name = format!("P{:02}", index + 1);
+            if let Some(first) = chosen.phases.iter().take(index).position(|own| own.conditions == *conditions) {
+                findings.push(format!(
+                    "{name} repeats the set points of P{:02}: that averages the sensors' noise and no constant error of theirs",
+                    first + 1
+                ));
+            }
             if nominal.is_none() || unsettled > 0 {
                 findings.push(format!(
-                    "{name} is not steady within the longest time {} in {unsettled} of {} samples: allow more time, or a larger \
+                    "{name} is not steady within the longest time{} in {unsettled} of {} samples: allow more time, or a larger \
                      rate of change",
-                    if nominal.is_none() { "at the nominal parameters and" } else { "" },
+                    if nominal.is_none() { " at the nominal parameters and" } else { "" },
                     settings.transients
                 ));
             }
             phases.push(PlannedPhase {
                 name,
                 set_points: self.inputs(conditions),
-                information_nats: *information_nats,
-                information_se: *information_se,
+                information_nats: information_nats[0],
+                information_se: information_nats[1],
                 sensors: phase.sensors,
                 limits: phase.limits,
                 failed: phase.failed,
@@ -415,15 +430,15 @@ impl TestPlan {
             start: settings.start[index],
             varies: chosen.varied.contains(&input.name),
         };
-        let instrument = |sensor: &(String, usize, f64, Option<f64>)| {
-            let quantity = &self.model.quantities[sensor.1];
+        let instrument = |sensor: &PlannedSensor| {
+            let quantity = &self.model.quantities[sensor.quantity];
             Instrument {
-                name: sensor.0.clone(),
+                name: sensor.name.clone(),
                 quantity: quantity.name.clone(),
                 unit: quantity.unit.clone(),
                 is_temperature: quantity.is_temperature,
-                sigma: sensor.2,
-                bias_sd: sensor.3,
+                sigma: sensor.sigma,
+                bias_sd: sensor.bias_sd,
             }
         };
         Ok(Output {

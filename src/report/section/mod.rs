@@ -98,6 +98,7 @@ sections! {
     sensitivity,
     goal,
     sizing,
+    margins_from_history,
     design,
     test_plan,
     comparison,

@@ -102,9 +102,9 @@ fn success(output: &Output) -> Vec<Text> {
     let rate = significant(output.rate_k_per_s * HOUR_S, 2);
     let mut criteria = vec![
         Text::new(format!(
-            "Each phase is steady before it is read: all temperatures change by less than {rate}\u{A0}K/h ({}); its readings are the \
+            "Each phase is steady before it is read: all temperatures change by less than {rate}\u{A0}K/h (criteria {}); its readings are the \
              means over {} from then on.",
-            output.criteria.title,
+            output.criteria.name,
             time(output.hold_s)
         )),
         Text::new("No red limit is left. A yellow limit that is left stops the phase until someone has decided."),
