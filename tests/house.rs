@@ -212,6 +212,8 @@ const KINDS: &[(&str, &str)] = &[
     ("discrepancy", "discrepancy"),
     ("predict", "prediction"),
     ("conventional", "sizing"),
+    ("test_plan", "test_plan"),
+    ("margins_from_history", "margins_from_history"),
 ];
 
 /// Files that name a kind's module without being its section, with the reason.
@@ -226,6 +228,7 @@ const NAMED_ELSEWHERE: &[(&str, &[&str], &str)] = &[
     ("cli/compare.rs", &["compare"], "the verb for this kind"),
     ("cli/diagnose.rs", &["diagnose"], "the verb for this kind"),
     ("cli/adopt.rs", &["diagnose"], "adopts what a diagnosis found"),
+    ("cli/test_plan.rs", &["test_plan"], "the verb for this kind"),
     ("batch/next_pass", &["diagnose"], "writes the pass that adopts what a diagnosis found"),
 ];
 

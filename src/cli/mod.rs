@@ -26,6 +26,7 @@ mod schema;
 mod select;
 mod show;
 pub mod status;
+mod test_plan;
 mod verify;
 
 use std::io::{IsTerminal, Write};
@@ -113,6 +114,8 @@ enum Verb {
     History(history::HistoryVerb),
     /// Show results as tables, or as they are stored
     Show(show::Show),
+    /// Plan the test that a design chose: phases, predictions, limits, durations, data sheet
+    TestPlan(test_plan::TestPlanVerb),
     /// Check all files, and show what would run, what is cached, and how long it takes
     Plan(plan::PlanVerb),
     /// Look after the cache
@@ -151,6 +154,7 @@ impl Verb {
             Self::Adopt(verb) => verb.execute(context),
             Self::History(verb) => verb.execute(context),
             Self::Show(verb) => verb.execute(context),
+            Self::TestPlan(verb) => verb.execute(context),
             Self::Plan(verb) => verb.execute(context),
             Self::Cache(verb) => verb.execute(context),
             Self::Verify(verb) => verb.execute(),

@@ -40,7 +40,9 @@ kinds! {
     diagnose,
     discrepancy,
     predict,
+    test_plan,
     conventional,
+    margins_from_history,
 }
 
 /// What a job does next.

@@ -14,5 +14,6 @@ mod laws;
 mod not_finite;
 mod story;
 mod studies;
+mod test_plan_verb;
 mod unsettled;
 mod verbs;

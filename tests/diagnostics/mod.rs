@@ -30,5 +30,6 @@ mod pass_inputs;
 mod pass_limits;
 mod pass_load;
 mod pass_physical;
+mod pass_plans;
 mod pass_sensitivity;
 mod pass_study;

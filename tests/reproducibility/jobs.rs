@@ -7,6 +7,7 @@ use std::sync::Arc;
 use bmv::job::design::{self, Design};
 use bmv::job::discrepancy::{self, Calibrated, Discrepancy};
 use bmv::job::goal::{self, Goal};
+use bmv::job::test_plan::{self, Chosen, TestPlan};
 use bmv::job::{JobError, Runnable};
 use bmv::runner::{Cache, Plan};
 use bmv::study::Pass;
@@ -82,5 +83,22 @@ fn a_discrepancy() {
     same(3, &|| {
         let job = Discrepancy::new(spec.clone(), Arc::clone(&model), Arc::clone(&measurements), 7, "unexplained")?;
         Ok(Arc::new(job.with_calibrated(calibrated.clone())))
+    });
+}
+
+/// Of the solar monitor, after the design in its committed report.
+#[test]
+fn a_test_plan() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let Ok(pass) = bmv::job::load(&root.join("studies/sxm/pass-1.json")) else { panic!("the solar monitor loads") };
+    let spec = pass.jobs.iter().find_map(|job| job.spec.get::<test_plan::Spec>().cloned()).unwrap();
+    let results = std::fs::read_to_string(root.join("reports/sxm/pass-1/results.json")).unwrap();
+    let results: serde_json::Value = serde_json::from_str(&results).unwrap();
+    let chosen = Chosen::from_result(&results["jobs"]["chamber"]["output"]).unwrap();
+    let spec = test_plan::Spec { samples: 64, transients: 8, ..spec };
+    // Three phases.
+    same(3, &|| {
+        let job = TestPlan::new(spec.clone(), Arc::new(pass.model.clone()), pass.priors.clone(), 7, "plan")?;
+        Ok(Arc::new(job.with_chosen(chosen.clone())))
     });
 }

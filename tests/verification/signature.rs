@@ -83,8 +83,8 @@ fn long(model: &Model) -> Measurement {
     let count = 1200;
     let times_s: Vec<f64> = (0..count).map(|k| 60.0 * f64::from(k)).collect();
     let phase = |t: f64| 2.0 * std::f64::consts::PI * t / 5700.0;
-    let plate = times_s.iter().map(|&t| 290.0 + 8.0 * phase(t).sin()).collect();
-    let power = (0..count).map(|k| 5.0 + 3.0 * phase(60.0 * f64::from(k)).cos() + f64::from(k % 3)).collect();
+    let plate = times_s.iter().map(|&t| 290.0 + 8.0 * libm::sin(phase(t))).collect();
+    let power = (0..count).map(|k| 5.0 + 3.0 * libm::cos(phase(60.0 * f64::from(k))) + f64::from(k % 3)).collect();
     let columns =
         vec![InputColumn { input: 2, values: power, hold: true }, InputColumn { input: 0, values: plate, hold: false }];
     let inputs = InputTable { times_s, base: PHASES[0].to_vec(), columns };

@@ -111,7 +111,7 @@ static SAME_FIELD: &[(&[&str], &str)] = &[
             "points",
             "particles",
         ],
-        "`calibrate` has `draws`; `propagate`, `predict`, `goal` and `sensitivity` have `samples`; `design` has `outer`",
+        "`calibrate` has `draws`; `propagate`, `predict`, `goal`, `sensitivity` and `test-plan` have `samples`; `design` has `outer`",
     ),
     (
         &["warmup", "warm_up", "burn_in", "burnin", "burn", "tune", "adapt", "discard", "n_warmup", "num_warmup"],

@@ -1,5 +1,5 @@
 //! Moments, quantiles, intervals, histograms, regression, autocorrelation, goodness of fit,
-//! convergence of chains, errors by Monte Carlo, sensitivity.
+//! convergence of chains, errors by Monte Carlo, sensitivity, tolerance limits.
 
 pub mod autocorrelation;
 pub mod chain_diagnostics;
@@ -15,6 +15,7 @@ pub mod poincare;
 pub mod quantile;
 pub mod regression;
 pub mod sobol_indices;
+pub mod tolerance;
 
 pub use interval::Interval;
 pub use moments::Moments;

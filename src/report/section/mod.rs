@@ -60,6 +60,9 @@ pub const CALIBRATION: Build = calibration::outlined;
 /// What diagnoses say, alone.
 pub const DIAGNOSIS: Build = diagnosis::build;
 
+/// Test plans, alone.
+pub const TEST_PLAN: Build = test_plan::build;
+
 /// What tuning achieved in comparisons, alone.
 pub const TUNED: Build = calibration::achieved_alone;
 
@@ -95,7 +98,9 @@ sections! {
     sensitivity,
     goal,
     sizing,
+    margins_from_history,
     design,
+    test_plan,
     comparison,
     calibration,
     diagnosis,

@@ -330,11 +330,32 @@ fn unit(
     Some(WrittenUnit { unit, place })
 }
 
-/// The columns of a file of draws, each the values (SI) of one parameter, in the order wanted.
-pub fn draws(scope: &mut Scope, data: &Data, wanted: &[Wanted]) -> Result<Vec<Vec<f64>>, Reported> {
+/// A column of texts, which may be the same in several rows; `None` where the file has no such column. A cell that is empty is an
+/// error.
+pub fn texts(scope: &mut Scope, data: &Data, name: &str) -> Result<Option<Vec<String>>, Reported> {
+    let mut problems = Problems::default();
+    let Some(table) = Table::new(data.source.text(), data.separator, &mut problems) else {
+        problems.report(&data.source, scope.diagnostics);
+        return Err(Reported);
+    };
+    let Some(column) = table.headers().iter().position(|header| header.name == name) else { return Ok(None) };
+    let mut texts = Vec::new();
+    table.rows(1, &mut problems, |cells, problems| {
+        let text = table.text(&cells[column]).into_owned();
+        if text.is_empty() {
+            let message = format!("the `{name}` of this row is empty");
+            problems.add(&code::TABLE_CELL, cells[column].clone(), message, None);
+        }
+        texts.push(text);
+    });
+    if problems.report(&data.source, scope.diagnostics) { Err(Reported) } else { Ok(Some(texts)) }
+}
+
+/// Columns of numbers (SI), none of which is missing, in the order wanted.
+pub fn numbers(scope: &mut Scope, data: &Data, wanted: &[Wanted]) -> Result<Vec<Vec<f64>>, Reported> {
     let before = scope.diagnostics.errors();
     let mut problems = Problems::default();
-    let Some(table) = Table::new(data.source.text(), b',', &mut problems) else {
+    let Some(table) = Table::new(data.source.text(), data.separator, &mut problems) else {
         problems.report(&data.source, scope.diagnostics);
         return Err(Reported);
     };

@@ -232,7 +232,7 @@ fn from_file(
             required: true,
         })
         .collect();
-    let columns = data::draws(scope, &data, &wanted).ok()?;
+    let columns = data::numbers(scope, &data, &wanted).ok()?;
     let count = columns.first().map_or(0, Vec::len);
     if count < 2 {
         scope.error(&code::DRAWS_FILE, &place, format!("`{file}` has {}", counted(count, "draw")), "two draws or more");
