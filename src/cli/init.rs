@@ -28,13 +28,14 @@ enum Example {
 
 impl Example {
     /// Names and contents of its files.
-    fn files(self) -> [(&'static str, &'static str); 2] {
+    fn files(self) -> &'static [(&'static str, &'static str)] {
         match self {
-            Self::Radiator => [
+            Self::Radiator => &[
                 ("model.json", include_str!("../../studies/radiator/model.json")),
                 ("pass-1.json", include_str!("../../studies/radiator/pass-1.json")),
+                ("data/history.csv", include_str!("../../studies/radiator/data/history.csv")),
             ],
-            Self::Tclab => [
+            Self::Tclab => &[
                 ("model.json", include_str!("../../studies/tclab/model.json")),
                 ("pass-1.json", include_str!("../../studies/tclab/pass-1.json")),
             ],

@@ -85,7 +85,7 @@ fn predictions_limits_and_durations_are_those_of_the_closed_form() {
     let findings = plan["findings"].to_string();
     assert!(findings.contains("P02 repeats the set points of P01"), "{findings}");
     let shown = printed(root.path(), &["test-plan", "plate/pass-1.json"]);
-    for part in ["Learn to test.", "Nobody is hurt.", "Limits", "Time constant", "Data sheet"] {
+    for part in ["Learn to test.", "Nobody is hurt.", "Limits", "Steady after", "Data sheet"] {
         assert!(shown.contains(part), "{part}\n{shown}");
     }
 }

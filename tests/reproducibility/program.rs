@@ -27,6 +27,8 @@ impl Studies {
         let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/radiator");
         fs::copy(source.join("model.json"), radiator.join("model.json")).unwrap();
         fs::copy(source.join("pass-1.json"), radiator.join("pass-1.json")).unwrap();
+        fs::create_dir(radiator.join("data")).unwrap();
+        fs::copy(source.join("data/history.csv"), radiator.join("data/history.csv")).unwrap();
         studies.change_job(|job| job["samples"] = json!(samples));
         studies.change_pass(|pass| {
             pass["jobs"]["effects"]["sensitivity"]["samples"] = json!(128);
