@@ -40,9 +40,9 @@ bench:
 sizes +nodes="30 100 300 1000":
     cargo build --release && benches/sizes/run.sh target/release/bmv {{nodes}}
 
-# the same on one record of 30 nodes and 6 sensors: ten phases of so many rows
-record rows="200":
-    cargo build --release && ROWS={{rows}} benches/sizes/run.sh target/release/bmv 30
+# the same on one record of 30 nodes: ten phases of so many rows, so many sensors, and by how many kelvin the sink steps in every row
+record rows="200" sensors="6" swing="0":
+    cargo build --release && ROWS={{rows}} SENSORS={{sensors}} SWING={{swing}} benches/sizes/run.sh target/release/bmv 30
 
 # the documentation of the library
 doc:

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Times the verbs on grids of several numbers of nodes: seconds, CPU seconds and memory.
-# usage: [ROWS=N] run.sh BMV NODES...   (with ROWS one transient of ten phases of N rows and 6 sensors)
+# usage: [ROWS=N [SWING=K] [SENSORS=M]] run.sh BMV NODES...
+# With ROWS one transient of ten phases of N rows and M sensors (6), whose sink steps by K in every row.
 set -euo pipefail
 bmv="$(realpath "$1")"
 here="$(cd "$(dirname "$0")" && pwd)"
@@ -10,7 +11,7 @@ trap 'rm -rf "$work"' EXIT
 printf '%-6s %-10s %8s %8s %8s\n' nodes verb wall_s cpu_s MiB
 for nodes in "$@"; do
   if [ -n "${ROWS:-}" ]; then
-    python3 "$here/grid.py" "$work/$nodes" "$nodes" 6 10 "$ROWS"
+    python3 "$here/grid.py" "$work/$nodes" "$nodes" "${SENSORS:-6}" 10 "$ROWS" "${SWING:-0}"
   else
     python3 "$here/grid.py" "$work/$nodes" "$nodes" 20 10
   fi
