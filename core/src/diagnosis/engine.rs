@@ -106,6 +106,9 @@ pub struct State {
     /// How often another set than the best was extended.
     #[serde(default)]
     pub aside: u32,
+    /// How often probable sets were fitted without each of their members.
+    #[serde(default)]
+    pub without_members: u32,
     /// How often a model error was estimated.
     #[serde(default)]
     pub model_errors: u32,
@@ -364,6 +367,7 @@ impl Diagnosis {
         let state = State {
             rounds: 0,
             aside: 0,
+            without_members: 0,
             model_errors: 0,
             is_pilot: false,
             noise,

@@ -250,7 +250,7 @@ impl Diagnosis {
             if findings.story.is_some() {
                 held_out_test = held_out::test(&problem, baseline, &state.refits[findings.selected], stated);
             }
-            findings.small = findings.small_effects();
+            findings.small = findings.small_effects(self.settings().false_alarm);
             let chosen = &state.refits[findings.selected];
             let explains = !chosen.effects.is_empty() && !self.leaves_too_much(&findings);
             if explains {
@@ -580,7 +580,7 @@ impl Findings<'_> {
     }
 
     /// The same of the selected set, or of the most probable one where the selected one goes before it.
-    fn remaining_now(&self) -> Option<f64> {
+    pub fn remaining_now(&self) -> Option<f64> {
         self.remaining(self.selected).or_else(|| self.remaining(best(&self.weights)?))
     }
 
