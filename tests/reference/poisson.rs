@@ -59,7 +59,7 @@ fn network() -> Network {
     }
     for point in 0..POINTS * POINTS {
         let place = |k: usize| (k + 1) as f64 / (POINTS + 1) as f64 * ELEMENTS as f64;
-        let (x, y) = (place(point % POINTS), place(point / POINTS));
+        let (x, y) = (place(point / POINTS), place(point % POINTS));
         let mut reading = b.n(0.0);
         for (right, above) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
             let weight = |at: f64, side: usize| if side == 1 { at.fract() } else { 1.0 - at.fract() };
