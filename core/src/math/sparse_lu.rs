@@ -491,9 +491,9 @@ mod tests {
 
     #[test]
     fn each_lane_has_the_bits_it_has_alone_whatever_its_pivots() {
-        let (pattern, first) = matrix(50, 200, 12.0, &mut Noise(7));
+        let (pattern, first) = matrix(50, 400, 20.0, &mut Noise(7));
         // Lane 1 has nothing on the diagonal, lane 2 is singular, lane 3 is lane 0 with other numbers.
-        let zero: Vec<f64> = matrix(50, 200, 0.0, &mut Noise(7)).1;
+        let zero: Vec<f64> = matrix(50, 400, 0.0, &mut Noise(7)).1;
         let others =
             [first.clone(), zero, vec![0.0; first.len()], first.iter().map(|value| 1.5 * value + 0.01).collect()];
         let lanes: Vec<[f64; 4]> = (0..first.len()).map(|slot| others.each_ref().map(|lane| lane[slot])).collect();
