@@ -158,6 +158,7 @@ def main(folder, nodes, sensors, phases, rows_each="0", swing="0"):
             f"r{n}": {"between": [name(n), "shroud"], "exchange_area": f"{area:.6g}*{key}"} for n, key, area in views
         },
         "loads": {f"unit {k}": {"into": name(node), "power": f"f_{k}*Q_{k}"} for k, node in enumerate(units)},
+        "quantities": {"warmest unit": {"temperature": name(units[1])}},
         "groups": {f"panel {k}": {"nodes": {name(n): 1 for n in panel}} for k, panel in enumerate(panels) if len(panel) > 1},
     }
     truth = {key: value * (1 + 0.02 * draw.gauss(0, 1)) if key[0] in "ef" else value * math.exp(0.2 * draw.gauss(0, 1)) for key, value in nominal.items()}
@@ -194,6 +195,8 @@ def main(folder, nodes, sensors, phases, rows_each="0", swing="0"):
         "measurements": {"test": {"transient" if rows_each else "steady": test}},
         "jobs": {
             "delivered": {"compare": {"data": ["test"]}},
+            "spread": {"propagate": {"quantities": ["warmest unit"], "samples": 1024}},
+            "shares": {"sensitivity": {"quantities": ["warmest unit"], "methods": ["sobol"], "samples": 128}},
             "missing": {"diagnose": {"data": ["test"]}},
             "tuned": {"calibrate": {"data": ["test"]}},
         },
