@@ -5,6 +5,7 @@
 pub mod archive;
 mod error;
 mod executed;
+pub mod export;
 mod graph;
 pub mod history;
 mod inputs;

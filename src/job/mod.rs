@@ -2,6 +2,7 @@
 //! the state and the block's input, and reduces the blocks in order to the next stage or to the output. Nothing here knows
 //! threads or files.
 
+pub mod dataset;
 mod fault;
 pub mod key_number;
 pub mod kind;

@@ -16,6 +16,7 @@ pub mod key;
 pub mod manifest;
 pub mod plan;
 pub mod progress;
+pub mod replay;
 
 pub use baseline::Baseline;
 pub use cache::{Cache, Kind};

@@ -6,6 +6,7 @@ mod check;
 mod decks;
 mod documents;
 mod escapes;
+mod export;
 mod frame;
 mod hand_on;
 mod history;
