@@ -14,6 +14,7 @@ pub mod memory;
 pub mod next_pass;
 mod prepared;
 pub mod regression;
+pub mod served;
 pub mod view;
 
 pub use error::BatchError;

@@ -9,6 +9,7 @@ pub mod kind;
 pub mod lab;
 pub mod ready;
 pub mod runnable;
+pub mod steady_model;
 pub mod stored;
 
 use serde::Serialize;

@@ -11,6 +11,7 @@ pub mod error;
 pub mod event_log;
 pub mod events;
 pub mod forecast;
+pub mod http;
 pub mod interrupt;
 pub mod key;
 pub mod manifest;

@@ -13,6 +13,7 @@ mod history;
 mod import;
 mod laws;
 mod not_finite;
+mod serve_model;
 mod story;
 mod studies;
 mod test_plan_verb;
