@@ -137,6 +137,11 @@ impl RunOptions {
         self.force
     }
 
+    /// The same, running again what is in the cache.
+    pub fn forced(self) -> Self {
+        Self { force: true, ..self }
+    }
+
     /// Settings of a run of all jobs.
     pub fn settings(&self) -> Settings {
         Settings { threads: self.threads, force: self.force, ..Settings::default() }
