@@ -6,6 +6,7 @@ mod fault;
 pub mod key_number;
 pub mod kind;
 pub mod lab;
+mod prior_ends;
 pub mod ready;
 pub mod runnable;
 pub mod stored;
@@ -41,6 +42,7 @@ kinds! {
     discrepancy,
     predict,
     test_plan,
+    correlate,
     conventional,
     margins_from_history,
 }
