@@ -97,7 +97,7 @@ fn simulate(pass: &mut Pass, quantities: &[&str], set: u64) -> (Vec<f64>, Vec<f6
     (truth, values)
 }
 
-/// How many of so many truths lie in the 95 % interval of their prediction, by quantity; 1 in so many did not converge.
+/// How many of so many truths lie in the 95 % interval of their prediction, by quantity.
 fn covered(case: &Case, sets: u64, settings: [u64; 3]) -> Vec<u64> {
     let root = study(case, settings);
     let mut pass = load(&root.path().join(case.pass)).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
@@ -112,8 +112,10 @@ fn covered(case: &Case, sets: u64, settings: [u64; 3]) -> Vec<u64> {
             let [low, high] = [2, 97].map(|index| own.cdf[index]);
             inside[place] += u64::from(low <= *value && *value <= high);
         }
+        if (set + 1) % 50 == 0 {
+            println!("{}: of {} truths inside {inside:?}", case.study, set + 1);
+        }
     }
-    println!("{}: of {sets} truths inside {inside:?} ({:?})", case.study, case.quantities);
     inside
 }
 

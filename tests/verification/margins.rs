@@ -57,7 +57,7 @@ fn the_correlations_and_the_margins_put_on_again_are_those_of_closed_forms() {
     assert!(all.after.rmse <= single.after.rmse);
     assert!(single.changes.iter().rev().skip(1).all(|change| !change.met), "it stops where the criteria are met");
     let sizes: conventional::Output =
-        serde_json::from_value((*results.of("pass-5.json", "margins, least squares")).clone()).unwrap();
+        serde_json::from_value((*results.of("pass-5.json", "margins least squares")).clone()).unwrap();
     // Nominal inputs, the footprint's limit less the margin: A = Q / (eps sigma (T^4 - 3^4) - absorbed).
     for size in sizes.sizes.iter().filter(|own| own.basis == Basis::Nominal && own.requirement == "electronics") {
         let bmv::study::rule::Margin::TemperatureK(margin) = size.rule.margin else { panic!("{:?}", size.rule) };

@@ -84,6 +84,7 @@ impl JobKind for Kind {
         let unprepared: Arc<dyn Runnable> = Arc::new(make(&[])?);
         // The job itself knows intervals only: whose they are must be stated.
         let beside: Value = draws.iter().map(|reference| reference.draws.identity()).collect();
+        let has_draws = !draws.is_empty();
         let correlation = spec.correlation.clone();
         let mut from: Vec<Upstream> = draws.iter().filter_map(|reference| reference.from.clone()).collect();
         from.extend(correlation.iter().map(|job| Upstream { file: file.clone(), job: job.clone() }));
@@ -95,9 +96,10 @@ impl JobKind for Kind {
             Ok(Arc::new(job.with_correlation(Correlation::from_result(name, result)?)?))
         };
         if from.is_empty() {
-            return Ok(Readiness::Ready(prepare(&[])?).beside(beside));
+            return Ok(Readiness::Ready(prepare(&[])?));
         }
-        Ok(Readiness::after(from, unprepared, Box::new(prepare)).beside(beside))
+        let readiness = Readiness::after(from, unprepared, Box::new(prepare));
+        Ok(if has_draws { readiness.beside(beside) } else { readiness })
     }
 }
 

@@ -242,7 +242,7 @@ fn unsafe_rules(question: &Question<'_>) -> Option<Block> {
     }
     let groups: Vec<String> = groups.iter().map(|(known, list)| format!("{known}: {}", list.join(", "))).collect();
     let text = format!(
-        "UNSAFE: {} of {} sizes by rule buy less than the required probability of {}. {}.",
+        "UNSAFE: {} of {} sizes by rule buy less than the required probability of {}: {}.",
         failed.len(),
         by_rule().count(),
         number::probability(question.required),
