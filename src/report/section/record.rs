@@ -44,11 +44,11 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.push(Block::List(items.collect()));
     }
     blocks.push(Block::Heading("Domain of validity".into()));
-    blocks.push(Block::List(closing.domain.iter().map(|sentence| Text::new(sentence)).collect()));
+    blocks.push(Block::List(closing.domain.iter().map(Text::new).collect()));
     blocks.extend(test::domain(report));
     if !closing.left.is_empty() {
         blocks.push(Block::Heading("Left to do".into()));
-        blocks.push(Block::List(closing.left.iter().map(|sentence| Text::new(sentence)).collect()));
+        blocks.push(Block::List(closing.left.iter().map(Text::new).collect()));
     }
     blocks.extend(configuration(report));
     Some(Section { id: "record", title: "Record of the validation".into(), blocks })
