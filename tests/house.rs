@@ -213,6 +213,7 @@ const KINDS: &[(&str, &str)] = &[
     ("predict", "prediction"),
     ("conventional", "sizing"),
     ("test_plan", "test_plan"),
+    ("correlate", "margins"),
     ("margins_from_history", "margins_from_history"),
 ];
 
@@ -222,6 +223,12 @@ const NAMED_ELSEWHERE: &[(&str, &[&str], &str)] = &[
     ("report/section/summary/missing.rs", &["diagnose"], "the same, of a diagnosis"),
     ("report/section/prediction", &["propagate"], "a prediction is two propagations"),
     ("report/section/sizing.rs", &["propagate"], "sizes by rule stand beside the probabilistic one"),
+    ("report/section/margins", &["compare", "conventional", "predict", "propagate"], "margins are judged side by side"),
+    (
+        "report/section/record",
+        &["calibrate", "compare", "discrepancy", "predict"],
+        "the record puts their results together",
+    ),
     ("report/section/calibration.rs", &["compare"], "what tuning achieved is measured by a comparison"),
     ("report/view.rs", &["compare"], "whether rows of a comparison are steady phases"),
     ("report/history.rs", &["calibrate", "compare"], "these two tell the error of a pass"),

@@ -7,6 +7,7 @@ mod fault;
 pub mod key_number;
 pub mod kind;
 pub mod lab;
+mod prior_ends;
 pub mod ready;
 pub mod runnable;
 pub mod steady_model;
@@ -43,6 +44,7 @@ kinds! {
     discrepancy,
     predict,
     test_plan,
+    correlate,
     conventional,
     margins_from_history,
 }

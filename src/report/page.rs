@@ -28,6 +28,18 @@ impl Text {
         Self(vec![Inline::Plain(text.into())])
     }
 
+    /// Text of a finding, in which names stand between backticks.
+    pub fn with_names(text: &str) -> Self {
+        let parts: Vec<&str> = text.split('`').collect();
+        if parts.len().is_multiple_of(2) {
+            // A backtick without its other one is no sign of a name.
+            return Self::new(text);
+        }
+        parts.iter().enumerate().filter(|(_, part)| !part.is_empty()).fold(Self::default(), |text, (place, part)| {
+            if place.is_multiple_of(2) { text.plain(*part) } else { text.code(*part) }
+        })
+    }
+
     /// Appends plain text.
     pub fn plain(mut self, text: impl Into<String>) -> Self {
         self.0.push(Inline::Plain(text.into()));
@@ -318,6 +330,13 @@ pub fn figures(page: &Page) -> Vec<(String, &Figure)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_between_backticks_are_names() {
+        assert_eq!(Text::with_names("`R_c` is pressed"), Text::default().code("R_c").plain(" is pressed"));
+        assert_eq!(Text::with_names("the joint `G`"), Text::new("the joint ").code("G"));
+        assert_eq!(Text::with_names("a ` alone"), Text::new("a ` alone"));
+    }
 
     #[test]
     fn slugs_are_safe_names() {

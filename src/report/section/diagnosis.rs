@@ -40,7 +40,7 @@ pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
         let tone = if output.verdict == Verdict::Adequate { Tone::Note } else { Tone::Verdict };
         blocks.extend(before_the_verdict(output));
         blocks.push(Block::callout(tone, verdict(output)));
-        blocks.push(Block::List(output.words.iter().map(|word| Text::new(word.clone())).collect()));
+        blocks.push(Block::List(output.words.iter().map(|word| Text::with_names(word)).collect()));
         blocks.extend(warnings(output));
         blocks.extend(effects(output));
         blocks.extend(heat::carried(output));
@@ -81,7 +81,7 @@ pub(super) fn verdict(output: &Output) -> Text {
 
 /// The first of the warnings, and how many more there are.
 fn warnings(output: &Output) -> Vec<Block> {
-    let mut texts: Vec<Text> = output.warnings.iter().take(MOST_WARNINGS).map(|text| Text::new(text.clone())).collect();
+    let mut texts: Vec<Text> = output.warnings.iter().take(MOST_WARNINGS).map(|text| Text::with_names(text)).collect();
     let more = output.warnings.len().saturating_sub(MOST_WARNINGS);
     if let Some(last) = texts.pop() {
         let more = if more > 0 { format!(" ({more} more: bmv diagnose --json lists them.)") } else { String::new() };

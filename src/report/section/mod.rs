@@ -107,6 +107,8 @@ sections! {
     discrepancy,
     history,
     prediction,
+    margins,
+    record,
     data,
     provenance,
 }
