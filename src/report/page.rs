@@ -158,6 +158,8 @@ pub struct Figure {
 pub enum Tone {
     /// The outcome.
     Verdict,
+    /// What to do next.
+    Next,
     /// Something that limits what the results mean.
     Warning,
     /// An explanation.
@@ -171,6 +173,7 @@ impl Tone {
     pub fn word(self) -> &'static str {
         match self {
             Self::Verdict => "Verdict",
+            Self::Next => "Next",
             Self::Warning => "Warning",
             Self::Note => "Note",
             Self::Reconstructed => "Reconstructed",

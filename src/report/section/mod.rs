@@ -3,6 +3,7 @@
 //! file here with a `SECTION`, and a line in the list below.
 
 pub mod brief;
+mod validation;
 
 use brief::ErasedBrief;
 
