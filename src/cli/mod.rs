@@ -13,6 +13,7 @@ mod execute;
 mod explain;
 mod history;
 mod import;
+mod import_csv;
 mod init;
 mod lab;
 
