@@ -15,5 +15,6 @@ mod not_finite;
 mod story;
 mod studies;
 mod test_plan_verb;
+mod tutorial;
 mod unsettled;
 mod verbs;
