@@ -283,6 +283,7 @@ fn noise(output: &Output) -> Option<Block> {
     let estimated: Vec<_> = output.noise.iter().filter(|(_, noise)| noise.estimated).collect();
     let with_model_error = estimated.iter().any(|(_, noise)| noise.model_error.is_some());
     let shown = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), |value| significant(value, 3));
+    let sizes: Vec<f64> = estimated.iter().map(|(_, noise)| noise.counts_as.unwrap_or(noise.sigma)).collect();
     let rows: Vec<Vec<Cell>> = estimated
         .into_iter()
         .map(|(sensor, noise)| {
@@ -311,7 +312,8 @@ fn noise(output: &Output) -> Option<Block> {
         )
     };
     let columns = [Column::text("Sensor"), Column::number("Standard deviation", "K")].into_iter().chain(columns);
-    (!rows.is_empty()).then(|| Block::Table(Table { caption: caption.into(), columns: columns.collect(), rows }))
+    let table = Table { caption: caption.into(), columns: columns.collect(), rows };
+    (!table.rows.is_empty()).then(|| Block::Table(table.cut(&sizes)))
 }
 
 fn method(output: &Output) -> String {

@@ -75,6 +75,11 @@ pub fn error_by_pass(history: &History) -> Option<Section> {
     history::section(history)
 }
 
+/// Why no requirement of a pass may be called met, where its results would call one so.
+pub fn objection(report: &PassReport<'_>) -> Option<Text> {
+    summary::claims::objection_to_all(report)
+}
+
 /// Which jobs the passes of a study lack for their errors to be stated.
 pub fn missing_jobs(history: &History) -> Vec<Text> {
     history.passes.iter().flat_map(history::missing_jobs).collect()

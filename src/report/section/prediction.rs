@@ -34,7 +34,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.extend(output.validated.iter().flat_map(|validated| added(report, validated)));
         blocks.push(requirements(report, output));
         let claims = nominal_cases(&output.posterior).flat_map(|case| &case.requirements);
-        blocks.extend(objection(report, Rests::OnTuned, claims));
+        blocks.extend(objection(report, Rests::OnTuned, claims).map(|text| Block::callout(Tone::Warning, text)));
         blocks.extend(reached(output));
         // The first picture stands in the summary where that has no better one.
         let shown = super::summary::main_picture(report).map(|figure| figure.id);

@@ -34,7 +34,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.extend(failures(output));
         blocks.push(requirements(report, output));
         let claims = nominal_cases(output).flat_map(|case| &case.requirements);
-        blocks.extend(objection(report, Rests::OnDelivered, claims));
+        blocks.extend(objection(report, Rests::OnDelivered, claims).map(|text| Block::callout(Tone::Warning, text)));
         let shown_before = super::summary::main_picture(report).map(|f| f.id);
         let is_new = |figure: &Figure| shown_before.as_ref() != Some(&figure.id);
         blocks.extend(probability_figures(output, name).into_iter().filter(is_new).map(Block::Figure));

@@ -1,7 +1,7 @@
 //! The first screen: what came out in a sentence, the next step as a command, the states of the model, what requirements
 //! and sizes that leaves, what is missing and where, and the picture that shows it.
 
-mod claims;
+pub(super) mod claims;
 mod ladder;
 mod missing;
 mod outcome;
@@ -29,7 +29,7 @@ pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
     if !statements.is_empty() {
         blocks.push(Block::Statements(statements));
     }
-    blocks.extend(claims::objections(report));
+    blocks.extend(claims::objection_to_all(report).map(|text| Block::callout(Tone::Warning, text)));
     if let Some(note) = &report.reconstructed {
         blocks.push(Block::callout(Tone::Reconstructed, note.clone()));
     }

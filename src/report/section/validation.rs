@@ -4,7 +4,7 @@ use crate::job::compare;
 use crate::job::propagate::Met;
 use crate::report::ladder::{self, Standing};
 use crate::report::number::Shown;
-use crate::report::page::{Block, Cell, Status, Text, Tone};
+use crate::report::page::{Cell, Status, Text};
 use crate::report::view::PassReport;
 
 use super::propagation;
@@ -48,7 +48,7 @@ pub(super) fn objection<'m>(
     report: &PassReport<'_>,
     rests: Rests,
     mut claims: impl Iterator<Item = &'m Met>,
-) -> Option<Block> {
+) -> Option<Text> {
     let (output, state) = broken(report, rests)?;
     let met = claims.find(|met| propagation::standing(met) == Status::Ok)?;
     let [kept, of] = state.kept?;
@@ -76,5 +76,5 @@ pub(super) fn objection<'m>(
             None => ".".to_owned(),
         });
     }
-    Some(Block::callout(Tone::Warning, text))
+    Some(text)
 }

@@ -2,7 +2,7 @@
 
 use crate::job::{conventional, predict, propagate};
 use crate::report::number::{self, Shown};
-use crate::report::page::{Block, Statement, Text};
+use crate::report::page::{Statement, Text};
 use crate::report::section::validation::{Rests, claim, objection};
 use crate::report::section::{problem, propagation, sizing};
 use crate::report::view::PassReport;
@@ -21,8 +21,8 @@ pub(super) fn of_predicted(report: &PassReport<'_>, output: &predict::Output) ->
     of_propagation(report, &output.posterior, "Probability after calibration", Rests::OnTuned)
 }
 
-/// Why no requirement may be called met, once for each state of the model on which a claim rests.
-pub(super) fn objections(report: &PassReport<'_>) -> Option<Block> {
+/// Why no requirement may be called met, of the first state of the model on which a claim rests.
+pub(in crate::report::section) fn objection_to_all(report: &PassReport<'_>) -> Option<Text> {
     let predicted = report.outputs::<predict::Kind>().map(|(_, output)| (Rests::OnTuned, &output.posterior));
     let propagated = report.outputs::<propagate::Kind>().map(|(_, output)| (Rests::OnDelivered, output));
     predicted.chain(propagated).find_map(|(rests, output)| {
