@@ -219,8 +219,10 @@ const KINDS: &[(&str, &str)] = &[
 
 /// Files that name a kind's module without being its section, with the reason.
 const NAMED_ELSEWHERE: &[(&str, &[&str], &str)] = &[
-    ("report/section/summary.rs", &["*"], "the first screen weighs the results of all kinds against one another"),
-    ("report/section/summary/missing.rs", &["diagnose"], "the same, of a diagnosis"),
+    ("report/section/summary", &["*"], "the first screen weighs the results of all kinds against one another"),
+    ("report/section/validation.rs", &["compare", "propagate"], "a claim rests on the model's test"),
+    ("report/section/network/marked.rs", &["diagnose"], "draws what is missing where it is missing"),
+    ("report/ladder.rs", &["compare"], "a comparison tells how the states of a model stand"),
     ("report/section/prediction", &["propagate"], "a prediction is two propagations"),
     ("report/section/sizing.rs", &["propagate"], "sizes by rule stand beside the probabilistic one"),
     ("report/section/margins", &["compare", "conventional", "predict", "propagate"], "margins are judged side by side"),

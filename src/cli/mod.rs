@@ -14,6 +14,7 @@ mod explain;
 mod export;
 mod history;
 mod import;
+mod import_csv;
 mod init;
 mod lab;
 

@@ -8,6 +8,7 @@ use clap::Args;
 use super::output::{escaped, shown, tell};
 use super::status::{Failure, Status};
 use crate::batch::{self, Executed, LoadedPass};
+use crate::report::section::objection;
 use crate::report::{required, terminal};
 use crate::runner::{Cache, Settings};
 use crate::study::Project;
@@ -117,6 +118,10 @@ impl RequireOption {
                         ));
                     }
                 }
+            }
+            if let Some(objection) = objection(&report) {
+                is_met = false;
+                tell(&format!("not met: {shown}: {}", terminal::sentence(&objection)));
             }
             for reason in &report.warnings {
                 is_met = false;

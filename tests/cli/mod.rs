@@ -17,5 +17,6 @@ mod serve_model;
 mod story;
 mod studies;
 mod test_plan_verb;
+mod tutorial;
 mod unsettled;
 mod verbs;

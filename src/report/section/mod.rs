@@ -3,6 +3,7 @@
 //! file here with a `SECTION`, and a line in the list below.
 
 pub mod brief;
+mod validation;
 
 use brief::ErasedBrief;
 
@@ -72,6 +73,11 @@ pub const READINGS: Build = comparison::readings_alone;
 /// The section on the error of a study's passes; not where nothing was measured.
 pub fn error_by_pass(history: &History) -> Option<Section> {
     history::section(history)
+}
+
+/// Why no requirement of a pass may be called met, where its results would call one so.
+pub fn objection(report: &PassReport<'_>) -> Option<Text> {
+    summary::claims::objection_to_all(report)
 }
 
 /// Which jobs the passes of a study lack for their errors to be stated.
