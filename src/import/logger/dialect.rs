@@ -123,10 +123,10 @@ pub(super) fn reading(cell: &str, has_comma: bool) -> Reading {
 /// Name and unit of a header: `T1 [degC]`, `T1 (°C)`, `T1`.
 pub(super) fn name_and_unit(header: &str) -> (String, Option<String>) {
     for (open, close) in [('[', ']'), ('(', ')')] {
-        if let Some((name, unit)) = header.strip_suffix(close).and_then(|rest| rest.rsplit_once(open)) {
-            if let Some(unit) = unit_of(unit).filter(|_| !name.trim().is_empty()) {
-                return (name.trim().to_owned(), Some(unit));
-            }
+        if let Some((name, unit)) = header.strip_suffix(close).and_then(|rest| rest.rsplit_once(open))
+            && let Some(unit) = unit_of(unit).filter(|_| !name.trim().is_empty())
+        {
+            return (name.trim().to_owned(), Some(unit));
         }
     }
     (header.to_owned(), None)

@@ -84,9 +84,9 @@ fn seconds(clock: &str) -> Option<f64> {
         return Some(0.0);
     }
     let parts: Option<Vec<f64>> = clock.split(':').map(|part| part.parse().ok()).collect();
-    let (hour, minute, second) = match parts?.as_slice() {
-        &[hour, minute] => (hour, minute, 0.0),
-        &[hour, minute, second] => (hour, minute, second),
+    let (hour, minute, second) = match *parts?.as_slice() {
+        [hour, minute] => (hour, minute, 0.0),
+        [hour, minute, second] => (hour, minute, second),
         _ => return None,
     };
     let is_clock = (0.0..=24.0).contains(&hour) && (0.0..60.0).contains(&minute) && (0.0..61.0).contains(&second);
