@@ -5,7 +5,6 @@
 pub mod archive;
 mod error;
 mod executed;
-pub mod export;
 mod graph;
 pub mod history;
 mod inputs;
@@ -14,7 +13,6 @@ pub mod memory;
 pub mod next_pass;
 mod prepared;
 pub mod regression;
-pub mod served;
 pub mod view;
 
 pub use error::BatchError;

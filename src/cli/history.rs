@@ -14,10 +14,7 @@ use crate::report::terminal;
 /// Arguments of `bmv history`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Each pass is judged by its first job of kind `compare` that shows a tuned state, else by its \
-                        first. Where a pass has no calibration, its tuned values are null.\n\n\
-                        Examples:\n  \
-                        bmv history my-study\n  \
-                        bmv history my-study --json")]
+                        first. Where a pass has no calibration, its tuned values are null.")]
 pub(super) struct HistoryVerb {
     /// Study folder; of a pass file, the pass with its parents
     study: PathBuf,

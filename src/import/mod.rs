@@ -9,7 +9,6 @@
 mod check;
 pub mod closure;
 mod coupling;
-pub mod logger;
 mod model;
 mod name;
 pub mod parts;

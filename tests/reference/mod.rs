@@ -2,5 +2,4 @@
 
 mod arviz;
 mod nist;
-mod poisson;
 mod posteriordb;

@@ -1,7 +1,6 @@
 //! Given values that cannot be, and finding the element behind a number that is not finite.
 
-use crate::expression::{ExprId, Symbol};
-use crate::math::lanes::Lanes;
+use crate::expression::{ExprId, Lanes, Symbol};
 
 use super::element::SignConstraint;
 use super::equations::Equations;

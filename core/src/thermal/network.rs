@@ -5,8 +5,7 @@
 
 use thiserror::Error;
 
-use crate::expression::Symbol;
-use crate::math::lanes::Lanes;
+use crate::expression::{Lanes, Symbol};
 
 use super::connectivity::isolated_nodes;
 use super::equations::{Equations, segment};
