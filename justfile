@@ -12,9 +12,9 @@ test:
 ci:
     .ci/run
 
-# all studies' reports, their results against the baselines with the same seed and with another, slow statistical checks, large cases
+# all studies' reports, their results against the baselines with the same seed and with another, exports read with ArviZ, a network asked by the client of UM-Bridge, slow statistical checks, large cases
 nightly seed="$(date +%Y%m%d)":
-    cargo run --release -- report && cargo run --release -- check studies && cargo run --release -- check studies --other-seed={{seed}} && cargo test --release -- --include-ignored
+    cargo run --release -- report && cargo run --release -- check studies && cargo run --release -- check studies --other-seed={{seed}} && python3 tests/clients/arviz_export.py target/release/bmv && python3 tests/clients/umbridge_model.py target/release/bmv && cargo test --release -- --include-ignored
 
 # the diagnosis on cases of known truth: hours; prints the tables of docs/verification.md
 laboratory nulls="2000" cases="1000" finer="400" dated="200" seed="1":
@@ -40,9 +40,9 @@ bench:
 sizes +nodes="30 100 300 1000":
     cargo build --release && benches/sizes/run.sh target/release/bmv {{nodes}}
 
-# the same on one record of 30 nodes and 6 sensors: ten phases of so many rows
-record rows="200":
-    cargo build --release && ROWS={{rows}} benches/sizes/run.sh target/release/bmv 30
+# the same on one record of 30 nodes: ten phases of so many rows, so many sensors, and by how many kelvin the sink steps in every row
+record rows="200" sensors="6" swing="0":
+    cargo build --release && ROWS={{rows}} SENSORS={{sensors}} SWING={{swing}} benches/sizes/run.sh target/release/bmv 30
 
 # the documentation of the library
 doc:

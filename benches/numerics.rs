@@ -68,9 +68,9 @@ fn sparse_lu(criterion: &mut Criterion) {
         );
         let mut group = criterion.benchmark_group(name);
         group.sample_size(10);
-        let mut lu = SparseLu::new(Arc::clone(&symbolic));
+        let mut lu = SparseLu::<f64>::new(Arc::clone(&symbolic));
         group.bench_function("analysis", |bench| bench.iter(|| SymbolicLu::new(black_box(pattern.clone()))));
-        group.bench_function("refactorisation", |bench| bench.iter(|| lu.refactor(black_box(&values))));
+        group.bench_function("refactorisation", |bench| bench.iter(|| lu.refactor(black_box(&values))[0]));
         let mut x = vec![1.0; nodes];
         group.bench_function("solution", |bench| {
             bench.iter(|| {

@@ -213,15 +213,24 @@ const KINDS: &[(&str, &str)] = &[
     ("predict", "prediction"),
     ("conventional", "sizing"),
     ("test_plan", "test_plan"),
+    ("correlate", "margins"),
     ("margins_from_history", "margins_from_history"),
 ];
 
 /// Files that name a kind's module without being its section, with the reason.
 const NAMED_ELSEWHERE: &[(&str, &[&str], &str)] = &[
-    ("report/section/summary.rs", &["*"], "the first screen weighs the results of all kinds against one another"),
-    ("report/section/summary/missing.rs", &["diagnose"], "the same, of a diagnosis"),
+    ("report/section/summary", &["*"], "the first screen weighs the results of all kinds against one another"),
+    ("report/section/validation.rs", &["compare", "propagate"], "a claim rests on the model's test"),
+    ("report/section/network/marked.rs", &["diagnose"], "draws what is missing where it is missing"),
+    ("report/ladder.rs", &["compare"], "a comparison tells how the states of a model stand"),
     ("report/section/prediction", &["propagate"], "a prediction is two propagations"),
     ("report/section/sizing.rs", &["propagate"], "sizes by rule stand beside the probabilistic one"),
+    ("report/section/margins", &["compare", "conventional", "predict", "propagate"], "margins are judged side by side"),
+    (
+        "report/section/record",
+        &["calibrate", "compare", "discrepancy", "predict"],
+        "the record puts their results together",
+    ),
     ("report/section/calibration.rs", &["compare"], "what tuning achieved is measured by a comparison"),
     ("report/view.rs", &["compare"], "whether rows of a comparison are steady phases"),
     ("report/history.rs", &["calibrate", "compare"], "these two tell the error of a pass"),
@@ -229,6 +238,8 @@ const NAMED_ELSEWHERE: &[(&str, &[&str], &str)] = &[
     ("cli/diagnose.rs", &["diagnose"], "the verb for this kind"),
     ("cli/adopt.rs", &["diagnose"], "adopts what a diagnosis found"),
     ("cli/test_plan.rs", &["test_plan"], "the verb for this kind"),
+    ("cli/export.rs", &["calibrate"], "the verb for the draws of this kind"),
+    ("batch/export", &["calibrate"], "completes the draws of a calibration by what they predict"),
     ("batch/next_pass", &["diagnose"], "writes the pass that adopts what a diagnosis found"),
 ];
 

@@ -1,8 +1,9 @@
 """Writes a study of a spacecraft of panels that are grids of nodes, with synthetic readings of a hidden path.
 
-usage: grid.py FOLDER NODES SENSORS PHASES [ROWS]
+usage: grid.py FOLDER NODES SENSORS PHASES [ROWS [SWING]]
 
-Steady phases; with ROWS each phase is that many rows of one transient, two minutes apart, of constant inputs.
+Steady phases; with ROWS each phase is that many rows of one transient, two minutes apart. Its inputs are constant, but with
+SWING the sink steps in every row, by so many kelvin (one standard deviation) about the phase's.
 
 Ten parameters: contacts, emittances and powers shared by many elements, so groups follow from the model. The readings are of
 this network with parameters of its own and a strap between two nodes that the model lacks, and noise of 0.1 K.
@@ -123,9 +124,9 @@ def advance(temperature, links, strap, views, values, sink_k, powers):
     return temperature
 
 
-def main(folder, nodes, sensors, phases, rows_each="0"):
-    nodes, sensors, phases, rows_each = int(nodes), int(sensors), int(phases), int(rows_each)
-    draw = random.Random(nodes)
+def main(folder, nodes, sensors, phases, rows_each="0", swing="0"):
+    nodes, sensors, phases, rows_each, swing = int(nodes), int(sensors), int(phases), int(rows_each), float(swing)
+    draw, swings = random.Random(nodes), random.Random(-nodes)
     panels, links, views = network(nodes)
     name = lambda node: f"n{node}"
     units = [nodes // 7, nodes // 2, (6 * nodes) // 7]
@@ -157,6 +158,7 @@ def main(folder, nodes, sensors, phases, rows_each="0"):
             f"r{n}": {"between": [name(n), "shroud"], "exchange_area": f"{area:.6g}*{key}"} for n, key, area in views
         },
         "loads": {f"unit {k}": {"into": name(node), "power": f"f_{k}*Q_{k}"} for k, node in enumerate(units)},
+        "quantities": {"warmest unit": {"temperature": name(units[1])}},
         "groups": {f"panel {k}": {"nodes": {name(n): 1 for n in panel}} for k, panel in enumerate(panels) if len(panel) > 1},
     }
     truth = {key: value * (1 + 0.02 * draw.gauss(0, 1)) if key[0] in "ef" else value * math.exp(0.2 * draw.gauss(0, 1)) for key, value in nominal.items()}
@@ -168,13 +170,14 @@ def main(folder, nodes, sensors, phases, rows_each="0"):
         sink = draw.uniform(90, 290)
         power = [draw.uniform(0, 60) for _ in range(3)]
         powers = {node: truth[f"f_{k}"] * power[k] for k, node in enumerate(units)}
-        network_now = (links, (*strap, STRAP_W_K), views, truth, sink, powers)
+        panel_network = (links, (*strap, STRAP_W_K), views, truth)
         for row in range(rows_each):
+            now = round(sink + swing * swings.gauss(0, 1), 2)
             readings = [f"{temperatures[n] + draw.gauss(0, 0.1):.3f}" for n in measured]
-            rows.append([str(120 * len(rows)), f"{sink:.2f}", *[f"{p:.2f}" for p in power], *readings])
-            temperatures = advance(temperatures, *network_now)
+            rows.append([str(120 * len(rows)), f"{now:.2f}", *[f"{p:.2f}" for p in power], *readings])
+            temperatures = advance(temperatures, *panel_network, now if swing else sink, powers)
         if not rows_each:
-            exact = solve(nodes, *network_now)
+            exact = solve(nodes, *panel_network, sink, powers)
             readings = [f"{exact[n] + draw.gauss(0, 0.1):.3f}" for n in measured]
             rows.append([f"P{phase:02}", f"{sink:.2f}", *[f"{p:.2f}" for p in power], *readings])
     first = "time [s]" if rows_each else "phase"
@@ -192,6 +195,8 @@ def main(folder, nodes, sensors, phases, rows_each="0"):
         "measurements": {"test": {"transient" if rows_each else "steady": test}},
         "jobs": {
             "delivered": {"compare": {"data": ["test"]}},
+            "spread": {"propagate": {"quantities": ["warmest unit"], "samples": 1024}},
+            "shares": {"sensitivity": {"quantities": ["warmest unit"], "methods": ["sobol"], "samples": 128}},
             "missing": {"diagnose": {"data": ["test"]}},
             "tuned": {"calibrate": {"data": ["test"]}},
         },

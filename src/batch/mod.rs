@@ -5,6 +5,7 @@
 pub mod archive;
 mod error;
 mod executed;
+pub mod export;
 mod graph;
 pub mod history;
 mod inputs;
@@ -13,6 +14,7 @@ pub mod memory;
 pub mod next_pass;
 mod prepared;
 pub mod regression;
+pub mod served;
 pub mod view;
 
 pub use error::BatchError;

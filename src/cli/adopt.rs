@@ -25,7 +25,10 @@ const MOST_DIAGNOSTICS: usize = 20;
 #[command(
     after_help = "Effects are named as in `effects` of `bmv diagnose PASS --json`, or by a beginning or an effect's \
                         name that stands for one. What the diagnosis did not select, or could not tell from what it \
-                        selected, is refused; what it leaves open (`ambiguous`) is adopted by name only. The next pass takes all else from its parent; nothing is run."
+                        selected, is refused; what it leaves open (`ambiguous`) is adopted by name only. The next pass takes all else from its parent; nothing is run.\n\n\
+                        Examples:\n  \
+                        bmv adopt my-study/pass-1.json\n  \
+                        bmv adopt my-study/pass-1.json sensor-lag"
 )]
 pub(super) struct Adopt {
     /// Pass file

@@ -19,7 +19,10 @@ use crate::report::terminal;
 #[command(after_help = "With --json one document is printed: of several jobs of kind `compare` that of the first in \
                         the order of the file; `bmv show PASS JOB --json` prints another. \
                         A sensor that occurs in several measurements has its statistics over all of them under its \
-                        name in `sensors`, and those of each measurement in `measurements`.")]
+                        name in `sensors`, and those of each measurement in `measurements`.\n\n\
+                        Examples:\n  \
+                        bmv compare my-study/pass-1.json\n  \
+                        bmv compare my-study/pass-1.json --tuned")]
 pub(super) struct Compare {
     /// Pass file
     pass: PathBuf,

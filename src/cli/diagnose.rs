@@ -19,7 +19,10 @@ use crate::report::terminal;
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "With --json one document is printed: of several jobs of kind `diagnose` that of the first, in \
-                        the order of the file; `bmv show PASS JOB --json` prints another."
+                        the order of the file; `bmv show PASS JOB --json` prints another.\n\n\
+                        Examples:\n  \
+                        bmv diagnose my-study/pass-1.json\n  \
+                        bmv diagnose my-study/pass-1.json --json"
 )]
 pub(super) struct Diagnose {
     /// Pass file

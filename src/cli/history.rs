@@ -14,7 +14,10 @@ use crate::report::terminal;
 /// Arguments of `bmv history`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Each pass is judged by its first job of kind `compare` that shows a tuned state, else by its \
-                        first. Where a pass has no calibration, its tuned values are null.")]
+                        first. Where a pass has no calibration, its tuned values are null.\n\n\
+                        Examples:\n  \
+                        bmv history my-study\n  \
+                        bmv history my-study --json")]
 pub(super) struct HistoryVerb {
     /// Study folder; of a pass file, the pass with its parents
     study: PathBuf,

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::Context;
+use super::import_csv::Csv;
 use super::output::{escaped, print, print_json, shown, table, tell};
 use super::status::{Failure, Status};
 use crate::document::visible::shell_word;
@@ -20,17 +21,21 @@ const MOST_DIAGNOSTICS: usize = 20;
 /// Arguments of `bmv import`.
 #[derive(Debug, clap::Args)]
 #[command(
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
     after_help = "All files together are one model: a deck with its results. The study is a model, a pass and, where \
                         the files tell what the other tool computed, that as a measurement. Which nodes balance with it \
                         is printed: what does not balance was left out."
 )]
 pub(super) struct Import {
+    #[command(subcommand)]
+    what: Option<What>,
     /// Files of the other tool
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Folder of the new study; it is made
-    #[arg(long, value_name = "STUDY")]
-    into: PathBuf,
+    #[arg(long, required = true, value_name = "STUDY")]
+    into: Option<PathBuf>,
     /// CSV file of the model's parts, `part,first,last`: names and ranges of node numbers
     ///
     /// Conductors within a part and between two parts get a factor as a parameter, the part's heats and boundary
@@ -41,6 +46,13 @@ pub(super) struct Import {
     /// Print one JSON document
     #[arg(long)]
     json: bool,
+}
+
+/// What is imported, where it is no model.
+#[derive(Debug, clap::Subcommand)]
+enum What {
+    /// Bring measurements as a logger wrote them into a study
+    Csv(Csv),
 }
 
 /// What `--json` prints.
@@ -54,8 +66,12 @@ struct Imported<'a> {
 
 impl Import {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
+        if let Some(What::Csv(verb)) = self.what {
+            return verb.execute(context);
+        }
+        let into = self.into.ok_or_else(|| Failure::input("--into STUDY is needed".to_owned()))?;
         let wrong = |error: study::ImportError| Failure::input(error.to_string());
-        study::check_folder(&self.into).map_err(wrong)?;
+        study::check_folder(&into).map_err(wrong)?;
         let files = self.files.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
         let mut deck = reader::read(READERS, &files).map_err(|error| Failure::input(error.to_string()))?;
         let parts = self.parts.as_deref().map(read).transpose()?;
@@ -74,19 +90,19 @@ impl Import {
         if let Some(file) = &parts {
             imported.keep_parts(file.text());
         }
-        imported.write(&self.into).map_err(wrong)?;
-        let pass = self.into.join(PASS);
+        imported.write(&into).map_err(wrong)?;
+        let pass = into.join(PASS);
         // Loaded as any study is: what the deck says must be what the format understands.
         let loaded = crate::study::load(&crate::job::kinds(), &pass).map_err(|diagnostics| {
             let report = diagnostics.render(context.coloured, MOST_DIAGNOSTICS);
-            let folder = shown(&self.into);
+            let folder = shown(&into);
             Failure::rendered(format!("{report}\n`{folder}` was written, but is no study yet: mend these places there"))
         })?;
         let closure = closure::closure(&imported, &loaded)
             .map_err(|error| Failure::input(format!("the network cannot be solved: {error}")))?;
         let summary = &imported.summary;
         if self.json {
-            let study = self.into.display().to_string();
+            let study = into.display().to_string();
             print_json(&Imported { study, summary, closure: closure.as_ref() })?;
             return Ok(Status::Done);
         }
@@ -100,15 +116,16 @@ impl Import {
                 text.push_str(&table(&closure.table(), context.fold));
             }
         }
-        text.push_str(&format!("Made {}: {}; now try\n", shown(&self.into), summary.files.join(", ")));
-        let next = if loaded.jobs.is_empty() { ("plan", self.into) } else { ("compare", pass) };
+        text.push_str(&format!("Made {}: {}; now try\n", shown(&into), summary.files.join(", ")));
+        let next = if loaded.jobs.is_empty() { ("plan", into) } else { ("compare", pass) };
         text.push_str(&format!("bmv {} {}\n", next.0, escaped(&shell_word(&next.1.display().to_string()))));
         print(&text)?;
         Ok(Status::Done)
     }
 }
 
-fn read(path: &Path) -> Result<DeckFile, Failure> {
+/// A file of the user's.
+pub(super) fn read(path: &Path) -> Result<DeckFile, Failure> {
     let name = path.display().to_string();
     // A link that the user names is the user's own.
     let bytes = path.canonicalize().and_then(|real| file::read(&real, LARGEST));

@@ -10,6 +10,9 @@ use crate::study::file::{self, Existing};
 
 /// Arguments of `bmv init`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  \
+                  bmv init my-study\n  \
+                  bmv init my-board --from tclab")]
 pub(super) struct Init {
     /// Folder of the new study; it is made
     folder: PathBuf,

@@ -11,8 +11,10 @@ mod diff;
 mod effects;
 mod execute;
 mod explain;
+mod export;
 mod history;
 mod import;
+mod import_csv;
 mod init;
 mod lab;
 
@@ -24,6 +26,7 @@ mod report;
 mod run;
 mod schema;
 mod select;
+mod serve_model;
 mod show;
 pub mod status;
 mod test_plan;
@@ -116,6 +119,10 @@ enum Verb {
     Show(show::Show),
     /// Plan the test that a design chose: phases, predictions, limits, durations, data sheet
     TestPlan(test_plan::TestPlanVerb),
+    /// Write all draws of a calibration, with what they predict, for ArviZ and other programs
+    Export(export::Export),
+    /// Answer other programs for the model of a pass, by the UM-Bridge protocol
+    ServeModel(serve_model::ServeModel),
     /// Check all files, and show what would run, what is cached, and how long it takes
     Plan(plan::PlanVerb),
     /// Look after the cache
@@ -155,6 +162,8 @@ impl Verb {
             Self::History(verb) => verb.execute(context),
             Self::Show(verb) => verb.execute(context),
             Self::TestPlan(verb) => verb.execute(context),
+            Self::Export(verb) => verb.execute(context),
+            Self::ServeModel(verb) => verb.execute(context),
             Self::Plan(verb) => verb.execute(context),
             Self::Cache(verb) => verb.execute(context),
             Self::Verify(verb) => verb.execute(),

@@ -8,6 +8,7 @@ use clap::Args;
 use super::output::{escaped, shown, tell};
 use super::status::{Failure, Status};
 use crate::batch::{self, Executed, LoadedPass};
+use crate::report::section::objection;
 use crate::report::{required, terminal};
 use crate::runner::{Cache, Settings};
 use crate::study::Project;
@@ -118,6 +119,10 @@ impl RequireOption {
                     }
                 }
             }
+            if let Some(objection) = objection(&report) {
+                is_met = false;
+                tell(&format!("not met: {shown}: {}", terminal::sentence(&objection)));
+            }
             for reason in &report.warnings {
                 is_met = false;
                 tell(&format!("not met: {shown}: {}", terminal::plain(reason)));
@@ -135,6 +140,11 @@ impl RunOptions {
     /// Whether what is in the cache is run again.
     pub fn is_forced(&self) -> bool {
         self.force
+    }
+
+    /// The same, running again what is in the cache.
+    pub fn forced(self) -> Self {
+        Self { force: true, ..self }
     }
 
     /// Settings of a run of all jobs.

@@ -12,6 +12,8 @@ use crate::runner::{Plan, WorkHistory};
 
 /// Arguments of `bmv plan`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  \
+                  bmv plan my-study")]
 pub(super) struct PlanVerb {
     #[command(flatten)]
     paths: PathsArgument,

@@ -11,6 +11,9 @@ use crate::batch::{self, archive};
 
 /// Arguments of `bmv report`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  \
+                  bmv report my-study\n  \
+                  bmv report my-study/pass-2.json --out review")]
 pub(super) struct Report {
     #[command(flatten)]
     paths: PathsArgument,

@@ -6,10 +6,15 @@ use super::options::{PathsArgument, RequireOption, RunOptions};
 use super::output::{escaped, folded, print};
 use super::status::{Failure, Status};
 use crate::batch::{self, Executed};
+use crate::report::section::objection;
 use crate::report::{headline, terminal};
 
 /// Arguments of `bmv run`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  \
+                  bmv run my-study\n  \
+                  bmv run my-study/pass-2.json --threads 4\n  \
+                  bmv run my-study --require")]
 pub(super) struct Run {
     #[command(flatten)]
     paths: PathsArgument,
@@ -40,6 +45,9 @@ fn outcome(executed: &Executed, fold: Option<usize>) -> Result<String, Failure> 
                 let lead = if position == 0 { "  " } else { "    " };
                 text.push_str(&folded(lead, &line, fold));
             }
+        }
+        if let Some(objection) = objection(&report) {
+            text.push_str(&folded("  ", &terminal::sentence(&objection), fold));
         }
         text.push_str(&format!("  look at it: bmv show {shown}, or bmv report {shown}\n"));
     }

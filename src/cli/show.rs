@@ -17,7 +17,10 @@ use crate::report::terminal;
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Nothing is run unless --run asks for it: what is shown comes from the cache, as `bmv run` left it. \
-                        Where a job has no result there, that is said and the exit status is 2."
+                        Where a job has no result there, that is said and the exit status is 2.\n\n\
+                        Examples:\n  \
+                        bmv show my-study/pass-1.json\n  \
+                        bmv show my-study/pass-1.json prior --json"
 )]
 pub(super) struct Show {
     /// Pass file

@@ -9,6 +9,7 @@
 mod check;
 pub mod closure;
 mod coupling;
+pub mod logger;
 mod model;
 mod name;
 pub mod parts;

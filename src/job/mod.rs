@@ -2,12 +2,15 @@
 //! the state and the block's input, and reduces the blocks in order to the next stage or to the output. Nothing here knows
 //! threads or files.
 
+pub mod dataset;
 mod fault;
 pub mod key_number;
 pub mod kind;
 pub mod lab;
+mod prior_ends;
 pub mod ready;
 pub mod runnable;
+pub mod steady_model;
 pub mod stored;
 
 use serde::Serialize;
@@ -41,6 +44,7 @@ kinds! {
     discrepancy,
     predict,
     test_plan,
+    correlate,
     conventional,
     margins_from_history,
 }

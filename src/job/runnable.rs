@@ -7,7 +7,7 @@ use std::sync::Arc;
 use serde_json::Value;
 
 use super::stored::{self, Block, unreadable};
-use super::{Job, JobError, Parts, Step};
+use super::{Done, Job, JobError, Parts, Step};
 
 /// What is known when a stage begins, as bytes and as read back from them.
 #[derive(Clone)]
@@ -87,9 +87,27 @@ pub trait Runnable: Send + Sync {
     /// # Errors
     /// What the job gives; bytes that cannot be read or written.
     fn reduce(&self, stage: &Stage, outputs: Vec<Vec<u8>>) -> Result<Next, JobError>;
+    /// The job itself, for what only its kind can say.
+    fn as_any(&self) -> &dyn Any;
 }
 
-impl<J: Job> Runnable for J {
+/// The blocks of a stage as the job reads them: the input of each, and what it gave. Bytes go as they are read, so that
+/// long results are in memory once.
+///
+/// # Errors
+/// [`JobError::Unreadable`] for bytes of another form, or not as many outputs as inputs.
+pub fn blocks<J: Job>(stage: &Stage, outputs: Vec<Vec<u8>>) -> Result<Done<J>, JobError> {
+    let name = &stage.name;
+    if outputs.len() != stage.inputs.len() {
+        return Err(unreadable(name, "it has not one result for each block"));
+    }
+    let read = |(input, output): (&Vec<u8>, Vec<u8>)| -> Result<_, JobError> {
+        Ok((J::Input::from_bytes(input, name)?, J::Partial::from_bytes(&output, name)?))
+    };
+    stage.inputs.iter().zip(outputs).map(read).collect()
+}
+
+impl<J: Job + 'static> Runnable for J {
     fn kind(&self) -> &'static str {
         Job::kind(self)
     }
@@ -117,17 +135,12 @@ impl<J: Job> Runnable for J {
     }
 
     fn reduce(&self, stage: &Stage, outputs: Vec<Vec<u8>>) -> Result<Next, JobError> {
-        let name = &stage.name;
-        if outputs.len() != stage.inputs.len() {
-            return Err(unreadable(name, "it has not one result for each block"));
-        }
-        let state: &J::State = stage.state.get(name)?;
-        // Bytes go as they are read: long results are in memory once.
-        let read = |(input, output): (&Vec<u8>, Vec<u8>)| -> Result<_, JobError> {
-            Ok((J::Input::from_bytes(input, name)?, J::Partial::from_bytes(&output, name)?))
-        };
-        let blocks = stage.inputs.iter().zip(outputs).map(read).collect::<Result<_, _>>()?;
-        next(self, Job::reduce(self, state.clone(), blocks)?)
+        let state: &J::State = stage.state.get(&stage.name)?;
+        next(self, Job::reduce(self, state.clone(), blocks::<J>(stage, outputs)?)?)
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
     }
 }
 

@@ -84,6 +84,7 @@ pub fn assemble<'p>(
         study: surroundings.study,
         description: pass.description.clone(),
         reconstructed: pass.reconstructed.clone(),
+        closing: pass.closing.clone(),
         model: &pass.model,
         groups: &pass.groups,
         priors: names.zip(pass.priors.iter().copied()).collect(),

@@ -4,9 +4,12 @@
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::document::hash::sha256_hex;
 use crate::job::calibrate;
 use crate::job::compare::{self, Deviation};
 use crate::study::Pass;
+
+use super::ladder::{Standing, standings};
 
 /// A number of the readings for fitting and of those held out; `None` where there are none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -68,6 +71,12 @@ pub struct PassErrors {
     pub converged: Option<bool>,
     /// Numbers of readings.
     pub readings: Readings,
+    /// Hash of the readings themselves; two passes' errors are held against one another only where they have the same.
+    #[serde(skip)]
+    pub readings_sha256: Option<String>,
+    /// The model as delivered and, where it was tuned, tuned, against the criteria.
+    #[serde(skip)]
+    pub standings: Vec<Standing>,
     /// The comparison, if the pass has a result of one.
     pub comparison: Option<String>,
     /// The calibration, likewise.
@@ -127,6 +136,8 @@ impl PassErrors {
             return;
         }
         self.limit_k = output.criteria.each_k;
+        self.readings_sha256 = Some(readings_sha256(output));
+        self.standings = standings(output);
         self.readings = Readings { train: output.train.count, held_out: output.held_out.count };
         let nothing = Deviation::default();
         let tuned = output.tuned.as_ref().map_or([&nothing, &nothing], |tuned| [&tuned.train, &tuned.held_out]);
@@ -142,11 +153,31 @@ impl PassErrors {
         }
     }
 
+    /// Whether both errors are of the same readings, so that the one may be held against the other.
+    pub fn has_readings_of(&self, other: &Self) -> bool {
+        self.readings == other.readings && self.readings_sha256 == other.readings_sha256
+    }
+
     /// Whether there is an error to be stated.
     pub fn is_measured(&self) -> bool {
         let is_stated = |split: &Split| split.train.is_some() || split.held_out.is_some();
         is_stated(&self.rmse_k.delivered) || is_stated(&self.rmse_k.tuned)
     }
+}
+
+/// Hash of what was read, where and when, and of what is held out; not of what was predicted.
+fn readings_sha256(output: &compare::Output) -> String {
+    let mut bytes = Vec::new();
+    for row in &output.rows {
+        for name in [row.measurement.as_str(), row.phase.as_deref().unwrap_or(""), row.sensor.as_str()] {
+            bytes.extend_from_slice(name.as_bytes());
+            bytes.push(0);
+        }
+        bytes.extend_from_slice(&row.time_s.map_or(u64::MAX, f64::to_bits).to_le_bytes());
+        bytes.extend_from_slice(&row.measured.to_bits().to_le_bytes());
+        bytes.push(u8::from(row.held_out));
+    }
+    sha256_hex(&bytes)
 }
 
 /// The passes of a study, each after its parents.

@@ -8,6 +8,7 @@ pub mod essentials;
 pub mod headline;
 pub mod history;
 pub mod html;
+pub mod ladder;
 pub mod markdown;
 pub mod number;
 pub mod page;

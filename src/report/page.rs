@@ -28,6 +28,18 @@ impl Text {
         Self(vec![Inline::Plain(text.into())])
     }
 
+    /// Text of a finding, in which names stand between backticks.
+    pub fn with_names(text: &str) -> Self {
+        let parts: Vec<&str> = text.split('`').collect();
+        if parts.len().is_multiple_of(2) {
+            // A backtick without its other one is no sign of a name.
+            return Self::new(text);
+        }
+        parts.iter().enumerate().filter(|(_, part)| !part.is_empty()).fold(Self::default(), |text, (place, part)| {
+            if place.is_multiple_of(2) { text.plain(*part) } else { text.code(*part) }
+        })
+    }
+
     /// Appends plain text.
     pub fn plain(mut self, text: impl Into<String>) -> Self {
         self.0.push(Inline::Plain(text.into()));
@@ -139,6 +151,32 @@ pub struct Table {
     pub rows: Vec<Vec<Cell>>,
 }
 
+/// Rows above which a table keeps its worst ones.
+const MANY_ROWS: usize = 40;
+/// So many of them.
+const WORST_ROWS: usize = 20;
+
+impl Table {
+    /// The table with its worst rows alone, worst first, where it has very many: `sizes` says of each row how bad it is. The
+    /// caption says how many are left out, and where they are.
+    pub fn cut(mut self, sizes: &[f64]) -> Self {
+        if self.rows.len() <= MANY_ROWS || sizes.len() != self.rows.len() {
+            return self;
+        }
+        let all = self.rows.len();
+        let mut rows: Vec<(f64, Vec<Cell>)> = sizes.iter().copied().zip(std::mem::take(&mut self.rows)).collect();
+        // Equal ones keep their order; what is no number comes first.
+        rows.sort_by(|a, b| b.0.total_cmp(&a.0));
+        self.rows = rows.into_iter().take(WORST_ROWS).map(|(_, row)| row).collect();
+        self.caption = self
+            .caption
+            .plain(format!(" The worst {WORST_ROWS} of {all} rows; all are in "))
+            .code("results.json")
+            .plain(".");
+        self
+    }
+}
+
 /// A figure.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Figure {
@@ -158,6 +196,8 @@ pub struct Figure {
 pub enum Tone {
     /// The outcome.
     Verdict,
+    /// What to do next.
+    Next,
     /// Something that limits what the results mean.
     Warning,
     /// An explanation.
@@ -171,6 +211,7 @@ impl Tone {
     pub fn word(self) -> &'static str {
         match self {
             Self::Verdict => "Verdict",
+            Self::Next => "Next",
             Self::Warning => "Warning",
             Self::Note => "Note",
             Self::Reconstructed => "Reconstructed",
@@ -320,10 +361,33 @@ mod tests {
     use super::*;
 
     #[test]
+    fn names_between_backticks_are_names() {
+        assert_eq!(Text::with_names("`R_c` is pressed"), Text::default().code("R_c").plain(" is pressed"));
+        assert_eq!(Text::with_names("the joint `G`"), Text::new("the joint ").code("G"));
+        assert_eq!(Text::with_names("a ` alone"), Text::new("a ` alone"));
+    }
+
+    #[test]
     fn slugs_are_safe_names() {
         assert_eq!(slug("../../etc/passwd"), "etc-passwd");
         assert_eq!(slug("<img src=x>"), "img-src-x");
         assert_eq!(slug("\u{4F60}"), "figure");
         assert!(slug(&"x".repeat(500)).len() <= 60);
+    }
+
+    #[test]
+    fn a_long_table_keeps_its_worst_rows_worst_first() {
+        let table = |count: u32| Table {
+            columns: vec![Column::text("Sensor")],
+            rows: (0..count).map(|at| vec![Cell::code(format!("s{at}"))]).collect(),
+            ..Table::default()
+        };
+        let sizes: Vec<f64> = (0..126).map(|at| f64::from((at * 37) % 126)).collect();
+        let cut = table(126).cut(&sizes);
+        assert_eq!(cut.rows.len(), 20);
+        // 37 * 109 = 32 * 126 + 1, so that 109 * 125 = 13625 = 108 * 126 + 17 is the place of 125.
+        assert_eq!(cut.rows[0], [Cell::code("s17")]);
+        assert!(cut.caption.0.contains(&Inline::Plain(" The worst 20 of 126 rows; all are in ".into())));
+        assert_eq!(table(30).cut(&sizes[..30]), table(30));
     }
 }

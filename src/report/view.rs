@@ -10,7 +10,7 @@ use crate::random::Distribution;
 use crate::study::requirement::{Environment, Requirement};
 use crate::thermal::{Model, Quantity};
 
-use crate::study::AdoptedEffect;
+use crate::study::{AdoptedEffect, Closing};
 
 use super::history::History;
 use super::number::Shown;
@@ -73,6 +73,8 @@ pub struct PassReport<'a> {
     pub description: String,
     /// Set where numbers were reconstructed instead of taken from the source that the study follows: what and how.
     pub reconstructed: Option<String>,
+    /// What people add to the record of the validation that the pass closes; `None` where it closes none.
+    pub closing: Option<Closing>,
     /// The model, adopted effects included.
     pub model: &'a Model,
     /// Groups of the model, in the order of its file and then those that it implies.
@@ -134,6 +136,12 @@ impl PassReport<'_> {
             Some(measurement) => matches!(measurement.rows, Rows::Steady(_)),
             None => rows.iter().filter(|r| r.measurement == measurement).all(|r| r.time_s.is_none()),
         }
+    }
+
+    /// Nominal value of a parameter or input, SI, by its name.
+    pub fn nominal_design(&self, name: &str) -> Option<f64> {
+        let parameter = self.model.parameters.iter().find(|own| own.name == name).map(|own| own.nominal);
+        parameter.or_else(|| self.model.inputs.iter().find(|own| own.name == name).map(|own| own.nominal))
     }
 
     /// How the quantity of a requirement is shown.

@@ -11,11 +11,13 @@ pub mod error;
 pub mod event_log;
 pub mod events;
 pub mod forecast;
+pub mod http;
 pub mod interrupt;
 pub mod key;
 pub mod manifest;
 pub mod plan;
 pub mod progress;
+pub mod replay;
 
 pub use baseline::Baseline;
 pub use cache::{Cache, Kind};

@@ -35,6 +35,8 @@ pub struct Pass {
     pub description: String,
     /// What of the model was reconstructed, and how.
     pub reconstructed: Option<String>,
+    /// What people add to the record of the validation that this pass closes.
+    pub closing: Option<Closing>,
     /// Every file of the study that was read, by its path within the folder, as it was then.
     pub files: BTreeMap<String, Content>,
     /// SHA-256 of the canonical JSON of the files as written: pass, parents, model, own rules and criteria.
@@ -81,6 +83,17 @@ pub struct Pass {
     pub missing: Vec<Pinned>,
     /// Warnings.
     pub warnings: Diagnostics,
+}
+
+/// What people add to the record of a validation.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Closing {
+    /// Where the model holds and where it does not, a sentence each.
+    pub domain: Vec<String>,
+    /// What became of each discrepancy or anomaly, by its name.
+    pub dispositions: Vec<(String, String)>,
+    /// What is left to do, a sentence each.
+    pub left: Vec<String>,
 }
 
 /// A calibration of a study.

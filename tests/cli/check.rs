@@ -188,7 +188,7 @@ fn another_seed_agrees_and_names_a_parameter_that_moved() {
     renew(root.path(), "shade");
     let said = printed(root.path(), &["check", "shade", "--other-seed"]);
     assert!(said.contains("shade/pass-1.json:tuned: agrees\n  G: would see 0.00"), "{said}");
-    assert!(said.contains("shade/pass-1.json:delivered: nothing to compare with another seed\n"), "{said}");
+    assert!(said.contains("shade/pass-1.json:delivered: agrees\n"), "{said}");
     assert!(said.contains(" comparisons with seed 1; any alarm by chance: 1 % at most\n"), "{said}");
 
     // The mean of the posterior of G moved by as much as the check states that it would see, and then by half of it.
@@ -227,6 +227,17 @@ fn another_seed_agrees_and_names_a_parameter_that_moved() {
     let line = said.lines().find(|line| line.starts_with("  G, mean: ")).unwrap_or_else(|| panic!("{said}"));
     assert!(line.contains(" W/K, +") && line.contains(" standard errors, p = "), "{line}");
     assert!(said.contains("1 DIFFER\n"), "{said}");
+
+    // No seed moves the error of the delivered model: a millionth of it is found.
+    renew(root.path(), "shade");
+    let delivered = root.path().join("shade/baseline/pass-1/delivered.json");
+    change(&delivered, |baseline| {
+        let value = &mut number(baseline, "readings to be fitted", "rmse")["value"];
+        *value = json!(value.as_f64().unwrap() * (1.0 + 1e-6));
+    });
+    let output = bmv(root.path(), &["check", "shade", "--other-seed=2"]);
+    let said = text(&output.stdout);
+    assert!(said.contains("shade/pass-1.json:delivered: DIFFERS\n") && said.contains("1 DIFFER\n"), "{said}");
 
     // The seed of the baseline itself proves nothing.
     let refused = bmv(root.path(), &["check", "shade", "--other-seed=5"]);

@@ -372,3 +372,27 @@ fn nothing_is_overwritten() {
     assert!(text(&output.stderr).contains("no reader recognises `notes.txt`"), "{}", text(&output.stderr));
     assert!(!root.path().join("fresh").exists(), "no folder is made in vain");
 }
+
+#[test]
+fn a_loggers_files_become_a_table_and_the_next_pass() {
+    let root = plate();
+    let log = "Logger 7; bench 2\n\nZeit;Kanal 1;Q;T wall;Kanal 9\n;\u{B0}C;W;\u{B0}C;\u{B0}C\n\
+               17.05.2024 12:00:00;43,0;10;20;9,9E+37\n17.05.2024 12:10:00;43,1;10;20;9,9E+37\n";
+    fs::write(root.path().join("log.csv"), log).unwrap();
+    fs::write(root.path().join("map.csv"), "channel,name,measures\nKanal 1,TC1,plate\n").unwrap();
+    let arguments = ["import", "csv", "log.csv", "--into", "plate", "--channels", "map.csv"];
+    let said = printed(root.path(), &arguments);
+    assert!(said.contains("1 sensor, 2 inputs") && said.contains("`Kanal 9` has no reading: left out"), "{said}");
+    assert!(said.ends_with("now look through it, then try\nbmv compare plate/pass-2.json\n"), "{said}");
+    let clean = fs::read_to_string(root.path().join("plate/data/log.csv")).unwrap();
+    assert_eq!(clean, "time [s],TC1 [degC],Q [W],T_wall [degC]\n0,43,10,20\n600,43.1,10,20\n");
+    let pass: Json = serde_json::from_str(&fs::read_to_string(root.path().join("plate/pass-2.json")).unwrap()).unwrap();
+    assert_eq!(pass["measurements"]["log"]["transient"]["sensors"]["TC1"]["measures"], "plate");
+    // Nothing is overwritten; what is not understood is said at its place.
+    let again = bmv(root.path(), &arguments);
+    assert!(code(&again) == 2 && text(&again.stderr).contains("--name NAME writes another"), "{}", text(&again.stderr));
+    fs::write(root.path().join("log.csv"), log.replace("43,1", "4E,1")).unwrap();
+    let wrong = bmv(root.path(), &["import", "csv", "log.csv", "--into", "plate", "--name", "b"]);
+    assert!(code(&wrong) == 2 && text(&wrong.stderr).contains("log.csv:6:21"), "{}", text(&wrong.stderr));
+    assert!(!root.path().join("plate/data/b.csv").exists());
+}

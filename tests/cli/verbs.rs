@@ -136,6 +136,13 @@ fn a_requirement_that_is_not_met_ends_with_one_where_that_is_asked() {
     }
     change(root.path(), |pass| pass["requirements"]["plate"]["probability"] = json!(0.3));
     assert_eq!(code(&bmv(root.path(), &["run", "plate", "--require"])), 0);
+    // The readings are 3 K off: by a stricter criterion the model fails its test, and claims nothing.
+    change(root.path(), |pass| pass["jobs"]["delivered"]["compare"]["criteria"] = json!("precision-1k"));
+    let output = bmv(root.path(), &["run", "plate", "--require"]);
+    let (printed_text, said) = (text(&output.stdout).replace('\u{A0}', " "), text(&output.stderr));
+    assert_eq!(code(&output), 1, "{said}");
+    assert!(said.contains("No requirement is called met here."), "{said}");
+    assert!(printed_text.contains("plate` reads 3.00 K above the prediction on average"), "{printed_text}");
     let output = bmv(root.path(), &["run", "plate", "--job", "compare", "--require"]);
     assert_eq!(code(&output), 1, "nothing is judged");
     assert!(text(&output.stderr).contains("nothing is required"), "{}", text(&output.stderr));

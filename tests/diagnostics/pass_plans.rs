@@ -101,3 +101,25 @@ fn a_history_that_says_too_little_is_refused_at_its_place() {
     study.put("data/h.csv", good);
     study.load();
 }
+
+#[test]
+fn a_correlation_that_cannot_be_made_is_refused_at_its_place() {
+    let cases = [
+        (r#""fit": {"correlate": {"criteria": "smc"}}"#, &["unknown criteria profile `smc`", "smc-3k"][..]),
+        (r#""fit": {"correlate": {"parameters": ["no"]}}"#, &["unknown parameter `no`"]),
+        (
+            r#""fit": {"correlate": {"ranges": {"Q": {"from": 1, "to": 9}}}}"#,
+            &["`Q` is not changed by this correlation", "one of its `parameters`"],
+        ),
+        (r#""size": {"conventional": {"from": "match"}}"#, &["`match` is a `compare` job", "a `correlate` job"]),
+        (r#""size": {"conventional": {"from": "fit"}}"#, &["unknown correlation `fit`"]),
+        (r#""size": {"conventional": {"priors_of": "pass-9.json"}}"#, &["pass-9.json"]),
+    ];
+    for (jobs, parts) in cases {
+        let said = study(jobs).said("pass-1.json");
+        for part in parts {
+            assert!(said.contains(part), "{part}\n{said}");
+        }
+        assert!(said.contains("pass-1.json:"), "{said}");
+    }
+}

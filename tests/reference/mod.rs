@@ -2,4 +2,5 @@
 
 mod arviz;
 mod nist;
+mod poisson;
 mod posteriordb;

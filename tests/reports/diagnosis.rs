@@ -79,7 +79,14 @@ fn has(text: &str, parts: &[&str]) {
 #[test]
 fn the_first_screen_says_what_is_missing_how_surely_and_what_it_does() {
     let (summary, own) = told("identified");
-    has(&summary, &["How wrong", "Where", "What is missing", "Path between two nodes", "0.0491 ± 0.0031 W/K"]);
+    has(
+        &summary,
+        &["Tuned with the proposed `conductive-path:baseplate:board`", "What is missing", "0.0491 ± 0.0031 W/K"],
+    );
+    has(
+        &summary,
+        &["**identified**: **Path** between `baseplate` and `board`: 0.0491 ± 0.0031 W/K", "bmv adopt sample/"],
+    );
     has(&summary, &["How sure: identified", "91.0 %", "0.83 → 0.27 K", "0.71 → 0.26 K", "no rival", "8.0 %"]);
     has(&own, &["identified", "99.9 %", "The words of the diagnosis.", "2 more were fitted"]);
     assert!(!own.contains("heat-load:strap") && !own.contains("Verdict: Verdict"), "{own}");

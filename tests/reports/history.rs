@@ -88,6 +88,21 @@ fn the_fall_is_told_in_words_numbers_and_three_curves() {
 }
 
 #[test]
+fn errors_of_other_readings_are_not_held_against_one_another() {
+    let sample = steady();
+    let mut report = sample.report();
+    let mut other = history();
+    // As many readings, but not the same.
+    other.passes[2].readings_sha256 = Some("ab".into());
+    report.history = Some(other);
+    let markdown = render(&report).expect("renders").markdown.replace('\u{A0}', " ");
+    let section = markdown.split("<a id=\"history\">").nth(1).expect("the section");
+    let told = "held-out error 3.60 K as delivered, held-out error 0.30 K tuned, on other readings than those of `pass-2.json`";
+    assert!(section.replace("\\-", "-").contains(told), "{section}");
+    assert!(!section.contains("1.90 K -> 0.30 K") && !section.contains("1.90 K \\-\\> 0.30"), "{section}");
+}
+
+#[test]
 fn one_pass_is_no_history() {
     let sample = steady();
     let mut report = sample.report();

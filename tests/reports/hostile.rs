@@ -10,6 +10,7 @@ use bmv::report::plot::{
     Stroke,
 };
 use bmv::report::plot::{bar_chart, heat_map, history, network, palette, residual_strips};
+use bmv::study::Closing;
 use bmv::study::posterior_prior::PosteriorPriorSummary;
 
 use super::calibration::calibrated;
@@ -61,6 +62,7 @@ fn poisoned(mut sample: Sample) -> Sample {
     let name = || HOSTILE.to_owned();
     sample.title = name();
     sample.reconstructed = Some(name());
+    sample.closing = Some(Closing { domain: vec![name()], dispositions: vec![(name(), name())], left: vec![name()] });
     sample.model.title = name();
     for node in &mut sample.model.nodes {
         node.name = name();

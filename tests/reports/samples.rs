@@ -12,6 +12,7 @@ use bmv::math::functions::{exp, ln, sin};
 use bmv::measurement::{Initial, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};
 use bmv::random::Distribution;
 use bmv::report::{FileHash, JobEntry, ParameterChange, PassReport};
+use bmv::study::Closing;
 use bmv::study::profile::Criteria;
 use bmv::study::requirement::{Environment, Requirement};
 use bmv::study::rule::{Margin, Rule};
@@ -29,6 +30,7 @@ pub struct Sample {
     pub results: Vec<JobEntry>,
     pub title: String,
     pub reconstructed: Option<String>,
+    pub closing: Option<Closing>,
 }
 
 impl Sample {
@@ -39,6 +41,7 @@ impl Sample {
             study: "sample".into(),
             description: "A study made for the tests of the report.\n\nIts second paragraph says no more.".into(),
             reconstructed: self.reconstructed.clone(),
+            closing: self.closing.clone(),
             model: &self.model,
             groups: &[],
             priors: self.priors.clone(),
@@ -241,6 +244,9 @@ pub fn radiator() -> Sample {
         is_temperature: true,
         limits: vec![("temperature".into(), limit)],
         sizes,
+        correlation: None,
+        priors_of: None,
+        from_draws: false,
         worst_case: vec![WorstEnd {
             requirement: "temperature".into(),
             parameter: "eps".into(),
@@ -270,6 +276,7 @@ pub fn radiator() -> Sample {
             entry::<conventional::Kind>("margins", "34", conventional),
         ],
         title: "Passive radiator, pass 1".into(),
+        closing: None,
         reconstructed: Some(
             "All numbers of this case are reconstructed; none is taken from the thesis that it follows.".into(),
         ),
@@ -489,6 +496,7 @@ fn compare_sample(title: &str, model: Model, measurement: Measurement, output: c
         results: vec![entry::<compare::Kind>("as delivered", "56", output)],
         title: title.into(),
         reconstructed: None,
+        closing: None,
     }
 }
 

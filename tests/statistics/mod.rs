@@ -5,6 +5,7 @@ mod calibration;
 mod discrepancy;
 mod estimators;
 mod evidence;
+mod flight_coverage;
 pub mod hand_on;
 mod job_calibration;
 mod laboratory;

@@ -246,6 +246,35 @@ fn the_error_of_the_evidence_of_four_islands_is_the_stated_one() {
 }
 
 #[test]
+fn draws_of_the_evidence_end_at_the_wanted_error_and_keep_the_stated_one() {
+    let linear = models::LinearGaussian::new(10, 25);
+    let (model, start, exact) = (linear.model(), linear.exact().0, linear.exact().2);
+    let settings = ImportanceSettings { wanted_error: 0.05, ..Default::default() };
+    let (scale, beyond) = by_stated_error(exact, 32, |key| {
+        let found = importance(&model, &settings, key, 0, Some(start.as_slice())).expect("an estimate");
+        assert!(found.log_evidence_error <= 0.05 && found.work.likelihoods < 4000, "{found:?}");
+        (found.log_evidence, found.log_evidence_error)
+    });
+    // Bounds as for the islands.
+    assert!((0.69..1.31).contains(&scale) && beyond <= 5, "{scale} {beyond}");
+}
+
+#[test]
+fn draws_of_the_evidence_end_where_the_weights_have_no_mean() {
+    // A narrow peak on a plateau with nearly all of the mass: of draws by a t density with one degree of freedom round the
+    // peak the weights go with the distance squared, whose tail has the shape 2.
+    let model = models::Model::new(vec![models::uniform(-1e3, 1e3)], |x, slopes| {
+        let peak = libm::exp(-5e3 * x[0] * x[0]);
+        slopes[0] = -1e4 * x[0] * peak / (peak + 1e-3);
+        Ok(libm::log(peak + 1e-3))
+    });
+    let settings = ImportanceSettings { wanted_error: 0.05, degrees: 1, ..Default::default() };
+    let found = importance(&model, &settings, &StreamKey::new(1, "samplers", "plateau"), 0, Some(&[0.0]));
+    let found = found.expect("an estimate");
+    assert!(found.pareto_k.is_none_or(|k| k > 1.0) && found.work.likelihoods < 4000, "{found:?}");
+}
+
+#[test]
 #[ignore = "nightly: 50 seeds"]
 fn the_stated_errors_of_the_evidence_are_kept() {
     const SEEDS: u64 = 50;

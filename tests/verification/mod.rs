@@ -17,6 +17,7 @@ mod hidden_effect;
 mod history_margins;
 mod likelihood;
 mod linear_diagnosis;
+mod margins;
 mod model_error;
 mod monitor_calibration;
 pub mod monitor_campaign;

@@ -167,7 +167,8 @@ fn structural(sensor: &str, (voltage, deck_c): (f64, f64)) -> f64 {
 fn is_stored(file: &str, text: &str) {
     let stored = std::fs::read_to_string(folder().join("data").join(file)).unwrap_or_default();
     if stored != text {
-        let made = Path::new(env!("CARGO_TARGET_TMPDIR")).join(file);
+        let name = Path::new(file).file_name().unwrap();
+        let made = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
         std::fs::write(&made, text).unwrap();
         panic!("studies/sxm/data/{file} is not what the truth and the seed give: see {}", made.display());
     }
@@ -183,6 +184,26 @@ fn the_campaign_is_made_again_byte_for_byte() {
 fn the_campaign_with_discrepancy_is_made_again_byte_for_byte() {
     let text = campaign_with(&study("pass-1.json"), &TRUTH, structural, 1.0);
     is_stored("thermal-vacuum-discrepancy.csv", &text);
+}
+
+/// The first campaign with the cooler's current, read with noise of 2 mA: for the surfaces of case study 6.4.
+#[test]
+fn the_campaign_with_the_current_is_made_again_byte_for_byte() {
+    let pass = study("pass-1.json");
+    let noise = StreamKey::new(SEED, "thermal vacuum", "current");
+    let plain = campaign(&pass, &TRUTH);
+    let mut text = String::new();
+    for (index, line) in plain.lines().enumerate() {
+        let last = match index.checked_sub(1) {
+            None => "current [A]".to_owned(),
+            Some(row) => {
+                let (_, current) = chamber(&pass, phases()[row]);
+                format!("{:.5}", current + 0.002 * noise.stream(row as u64).normal())
+            }
+        };
+        writeln!(text, "{line},{last}").unwrap();
+    }
+    is_stored("../../sxm-surfaces/data/thermal-vacuum-current.csv", &text);
 }
 
 #[test]

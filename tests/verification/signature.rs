@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use bmv::diagnosis::fits::refit::Begin;
 use bmv::diagnosis::linearisation::signature::{Unseen, directions, linearise};
 use bmv::diagnosis::{Direction, Problem};
 use bmv::effect::{Candidate, SensorPlace, Site, candidates};
 use bmv::inference::likelihood::{InputError, Likelihood};
 use bmv::inference::target::{LeastSquares, Target};
 use bmv::measurement::{Initial, InputColumn, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};
-use bmv::random::Distribution;
+use bmv::random::{Distribution, StreamKey};
 use bmv::thermal::Model;
 
 use super::effects::{catalogue, groups, model, sensors};
@@ -488,4 +489,36 @@ fn directions_over_long_records_are_near_the_slopes_of_each_effects_likelihood()
         }
     }
     assert!(on_nodes > 30 && on_sensors > 0, "{on_nodes} on nodes, {on_sensors} on sensors");
+}
+
+/// A fit over a long record begins on fewer rows and ends where the fit on all rows does: its last step gains less than 1e-3 in
+/// log posterior density, and so does the other's.
+#[test]
+fn fits_that_begin_on_fewer_rows_end_where_those_on_all_rows_do() {
+    let mut problem = problem(vec![long(&model())], vec![]);
+    let (likelihood, _) = fit(&problem);
+    let mut residuals = vec![0.0; likelihood.residual_count()];
+    likelihood.residuals(&[0.5], &mut likelihood.workspace(), &mut residuals).expect("a solution");
+    let sensors = problem.measurements[0].sensors.len();
+    for (place, (datum, residual)) in likelihood.data().iter().zip(&residuals).enumerate() {
+        // Predictions of another value than the prior's median, with errors that repeat.
+        let error = 0.1 * ((place * 7 % 11) as f64 / 5.0 - 1.0);
+        let reading = &mut problem.measurements[0].readings[datum.row * sensors + datum.sensor];
+        *reading = reading.map(|reading| reading - 0.1 * residual + error);
+    }
+    let key = StreamKey::new(1, "test", "fewer rows");
+    for effect in ["heat-load", "conductive-path", "sensor-gain", "thermal-mass"] {
+        let of_effect = |candidate: &Candidate| candidate.effect == effect;
+        let set = [problem.candidates.iter().position(of_effect).expect(effect)];
+        let fit = |is_near| {
+            let begin = Begin { from_prior: 1, scale: 1.0, is_near, ..Begin::default() };
+            problem.refit(&set, &begin, &key).expect(effect)
+        };
+        let (on_fewer_first, on_all) = (fit(false), fit(true));
+        let off = on_fewer_first.log_likelihood - on_all.log_likelihood;
+        assert!(off.abs() < 5e-3, "{effect}: {off}");
+        for (found, exact) in on_fewer_first.amplitudes[0].iter().zip(&on_all.amplitudes[0]) {
+            assert!((found.mode - exact.mode).abs() <= 0.1 * exact.sd, "{effect}: {found:?} {exact:?}");
+        }
+    }
 }

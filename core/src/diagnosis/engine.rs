@@ -106,6 +106,9 @@ pub struct State {
     /// How often another set than the best was extended.
     #[serde(default)]
     pub aside: u32,
+    /// How often probable sets were fitted without each of their members.
+    #[serde(default)]
+    pub without_members: u32,
     /// How often a model error was estimated.
     #[serde(default)]
     pub model_errors: u32,
@@ -364,6 +367,7 @@ impl Diagnosis {
         let state = State {
             rounds: 0,
             aside: 0,
+            without_members: 0,
             model_errors: 0,
             is_pilot: false,
             noise,
@@ -484,7 +488,8 @@ impl Diagnosis {
         let widths = state.refits.get(request.from).map(Refit::widths).unwrap_or_default();
         // Effects that can only harm, as an exchange of channels, need not be fitted to the end.
         let least_log_likelihood = state.refits.first().map(|baseline| baseline.log_likelihood);
-        let begin = Begin { starts: starts.collect(), from_prior, scale: 1.0, widths, least_log_likelihood };
+        let begin =
+            Begin { starts: starts.collect(), from_prior, scale: 1.0, widths, least_log_likelihood, is_near: false };
         problem.refit(&request.effects, &begin, &self.key).map_err(|error| {
             let ids = request.effects.iter().map(|&effect| problem.candidates[effect].id.clone());
             Unfitted { effects: ids.collect(), reason: error.to_string() }

@@ -299,6 +299,7 @@ impl Diagnosis {
                 starts: vec![state.refits[place].by_name()],
                 scale: 1.0,
                 widths: state.refits[place].widths(),
+                is_near: true,
                 ..Begin::default()
             };
             let Ok(refit) =

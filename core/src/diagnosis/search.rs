@@ -21,6 +21,12 @@ const MOST_ROUNDS: u32 = 8;
 const MOST_ASIDE: u32 = 6;
 /// Single effects from which sets are sought that the best one does not lead to.
 const MOST_SEEDS: usize = 3;
+/// How often probable sets are fitted without each of their members: once more where that changed which are probable.
+const MOST_WITHOUT_MEMBERS: u32 = 2;
+/// Probability of such a set.
+const PROBABLE: f64 = 0.01;
+/// Most of them.
+const MOST_PROBABLE: usize = 8;
 /// Most effects of a set of which all parts are fitted.
 const MOST_PARTED: usize = 4;
 /// Exchanges of channels that are fitted beside a set that is extended.
@@ -58,6 +64,10 @@ impl Diagnosis {
 
     fn extended(&self, state: State) -> State {
         let mut state = self.search(state);
+        if state.pending.is_empty() && !state.is_misspecified() && state.without_members < MOST_WITHOUT_MEMBERS {
+            state.without_members += 1;
+            self.order_without_members(&mut state);
+        }
         if state.pending.is_empty() {
             match self.leave_out(&state) {
                 Ok(Some(next)) => return next,
@@ -290,6 +300,21 @@ impl Diagnosis {
                 let is_in = |position: &usize| chosen >> position & 1 == 1;
                 let part: Vec<usize> = (0..effects.len()).filter(is_in).map(|position| effects[position]).collect();
                 state.order(&[], &part, whole);
+            }
+        }
+    }
+
+    /// Orders probable sets without each of their members, where these were not fitted: what a member explains is told beside
+    /// the others.
+    fn order_without_members(&self, state: &mut State) {
+        let weights = posterior_odds(self.problem(), &state.refits, None);
+        let mut places: Vec<usize> = (0..state.refits.len()).filter(|&place| weights.sets[place] >= PROBABLE).collect();
+        places.sort_by(|&a, &b| weights.sets[b].total_cmp(&weights.sets[a]));
+        for place in places.into_iter().take(MOST_PROBABLE) {
+            let set = state.refits[place].effects.clone();
+            for &member in set.iter().filter(|_| set.len() > 1) {
+                let rest: Vec<usize> = set.iter().copied().filter(|&other| other != member).collect();
+                state.order(&[], &rest, place);
             }
         }
     }

@@ -13,6 +13,6 @@ pub mod unit;
 pub use dimension::Dimension;
 pub use graph::{Binary, Dependence, ExprId, Graph, Symbol, Table, Term, Unary};
 pub use parse::{Fault, ParseError, parse};
-pub use program::{Lanes, Program, Register, Segment};
+pub use program::{Program, Register, Segment};
 pub use scope::{Names, Scope};
 pub use unit::{Unit, UnitError};

@@ -10,6 +10,7 @@ use std::collections::HashMap;
 
 use super::graph::{Binary, ExprId, Graph, Symbol, Table, Term, Unary, apply_binary, apply_unary};
 use super::schedule;
+use crate::math::lanes::Lanes;
 
 /// A place in the file of registers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,102 +44,6 @@ struct Run {
     code: Code,
     /// Where they end in the list.
     end: usize,
-}
-
-/// One value, or several evaluated side by side with the same bits as one at a time.
-pub trait Lanes: Copy + Send + Sync {
-    /// Number of lanes.
-    const COUNT: usize;
-    /// The value of a lane; the number is below [`Lanes::COUNT`].
-    fn lane(&self, lane: usize) -> f64;
-    /// Replaces the value of a lane.
-    fn set_lane(&mut self, lane: usize, value: f64);
-    /// The same value in every lane.
-    fn splat(value: f64) -> Self;
-    /// A function applied to every lane.
-    fn map(self, function: impl Fn(f64) -> f64) -> Self;
-    /// A function applied lane by lane to two.
-    fn zip(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self;
-    /// Becomes [`Lanes::map`] of another, without a copy of either.
-    fn become_map(&mut self, a: &Self, function: impl Fn(f64) -> f64);
-    /// Becomes [`Lanes::zip`] of two others, without a copy of any.
-    fn become_zip(&mut self, a: &Self, b: &Self, function: impl Fn(f64, f64) -> f64);
-}
-
-impl Lanes for f64 {
-    const COUNT: usize = 1;
-    #[inline]
-    fn lane(&self, _: usize) -> f64 {
-        *self
-    }
-    #[inline]
-    fn set_lane(&mut self, _: usize, value: f64) {
-        *self = value;
-    }
-    #[inline]
-    fn splat(value: f64) -> Self {
-        value
-    }
-    #[inline]
-    fn map(self, function: impl Fn(f64) -> f64) -> Self {
-        function(self)
-    }
-    #[inline]
-    fn zip(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
-        function(self, other)
-    }
-    #[inline]
-    fn become_map(&mut self, a: &Self, function: impl Fn(f64) -> f64) {
-        *self = function(*a);
-    }
-    #[inline]
-    fn become_zip(&mut self, a: &Self, b: &Self, function: impl Fn(f64, f64) -> f64) {
-        *self = function(*a, *b);
-    }
-}
-
-impl<const N: usize> Lanes for [f64; N] {
-    const COUNT: usize = N;
-    #[inline]
-    fn lane(&self, lane: usize) -> f64 {
-        self[lane]
-    }
-    #[inline]
-    fn set_lane(&mut self, lane: usize, value: f64) {
-        self[lane] = value;
-    }
-    #[inline]
-    fn splat(value: f64) -> Self {
-        [value; N]
-    }
-    #[inline]
-    fn map(self, function: impl Fn(f64) -> f64) -> Self {
-        let mut out = self;
-        for value in &mut out {
-            *value = function(*value);
-        }
-        out
-    }
-    #[inline]
-    fn zip(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
-        let mut out = self;
-        for (value, &second) in out.iter_mut().zip(&other) {
-            *value = function(*value, second);
-        }
-        out
-    }
-    #[inline]
-    fn become_map(&mut self, a: &Self, function: impl Fn(f64) -> f64) {
-        for (value, &a) in self.iter_mut().zip(a) {
-            *value = function(a);
-        }
-    }
-    #[inline]
-    fn become_zip(&mut self, a: &Self, b: &Self, function: impl Fn(f64, f64) -> f64) {
-        for ((value, &a), &b) in self.iter_mut().zip(a).zip(b) {
-            *value = function(a, b);
-        }
-    }
 }
 
 /// A compiled set of expressions.

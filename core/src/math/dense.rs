@@ -5,6 +5,8 @@
 
 use thiserror::Error;
 
+use super::lanes::dot;
+
 /// A pivot of a factorisation that is zero or not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[error("the matrix is singular: column {column} has the pivot {pivot}, which is not a finite number other than 0")]
@@ -105,22 +107,6 @@ pub fn solve_transposed(factors: &[f64], pivots: &[usize], rhs: &mut [f64]) {
     for (k, &row) in pivots.iter().enumerate().rev() {
         rhs.swap(k, row);
     }
-}
-
-/// Scalar product by two interleaved sums (even and odd indices), then their sum: a fixed order, and half the latency.
-#[inline]
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (mut even, mut odd) = (0.0, 0.0);
-    let (pairs_a, pairs_b) = (a.chunks_exact(2), b.chunks_exact(2));
-    let last = match (pairs_a.remainder(), pairs_b.remainder()) {
-        ([x], [y]) => x * y,
-        _ => 0.0,
-    };
-    for (x, y) in pairs_a.zip(pairs_b) {
-        even += x[0] * y[0];
-        odd += x[1] * y[1];
-    }
-    even + odd + last
 }
 
 /// Scalar product of short vectors, summed in the order of their entries.

@@ -4,6 +4,7 @@ pub mod cholesky;
 pub mod dense;
 pub mod elimination;
 pub mod functions;
+pub mod lanes;
 pub mod ordering;
 pub mod pivoting_lu;
 pub mod quadrature;

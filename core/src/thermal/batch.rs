@@ -1,7 +1,7 @@
 //! Steady solves of several samples side by side: the lanes of a batch share every instruction, and each lane ends
 //! with the bits that a solve of it alone from the same start would have.
 
-use crate::expression::Lanes;
+use crate::math::lanes::Lanes;
 
 use super::equations::segment;
 use super::linear::Linear;
@@ -13,14 +13,17 @@ use super::steady::{Start, SteadyError};
 #[derive(Clone, Debug)]
 pub struct Batch<const N: usize> {
     pub(super) state: State<[f64; N]>,
-    pub(super) linear: Linear<[f64; N]>,
+    /// None where lanes are always solved one after the other.
+    pub(super) linear: Option<Linear<[f64; N]>>,
     status: [LaneStatus; N],
     last_step: [f64; N],
     pub(super) outcomes: Vec<Result<SteadyStats, SteadyError>>,
     /// For lanes that the plain method loses.
     pub(super) alone: Workspace,
-    /// Of networks with sparse factors a workspace a lane, since such lanes are solved one after the other.
+    /// A workspace a lane, as far as lanes of a network with sparse factors were solved one after the other.
     pub(super) own: Vec<Workspace>,
+    /// Whether the last solve took one lane after the other.
+    pub(super) one_by_one: bool,
     /// Lanes written so far hold the solution.
     temperatures: Vec<[f64; N]>,
     /// Whether what follows from the parameters must be computed again.
@@ -72,8 +75,8 @@ impl<const N: usize> Batch<N> {
         }
     }
 
-    /// Says how many lanes, from the first on, have work of their own. Where lanes are solved one after the other (large
-    /// networks), the others are left out; what they hold is then without meaning.
+    /// Says how many lanes, from the first on, have work of their own. Where lanes are solved one after the other (few
+    /// lanes of a large network), the others are left out; what they hold is then without meaning.
     pub fn use_lanes(&mut self, count: usize) {
         self.used = count.min(N);
     }
@@ -135,7 +138,8 @@ impl Network {
             last_step: [0.0; N],
             outcomes: vec![Ok(SteadyStats::default()); N],
             alone: self.workspace(),
-            own: if self.linear.is_dense() { Vec::new() } else { (0..N).map(|_| self.workspace()).collect() },
+            own: Vec::new(),
+            one_by_one: false,
             temperatures: vec![[0.0; N]; self.nodes.len()],
             stale_parameters: true,
             used: N,
@@ -150,7 +154,8 @@ impl Network {
     /// Solves every lane. A lane that fails leaves its reason in [`Batch::outcome`]; the others are not affected.
     pub fn solve_steady_batch<const N: usize>(&self, batch: &mut Batch<N>, start: Start<'_>) {
         let equations = &self.steady;
-        if !batch.own.is_empty() {
+        batch.one_by_one = batch.linear.as_ref().is_none_or(|linear| !linear.is_worth_lanes(batch.used));
+        if batch.one_by_one {
             for lane in 0..batch.used {
                 self.solve_own(batch, lane, start);
             }
@@ -191,7 +196,9 @@ impl Network {
             let possible = equations.check_given(&batch.state.file, lane, &self.nodes).is_ok();
             batch.status[lane] = if possible { LaneStatus::Running } else { LaneStatus::Lost };
         }
-        newton::solve(equations, &mut batch.state, &mut batch.linear, &[], &mut batch.status, &mut batch.last_step);
+        if let Some(linear) = &mut batch.linear {
+            newton::solve(equations, &mut batch.state, linear, &[], &mut batch.status, &mut batch.last_step);
+        }
         for lane in 0..N {
             match batch.status[lane] {
                 LaneStatus::Converged(iterations) => {
@@ -214,6 +221,9 @@ impl Network {
     /// Solves a lane in its own workspace, where derivatives find it; its temperatures and quantities go to the batch.
     fn solve_own<const N: usize>(&self, batch: &mut Batch<N>, lane: usize, start: Start<'_>) {
         let equations = &self.steady;
+        while batch.own.len() <= lane {
+            batch.own.push(self.workspace());
+        }
         let own = &mut batch.own[lane];
         let (parameters, inputs) = (0..equations.parameters, equations.parameters..equations.time());
         // What follows from parameters that did not change since the lane's last solve is not computed again.

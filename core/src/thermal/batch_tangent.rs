@@ -1,24 +1,10 @@
 //! Exact derivatives of several steady states side by side, as [`super::tangent`] has them of one, with the same bits.
 
-use crate::expression::Lanes;
+use crate::math::lanes::Lanes;
 
 use super::batch::Batch;
 use super::equations::segment;
 use super::network::Network;
-
-/// `sum + a b`, lane by lane.
-fn add_product<const N: usize>(sum: &mut [f64; N], a: &[f64; N], b: &[f64; N]) {
-    for ((sum, a), b) in sum.iter_mut().zip(a).zip(b) {
-        *sum += a * b;
-    }
-}
-
-/// `sum - a b`, lane by lane.
-fn subtract_product<const N: usize>(sum: &mut [f64; N], a: &[f64; N], b: &[f64; N]) {
-    for ((sum, a), b) in sum.iter_mut().zip(a).zip(b) {
-        *sum -= a * b;
-    }
-}
 
 impl Network {
     /// Derivatives of all quantities at the solutions of the batch's last solve with respect to the differentiated
@@ -26,7 +12,7 @@ impl Network {
     pub fn quantity_tangent_batch<const N: usize>(&self, batch: &mut Batch<N>, out: &mut [[f64; N]]) {
         let equations = &self.steady;
         let columns = self.differentiate.len();
-        if !batch.linear.is_dense() {
+        if batch.one_by_one {
             let mut lane_tangent = vec![0.0; out.len()];
             for lane in 0..batch.used() {
                 let solved = self.quantity_tangent(&mut batch.own[lane], &mut lane_tangent).is_ok();
@@ -37,6 +23,7 @@ impl Network {
             return;
         }
         self.factor_batch(batch);
+        let Some(linear) = &mut batch.linear else { return };
         let (file, step) = (&batch.state.file, &mut batch.state.step);
         out.fill([0.0; N]);
         for entry in &equations.quantity_symbol {
@@ -51,10 +38,9 @@ impl Network {
                 for entry in equations.quantity_temperature.iter().filter(|entry| entry.row == row) {
                     step[entry.column] = step[entry.column].zip(file[entry.register.index()], |a, b| a + b);
                 }
-                batch.linear.solve_transposed(step);
+                linear.solve_transposed(step);
                 for entry in &equations.residual_tangent {
-                    let out = &mut out[row * columns + entry.column];
-                    subtract_product(out, &step[entry.row], &file[entry.register.index()]);
+                    out[row * columns + entry.column].subtract_product(&step[entry.row], &file[entry.register.index()]);
                 }
             }
             return;
@@ -64,10 +50,9 @@ impl Network {
             for entry in equations.residual_tangent.iter().filter(|entry| entry.column == column) {
                 step[entry.row] = step[entry.row].zip(file[entry.register.index()], |a, b| a - b);
             }
-            batch.linear.solve(step);
+            linear.solve(step);
             for entry in &equations.quantity_temperature {
-                let out = &mut out[entry.row * columns + column];
-                add_product(out, &file[entry.register.index()], &step[entry.column]);
+                out[entry.row * columns + column].add_product(&file[entry.register.index()], &step[entry.column]);
             }
         }
     }
@@ -81,7 +66,7 @@ impl Network {
         out: &mut [[f64; N]],
     ) {
         let equations = &self.steady;
-        if !batch.linear.is_dense() {
+        if batch.one_by_one {
             let (mut lane_gradient, mut lane_weights) = (vec![0.0; out.len()], vec![0.0; weights.len()]);
             for lane in 0..batch.used() {
                 for (lane_weight, weight) in lane_weights.iter_mut().zip(weights) {
@@ -95,21 +80,22 @@ impl Network {
             return;
         }
         self.factor_batch(batch);
+        let Some(linear) = &mut batch.linear else { return };
         let (file, step) = (&batch.state.file, &mut batch.state.step);
         out.fill([0.0; N]);
         for entry in &equations.quantity_symbol {
-            add_product(&mut out[entry.column], &weights[entry.row], &file[entry.register.index()]);
+            out[entry.column].add_product(&weights[entry.row], &file[entry.register.index()]);
         }
         if equations.size() == 0 {
             return;
         }
         step.fill([0.0; N]);
         for entry in &equations.quantity_temperature {
-            add_product(&mut step[entry.column], &weights[entry.row], &file[entry.register.index()]);
+            step[entry.column].add_product(&weights[entry.row], &file[entry.register.index()]);
         }
-        batch.linear.solve_transposed(step);
+        linear.solve_transposed(step);
         for entry in &equations.residual_tangent {
-            subtract_product(&mut out[entry.column], &step[entry.row], &file[entry.register.index()]);
+            out[entry.column].subtract_product(&step[entry.row], &file[entry.register.index()]);
         }
     }
 
@@ -119,7 +105,9 @@ impl Network {
         for part in [segment::JACOBIAN, segment::RESIDUAL_TANGENT, segment::QUANTITY_TANGENT] {
             self.steady.program.run(part, file);
         }
-        batch.linear.load(&self.steady, file);
-        batch.linear.factor();
+        if let Some(linear) = &mut batch.linear {
+            linear.load(&self.steady, file);
+            linear.factor();
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! Given values that cannot be, and finding the element behind a number that is not finite.
 
-use crate::expression::{ExprId, Lanes, Symbol};
+use crate::expression::{ExprId, Symbol};
+use crate::math::lanes::Lanes;
 
 use super::element::SignConstraint;
 use super::equations::Equations;

@@ -4,7 +4,7 @@
 //! Networks have few conductors a node, so most entries are 0 and stay 0: they are passed over in the elimination, and
 //! solutions go through lists of the others.
 
-use crate::expression::Lanes;
+use crate::math::lanes::Lanes;
 
 /// Factors of a square matrix per lane, rows exchanged for the largest pivot.
 #[derive(Clone, Debug)]

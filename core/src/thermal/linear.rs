@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::expression::Lanes;
+use crate::math::lanes::Lanes;
 use crate::math::sparse::Pattern;
 use crate::math::sparse_lu::{SparseLu, SymbolicLu};
 
@@ -13,20 +13,41 @@ use super::network::NetworkError;
 /// Networks of up to this many unknowns have dense factors.
 const DENSE_UP_TO: usize = 32;
 
+/// Sparse factors of all lanes side by side take about as long as those of one lane in so many, one after the other.
+const SHARE_OF_LANES: usize = 2;
+/// Most entries of the factors of all lanes, 32 MiB: beyond, nearly dense blocks gain nothing from company.
+const MOST_ENTRIES: usize = 1 << 22;
+
 /// A factorisable matrix with the pattern of the network's slopes and a full diagonal.
 #[derive(Clone, Debug)]
 pub(super) enum Linear<V> {
     Dense { lu: LanesLu<V>, size: usize },
-    Sparse(Box<Sparse>),
+    Sparse(Box<Sparse<V>>),
 }
 
 /// A sparse matrix and its factors.
 #[derive(Clone, Debug)]
-pub(super) struct Sparse {
-    pattern: Arc<SymbolicLu>,
-    values: Vec<f64>,
-    lu: SparseLu,
-    usable: bool,
+pub(super) struct Sparse<V> {
+    values: Vec<V>,
+    lu: SparseLu<V>,
+}
+
+impl<V: Lanes> Sparse<V> {
+    fn new(pattern: Arc<SymbolicLu>) -> Self {
+        Self { values: vec![V::splat(0.0); pattern.pattern().stored()], lu: SparseLu::new(pattern) }
+    }
+
+    fn pattern(&self) -> &Pattern {
+        self.lu.symbolic().pattern()
+    }
+
+    /// Sets the values in the order of the pattern's entries, each of which occurs once, and 0 elsewhere.
+    fn load(&mut self, slopes: impl Iterator<Item = V>) {
+        self.values.fill(V::splat(0.0));
+        for (slope, &slot) in slopes.zip(self.lu.symbolic().pattern().slots()) {
+            self.values[slot] = slope;
+        }
+    }
 }
 
 impl<V: Lanes> Linear<V> {
@@ -38,22 +59,32 @@ impl<V: Lanes> Linear<V> {
         let entries: Vec<(usize, usize)> = equations.jacobian.iter().map(|e| (e.row, e.column)).collect();
         let pattern =
             Pattern::new(size, &entries).map_err(|error| NetworkError::Matrix { reason: error.to_string() })?;
-        let pattern = Arc::new(SymbolicLu::new(pattern));
-        let values = vec![0.0; pattern.pattern().stored()];
-        Ok(Self::Sparse(Box::new(Sparse { lu: SparseLu::new(Arc::clone(&pattern)), pattern, values, usable: false })))
+        Ok(Self::Sparse(Box::new(Sparse::new(Arc::new(SymbolicLu::new(pattern))))))
     }
 
-    /// Room for the same pattern in other lanes (sparse factors know one lane only).
-    pub fn in_lanes<W: Lanes>(&self) -> Linear<W> {
+    /// Room for the same pattern in other lanes; none where that would be too large to be of use.
+    pub fn in_lanes<W: Lanes>(&self) -> Option<Linear<W>> {
         match self {
-            Self::Dense { size, .. } => Linear::Dense { lu: LanesLu::new(*size), size: *size },
-            Self::Sparse(sparse) => Linear::Sparse(sparse.clone()),
+            Self::Dense { size, .. } => Some(Linear::Dense { lu: LanesLu::new(*size), size: *size }),
+            Self::Sparse(sparse) => {
+                let symbolic = sparse.lu.symbolic();
+                let fits = symbolic.factor_entries().saturating_mul(W::COUNT) <= MOST_ENTRIES;
+                fits.then(|| Linear::Sparse(Box::new(Sparse::new(Arc::clone(symbolic)))))
+            }
         }
     }
 
     /// Whether the factors are dense.
     pub fn is_dense(&self) -> bool {
         matches!(self, Self::Dense { .. })
+    }
+
+    /// Whether so many lanes are better solved side by side than one after the other.
+    pub fn is_worth_lanes(&self, used: usize) -> bool {
+        match self {
+            Self::Dense { .. } => true,
+            Self::Sparse(_) => SHARE_OF_LANES * used >= V::COUNT,
+        }
     }
 
     /// Puts remembered slopes of the balances into the matrix, in the order of the equations' entries.
@@ -65,12 +96,7 @@ impl<V: Lanes> Linear<V> {
                     lu.matrix[entry.row * *size + entry.column] = slope;
                 }
             }
-            Self::Sparse(sparse) => {
-                sparse.values.fill(0.0);
-                for (&slope, &slot) in slopes.iter().zip(sparse.pattern.pattern().slots()) {
-                    sparse.values[slot] = slope.lane(0);
-                }
-            }
+            Self::Sparse(sparse) => sparse.load(slopes.iter().copied()),
         }
     }
 
@@ -83,13 +109,7 @@ impl<V: Lanes> Linear<V> {
                     lu.matrix[entry.row * *size + entry.column] = file[entry.register.index()];
                 }
             }
-            Self::Sparse(sparse) => {
-                // Every position of the slopes occurs once, so a slot is set, not added to.
-                sparse.values.fill(0.0);
-                for (entry, &slot) in equations.jacobian.iter().zip(sparse.pattern.pattern().slots()) {
-                    sparse.values[slot] = file[entry.register.index()].lane(0);
-                }
-            }
+            Self::Sparse(sparse) => sparse.load(equations.jacobian.iter().map(|entry| file[entry.register.index()])),
         }
     }
 
@@ -100,7 +120,10 @@ impl<V: Lanes> Linear<V> {
                 let entry = &mut lu.matrix[row * *size + row];
                 *entry = entry.zip(value, |a, b| a + b);
             }
-            Self::Sparse(sparse) => sparse.values[sparse.pattern.pattern().diagonal()[row]] += value.lane(0),
+            Self::Sparse(sparse) => {
+                let slot = sparse.pattern().diagonal()[row];
+                sparse.values[slot] = sparse.values[slot].zip(value, |a, b| a + b);
+            }
         }
     }
 
@@ -108,7 +131,7 @@ impl<V: Lanes> Linear<V> {
     pub fn diagonal(&self, row: usize) -> V {
         match self {
             Self::Dense { lu, size } => lu.matrix[row * *size + row],
-            Self::Sparse(sparse) => V::splat(sparse.values[sparse.pattern.pattern().diagonal()[row]]),
+            Self::Sparse(sparse) => sparse.values[sparse.pattern().diagonal()[row]],
         }
     }
 
@@ -116,7 +139,10 @@ impl<V: Lanes> Linear<V> {
     pub fn factor(&mut self) {
         match self {
             Self::Dense { lu, .. } => lu.factor(),
-            Self::Sparse(sparse) => sparse.usable = sparse.lu.refactor(&sparse.values).is_ok(),
+            Self::Sparse(sparse) => {
+                // A singular lane has no numbers as its solution.
+                sparse.lu.refactor(&sparse.values);
+            }
         }
     }
 
@@ -124,7 +150,7 @@ impl<V: Lanes> Linear<V> {
     pub fn solve(&mut self, rhs: &mut [V]) {
         match self {
             Self::Dense { lu, .. } => lu.solve(rhs),
-            Self::Sparse(sparse) => sparse.solve(rhs, false),
+            Self::Sparse(sparse) => sparse.lu.solve(rhs),
         }
     }
 
@@ -132,7 +158,7 @@ impl<V: Lanes> Linear<V> {
     pub fn solve_transposed(&mut self, rhs: &mut [V]) {
         match self {
             Self::Dense { lu, .. } => lu.solve_transposed(rhs),
-            Self::Sparse(sparse) => sparse.solve(rhs, true),
+            Self::Sparse(sparse) => sparse.lu.solve_transposed(rhs),
         }
     }
 }
@@ -148,34 +174,12 @@ impl Linear<f64> {
                     for (value, row) in one.iter_mut().zip(rhs.chunks_exact(columns)) {
                         *value = row[column];
                     }
-                    sparse.solve(&mut one, false);
+                    sparse.lu.solve(&mut one);
                     for (value, row) in one.iter().zip(rhs.chunks_exact_mut(columns)) {
                         row[column] = *value;
                     }
                 }
             }
-        }
-    }
-}
-
-impl Sparse {
-    fn solve<V: Lanes>(&mut self, rhs: &mut [V], transposed: bool) {
-        if !self.usable {
-            rhs.fill(V::splat(f64::NAN));
-            return;
-        }
-        // The values have been taken into the factors and are loaded anew before the next ones: room for one lane.
-        let room = &mut self.values[..rhs.len()];
-        for (slot, value) in room.iter_mut().zip(rhs.iter()) {
-            *slot = value.lane(0);
-        }
-        if transposed {
-            self.lu.solve_transposed(room);
-        } else {
-            self.lu.solve(room);
-        }
-        for (value, &slot) in rhs.iter_mut().zip(room.iter()) {
-            *value = V::splat(slot);
         }
     }
 }

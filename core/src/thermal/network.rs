@@ -5,7 +5,8 @@
 
 use thiserror::Error;
 
-use crate::expression::{Lanes, Symbol};
+use crate::expression::Symbol;
+use crate::math::lanes::Lanes;
 
 use super::connectivity::isolated_nodes;
 use super::equations::{Equations, segment};

@@ -5,7 +5,7 @@
 //! terms' sizes and the last step was below `LAST_STEP_K` (Newton's error after such a step is its square, so the
 //! start leaves no trace in the result). A lane that is done or lost is frozen: it keeps the bits it would have alone.
 
-use crate::expression::Lanes;
+use crate::math::lanes::Lanes;
 use crate::watch;
 
 use super::equations::{Equations, segment};

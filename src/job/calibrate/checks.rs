@@ -48,20 +48,24 @@ impl Calibrate {
         Ok(Step::Blocks { stage: PREDICT.to_owned(), state: State::Predict(Box::new(output)), inputs })
     }
 
-    /// What some draws predict.
-    pub(super) fn predict(&self, prior: bool, draws: &[Vec<f64>]) -> Predicted {
+    /// The measurements with what is inferred of them as it is at a draw.
+    pub(super) fn at_unknowns(&self, draw: &[f64]) -> Vec<Measurement> {
         let names = self.likelihood().names();
         let inputs: Vec<String> = self.inputs.model.inputs.iter().map(|input| input.name.clone()).collect();
         let nodes: Vec<String> = self.inputs.model.nodes.iter().map(|node| node.name.clone()).collect();
+        let find = |name: &str| names.iter().position(|unknown_name| unknown_name == name).map(|place| draw[place]);
+        self.measurements().into_iter().map(|measurement| with_unknowns(measurement, &inputs, &nodes, &find)).collect()
+    }
+
+    /// What some draws predict.
+    pub(super) fn predict(&self, prior: bool, draws: &[Vec<f64>]) -> Predicted {
         let mut workspace = self.predictor.workspace();
         let mut memory = self.likelihood().workspace();
         let mut pointwise = vec![0.0; self.likelihood().residual_count()];
         let mut predicted = Predicted::default();
         for draw in draws {
             let full = self.likelihood().full_parameters(draw);
-            let find = |name: &str| names.iter().position(|unknown_name| unknown_name == name).map(|place| draw[place]);
-            for measurement in self.measurements() {
-                let fixed = with_unknowns(measurement, &inputs, &nodes, &find);
+            for fixed in self.at_unknowns(draw) {
                 predicted.readings.extend(self.predictor.predict(&mut workspace, &fixed, &full).readings);
             }
             if !prior {
@@ -77,7 +81,7 @@ impl Calibrate {
     }
 
     /// What known errors of the inputs add to the readings, by measurement and row.
-    fn input_spread(&self) -> InputSpread {
+    pub(super) fn input_spread(&self) -> InputSpread {
         let of_row = |index: usize, measurement: &Measurement, row: usize| match &measurement.rows {
             Rows::Steady(phases) if !measurement.ignored(row) => {
                 self.likelihood().input_covariance(index, &phases[row].inputs)

@@ -7,7 +7,9 @@
 
 mod block;
 mod checks;
+mod drawn;
 mod form;
+mod inference_data;
 mod monte_carlo;
 mod output;
 mod predictive;
@@ -20,6 +22,8 @@ mod scores;
 mod summary;
 mod words;
 
+pub use drawn::{Drawn, POSTERIOR, PRIOR, Replicates};
+pub use inference_data::{LeftOut, Thinned};
 pub use output::{
     Coverage, CrossValidation, Evidence, HeldOutScore, KeptDraws, MostProbable, Output, ParameterSummary, PhaseScore,
     PosteriorPriorOf, PredictiveRow, SensorPredictive, Spec, Spent, UsedData,

@@ -12,6 +12,7 @@ use crate::inference::likelihood::rows::used_rows;
 use crate::inference::posterior::Work;
 use crate::inference::sampler::chains::{Chain, Chains};
 use crate::inference::sampler::convergence::{self, Convergence, ConvergenceLimits};
+use crate::inference::sampler::importance::ImportanceEstimate;
 use crate::inference::sampler::smc::{self, Island};
 use crate::inference::target::{LeastSquares, Target};
 use crate::job::key_number::KeyNumber;
@@ -25,23 +26,40 @@ const KEPT: usize = 1000;
 /// Error of the log evidence above which the weights of the islands are too uneven.
 const EVIDENCE_ERROR: f64 = 0.5;
 
+/// What the blocks of sampling gave, over the unknowns.
+#[derive(Default)]
+pub(super) struct Sampled {
+    /// Chains.
+    pub chains: Vec<Chain>,
+    /// Islands of particles.
+    pub islands: Vec<Island>,
+    /// The evidence by importance sampling.
+    pub importance: Option<ImportanceEstimate>,
+}
+
 impl Calibrate {
-    /// Judges and summarises the chains.
-    pub(super) fn after_samples(&self, estimate: &PointEstimate, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
-        let estimate = self.target.estimate(estimate);
-        let (mut chains, mut islands, mut importance) = (Vec::<Chain>::new(), Vec::<Island>::new(), None);
+    /// Sorts what the blocks of sampling gave.
+    pub(super) fn sampled(&self, blocks: Done<Self>) -> Sampled {
+        let mut sampled = Sampled::default();
         for (_, partial) in blocks {
             match partial {
-                Partial::Chain(chain) => chains.push(self.target.chain(chain)),
+                Partial::Chain(chain) => sampled.chains.push(self.target.chain(chain)),
                 Partial::Island(island) => {
                     let mut island = *island;
                     island.chain = self.target.chain(island.chain);
-                    islands.push(island);
+                    sampled.islands.push(island);
                 }
-                Partial::Evidence(evidence) => importance = evidence,
+                Partial::Evidence(evidence) => sampled.importance = evidence,
                 Partial::Estimate(_) | Partial::Predicted(_) => {}
             }
         }
+        sampled
+    }
+
+    /// Judges and summarises the chains.
+    pub(super) fn after_samples(&self, estimate: &PointEstimate, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        let estimate = self.target.estimate(estimate);
+        let Sampled { chains, islands, importance } = self.sampled(blocks);
         let names = self.likelihood().names().to_vec();
         let mut objections = Vec::new();
         let mut weights = None;

@@ -141,6 +141,9 @@ impl Job for Calibrate {
         if let Some(acceptance) = self.spec.acceptance {
             identity["acceptance"] = json!(acceptance);
         }
+        if self.evidence_error() > 0.0 {
+            identity["evidence_error"] = json!(self.evidence_error());
+        }
         if !self.posterior_priors.is_empty() {
             identity["posterior_priors"] = self.posterior_priors.iter().map(PosteriorPrior::identity).collect();
         }

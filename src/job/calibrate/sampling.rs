@@ -9,9 +9,15 @@ use crate::inference::posterior::Posterior;
 use crate::inference::sampler::importance::{self, ImportanceEstimate, ImportanceSettings};
 use crate::inference::target::Target;
 use crate::job::{self, JobError, Step};
+use crate::thermal::{Node, NodeKind};
 
 /// A second mode is used as a start if its log posterior is within this of the best.
 const MODES_WITHIN: f64 = 10.0;
+
+/// Unknown temperatures from which on the draws of the evidence end early.
+const LARGE: usize = 200;
+/// The standard error of a log evidence that is then good enough: a factor of 1.05.
+const ENOUGH: f64 = 0.05;
 
 impl Calibrate {
     /// Starts of the chains, within the priors' supports.
@@ -58,6 +64,12 @@ impl Calibrate {
         Ok(Step::Blocks { stage: SAMPLE.to_owned(), state: State::Sample(estimate), inputs: tasks })
     }
 
+    /// Standard error of the log evidence at which its draws may end; 0 where they are cheap enough to make all.
+    pub(super) fn evidence_error(&self) -> f64 {
+        let is_unknown = |node: &&Node| !matches!(node.kind, NodeKind::Boundary { .. });
+        if self.inputs.model.nodes.iter().filter(is_unknown).count() < LARGE { 0.0 } else { ENOUGH }
+    }
+
     /// Runs a chain, an island or the evidence.
     pub(super) fn sample(
         &self,
@@ -74,7 +86,7 @@ impl Calibrate {
             Task::Chain { index, start } => method.run(&run(index, Some(&start))),
             Task::Island { index } => method.run(&run(index, None)),
             Task::Evidence => {
-                let settings = ImportanceSettings::default();
+                let settings = ImportanceSettings { wanted_error: self.evidence_error(), ..Default::default() };
                 let key = self.stream("calibrate evidence");
                 let evidence = importance::estimate(&target, &settings, &key, 0, Some(&estimate.parameters));
                 let usable = |candidate: &ImportanceEstimate| {

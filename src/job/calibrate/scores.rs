@@ -17,8 +17,8 @@ use crate::measurement::{Measurement, Rows};
 /// A fitted phase: its measurement and row, and how many readings it has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Group {
-    measurement: usize,
-    row: usize,
+    pub measurement: usize,
+    pub row: usize,
     readings: u64,
 }
 

@@ -11,11 +11,12 @@ mod tuned;
 mod view;
 mod words;
 
+pub use deviation::{KELVIN, deviation};
 pub use output::{
     Deviation, FailedPhase, HeatBalance, Output, PhaseSummary, Row, SensorSummary, Spec, StabilisationCheck, Trend,
     TunedSensor, TunedState, Verdict,
 };
-pub use run::Compare;
+pub use run::{Compare, verdicts};
 pub use tuned::Tuned;
 pub use view::view;
 
@@ -38,6 +39,10 @@ use crate::study::resolved::Blocked;
 use crate::study::resolved::Upstream;
 use crate::study::{self, Pass};
 use form::CompareForm;
+
+/// Share by which the error of the tuned state may differ with another seed, whose search for the most probable point begins
+/// elsewhere.
+const TUNED_TOLERANCE: f64 = 1e-4;
 
 /// The kind `compare`.
 #[derive(Clone, Copy, Debug)]
@@ -68,20 +73,25 @@ impl JobKind for Kind {
     }
 
     fn key_numbers(output: &Output) -> Vec<KeyNumber> {
-        let number = |(of, deviation): (String, &Deviation), unit: &str| {
-            (deviation.count > 0).then(|| KeyNumber::new(of, "rmse", unit, deviation.rmse, None))
+        let delivered = |(of, deviation): (String, &Deviation), unit: &str| {
+            (deviation.count > 0).then(|| KeyNumber::exact(of, "rmse", unit, deviation.rmse))
         };
-        let mut numbers = Vec::new();
-        let whole = [("readings to be fitted", &output.train), ("readings held out", &output.held_out)];
-        let tuned = output.tuned.iter().flat_map(|tuned| {
-            [("readings fitted, tuned", &tuned.train), ("readings held out, tuned", &tuned.held_out)]
-        });
+        let tuned = |(of, deviation): (&str, &Deviation), unit: &str| {
+            let tolerance = TUNED_TOLERANCE * deviation.rmse;
+            (deviation.count > 0).then(|| KeyNumber::searched(of, "rmse", unit, deviation.rmse, tolerance))
+        };
         let unit = output.sensors.first().map_or("", |sensor| sensor.unit.as_str());
-        numbers.extend(whole.into_iter().chain(tuned).filter_map(|(of, all)| number((of.to_owned(), all), unit)));
+        let whole = [("readings to be fitted", &output.train), ("readings held out", &output.held_out)];
+        let mut numbers: Vec<KeyNumber> =
+            whole.iter().filter_map(|(of, all)| delivered(((*of).to_owned(), all), unit)).collect();
+        if let Some(own) = &output.tuned {
+            let whole = [("readings fitted, tuned", &own.train), ("readings held out, tuned", &own.held_out)];
+            numbers.extend(whole.into_iter().filter_map(|pair| tuned(pair, unit)));
+        }
         for sensor in &output.sensors {
             let of = format!("{} of {}", sensor.sensor, sensor.measurement);
-            numbers.extend(number((of.clone(), &sensor.train), &sensor.unit));
-            numbers.extend(number((format!("{of}, held out"), &sensor.held_out), &sensor.unit));
+            numbers.extend(delivered((of.clone(), &sensor.train), &sensor.unit));
+            numbers.extend(delivered((format!("{of}, held out"), &sensor.held_out), &sensor.unit));
         }
         numbers
     }

@@ -380,7 +380,7 @@ pub(super) fn chi2(measurement: &Measurement, rows: &[Row]) -> Option<(f64, u64)
 }
 
 /// The profile's criteria, over the rows that a fit may use and those held out apart.
-pub(super) fn verdicts(criteria: &Criteria, train: &Deviation, held_out: &Deviation) -> Vec<Verdict> {
+pub fn verdicts(criteria: &Criteria, train: &Deviation, held_out: &Deviation) -> Vec<Verdict> {
     let mut verdicts = Vec::new();
     for (rows, statistics) in [("", train), (" on held-out rows", held_out)] {
         if statistics.count == 0 {

@@ -17,5 +17,9 @@ written_struct! {
         optional design_variable: NameOr<Spanned<Map<RangeForm>>>,
         /// Parameters and inputs that are heat loads, for margins on heat; those in W where they are left out.
         optional heat_loads: Vec<Spanned<String>>,
+        /// A `correlate` job of this pass: the parameters that it changed stand at its values, with no uncertainty.
+        optional from: Spanned<String>,
+        /// An earlier pass whose nominal values and priors are taken: what was known then.
+        optional priors_of: Spanned<String>,
     }
 }

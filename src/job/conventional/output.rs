@@ -1,5 +1,6 @@
 //! Settings and result of the conventional way.
 
+use crate::job::{JobError, correlate};
 use crate::study::rule::Rule;
 use serde::{Deserialize, Serialize};
 
@@ -39,6 +40,21 @@ pub struct Spec {
     pub design: Sweep,
     /// Names of the parameters and inputs that are heat loads (for heat-load margins).
     pub heat_loads: Vec<crate::study::variable::Variable>,
+    /// The `correlate` job of this pass whose values stand.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub correlation: Option<String>,
+    /// The earlier pass whose knowledge is taken.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub knowledge: Option<Knowledge>,
+}
+
+/// What was known in an earlier pass of the parameters of this one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Knowledge {
+    /// The pass's file.
+    pub pass: String,
+    /// Index of a parameter, its nominal value and its prior then, SI.
+    pub parameters: Vec<(usize, f64, crate::random::Distribution)>,
 }
 
 /// What a rule leads to.
@@ -100,6 +116,53 @@ pub struct Output {
     pub sizes: Vec<Size>,
     /// The stack of worst ends.
     pub worst_case: Vec<WorstEnd>,
+    /// The correlation whose values stand, and how it changed parameters; before any where it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub correlation: Option<Correlation>,
+    /// The earlier pass whose nominal values and priors were taken.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub priors_of: Option<String>,
+    /// Whether ends of priors are those of draws of a posterior.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub from_draws: bool,
+}
+
+/// A correlation behind sizes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Correlation {
+    /// The job.
+    pub job: String,
+    /// How parameters were changed, in words.
+    pub method: String,
+    /// Whether its criteria were met.
+    pub met: bool,
+    /// The parameters with their values, SI.
+    pub values: Vec<(String, f64)>,
+}
+
+/// The part of a correlation's result that is used.
+#[derive(Deserialize)]
+struct Correlated {
+    method: correlate::Method,
+    ended: correlate::Ended,
+    parameters: Vec<correlate::Correlated>,
+}
+
+impl Correlation {
+    /// From the result of the correlation of this name.
+    ///
+    /// # Errors
+    /// A result without its values.
+    pub fn from_result(job: &str, result: &serde_json::Value) -> Result<Self, JobError> {
+        let own = Correlated::deserialize(result)
+            .map_err(|error| JobError::Failed(format!("the result of `{job}` has no values: {error}")))?;
+        Ok(Self {
+            job: job.to_owned(),
+            method: own.method.words().to_owned(),
+            met: own.ended != correlate::Ended::NotMet,
+            values: own.parameters.into_iter().map(|own| (own.name, own.after)).collect(),
+        })
+    }
 }
 
 impl Output {

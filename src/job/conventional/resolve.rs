@@ -1,19 +1,22 @@
 //! The conventional way: settings with their defaults, names looked up.
 
-use super::Spec;
 use super::form::ConventionalForm;
+use super::output::{Knowledge, Spec};
 use crate::document::{Spanned, code};
 use crate::expression::Dimension;
-use crate::study::job::Entry;
+use crate::study::job::{Asked, Entry, Forms};
 use crate::study::model::Scale;
 use crate::study::resolve::design_variable::design_variable;
 use crate::study::resolve::scope::Scope;
-use crate::study::resolve::settings::{Offered, environments, requirements};
+use crate::study::resolve::settings::{environments, requirements};
 use crate::study::variable::Variable;
 
 /// Resolves the settings of a conventional analysis.
-pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &ConventionalForm, offered: &Offered) -> Option<Spec> {
+pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &ConventionalForm, asked: &mut Asked) -> Option<Spec> {
     let before = scope.diagnostics.errors();
+    let correlation = form.from.as_ref().and_then(|from| correlation(scope, from, asked.forms));
+    let knowledge = form.priors_of.as_ref().and_then(|file| knowledge(scope, file, asked));
+    let offered = asked.offered;
     let rules = match &form.rules {
         None => offered.rules.to_vec(),
         Some(names) => {
@@ -39,8 +42,41 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &ConventionalForm,
     let design = design_variable(scope, entry, form.design_variable.as_ref(), offered);
     let heat_loads = heat_loads(scope, form.heat_loads.as_ref(), design.as_ref().map(|design| design.variable));
     let design = design?;
-    let spec = Spec { rules, environments, requirements, design, heat_loads };
+    let spec = Spec { rules, environments, requirements, design, heat_loads, correlation, knowledge };
     (scope.diagnostics.errors() == before).then_some(spec)
+}
+
+/// Kind of the jobs whose values may stand.
+const CORRELATION: &str = "correlate";
+
+/// The correlation of this pass that is meant.
+fn correlation(scope: &mut Scope, from: &Spanned<String>, forms: &Forms) -> Option<String> {
+    match forms.kind(&from.value) {
+        Some(CORRELATION) => return Some(from.value.clone()),
+        Some(other) => {
+            let message = format!("`{}` is a `{other}` job", from.value);
+            scope.error(&code::JOB_REFERENCE, &from.place, message, "a `correlate` job");
+        }
+        None => {
+            let names = forms.of_kind(CORRELATION);
+            scope.unknown(&code::JOB_REFERENCE, "correlation", &from.value, &from.place, &names);
+        }
+    }
+    None
+}
+
+/// What an earlier pass knew of this model's parameters.
+fn knowledge(scope: &mut Scope, file: &Spanned<String>, asked: &mut Asked) -> Option<Knowledge> {
+    let pass = asked.upstreams.pass(scope, &file.value, &file.place)?;
+    if !pass.posterior_priors.is_empty() {
+        let message = format!("priors of `{}` are draws of a calibration", pass.file);
+        scope.error(&code::JOB_REFERENCE, &file.place, message, "a pass before any calibration was handed on");
+        return None;
+    }
+    let own = pass.model.parameters.iter().zip(&pass.priors);
+    let parameters = own
+        .filter_map(|(parameter, prior)| Some((scope.resolved.parameter(&parameter.name)?, parameter.nominal, *prior)));
+    Some(Knowledge { pass: pass.file.clone(), parameters: parameters.collect() })
 }
 
 /// The parameters and inputs that are heat loads: those named, else all in W but the design variable.

@@ -1,6 +1,6 @@
 //! The conventional analysis as a job of one block.
 
-use super::{Basis, Output, Size, Spec, WorstEnd};
+use super::{Basis, Correlation, Output, Size, Spec, WorstEnd};
 use crate::study::rule::{Margin, Rule};
 use std::sync::Arc;
 
@@ -11,6 +11,7 @@ use crate::random::Distribution;
 use crate::thermal::{Model, Network, Start, Workspace};
 
 use crate::job::fault::listed;
+use crate::job::prior_ends::ends;
 use crate::job::{Done, Job, JobError, Parts, Step};
 use crate::study::requirement::{Environment, Requirement};
 use crate::study::variable::Variable;
@@ -21,8 +22,6 @@ pub(super) const GRID: usize = 65;
 pub(super) const PRECISION: f64 = 1e-10;
 /// Most steps to find a size.
 pub(super) const ROOT_ITERATIONS: usize = 100;
-/// Share of a prior without bounds that lies beyond each of its ends: 3 sigma of a normal.
-pub(super) const BEYOND: f64 = 1.349_898_031_630_094_6e-3;
 
 /// A conventional analysis, ready to run.
 #[derive(Debug)]
@@ -31,6 +30,10 @@ pub struct Conventional {
     pub(super) model: Arc<Model>,
     pub(super) priors: Vec<Distribution>,
     pub(super) network: Network,
+    /// The correlation whose values stand, and these by parameter.
+    pub(super) correlation: Option<(Correlation, Vec<Option<f64>>)>,
+    /// Whether ends of priors are those of draws.
+    pub(super) from_draws: bool,
 }
 
 /// Parameters and inputs at which the model is asked.
@@ -63,20 +66,6 @@ pub(super) fn inside(requirement: &Requirement, value: f64) -> f64 {
     below.min(above)
 }
 
-/// The ends of a prior that a worst case looks at: its bounds where it has them, else 3 sigma.
-pub(super) fn ends(prior: &Distribution) -> [f64; 2] {
-    let (lower, upper) = prior.support();
-    let open_below = match prior {
-        Distribution::LogNormal { .. } => true,
-        Distribution::Normal { lower, .. } => lower.is_none(),
-        _ => false,
-    };
-    [
-        if open_below { prior.quantile(BEYOND) } else { lower },
-        if upper.is_finite() { upper } else { prior.quantile(1.0 - BEYOND) },
-    ]
-}
-
 impl Conventional {
     /// Prepares the job. `priors` has one entry a parameter of the model.
     ///
@@ -84,7 +73,37 @@ impl Conventional {
     /// A network that cannot be compiled.
     pub fn new(spec: Spec, model: Arc<Model>, priors: Vec<Distribution>) -> Result<Self, JobError> {
         let network = Network::compile(&model, &[]).map_err(|e| JobError::Failed(e.to_string()))?;
-        Ok(Self { spec, model, priors, network })
+        Ok(Self { spec, model, priors, network, correlation: None, from_draws: false })
+    }
+
+    /// The same, with whether ends of priors are those of draws.
+    pub fn from_draws(self, from_draws: bool) -> Self {
+        Self { from_draws, ..self }
+    }
+
+    /// The same with the values of a correlation, which stand as if they were known.
+    ///
+    /// # Errors
+    /// A parameter that this model lacks.
+    pub fn with_correlation(self, correlation: Correlation) -> Result<Self, JobError> {
+        let mut standing = vec![None; self.priors.len()];
+        for (name, value) in &correlation.values {
+            let index = self.model.parameters.iter().position(|parameter| parameter.name == *name);
+            let index = index.ok_or_else(|| JobError::Failed(format!("this model has no parameter `{name}`")))?;
+            standing[index] = Some(*value);
+        }
+        Ok(Self { correlation: Some((correlation, standing)), ..self })
+    }
+
+    /// The value at which a parameter stands after a correlation.
+    fn correlated(&self, index: usize) -> Option<f64> {
+        self.correlation.as_ref().and_then(|(_, standing)| standing.get(index).copied().flatten())
+    }
+
+    /// The nominal value that an earlier pass gave a parameter, where its knowledge is taken.
+    fn known_before(&self, index: usize) -> Option<f64> {
+        let knowledge = self.spec.knowledge.as_ref()?;
+        knowledge.parameters.iter().find(|(own, ..)| *own == index).map(|(_, nominal, _)| *nominal)
     }
 
     pub(super) fn nominal(&self, environment: &Environment) -> Point {
@@ -93,7 +112,11 @@ impl Conventional {
             .parameters
             .iter()
             .zip(&self.priors)
-            .map(|(parameter, prior)| if let Distribution::Fixed(value) = prior { *value } else { parameter.nominal })
+            .enumerate()
+            .map(|(index, (parameter, prior))| match (self.correlated(index), prior) {
+                (Some(value), _) | (None, &Distribution::Fixed(value)) => value,
+                (None, _) => self.known_before(index).unwrap_or(parameter.nominal),
+            })
             .collect();
         Point { parameters, inputs: environment.inputs.clone() }
     }
@@ -139,7 +162,10 @@ impl Conventional {
         let mut stacked = nominal.clone();
         let mut worst_ends = Vec::new();
         for (index, prior) in self.priors.iter().enumerate() {
-            if prior.is_fixed() || self.spec.design.variable == Variable::Parameter(index) {
+            if prior.is_fixed()
+                || self.correlated(index).is_some()
+                || self.spec.design.variable == Variable::Parameter(index)
+            {
                 continue;
             }
             // Nominal stays where it is worse than both ends.
@@ -289,6 +315,9 @@ impl Conventional {
                 .collect(),
             sizes,
             worst_case,
+            correlation: self.correlation.as_ref().map(|(correlation, _)| correlation.clone()),
+            from_draws: self.from_draws,
+            priors_of: self.spec.knowledge.as_ref().map(|knowledge| knowledge.pass.clone()),
         })
     }
 }
@@ -367,6 +396,8 @@ mod tests {
                 values: vec![0.1, 10.0],
             },
             heat_loads: vec![Variable::Parameter(0)],
+            correlation: None,
+            knowledge: None,
         };
         let priors = vec![
             Distribution::Uniform { lower: 9.0, upper: 11.0 },

@@ -33,6 +33,10 @@ use form::DiagnoseForm;
 /// Effects that are less probable are no key numbers of a diagnosis: they come and go with the last digit of a fit.
 const LEAST_PROBABILITY: f64 = 0.01;
 
+/// Change of a probability with another seed that counts: integrals over effects' sizes, and points at which fits of sets
+/// begin, are drawn with it, which moves one by up to a few thousandths.
+const PROBABILITY_TOLERANCE: f64 = 0.03;
+
 /// The kind `diagnose`.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind;
@@ -49,11 +53,13 @@ impl JobKind for Kind {
     }
 
     fn key_numbers(output: &Output) -> Vec<KeyNumber> {
-        let nothing = KeyNumber::new("nothing", "probability", "", output.probability_nothing, None);
-        let unexplained = KeyNumber::new("something else", "probability", "", output.probability_unexplained, None);
+        let number = |of: &str, statistic: &str, value: f64| {
+            KeyNumber::searched(of, statistic, "", value, PROBABILITY_TOLERANCE)
+        };
+        let nothing = number("nothing", "probability", output.probability_nothing);
+        let unexplained = number("something else", "probability", output.probability_unexplained);
         let effects = output.effects.iter().filter(|effect| effect.probability >= LEAST_PROBABILITY);
-        let of_effect = effects
-            .map(|effect| KeyNumber::new(&effect.id, "probability of being missing", "", effect.probability, None));
+        let of_effect = effects.map(|effect| number(&effect.id, "probability of being missing", effect.probability));
         [nothing, unexplained].into_iter().chain(of_effect).collect()
     }
 

@@ -162,7 +162,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        23
+        24
     }
 
     fn identity(&self) -> Value {

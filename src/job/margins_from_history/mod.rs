@@ -40,7 +40,7 @@ impl JobKind for Kind {
     fn key_numbers(output: &Output) -> Vec<KeyNumber> {
         let number = |group: &Group| {
             let of = group.class.clone().unwrap_or_else(|| "all".to_owned());
-            Some(KeyNumber::new(of, "margin", "K", group.margin_k?, None))
+            Some(KeyNumber::exact(of, "margin", "K", group.margin_k?))
         };
         output.groups.iter().filter_map(number).collect()
     }

@@ -22,7 +22,7 @@ pub use canvas::Drawing;
 pub use chart::{Along, Chart, Layer, Limit, Mark, Shade, Stroke};
 pub use heat_map::{HeatMap, heat_map};
 pub use history::{History, history};
-pub use network::{Diagram, NodeShape, Path, Source, network};
+pub use network::{Diagram, Missing, NodeShape, Path, Source, network};
 pub use pairs::{PairAxis, pairs};
 pub use passes::{PassCurves, pass_curves};
 pub use strip::{Strip, residual_strips};

@@ -26,7 +26,27 @@ pub struct Diagram {
     pub paths: Vec<(String, Path, usize, usize)>,
     /// Sources: name, kind, node.
     pub sources: Vec<(String, Source, usize)>,
+    /// Names of the paths and sources of adopted effects. They do not move the boxes, which so stand where they stood before.
+    pub adopted: Vec<String>,
+    /// What is missing.
+    pub missing: Vec<Missing>,
 }
+
+/// A path that is missing between two nodes; heat at one where both are the same.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Missing {
+    /// What it is called.
+    pub label: String,
+    /// Kind.
+    pub path: Path,
+    /// One node.
+    pub from: usize,
+    /// The other.
+    pub to: usize,
+}
+
+/// Band under what is missing or adopted.
+const BAND: Colour = (250, 214, 112);
 
 /// A rectangle by its centre and size.
 type Boxed = ((f64, f64), (f64, f64));
@@ -59,7 +79,7 @@ pub fn network(diagram: &Diagram) -> Drawing {
         _ => 1500.0,
     };
     let width = f64::from(WIDTH);
-    let links: Vec<_> = diagram.paths.iter().map(|p| (p.2, p.3)).collect();
+    let links: Vec<_> = diagram.paths.iter().filter(|p| !diagram.adopted.contains(&p.0)).map(|p| (p.2, p.3)).collect();
     let sinks: Vec<_> = diagram.nodes.iter().map(|n| n.1 == NodeShape::Boundary).collect();
     let names: Vec<_> = diagram.nodes.iter().map(|n| fitted(&n.0, size, 330.0)).collect();
     let boxes: Vec<_> = names.iter().map(|n| (text_width(n, size) + 1.3 * size, 1.9 * size)).collect();
@@ -75,8 +95,16 @@ pub fn network(diagram: &Diagram) -> Drawing {
         for (path, &lane) in diagram.paths.iter().zip(&lanes) {
             if let (Some(&from), Some(&to)) = (centres.get(path.2), centres.get(path.3)) {
                 let (from, to) = shifted(from, to, lane);
+                if diagram.adopted.contains(&path.0) {
+                    canvas.path(&[from, to], BAND, 24);
+                }
                 paint_path(canvas, path.1, from, to);
             }
+        }
+        let missing: Vec<Vec<(f64, f64)>> = diagram.missing.iter().map(|own| route(own, &centres, &boxes)).collect();
+        for (own, points) in diagram.missing.iter().zip(&missing) {
+            canvas.path(points, BAND, 24);
+            canvas.dashed(points, colour_of(own.path), 9, 30.0, 18.0);
         }
         for (position, (_, kind)) in diagram.nodes.iter().enumerate() {
             paint_node(canvas, &names[position], *kind, (centres[position], boxes[position]), size);
@@ -92,6 +120,9 @@ pub fn network(diagram: &Diagram) -> Drawing {
                 paint_source(canvas, name, *source, (centre, shape), &mut taken, &lines, (width, field));
             }
         }
+        for (own, points) in diagram.missing.iter().zip(&missing) {
+            label_missing(canvas, own, points, &mut taken, width);
+        }
         if diagram.paths.len() <= 30 {
             for (path, &lane) in diagram.paths.iter().zip(&lanes) {
                 if let (Some(&from), Some(&to)) = (centres.get(path.2), centres.get(path.3)) {
@@ -102,6 +133,55 @@ pub fn network(diagram: &Diagram) -> Drawing {
         }
         paint_key(canvas, diagram, field + 40.0);
     })
+}
+
+/// The line of a missing path: straight, or bent round the boxes that stand between; at one node a line from above or below.
+fn route(own: &Missing, centres: &[(f64, f64)], boxes: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let (Some(&from), Some(&to)) = (centres.get(own.from), centres.get(own.to)) else { return Vec::new() };
+    if own.from == own.to {
+        let half = boxes.get(own.from).map_or(30.0, |size| size.1 / 2.0);
+        let away = if from.1 > 160.0 { -half - 90.0 } else { half + 90.0 };
+        return vec![(from.0 + 40.0, from.1 + away), (from.0 + 40.0, from.1)];
+    }
+    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+    let length = (dx * dx + dy * dy).sqrt().max(1e-9);
+    let bent = |by: f64| -> Vec<(f64, f64)> {
+        let control = (0.5 * (from.0 + to.0) - dy / length * by, 0.5 * (from.1 + to.1) + dx / length * by);
+        (0..=24)
+            .map(|step| {
+                let t = f64::from(step) / 24.0;
+                let (a, b, c) = ((1.0 - t) * (1.0 - t), 2.0 * t * (1.0 - t), t * t);
+                (a * from.0 + b * control.0 + c * to.0, a * from.1 + b * control.1 + c * to.1)
+            })
+            .collect()
+    };
+    let is_free = |points: &[(f64, f64)]| {
+        let others = centres.iter().zip(boxes).enumerate().filter(|(node, _)| *node != own.from && *node != own.to);
+        let others: Vec<Boxed> = others.map(|(_, (&centre, &size))| (centre, size)).collect();
+        points.windows(2).all(|pair| !others.iter().any(|other| crosses(&(pair[0], pair[1]), other)))
+    };
+    let bends = [0.0, 110.0, -110.0, 220.0, -220.0, 330.0, -330.0];
+    bends.into_iter().map(bent).find(|points| is_free(points)).unwrap_or_else(|| vec![from, to])
+}
+
+/// The name of what is missing, on its line where that is free.
+fn label_missing(canvas: &mut Canvas<'_>, own: &Missing, points: &[(f64, f64)], taken: &mut Vec<Boxed>, width: f64) {
+    let name = fitted(&own.label, SMALL, 620.0);
+    let label = (text_width(&name, SMALL) + 16.0, 1.3 * SMALL);
+    let half = label.0 / 2.0;
+    let inside = |at: (f64, f64)| (at.0.clamp(half + 4.0, (width - half - 4.0).max(half + 4.0)), at.1);
+    let on_line = points.iter().copied();
+    let beside = points.iter().flat_map(|&(x, y)| [(x, y - 44.0), (x, y + 44.0), (x, y - 80.0), (x, y + 80.0)]);
+    // From the middle outwards.
+    let mut places: Vec<(f64, f64)> = on_line.chain(beside).map(inside).filter(|at| at.1 > 24.0).collect();
+    let middle = points.get(points.len() / 2).copied().unwrap_or((width / 2.0, 60.0));
+    let distance = |at: &(f64, f64)| (at.0 - middle.0).abs() + (at.1 - middle.1).abs();
+    places.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+    let free = places.iter().find(|at| !taken.iter().any(|other| overlap(other, &(**at, label))));
+    if let Some(&at) = free.or(places.first()) {
+        taken.push((at, label));
+        canvas.text_on_paper(&name, at, Lettering::new(SMALL, colour_of(own.path)).bold().at(Anchor::Middle));
+    }
 }
 
 /// Sideways place of each path, so that several between the same nodes lie beside one another.
@@ -289,6 +369,18 @@ fn paint_key(canvas: &mut Canvas<'_>, diagram: &Diagram, y: f64) {
                 canvas.arrow_head((x, y), (x + 62.0, y), colour, 28.0);
             });
         }
+    }
+    if !diagram.missing.is_empty() {
+        entry(canvas, "missing", &|canvas, x, y| {
+            canvas.path(&[(x, y), (x + 66.0, y)], BAND, 22);
+            canvas.dashed(&[(x, y), (x + 66.0, y)], INK, 9, 26.0, 14.0);
+        });
+    }
+    if !diagram.adopted.is_empty() {
+        entry(canvas, "adopted", &|canvas, x, y| {
+            canvas.path(&[(x, y), (x + 66.0, y)], BAND, 22);
+            canvas.path(&[(x, y), (x + 66.0, y)], INK, 5);
+        });
     }
     if diagram.paths.len() > 30 {
         entry(canvas, "names of the paths: see the table", &|canvas, x, y| {

@@ -236,7 +236,7 @@ fn parameters(output: &Output) -> Block {
 /// Delivered, tuned, and what the noise allows, by sensor; for comparisons with this calibration.
 fn achieved(job: &str, comparison: &compare::Output) -> Option<Block> {
     comparison.tuned.as_ref().filter(|tuned| tuned.job == job)?;
-    let mut rows = Vec::new();
+    let (mut rows, mut sizes) = (Vec::new(), Vec::new());
     for sensor in &comparison.sensors {
         let Some(tuned) = &sensor.tuned else { continue };
         let digits = if sensor.unit == "K" { 2 } else { 4 };
@@ -248,6 +248,7 @@ fn achieved(job: &str, comparison: &compare::Output) -> Option<Block> {
         {
             if before.count > 0 {
                 let status = tuned.noise_rmse.map(|[_, high]| Status::kept(after.rmse <= high));
+                sizes.push(after.rmse);
                 rows.push(vec![
                     Cell::code(&sensor.measurement),
                     Cell::code(&sensor.sensor),
@@ -260,7 +261,7 @@ fn achieved(job: &str, comparison: &compare::Output) -> Option<Block> {
             }
         }
     }
-    Some(Block::Table(Table {
+    let table = Table {
         caption:
             "What tuning achieved: RMSE as delivered, after tuning, and the 95 % range that the noise of the tuned \
                   state alone would give over all readings (its correlation in time allowed for). Where the noise is \
@@ -276,7 +277,8 @@ fn achieved(job: &str, comparison: &compare::Output) -> Option<Block> {
             Column::text("Unit"),
         ],
         rows,
-    }))
+    };
+    Some(Block::Table(table.cut(&sizes)))
 }
 
 fn coverage(output: &Output) -> Block {

@@ -144,7 +144,7 @@ fn decimals(unit: &str) -> usize {
 }
 
 /// How a sensor's RMSE stands against what its noise alone would give.
-pub(super) fn against_noise(sensor: &SensorSummary, deviation: &Deviation) -> Option<Status> {
+fn against_noise(sensor: &SensorSummary, deviation: &Deviation) -> Option<Status> {
     let [low, high] = sensor.noise_rmse_of(deviation)?;
     (deviation.count > 0).then_some(if deviation.rmse > high {
         Status::Fail
@@ -158,6 +158,18 @@ pub(super) fn against_noise(sensor: &SensorSummary, deviation: &Deviation) -> Op
 /// The larger RMSE of the rows for fits and those held out, SI.
 fn worst_rmse(sensor: &SensorSummary) -> f64 {
     sensor.train.rmse.max(sensor.held_out.rmse)
+}
+
+/// Sensor with the largest RMSE, in either kind of readings, of the tuned state where there is one, among those of the first
+/// sensor's unit.
+pub(super) fn worst_sensor(output: &Output) -> Option<&SensorSummary> {
+    let unit = &output.sensors.first()?.unit;
+    let size = |sensor: &SensorSummary| {
+        let [train, held_out] =
+            sensor.tuned.as_ref().map_or([&sensor.train, &sensor.held_out], |tuned| [&tuned.train, &tuned.held_out]);
+        [train, held_out].into_iter().filter(|d| d.count > 0 && d.rmse.is_finite()).map(|d| d.rmse).fold(0.0, f64::max)
+    };
+    output.sensors.iter().filter(|sensor| &sensor.unit == unit).max_by(|a, b| size(a).total_cmp(&size(b)))
 }
 
 /// Orders sensors by RMSE; equal ones keep the file's order.

@@ -126,6 +126,7 @@ fn figure(job: &str, output: &Output) -> Option<Figure> {
                     })
                     .collect(),
                 full_scale: 0.0,
+                limit: None,
                 legend: format!(
                     "expected information [nats]: {} down, {} across",
                     rows.input,

@@ -40,13 +40,13 @@ pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
         let tone = if output.verdict == Verdict::Adequate { Tone::Note } else { Tone::Verdict };
         blocks.extend(before_the_verdict(output));
         blocks.push(Block::callout(tone, verdict(output)));
-        blocks.push(Block::List(output.words.iter().map(|word| Text::new(word.clone())).collect()));
+        blocks.push(Block::List(output.words.iter().map(|word| Text::with_names(word)).collect()));
         blocks.extend(warnings(output));
         blocks.extend(effects(output));
         blocks.extend(heat::carried(output));
         blocks.extend(figures::figures(name, output));
         blocks.extend(heat::missing(output));
-        blocks.extend(heat::goes_with(output));
+        blocks.extend(heat::goes_with(report, output));
         blocks.extend(experiment(report, output));
         blocks.extend(tests(output));
         blocks.extend(noise(output));
@@ -81,7 +81,7 @@ pub(super) fn verdict(output: &Output) -> Text {
 
 /// The first of the warnings, and how many more there are.
 fn warnings(output: &Output) -> Vec<Block> {
-    let mut texts: Vec<Text> = output.warnings.iter().take(MOST_WARNINGS).map(|text| Text::new(text.clone())).collect();
+    let mut texts: Vec<Text> = output.warnings.iter().take(MOST_WARNINGS).map(|text| Text::with_names(text)).collect();
     let more = output.warnings.len().saturating_sub(MOST_WARNINGS);
     if let Some(last) = texts.pop() {
         let more = if more > 0 { format!(" ({more} more: bmv diagnose --json lists them.)") } else { String::new() };
@@ -99,14 +99,20 @@ pub(crate) fn chance(probability: f64) -> String {
     }
 }
 
+/// Areas below it are stated in cm², m².
+const SMALL_AREA: f64 = 0.01;
+
 /// A parameter as fitted, to the digits that its spread leaves sense in.
 pub(crate) fn amount(amount: &Amount) -> String {
-    let unit = typeset(&amount.unit);
+    // Areas of a few square centimetres are read as such.
+    let is_small_area = amount.unit == "m2" && amount.value.abs() < SMALL_AREA && amount.sd < SMALL_AREA;
+    let (factor, unit) = if is_small_area { (1e4, "cm\u{00B2}".to_owned()) } else { (1.0, typeset(&amount.unit)) };
+    let (value, sd) = (factor * amount.value, factor * amount.sd);
     if amount.at_bound {
-        return format!("{}, at a bound", with_unit(&significant(amount.value, 3), &unit));
+        return format!("{}, at a bound", with_unit(&significant(value, 3), &unit));
     }
-    let is_nothing = amount.value.abs() < 0.01 * amount.sd;
-    with_unit(&with_error(if is_nothing { 0.0 } else { amount.value }, amount.sd), &unit)
+    let is_nothing = value.abs() < 0.01 * sd;
+    with_unit(&with_error(if is_nothing { 0.0 } else { value }, sd), &unit)
 }
 
 fn amplitudes(effect: &EffectResult) -> String {
@@ -277,6 +283,7 @@ fn noise(output: &Output) -> Option<Block> {
     let estimated: Vec<_> = output.noise.iter().filter(|(_, noise)| noise.estimated).collect();
     let with_model_error = estimated.iter().any(|(_, noise)| noise.model_error.is_some());
     let shown = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), |value| significant(value, 3));
+    let sizes: Vec<f64> = estimated.iter().map(|(_, noise)| noise.counts_as.unwrap_or(noise.sigma)).collect();
     let rows: Vec<Vec<Cell>> = estimated
         .into_iter()
         .map(|(sensor, noise)| {
@@ -305,7 +312,8 @@ fn noise(output: &Output) -> Option<Block> {
         )
     };
     let columns = [Column::text("Sensor"), Column::number("Standard deviation", "K")].into_iter().chain(columns);
-    (!rows.is_empty()).then(|| Block::Table(Table { caption: caption.into(), columns: columns.collect(), rows }))
+    let table = Table { caption: caption.into(), columns: columns.collect(), rows };
+    (!table.rows.is_empty()).then(|| Block::Table(table.cut(&sizes)))
 }
 
 fn method(output: &Output) -> String {

@@ -131,11 +131,20 @@ fn statements(output: &Output) -> Vec<Statement> {
         },
     ];
     if let Some(target) = &output.target {
-        statements.push(Statement {
-            label: "Variance that may be left".into(),
-            value: percent(target.variance_ratio, 1),
-            text: Text::new("of the prior variance of ").code(target.parameters.join(", ")),
-            status: None,
+        let all = format!("{} of the prior variance", percent(target.variance_ratio, 1));
+        statements.push(match (target.parameters.as_slice(), target.units.as_slice(), target.sds.as_slice()) {
+            ([name], [unit], [sd]) => Statement {
+                label: format!("Uncertainty of {name} that may be left"),
+                value: Shown::written(unit).difference().text(*sd),
+                text: format!("its standard deviation; {all}").into(),
+                status: None,
+            },
+            (names, ..) => Statement {
+                label: "Variance that may be left".into(),
+                value: percent(target.variance_ratio, 1),
+                text: Text::new("of the prior variance of ").code(names.join(", ")),
+                status: None,
+            },
         });
     }
     statements

@@ -3,6 +3,7 @@
 //! file here with a `SECTION`, and a line in the list below.
 
 pub mod brief;
+mod validation;
 
 use brief::ErasedBrief;
 
@@ -74,6 +75,11 @@ pub fn error_by_pass(history: &History) -> Option<Section> {
     history::section(history)
 }
 
+/// Why no requirement of a pass may be called met, where its results would call one so.
+pub fn objection(report: &PassReport<'_>) -> Option<Text> {
+    summary::claims::objection_to_all(report)
+}
+
 /// Which jobs the passes of a study lack for their errors to be stated.
 pub fn missing_jobs(history: &History) -> Vec<Text> {
     history.passes.iter().flat_map(history::missing_jobs).collect()
@@ -107,6 +113,8 @@ sections! {
     discrepancy,
     history,
     prediction,
+    margins,
+    record,
     data,
     provenance,
 }

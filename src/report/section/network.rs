@@ -1,5 +1,6 @@
 //! The model: its network as a diagram, and tables of nodes and elements.
 
+mod marked;
 mod parts;
 
 use std::collections::BTreeSet;
@@ -35,30 +36,65 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         boundaries,
         counted(model.elements.len(), "element")
     );
-    blocks.push(Block::paragraph(words.clone()));
+    blocks.push(Block::paragraph(words));
+    // What is missing or adopted stands on the first screen, with the same picture.
+    blocks.extend(picture(report).filter(|(_, is_marked)| !is_marked).map(|(figure, _)| Block::Figure(figure)));
     if let Some(parts) = parts::Parts::new(report) {
-        blocks.extend(parts.diagram(model).map(|diagram| {
-            Block::Figure(Figure {
-                id: "network".into(),
-                drawing: network(&diagram),
-                caption: "The network by its parts. Positions carry no meaning.".into(),
-                alternative: format!("Diagram of the network's parts. {words} The tables that follow list the parts."),
-            })
-        }));
         blocks.extend(parts.tables(model));
         return Some(Section { id: "model", title: "Thermal model".into(), blocks });
     }
-    blocks.push(Block::Figure(Figure {
-        id: "network".into(),
-        drawing: network(&diagram(model)),
-        caption: "The network as it is solved. Positions carry no meaning.".into(),
-        alternative: format!("Diagram of the thermal network. {words} The tables that follow list all of them."),
-    }));
     blocks.push(nodes(model));
     if !model.elements.is_empty() {
         blocks.push(elements(model));
     }
     Some(Section { id: "model", title: "Thermal model".into(), blocks })
+}
+
+/// The network with what a diagnosis finds missing or the pass adopts; none where neither has a place in it.
+pub(super) fn where_missing(report: &PassReport<'_>) -> Option<Figure> {
+    picture(report).filter(|(_, is_marked)| *is_marked).map(|(figure, _)| figure)
+}
+
+/// The picture of the network, and whether something in it is marked.
+fn picture(report: &PassReport<'_>) -> Option<(Figure, bool)> {
+    let model = report.model;
+    if model.nodes.is_empty() {
+        return None;
+    }
+    let (mut diagram, is_marked, of) = match parts::Parts::new(report) {
+        Some(parts) => {
+            let mut diagram = parts.diagram(model)?;
+            let is_marked = marked::mark(report, &mut diagram, |node| parts.part(node));
+            (diagram, is_marked, "by its parts")
+        }
+        None => {
+            let mut diagram = diagram(model);
+            let is_marked = marked::mark(report, &mut diagram, |node| node);
+            (diagram, is_marked, "as it is solved")
+        }
+    };
+    diagram.missing.retain(|own| own.from < diagram.nodes.len() && own.to < diagram.nodes.len());
+    let what: Vec<&str> = [
+        (!diagram.missing.is_empty()).then_some("what is missing is dashed on a yellow band"),
+        (!diagram.adopted.is_empty()).then_some("adopted effects lie on a yellow band"),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    let what = if what.is_empty() { String::new() } else { format!("; {}", what.join(", ")) };
+    let missing: Vec<&str> = diagram.missing.iter().map(|own| own.label.as_str()).collect();
+    let missing = if missing.is_empty() { String::new() } else { format!(" Marked: {}.", missing.join("; ")) };
+    let figure = Figure {
+        id: "network".into(),
+        drawing: network(&diagram),
+        caption: format!("The network {of}{what}. Positions carry no meaning.").into(),
+        alternative: format!(
+            "Diagram of the thermal network {of}, with {} and {}.{missing} The section on the thermal model has the tables.",
+            counted(diagram.nodes.len(), "box"),
+            counted(diagram.paths.len(), "path")
+        ),
+    };
+    Some((figure, is_marked))
 }
 
 fn diagram(model: &Model) -> Diagram {

@@ -16,6 +16,7 @@ use super::problem::limits;
 use super::propagation::{
     cumulative, curve, environments, failures, histogram, joint, nominal_cases, probability_text, quantile, standing,
 };
+use super::validation::{Rests, claim_cell, objection};
 
 /// The section, and its kind's results in brief.
 pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Prediction);
@@ -32,6 +33,8 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.extend(failures(&output.posterior));
         blocks.extend(output.validated.iter().flat_map(|validated| added(report, validated)));
         blocks.push(requirements(report, output));
+        let claims = nominal_cases(&output.posterior).flat_map(|case| &case.requirements);
+        blocks.extend(objection(report, Rests::OnTuned, claims).map(|text| Block::callout(Tone::Warning, text)));
         blocks.extend(reached(output));
         // The first picture stands in the summary where that has no better one.
         let shown = super::summary::main_picture(report).map(|figure| figure.id);
@@ -171,12 +174,6 @@ fn requirements(report: &PassReport<'_>, output: &Output) -> Block {
     for case in nominal_cases(&output.posterior) {
         for met in &case.requirements {
             let shown = report.quantity_shown(&met.quantity, &met.unit);
-            let status = standing(met);
-            let word = match status {
-                Status::Ok => "met",
-                Status::Caution => "undecided with these draws",
-                Status::Fail => "not met",
-            };
             let prior = before(output, &case.environment, case.design_value, &met.requirement);
             let mut row = vec![
                 Cell::code(&case.environment),
@@ -190,7 +187,7 @@ fn requirements(report: &PassReport<'_>, output: &Output) -> Block {
             }
             row.push(probability_text(&met.probability).into());
             row.push(number::probability(met.required).into());
-            row.push(Cell::marked(word, status));
+            row.push(claim_cell(report, Rests::OnTuned, met));
             rows.push(row);
         }
     }

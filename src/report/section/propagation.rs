@@ -12,6 +12,7 @@ use crate::study::requirement::ALL;
 
 use super::Entry;
 use super::problem::limits;
+use super::validation::{Rests, claim_cell, objection};
 
 /// Figures of distributions that stand open; the others are folded away.
 const OPEN_FIGURES: usize = 2;
@@ -32,6 +33,8 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         ))));
         blocks.extend(failures(output));
         blocks.push(requirements(report, output));
+        let claims = nominal_cases(output).flat_map(|case| &case.requirements);
+        blocks.extend(objection(report, Rests::OnDelivered, claims).map(|text| Block::callout(Tone::Warning, text)));
         let shown_before = super::summary::main_picture(report).map(|f| f.id);
         let is_new = |figure: &Figure| shown_before.as_ref() != Some(&figure.id);
         blocks.extend(probability_figures(output, name).into_iter().filter(is_new).map(Block::Figure));
@@ -121,7 +124,7 @@ pub fn standing(met: &Met) -> Status {
 }
 
 /// How a requirement stands, in words.
-fn outcome(met: &Met) -> &'static str {
+pub(super) fn outcome(met: &Met) -> &'static str {
     match standing(met) {
         Status::Ok => "met",
         Status::Caution => "undecided with these samples",
@@ -129,8 +132,11 @@ fn outcome(met: &Met) -> &'static str {
     }
 }
 
-/// `0.919 (0.913 to 0.925)`.
+/// `0.919 (0.913 to 0.925)`; where all samples agree, `≥ 0.996`.
 pub(super) fn probability_text(p: &Probability) -> String {
+    if p.value == 0.0 || p.value == 1.0 {
+        return probability_stated(p);
+    }
     format!("{} ({} to {})", number::probability(p.value), number::probability(p.lower), number::probability(p.upper))
 }
 
@@ -156,7 +162,7 @@ fn requirements(report: &PassReport<'_>, output: &Output) -> Block {
                 limits(&shown, met.above, met.below).into(),
                 probability_text(&met.probability).into(),
                 number::probability(met.required).into(),
-                Cell::marked(outcome(met), standing(met)),
+                claim_cell(report, Rests::OnDelivered, met),
             ]);
         }
     }

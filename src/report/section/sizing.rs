@@ -183,6 +183,23 @@ fn figure_caption(output: &Output, (environment, requirement): (&str, &str)) -> 
     text.code(environment)
 }
 
+/// What a rule says of the design variable: a limit where the largest value is sought, else a size.
+fn asked(output: &Output) -> String {
+    format!("{} of {}", if output.seeks_largest() { "Limit" } else { "Size" }, output.design_variable)
+}
+
+/// The probability that a rule's value buys; a rule that buys less than is required is called unsafe.
+fn bought(met: Option<f64>, required: Option<f64>, is_swept: bool) -> Cell {
+    let Some(met) = met else {
+        return if is_swept { "outside the sweep" } else { NONE }.into();
+    };
+    let text = number::probability(met);
+    match required {
+        Some(required) if met < required => Cell::marked(format!("{text}, unsafe"), Status::Fail),
+        _ => text.into(),
+    }
+}
+
 fn sizes(report: &PassReport<'_>, output: &Output, pair: (&str, &str)) -> Block {
     let design = Shown::written(&output.design_unit);
     let shown = Shown::quantity(&output.unit, output.is_temperature);
@@ -225,8 +242,7 @@ fn sizes(report: &PassReport<'_>, output: &Output, pair: (&str, &str)) -> Block 
             name.into(),
             size_text(output, size, &|v| significant(design.value(v), 4)).into(),
             against.into(),
-            met.map_or_else(|| if is_swept { "outside the sweep" } else { NONE }.to_owned(), number::probability)
-                .into(),
+            bought(met, reached.map(|reached| reached.probability), is_swept),
             shown.number(size.prediction).into(),
             Cell::marked(margin, Status::kept(size.passes)),
             format!("{}; {}", size.rule.title, size.rule.source).into(),
@@ -240,9 +256,9 @@ fn sizes(report: &PassReport<'_>, output: &Output, pair: (&str, &str)) -> Block 
             .plain(": its prediction under the rule's parameters, and the margin that is left after the rule's own."),
         columns: vec![
             Column::text("Rule"),
-            Column::number("Size", design.unit.clone()),
+            Column::number(asked(output), design.unit.clone()),
             Column::number("Against probabilistic", if design.is_celsius() { "K" } else { "%" }),
-            Column::number("P at that size", ""),
+            Column::number("P there", ""),
             Column::number("Prediction", shown.unit.clone()),
             Column::number("Margin left", shown.difference().unit),
             Column::text("Rule and source"),

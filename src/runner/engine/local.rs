@@ -15,7 +15,8 @@ use std::time::Instant;
 
 use rayon::ScopeFifo;
 
-use super::{Finished, Outcome, RunSummary, Settings, StopFlag};
+use super::pool::pool;
+use super::{Finished, Outcome, RunSummary, Settings, StopFlag, block_name};
 use crate::job::{JobError, Next, Parts, Runnable, Stage};
 use crate::runner::cache::{Cache, Kind, Lookup};
 use crate::runner::error::RunnerError;
@@ -23,9 +24,6 @@ use crate::runner::events::{Event, Listener};
 use crate::runner::key::{Key, block_key, canonical_bytes};
 use crate::runner::plan::{Plan, State, Stored};
 use crate::watch::{self, Share, Stopped};
-
-/// Stack of a thread of the pool, bytes: what the main thread has, so that a job behaves the same on both.
-const STACK_BYTES: usize = 8 << 20;
 
 /// Runs what is missing of a plan.
 ///
@@ -41,15 +39,7 @@ pub fn run(
     listener: &dyn Listener,
 ) -> Result<RunSummary, RunnerError> {
     let threads = settings.threads();
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .stack_size(STACK_BYTES)
-        .start_handler({
-            let flag = stop.clone();
-            move |_| watch::lend(&flag)
-        })
-        .build()
-        .map_err(|error| RunnerError::Threads { threads, reason: error.to_string() })?;
+    let pool = pool(settings, stop)?;
 
     let (states, damaged) = plan.survey(cache, settings.only.as_ref(), settings.force);
     for object in damaged {
@@ -294,7 +284,7 @@ impl<'a> Run<'a> {
 
     fn output(&self, active: &Active, stage: &Stage, index: usize) -> Result<Vec<u8>, Halt<RunnerError>> {
         let owner = &self.plan.keys()[active.position];
-        let name = block_key(owner, &stage.name, index, &[stage.state.bytes(), &stage.inputs[index]]);
+        let name = block_name(owner, stage, index);
         let cached_block = if self.settings.force { Lookup::Absent } else { self.cache.get(Kind::Block, &name) };
         let (output, cached) = match cached_block {
             Lookup::Found(output) => {

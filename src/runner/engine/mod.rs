@@ -1,6 +1,7 @@
 //! Where jobs run. An engine runs the blocks of a plan's jobs anywhere, in any order, and reduces them in their order.
 
 pub mod local;
+pub mod pool;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
@@ -8,8 +9,14 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::error::RunnerError;
-use super::key::Key;
+use super::key::{Key, block_key};
 use super::plan::Stored;
+use crate::job::Stage;
+
+/// The name of the output of a stage's block in the cache; `owner` is the job's key.
+pub(super) fn block_name(owner: &Key, stage: &Stage, index: usize) -> Key {
+    block_key(owner, &stage.name, index, &[stage.state.bytes(), &stage.inputs[index]])
+}
 
 /// Asks a run to stop: no block is begun, one that runs is left at its next look at the flag, and what was finished is
 /// kept. Clones ask the same run.

@@ -51,6 +51,20 @@ written_struct! {
         default(Map::default()) criteria: Map<ProfileForm>,
         /// Ranges of design variables (parameters or inputs), for jobs that name them.
         default(Map::default()) design: Map<RangeForm>,
+        /// The pass closes the validation: its report ends with the record of the whole. Not inherited.
+        optional closing: ClosingForm,
+    }
+}
+
+written_struct! {
+    /// What people add to the record of a validation.
+    pub struct ClosingForm: "what closes a validation" {
+        /// Where the model holds and where it does not, a sentence each.
+        required domain: Vec<String>,
+        /// What became of each discrepancy or anomaly, by its name.
+        default(Map::default()) dispositions: Map<String>,
+        /// What is left to do, a sentence each.
+        default(Vec::new()) left: Vec<String>,
     }
 }
 

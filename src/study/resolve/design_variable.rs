@@ -102,7 +102,8 @@ pub fn design_variable(
     }
 }
 
-fn design_range(scope: &mut Scope, entry: &MapEntry<RangeForm>) -> Option<Sweep> {
+/// A design variable with the ends of its range as written.
+pub fn design_range(scope: &mut Scope, entry: &MapEntry<RangeForm>) -> Option<Sweep> {
     let (variable, scale) = scope.variable(&entry.name, &entry.name_place)?;
     let from = value(scope, &entry.value.from, &scale);
     let to = value(scope, &entry.value.to, &scale);

@@ -45,7 +45,7 @@ use super::pass::measurement::MeasurementForm;
 use super::pass::{self, PassForm};
 use super::pinned::Pinned;
 use super::reader::Reader;
-use super::resolved::Pass;
+use super::resolved::{Closing, Pass};
 use super::{profile, rule};
 
 use measurement::Outcome;
@@ -323,6 +323,11 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
         title: form.title.clone().unwrap_or_else(|| model.title.clone()),
         description: form.description.clone().unwrap_or_default(),
         reconstructed,
+        closing: form.closing.as_ref().map(|closing| Closing {
+            domain: closing.domain.clone(),
+            dispositions: closing.dispositions.iter().map(|own| (own.name.clone(), own.value.clone())).collect(),
+            left: closing.left.clone(),
+        }),
         files: folder.files(),
         definition_sha256,
         seed,

@@ -104,6 +104,8 @@ pub struct Begin {
     pub widths: BTreeMap<usize, f64>,
     /// A log likelihood that a fit of any use exceeds, such as that without the effects.
     pub least_log_likelihood: Option<f64>,
+    /// Whether the starts come from a fit of the same set: long transients are not fitted on fewer rows first.
+    pub is_near: bool,
 }
 
 /// Most steps of a descent.
@@ -112,6 +114,8 @@ const MOST_STEPS: u64 = 60;
 /// standard deviation; of transients, whose steps take a thousand times as long, by a twentieth.
 const LEAST_GAIN: f64 = 1e-5;
 const LEAST_GAIN_OF_TRANSIENTS: f64 = 1e-3;
+/// Times the usual local error of a step where a fit only begins: some millikelvins.
+const TOLERANCE_ON_FEWER_ROWS: f64 = 10.0;
 
 impl Problem {
     /// Fits the model with effects.
@@ -162,6 +166,7 @@ impl Problem {
                 starts: vec![best.by_name()],
                 scale: begin.scale,
                 least_log_likelihood: begin.least_log_likelihood,
+                is_near: true,
                 ..Begin::default()
             };
             match self.refit_of_widths(effects, &wider, &begin, key, moments) {
@@ -201,7 +206,7 @@ impl Problem {
         let odds: f64 = places.iter().map(|&place| ln(WIDTHS[place].odds)).sum();
         let hypothesis = self.hypothesis_of_widths(effects, &widths)?;
         let likelihood = hypothesis.likelihood(self)?;
-        let settings = PointSettings {
+        let mut settings = PointSettings {
             starts: begin.from_prior,
             most_iterations: MOST_STEPS,
             least_gain: if self.has_transients() { LEAST_GAIN_OF_TRANSIENTS } else { LEAST_GAIN },
@@ -210,19 +215,13 @@ impl Problem {
             moments,
             ..PointSettings::default()
         };
-        let place = |start: &BTreeMap<String, f64>| -> Vec<f64> {
-            let unknowns = likelihood.names().iter().zip(likelihood.priors());
-            // A start may come from a set with a wider prior.
-            let (least, most) = (1e-3, 1.0 - 1e-3);
-            unknowns
-                .map(|(name, prior)| match start.get(name).copied() {
-                    Some(value) if value < prior.support().0 => prior.quantile(least),
-                    Some(value) if value > prior.support().1 => prior.quantile(most),
-                    value => value.unwrap_or_else(|| prior.quantile(0.5)),
-                })
-                .collect()
-        };
-        let starts: Vec<Vec<f64>> = begin.starts.iter().map(place).collect();
+        let mut starts: Vec<Vec<f64>> = begin.starts.iter().map(|start| place(&likelihood, start)).collect();
+        if !begin.is_near
+            && let Some(point) = self.on_fewer_rows(effects, &widths, &settings, key, begin)
+        {
+            starts = vec![place(&likelihood, &point)];
+            settings.starts = 0;
+        }
         let point_estimate = estimate(&likelihood, &settings, key, &starts)?;
         let mut residuals = vec![0.0; likelihood.residual_count()];
         likelihood.residuals(&point_estimate.parameters, &mut likelihood.workspace(), &mut residuals)?;
@@ -253,6 +252,28 @@ impl Problem {
         Ok((refit, widths_at))
     }
 
+    /// Where the fit of a set on fewer rows leads, by name of the unknown, SI. `None` where no transient is long, where an effect
+    /// would not be seen well, or where there is no fit.
+    fn on_fewer_rows(
+        &self,
+        effects: &[usize],
+        widths: &[f64],
+        settings: &PointSettings,
+        key: &StreamKey,
+        begin: &Begin,
+    ) -> Option<BTreeMap<String, f64>> {
+        let thinned = self.thinned(TOLERANCE_ON_FEWER_ROWS)?;
+        if !effects.iter().all(|&effect| thinned.leads_to(effect)) {
+            return None;
+        }
+        let problem = &thinned.problem;
+        let likelihood = problem.hypothesis_of_widths(effects, widths).and_then(|own| own.likelihood(problem)).ok()?;
+        let settings = PointSettings { least_log_likelihood: None, moments: false, ..settings.clone() };
+        let starts: Vec<Vec<f64>> = begin.starts.iter().map(|start| place(&likelihood, start)).collect();
+        let found = estimate(&likelihood, &settings, key, &starts).ok()?;
+        Some(likelihood.names().iter().cloned().zip(found.parameters).collect())
+    }
+
     /// The problem whose baseline model has the effects of a fit, with priors as wide as the fit took them. The candidates
     /// are the same.
     ///
@@ -279,6 +300,20 @@ impl Problem {
         };
         effects.iter().map(of).collect()
     }
+}
+
+/// A start's unknowns, SI: within the priors' support, at their medians where it says nothing.
+fn place(likelihood: &Likelihood, start: &BTreeMap<String, f64>) -> Vec<f64> {
+    let unknowns = likelihood.names().iter().zip(likelihood.priors());
+    // A start may come from a set with a wider prior.
+    let (least, most) = (1e-3, 1.0 - 1e-3);
+    unknowns
+        .map(|(name, prior)| match start.get(name).copied() {
+            Some(value) if value < prior.support().0 => prior.quantile(least),
+            Some(value) if value > prior.support().1 => prior.quantile(most),
+            value => value.unwrap_or_else(|| prior.quantile(0.5)),
+        })
+        .collect()
 }
 
 fn amplitudes(

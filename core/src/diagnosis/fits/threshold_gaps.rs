@@ -60,6 +60,7 @@ impl Problem {
             scale: begin.scale,
             widths: from.widths(),
             least_log_likelihood: begin.least_log_likelihood,
+            is_near: true,
             ..Begin::default()
         };
         let mut refits = vec![self.refit_here(effects, begin, key, false)?];

@@ -7,7 +7,7 @@
 
 use crate::diagnosis::noise::estimate::{EstimatedNoise, SensorRows};
 use crate::math::cholesky;
-use crate::math::dense::dot;
+use crate::math::lanes::dot;
 
 /// Share of a column's square that is added to it: far above rounding, far below what data tell.
 const RIDGE: f64 = 1e-12;

@@ -9,8 +9,8 @@
 use crate::diagnosis::Hypothesis;
 use crate::inference::estimate::point_estimate::PointEstimate;
 use crate::math::cholesky;
-use crate::math::dense::dot;
 use crate::math::functions::ln;
+use crate::math::lanes::dot;
 use crate::random::Distribution;
 
 /// A width, in that of the catalogue, and its odds beforehand.

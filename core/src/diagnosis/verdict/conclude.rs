@@ -250,7 +250,7 @@ impl Diagnosis {
             if findings.story.is_some() {
                 held_out_test = held_out::test(&problem, baseline, &state.refits[findings.selected], stated);
             }
-            findings.small = findings.small_effects();
+            findings.small = findings.small_effects(self.settings().false_alarm);
             let chosen = &state.refits[findings.selected];
             let explains = !chosen.effects.is_empty() && !self.leaves_too_much(&findings);
             if explains {
@@ -331,7 +331,13 @@ impl Diagnosis {
             if *weight < LEAST_TESTED || !problem.has_thresholds(&refit.effects) || !is_vetoed(refit) {
                 continue;
             }
-            let begin = Begin { starts: vec![refit.by_name()], scale: 1.0, widths: refit.widths(), ..Begin::default() };
+            let begin = Begin {
+                starts: vec![refit.by_name()],
+                scale: 1.0,
+                widths: refit.widths(),
+                is_near: true,
+                ..Begin::default()
+            };
             let all = match problem.refits_over_gaps(&refit.effects, &begin, self.key()) {
                 Ok(all) => all,
                 Err(why) => {
@@ -463,7 +469,7 @@ impl Diagnosis {
     /// Log Bayes factors with the amplitudes' priors at half and at double scale.
     fn at_scales(&self, findings: &Findings<'_>, refit: &Refit, before: &Refit) -> Option<[f64; 2]> {
         let at = |scale: f64| {
-            let begin = Begin { starts: vec![refit.by_name()], scale, ..Begin::default() };
+            let begin = Begin { starts: vec![refit.by_name()], scale, is_near: true, ..Begin::default() };
             let found = findings.problem.refit(&refit.effects, &begin, self.key()).ok()?;
             Some(found.log_evidence - before.log_evidence).filter(|value| value.is_finite())
         };
@@ -574,7 +580,7 @@ impl Findings<'_> {
     }
 
     /// The same of the selected set, or of the most probable one where the selected one goes before it.
-    fn remaining_now(&self) -> Option<f64> {
+    pub fn remaining_now(&self) -> Option<f64> {
         self.remaining(self.selected).or_else(|| self.remaining(best(&self.weights)?))
     }
 

@@ -2,7 +2,8 @@
 //!
 //! Every thermal model is a little wrong everywhere: nodes have gradients, exchange areas are estimates. Such errors follow
 //! the inputs as effects do, and some effect of a catalogue follows them better than the noise allows by chance. What tells a missing effect from
-//! them is its size: it explains far more than what is left beside it, and not far less than another that is missing.
+//! them is its size: it explains far more than what is left beside it, and not far less than another that is missing. Where
+//! tests go on finding something that no effect explains, the model is wrong in such ways, and all but the strongest effect may be.
 
 use crate::diagnosis::Refit;
 use crate::diagnosis::engine::SensorNoise;
@@ -17,8 +18,9 @@ const LEAST_OF_ERROR: f64 = 3.0;
 pub(super) const IS_MODEL_ERROR: f64 = 0.5;
 
 impl Findings<'_> {
-    /// Effects that are small beside the strongest one of the selected set, or beside the model error that is left.
-    pub(super) fn small_effects(&self) -> Vec<usize> {
+    /// Effects that are small beside the strongest one of the selected set, or beside the model error that is left. Where what
+    /// the set leaves has a family-wise p of at most `false_alarm`, all that explain less than the strongest.
+    pub(super) fn small_effects(&self, false_alarm: f64) -> Vec<usize> {
         let refits = &self.state.refits;
         let chosen = &refits[self.selected];
         let gain = |effect: usize| {
@@ -27,22 +29,29 @@ impl Findings<'_> {
         };
         let strongest = chosen.effects.iter().filter_map(|&effect| gain(effect)).fold(0.0, f64::max);
         let left = self.left_by_model_error(chosen);
+        let is_left = !self.state.is_misspecified() && self.remaining_now().is_some_and(|p| p <= false_alarm);
         let mut effects: Vec<usize> = refits.iter().flat_map(|refit| refit.effects.iter().copied()).collect();
         effects.sort_unstable();
         effects.dedup();
-        effects.retain(|&effect| gain(effect).is_some_and(|gain| is_small(gain, strongest, left)));
+        effects.retain(|&effect| {
+            gain(effect).is_some_and(|gain| is_small(gain, strongest, left) || (is_left && gain < strongest))
+        });
         effects
     }
 
-    /// The most probable set with an effect, after the one without it. `None` where that was not fitted.
+    /// The selected set where it has an effect, else the most probable one with it, after the same set without it. `None` where no
+    /// set was fitted without it.
     fn best_with(&self, effect: usize) -> Option<(usize, usize)> {
         let refits = &self.state.refits;
-        let has = |place: &usize| refits[*place].effects.contains(&effect);
-        let better = |a: usize, b: usize| if self.weights.sets[b] > self.weights.sets[a] { b } else { a };
-        let after = Some(self.selected).filter(has).or_else(|| (0..refits.len()).filter(has).reduce(better))?;
-        let rest = refits[after].effects.iter().filter(|&&other| other != effect);
-        let before = refits.iter().position(|refit| refit.effects.iter().eq(rest.clone()))?;
-        Some((before, after))
+        let without = |&after: &usize| {
+            let rest = || refits[after].effects.iter().filter(|&&other| other != effect);
+            let before = refits.iter().position(|refit| refit.effects.iter().eq(rest()))?;
+            refits[after].effects.contains(&effect).then_some((before, after))
+        };
+        let better = |a: (usize, usize), b: (usize, usize)| {
+            if self.weights.sets[b.1] > self.weights.sets[a.1] { b } else { a }
+        };
+        without(&self.selected).or_else(|| (0..refits.len()).filter_map(|after| without(&after)).reduce(better))
     }
 
     /// Sum of squares that the model error makes: of the one that is allowed for, or what the selected set leaves beyond the

@@ -98,7 +98,7 @@ fn lower(sentence: &str) -> String {
 
 /// That an effect is small.
 const SMALL: &str =
-    " It explains little beside what else is missing: errors of the model itself may be all that it stands for.";
+    " It explains less than what else is missing: errors of the model itself may be all that it stands for.";
 
 /// That an effect is larger than thought.
 fn surprising(effect: &EffectResult) -> String {

@@ -2,6 +2,10 @@
 //!
 //! In these coordinates a posterior pressed against a bound has a mode inside and tails that a t density covers. The
 //! Pareto shape of the weights tells whether the estimate can be trusted (`psis`).
+//!
+//! Where draws are costly, they end after a block at which the standard error is small enough, or the shape tells that more
+//! of them would not help. The stated error then is that of the draws made; that it chose their number matters little,
+//! since it has settled by then.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,8 +22,10 @@ use crate::watch;
 /// Settings of importance sampling.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ImportanceSettings {
-    /// Draws.
+    /// Draws, at most.
     pub draws: usize,
+    /// Standard error of the log evidence that is good enough to end before all draws are made; 0: none is.
+    pub wanted_error: f64,
     /// Degrees of freedom of the proposal, 1 or more, a whole number.
     pub degrees: u32,
     /// Factor of the proposal's covariance over that of the mode, above 0.
@@ -28,9 +34,16 @@ pub struct ImportanceSettings {
 
 impl Default for ImportanceSettings {
     fn default() -> Self {
-        Self { draws: 4000, degrees: 5, widening: 1.2 }
+        Self { draws: 4000, wanted_error: 0.0, degrees: 5, widening: 1.2 }
     }
 }
+
+/// Draws from one look at the error to the next.
+const BLOCK: usize = 500;
+/// Shape of the weights' tail from which on their mean need not exist, so that more draws would not help; looked at after
+/// this many draws.
+const HOPELESS_SHAPE: f64 = 1.0;
+const SHAPE_SETTLES: usize = 1000;
 
 /// An importance estimate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -65,6 +78,8 @@ pub fn estimate<T: Target>(
     let check = SampleError::check;
     check("draws", settings.draws as f64, settings.draws >= 2, "2 or more")?;
     check("degrees", f64::from(settings.degrees), settings.degrees >= 1, "1 or more")?;
+    let wanted = settings.wanted_error;
+    check("wanted_error", wanted, wanted >= 0.0 && wanted.is_finite(), "0 or more")?;
     check("widening", settings.widening, settings.widening > 0.0 && settings.widening.is_finite(), "above 0")?;
     let posterior = Posterior::new(target)?;
     let mut stream = key.stream(replicate);
@@ -107,15 +122,40 @@ pub fn estimate<T: Target>(
         let density = evaluator.density(&coordinates);
         log_ratios.push(density.map_or(f64::NEG_INFINITY, |density| density.total() - log_proposal));
         parameters.extend_from_slice(evaluator.parameters());
+        if wanted > 0.0 && log_ratios.len() % BLOCK == 0 && is_enough(&log_ratios, wanted) {
+            break;
+        }
     }
     Ok(summarise(&log_ratios, &parameters, n, evaluator.work.clone()))
 }
 
+/// Whether draws need not go on: their error is the wanted one with weights that can be trusted, or they never will be.
+fn is_enough(log_ratios: &[f64], wanted: f64) -> bool {
+    let shape = psis::smooth(log_ratios, 1.0).pareto_k;
+    let trusted = shape <= psis::greatest_good_shape(log_ratios.len());
+    let hopeless = shape > HOPELESS_SHAPE && log_ratios.len() >= SHAPE_SETTLES;
+    hopeless || trusted && error(log_ratios.len() as f64, sum_of_squares(&weights(log_ratios))) <= wanted
+}
+
+/// Shares of the draws.
+fn weights(log_ratios: &[f64]) -> Vec<f64> {
+    let total = log_sum_exp(log_ratios);
+    log_ratios.iter().map(|l| exp(l - total)).collect()
+}
+
+fn sum_of_squares(weights: &[f64]) -> f64 {
+    weights.iter().map(|w| w * w).sum()
+}
+
+/// Standard error of the log evidence, to first order, from the squared shares of so many draws.
+fn error(count: f64, squares: f64) -> f64 {
+    ((squares - 1.0 / count).max(0.0) * count / (count - 1.0)).sqrt()
+}
+
 fn summarise(log_ratios: &[f64], parameters: &[f64], n: usize, work: Work) -> ImportanceEstimate {
     let count = log_ratios.len() as f64;
-    let total = log_sum_exp(log_ratios);
-    let weights: Vec<f64> = log_ratios.iter().map(|l| exp(l - total)).collect();
-    let squares: f64 = weights.iter().map(|w| w * w).sum();
+    let weights = weights(log_ratios);
+    let squares = sum_of_squares(&weights);
     // A draw without weight has parameters that need not be finite.
     let moment = |i: usize, centre: f64, power: bool| {
         weights
@@ -132,8 +172,8 @@ fn summarise(log_ratios: &[f64], parameters: &[f64], n: usize, work: Work) -> Im
     let sd = (0..n).map(|i| moment(i, mean[i], true).sqrt()).collect();
     let pareto_k = psis::smooth(log_ratios, 1.0).pareto_k;
     ImportanceEstimate {
-        log_evidence: total - ln(count),
-        log_evidence_error: ((squares - 1.0 / count).max(0.0) * count / (count - 1.0)).sqrt(),
+        log_evidence: log_sum_exp(log_ratios) - ln(count),
+        log_evidence_error: error(count, squares),
         effective: 1.0 / squares,
         pareto_k: pareto_k.is_finite().then_some(pareto_k),
         mean,

@@ -1,7 +1,7 @@
 //! Figures of a comparison: map of the phases, residuals and histories in time, histogram of the deviations.
 
 use crate::document::counted;
-use crate::job::compare::{Output, Row, SensorSummary};
+use crate::job::compare::{Kind, Output, Row, SensorSummary};
 use crate::report::number::{NONE, signed};
 use crate::report::page::{Block, Figure, Text};
 use crate::report::plot::{
@@ -47,7 +47,7 @@ pub(super) fn figures(report: &PassReport<'_>, job: &str, output: &Output) -> Ve
     let mut folded = Vec::new();
     for measurement in measurements(output) {
         if report.is_steady(measurement, &output.rows) {
-            open.push(phase_map(job, output, measurement, Shows::Delivered));
+            open.push(phase_map(report, job, output, measurement, Shows::Delivered));
         } else {
             open.push(strips(job, output, measurement));
             folded.extend(
@@ -104,8 +104,27 @@ impl Shows {
     }
 }
 
+/// Magnitude of the full colour, K: the largest deviation that any state of the model leaves, so that maps before and after
+/// tuning can be held against one another.
+fn full_scale(report: &PassReport<'_>) -> f64 {
+    let rows = report.outputs::<Kind>().flat_map(|(_, output)| &output.rows).filter(|row| row.unit == "K");
+    let deviations = rows.flat_map(|row| {
+        [Some(row.predicted), row.predicted_tuned]
+            .into_iter()
+            .flatten()
+            .map(|predicted| (row.measured - predicted).abs())
+    });
+    deviations.filter(|deviation| deviation.is_finite()).fold(0.0, f64::max)
+}
+
 /// Deviations by phase and sensor.
-pub(in crate::report::section) fn phase_map(job: &str, output: &Output, measurement: &str, shows: Shows) -> Figure {
+pub(in crate::report::section) fn phase_map(
+    report: &PassReport<'_>,
+    job: &str,
+    output: &Output,
+    measurement: &str,
+    shows: Shows,
+) -> Figure {
     let sensors = sensor_names(output, measurement);
     let rows: Vec<&Row> = output.rows.iter().filter(|r| r.measurement == measurement).collect();
     let mut phases: Vec<(&str, bool)> = Vec::new();
@@ -129,7 +148,8 @@ pub(in crate::report::section) fn phase_map(job: &str, output: &Output, measurem
             .iter()
             .map(|&(phase, held_out)| (phase.to_owned(), held_out, sensors.iter().map(|s| value(phase, s.0)).collect()))
             .collect(),
-        full_scale: 0.0,
+        full_scale: if unit == "K" { full_scale(report) } else { 0.0 },
+        limit: output.criteria.each_k.filter(|_| unit == "K"),
         legend: format!("measured \u{2212} predicted [{unit}]: blue = model too high, orange = model too low"),
         mark_label: "held out from every fit".into(),
         decimals: super::decimals(unit),

@@ -91,6 +91,7 @@ fn heat(job: &str, output: &Output) -> Option<Figure> {
             .map(|row| (row.clone(), false, nodes.iter().map(|node| cell(row, node)).collect()))
             .collect(),
         full_scale: 0.0,
+        limit: None,
         legend: "missing heat [W]; positive: the model lacks heat in the node".to_owned(),
         mark_label: String::new(),
         decimals: 2,

@@ -4,8 +4,9 @@ use super::figures;
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{EffectHeat, EffectResult, Heat, Output};
 use crate::document::p_value;
-use crate::report::number::{fixed, significant, with_error};
+use crate::report::number::{Shown, fixed, significant, with_error, with_unit};
 use crate::report::page::{Block, Cell, Column, Table, Text};
+use crate::report::view::PassReport;
 
 /// Places and phases in the table of missing heat.
 const MOST_HEAT: usize = 12;
@@ -107,7 +108,7 @@ pub(super) fn missing(output: &Output) -> Option<Block> {
     })
 }
 
-pub(super) fn goes_with(output: &Output) -> Option<Block> {
+pub(super) fn goes_with(report: &PassReport<'_>, output: &Output) -> Option<Block> {
     if output.verdict != Verdict::Unexplained {
         return None;
     }
@@ -115,12 +116,22 @@ pub(super) fn goes_with(output: &Output) -> Option<Block> {
         .goes_with
         .iter()
         .map(|one| {
-            vec![Cell::code(&one.node), Cell::code(&one.input), significant(one.slope, 3).into(), p_value(one.p).into()]
+            let input = report.model.inputs.iter().find(|input| input.name == one.input);
+            let shown = input.map_or_else(|| Shown::si("SI"), |input| Shown::written(&input.unit).difference());
+            // From watts per SI unit to watts per unit of the input.
+            let slope = one.slope / shown.value(1.0);
+            let unit = if shown.unit.is_empty() { "W".to_owned() } else { format!("W/{}", shown.unit) };
+            vec![
+                Cell::code(&one.node),
+                Cell::code(&one.input),
+                with_unit(&significant(slope, 3), &unit).into(),
+                p_value(one.p).into(),
+            ]
         })
         .collect();
     (!rows.is_empty()).then(|| {
         Block::Table(Table {
-            caption: "What the missing heat goes with: slope in W per SI unit of the input.".into(),
+            caption: "What the missing heat goes with: its slope over the input.".into(),
             columns: vec![
                 Column::text("Node"),
                 Column::text("Input"),

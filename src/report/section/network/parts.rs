@@ -62,6 +62,11 @@ impl Parts {
         Some(Self { names, of })
     }
 
+    /// The part in which a node is.
+    pub(super) fn part(&self, node: usize) -> usize {
+        self.of.get(node).copied().unwrap_or(usize::MAX)
+    }
+
     fn members(&self, part: usize) -> impl Iterator<Item = usize> {
         self.of.iter().enumerate().filter(move |(_, of)| **of == part).map(|(node, _)| node)
     }

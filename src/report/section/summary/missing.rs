@@ -1,5 +1,5 @@
-//! What diagnoses and the passes before say on the first screen: what is missing, how sure that is, what it does to the
-//! error, what else it could be, and what became of the error since the pass before.
+//! What diagnoses say on the first screen: what is missing, how sure that is, what it does to the error, and what else it
+//! could be.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +9,6 @@ use crate::document::{counted, p_stated};
 use crate::report::number::{fixed, significant, with_unit};
 use crate::report::page::{Statement, Status, Text};
 use crate::report::section::diagnosis::{amount, chance};
-use crate::report::view::PassReport;
 
 /// Rivals that a statement names.
 const MOST_RIVALS: usize = 3;
@@ -245,26 +244,4 @@ fn what_else(output: &Output, selected: &[&EffectResult]) -> Option<Statement> {
     }
     let value = counted(rivals.len(), "rival");
     Some(Statement { label, value, text, status: Some(Status::Caution) })
-}
-
-/// What became of the error since the pass before.
-pub(super) fn of_history(report: &PassReport<'_>) -> Option<Statement> {
-    let history = report.history.as_ref()?;
-    let errors = history.passes.iter().find(|pass| pass.pass == report.pass_file)?;
-    let before = history.before(errors)?;
-    let pick = |split: &crate::report::history::Split| split.held_out.or(split.train);
-    let tuned = pick(&before.rmse_k.tuned).zip(pick(&errors.rmse_k.tuned)).map(|pair| (pair, "tuned"));
-    let delivered =
-        || pick(&before.rmse_k.delivered).zip(pick(&errors.rmse_k.delivered)).map(|pair| (pair, "as delivered"));
-    let ((from, to), state) = tuned.or_else(delivered)?;
-    let of = if errors.rmse_k.delivered.held_out.is_some() { "held-out readings" } else { "the readings of the fit" };
-    let mut text = Text::new(format!("RMSE {state} on {of}, against ")).code(&before.pass);
-    if !errors.added.is_empty() {
-        text = listed(text.plain("; added: "), &errors.added, errors.added.len());
-    }
-    let is_same = before.readings == errors.readings;
-    let text = text.plain(if is_same { "." } else { "; the readings are not the same." });
-    let value = with_unit(&format!("{} \u{2192} {}", fixed(from, 2), fixed(to, 2)), "K");
-    let status = is_same.then_some(if to < from { Status::Ok } else { Status::Fail });
-    Some(Statement { label: "Since the pass before".into(), value, text, status })
 }

@@ -1,0 +1,49 @@
+//! Measurements as loggers write them: any separator, decimal comma or point, lines before the header, a row of units,
+//! times in ISO 8601, as an epoch or as seconds, several files, channels that are dead or that nothing needs.
+//!
+//! `dialect`: how a file is written. `instant`: times. `channels`: what the user says of the channels. `record`: the
+//! files as one record. `proposal`: that record as a measurement of a study. Text in, text out: no file is touched.
+
+mod channels;
+mod dialect;
+mod instant;
+mod proposal;
+mod record;
+
+pub use proposal::{Known, Proposal, propose};
+pub use record::{Channel, Record};
+
+use std::sync::Arc;
+
+use crate::document::{Diagnostics, Source};
+
+/// How the files are to be read, where they do not say it themselves.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Settings {
+    /// Header of the column of times.
+    pub time: Option<String>,
+    /// Names, units and places of channels: a CSV file's name and text.
+    pub channels: Option<(String, String)>,
+}
+
+/// Several logs as one record.
+///
+/// # Errors
+/// Every place of a file that is not understood, with file, line and column.
+pub fn read(files: &[(String, String)], settings: &Settings) -> Result<Record, Diagnostics> {
+    let mut diagnostics = Diagnostics::new();
+    let mut record = Record::default();
+    let map = settings
+        .channels
+        .as_ref()
+        .map(|(name, text)| channels::read(&Source::new(name.clone(), text.clone()), &mut diagnostics));
+    for (name, text) in files {
+        let source: Arc<Source> = Source::new(name.clone(), text.clone());
+        record.add(&source, settings.time.as_deref(), &mut diagnostics);
+    }
+    if let Some(map) = map {
+        channels::apply(&map, &mut record, &mut diagnostics);
+    }
+    record.finish();
+    if diagnostics.has_errors() { Err(diagnostics) } else { Ok(record) }
+}

@@ -1,0 +1,56 @@
+//! What the picture of a network marks: paths and heat that a diagnosis finds missing, and elements of adopted effects.
+
+use crate::diagnosis::output::EffectResult;
+use crate::job::diagnose;
+use crate::report::number::{significant, with_unit};
+use crate::report::plot::{Diagram, Missing, Path};
+use crate::report::view::PassReport;
+use crate::study::AdoptedEffect;
+
+/// The adopted effect from which an element comes: it has the effect's name, with the member behind it where there are several.
+fn adopted<'r>(report: &'r PassReport<'_>, element: &str) -> Option<&'r AdoptedEffect> {
+    report.adopted.iter().find(|effect| {
+        element.strip_prefix(effect.name.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(" ("))
+    })
+}
+
+/// How the path of an effect is drawn.
+fn path_of(effect: &str) -> Path {
+    if effect.contains("radiat") { Path::Radiation } else { Path::Conductor }
+}
+
+/// Marks a diagram; `place` says which box of it stands for a node. Gives whether anything was marked.
+pub(super) fn mark(report: &PassReport<'_>, diagram: &mut Diagram, place: impl Fn(usize) -> usize) -> bool {
+    for (name, path, ..) in &mut diagram.paths {
+        if let Some(effect) = adopted(report, name) {
+            diagram.adopted.push(name.clone());
+            // To the solver it is a heat flow; to people it is what its effect says.
+            if effect.effect.ends_with("-path") {
+                *path = path_of(&effect.effect);
+            }
+        }
+    }
+    if let Some((_, output)) = report.outputs::<diagnose::Kind>().next() {
+        let selected = output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id));
+        diagram.missing = selected.filter_map(|effect| missing(report, effect, &place)).collect();
+    }
+    !diagram.adopted.is_empty() || !diagram.missing.is_empty()
+}
+
+/// A missing effect between two nodes or at one; others, as of a sensor or a parameter, have no place in a network.
+fn missing(report: &PassReport<'_>, effect: &EffectResult, place: impl Fn(usize) -> usize) -> Option<Missing> {
+    let nodes: Option<Vec<usize>> = (effect.place.iter())
+        .map(|name| report.model.nodes.iter().position(|node| node.name == *name).map(&place))
+        .collect();
+    let watts = effect.watts.map_or_else(String::new, |[least, most]| {
+        let size = if most >= -least { most } else { -least };
+        format!(", {}", with_unit(&significant(size, 2), "W"))
+    });
+    let label = format!("missing: {}{watts}", effect.effect.replace('-', " "));
+    let path = path_of(&effect.effect);
+    match (effect.where_kind.as_str(), nodes?.as_slice()) {
+        ("nodes", &[from, to]) if from != to => Some(Missing { label, path, from, to }),
+        ("node", &[at]) => Some(Missing { label, path, from: at, to: at }),
+        _ => None,
+    }
+}

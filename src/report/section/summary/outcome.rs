@@ -1,0 +1,255 @@
+//! What came out of the pass in a sentence or two, and the next step as a command.
+
+use crate::diagnosis::Verdict;
+use crate::diagnosis::output::{EffectResult, Output as Diagnosis};
+use crate::document::p_stated;
+use crate::job::{calibrate, compare, diagnose, goal, predict, propagate};
+use crate::report::ladder;
+use crate::report::number::{self, Shown, signed, significant, with_error, with_unit};
+use crate::report::page::{Statement, Status, Text};
+use crate::report::section::diagnosis::{amount, chance};
+use crate::report::section::problem::limits;
+use crate::report::section::propagation::{nominal_cases, probability_stated, standing};
+use crate::report::section::validation::{Rests, claim};
+use crate::report::view::PassReport;
+use crate::study::requirement::ALL;
+
+/// Draws next to a bound, above which a parameter is said to press against it.
+const PRESSES: f64 = 0.05;
+/// Probability of so large a misfit by noise alone, below which a tuned model does not explain its data.
+const IMPROBABLE: f64 = 0.005;
+
+/// What came out; none where no result says it.
+pub(super) fn headline(report: &PassReport<'_>) -> Option<Text> {
+    let diagnosis = report.outputs::<diagnose::Kind>().next().map(|(_, output)| of_diagnosis(output));
+    let mut parts: Vec<Text> = diagnosis.into_iter().collect();
+    parts.extend(of_error(report, parts.is_empty()));
+    parts.extend(of_bounds(report));
+    parts.extend(of_requirement(report));
+    let mut whole = Text::default();
+    for (position, part) in parts.into_iter().enumerate() {
+        whole = if position == 0 { whole } else { whole.plain(" ") };
+        whole.0.extend(part.0);
+    }
+    (!whole.0.is_empty()).then_some(whole)
+}
+
+/// The effect in the words of its title, its place, its size.
+fn in_words(mut text: Text, effect: &EffectResult) -> Text {
+    let (title, before) = match effect.title.strip_suffix(" between two nodes") {
+        Some(title) => (title, " between "),
+        None => (effect.title.as_str(), ", "),
+    };
+    text = text.strong(title);
+    for (position, name) in effect.place.iter().enumerate() {
+        text = text.plain(if position == 0 { before } else { " and " }).code(name);
+    }
+    if let Some((_, size)) = effect.amplitudes.iter().next() {
+        text = text.plain(format!(": {}", amount(size)));
+    }
+    if let Some([least, most]) = effect.watts {
+        let size = if most >= -least { most } else { -least };
+        text = text.plain(format!(", up to {}", with_unit(&significant(size, 2), "W")));
+    }
+    text
+}
+
+fn of_diagnosis(output: &Diagnosis) -> Text {
+    let selected: Vec<&EffectResult> =
+        output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id)).collect();
+    let text = Text::default().strong(output.verdict.word()).plain(": ");
+    match (output.verdict, selected.as_slice()) {
+        (Verdict::Adequate, _) => text.plain(format!(
+            "nothing is missing that these data could show ({} over all tests).",
+            p_stated(output.misfit.family_wise_p)
+        )),
+        (Verdict::Unexplained, _) | (_, []) => {
+            text.plain("something is missing, and nothing in the catalogue explains it.")
+        }
+        (verdict, [first, more @ ..]) => {
+            let mut text = in_words(text, first);
+            for effect in more {
+                text = in_words(text.plain("; and "), effect);
+            }
+            let model = output.models.iter().find(|model| {
+                model.effects.len() == selected.len() && model.effects.iter().all(|id| output.selected.contains(id))
+            });
+            text = match (verdict, model) {
+                (Verdict::Ambiguous, _) => text.plain("; rivals explain the data as well."),
+                (_, Some(model)) => text.plain(format!("; probability {}.", chance(model.probability))),
+                (_, None) => text.plain("."),
+            };
+            let errors = model.map(|model| (output.misfit.rmse_k, model.rmse_k));
+            let fall = errors.and_then(|(before, after)| {
+                let held_out = before.held_out.zip(after.held_out).map(|pair| (pair, "held-out"));
+                held_out.or_else(|| before.train.zip(after.train).map(|pair| (pair, "fitted")))
+            });
+            let shown = Shown::si("K");
+            match fall {
+                Some(((before, after), what)) if after < before => text.plain(format!(
+                    " With it the {what} error falls from {} tuned to {}.",
+                    shown.text(before),
+                    shown.text(after)
+                )),
+                Some(((before, after), what)) => text.plain(format!(
+                    " The {what} error does not fall with it: {} tuned, {} with it.",
+                    shown.text(before),
+                    shown.text(after)
+                )),
+                None => text,
+            }
+        }
+    }
+}
+
+/// The error of the delivered and the tuned model; where it fails is said of a model that was not tuned and not diagnosed.
+fn of_error(report: &PassReport<'_>, is_first: bool) -> Option<Text> {
+    let (_, output) = report.outputs::<compare::Kind>().find(|(_, output)| !output.rows.is_empty())?;
+    let states = ladder::standings(output);
+    let shown = Shown::si(ladder::unit(output));
+    let [delivered, ..] = states.as_slice() else { return None };
+    let what = if delivered.held_out.is_some() { "Held-out error" } else { "Error" };
+    let error = shown.text(delivered.error()?);
+    // With an adopted effect at nominal size the model is no longer the delivered one.
+    let untuned = if report.adopted.is_empty() { "as delivered" } else { "untuned with the adopted effects" };
+    if let Some(tuned) = states.get(1) {
+        return Some(format!("{what} {error} {untuned}, {} after tuning.", shown.text(tuned.error()?)).into());
+    }
+    let text = Text::new(format!("{what} {error} {untuned}."));
+    let Some(worst) = delivered.worst.as_ref().filter(|_| is_first) else { return Some(text) };
+    let (mean, largest) = (with_unit(&signed(worst.mean, 2), &shown.unit), shown.text(worst.largest));
+    Some(text.plain(" Worst: ").code(&worst.name).plain(format!(", {mean} on average, {largest} at most.")))
+}
+
+/// Parameters that press against a bound of their priors.
+fn of_bounds(report: &PassReport<'_>) -> Option<Text> {
+    let pressing: Vec<&String> = (report.outputs::<calibrate::Kind>())
+        .flat_map(|(_, output)| &output.parameters)
+        .filter(|(_, summary)| summary.at_bound > PRESSES)
+        .map(|(name, _)| name)
+        .collect();
+    let [first, more @ ..] = pressing.as_slice() else { return None };
+    let mut text = Text::default().code(*first);
+    for name in more {
+        text = text.plain(", ").code(*name);
+    }
+    let verb = if more.is_empty() { " presses" } else { " press" };
+    Some(
+        text.plain(verb)
+            .plain(" against a bound of the prior: relax it with a physical reason, or look for missing physics."),
+    )
+}
+
+/// The requirement that is farthest from what is required: after calibration where that was carried on.
+fn of_requirement(report: &PassReport<'_>) -> Option<Text> {
+    let predicted = report.outputs::<predict::Kind>().next().map(|(_, output)| (&output.posterior, Rests::OnTuned));
+    let propagated = report.outputs::<propagate::Kind>().next().map(|(_, output)| (output, Rests::OnDelivered));
+    let (output, rests) = predicted.or(propagated)?;
+    let (case, met) = (nominal_cases(output).flat_map(|case| case.requirements.iter().map(move |met| (case, met))))
+        .min_by(|a, b| {
+            let margin = |met: &propagate::Met| met.probability.value - met.required;
+            margin(a.1).total_cmp(&margin(b.1)).then((a.1.requirement == ALL).cmp(&(b.1.requirement == ALL)))
+        })?;
+    let what = if met.quantity.is_empty() {
+        "all requirements together".to_owned()
+    } else {
+        format!("{} {}", met.quantity, limits(&report.quantity_shown(&met.quantity, &met.unit), met.above, met.below))
+    };
+    let text = Text::new(format!(
+        "{what}, {}: P {}, required {}, ",
+        case.environment,
+        equals(&probability_stated(&met.probability)),
+        number::probability(met.required)
+    ));
+    let text = text.strong(claim(report, rests, met).0).plain(".");
+    let reached = output
+        .reached
+        .iter()
+        .find(|reached| reached.environment == case.environment && reached.requirement == met.requirement);
+    match (reached, &output.design_variable) {
+        (Some(reached), Some(name)) if standing(met) != Status::Ok => {
+            let shown = Shown::written(&output.design_unit);
+            Some(match reached.design_value {
+                Some(value) => text.plain(format!(" {name} = {} reaches it.", shown.text(value))),
+                None => text.plain(format!(" No {name} of the sweep reaches it.")),
+            })
+        }
+        _ => Some(text),
+    }
+}
+
+/// A probability behind its letter; one that is a bound has its own sign.
+fn equals(stated: &str) -> String {
+    if stated.starts_with(['\u{2264}', '\u{2265}']) { stated.to_owned() } else { format!("= {stated}") }
+}
+
+/// Whether a comparison or the calibration behind it leaves something to be explained.
+fn leaves_something(report: &PassReport<'_>) -> bool {
+    let presses = |(_, output): (&str, &calibrate::Output)| {
+        output.parameters.values().any(|summary| summary.at_bound > PRESSES)
+            || output.p_value.is_some_and(|p| p < IMPROBABLE)
+    };
+    let lacks = |(_, output): (&str, &compare::Output)| match ladder::standings(output).as_slice() {
+        [_, tuned, ..] => tuned.fails(),
+        [delivered] => delivered.fails() || !output.fails.is_empty(),
+        [] => false,
+    };
+    report.outputs::<compare::Kind>().any(lacks) || report.outputs::<calibrate::Kind>().any(presses)
+}
+
+/// The next step, as a command.
+pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
+    let path = format!("{}/{}", report.study, report.pass_file);
+    let command = |verb: &str| format!("bmv {verb} {path}");
+    if let Some((name, output)) = report.outputs::<diagnose::Kind>().next() {
+        let several = report.outputs::<diagnose::Kind>().count() > 1;
+        let adopt = if several { format!("{} --job {name}", command("adopt")) } else { command("adopt") };
+        match output.verdict {
+            Verdict::Identified => {
+                return Some(Text::default().code(adopt).plain(" writes the next pass with it; then run it."));
+            }
+            Verdict::Ambiguous if output.discriminating_experiment.is_some() => {
+                let text = Text::new("Measure the phase that would part the rivals: ").code(command("diagnose"));
+                return Some(text.plain(" names it."));
+            }
+            Verdict::Ambiguous | Verdict::Unexplained => {
+                let text = Text::default().code(command("diagnose"));
+                return Some(text.plain(" lists the rivals, the missing heat and what was tried."));
+            }
+            Verdict::Adequate => {}
+        }
+    } else if leaves_something(report) {
+        let text = Text::default().code(command("diagnose"));
+        return Some(text.plain(" says which physical effects would explain the misfit."));
+    }
+    if let Some((name, _)) = report.outputs::<goal::Kind>().next() {
+        let text = Text::default().code(format!("{} {name}", command("show")));
+        return Some(text.plain(" says how well each parameter must be known, and what to do for it."));
+    }
+    None
+}
+
+/// What a calibration measured: the parameter of which it taught the most.
+pub(super) fn of_calibration(output: &calibrate::Output) -> Option<Statement> {
+    let gain = |summary: &calibrate::ParameterSummary| {
+        let prior = summary.posterior_prior.as_ref().map_or_else(|| summary.prior.sd(), |prior| prior.sd);
+        (summary.sd > 0.0 && prior.is_finite()).then(|| prior / summary.sd)
+    };
+    let known = output.order.iter().take(output.model_parameters as usize);
+    let (name, summary, _) = known
+        .filter_map(|name| output.parameters.get(name).map(|summary| (name, summary)))
+        .filter_map(|(name, summary)| Some((name, summary, gain(summary)?)))
+        .max_by(|a, b| a.2.total_cmp(&b.2))?;
+    let prior_sd = summary.posterior_prior.as_ref().map_or_else(|| summary.prior.sd(), |prior| prior.sd);
+    let prior_mean = summary.posterior_prior.as_ref().map_or_else(|| summary.prior.mean(), |prior| prior.mean);
+    let unit = number::typeset(&summary.unit);
+    let presses = summary.at_bound > PRESSES;
+    let text =
+        format!("the parameter that the calibration tells most of; before {}.", with_error(prior_mean, prior_sd));
+    Some(Statement {
+        label: format!("Measured: {name}"),
+        value: with_unit(&with_error(summary.mean, summary.sd), &unit),
+        text: text.into(),
+        status: presses.then_some(Status::Caution),
+    })
+}

@@ -1,0 +1,80 @@
+//! Whether what is claimed of requirements rests on a model that keeps the criteria of its own test.
+
+use crate::job::compare;
+use crate::job::propagate::Met;
+use crate::report::ladder::{self, Standing};
+use crate::report::number::Shown;
+use crate::report::page::{Cell, Status, Text};
+use crate::report::view::PassReport;
+
+use super::propagation;
+
+/// Which state of the model a claim rests on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Rests {
+    /// As delivered, with the priors of its parameters.
+    OnDelivered,
+    /// On a calibration.
+    OnTuned,
+}
+
+/// The state of the model on which claims rest, and the comparison in which it breaks criteria; `None` where it keeps
+/// them all, or where nothing was measured.
+fn broken<'r>(report: &'r PassReport<'_>, rests: Rests) -> Option<(&'r compare::Output, Standing)> {
+    report.outputs::<compare::Kind>().find_map(|(_, output)| {
+        let mut states = ladder::standings(output);
+        let tuned = if states.len() > 1 && rests == Rests::OnTuned { states.pop() } else { None };
+        let state = tuned.or_else(|| states.into_iter().next())?;
+        state.fails().then_some((output, state))
+    })
+}
+
+/// How a requirement stands, in words and in colour: none is met by a model that fails its test.
+pub(super) fn claim(report: &PassReport<'_>, rests: Rests, met: &Met) -> (&'static str, Status) {
+    match propagation::standing(met) {
+        Status::Ok if broken(report, rests).is_some() => ("no claim: the model fails its test", Status::Caution),
+        standing => (propagation::outcome(met), standing),
+    }
+}
+
+/// The same as a cell.
+pub(super) fn claim_cell(report: &PassReport<'_>, rests: Rests, met: &Met) -> Cell {
+    let (words, status) = claim(report, rests, met);
+    Cell::marked(words, status)
+}
+
+/// Why no requirement may be called met, where one would be.
+pub(super) fn objection<'m>(
+    report: &PassReport<'_>,
+    rests: Rests,
+    mut claims: impl Iterator<Item = &'m Met>,
+) -> Option<Text> {
+    let (output, state) = broken(report, rests)?;
+    let met = claims.find(|met| propagation::standing(met) == Status::Ok)?;
+    let [kept, of] = state.kept?;
+    let which = if rests == Rests::OnTuned && output.tuned.is_some() { "tuned" } else { "as delivered" };
+    let mut text = Text::default().strong("No requirement is called met here.").plain(format!(
+        " The probability is that of the model, and the model {which} keeps {kept} of {of} criteria of its test ({}).",
+        output.criteria.title
+    ));
+    let unit = ladder::unit(output);
+    if let Some(worst) = state.worst.filter(|_| unit == "K") {
+        // Measured above predicted: the model is too cold, which hides what breaks an upper limit.
+        let unsafe_limit = match (met.below, met.above) {
+            (Some(_), None) if worst.mean > 0.0 => Some("at most"),
+            (None, Some(_)) if worst.mean < 0.0 => Some("at least"),
+            _ => None,
+        };
+        let side = if worst.mean > 0.0 { "above" } else { "below" };
+        text = text.plain(" ").code(worst.name).plain(format!(
+            " reads {} {side} the prediction on average, {} at the worst",
+            Shown::si(unit).text(worst.mean.abs()),
+            Shown::si(unit).text(worst.largest)
+        ));
+        text = text.plain(match unsafe_limit {
+            Some(limit) => format!(": the unsafe side of a limit of the kind \u{201C}{limit}\u{201D}."),
+            None => ".".to_owned(),
+        });
+    }
+    Some(text)
+}
