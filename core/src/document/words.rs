@@ -14,6 +14,7 @@ pub fn counted<N: Display + PartialEq + From<u8>>(count: N, noun: &str) -> Strin
     }
     match noun.strip_suffix('y') {
         Some(stem) if !stem.ends_with(['a', 'e', 'i', 'o', 'u']) => format!("{count} {stem}ies"),
+        None if noun.ends_with(['s', 'x']) || noun.ends_with("ch") => format!("{count} {noun}es"),
         _ => format!("{count} {noun}s"),
     }
 }
@@ -67,6 +68,7 @@ mod tests {
         assert_eq!(said, ["1 block", "2 blocks", "0 held-out readings"]);
         assert_eq!([counted(1_u64, "trajectory"), counted(3_u64, "trajectory")], ["1 trajectory", "3 trajectories"]);
         assert_eq!(counted(2_u64, "day"), "2 days");
+        assert_eq!(counted(2_u64, "box"), "2 boxes");
     }
 
     #[test]

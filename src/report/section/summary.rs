@@ -77,8 +77,9 @@ fn statements(report: &PassReport<'_>) -> Vec<Statement> {
         statements.extend(about_requirements);
         distributions.extend(about_quantities);
     }
-    for (_, output) in report.outputs::<conventional::Kind>() {
-        statements.extend(claims::of_sizes(report, output));
+    let is_one = report.outputs::<conventional::Kind>().count() == 1;
+    for (name, output) in report.outputs::<conventional::Kind>() {
+        statements.extend(claims::of_sizes(report, output, (!is_one).then_some(name)));
     }
     statements.extend(distributions);
     statements

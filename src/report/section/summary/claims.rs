@@ -99,8 +99,10 @@ pub(super) fn of_prediction(output: &predict::Output) -> Vec<Statement> {
     out
 }
 
-pub(super) fn of_sizes(report: &PassReport<'_>, output: &conventional::Output) -> Vec<Statement> {
+/// Sizes by rule and by probability. The job is named where there are several.
+pub(super) fn of_sizes(report: &PassReport<'_>, output: &conventional::Output, job: Option<&str>) -> Vec<Statement> {
     let mut out = Vec::new();
+    let job = job.map_or(String::new(), |name| format!(", {name}"));
     let design = Shown::written(&output.design_unit);
     let mut environments: Vec<&str> = Vec::new();
     let what = if output.seeks_largest() { format!("limit of {}", output.design_variable) } else { "size".to_owned() };
@@ -117,7 +119,7 @@ pub(super) fn of_sizes(report: &PassReport<'_>, output: &conventional::Output) -
                 .interval
                 .map_or(String::new(), |[a, b]| format!(" ({} to {})", design.number(a), design.text(b)));
             out.push(Statement {
-                label: format!("Probabilistic {what}, {}", pair.0),
+                label: format!("Probabilistic {what}, {}{job}", pair.0),
                 value: design.text(value),
                 text: Text::code(Text::default(), &output.design_variable)
                     .plain(format!(" for P = {}{interval}.", number::probability(reached.probability))),
@@ -142,7 +144,7 @@ pub(super) fn of_sizes(report: &PassReport<'_>, output: &conventional::Output) -
             let (least, most) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
             let range = format!(" All rules: {} to {}.", design.number(least), design.text(most));
             out.push(Statement {
-                label: format!("Conventional {what}, {}", pair.0),
+                label: format!("Conventional {what}, {}{job}", pair.0),
                 value: design.text(value),
                 text: Text::new(format!("{} ({}).{against}{range}", sizing::label(size), size.rule.title)),
                 status: None,

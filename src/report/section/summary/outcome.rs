@@ -156,7 +156,7 @@ fn of_requirement(report: &PassReport<'_>) -> Option<Text> {
         format!("{} {}", met.quantity, limits(&report.quantity_shown(&met.quantity, &met.unit), met.above, met.below))
     };
     let text = Text::new(format!(
-        "{what}, {}: P {}, required {}, ",
+        "Requirement: {what}, {}: P {}, required {}, ",
         case.environment,
         equals(&probability_stated(&met.probability)),
         number::probability(met.required)
