@@ -437,4 +437,19 @@ mod tests {
         own.done(both, 1e-6);
         assert_eq!(own.diagnosis.aside(&own.state, leader), None);
     }
+
+    #[test]
+    fn probable_sets_are_fitted_without_each_of_their_members() {
+        let mut own = fixture();
+        let [first, second] = own.members;
+        let mut pair = [first, second];
+        pair.sort_unstable();
+        own.add(&[first], 100.0);
+        own.add(&pair, 500.0);
+        own.add(&[own.seed, second], 300.0);
+        own.diagnosis.order_without_members(&mut own.state);
+        // The first is there, and the third set is improbable.
+        let ordered: Vec<&[usize]> = own.state.pending.iter().map(|request| request.effects.as_slice()).collect();
+        assert_eq!(ordered, [[second]]);
+    }
 }
