@@ -135,9 +135,9 @@ pub struct EffectResult {
     pub input: Option<String>,
     /// Probability that it is missing.
     pub probability: f64,
-    /// Whether it explains so little that errors of the model itself may be what it stands for: its probability is then halved.
-    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
-    pub small: bool,
+    /// Probability that errors of the model itself are what it stands for; the probability that it is missing has lost this share.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub model_error: f64,
     /// Log Bayes factor for it, the rest of its best set given.
     pub log_bayes_factor: f64,
     /// The same with the amplitude's prior at half and at double scale.
@@ -187,6 +187,10 @@ pub struct EffectFile {
     /// Ids of small effects of the selected set that are not needed beside it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub needless: Vec<String>,
+}
+
+fn is_none(probability: &f64) -> bool {
+    *probability == 0.0
 }
 
 fn one() -> f64 {

@@ -141,6 +141,10 @@ pub struct Outcome {
 pub fn drawn_case(catalogue: &Arc<Catalogue>, recipe: &Recipe, seed: u64, number: u64) -> Outcome {
     match case(catalogue, recipe, seed, number) {
         Err(error) => Outcome { number, truth: None, answer: None, reason: Some(error.to_string()) },
+        // Of a truth that is finer than the model, its parameters may be wrong as well: as in a study, their priors are in question.
+        Ok(case) if case.truth.finer.is_some() => {
+            asked(&case.problem.with_priors_in_question(usize::MAX), case.truth, seed, number)
+        }
         Ok(case) => asked(&case.problem, case.truth, seed, number),
     }
 }

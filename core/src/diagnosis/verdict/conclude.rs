@@ -15,7 +15,7 @@ use crate::diagnosis::odds::posterior_odds::{
     posterior_odds, veto,
 };
 use crate::diagnosis::output::{
-    Amount, Detectable, EffectHeat, EffectResult, Misfit, ModelResult, NoiseResult, Output, Rmse, RmseChange,
+    Amount, Detectable, EffectHeat, EffectResult, HeldOutTest, Misfit, ModelResult, NoiseResult, Output, Rmse, RmseChange,
     StoryStep, Test, Unseen, Verdict,
 };
 use crate::diagnosis::problem::{FittedReading, is_idle};
@@ -83,8 +83,8 @@ pub(crate) struct Findings<'a> {
     pub vetoed: bool,
     /// Whether the selected set goes before a more probable one since odds are doubted.
     pub fewest_parameters: bool,
-    /// Effects that explain so little that errors of the model itself may be what they explain.
-    pub small: Vec<usize>,
+    /// Probabilities that errors of the model itself are what effects explain, where they are not 0.
+    pub model_errors: BTreeMap<usize, f64>,
     /// Probabilities of effects beside which others explain nearly as much.
     pub shared: BTreeMap<usize, f64>,
 }
@@ -150,9 +150,14 @@ impl Findings<'_> {
         self.unless_model_error(effect, shared.unwrap_or_else(|| self.probability_as_weighed(effect)))
     }
 
-    /// A probability of an effect, less where it is so small that it may be none.
+    /// A probability of an effect, less what it has of being none.
     fn unless_model_error(&self, effect: usize, probability: f64) -> f64 {
-        if self.small.contains(&effect) { (1.0 - IS_MODEL_ERROR) * probability } else { probability }
+        (1.0 - self.model_errors.get(&effect).copied().unwrap_or(0.0)) * probability
+    }
+
+    /// Whether an effect is so small that errors of the model may well be what it explains.
+    pub(super) fn is_small(&self, effect: usize) -> bool {
+        self.model_errors.get(&effect).is_some_and(|probability| *probability >= IS_MODEL_ERROR)
     }
 
     /// The same as if models had no errors of their own.
@@ -209,7 +214,7 @@ impl Diagnosis {
             doubted: false,
             vetoed: false,
             fewest_parameters: false,
-            small: Vec::new(),
+            model_errors: BTreeMap::new(),
             shared: BTreeMap::new(),
         };
         let nothing = match findings.story.as_ref().and_then(|story| story.steps.first()) {
@@ -246,11 +251,12 @@ impl Diagnosis {
                     held_out_test = held_out::test(&problem, baseline, &state.refits[place], stated);
                 }
             }
+            let tested = best(&findings.weights);
             findings.select(self.settings().false_alarm);
-            if findings.story.is_some() {
+            if tested != Some(findings.selected) {
                 held_out_test = held_out::test(&problem, baseline, &state.refits[findings.selected], stated);
             }
-            findings.small = findings.small_effects(self.settings().false_alarm);
+            findings.model_errors = findings.model_errors(self.finds_beside(&findings, held_out_test.as_ref(), stated));
             let chosen = &state.refits[findings.selected];
             let explains = !chosen.effects.is_empty() && !self.leaves_too_much(&findings);
             if explains {
@@ -262,7 +268,7 @@ impl Diagnosis {
                 findings.selected = 0;
                 findings.groups.clear();
                 findings.rivals.clear();
-                findings.small.clear();
+                findings.model_errors.clear();
             }
         }
         if state.is_misspecified() && findings.selected == 0 {
@@ -370,6 +376,14 @@ impl Diagnosis {
         p > self.settings().false_alarm
     }
 
+    /// Whether tests find something beside the selected set, or it predicts held-out rows worse than the stated noise allows; not
+    /// where a model error is allowed for, which both would be.
+    fn finds_beside(&self, findings: &Findings<'_>, held_out: Option<&HeldOutTest>, stated: bool) -> bool {
+        let is_clear = |p: f64| p <= self.settings().false_alarm;
+        let fails = stated && held_out.and_then(|test| test.p).is_some_and(is_clear);
+        !findings.state.is_misspecified() && (fails || findings.remaining_now().is_some_and(is_clear))
+    }
+
     /// Whether the selected set leaves the model far from the noise while tests go on finding something.
     fn leaves_too_much(&self, findings: &Findings<'_>) -> bool {
         let chosen = &findings.state.refits[findings.selected];
@@ -444,7 +458,7 @@ impl Diagnosis {
             where_kind: candidate.where_kind.to_owned(),
             input: candidate.input.clone(),
             probability,
-            small: findings.small.contains(&effect),
+            model_error: findings.model_errors.get(&effect).copied().unwrap_or(0.0),
             log_bayes_factor: refit.log_evidence - before.log_evidence,
             log_bayes_factor_scales: scales,
             changes_nothing: changes_nothing(before, refit),
@@ -594,7 +608,7 @@ impl Findings<'_> {
         }
         let alone = self.rivals.len() == 1;
         let sure = held(&self.state.refits, &self.weights, &self.groups) >= SURE;
-        let all_large = !self.state.refits[self.selected].effects.iter().any(|effect| self.small.contains(effect));
+        let all_large = !self.state.refits[self.selected].effects.iter().any(|&effect| self.is_small(effect));
         if alone && sure && all_large { Verdict::Identified } else { Verdict::Ambiguous }
     }
 }

@@ -53,7 +53,7 @@ impl Diagnosis {
     /// inputs, as effects do.
     fn needless(&self, findings: &Findings<'_>, best: &Fitted) -> Vec<String> {
         let (kept, small): (Vec<usize>, Vec<usize>) =
-            best.refit.effects.iter().partition(|&effect| !findings.small.contains(effect));
+            best.refit.effects.iter().partition(|&&effect| !findings.is_small(effect));
         let begin =
             Begin { starts: vec![best.refit.by_name()], scale: 1.0, widths: best.refit.widths(), ..Begin::default() };
         let alone = if small.is_empty() { None } else { best.problem.refit(&kept, &begin, self.key()).ok() };
@@ -115,7 +115,7 @@ fn result(best: &Fitted, curve: &EffectResult, curve_refit: &Refit, needless: Ve
         id: candidate.id.clone(),
         effect: candidate.effect.clone(),
         title: effect.map_or_else(String::new, |effect| effect.form.title.clone()),
-        small: false,
+        model_error: 0.0,
         log_bayes_factor: curve.log_bayes_factor + refit.log_evidence - curve_refit.log_evidence,
         log_bayes_factor_scales: None,
         amplitudes: position.map(|position| amounts(&refit.amplitudes[position])).unwrap_or_default(),

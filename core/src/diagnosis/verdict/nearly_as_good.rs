@@ -27,7 +27,7 @@ struct Alternative {
 impl Findings<'_> {
     /// Adds the effects that explain nearly as much to the groups, and takes their share from the members.
     pub(super) fn add_nearly_as_good(&mut self) {
-        let has_small = self.members().iter().any(|effect| self.small.contains(effect));
+        let has_small = self.members().iter().any(|&effect| self.is_small(effect));
         let logs: Vec<f64> = match &self.story {
             Some(story) => story.logs.clone(),
             None if has_small => self.weights.sets.iter().map(|weight| ln(*weight)).collect(),
@@ -72,7 +72,7 @@ impl Findings<'_> {
             let before = refits.iter().position(|refit| refit.effects.iter().eq(rest.clone()))?;
             Some(logs[self.selected] - logs[before]).filter(|gain| gain.is_finite())
         };
-        let small = own.iter().filter(|effect| self.small.contains(effect));
+        let small = own.iter().filter(|&&effect| self.is_small(effect));
         1.0 + 2.0 * small.filter_map(gain).fold(0.0, f64::max) / LARGEST_OF_SOME
     }
 
@@ -80,7 +80,7 @@ impl Findings<'_> {
     fn lags(&self, logs: &[f64]) -> Vec<Alternative> {
         let refits = &self.state.refits;
         let members = self.members();
-        let large: Vec<usize> = (0..members.len()).filter(|&group| !self.small.contains(&members[group])).collect();
+        let large: Vec<usize> = (0..members.len()).filter(|&group| !self.is_small(members[group])).collect();
         let alone = |effect: usize| {
             let place = refits.iter().position(|refit| refit.effects == [effect]);
             place.map_or(f64::NEG_INFINITY, |place| logs[place])

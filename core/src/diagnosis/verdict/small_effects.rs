@@ -3,24 +3,34 @@
 //! Every thermal model is a little wrong everywhere: nodes have gradients, exchange areas are estimates. Such errors follow
 //! the inputs as effects do, and some effect of a catalogue follows them better than the noise allows by chance. What tells a missing effect from
 //! them is its size: it explains far more than what is left beside it, and not far less than another that is missing. Where
-//! tests go on finding something that no effect explains, the model is wrong in such ways, and all but the strongest effect may be.
+//! tests go on finding something that no effect explains, or the held-out rows are predicted badly, the model is wrong in such
+//! ways, and all but the strongest effect may be. What would have to be a hundred times as large as is plausible stands for something
+//! else as likely as not.
+//!
+//! Where a model error is allowed for, an effect that explains `g` times the squares that it makes is one itself with the
+//! probability `1 / (1 + g / 3)`. The errors of a model's parts differ: a few make most of what they make together, and the
+//! largest of them exceeds a multiple of their mean square with a probability that falls as slowly as its inverse.
+
+use std::collections::BTreeMap;
 
 use crate::diagnosis::Refit;
 use crate::diagnosis::engine::SensorNoise;
+use crate::diagnosis::odds::prior_scale::WIDTHS;
 use crate::diagnosis::problem::FittedReading;
 use crate::diagnosis::verdict::conclude::Findings;
 
 /// Least share that an effect explains of what the strongest one explains, in squares.
 const LEAST_SHARE: f64 = 0.2;
-/// Least multiple that an effect explains of the model error that is left, in squares: with it the error is less than half of that before.
-const LEAST_OF_ERROR: f64 = 3.0;
+/// Multiple of what the model error makes, in squares, that an effect explains which is as likely one as not: with it the error
+/// is half of that before.
+const AS_LIKELY: f64 = 3.0;
 /// Probability that a small effect is none: nothing beforehand speaks for either.
 pub(super) const IS_MODEL_ERROR: f64 = 0.5;
 
 impl Findings<'_> {
-    /// Effects that are small beside the strongest one of the selected set, or beside the model error that is left. Where what
-    /// the set leaves has a family-wise p of at most `false_alarm`, all that explain less than the strongest.
-    pub(super) fn small_effects(&self, false_alarm: f64) -> Vec<usize> {
+    /// Probability that errors of the model are what an effect explains, of each for which it is not 0. Where something `is_left`
+    /// beside the selected set, all that explain less than the strongest may be.
+    pub(super) fn model_errors(&self, is_left: bool) -> BTreeMap<usize, f64> {
         let refits = &self.state.refits;
         let chosen = &refits[self.selected];
         let gain = |effect: usize| {
@@ -28,13 +38,30 @@ impl Findings<'_> {
             Some(refits[before].chi_square - refits[after].chi_square)
         };
         let strongest = chosen.effects.iter().filter_map(|&effect| gain(effect)).fold(0.0, f64::max);
-        let left = self.left_by_model_error(chosen);
-        let is_left = !self.state.is_misspecified() && self.remaining_now().is_some_and(|p| p <= false_alarm);
+        let left = Left {
+            strongest,
+            squares: self.left_by_model_error(chosen),
+            is_allowed_for: self.state.is_misspecified(),
+            is_found: is_left,
+        };
         let mut effects: Vec<usize> = refits.iter().flat_map(|refit| refit.effects.iter().copied()).collect();
         effects.sort_unstable();
         effects.dedup();
-        effects.retain(|&effect| gain(effect).is_some_and(|gain| is_small(gain, strongest, left, is_left)));
-        effects
+        let one = |effect: usize| {
+            let by_size = if self.is_implausible(effect) { IS_MODEL_ERROR } else { 0.0 };
+            Some((effect, left.is_model_error(gain(effect)?).max(by_size)))
+        };
+        effects.into_iter().filter_map(one).filter(|(_, probability)| *probability > 0.0).collect()
+    }
+
+    /// Whether an effect has to be larger than the catalogue's plausible sizes by the widest factor that is tried, in its step or
+    /// its best set.
+    fn is_implausible(&self, effect: usize) -> bool {
+        let Some((_, place)) = self.step_of(effect).or_else(|| self.best_with(effect)) else { return false };
+        let refit = &self.state.refits[place];
+        let width = |own: (&usize, &f64)| (*own.0 == effect).then_some(*own.1);
+        let widest = WIDTHS.iter().map(|width| width.factor).fold(1.0, f64::max);
+        refit.effects.iter().zip(&refit.widths).find_map(width).is_some_and(|width| width >= widest)
     }
 
     /// The selected set where it has an effect, else the most probable one with it, after the same set without it. `None` where no
@@ -67,27 +94,60 @@ impl Findings<'_> {
     }
 }
 
-/// Whether an effect with this gain is small beside the strongest, or beside the model error that is left; where tests find that
-/// something `is_left`, any that is less than the strongest.
-fn is_small(gain: f64, strongest: f64, left: f64, is_left: bool) -> bool {
-    gain < LEAST_SHARE * strongest || gain < LEAST_OF_ERROR * left || is_left && gain < strongest
+/// What stands beside the effects, in squares of the noise.
+struct Left {
+    /// What the strongest effect of the selected set explains.
+    strongest: f64,
+    /// What the model error makes, or what is left beyond the noise.
+    squares: f64,
+    /// Whether a model error is allowed for.
+    is_allowed_for: bool,
+    /// Whether something is found beside the selected set.
+    is_found: bool,
+}
+
+impl Left {
+    /// Probability that errors of the model are what an effect with this gain explains.
+    fn is_model_error(&self, gain: f64) -> f64 {
+        let is_lesser = gain < LEAST_SHARE * self.strongest || self.is_found && gain < self.strongest;
+        let least = if is_lesser { IS_MODEL_ERROR } else { 0.0 };
+        let by_size = match self.is_allowed_for {
+            true => 1.0 / (1.0 + gain.max(0.0) / (AS_LIKELY * self.squares).max(f64::MIN_POSITIVE)),
+            false if gain < AS_LIKELY * self.squares => IS_MODEL_ERROR,
+            false => 0.0,
+        };
+        by_size.max(least)
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::is_small;
+    use super::Left;
 
     #[test]
-    fn an_effect_is_small_beside_a_stronger_one_or_beside_what_is_left() {
-        assert!(!is_small(100.0, 100.0, 10.0, false));
+    fn an_effect_may_be_model_error_beside_a_stronger_one_or_beside_what_is_left() {
+        let left = |strongest, squares, is_found| Left { strongest, squares, is_allowed_for: false, is_found };
+        assert_eq!(left(100.0, 10.0, false).is_model_error(100.0), 0.0);
         // Two effects of one size.
-        assert!(!is_small(40.0, 60.0, 0.0, false));
+        assert_eq!(left(60.0, 0.0, false).is_model_error(40.0), 0.0);
         // But where something is left, the lesser one may be model error; the strongest is not.
-        assert!(is_small(40.0, 60.0, 0.0, true));
-        assert!(!is_small(60.0, 60.0, 0.0, true));
+        assert_eq!(left(60.0, 0.0, true).is_model_error(40.0), 0.5);
+        assert_eq!(left(60.0, 0.0, true).is_model_error(60.0), 0.0);
         // A third of the strongest in readings is a ninth in squares.
-        assert!(is_small(11.0, 100.0, 0.0, false));
+        assert_eq!(left(100.0, 0.0, false).is_model_error(11.0), 0.5);
         // It takes away less than half of the error.
-        assert!(is_small(100.0, 100.0, 50.0, false));
+        assert_eq!(left(100.0, 50.0, false).is_model_error(100.0), 0.5);
+    }
+
+    #[test]
+    fn where_a_model_error_is_allowed_for_the_probability_falls_with_what_the_effect_explains() {
+        let left = Left { strongest: 900.0, squares: 10.0, is_allowed_for: true, is_found: false };
+        for (gain, expected) in [(900.0, 1.0 / 31.0), (270.0, 0.1), (190.0, 30.0 / 220.0), (0.0, 1.0), (-5.0, 1.0)] {
+            assert!((left.is_model_error(gain) - expected).abs() < 1e-12, "{gain}");
+        }
+        // Less than a fifth of the strongest.
+        assert!((left.is_model_error(120.0) - 0.5).abs() < 1e-12);
+        let none = Left { squares: 0.0, ..left };
+        assert!(none.is_model_error(900.0) < 1e-12);
     }
 }

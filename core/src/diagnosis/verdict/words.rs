@@ -5,6 +5,7 @@ use crate::diagnosis::output::{
 };
 use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::verdict::conclude::Findings;
+use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::diagnosis::{PRIOR_OF, Problem};
 use crate::document::{counted, p_stated, percent, upper};
 use crate::effect::Effect;
@@ -96,9 +97,19 @@ fn lower(sentence: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
 }
 
-/// That an effect is small.
-const SMALL: &str =
-    " It explains less than what else is missing: errors of the model itself may be all that it stands for.";
+/// Probability below which it is not said that errors of the model may be what an effect explains.
+const LEAST_MODEL_ERROR: f64 = 0.05;
+
+/// That errors of the model itself may be what an effect explains.
+fn or_model_error(effect: &EffectResult) -> String {
+    if effect.model_error >= IS_MODEL_ERROR {
+        return " It explains less than what else is missing: errors of the model itself may be all that it stands for.".to_owned();
+    }
+    if effect.model_error < LEAST_MODEL_ERROR {
+        return String::new();
+    }
+    format!(" Errors of the model itself explain as much with probability {}.", percent(effect.model_error))
+}
 
 /// That an effect is larger than thought.
 fn surprising(effect: &EffectResult) -> String {
@@ -391,7 +402,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     percent(effect.probability),
                     effect.log_bayes_factor,
                     surprising(effect),
-                    if effect.small { SMALL } else { "" }
+                    or_model_error(effect)
                 ));
             }
             words.extend(output.steps.last().and_then(ends));
