@@ -17,6 +17,9 @@ use crate::thermal::Model;
 /// Least standard deviation of the start of a node that was added, where it is inferred, K.
 const LEAST_SPREAD_OF_STARTS_K: f64 = 1.0;
 
+/// By which share of the temperatures' range such a start may lie outside it: not all that is there is measured.
+const MARGIN_OF_STARTS: f64 = 0.25;
+
 /// A model with effects that a problem's model lacks.
 #[derive(Clone, Debug)]
 pub struct Hypothesis {
@@ -88,10 +91,10 @@ impl Hypothesis {
         }
         let applied = self.add_as(candidate, effect, &candidate.id, parameters)?;
         if problem.is_misspecified {
-            let nodes = applied.nodes.iter();
-            nodes.for_each(|&(node, _)| {
-                self.measurements.iter_mut().for_each(|measurement| measurement.begin_free(node))
-            });
+            let model = &self.model;
+            for &(node, _) in &applied.nodes {
+                self.measurements.iter_mut().for_each(|measurement| measurement.begin_free(node, model));
+            }
         }
         Ok(())
     }
@@ -158,24 +161,41 @@ impl Hypothesis {
 }
 
 impl Measurement {
-    /// Frees the start temperature of a node within what the readings vary by: a part that a record finds at its host's
-    /// temperature is the exception.
-    fn begin_free(&mut self, node: usize) {
-        let readings: Vec<f64> = self.readings.iter().flatten().copied().collect();
-        let count = readings.len().max(1) as f64;
-        let mean = readings.iter().sum::<f64>() / count;
-        let square = readings.iter().map(|reading| (reading - mean) * (reading - mean)).sum::<f64>();
+    /// Frees the start temperature of a node that was added where that of its host is not stated: a part that a record finds at
+    /// its host's temperature is the exception. It stays near the temperatures that the record shows, as nothing that is hotter or colder
+    /// than all that is there could have made it so.
+    fn begin_free(&mut self, node: usize, model: &Model) {
+        let width = self.sensors.len().max(1);
+        let is_temperature = |sensor: usize| {
+            let quantity = self.sensors.get(sensor).and_then(|sensor| model.quantities.get(sensor.quantity));
+            quantity.is_some_and(|quantity| quantity.unit == "K")
+        };
+        let readings = self.readings.iter().enumerate().filter(|(at, _)| is_temperature(at % width));
+        let mut shown: Vec<f64> = readings.filter_map(|(_, reading)| *reading).collect();
+        let count = shown.len().max(1) as f64;
+        let mean = shown.iter().sum::<f64>() / count;
+        let square = shown.iter().map(|reading| (reading - mean) * (reading - mean)).sum::<f64>();
         let sd = (square / count).sqrt().max(LEAST_SPREAD_OF_STARTS_K);
-        if let crate::measurement::Rows::Transient {
-            initial: Initial::Temperatures { values, shared, balanced }, ..
-        } = &mut self.rows
-            && let Some(value) = values.get_mut(node)
-            && !shared.contains(&node)
-            && !balanced.contains(&node)
-        {
-            let mean = value.nominal();
-            *value = Uncertain::Inferred(Distribution::Normal { mean, sd, lower: Some(0.0), upper: None });
+        let crate::measurement::Rows::Transient { initial, inputs, .. } = &mut self.rows else { return };
+        let Initial::Temperatures { values, shared, balanced } = initial else { return };
+        let is_input = |column: &&crate::measurement::InputColumn| {
+            model
+                .inputs
+                .get(column.input)
+                .is_some_and(|input| Unit::parse(&input.unit).is_ok_and(|unit| unit.dimension == kelvin()))
+        };
+        shown.extend(inputs.columns.iter().filter(is_input).flat_map(|column| column.values.iter().copied()));
+        if shared.contains(&node) || balanced.contains(&node) {
+            return;
         }
+        let Some(value) = values.get_mut(node).filter(|value| value.prior().is_some()) else { return };
+        let mean = value.nominal();
+        shown.push(mean);
+        let [least, most] =
+            [shown.iter().copied().fold(f64::INFINITY, f64::min), shown.iter().copied().fold(0.0, f64::max)];
+        let margin = (MARGIN_OF_STARTS * (most - least)).max(LEAST_SPREAD_OF_STARTS_K);
+        let (lower, upper) = (Some((least - margin).max(0.0)), Some(most + margin));
+        *value = Uncertain::Inferred(Distribution::Normal { mean, sd, lower, upper });
     }
 
     /// Gives a node that was added a start temperature: that of its host.
@@ -196,6 +216,11 @@ impl Measurement {
             values.push(value);
         }
     }
+}
+
+/// The dimension of K.
+fn kelvin() -> Dimension {
+    Unit::parse("K").map_or(Dimension::NONE, |unit| unit.dimension)
 }
 
 /// The dimension of J/K.

@@ -30,6 +30,7 @@ const EMBEDDED: &[(&str, &str)] = &[
     ("temperature-dependent-conductance", include_str!("catalogue/temperature-dependent-conductance.json")),
     ("temperature-dependent-emittance", include_str!("catalogue/temperature-dependent-emittance.json")),
     ("mli-effective-emittance", include_str!("catalogue/mli-effective-emittance.json")),
+    ("input-dependent-conductance", include_str!("catalogue/input-dependent-conductance.json")),
     ("conductance-step", include_str!("catalogue/conductance-step.json")),
     ("conductance-lost-below", include_str!("catalogue/conductance-lost-below.json")),
     ("dated-conductance", include_str!("catalogue/dated-conductance.json")),
