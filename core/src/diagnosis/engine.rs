@@ -488,16 +488,8 @@ impl Diagnosis {
         let widths = state.refits.get(request.from).map(Refit::widths).unwrap_or_default();
         // Effects that can only harm, as an exchange of channels, need not be fitted to the end.
         let least_log_likelihood = state.refits.first().map(|baseline| baseline.log_likelihood);
-        let best_log_likelihood = state.refits.iter().map(|fitted| fitted.log_likelihood).reduce(f64::max);
-        let begin = Begin {
-            starts: starts.collect(),
-            from_prior,
-            scale: 1.0,
-            widths,
-            least_log_likelihood,
-            best_log_likelihood,
-            is_near: false,
-        };
+        let begin =
+            Begin { starts: starts.collect(), from_prior, scale: 1.0, widths, least_log_likelihood, is_near: false };
         problem.refit(&request.effects, &begin, &self.key).map_err(|error| {
             let ids = request.effects.iter().map(|&effect| problem.candidates[effect].id.clone());
             Unfitted { effects: ids.collect(), reason: error.to_string() }

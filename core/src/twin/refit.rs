@@ -2,7 +2,7 @@
 
 use crate::diagnosis::{FitError, Hypothesis, Problem};
 use crate::inference::estimate::natural::NaturalObjective;
-use crate::inference::estimate::optimise::{Effort, Minimum, Reference, free_variables, minimise};
+use crate::inference::estimate::optimise::{Effort, Minimum, free_variables, minimise};
 use crate::inference::likelihood::{Definition, Likelihood};
 use crate::inference::target::Target;
 use crate::measurement::Measurement;
@@ -10,8 +10,7 @@ use crate::measurement::Measurement;
 use super::inject::InjectError;
 
 /// Steps of a fit.
-const EFFORT: Effort =
-    Effort { most_iterations: 60, least_gain: 1e-6, ceiling: f64::INFINITY, reference: Reference::Nothing };
+const EFFORT: Effort = Effort { most_iterations: 60, least_gain: 1e-6, ceiling: f64::INFINITY };
 
 /// A fit in natural coordinates.
 #[derive(Clone, Debug)]

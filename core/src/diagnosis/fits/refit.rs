@@ -104,8 +104,6 @@ pub struct Begin {
     pub widths: BTreeMap<usize, f64>,
     /// A log likelihood that a fit of any use exceeds, such as that without the effects.
     pub least_log_likelihood: Option<f64>,
-    /// The highest log likelihood of a fitted set: the end of a fit far below it need not be known well.
-    pub best_log_likelihood: Option<f64>,
     /// Whether the starts come from a fit of the same set: long transients are not fitted on fewer rows first.
     pub is_near: bool,
 }
@@ -116,8 +114,6 @@ const MOST_STEPS: u64 = 60;
 /// standard deviation; of transients, whose steps take a thousand times as long, by a twentieth.
 const LEAST_GAIN: f64 = 1e-5;
 const LEAST_GAIN_OF_TRANSIENTS: f64 = 1e-3;
-/// Where a fit only begins: a fraction of a standard deviation, which fewer rows move as well.
-const LEAST_GAIN_OF_STARTS: f64 = 0.1;
 /// Times the usual local error of a step where a fit only begins: some millikelvins.
 const TOLERANCE_ON_FEWER_ROWS: f64 = 10.0;
 
@@ -170,7 +166,6 @@ impl Problem {
                 starts: vec![best.by_name()],
                 scale: begin.scale,
                 least_log_likelihood: begin.least_log_likelihood,
-                best_log_likelihood: begin.best_log_likelihood,
                 is_near: true,
                 ..Begin::default()
             };
@@ -217,7 +212,6 @@ impl Problem {
             least_gain: if self.has_transients() { LEAST_GAIN_OF_TRANSIENTS } else { LEAST_GAIN },
             findings: false,
             least_log_likelihood: begin.least_log_likelihood,
-            best_log_likelihood: begin.best_log_likelihood,
             moments,
             ..PointSettings::default()
         };
@@ -274,13 +268,7 @@ impl Problem {
         }
         let problem = &thinned.problem;
         let likelihood = problem.hypothesis_of_widths(effects, widths).and_then(|own| own.likelihood(problem)).ok()?;
-        let settings = PointSettings {
-            least_log_likelihood: None,
-            least_gain: LEAST_GAIN_OF_STARTS,
-            is_start: true,
-            moments: false,
-            ..settings.clone()
-        };
+        let settings = PointSettings { least_log_likelihood: None, moments: false, ..settings.clone() };
         let starts: Vec<Vec<f64>> = begin.starts.iter().map(|start| place(&likelihood, start)).collect();
         let found = estimate(&likelihood, &settings, key, &starts).ok()?;
         Some(likelihood.names().iter().cloned().zip(found.parameters).collect())

@@ -60,7 +60,6 @@ impl Problem {
             scale: begin.scale,
             widths: from.widths(),
             least_log_likelihood: begin.least_log_likelihood,
-            best_log_likelihood: begin.best_log_likelihood,
             is_near: true,
             ..Begin::default()
         };

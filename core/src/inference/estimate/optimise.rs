@@ -51,30 +51,6 @@ pub struct Effort {
     /// An objective that an end of any use lies below; infinite where there is none. Where slopes are costly, a descent that
     /// does not lead there is left before its end.
     pub ceiling: f64,
-    /// What the end is judged beside. Where slopes are costly, a step is the last one that gains a thousandth of the height above it.
-    pub reference: Reference,
-}
-
-/// What the end of a descent is judged beside.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Reference {
-    /// Nothing that is known.
-    Nothing,
-    /// An objective that was reached elsewhere.
-    Objective(f64),
-    /// Residuals of mean square 1: the end is only where another descent begins.
-    Noise,
-}
-
-impl Reference {
-    /// Height of an objective above it, of which its residuals' half sum of squares is a part; 0 below it.
-    fn height(self, value: f64, residuals: &[f64]) -> f64 {
-        match self {
-            Self::Nothing => 0.0,
-            Self::Objective(other) => (value - other).max(0.0),
-            Self::Noise => (half_square(residuals) - 0.5 * residuals.len() as f64).max(0.0),
-        }
-    }
 }
 
 /// Where a descent ended.
@@ -106,8 +82,6 @@ const COSTLY: f64 = 1e-4;
 const HOPELESS: f64 = 0.01;
 /// Such steps in a row after which a descent is left.
 const MOST_HOPELESS: u32 = 2;
-/// Share of the height above what the end is judged beside that a step has to gain.
-const NEGLIGIBLE: f64 = 1e-3;
 /// Share of the height above a known minimum within which the linear residuals must foretell it to lead there.
 const SAME: f64 = 0.02;
 
@@ -201,9 +175,7 @@ pub fn minimise_beside<O: Objective>(
         }
         // Rounding must not take a step to a bound beyond it.
         let trial: Vec<f64> = (0..n).map(|i| (x[i] + step[i]).max(bounds.lower[i]).min(bounds.upper[i])).collect();
-        let height = if is_costly { effort.reference.height(at.value, &at.residuals) } else { 0.0 };
-        let least_gain = effort.least_gain.max(NEGLIGIBLE * height);
-        if is_costly && predicted < least_gain {
+        if is_costly && predicted < effort.least_gain {
             // So near that the linear model tells what is there.
             at.advance(&step, predicted);
             x = trial;
@@ -231,7 +203,7 @@ pub fn minimise_beside<O: Objective>(
             };
             // Twice in a row, lest one lucky step near a plateau end the descent.
             small_gains = if gain <= 1e-14 * at.value.abs() { small_gains + 1 } else { 0 };
-            converged = small_gains >= 2 || gain.max(predicted) < least_gain;
+            converged = small_gains >= 2 || gain.max(predicted) < effort.least_gain;
             if let Some(bend) = &mut bend {
                 bend.learn(&at, &next, &x, &trial);
             }
@@ -242,7 +214,7 @@ pub fn minimise_beside<O: Objective>(
             growth = 2.0;
         } else {
             // Nothing to gain within rounding, or no room left for a shorter step.
-            let least = f64::max(1e-15 * at.value.abs(), 1e-3 * least_gain);
+            let least = f64::max(1e-15 * at.value.abs(), 1e-3 * effort.least_gain);
             converged = negligible || predicted <= least || damping > 1e30;
             damping *= growth;
             growth *= 2.0;
@@ -552,7 +524,7 @@ mod tests {
                 &mut objective,
                 &[0.5, threshold],
                 &bounds,
-                Effort { most_iterations: 60, least_gain: 0.0, ceiling: f64::INFINITY, reference: Reference::Nothing },
+                Effort { most_iterations: 60, least_gain: 0.0, ceiling: f64::INFINITY },
             )
             .unwrap();
             assert!((minimum.x[0] - 3.0).abs() < 1e-6, "from {threshold}: {:?}", minimum.x);
@@ -597,12 +569,7 @@ mod tests {
     #[test]
     fn a_descent_to_a_known_minimum_is_left_early_and_one_to_another_is_not() {
         let bounds = Bounds { lower: vec![-10.0; 2], upper: vec![10.0; 2] };
-        let effort = Effort {
-            most_iterations: 60,
-            least_gain: 1.01 * COSTLY,
-            ceiling: f64::INFINITY,
-            reference: Reference::Nothing,
-        };
+        let effort = Effort { most_iterations: 60, least_gain: 1.01 * COSTLY, ceiling: f64::INFINITY };
         let descend = |start: [f64; 2], known: Option<&Minimum>| {
             let mut objective = TwoMinima { slopes: 0 };
             let minimum = minimise_beside(&mut objective, &start, &bounds, effort, known).unwrap();
@@ -658,8 +625,7 @@ mod tests {
     fn a_descent_far_above_the_ceiling_is_left_early() {
         let bounds = Bounds { lower: vec![-10.0; 2], upper: vec![10.0; 2] };
         let descend = |ceiling: f64| {
-            let effort =
-                Effort { most_iterations: 60, least_gain: 1.01 * COSTLY, ceiling, reference: Reference::Nothing };
+            let effort = Effort { most_iterations: 60, least_gain: 1.01 * COSTLY, ceiling };
             let mut objective = Valley { slopes: 0 };
             let minimum = minimise(&mut objective, &[-1.2, 1.0], &bounds, effort).unwrap();
             (minimum.value, objective.slopes)
@@ -669,23 +635,6 @@ mod tests {
         assert!(to_the_ceiling.1 < to_its_end.1, "{to_the_ceiling:?} of {to_its_end:?}");
         // One that leads below the ceiling goes to its end.
         assert_eq!(descend(to_its_end.0 + 1.0), to_its_end);
-    }
-
-    /// Beside an objective of 499,000 the valley's end lags by 1,000, so that gains of 1 count; beside one of 499,999.9 it goes to its end.
-    #[test]
-    fn a_descent_far_above_its_reference_is_known_less_exactly() {
-        let bounds = Bounds { lower: vec![-10.0; 2], upper: vec![10.0; 2] };
-        let descend = |reference: Reference| {
-            let effort = Effort { most_iterations: 60, least_gain: 1.01 * COSTLY, ceiling: f64::INFINITY, reference };
-            let mut objective = Valley { slopes: 0 };
-            let minimum = minimise(&mut objective, &[-1.2, 1.0], &bounds, effort).unwrap();
-            (minimum.value - 500_000.0, objective.slopes)
-        };
-        let (alone, far) = (descend(Reference::Nothing), descend(Reference::Objective(499_000.0)));
-        assert!(far.1 < alone.1 && far.0 < 3.0, "{far:?} beside {alone:?}");
-        assert_eq!(descend(Reference::Objective(499_999.9)), alone);
-        // The third residual is a million times the noise.
-        assert_eq!(descend(Reference::Noise).1, 1);
     }
 
     /// `r = (x, 0.65 + x^2 / 2)`: near 0 the objective is bent 1.65 times as much as the Jacobian tells, so that its steps end
@@ -724,8 +673,7 @@ mod tests {
     fn the_curvature_of_large_residuals_is_learned_where_slopes_are_costly() {
         let bounds = Bounds { lower: vec![-10.0], upper: vec![10.0] };
         let descend = |least_gain: f64| {
-            let effort =
-                Effort { most_iterations: 60, least_gain, ceiling: f64::INFINITY, reference: Reference::Nothing };
+            let effort = Effort { most_iterations: 60, least_gain, ceiling: f64::INFINITY };
             let minimum = minimise(&mut LargeResidual, &[4.0], &bounds, effort).unwrap();
             assert!(minimum.x[0].abs() < 0.012, "{minimum:?}");
             minimum.iterations

@@ -9,9 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::inference::estimate::identifiability::{self, Finding};
 use crate::inference::estimate::laplace::Laplace;
 use crate::inference::estimate::natural::NaturalObjective;
-use crate::inference::estimate::optimise::{
-    Bounds, Effort, Minimum, Reference, free_variables, hessian, minimise_beside,
-};
+use crate::inference::estimate::optimise::{Bounds, Effort, Minimum, free_variables, hessian, minimise_beside};
 use crate::inference::estimate::truncated_moments::{Moments, moments};
 use crate::inference::posterior::Work;
 use crate::inference::prior::triangular_transport::NormalApproximation;
@@ -33,13 +31,6 @@ pub struct PointSettings {
     /// their end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least_log_likelihood: Option<f64>,
-    /// A log likelihood that was reached otherwise: with costly steps, an estimate that stays far below it is known the less exactly.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub best_log_likelihood: Option<f64>,
-    /// The estimate is only where another one begins: with costly steps, it is known the less exactly, the more the residuals exceed
-    /// the noise.
-    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
-    pub is_start: bool,
     /// Take the Hessian by differences of the gradient instead of the Jacobian's product; done in any case where a noise
     /// parameter is inferred or a prior is triangular.
     pub exact_hessian: bool,
@@ -56,8 +47,6 @@ impl Default for PointSettings {
             most_iterations: 200,
             least_gain: 0.0,
             least_log_likelihood: None,
-            best_log_likelihood: None,
-            is_start: false,
             exact_hessian: false,
             findings: true,
             moments: false,
@@ -151,11 +140,6 @@ pub fn estimate<T: LeastSquares>(
         least_gain: settings.least_gain,
         // But for the priors' rows, which are few.
         ceiling: settings.least_log_likelihood.map_or(f64::INFINITY, |least| -least),
-        reference: match settings.best_log_likelihood {
-            _ if settings.is_start => Reference::Noise,
-            Some(best) => Reference::Objective(-best),
-            None => Reference::Nothing,
-        },
     };
     let mut best: Option<Minimum> = None;
     for start in starts {
