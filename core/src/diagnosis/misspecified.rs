@@ -223,10 +223,7 @@ impl Diagnosis {
     /// The noise with the model error that the fitted sets want; `None` where it is that of before.
     fn with_model_error(&self, state: &State) -> Option<Vec<SensorNoise>> {
         let unstated = self.problem().measurements.iter().any(is_unstated);
-        let (mut first, mut instruments) = self.reference(state)?;
-        if let Some((end, beside_end)) = self.reference_of_story(state, &first) {
-            (first, instruments) = (end, beside_end);
-        }
+        let (first, instruments) = self.reference(state)?;
         if !unstated && state.model_errors == 0 && !self.owes(state, &first, &instruments) {
             return None;
         }
@@ -268,23 +265,6 @@ impl Diagnosis {
             }
         }
         chosen
-    }
-
-    /// The same of the set to which the steps of the story lead, where these are more effects than such a set may have: each was
-    /// added since it pays, also on unseen rows, so that none is there to take model error for physics.
-    fn reference_of_story(&self, state: &State, first: &Beside) -> Option<(Beside, Vec<Errors>)> {
-        if !state.is_misspecified() {
-            return None;
-        }
-        let place = self.story(state).end();
-        let effects = &state.refits[place].effects;
-        if effects.len() <= MOST_BESIDE || effects.iter().any(|&effect| self.is_unknown_function(effect)) {
-            return None;
-        }
-        let instruments = self.instruments(state, place);
-        let own = self.beside_sets(state, &instruments).into_iter().find(|one| one.place == place)?;
-        let is_less = own.sds.iter().zip(&first.sds).all(|(own, first)| own <= first);
-        is_less.then_some((own, instruments))
     }
 
     /// Whether the best set leaves more than the stated noise: tests find something beside it, heat whatever its cause is
