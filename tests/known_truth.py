@@ -14,11 +14,12 @@ import tempfile
 
 
 def fits(listed, effect):
-    """Whether an effect of the answer is a listed one: the same law, where a place is given at the same place."""
+    """Whether an effect of the answer is a listed one: the same law, where a place or an input is given with the same."""
     if isinstance(listed, str):
         return listed == effect["effect"]
     place = set(listed.get("where") or [])
-    return listed["effect"] == effect["effect"] and place <= set(effect["where"])
+    same_input = listed.get("input") in (None, effect.get("input"))
+    return listed["effect"] == effect["effect"] and place <= set(effect["where"]) and same_input
 
 
 def shown(value):

@@ -227,3 +227,52 @@ fn kelvin() -> Dimension {
 fn heat_capacity() -> Dimension {
     Unit::parse("J/K").map_or(Dimension::NONE, |unit| unit.dimension)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::document::Diagnostics;
+    use crate::effect::Catalogue;
+    use crate::measurement::Rows;
+    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
+
+    /// The prior of the start of a node that is added to a record, whose host begins with `start`.
+    fn start_of_hidden_node(start: &Uncertain) -> (Uncertain, Vec<f64>) {
+        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+        let recipe = Recipe::of(Topology::Star, TestKind::Steps, InjectionRequest::default());
+        let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+        problem.is_misspecified = true;
+        let position = problem.candidates.iter().position(|own| own.effect == "hidden-node").unwrap();
+        for measurement in &mut problem.measurements {
+            let Rows::Transient { initial, .. } = &mut measurement.rows else { panic!("a transient") };
+            let count = problem.model.nodes.len();
+            *initial =
+                Initial::Temperatures { values: vec![start.clone(); count], shared: Vec::new(), balanced: Vec::new() };
+        }
+        let shown: Vec<f64> = problem.measurements[0].readings.iter().flatten().copied().collect();
+        let hypothesis = problem.hypothesis(&[position], 1.0).unwrap();
+        let Rows::Transient { initial: Initial::Temperatures { values, .. }, .. } = &hypothesis.measurements[0].rows
+        else {
+            panic!("temperatures")
+        };
+        (values[problem.model.nodes.len()].clone(), shown)
+    }
+
+    #[test]
+    fn a_node_that_is_added_starts_where_its_host_is_stated_to_or_near_what_the_record_shows() {
+        let (stated, _) = start_of_hidden_node(&Uncertain::Known(300.0));
+        assert_eq!(stated, Uncertain::Known(300.0));
+        let inferred = Uncertain::Inferred(Distribution::Normal { mean: 300.0, sd: 1.0, lower: None, upper: None });
+        let (free, shown) = start_of_hidden_node(&inferred);
+        let Uncertain::Inferred(Distribution::Normal { mean, sd, lower: Some(lower), upper: Some(upper) }) = free
+        else {
+            panic!("{free:?}")
+        };
+        let least = shown.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = shown.iter().copied().fold(0.0, f64::max);
+        assert!(mean == 300.0 && sd >= LEAST_SPREAD_OF_STARTS_K, "{mean} {sd}");
+        assert!(lower < least && upper > most && upper - lower < 3.0 * (most - least) + 200.0, "{lower} {upper}");
+    }
+}

@@ -162,7 +162,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        24
+        25
     }
 
     fn identity(&self) -> Value {

@@ -15,8 +15,8 @@ use crate::diagnosis::odds::posterior_odds::{
     posterior_odds, veto,
 };
 use crate::diagnosis::output::{
-    Amount, Detectable, EffectHeat, EffectResult, HeldOutTest, Misfit, ModelResult, NoiseResult, Output, Rmse, RmseChange,
-    StoryStep, Test, Unseen, Verdict,
+    Amount, Detectable, EffectHeat, EffectResult, HeldOutTest, Misfit, ModelResult, NoiseResult, Output, Rmse,
+    RmseChange, StoryStep, Test, Unseen, Verdict,
 };
 use crate::diagnosis::problem::{FittedReading, is_idle};
 use crate::diagnosis::story::{Step, Story};

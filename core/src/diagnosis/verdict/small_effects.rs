@@ -8,7 +8,7 @@
 //! else as likely as not.
 //!
 //! Where a model error is allowed for, an effect that explains `g` times the squares that it makes is one itself with the
-//! probability `1 / (1 + g / 3)`. The errors of a model's parts differ: a few make most of what they make together, and the
+//! probability `1 / (1 + g / 3)`, at most a half. The errors of a model's parts differ: a few make most of what they make together, and the
 //! largest of them exceeds a multiple of their mean square with a probability that falls as slowly as its inverse.
 
 use std::collections::BTreeMap;
@@ -111,9 +111,10 @@ impl Left {
     fn is_model_error(&self, gain: f64) -> f64 {
         let is_lesser = gain < LEAST_SHARE * self.strongest || self.is_found && gain < self.strongest;
         let least = if is_lesser { IS_MODEL_ERROR } else { 0.0 };
+        let as_likely = AS_LIKELY * self.squares;
         let by_size = match self.is_allowed_for {
-            true => 1.0 / (1.0 + gain.max(0.0) / (AS_LIKELY * self.squares).max(f64::MIN_POSITIVE)),
-            false if gain < AS_LIKELY * self.squares => IS_MODEL_ERROR,
+            _ if gain < as_likely => IS_MODEL_ERROR,
+            true => as_likely / (as_likely + gain).max(f64::MIN_POSITIVE),
             false => 0.0,
         };
         by_size.max(least)
@@ -142,7 +143,7 @@ mod tests {
     #[test]
     fn where_a_model_error_is_allowed_for_the_probability_falls_with_what_the_effect_explains() {
         let left = Left { strongest: 900.0, squares: 10.0, is_allowed_for: true, is_found: false };
-        for (gain, expected) in [(900.0, 1.0 / 31.0), (270.0, 0.1), (190.0, 30.0 / 220.0), (0.0, 1.0), (-5.0, 1.0)] {
+        for (gain, expected) in [(900.0, 1.0 / 31.0), (270.0, 0.1), (190.0, 30.0 / 220.0), (0.0, 0.5), (-5.0, 0.5)] {
             assert!((left.is_model_error(gain) - expected).abs() < 1e-12, "{gain}");
         }
         // Less than a fifth of the strongest.
