@@ -349,7 +349,7 @@ fn changes_of_what_is_there_follow_their_equations() {
             0.03 * (1.0 + 180_000.0 / (panel * panel + shroud * shroud)),
         ),
         ("conductance-step:strap:Q", "strap", 0.25 * 1.25),
-        ("input-dependent-conductance:strap:Q", "strap", 0.25 * (1.0 + 0.5_f64.powf(0.7))),
+        ("input-dependent-conductance:strap:Q", "strap", 0.25 * (1.0 + libm::pow(0.5, 0.7))),
         ("conductance-lost-below:strap:box", "strap", 0.25 * (1.0 - 0.5)),
         ("dated-conductance:strap", "strap", 0.25 * (1.0 + 0.5 * 0.5)),
         ("dated-conductance:panel to shroud", "panel to shroud", 0.03 * (1.0 + 0.5 * 0.5)),
