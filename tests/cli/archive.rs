@@ -13,14 +13,14 @@ use super::studies::{bmv, code, plate, printed, text};
 const REPORT: &str = "reports/plate/pass-1";
 
 /// All files below a folder by their path in it.
-fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+pub(super) fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let entries = walkdir::WalkDir::new(folder).into_iter().map(|entry| entry.expect("listed"));
     let files = entries.filter(|entry| entry.file_type().is_file());
     let content = |path: &Path| (path.strip_prefix(folder).unwrap().to_owned(), fs::read(path).unwrap());
     files.map(|entry| content(entry.path())).collect()
 }
 
-fn sha256(bytes: &[u8]) -> String {
+pub(super) fn sha256(bytes: &[u8]) -> String {
     bmv::runner::Key::of(bytes).to_string()
 }
 

@@ -1,5 +1,6 @@
 //! Tables over the passes of a study: requirements, key statements, parameters, changes, what flies.
 
+use crate::document::counted;
 use crate::report::known::Known;
 use crate::report::number::{NONE, significant};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Table, Text};
@@ -107,8 +108,15 @@ fn by_parameter(study: &ArchivedStudy) -> Vec<(&str, Vec<(&ArchivedPass, &Known)
 
 /// Parameters over the passes, from prior to posterior: a row where something changed or was inferred.
 pub(super) fn parameters(study: &ArchivedStudy) -> Option<Section> {
-    let (mut rows, mut figures) = (Vec::new(), Vec::new());
+    let (mut rows, mut figures, mut unchanged) = (Vec::new(), Vec::new(), 0_u64);
     for (parameter, list) in by_parameter(study) {
+        let is_other = |own: &Known| {
+            list.first().is_some_and(|(_, first)| own.prior != first.prior || own.nominal != first.nominal)
+        };
+        if !list.iter().any(|(_, own)| own.posterior.is_some() || is_other(own)) {
+            unchanged += 1;
+            continue;
+        }
         let mut before: Option<&Known> = None;
         for (pass, own) in &list {
             let is_same = before.is_some_and(|before| before.prior == own.prior && before.nominal == own.nominal);
@@ -130,10 +138,19 @@ pub(super) fn parameters(study: &ArchivedStudy) -> Option<Section> {
     if rows.is_empty() {
         return None;
     }
+    let left_out = match unchanged {
+        0 => String::new(),
+        count => format!(
+            " {} no pass changed or inferred; the report of a pass has them.",
+            counted(count, "further parameter")
+        ),
+    };
     let mut blocks = vec![Block::Table(Table {
-        caption: "Parameters over the passes: a row where a pass has another nominal value or prior than the one before it, or infers \
-                  the parameter. Posterior: mean, standard deviation, 95 % interval; the calibration."
-            .into(),
+        caption: format!(
+            "Parameters over the passes: a row where a pass has another nominal value or prior than the one before it, or infers the \
+             parameter. Posterior: mean, standard deviation, 95 % interval; the calibration.{left_out}"
+        )
+        .into(),
         columns: vec![
             Column::text("Parameter"),
             Column::text("Unit"),

@@ -96,15 +96,17 @@ pub fn counts<'j>(rows: impl IntoIterator<Item = &'j Judged>) -> String {
 fn table(rows: &[Judged]) -> Table {
     let short = |key: &str| key.chars().take(DIGITS).collect::<String>();
     let cells = |row: &Judged| {
+        let required = format!("{}, with P \u{2265} {}", row.limit, number::probability(row.required));
+        let probability = match row.before.as_str() {
+            NONE => row.probability_text.clone(),
+            before => format!("{}; before {before}", row.probability_text),
+        };
         vec![
-            Cell::code(&row.requirement),
-            row.statement.clone().into(),
-            row.limit.clone().into(),
+            Cell::from(Text::default().code(&row.requirement).plain(format!(" {}", row.statement))),
+            required.into(),
             Cell::code(&row.environment),
             row.predicted.clone().into(),
-            number::probability(row.required).into(),
-            row.before.clone().into(),
-            row.probability_text.clone().into(),
+            probability.into(),
             row.margin.clone().into(),
             row.state.clone().into(),
             Cell::marked(row.verdict.as_str(), row.status),
@@ -120,12 +122,9 @@ fn table(rows: &[Judged]) -> Table {
         .into(),
         columns: vec![
             Column::text("Requirement"),
-            Column::text("Statement"),
             Column::text("Limit"),
             Column::text("Environment"),
             Column::text("Predicted"),
-            Column::number("P required", ""),
-            Column::text("P(met) before"),
             Column::text("P(met)"),
             Column::text("Margin"),
             Column::text("Rests on the model"),
