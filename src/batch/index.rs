@@ -32,7 +32,7 @@ pub fn write(targets: &[Target]) -> Result<(Vec<PathBuf>, Vec<String>), BatchErr
         for study in &studies {
             write_study(&base, &relative.join(&study.folder), study)?;
         }
-        let archived: Vec<ArchivedStudy> = studies.into_iter().filter(|study| is_kept(study)).collect();
+        let archived: Vec<ArchivedStudy> = studies.into_iter().filter(is_kept).collect();
         if archived.is_empty() {
             continue;
         }

@@ -88,7 +88,7 @@ pub fn assemble<'p>(
         study: surroundings.study,
         description: pass.description.clone(),
         reconstructed: pass.reconstructed.clone(),
-        document: pass.document.clone(),
+        document: pass.document.as_deref().cloned(),
         siblings: surroundings.siblings,
         origin_sha256: surroundings.origin_sha256,
         closing: pass.closing.clone(),

@@ -1,6 +1,8 @@
 //! The document that the reports of a study belong to: `document.json`, format `bmv-document/1`. It says what a title
 //! block says, and what people write of the test. No job reads it: who signs does not decide a result.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use crate::document::{Diagnostic, Diagnostics, Map, Spanned, code, read_file, written_struct};
@@ -139,7 +141,7 @@ impl StudyDocument {
 }
 
 /// The document of a study, where it has one.
-pub(super) fn load(folder: &Folder, diagnostics: &mut Diagnostics) -> Option<StudyDocument> {
+pub(super) fn load(folder: &Folder, diagnostics: &mut Diagnostics) -> Option<Arc<StudyDocument>> {
     if !folder.has_file(FILE) {
         return None;
     }
@@ -151,7 +153,7 @@ pub(super) fn load(folder: &Folder, diagnostics: &mut Diagnostics) -> Option<Stu
         }
     };
     let (form, _) = read_file::<DocumentForm>(&folder.shown_name(FILE), &bytes, FORMAT, diagnostics)?;
-    Some(form.resolve(folder, diagnostics))
+    Some(Arc::new(form.resolve(folder, diagnostics)))
 }
 
 impl DocumentForm {
@@ -245,7 +247,7 @@ mod tests {
     const WHOLE: &str =
         r#"{"format": "bmv-document/1", "title": "Plate", "number": "P-1", "issue": "1", "date": "2026-06-30"}"#;
 
-    fn read(text: &str) -> (Option<StudyDocument>, String) {
+    fn read(text: &str) -> (Option<Arc<StudyDocument>>, String) {
         let root = tempfile::tempdir().expect("a folder");
         std::fs::write(root.path().join(FILE), text).expect("written");
         std::fs::write(root.path().join("pass-1.json"), "{}").expect("written");
@@ -258,19 +260,19 @@ mod tests {
     fn a_document_needs_its_title_block_and_nothing_else() {
         let (document, said) = read(WHOLE);
         let document = document.expect("read");
-        assert_eq!((said.as_str(), document.number.as_str(), document.approver), ("", "P-1", None));
+        assert_eq!((said.as_str(), document.number.as_str(), &document.approver), ("", "P-1", &None));
     }
 
     #[test]
     fn what_is_wrong_is_told_at_its_place() {
         let cases = [
-            ("2026-06-30", "2026-06-31", "document.json:1:90", "`2026-06-31` is no day", "such as \"2026-06-30\""),
-            ("\"P-1\"", "\" \"", "document.json:1:59", "the document has no number", "its number"),
-            ("\"issue\"", "\"isue\"", "document.json:1:66", "unknown field `isue`", "did you mean `issue`?"),
+            ("2026-06-30", "2026-06-31", "document.json:1:87", "`2026-06-31` is no day", "such as \"2026-06-30\""),
+            ("\"P-1\"", "\" \"", "document.json:1:58", "the document has no number", "its number"),
+            ("\"issue\"", "\"isue\"", "document.json:1:65", "unknown field `isue`", "did you mean `issue`?"),
             (
                 "\"2026-06-30\"",
                 "\"2026-06-30\", \"not_archived\": {\"pass-2.json\": \"large\"}",
-                "document.json:1:121",
+                "document.json:1:118",
                 "the study has no pass `pass-2.json`",
                 "such as \"pass-1.json\"",
             ),

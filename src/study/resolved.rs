@@ -37,7 +37,7 @@ pub struct Pass {
     /// What of the model was reconstructed, and how.
     pub reconstructed: Option<String>,
     /// The document that the reports of the study belong to.
-    pub document: Option<StudyDocument>,
+    pub document: Option<Arc<StudyDocument>>,
     /// What people add to the record of the validation that this pass closes.
     pub closing: Option<Closing>,
     /// Every file of the study that was read, by its path within the folder, as it was then.
