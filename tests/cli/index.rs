@@ -44,9 +44,18 @@ fn the_index_lists_what_lies_there_whatever_the_command_rendered() {
     assert!(!read(root.path(), "reports/index.md").contains("plate/pass-1"));
     printed(root.path(), &["report", "plate"]);
     assert!(files(&reports) == whole, "the order of the commands shows");
-    for pass in ["reports/plate/pass-1", "reports/slab/pass-1"] {
-        assert_eq!(code(&bmv(root.path(), &["verify", pass])), 0, "{pass}");
+    for folder in ["reports/plate/pass-1", "reports/slab", "reports"] {
+        assert_eq!(code(&bmv(root.path(), &["verify", folder])), 0, "{folder}");
     }
+    let page = read(root.path(), "reports/slab/index.md");
+    fs::write(reports.join("slab/index.md"), format!("{page}altered\n")).unwrap();
+    let altered = bmv(root.path(), &["verify", "reports"]);
+    assert_eq!(code(&altered), 1);
+    assert!(
+        text(&altered.stdout).contains("reports/slab/index.md is not as ro-crate-metadata.json beside it lists it")
+    );
+    printed(root.path(), &["report", "slab"]);
+    assert!(files(&reports) == whole, "written anew");
     // Reports that lie elsewhere: the study has its page, the index does not know it.
     let left_out =
         DOCUMENT.replace("\"assumptions\"", "\"not_archived\": {\"pass-1.json\": \"large\"}, \"assumptions\"");

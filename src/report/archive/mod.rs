@@ -8,9 +8,11 @@ pub mod ro_crate;
 pub mod study_page;
 mod study_tables;
 
+use std::path::{Path, PathBuf};
+
 use crate::document::hash::sha256_hex;
 use crate::runner::Manifest;
-use crate::runner::manifest::FileRecord;
+use crate::runner::manifest::{FILE_NAME as MANIFEST, FileRecord};
 
 use record::Record;
 
@@ -90,9 +92,14 @@ fn without_figures(sections: &[super::page::Section]) -> Vec<super::page::Sectio
     sections.filter(|section| !section.blocks.is_empty()).collect()
 }
 
-/// The record of a file's bytes.
-pub fn file_record(bytes: &[u8]) -> FileRecord {
-    FileRecord::of(bytes)
+/// The folders of reports at a folder: itself where it is one, else those below it, at most two deep, in order.
+pub fn reports_below(folder: &Path) -> Vec<PathBuf> {
+    let visible =
+        |entry: &walkdir::DirEntry| entry.depth() == 0 || !entry.file_name().to_string_lossy().starts_with('.');
+    let walk = walkdir::WalkDir::new(folder).max_depth(3).sort_by_file_name().into_iter().filter_entry(visible);
+    let manifests = walk.flatten().filter(|entry| entry.file_type().is_file() && entry.file_name() == MANIFEST);
+    let found: Vec<PathBuf> = manifests.filter_map(|entry| entry.path().parent().map(Path::to_owned)).collect();
+    if found.iter().any(|own| own == folder) { vec![folder.to_owned()] } else { found }
 }
 
 /// A record of this hash is the one that a manifest lists under `record.json`.

@@ -5,10 +5,14 @@
 //! RFC 6920 writes it (`nih:sha-256;...`). Each pass is an action that made the one from the other.
 
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
+use crate::document::hash::sha256_hex;
+use crate::report::INDEX;
 use crate::runner::manifest::{FILE_NAME as MANIFEST, FileRecord};
+use crate::study::file;
 
 use super::{ArchivedPass, ArchivedStudy, FORMAT};
 
@@ -16,6 +20,8 @@ use super::{ArchivedPass, ArchivedStudy, FORMAT};
 pub const FILE_NAME: &str = "ro-crate-metadata.json";
 const CONTEXT: &str = "https://w3id.org/ro/crate/1.1/context";
 const PROFILE: &str = "https://w3id.org/ro/crate/1.1";
+/// Largest file that is read, bytes.
+const LARGEST: u64 = 1 << 30;
 /// What made the files.
 const SOFTWARE: &str = "#bmv";
 
@@ -41,7 +47,7 @@ pub fn text(study: &ArchivedStudy, pages: &BTreeMap<String, FileRecord>) -> Resu
         }),
         root(study, pages),
     ];
-    graph.extend(pages.iter().map(|(name, record)| file(name, record)));
+    graph.extend(pages.iter().map(|(name, record)| entity(name, record)));
     let (mut inputs, mut actions, mut software) = (BTreeMap::new(), Vec::new(), BTreeMap::new());
     for pass in &study.passes {
         let files = files(pass);
@@ -52,7 +58,7 @@ pub fn text(study: &ArchivedStudy, pages: &BTreeMap<String, FileRecord>) -> Resu
             "description": format!("Report of {} of the study {}", pass.record.pass, pass.record.study),
             "hasPart": references(files.keys().map(|name| address(name))),
         }));
-        graph.extend(files.iter().map(|(name, record)| file(name, record)));
+        graph.extend(files.iter().map(|(name, record)| entity(name, record)));
         let mut read = Vec::new();
         for (path, record) in &pass.manifest.inputs {
             let id = format!("nih:sha-256;{}", record.sha256);
@@ -90,6 +96,40 @@ pub fn text(study: &ArchivedStudy, pages: &BTreeMap<String, FileRecord>) -> Resu
     graph.extend(contextual(study));
     let whole = json!({"@context": [CONTEXT, {"sha256": "https://schema.org/sha256"}], "@graph": graph});
     Ok(serde_json::to_string_pretty(&whole)? + "\n")
+}
+
+/// Which pages and manifests are not as the descriptions beside these reports list them; nothing where there is none.
+///
+/// # Errors
+/// What the system says of a file that is there.
+pub fn contradictions(reports: &[PathBuf]) -> std::io::Result<Vec<String>> {
+    let mut found = Vec::new();
+    let mut studies: Vec<&Path> = reports.iter().filter_map(|report| report.parent()).collect();
+    studies.dedup();
+    for study in studies {
+        let Ok(bytes) = file::read(&study.join(FILE_NAME), LARGEST) else { continue };
+        let listed: Value = serde_json::from_slice(&bytes).unwrap_or_default();
+        let entities = listed.get("@graph").and_then(Value::as_array);
+        let own =
+            reports.iter().filter(|report| report.parent() == Some(study)).filter_map(|report| report.file_name());
+        let manifests = own.map(|name| format!("{}/{MANIFEST}", name.to_string_lossy()));
+        for name in manifests.chain(["html", "md"].map(|ending| format!("{INDEX}.{ending}"))) {
+            let entity = entities.into_iter().flatten().find(|own| own.get("@id") == Some(&address(&name).into()));
+            let hash = entity.and_then(|own| own.get("sha256")).and_then(Value::as_str);
+            // A report that is kept elsewhere is not in the description.
+            let is_page = !name.ends_with(MANIFEST);
+            let is_listed = match file::read(&study.join(&name), LARGEST) {
+                Ok(bytes) => hash.map_or(!is_page, |hash| hash == sha256_hex(&bytes)),
+                Err(error) if error.kind() == std::io::ErrorKind::NotFound => false,
+                Err(error) => return Err(error),
+            };
+            if !is_listed {
+                let place = study.join(&name);
+                found.push(format!("{} is not as {FILE_NAME} beside it lists it", place.display()));
+            }
+        }
+    }
+    Ok(found)
 }
 
 fn root(study: &ArchivedStudy, pages: &BTreeMap<String, FileRecord>) -> Value {
@@ -157,7 +197,7 @@ fn files(pass: &ArchivedPass) -> BTreeMap<String, FileRecord> {
     all.map(|(name, record)| (format!("{}/{name}", pass.folder), record.clone())).collect()
 }
 
-fn file(name: &str, record: &FileRecord) -> Value {
+fn entity(name: &str, record: &FileRecord) -> Value {
     json!({
         "@id": address(name),
         "@type": "File",

@@ -195,8 +195,8 @@ fn verification(study: &ArchivedStudy) -> Section {
     });
     let mut blocks = vec![
         Block::Paragraph(
-            Text::new("In this folder ").code(format!("bmv verify {example}")).plain(
-                " computes every hash of that report again and holds its files against one another. A manifest is proof \
+            Text::new("In this folder ").code("bmv verify .").plain(", of one pass ").code(format!("bmv verify {example}")).plain(
+                ", computes every hash again and holds the files against one another. A manifest is proof \
                  where its own hash is known from a source that you trust: hold it against the hash below. The command of a \
                  pass, run in the project's folder, gives the same bytes again.",
             ),
