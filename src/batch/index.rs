@@ -23,21 +23,30 @@ const LARGEST: u64 = 64 << 20;
 /// what people should know.
 ///
 /// # Errors
-/// A folder that cannot be listed, a file that cannot be written, another's file in its place.
+/// A folder that cannot be listed, a file that cannot be written.
 pub fn write(targets: &[Target]) -> Result<(Vec<PathBuf>, Vec<String>), BatchError> {
     let folders: BTreeSet<(PathBuf, PathBuf)> = targets.iter().map(Target::reports).collect();
     let (mut pages, mut notes) = (Vec::new(), Vec::new());
     for (base, relative) in folders {
         let studies = read(&base.join(&relative), &mut notes)?;
         for study in &studies {
-            write_study(&base, &relative.join(&study.folder), study)?;
+            let below = relative.join(&study.folder);
+            match foreign(&base, &below, &[&page_names()[..], &[CRATE.to_owned()]].concat()) {
+                Some(note) => notes.push(note),
+                None => write_study(&base, &below, study)?,
+            }
         }
         let archived: Vec<ArchivedStudy> = studies.into_iter().filter(is_kept).collect();
         if archived.is_empty() {
             continue;
         }
-        put(&base, &relative, &rendered(&index_page::page(&archived))?)?;
-        pages.push(base.join(&relative).join(format!("{INDEX}.html")));
+        match foreign(&base, &relative, &page_names()) {
+            Some(note) => notes.push(note),
+            None => {
+                put(&base, &relative, &rendered(&index_page::page(&archived))?)?;
+                pages.push(base.join(&relative).join(format!("{INDEX}.html")));
+            }
+        }
     }
     Ok((pages, notes))
 }
@@ -57,34 +66,45 @@ fn rendered(page: &crate::report::page::Page) -> Result<RenderedPage, BatchError
     RenderedPage::new(page).map_err(|error| BatchError::job(error.to_string()))
 }
 
+/// Names of a page in both forms.
+fn page_names() -> [String; 2] {
+    ["md", "html"].map(|ending| format!("{INDEX}.{ending}"))
+}
+
+/// That one of these files is there and was not written by the program, so that it stays.
+fn foreign(base: &Path, folder: &Path, names: &[String]) -> Option<String> {
+    let place = |name: &String| base.join(folder).join(name);
+    let is_foreign = |name: &&String| match file::read(&place(name), LARGEST) {
+        Ok(there) => !String::from_utf8_lossy(&there).contains(FORMAT),
+        Err(error) => error.kind() != std::io::ErrorKind::NotFound,
+    };
+    names.iter().find(is_foreign).map(|name| {
+        format!(
+            "`{}` was not written by bmv and stays as it is, so that there is no index here: move it, or name another \
+             folder with --out DIR",
+            escaped(&place(name).display().to_string())
+        )
+    })
+}
+
 /// Writes a page in both forms; gives their records.
 fn put(base: &Path, folder: &Path, page: &RenderedPage) -> Result<BTreeMap<String, FileRecord>, BatchError> {
-    let texts = [(format!("{INDEX}.md"), &page.markdown), (format!("{INDEX}.html"), &page.html)];
     let mut files = BTreeMap::new();
-    for (name, text) in texts {
+    for (name, text) in page_names().into_iter().zip([&page.markdown, &page.html]) {
         put_file(base, &folder.join(&name), text.as_bytes())?;
         files.insert(name, FileRecord::of(text.as_bytes()));
     }
     Ok(files)
 }
 
-/// Writes a file where none is, or one that the program wrote.
+/// Writes a file, if it is another than what lies there.
 fn put_file(base: &Path, relative: &Path, bytes: &[u8]) -> Result<(), BatchError> {
     let place = base.join(relative);
-    let shown = || escaped(&place.display().to_string());
-    match file::read(&place, LARGEST) {
-        Ok(there) if there == bytes => return Ok(()),
-        Ok(there) if !String::from_utf8_lossy(&there).contains(FORMAT) => {
-            return Err(BatchError::input(format!(
-                "`{}` was not written by bmv and would be replaced by the index of the reports: move it, or name another \
-                 folder with --out DIR",
-                shown()
-            )));
-        }
-        _ => {}
+    if file::read(&place, LARGEST).is_ok_and(|there| there == bytes) {
+        return Ok(());
     }
     file::write(base, relative, bytes, Existing::Replace)
-        .map_err(|error| BatchError::job(format!("cannot write `{}`: {error}", shown())))
+        .map_err(|error| BatchError::job(format!("cannot write `{}`: {error}", escaped(&place.display().to_string()))))
 }
 
 /// The studies whose reports lie below a folder, in the order of their names. Of a study that keeps some of its passes'

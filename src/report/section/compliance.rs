@@ -102,7 +102,7 @@ fn table(rows: &[Judged]) -> Table {
             before => format!("{}; before {before}", row.probability_text),
         };
         vec![
-            Cell::from(Text::default().code(&row.requirement).plain(format!(" {}", row.statement))),
+            Cell::from(Text::default().code(&row.requirement).plain(format!(": {}", row.statement))),
             required.into(),
             Cell::code(&row.environment),
             row.predicted.clone().into(),
