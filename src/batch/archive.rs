@@ -10,9 +10,11 @@ use super::view::view_in;
 use super::{BatchError, Executed, LoadedPass};
 use crate::report::assemble::Surroundings;
 use crate::report::terminal::escaped;
+use crate::report::view::Siblings;
 use crate::report::{self, FileHash};
 use crate::runner::manifest::FileRecord;
 use crate::runner::{ENGINE_VERSION, Key, Manifest};
+use crate::study::discover::passes;
 use crate::study::project::whole;
 use crate::study::{self, Pass};
 
@@ -36,6 +38,12 @@ impl Target {
             Some(out) => Self { base: out.to_owned(), relative: study_and_pass },
             None => Self { base: pass.project.folder(), relative: Path::new(REPORTS).join(study_and_pass) },
         }
+    }
+
+    /// The folder of all reports: the base, and the folder below it.
+    pub(super) fn reports(&self) -> (PathBuf, PathBuf) {
+        let above = self.relative.parent().and_then(Path::parent).unwrap_or(Path::new(""));
+        (self.base.clone(), above.to_owned())
     }
 
     /// The report's folder.
@@ -118,7 +126,16 @@ pub fn render(pass: &LoadedPass, executed: &Executed, target: &Target) -> Result
     }
     let engine_version = ENGINE_VERSION.to_string();
     let history = Some(history(&lineage, executed)?);
-    let surroundings = Surroundings { files, engine_version, command, history, ..Surroundings::default() };
+    let origin_sha256 = manifest.origin_sha256()?.to_string();
+    let surroundings = Surroundings {
+        files,
+        engine_version,
+        command,
+        history,
+        siblings: Some(siblings(pass)),
+        origin_sha256: Some(origin_sha256.clone()),
+        ..Surroundings::default()
+    };
     let mut view = view_in(pass, executed, surroundings)?;
     let from_here = study::command(&pass.pass.folder);
     let study = path_of("");
@@ -127,9 +144,22 @@ pub fn render(pass: &LoadedPass, executed: &Executed, target: &Target) -> Result
         *warning = warning.replace(&format!("`{from_here}`"), &format!("`{from_project}`"));
     }
     let rendered = report::render(&view).map_err(|error| failed(error.to_string()))?;
-    let rendered = rendered.sealed(manifest.origin_sha256()?.as_str());
+    let rendered = rendered.sealed(&origin_sha256);
     report::write(&rendered, manifest, &target.base, &target.relative).map_err(|error| failed(error.to_string()))?;
     Ok(true)
+}
+
+/// The passes beside one in its study, those left out whose reports are kept elsewhere.
+fn siblings(pass: &LoadedPass) -> Siblings {
+    let is_left_out = |file: &str| pass.pass.document.as_ref().is_some_and(|own| own.not_archived(file).is_some());
+    let files = passes(&pass.study).into_iter().filter_map(|path| Some(path.file_name()?.to_str()?.to_owned()));
+    let files: Vec<String> = files.filter(|file| *file == pass.file || !is_left_out(file)).collect();
+    let own = files.iter().position(|file| *file == pass.file);
+    let name = |place: Option<usize>| {
+        let file = place.and_then(|place| files.get(place))?;
+        Some(file.trim_end_matches(".json").to_owned())
+    };
+    Siblings { previous: name(own.and_then(|own| own.checked_sub(1))), next: name(own.map(|own| own + 1)) }
 }
 
 /// A pass with those of its parents that were loaded.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::study::document::FILE as DOCUMENT;
 use crate::study::inherit::plain_name;
 use crate::study::{Content, Pass};
 
@@ -38,6 +39,7 @@ fn role_by_folder(file: &str) -> &'static str {
         Some(("effects", _)) => "effect",
         Some(("rules", _)) => "rule",
         Some(("criteria", _)) => "criteria",
+        None if file == DOCUMENT => "document",
         _ if file.ends_with(".json") => "pass named as evidence",
         _ => "data",
     }

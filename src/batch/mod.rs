@@ -1,5 +1,5 @@
 //! Batches of passes: the graph of their jobs across passes and studies, what of it runs, the history of a study's error,
-//! the archived report of a pass, its results against their baselines, the pass that follows a diagnosis. Knows how passes, jobs, the runner and reports meet;
+//! the archived report of a pass, the index of reports, its results against their baselines, the pass that follows a diagnosis. Knows how passes, jobs, the runner and reports meet;
 //! may not print, nor know of verbs and their options.
 
 pub mod archive;
@@ -8,6 +8,7 @@ mod executed;
 pub mod export;
 mod graph;
 pub mod history;
+pub mod index;
 mod inputs;
 pub mod load;
 pub mod memory;

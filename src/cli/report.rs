@@ -7,7 +7,7 @@ use super::execute::execute_loaded;
 use super::options::{PathsArgument, RequireOption, RunOptions};
 use super::output::{escaped, print, shown, tell};
 use super::status::{Failure, Status};
-use crate::batch::{self, archive};
+use crate::batch::{self, archive, index};
 
 /// Arguments of `bmv report`.
 #[derive(Debug, clap::Args)]
@@ -42,6 +42,13 @@ impl Report {
             } else {
                 tell(&format!("{}: no job has a result, no report", escaped(&pass.shown)));
             }
+        }
+        let (pages, notes) = index::write(&targets)?;
+        for note in notes {
+            tell(&format!("note: {note}"));
+        }
+        for page in pages {
+            tell(&format!("index: {}", shown(&page)));
         }
         for (pass, job) in executed.not_converged() {
             tell(&format!("warning: {}:{job}: the sampler did not converge", escaped(&pass.shown)));

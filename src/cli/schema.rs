@@ -20,6 +20,8 @@ enum Format {
     Model,
     /// pass-N.json
     Pass,
+    /// document.json
+    Document,
     /// An effect's file
     Effect,
     /// results.json
@@ -36,7 +38,7 @@ impl Schema {
     }
 }
 
-/// JSON Schema of a file format: `model`, `pass`, `effect`, `results`. Nothing for a name that is none of them.
+/// JSON Schema of a file format: `model`, `pass`, `document`, `effect`, `results`. Nothing for a name that is none of them.
 fn schema(format: &str) -> Option<Value> {
     match format {
         "results" => Some(report::results_schema()),

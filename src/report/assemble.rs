@@ -10,7 +10,7 @@ use crate::study::Pass;
 use super::history::History;
 use super::number::Shown;
 use super::section::problem::prior_words;
-use super::view::{FileHash, JobEntry, ParameterChange, PassReport};
+use super::view::{FileHash, JobEntry, ParameterChange, PassReport, Siblings};
 
 /// A result that does not have the form that this version writes.
 #[derive(Debug, Error)]
@@ -50,6 +50,10 @@ pub struct Surroundings {
     pub warnings: Vec<String>,
     /// The error of the passes before this one, and its own.
     pub history: Option<History>,
+    /// The passes before and after.
+    pub siblings: Option<Siblings>,
+    /// SHA-256 of what the manifest says of where the report comes from.
+    pub origin_sha256: Option<String>,
 }
 
 /// A parameter before (0) or after (1) a change, in words and in its own unit.
@@ -84,6 +88,9 @@ pub fn assemble<'p>(
         study: surroundings.study,
         description: pass.description.clone(),
         reconstructed: pass.reconstructed.clone(),
+        document: pass.document.as_deref().cloned(),
+        siblings: surroundings.siblings,
+        origin_sha256: surroundings.origin_sha256,
         closing: pass.closing.clone(),
         model: &pass.model,
         groups: &pass.groups,
@@ -95,6 +102,7 @@ pub fn assemble<'p>(
             .map(|(index, source)| (pass.model.parameters[index].name.clone(), source))
             .collect(),
         requirements: pass.requirements.clone(),
+        statements: pass.statements.clone(),
         environments: pass.environments.clone(),
         measurements: &pass.measurements,
         changes: pass

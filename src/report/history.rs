@@ -1,7 +1,7 @@
 //! The error of a study's passes, one after another: as delivered and tuned, on the readings for fitting and on those
 //! held out. Everything is taken from results of comparisons and calibrations.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::document::hash::sha256_hex;
@@ -12,7 +12,7 @@ use crate::study::Pass;
 use super::ladder::{Standing, standings};
 
 /// A number of the readings for fitting and of those held out; `None` where there are none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Split {
     /// Of the readings for fitting.
     pub train: Option<f64>,
@@ -21,7 +21,7 @@ pub struct Split {
 }
 
 /// A number of the model as delivered and as tuned.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct States {
     /// At the nominal parameters of the pass's model.
     pub delivered: Split,
@@ -30,7 +30,7 @@ pub struct States {
 }
 
 /// Numbers of readings in kelvin.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Readings {
     /// For fitting.
     pub train: u64,
@@ -39,7 +39,7 @@ pub struct Readings {
 }
 
 /// A pass of a study.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PassErrors {
     /// Its file.
     pub pass: String,
@@ -82,14 +82,14 @@ pub struct PassErrors {
     /// The calibration, likewise.
     pub calibration: Option<String>,
     /// Kinds of jobs that the pass would need for its error to be stated, and does not have.
-    pub missing: Vec<&'static str>,
+    pub missing: Vec<String>,
 }
 
 /// Of a comparison and a calibration, which a pass with measurements does not have.
-fn missing(pass: &Pass) -> Vec<&'static str> {
+fn missing(pass: &Pass) -> Vec<String> {
     let has = |kind: &str| pass.jobs.iter().any(|job| job.spec.kind() == kind);
     let is_measured = !pass.measurements.is_empty();
-    ["compare", "calibrate"].into_iter().filter(|kind| is_measured && !has(kind)).collect()
+    ["compare", "calibrate"].into_iter().filter(|kind| is_measured && !has(kind)).map(str::to_owned).collect()
 }
 
 impl PassErrors {

@@ -42,6 +42,8 @@ pub fn render(page: &Page) -> Result<String, HtmlError> {
     let context = tera::Context::from_serialize(&Whole {
         title: &page.title,
         subtitle: &page.subtitle,
+        links: &page.links,
+        title_block: page.title_block.iter().map(|(term, entry)| [term, entry]).collect(),
         footer: &page.footer,
         style: STYLE,
         sections,
@@ -54,6 +56,8 @@ pub fn render(page: &Page) -> Result<String, HtmlError> {
 struct Whole<'a> {
     title: &'a str,
     subtitle: &'a Text,
+    links: &'a Text,
+    title_block: Vec<[&'a Text; 2]>,
     footer: &'a Text,
     style: &'static str,
     sections: Vec<FlatSection<'a>>,

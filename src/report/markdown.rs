@@ -12,6 +12,15 @@ pub fn render(page: &Page) -> String {
     if !page.subtitle.0.is_empty() {
         paragraph(&mut out, &inline(&page.subtitle, false));
     }
+    if !page.links.0.is_empty() {
+        paragraph(&mut out, &inline(&page.links, false));
+    }
+    if !page.title_block.is_empty() {
+        out.push_str("\n| Title block | |\n|---|---|\n");
+        for (term, entry) in &page.title_block {
+            let _ = writeln!(out, "| {} | {} |", inline(term, true), inline(entry, true));
+        }
+    }
     let mut writer = Writer { out, numbering: Numbering::default(), section: 0, heading: 0 };
     writer.contents(&page.sections);
     for section in &page.sections {
@@ -147,6 +156,9 @@ fn inline(text: &Text, in_table: bool) -> String {
             Inline::Plain(text) => out.push_str(&escape(text)),
             Inline::Strong(text) => wrap(&mut out, "**", text),
             Inline::Code(text) => out.push_str(&code(text, in_table)),
+            Inline::Link { text, page } => {
+                let _ = write!(out, "[{}]({page}.md)", escape(text));
+            }
         }
     }
     out
@@ -219,12 +231,7 @@ mod tests {
 
     #[test]
     fn a_title_cannot_turn_the_line() {
-        let text = render(&Page {
-            title: "a\u{1b}[2J\u{202e}b".into(),
-            subtitle: Text::default(),
-            footer: Text::default(),
-            sections: Vec::new(),
-        });
+        let text = render(&Page { title: "a\u{1b}[2J\u{202e}b".into(), ..Page::default() });
         assert!(text.starts_with("# a \\[2J\\u{202e}b\n"), "{text:?}");
     }
 

@@ -3,11 +3,13 @@
 //! [`render`] is a pure function of a [`PassReport`]: the same results give the same bytes. A section is a file in
 //! `section/` and a line in its list; order, numbers, contents, Markdown and HTML come by themselves.
 
+pub mod archive;
 pub mod assemble;
 pub mod essentials;
 pub mod headline;
 pub mod history;
 pub mod html;
+pub mod known;
 pub mod ladder;
 pub mod markdown;
 pub mod number;
@@ -17,6 +19,7 @@ pub mod required;
 pub mod seal;
 pub mod section;
 pub mod terminal;
+pub mod title_block;
 pub mod view;
 mod write;
 
@@ -25,10 +28,15 @@ use thiserror::Error;
 
 use crate::job::KINDS;
 
+use archive::record::Record;
 pub use history::{History, PassErrors};
 use page::{Page, Text};
+use view::Siblings;
 pub use view::{FileHash, JobEntry, ParameterChange, PassReport, Prior};
 pub use write::{WriteError, write};
+
+/// Name, without its ending, of the page over the passes of a study, and of that over all studies.
+pub const INDEX: &str = "index";
 
 /// A rendered report.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,6 +49,8 @@ pub struct RenderedReport {
     pub figures: Vec<(String, String)>,
     /// `results.json`.
     pub results_json: String,
+    /// `record.json`.
+    pub record_json: String,
 }
 
 /// Why a report could not be rendered.
@@ -69,19 +79,34 @@ pub fn render(report: &PassReport<'_>) -> Result<RenderedReport, RenderError> {
         html: html::render(&page)?,
         figures,
         results_json: results_json(report)?,
+        record_json: Record::of(report).text()?,
     })
 }
 
 /// The report as a document.
 pub fn page(report: &PassReport<'_>) -> Page {
-    let subtitle = Text::new("Study ").code(&report.study).plain(", pass ").code(&report.pass_file);
     Page {
         title: report.title.clone(),
-        subtitle,
+        subtitle: Text::new("Study ").code(&report.study).plain(", pass ").code(&report.pass_file),
+        links: report.siblings.as_ref().map(links).unwrap_or_default(),
+        title_block: report.document.iter().flat_map(|document| title_block::of_pass(document, report)).collect(),
         footer: Text::new(format!("Made by bmv, numeric engine {}. ", report.engine_version))
             .plain("The same files give the same bytes; the section on provenance has every hash."),
         sections: section::SECTIONS.iter().filter_map(|section| (section.build)(report)).collect(),
     }
+}
+
+/// Links from a pass's report to its neighbours, its study and all studies.
+fn links(siblings: &Siblings) -> Text {
+    let mut text = Text::default();
+    if let Some(previous) = &siblings.previous {
+        text = text.plain("\u{2190} ").link(previous, &["..", previous, "report"]).plain(" \u{B7} ");
+    }
+    text = text.link("this study", &["..", INDEX]).plain(" \u{B7} ").link("all studies", &["..", "..", INDEX]);
+    if let Some(next) = &siblings.next {
+        text = text.plain(" \u{B7} ").link(next, &["..", next, "report"]).plain(" \u{2192}");
+    }
+    text
 }
 
 /// JSON Schema of the results of each kind of job, as they stand in `results.json` under `jobs.NAME.output`.

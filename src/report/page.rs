@@ -1,7 +1,7 @@
 //! The document that sections build and that Markdown and HTML are made of. Text is always made here from pieces,
 //! never parsed, so nothing that a study writes can become markup.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::plot::Drawing;
 
@@ -15,6 +15,13 @@ pub enum Inline {
     Strong(String),
     /// A name or a value as it stands in a file.
     Code(String),
+    /// A link to another page of the reports.
+    Link {
+        /// What is read.
+        text: String,
+        /// The page, from this one's folder: `pass-2/report`, without the ending, which is that of the page itself.
+        page: String,
+    },
 }
 
 /// Running text.
@@ -52,11 +59,35 @@ impl Text {
         self
     }
 
+    /// The text without its marks.
+    pub fn in_plain_words(&self) -> String {
+        let pieces = self.0.iter().map(|piece| match piece {
+            Inline::Plain(text) | Inline::Strong(text) | Inline::Code(text) | Inline::Link { text, .. } => {
+                text.as_str()
+            }
+        });
+        pieces.collect()
+    }
+
+    /// Appends a link to another page of the reports, named by the parts of its path from this one's folder.
+    pub fn link(mut self, text: impl Into<String>, parts: &[&str]) -> Self {
+        let page = parts.iter().map(|part| encoded(part)).collect::<Vec<_>>().join("/");
+        self.0.push(Inline::Link { text: text.into(), page });
+        self
+    }
+
     /// Appends a name or value as in a file.
     pub fn code(mut self, text: impl Into<String>) -> Self {
         self.0.push(Inline::Code(text.into()));
         self
     }
+}
+
+/// A part of a path as a relative address has it (RFC 3986): all but unreserved characters as their bytes.
+pub fn encoded(part: &str) -> String {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~".contains(&byte);
+    let one = |byte: u8| if is_plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") };
+    part.bytes().map(one).collect()
 }
 
 impl From<&str> for Text {
@@ -72,7 +103,7 @@ impl From<String> for Text {
 }
 
 /// How a value stands against what is asked of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
     /// Kept.
@@ -279,12 +310,16 @@ pub struct Section {
 }
 
 /// The whole report.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Page {
     /// Title.
     pub title: String,
     /// Line below it.
     pub subtitle: Text,
+    /// Links to the pages round it; empty without any.
+    pub links: Text,
+    /// Terms and entries of the title block; empty without one.
+    pub title_block: Vec<(Text, Text)>,
     /// Line at the foot.
     pub footer: Text,
     /// Sections in order.
@@ -365,6 +400,13 @@ mod tests {
         assert_eq!(Text::with_names("`R_c` is pressed"), Text::default().code("R_c").plain(" is pressed"));
         assert_eq!(Text::with_names("the joint `G`"), Text::new("the joint ").code("G"));
         assert_eq!(Text::with_names("a ` alone"), Text::new("a ` alone"));
+    }
+
+    #[test]
+    fn a_link_leads_to_a_page_below_and_to_no_other_scheme() {
+        let text = Text::default().link("a", &["..", "javascript:alert(1)", "\"><b", "report"]);
+        let page = "../javascript%3Aalert%281%29/%22%3E%3Cb/report".to_owned();
+        assert_eq!(text.0, [Inline::Link { text: "a".into(), page }]);
     }
 
     #[test]

@@ -10,6 +10,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::RenderedReport;
+use super::archive::record::FILE_NAME as RECORD;
 use crate::document::canonical::canonical;
 use crate::document::hash::sha256_hex;
 use crate::runner::manifest::{self, Manifest};
@@ -26,7 +27,12 @@ const LARGEST: u64 = 1 << 30;
 impl RenderedReport {
     /// The files of the report by their path in its folder.
     pub fn files(&self) -> BTreeMap<String, &str> {
-        let texts = [("report.md", &self.markdown), ("report.html", &self.html), (RESULTS, &self.results_json)];
+        let texts = [
+            ("report.md", &self.markdown),
+            ("report.html", &self.html),
+            (RESULTS, &self.results_json),
+            (RECORD, &self.record_json),
+        ];
         let texts = texts.into_iter().map(|(name, text)| (name.to_owned(), text.as_str()));
         let plots = self.figures.iter().map(|(name, svg)| (format!("plots/{name}.svg"), svg.as_str()));
         texts.chain(plots).collect()
@@ -101,7 +107,7 @@ pub fn contradictions(manifest: &Manifest, folder: &Path) -> std::io::Result<Vec
 fn meaning(part: &str) -> Option<&'static str> {
     match part.split_once('=')?.0 {
         "origin" => Some("other inputs, jobs or results"),
-        "files" => Some("other figures or another results.json"),
+        "files" => Some("other figures, another results.json or record.json"),
         "text" => Some("another text"),
         _ => None,
     }

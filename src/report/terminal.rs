@@ -169,14 +169,14 @@ impl Writer {
 /// The text of a cell; names stand without the quotes that they have in running text.
 fn entry(text: &Text) -> Entry {
     let pieces = text.0.iter().map(|piece| match piece {
-        Inline::Plain(text) | Inline::Strong(text) | Inline::Code(text) => plain(text),
+        Inline::Plain(text) | Inline::Strong(text) | Inline::Code(text) | Inline::Link { text, .. } => plain(text),
     });
     Entry::from(pieces.collect::<String>())
 }
 
 fn inline(text: &Text) -> String {
     let pieces = text.0.iter().map(|piece| match piece {
-        Inline::Plain(text) | Inline::Strong(text) => plain(text),
+        Inline::Plain(text) | Inline::Strong(text) | Inline::Link { text, .. } => plain(text),
         Inline::Code(text) => format!("`{}`", plain(text)),
     });
     pieces.collect()

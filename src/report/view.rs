@@ -7,10 +7,10 @@ use crate::job::compare;
 use crate::job::kind::{AnyOutput, JobKind};
 use crate::measurement::{Measurement, Rows, Sensor};
 use crate::random::Distribution;
-use crate::study::requirement::{Environment, Requirement};
+use crate::study::requirement::{Environment, Requirement, Statement};
 use crate::thermal::{Model, Quantity};
 
-use crate::study::{AdoptedEffect, Closing};
+use crate::study::{AdoptedEffect, Closing, StudyDocument};
 
 use super::history::History;
 use super::number::Shown;
@@ -60,6 +60,15 @@ impl JobEntry {
     }
 }
 
+/// The passes before and after one in its study, by their names without `.json`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Siblings {
+    /// The one before.
+    pub previous: Option<String>,
+    /// The one after.
+    pub next: Option<String>,
+}
+
 /// Everything that a report is made of.
 #[derive(Clone, Debug)]
 pub struct PassReport<'a> {
@@ -73,6 +82,12 @@ pub struct PassReport<'a> {
     pub description: String,
     /// Set where numbers were reconstructed instead of taken from the source that the study follows: what and how.
     pub reconstructed: Option<String>,
+    /// The document that the reports of the study belong to.
+    pub document: Option<StudyDocument>,
+    /// The passes before and after this one; `None` where the report has no others beside it.
+    pub siblings: Option<Siblings>,
+    /// SHA-256 of what the manifest says of where the report comes from; `None` where there is no manifest.
+    pub origin_sha256: Option<String>,
     /// What people add to the record of the validation that the pass closes; `None` where it closes none.
     pub closing: Option<Closing>,
     /// The model, adopted effects included.
@@ -85,6 +100,8 @@ pub struct PassReport<'a> {
     pub posterior_priors: Vec<(String, String)>,
     /// Requirements.
     pub requirements: Vec<Requirement>,
+    /// What the requirements say.
+    pub statements: Vec<Statement>,
     /// Environments.
     pub environments: Vec<Environment>,
     /// Measurements.

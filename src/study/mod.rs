@@ -6,6 +6,7 @@
 pub mod blocked;
 pub mod changed;
 pub mod discover;
+pub mod document;
 pub mod file;
 pub mod folder;
 pub mod history;
@@ -32,6 +33,7 @@ pub mod window;
 
 pub use changed::{ChangedEntry, changed};
 pub use discover::{Found, discover};
+pub use document::StudyDocument;
 pub use folder::Folder;
 pub use job::{JobSpec, NamedJob};
 pub use ledger::Content;

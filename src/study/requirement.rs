@@ -29,6 +29,17 @@ impl Requirement {
     }
 }
 
+/// What a requirement says and where it comes from, for people; no job knows it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Statement {
+    /// Name of the requirement.
+    pub requirement: String,
+    /// In words; may be empty.
+    pub text: String,
+    /// Where it comes from; may be empty.
+    pub source: String,
+}
+
 /// A named set of input values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Environment {

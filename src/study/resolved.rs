@@ -11,12 +11,13 @@ use crate::measurement::Measurement;
 use crate::random::Distribution;
 use crate::thermal::Model;
 
+use super::document::StudyDocument;
 use super::job::NamedJob;
 use super::ledger::Content;
 use super::model::InputError;
 use super::pinned::Pinned;
 use super::posterior_prior::PosteriorPrior;
-use super::requirement::{Environment, Requirement};
+use super::requirement::{Environment, Requirement, Statement};
 
 /// A pass that can be run.
 #[derive(Clone, Debug)]
@@ -35,6 +36,8 @@ pub struct Pass {
     pub description: String,
     /// What of the model was reconstructed, and how.
     pub reconstructed: Option<String>,
+    /// The document that the reports of the study belong to.
+    pub document: Option<Arc<StudyDocument>>,
     /// What people add to the record of the validation that this pass closes.
     pub closing: Option<Closing>,
     /// Every file of the study that was read, by its path within the folder, as it was then.
@@ -57,6 +60,8 @@ pub struct Pass {
     pub input_errors: Vec<InputError>,
     /// Requirements in the order of the file.
     pub requirements: Vec<Requirement>,
+    /// What the requirements say, in the order of the file.
+    pub statements: Vec<Statement>,
     /// Environments in the order of the file.
     pub environments: Vec<Environment>,
     /// Measurements in the order of the file; those whose pinned data are missing are not among them.

@@ -19,7 +19,7 @@ pub struct UnknownSchema {
 }
 
 /// The kinds of file with a schema.
-pub const KINDS: &[&str] = &["model", "pass", "effect", "rule", "criteria"];
+pub const KINDS: &[&str] = &["model", "pass", "document", "effect", "rule", "criteria"];
 
 /// The JSON Schema of a kind of file; `jobs` are the kinds of job that a pass may ask for.
 ///
@@ -29,6 +29,7 @@ pub fn schema(kind: &str, jobs: &Kinds) -> Result<Value, UnknownSchema> {
     match kind {
         "model" => Ok(Schemas::document::<ModelForm>("bmv model (bmv-network/1)")),
         "pass" => Ok(removable(Schemas::document_with::<PassForm>("bmv pass (bmv-pass/1)", |all| jobs.define(all)))),
+        "document" => Ok(Schemas::document::<super::document::DocumentForm>("bmv document (bmv-document/1)")),
         "effect" => Ok(crate::effect::catalogue::schema()),
         "rule" => Ok(Schemas::document::<super::rule::RuleForm>("bmv margin rule (bmv-rule/1)")),
         "criteria" => Ok(Schemas::document::<super::profile::ProfileForm>("bmv criteria profile (bmv-criteria/1)")),

@@ -13,14 +13,14 @@ use super::studies::{bmv, code, plate, printed, text};
 const REPORT: &str = "reports/plate/pass-1";
 
 /// All files below a folder by their path in it.
-fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+pub(super) fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let entries = walkdir::WalkDir::new(folder).into_iter().map(|entry| entry.expect("listed"));
     let files = entries.filter(|entry| entry.file_type().is_file());
     let content = |path: &Path| (path.strip_prefix(folder).unwrap().to_owned(), fs::read(path).unwrap());
     files.map(|entry| content(entry.path())).collect()
 }
 
-fn sha256(bytes: &[u8]) -> String {
+pub(super) fn sha256(bytes: &[u8]) -> String {
     bmv::runner::Key::of(bytes).to_string()
 }
 
@@ -189,8 +189,8 @@ fn verify_holds_the_files_of_a_report_against_one_another() {
         (other_input, "the seal of report.md is that of other inputs, jobs or results"),
         (no_files, "manifest.json lists no report.html"),
         (html, "the seal of report.html is that of another text"),
-        (results, "the seal of report.md is that of other figures or another results.json"),
-        (plot, "the seal of report.html is that of other figures or another results.json"),
+        (results, "the seal of report.md is that of other figures, another results.json or record.json"),
+        (plot, "the seal of report.html is that of other figures, another results.json or record.json"),
         (unsealed, "report.md has no seal"),
     ];
     for (alter, part) in cases {

@@ -149,13 +149,14 @@ fn verify_tells_what_changed_in_a_report() {
         html: "<html></html>".to_owned(),
         figures: Vec::new(),
         results_json: results,
+        record_json: "{}\n".to_owned(),
     };
     let rendered = rendered.sealed(manifest.origin_sha256().unwrap().as_str());
     bmv::report::write(&rendered, manifest, root.path(), Path::new("report")).unwrap();
     let intact = run(&["verify", display(&report)]);
     assert_eq!(
         (code(&intact), text(&intact.stdout)),
-        (0, "input not here: model.json\n3 files unchanged; the report is as it was written\n".into())
+        (0, "input not here: model.json\n4 files unchanged; the report is as it was written\n".into())
     );
     fs::write(report.join("report.md"), "# Rep0rt").unwrap();
     fs::write(report.join("extra\u{1b}[2J.md"), "").unwrap();

@@ -11,6 +11,7 @@ mod frame;
 mod hand_on;
 mod history;
 mod import;
+mod index;
 mod laws;
 mod not_finite;
 mod serve_model;

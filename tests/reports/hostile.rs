@@ -10,8 +10,9 @@ use bmv::report::plot::{
     Stroke,
 };
 use bmv::report::plot::{bar_chart, heat_map, history, network, palette, residual_strips};
-use bmv::study::Closing;
+use bmv::study::document::Reference;
 use bmv::study::posterior_prior::PosteriorPriorSummary;
+use bmv::study::{Closing, StudyDocument};
 
 use super::calibration::calibrated;
 use super::diagnosis::diagnosed;
@@ -63,6 +64,19 @@ fn poisoned(mut sample: Sample) -> Sample {
     sample.title = name();
     sample.reconstructed = Some(name());
     sample.closing = Some(Closing { domain: vec![name()], dispositions: vec![(name(), name())], left: vec![name()] });
+    sample.document = Some(StudyDocument {
+        title: name(),
+        number: name(),
+        issue: name(),
+        date: "2026-06-30".into(),
+        author: Some(name()),
+        licence: Some(name()),
+        applicable: vec![Reference { number: name(), title: name(), issue: name() }],
+        assumptions: vec![name()],
+        test: vec![(name(), name())],
+        reconstructed: Some(name()),
+        ..StudyDocument::default()
+    });
     sample.model.title = name();
     for node in &mut sample.model.nodes {
         node.name = name();

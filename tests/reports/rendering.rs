@@ -181,7 +181,7 @@ fn writing_puts_every_file_in_its_place_and_removes_what_the_earlier_report_had(
     let report = rendered(&radiator());
     write(&report).expect("written");
     let listed = Manifest::read(&folder).expect("a manifest").outputs;
-    assert_eq!(listed.len(), 3 + report.figures.len());
+    assert_eq!(listed.len(), 4 + report.figures.len());
     assert_eq!(std::fs::read_to_string(folder.join("report.md")).expect("read"), report.markdown);
     assert!(!folder.join("plots/old.svg").exists(), "the earlier manifest names it");
     assert!(folder.join("plots/foreign.svg").exists(), "no manifest names it");

@@ -11,11 +11,12 @@ use bmv::job::propagate::{self, Case, Conditional, Distributed, Joint, Met, Prob
 use bmv::math::functions::{exp, ln, sin};
 use bmv::measurement::{Initial, InputTable, Measurement, Phase, Rows, Sensor, Uncertain};
 use bmv::random::Distribution;
+use bmv::report::view::Siblings;
 use bmv::report::{FileHash, JobEntry, ParameterChange, PassReport};
-use bmv::study::Closing;
 use bmv::study::profile::Criteria;
 use bmv::study::requirement::{Environment, Requirement};
 use bmv::study::rule::{Margin, Rule};
+use bmv::study::{Closing, StudyDocument};
 use bmv::thermal::element::cooler::Drive;
 use bmv::thermal::element::{Conductor, Cooler, Element, ElementKind, Load, Radiation};
 use bmv::thermal::{Input, Limits, Model, Node, NodeKind, Parameter, Quantity, QuantityValue};
@@ -30,6 +31,7 @@ pub struct Sample {
     pub results: Vec<JobEntry>,
     pub title: String,
     pub reconstructed: Option<String>,
+    pub document: Option<StudyDocument>,
     pub closing: Option<Closing>,
 }
 
@@ -41,12 +43,16 @@ impl Sample {
             study: "sample".into(),
             description: "A study made for the tests of the report.\n\nIts second paragraph says no more.".into(),
             reconstructed: self.reconstructed.clone(),
+            document: self.document.clone(),
+            siblings: Some(Siblings { previous: None, next: Some("pass-2".into()) }),
+            origin_sha256: Some("cd".repeat(32)),
             closing: self.closing.clone(),
             model: &self.model,
             groups: &[],
             priors: self.priors.clone(),
             posterior_priors: vec![],
             requirements: self.requirements.clone(),
+            statements: Vec::new(),
             environments: self.environments.clone(),
             measurements: &self.measurements,
             changes: vec![ParameterChange {
@@ -276,6 +282,7 @@ pub fn radiator() -> Sample {
             entry::<conventional::Kind>("margins", "34", conventional),
         ],
         title: "Passive radiator, pass 1".into(),
+        document: None,
         closing: None,
         reconstructed: Some(
             "All numbers of this case are reconstructed; none is taken from the thesis that it follows.".into(),
@@ -496,6 +503,7 @@ fn compare_sample(title: &str, model: Model, measurement: Measurement, output: c
         results: vec![entry::<compare::Kind>("as delivered", "56", output)],
         title: title.into(),
         reconstructed: None,
+        document: None,
         closing: None,
     }
 }

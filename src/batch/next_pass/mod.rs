@@ -219,15 +219,26 @@ fn title(pass: &Pass, names: &[&str], file: &Path) -> String {
     // A title that could not be stripped names the earlier effects in its own way.
     let is_stripped = base.len() < pass.title.len();
     let all: Vec<&str> = before.into_iter().filter(|_| is_stripped).chain(names.iter().copied()).collect();
-    let mut base = base.to_owned();
-    if let (Some(old), Some(new)) = (number(Path::new(&pass.file)), number(file)) {
-        let old = format!("pass {old}");
-        let is_whole = |at: &usize| !base[at + old.len()..].starts_with(|c: char| c.is_ascii_digit());
-        if let Some(at) = base.match_indices(old.as_str()).map(|(at, _)| at).find(is_whole) {
-            base.replace_range(at..at + old.len(), &format!("pass {new}"));
-        }
-    }
+    let base = match (number(Path::new(&pass.file)), number(file)) {
+        (Some(old), Some(new)) => renumbered(base, old, new),
+        _ => base.to_owned(),
+    };
     format!("{base}{}", with(&all))
+}
+
+/// A title with the new number where it tells the old one: as `pass 1` or `Pass 1`, a word of its own.
+fn renumbered(title: &str, old: u64, new: u64) -> String {
+    let told = format!("pass {old}");
+    // Of the same length: only ASCII letters change.
+    let lower = title.to_ascii_lowercase();
+    let is_word = |at: &usize| {
+        let begins = !lower[..*at].ends_with(char::is_alphanumeric);
+        begins && !lower[at + told.len()..].starts_with(|c: char| c.is_ascii_digit())
+    };
+    match lower.match_indices(told.as_str()).map(|(at, _)| at).find(is_word) {
+        Some(at) => format!("{}{new}{}", &title[..at + "pass ".len()], &title[at + told.len()..]),
+        None => title.to_owned(),
+    }
 }
 
 fn description(pass: &Pass, job: &str, names: &[&str]) -> String {
@@ -275,4 +286,22 @@ fn add_judges(pass: &Pass, diagnosis: &str, jobs: &mut Vec<(String, Item)>) -> V
         added.push((name, kind));
     }
     added
+}
+
+#[cfg(test)]
+mod tests {
+    use super::renumbered;
+
+    #[test]
+    fn a_title_tells_the_new_number_where_it_told_the_old_one() {
+        for (title, expected) in [
+            ("Pass 2: the model against the log", "Pass 3: the model against the log"),
+            ("Bench, pass 2: as delivered", "Bench, pass 3: as delivered"),
+            ("Pass 20 of the bench", "Pass 20 of the bench"),
+            ("Compass 2", "Compass 2"),
+            ("\u{C9}tude, pass 2", "\u{C9}tude, pass 3"),
+        ] {
+            assert_eq!(renumbered(title, 2, 3), expected);
+        }
+    }
 }

@@ -57,8 +57,8 @@ pub fn section(history: &History) -> Option<Section> {
 
 /// Which jobs a pass lacks, what is not known without them, and what to write.
 pub fn missing_jobs(pass: &PassErrors) -> Vec<Text> {
-    let words = |kind: &&str| {
-        let (unknown, example) = if *kind == CALIBRATION {
+    let words = |kind: &String| {
+        let (unknown, example) = if kind == CALIBRATION {
             ("its tuned error and its evidence are not known", r#""tuned": {"calibrate": {}}"#)
         } else {
             ("its error is not known", r#""delivered": {"compare": {}}"#)

@@ -8,7 +8,7 @@ mod validation;
 use brief::ErasedBrief;
 
 use super::history::History;
-use super::page::{Section, Text};
+use super::page::{Section, Statement, Text};
 use super::view::PassReport;
 
 /// Builds a section, where it applies.
@@ -75,6 +75,11 @@ pub fn error_by_pass(history: &History) -> Option<Section> {
     history::section(history)
 }
 
+/// What came out of a pass and the key statements of its first screen.
+pub fn in_brief(report: &PassReport<'_>) -> (Option<Text>, Vec<Statement>) {
+    summary::in_brief(report)
+}
+
 /// Why no requirement of a pass may be called met, where its results would call one so.
 pub fn objection(report: &PassReport<'_>) -> Option<Text> {
     summary::claims::objection_to_all(report)
@@ -97,6 +102,7 @@ macro_rules! sections {
 
 sections! {
     summary,
+    pub compliance,
     pub problem,
     adopted,
     network,
@@ -115,6 +121,8 @@ sections! {
     prediction,
     margins,
     record,
+    pub document,
     data,
     provenance,
+    glossary,
 }

@@ -10,17 +10,29 @@ pub(super) const SECTION: Entry = Entry::plain(build);
 
 /// The section on provenance; always there.
 fn build(report: &PassReport<'_>) -> Option<Section> {
-    let mut blocks = vec![
-        Block::Definitions(vec![
-            ("Made again by".into(), Text::default().code(&report.command)),
-            ("Numeric engine".into(), Text::default().code(&report.engine_version)),
-        ]),
-        Block::paragraph(
-            "A job's key is the SHA-256 of everything that decides its result: resolved model, parameters, hashes of \
+    let mut entries = vec![
+        ("Made again by".into(), Text::default().code(&report.command)),
+        ("Numeric engine".into(), Text::default().code(&report.engine_version)),
+    ];
+    entries.extend(report.origin_sha256.as_ref().map(|hash| ("Origin".into(), Text::default().code(hash))));
+    let mut blocks = vec![Block::Definitions(entries)];
+    if report.origin_sha256.is_some() {
+        blocks.push(Block::Heading("How to verify it".into()));
+        blocks.push(Block::Paragraph(
+            Text::new("Origin is the SHA-256 of all that ")
+                .code("manifest.json")
+                .plain(" says of inputs, jobs, results and engine. The last line of this document, its seal, has the same, with the \
+                        hashes of its own text and of the files beside it. ")
+                .code("bmv verify DIR")
+                .plain(", DIR being the folder of this report, computes all of them again from the files. The hash of the manifest \
+                        itself cannot stand in what it lists: it is on the page of the study, one folder above."),
+        ));
+    }
+    blocks.extend([Block::paragraph(
+        "A job's key is the SHA-256 of everything that decides its result: resolved model, parameters, hashes of \
              the data, settings, seed and the version of the algorithm. The same key means the same numbers, to the \
              last bit, on any x86-64 Linux machine and any number of cores.",
-        ),
-    ];
+    )]);
     if !report.results.is_empty() {
         let rows = report
             .results

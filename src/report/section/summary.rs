@@ -20,12 +20,10 @@ pub(super) const SECTION: Entry = Entry::plain(build);
 
 /// The summary; always there.
 pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
-    let mut blocks: Vec<Block> =
-        outcome::headline(report).map(|text| Block::callout(Tone::Verdict, text)).into_iter().collect();
+    let (headline, statements) = in_brief(report);
+    let mut blocks: Vec<Block> = headline.map(|text| Block::callout(Tone::Verdict, text)).into_iter().collect();
     blocks.extend(outcome::next_step(report).map(|text| Block::callout(Tone::Next, text)));
     blocks.extend(ladder::table(report).map(Block::Table));
-    let mut statements = statements(report);
-    statements.truncate(MOST_STATEMENTS);
     if !statements.is_empty() {
         blocks.push(Block::Statements(statements));
     }
@@ -49,6 +47,13 @@ pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
     blocks.extend(network::where_missing(report).map(Block::Figure));
     blocks.extend(main_picture(report).map(Block::Figure));
     Some(Section { id: "summary", title: "Summary".into(), blocks })
+}
+
+/// What came out and the key statements of the first screen.
+pub(super) fn in_brief(report: &PassReport<'_>) -> (Option<Text>, Vec<Statement>) {
+    let mut statements = statements(report);
+    statements.truncate(MOST_STATEMENTS);
+    (outcome::headline(report), statements)
 }
 
 /// The statements, most important first.

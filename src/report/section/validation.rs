@@ -29,6 +29,30 @@ fn broken<'r>(report: &'r PassReport<'_>, rests: Rests) -> Option<(&'r compare::
     })
 }
 
+/// The state of the model on which claims rest, and what its test says of it: validated is a state that keeps all criteria
+/// on readings held out from its fit.
+pub(super) fn state(report: &PassReport<'_>, rests: Rests) -> String {
+    let which = match rests {
+        Rests::OnDelivered => "as delivered",
+        Rests::OnTuned => "tuned",
+    };
+    let judged = report.outputs::<compare::Kind>().filter_map(|(_, output)| {
+        let mut states = ladder::standings(output);
+        let tuned = if states.len() > 1 && rests == Rests::OnTuned { states.pop() } else { None };
+        tuned.or_else(|| states.into_iter().next()).filter(|state| state.kept.is_some())
+    });
+    let judged: Vec<Standing> = judged.collect();
+    if judged.is_empty() {
+        format!("{which}; no test of it in this pass")
+    } else if judged.iter().any(Standing::fails) {
+        format!("{which}; it fails its test")
+    } else if judged.iter().any(|state| state.held_out.is_some()) {
+        format!("{which} and validated on readings held out")
+    } else {
+        format!("{which}; it keeps the criteria on the readings that it was held against")
+    }
+}
+
 /// How a requirement stands, in words and in colour: none is met by a model that fails its test.
 pub(super) fn claim(report: &PassReport<'_>, rests: Rests, met: &Met) -> (&'static str, Status) {
     match propagation::standing(met) {

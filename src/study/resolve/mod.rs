@@ -46,7 +46,7 @@ use super::pass::{self, PassForm};
 use super::pinned::Pinned;
 use super::reader::Reader;
 use super::resolved::{Closing, Pass};
-use super::{profile, rule};
+use super::{document, profile, rule};
 
 use measurement::Outcome;
 use posterior_prior::Upstreams;
@@ -267,6 +267,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     let mut upstreams = Upstreams::new(files.reader, files.chain);
     let posterior_priors = posterior_prior::resolve(&mut scope, &mut upstreams, &mut priors);
     let ranges_from_data = ranges_from_data(&mut scope, &measurements);
+    let document = document::load(folder, scope.diagnostics);
     let rules = rule::load(Some(folder), scope.diagnostics);
     let profiles = profile::load(Some(folder), form.criteria.iter(), scope.diagnostics);
     let mut own_files = serde_json::Map::new();
@@ -323,6 +324,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
         title: form.title.clone().unwrap_or_else(|| model.title.clone()),
         description: form.description.clone().unwrap_or_default(),
         reconstructed,
+        document,
         closing: form.closing.as_ref().map(|closing| Closing {
             domain: closing.domain.clone(),
             dispositions: closing.dispositions.iter().map(|own| (own.name.clone(), own.value.clone())).collect(),
@@ -338,6 +340,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
         upstream: upstreams.passes,
         input_errors,
         requirements,
+        statements: requirement::statements(&form.requirements),
         environments,
         measurements,
         ignored_sensors,

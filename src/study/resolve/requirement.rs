@@ -2,7 +2,7 @@
 
 use crate::document::{Amount, Map, code};
 use crate::study::pass::RequirementForm;
-use crate::study::requirement::{ALL, Environment, Requirement};
+use crate::study::requirement::{ALL, Environment, Requirement, Statement};
 
 use super::scope::Scope;
 
@@ -40,6 +40,16 @@ pub fn requirements(scope: &mut Scope, forms: &Map<RequirementForm>) -> Vec<Requ
         requirements.push(Requirement { name: entry.name.clone(), quantity, below, above, probability });
     }
     requirements
+}
+
+/// What the requirements say.
+pub fn statements(forms: &Map<RequirementForm>) -> Vec<Statement> {
+    let statement = |name: &String, form: &RequirementForm| Statement {
+        requirement: name.clone(),
+        text: form.description.clone().unwrap_or_default(),
+        source: form.source.clone().unwrap_or_default(),
+    };
+    forms.iter().map(|entry| statement(&entry.name, &entry.value)).collect()
 }
 
 /// The environments, each with a value of every input.

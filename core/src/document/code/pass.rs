@@ -105,6 +105,9 @@ codes! { PASS_CODES:
     RULE_FILE = "rule-file", "a margin rule or criteria profile that is not complete",
         "A margin rule has one margin, `temperature` or `heat_load`, from 0; a profile of criteria has at least one limit above 0. Both name their source.",
         "right: {\"format\": \"bmv-rule/1\", \"title\": \"5 K\", \"margin\": {\"temperature\": {\"value\": 5, \"unit\": \"K\"}}, \"source\": \"...\"}";
+    DOCUMENT_FILE = "document-file", "a title block that is not complete",
+        "A study's document.json has a title, a number, an issue and the day of issue, written year, month, day. Passes under `not_archived` are files of the study.",
+        "wrong: \"date\": \"30.06.2026\"\nright: \"date\": \"2026-06-30\"";
     NOTHING_TO_REMOVE = "nothing-to-remove", "a removal of what no parent has",
         "In a pass, `null` in place of a named entry removes the entry that a parent pass has under this name. Where no parent has it, the name is probably misspelt, and the entry that was meant would stay.",
         "wrong: \"requirements\": {\"detektor\": null}\nright: \"requirements\": {\"detector\": null}";

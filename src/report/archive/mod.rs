@@ -1,0 +1,109 @@
+//! Reports of a folder together: the record that each pass's report leaves of itself, the page over the passes of a study,
+//! the page over all studies, the description of a study's reports as a research object. All are pure functions of the
+//! records and manifests that lie there, so that they do not depend on which reports a command renders.
+
+pub mod index_page;
+pub mod record;
+pub mod ro_crate;
+pub mod study_page;
+mod study_tables;
+
+use std::path::{Path, PathBuf};
+
+use crate::document::hash::sha256_hex;
+use crate::runner::Manifest;
+use crate::runner::manifest::{FILE_NAME as MANIFEST, FileRecord};
+
+use record::Record;
+
+/// A pass's report as it lies in its folder.
+#[derive(Clone, Debug)]
+pub struct ArchivedPass {
+    /// Name of its folder within the study's.
+    pub folder: String,
+    /// Its record.
+    pub record: Record,
+    /// Its manifest.
+    pub manifest: Manifest,
+    /// Size and hash of the manifest's file.
+    pub manifest_file: FileRecord,
+}
+
+/// The reports of a study, in the order of the passes' numbers.
+#[derive(Clone, Debug)]
+pub struct ArchivedStudy {
+    /// Name of its folder.
+    pub folder: String,
+    /// Its passes; never empty.
+    pub passes: Vec<ArchivedPass>,
+}
+
+impl ArchivedStudy {
+    /// The study's document, as its last pass has it.
+    pub fn document(&self) -> Option<&crate::study::StudyDocument> {
+        self.passes.last().and_then(|pass| pass.record.document.as_ref())
+    }
+
+    /// Title of the whole: that of the document, else the study's name.
+    pub fn title(&self) -> String {
+        self.document().map_or_else(|| self.folder.clone(), |document| document.title.clone())
+    }
+}
+
+/// A page in both forms.
+#[derive(Clone, Debug)]
+pub struct RenderedPage {
+    /// Markdown.
+    pub markdown: String,
+    /// HTML.
+    pub html: String,
+}
+
+impl RenderedPage {
+    /// Renders a page. Its figures stand in the HTML; the Markdown has their tables.
+    ///
+    /// # Errors
+    /// As [`super::html::render`].
+    pub fn new(page: &super::page::Page) -> Result<Self, super::html::HtmlError> {
+        let text = super::page::Page { sections: without_figures(&page.sections), ..page.clone() };
+        let marked = |text: String| format!("{}\n<!-- {FORMAT} -->\n", text.trim_end());
+        Ok(Self { markdown: marked(super::markdown::render(&text)), html: marked(super::html::render(page)?) })
+    }
+}
+
+/// What stands at the end of every page over reports, by which the program knows its own.
+pub const FORMAT: &str = "bmv-index/1";
+
+/// Figures have no file of their own beside these pages.
+fn without_figures(sections: &[super::page::Section]) -> Vec<super::page::Section> {
+    use super::page::Block;
+    fn kept(blocks: &[Block]) -> Vec<Block> {
+        let one = |block: &Block| match block {
+            Block::Figure(_) => None,
+            Block::Details(title, blocks) => {
+                let blocks = kept(blocks);
+                (!blocks.is_empty()).then(|| Block::Details(title.clone(), blocks))
+            }
+            other => Some(other.clone()),
+        };
+        blocks.iter().filter_map(one).collect()
+    }
+    let sections = sections.iter().map(|own| super::page::Section { blocks: kept(&own.blocks), ..own.clone() });
+    sections.filter(|section| !section.blocks.is_empty()).collect()
+}
+
+/// The folders of reports at a folder: itself where it is one, else those below it, at most two deep, in order.
+pub fn reports_below(folder: &Path) -> Vec<PathBuf> {
+    let visible =
+        |entry: &walkdir::DirEntry| entry.depth() == 0 || !entry.file_name().to_string_lossy().starts_with('.');
+    let walk = walkdir::WalkDir::new(folder).max_depth(3).sort_by_file_name().into_iter().filter_entry(visible);
+    let manifests = walk.flatten().filter(|entry| entry.file_type().is_file() && entry.file_name() == MANIFEST);
+    let found: Vec<PathBuf> = manifests.filter_map(|entry| entry.path().parent().map(Path::to_owned)).collect();
+    if found.iter().any(|own| own == folder) { vec![folder.to_owned()] } else { found }
+}
+
+/// A record of this hash is the one that a manifest lists under `record.json`.
+pub fn is_listed(manifest: &Manifest, bytes: &[u8]) -> bool {
+    let listed = manifest.outputs.get(record::FILE_NAME);
+    listed.is_some_and(|listed| listed.sha256.as_str() == sha256_hex(bytes))
+}

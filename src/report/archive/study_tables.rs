@@ -1,0 +1,300 @@
+//! Tables over the passes of a study: requirements, key statements, parameters, changes, what flies.
+
+use crate::document::counted;
+use crate::report::known::Known;
+use crate::report::number::{NONE, significant};
+use crate::report::page::{Block, Cell, Column, Figure, Section, Table, Text};
+use crate::report::plot::{Axis, Bar, bar_chart, palette};
+
+use super::study_page::{link, name};
+use super::{ArchivedPass, ArchivedStudy};
+
+/// Parameters whose intervals are drawn.
+const MOST_FIGURES: usize = 12;
+
+/// Requirements over the passes that judge them.
+pub(super) fn requirements(study: &ArchivedStudy) -> Option<Section> {
+    let judged = study.passes.iter().flat_map(|pass| pass.record.requirements.iter().map(move |own| (pass, own)));
+    let mut judged: Vec<_> = judged.filter(|(_, own)| own.probability.is_some()).collect();
+    // A requirement's rows stand together, by pass.
+    let mut names: Vec<(&str, &str)> = Vec::new();
+    for (_, own) in &judged {
+        let name = (own.requirement.as_str(), own.environment.as_str());
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    judged.sort_by_key(|(_, own)| {
+        names.iter().position(|name| *name == (own.requirement.as_str(), own.environment.as_str()))
+    });
+    let rows: Vec<Vec<Cell>> = judged
+        .into_iter()
+        .map(|(pass, own)| {
+            vec![
+                Cell::code(&own.requirement),
+                own.limit.clone().into(),
+                Cell::code(&own.environment),
+                Cell::from(link(pass)),
+                own.predicted.clone().into(),
+                own.probability_text.clone().into(),
+                own.margin.clone().into(),
+                own.state.clone().into(),
+                Cell::marked(own.verdict.as_str(), own.status),
+                Cell::code(&own.job),
+            ]
+        })
+        .collect();
+    (!rows.is_empty()).then(|| Section {
+        id: "requirements",
+        title: "Requirements and margins over the passes".into(),
+        blocks: vec![Block::Table(Table {
+            caption: "What each pass says of each requirement. Predicted: median, quantiles of 1 % and 99 %. Margin: between the limit \
+                      and the 99 % quantile towards it."
+                .into(),
+            columns: vec![
+                Column::text("Requirement"),
+                Column::text("Limit"),
+                Column::text("Environment"),
+                Column::text("Pass"),
+                Column::text("Predicted"),
+                Column::text("P(met)"),
+                Column::text("Margin"),
+                Column::text("Rests on the model"),
+                Column::text("Verdict"),
+                Column::text("Job"),
+            ],
+            rows,
+        })],
+    })
+}
+
+/// Key statements of each pass: sizes by rule and by probability among them.
+pub(super) fn statements(study: &ArchivedStudy) -> Option<Section> {
+    let rows: Vec<Vec<Cell>> = study
+        .passes
+        .iter()
+        .flat_map(|pass| {
+            pass.record.statements.iter().map(move |own| {
+                let value = Cell { text: own.value.as_str().into(), status: own.status };
+                vec![Cell::from(link(pass)), own.label.clone().into(), value]
+            })
+        })
+        .collect();
+    (!rows.is_empty()).then(|| Section {
+        id: "statements",
+        title: "Key numbers by pass".into(),
+        blocks: vec![Block::Table(Table {
+            caption: "What stands in large letters on the first screen of each pass: sizes by rule and by probability, effects, states."
+                .into(),
+            columns: vec![Column::text("Pass"), Column::text("What"), Column::text("Value")],
+            rows,
+        })],
+    })
+}
+
+/// A parameter in the order in which it first appears, with the passes that have it.
+fn by_parameter(study: &ArchivedStudy) -> Vec<(&str, Vec<(&ArchivedPass, &Known)>)> {
+    let mut all: Vec<(&str, Vec<(&ArchivedPass, &Known)>)> = Vec::new();
+    for pass in &study.passes {
+        for own in &pass.record.parameters {
+            match all.iter_mut().find(|(name, _)| *name == own.name) {
+                Some((_, list)) => list.push((pass, own)),
+                None => all.push((own.name.as_str(), vec![(pass, own)])),
+            }
+        }
+    }
+    all
+}
+
+/// Parameters over the passes, from prior to posterior: a row where something changed or was inferred.
+pub(super) fn parameters(study: &ArchivedStudy) -> Option<Section> {
+    let (mut rows, mut figures, mut unchanged) = (Vec::new(), Vec::new(), 0_u64);
+    for (parameter, list) in by_parameter(study) {
+        let is_other = |own: &Known| {
+            list.first().is_some_and(|(_, first)| own.prior != first.prior || own.nominal != first.nominal)
+        };
+        if !list.iter().any(|(_, own)| own.posterior.is_some() || is_other(own)) {
+            unchanged += 1;
+            continue;
+        }
+        let mut before: Option<&Known> = None;
+        for (pass, own) in &list {
+            let is_same = before.is_some_and(|before| before.prior == own.prior && before.nominal == own.nominal);
+            before = Some(own);
+            if is_same && own.posterior.is_none() {
+                continue;
+            }
+            rows.push(vec![
+                Cell::code(parameter),
+                own.unit.clone().into(),
+                Cell::from(link(pass)),
+                own.nominal_text().into(),
+                own.prior.clone().into(),
+                own.posterior_text().into(),
+            ]);
+        }
+        figures.extend(intervals(parameter, &list));
+    }
+    if rows.is_empty() {
+        return None;
+    }
+    let left_out = match unchanged {
+        0 => String::new(),
+        count => format!(
+            " {} no pass changed or inferred; the report of a pass has them.",
+            counted(count, "further parameter")
+        ),
+    };
+    let mut blocks = vec![Block::Table(Table {
+        caption: format!(
+            "Parameters over the passes: a row where a pass has another nominal value or prior than the one before it, or infers the \
+             parameter. Posterior: mean, standard deviation, 95 % interval; the calibration.{left_out}"
+        )
+        .into(),
+        columns: vec![
+            Column::text("Parameter"),
+            Column::text("Unit"),
+            Column::text("Pass"),
+            Column::number("Nominal", ""),
+            Column::text("Prior"),
+            Column::text("Posterior"),
+        ],
+        rows,
+    })];
+    figures.truncate(MOST_FIGURES);
+    if !figures.is_empty() {
+        blocks.push(Block::Details(format!("Intervals, prior and posterior ({})", figures.len()), figures));
+    }
+    Some(Section { id: "parameters", title: "Parameters over the passes".into(), blocks })
+}
+
+/// Intervals of 95 % of a parameter's priors and posteriors; not without a posterior.
+fn intervals(parameter: &str, list: &[(&ArchivedPass, &Known)]) -> Option<Block> {
+    list.iter().find(|(_, own)| own.posterior.is_some())?;
+    let mut bars: Vec<Bar> = Vec::new();
+    let mut last_prior = None;
+    for (pass, own) in list {
+        let name = name(pass);
+        if let Some(prior) = own.prior_interval.filter(|_| last_prior != Some(&own.prior)) {
+            bars.push(bar(format!("prior, {name}"), prior, String::new()));
+            last_prior = Some(&own.prior);
+        }
+        if let Some(posterior) = &own.posterior {
+            let text = format!("{} \u{B1} {}", significant(posterior.mean, 4), significant(posterior.sd, 2));
+            bars.push(bar(format!("posterior, {name}"), posterior.interval, text));
+        }
+    }
+    let unit = list.first().map_or("", |(_, own)| own.unit.as_str());
+    let title = if unit.is_empty() { parameter.to_owned() } else { format!("{parameter} [{unit}]") };
+    let said: Vec<String> = bars.iter().map(|bar| format!("{} {}", bar.label, bar.text)).collect();
+    Some(Block::Figure(Figure {
+        id: format!("parameter-{parameter}"),
+        drawing: bar_chart(&Axis::new(title), &bars, None),
+        caption: Text::new("Intervals of 95 % of ").code(parameter).plain(": priors and posteriors, pass by pass."),
+        alternative: format!("Intervals of {parameter}: {}.", said.join("; ")),
+    }))
+}
+
+fn bar(label: String, interval: [f64; 2], text: String) -> Bar {
+    let [low, high] = interval;
+    Bar { label, from: low, value: high, interval: Some(interval), text, colour: palette::SKY }
+}
+
+/// Every change with its reason, where it first stands.
+pub(super) fn changes(study: &ArchivedStudy) -> Option<Section> {
+    let mut seen = Vec::new();
+    let mut rows = Vec::new();
+    for pass in &study.passes {
+        let parameters = pass.record.changes.iter().map(|own| ("parameter", own));
+        let effects = pass.record.adopted.iter().map(|own| ("effect", own));
+        for (kind, own) in parameters.chain(effects) {
+            if seen.contains(&own) {
+                continue;
+            }
+            seen.push(own);
+            let before = if own.before.is_empty() { NONE } else { own.before.as_str() };
+            rows.push(vec![
+                Cell::from(link(pass)),
+                kind.into(),
+                Cell::code(&own.what),
+                before.into(),
+                own.after.clone().into(),
+                own.because.clone().into(),
+            ]);
+        }
+    }
+    (!rows.is_empty()).then(|| Section {
+        id: "changes",
+        title: "Change log".into(),
+        blocks: vec![Block::Table(Table {
+            caption: "Every change of the model over all passes, where it first stands: nominal values and priors against the model's \
+                      file, and adopted effects."
+                .into(),
+            columns: vec![
+                Column::text("Pass"),
+                Column::text("Kind"),
+                Column::text("What"),
+                Column::text("Model's file"),
+                Column::text("From this pass on"),
+                Column::text("Justification"),
+            ],
+            rows,
+        })],
+    })
+}
+
+/// Parameters as delivered, as tuned last, and as the last prediction takes them.
+pub(super) fn flight(study: &ArchivedStudy) -> Option<Section> {
+    let last = study.passes.iter().rev().find(|pass| !pass.record.flight.is_empty());
+    let mut rows = Vec::new();
+    for (parameter, list) in by_parameter(study) {
+        let Some((first_pass, first)) = list.first() else { continue };
+        let tuned = list.iter().rev().find(|(_, own)| own.posterior.is_some());
+        let in_flight = last.and_then(|pass| {
+            let own = pass.record.parameters.iter().find(|own| own.name == parameter)?;
+            let draws =
+                pass.record.flight.iter().rev().find(|flight| flight.parameters.iter().any(|name| name == parameter));
+            Some(
+                draws.map_or_else(|| format!("prior: {}", own.prior), |draws| format!("posterior of {}", draws.source)),
+            )
+        });
+        let is_moved = list.iter().any(|(_, own)| own.nominal != first.nominal || own.prior != first.prior);
+        if tuned.is_none() && !is_moved {
+            continue;
+        }
+        rows.push(vec![
+            Cell::code(parameter),
+            first.unit.clone().into(),
+            format!("{} ({})", first.nominal_text(), name(first_pass)).into(),
+            tuned
+                .map_or_else(|| NONE.to_owned(), |(pass, own)| format!("{}, {}", own.posterior_text(), name(pass)))
+                .into(),
+            in_flight.unwrap_or_else(|| NONE.to_owned()).into(),
+        ]);
+    }
+    let caption = match last {
+        Some(pass) => format!(
+            "Parameters that were changed or inferred: nominal value as first delivered; last posterior; what the prediction of {} \
+             takes. All others are as delivered.",
+            name(pass)
+        ),
+        None => "Parameters that were changed or inferred: nominal value as first delivered; last posterior. No pass predicts with a \
+                 calibration."
+            .to_owned(),
+    };
+    (!rows.is_empty()).then(|| Section {
+        id: "flight",
+        title: "Parameters: delivered, tuned, flight".into(),
+        blocks: vec![Block::Table(Table {
+            caption: caption.into(),
+            columns: vec![
+                Column::text("Parameter"),
+                Column::text("Unit"),
+                Column::text("Delivered"),
+                Column::text("Tuned"),
+                Column::text("Flight"),
+            ],
+            rows,
+        })],
+    })
+}

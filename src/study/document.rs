@@ -1,0 +1,299 @@
+//! The document that the reports of a study belong to: `document.json`, format `bmv-document/1`. It says what a title
+//! block says, and what people write of the test. No job reads it: who signs does not decide a result.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::document::{Diagnostic, Diagnostics, Map, Spanned, code, read_file, written_struct};
+
+use super::folder::Folder;
+use super::inherit::unnamed_file_diagnostic;
+
+/// The file's name within the study.
+pub const FILE: &str = "document.json";
+/// The format's name in the file.
+const FORMAT: &str = "bmv-document/1";
+
+written_struct! {
+    /// The title block of a study's reports, and what people write of its test.
+    pub struct DocumentForm: "a document" {
+        /// `bmv-document/1`.
+        required format: String,
+        /// Title of the whole.
+        required title: Spanned<String>,
+        /// Number of the document.
+        required number: Spanned<String>,
+        /// Issue or revision.
+        required issue: Spanned<String>,
+        /// Day of issue, `2026-06-30`.
+        required date: Spanned<String>,
+        /// Project.
+        optional project: String,
+        /// Who issues it.
+        optional organisation: String,
+        /// Who wrote it; not yet signed where it is left out, as the next two.
+        optional author: String,
+        /// Who checked it.
+        optional checker: String,
+        /// Who approved it.
+        optional approver: String,
+        /// Licence of the reports, such as `CC-BY-4.0` or an address.
+        optional licence: String,
+        /// What it is about, in a few sentences.
+        optional summary: String,
+        /// Documents that bind.
+        default(Vec::new()) applicable_documents: Vec<ReferenceForm>,
+        /// Documents that inform.
+        default(Vec::new()) reference_documents: Vec<ReferenceForm>,
+        /// Assumptions, a sentence each.
+        default(Vec::new()) assumptions: Vec<String>,
+        /// The test in words.
+        optional test: TestForm,
+        /// Set where what stands here was reconstructed: what and how.
+        optional reconstructed: String,
+        /// Passes whose reports are not kept with the others, each with the reason; the index leaves them out.
+        default(Map::default()) not_archived: Map<String>,
+    }
+}
+
+written_struct! {
+    /// A document that is referred to.
+    pub struct ReferenceForm: "a reference to a document" {
+        /// Number.
+        required number: String,
+        /// Title.
+        required title: String,
+        /// Issue or year.
+        optional issue: String,
+    }
+}
+
+written_struct! {
+    /// The test in words.
+    pub struct TestForm: "a description of the test" {
+        /// What was tested.
+        optional article: String,
+        /// Where.
+        optional facility: String,
+        /// Sensors, their places and calibration, acquisition.
+        optional instrumentation: String,
+        /// When a phase counted as steady.
+        optional stabilisation: String,
+    }
+}
+
+/// The document of a study.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StudyDocument {
+    /// Title.
+    pub title: String,
+    /// Number.
+    pub number: String,
+    /// Issue.
+    pub issue: String,
+    /// Day of issue, `YYYY-MM-DD`.
+    pub date: String,
+    /// Project.
+    pub project: Option<String>,
+    /// Who issues it.
+    pub organisation: Option<String>,
+    /// Who wrote it; `None`: not yet signed, as the next two.
+    pub author: Option<String>,
+    /// Who checked it.
+    pub checker: Option<String>,
+    /// Who approved it.
+    pub approver: Option<String>,
+    /// Licence of the reports.
+    pub licence: Option<String>,
+    /// What it is about.
+    pub summary: Option<String>,
+    /// Documents that bind.
+    pub applicable: Vec<Reference>,
+    /// Documents that inform.
+    pub references: Vec<Reference>,
+    /// Assumptions.
+    pub assumptions: Vec<String>,
+    /// The test in words: what about it, and the text.
+    pub test: Vec<(String, String)>,
+    /// What of this was reconstructed, and how.
+    pub reconstructed: Option<String>,
+    /// Files of passes whose reports are not kept with the others, each with the reason.
+    pub not_archived: Vec<(String, String)>,
+}
+
+/// A document that is referred to.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Reference {
+    /// Number.
+    pub number: String,
+    /// Title.
+    pub title: String,
+    /// Issue or year; may be empty.
+    pub issue: String,
+}
+
+impl StudyDocument {
+    /// Why the report of a pass is not kept with the others; `None` where it is.
+    pub fn not_archived(&self, pass: &str) -> Option<&str> {
+        self.not_archived.iter().find(|(file, _)| file == pass).map(|(_, why)| why.as_str())
+    }
+}
+
+/// The document of a study, where it has one.
+pub(super) fn load(folder: &Folder, diagnostics: &mut Diagnostics) -> Option<Arc<StudyDocument>> {
+    if !folder.has_file(FILE) {
+        return None;
+    }
+    let bytes = match folder.read(FILE) {
+        Ok(bytes) => bytes,
+        Err(error) => {
+            diagnostics.push(unnamed_file_diagnostic(folder, FILE, &error));
+            return None;
+        }
+    };
+    let (form, _) = read_file::<DocumentForm>(&folder.shown_name(FILE), &bytes, FORMAT, diagnostics)?;
+    Some(Arc::new(form.resolve(folder, diagnostics)))
+}
+
+impl DocumentForm {
+    fn resolve(self, folder: &Folder, diagnostics: &mut Diagnostics) -> StudyDocument {
+        for (what, text) in [("title", &self.title), ("number", &self.number), ("issue", &self.issue)] {
+            if text.value.trim().is_empty() {
+                let message = format!("the document has no {what}");
+                diagnostics.push(
+                    Diagnostic::error(&code::DOCUMENT_FILE, &text.place, message).expected(format!("its {what}")),
+                );
+            }
+        }
+        if !is_day(&self.date.value) {
+            let message = format!("`{}` is no day", self.date.value);
+            diagnostics.push(
+                Diagnostic::error(&code::DOCUMENT_FILE, &self.date.place, message)
+                    .expected("year, month and day, such as \"2026-06-30\""),
+            );
+        }
+        for entry in &self.not_archived {
+            let is_pass = super::discover::number(std::path::Path::new(&entry.name)).is_some();
+            if !is_pass || !folder.has_file(&entry.name) {
+                let message = format!("the study has no pass `{}`", entry.name);
+                let expected = "the file of a pass, such as \"pass-1.json\"";
+                diagnostics
+                    .push(Diagnostic::error(&code::DOCUMENT_FILE, &entry.name_place, message).expected(expected));
+            }
+        }
+        let reference = |form: ReferenceForm| Reference {
+            number: form.number,
+            title: form.title,
+            issue: form.issue.unwrap_or_default(),
+        };
+        let test = self.test.map_or_else(Vec::new, |test| {
+            let parts = [
+                ("Test article", test.article),
+                ("Facility", test.facility),
+                ("Instrumentation", test.instrumentation),
+                ("Stabilisation", test.stabilisation),
+            ];
+            parts.into_iter().filter_map(|(what, text)| Some((what.to_owned(), text?))).collect()
+        });
+        StudyDocument {
+            title: self.title.value,
+            number: self.number.value,
+            issue: self.issue.value,
+            date: self.date.value,
+            project: self.project,
+            organisation: self.organisation,
+            author: self.author,
+            checker: self.checker,
+            approver: self.approver,
+            licence: self.licence,
+            summary: self.summary,
+            applicable: self.applicable_documents.into_iter().map(reference).collect(),
+            references: self.reference_documents.into_iter().map(reference).collect(),
+            assumptions: self.assumptions,
+            test,
+            reconstructed: self.reconstructed,
+            not_archived: (self.not_archived.iter()).map(|entry| (entry.name.clone(), entry.value.clone())).collect(),
+        }
+    }
+}
+
+/// Whether a text is a day of the Gregorian calendar as ISO 8601 writes it.
+fn is_day(text: &str) -> bool {
+    let parts: Vec<&str> = text.split('-').collect();
+    let [year, month, day] = parts.as_slice() else { return false };
+    let number = |text: &str, digits: usize| {
+        let is_plain = text.len() == digits && text.bytes().all(|byte| byte.is_ascii_digit());
+        if is_plain { text.parse::<u32>().ok() } else { None }
+    };
+    let (Some(year), Some(month), Some(day)) = (number(year, 4), number(month, 2), number(day, 2)) else {
+        return false;
+    };
+    let is_leap = year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
+    let days = match month {
+        1 | 3 | 5 | 7 | 8 | 10 | 12 => 31,
+        4 | 6 | 9 | 11 => 30,
+        2 if is_leap => 29,
+        2 => 28,
+        _ => 0,
+    };
+    (1..=days).contains(&day)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WHOLE: &str =
+        r#"{"format": "bmv-document/1", "title": "Plate", "number": "P-1", "issue": "1", "date": "2026-06-30"}"#;
+
+    fn read(text: &str) -> (Option<Arc<StudyDocument>>, String) {
+        let root = tempfile::tempdir().expect("a folder");
+        std::fs::write(root.path().join(FILE), text).expect("written");
+        std::fs::write(root.path().join("pass-1.json"), "{}").expect("written");
+        let mut diagnostics = Diagnostics::new();
+        let document = load(&Folder::open(root.path()).expect("opened"), &mut diagnostics);
+        (document, diagnostics.render(false, 10))
+    }
+
+    #[test]
+    fn a_document_needs_its_title_block_and_nothing_else() {
+        let (document, said) = read(WHOLE);
+        let document = document.expect("read");
+        assert_eq!((said.as_str(), document.number.as_str(), &document.approver), ("", "P-1", &None));
+    }
+
+    #[test]
+    fn what_is_wrong_is_told_at_its_place() {
+        let cases = [
+            ("2026-06-30", "2026-06-31", "document.json:1:87", "`2026-06-31` is no day", "such as \"2026-06-30\""),
+            ("\"P-1\"", "\" \"", "document.json:1:58", "the document has no number", "its number"),
+            ("\"issue\"", "\"isue\"", "document.json:1:65", "unknown field `isue`", "did you mean `issue`?"),
+            (
+                "\"2026-06-30\"",
+                "\"2026-06-30\", \"not_archived\": {\"pass-2.json\": \"large\"}",
+                "document.json:1:118",
+                "the study has no pass `pass-2.json`",
+                "such as \"pass-1.json\"",
+            ),
+            ("bmv-document/1", "bmv-document/2", "document.json:1:12", "bmv-document/2", "bmv-document/1"),
+        ];
+        for (from, to, place, message, help) in cases {
+            let (_, said) = read(&WHOLE.replace(from, to));
+            for part in [place, message, help] {
+                assert!(said.contains(part), "{to}: no `{part}` in\n{said}");
+            }
+        }
+    }
+
+    #[test]
+    fn days_are_those_of_the_calendar() {
+        for day in ["2024-02-29", "2000-02-29", "2026-12-31"] {
+            assert!(is_day(day), "{day}");
+        }
+        for day in ["2026-02-29", "1900-02-29", "2026-00-10", "2026-13-01", "2026-4-01", "30.06.2026", "2026-06-00", ""]
+        {
+            assert!(!is_day(day), "{day}");
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! The pages over reports: made from what lies below their folder, escaped, and described as a research object.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::archive::{files, sha256};
+use super::studies::{bmv, code, plate, printed, text};
+
+const DOCUMENT: &str = r#"{"format": "bmv-document/1", "title": "Plate <img src=x onerror=alert(1)>|[a](javascript:b)", "number": "P-1",
+  "issue": "2", "date": "2026-06-30", "author": "Thermal engineering", "licence": "CC-BY-4.0", "assumptions": ["<script>alert(2)</script>"]}"#;
+
+/// Two studies, `plate` with a document and `slab` without.
+fn two() -> tempfile::TempDir {
+    let (root, second) = (plate(), plate());
+    fs::create_dir(root.path().join(".git")).unwrap();
+    fs::rename(second.path().join("plate"), root.path().join("slab")).unwrap();
+    fs::write(root.path().join("plate/document.json"), DOCUMENT).unwrap();
+    root
+}
+
+fn read(root: &Path, path: &str) -> String {
+    fs::read_to_string(root.join(path)).unwrap()
+}
+
+#[test]
+fn the_index_lists_what_lies_there_whatever_the_command_rendered() {
+    let root = two();
+    let reports = root.path().join("reports");
+    printed(root.path(), &["report", "plate", "slab"]);
+    let whole = files(&reports);
+    for name in ["index.html", "index.md", "plate/index.html", "slab/ro-crate-metadata.json"] {
+        assert!(whole.contains_key(Path::new(name)), "{name}");
+    }
+    let index = read(root.path(), "reports/index.md");
+    assert!(index.contains("[pass-1](plate/pass-1/report.md)") && index.contains("](slab/index.md)"), "{index}");
+    // A part of the studies, and each by itself into an empty folder, give the same bytes.
+    printed(root.path(), &["report", "slab"]);
+    assert!(files(&reports) == whole, "a subset changed something");
+    fs::remove_dir_all(&reports).unwrap();
+    printed(root.path(), &["report", "slab"]);
+    assert!(!read(root.path(), "reports/index.md").contains("plate/pass-1"));
+    printed(root.path(), &["report", "plate"]);
+    assert!(files(&reports) == whole, "the order of the commands shows");
+    for folder in ["reports/plate/pass-1", "reports/slab", "reports"] {
+        assert_eq!(code(&bmv(root.path(), &["verify", folder])), 0, "{folder}");
+    }
+    let page = read(root.path(), "reports/slab/index.md");
+    fs::write(reports.join("slab/index.md"), format!("{page}altered\n")).unwrap();
+    let altered = bmv(root.path(), &["verify", "reports"]);
+    assert_eq!(code(&altered), 1);
+    assert!(
+        text(&altered.stdout).contains("reports/slab/index.md is not as ro-crate-metadata.json beside it lists it")
+    );
+    printed(root.path(), &["report", "slab"]);
+    assert!(files(&reports) == whole, "written anew");
+    // Reports that lie elsewhere: the study has its page, the index does not know it.
+    let left_out =
+        DOCUMENT.replace("\"assumptions\"", "\"not_archived\": {\"pass-1.json\": \"large\"}, \"assumptions\"");
+    fs::write(root.path().join("plate/document.json"), left_out).unwrap();
+    printed(root.path(), &["report", "plate"]);
+    assert!(!read(root.path(), "reports/index.md").contains("(plate/"), "left out");
+    assert!(read(root.path(), "reports/plate/index.md").contains("(pass-1/report.md)"));
+    // What the program did not write stays.
+    fs::write(reports.join("index.html"), "<p>mine</p>").unwrap();
+    let output = bmv(root.path(), &["report", "slab"]);
+    let said = text(&output.stderr);
+    assert!(code(&output) == 0 && said.contains("`reports/index.html` was not written by bmv and stays"), "{said}");
+    assert_eq!(read(root.path(), "reports/index.html"), "<p>mine</p>");
+}
+
+#[test]
+fn a_document_is_shown_escaped_listed_in_the_manifest_and_decides_no_result() {
+    let root = two();
+    printed(root.path(), &["run", "slab"]);
+    fs::write(root.path().join("slab/document.json"), DOCUMENT).unwrap();
+    // Who signs does not decide a result.
+    assert!(printed(root.path(), &["plan", "slab"]).contains("\n0 of 2 jobs to run"));
+    printed(root.path(), &["report", "slab"]);
+    let manifest: Value = serde_json::from_str(&read(root.path(), "reports/slab/pass-1/manifest.json")).unwrap();
+    assert_eq!(manifest["inputs"]["slab/document.json"]["sha256"], sha256(DOCUMENT.as_bytes()));
+    for page in ["index", "slab/index", "slab/pass-1/report"] {
+        let html = read(root.path(), &format!("reports/{page}.html"));
+        let markdown = read(root.path(), &format!("reports/{page}.md"));
+        assert!(!html.contains("<img") && !html.contains("<script") && html.contains("Plate &lt;img src=x"), "{page}");
+        assert!(!markdown.contains("<img") && !markdown.contains("<script") && !markdown.contains("[a]("), "{page}");
+    }
+    let report = read(root.path(), "reports/slab/pass-1/report.md");
+    assert!(
+        report.contains("| Number | P-1, part pass-1 |") && report.contains("| Approved | not yet signed |"),
+        "{report}"
+    );
+}
+
+#[test]
+fn the_research_object_has_every_file_with_its_hash() {
+    let root = two();
+    printed(root.path(), &["report", "plate"]);
+    let folder = root.path().join("reports/plate");
+    let document: Value = serde_json::from_str(&read(root.path(), "reports/plate/ro-crate-metadata.json")).unwrap();
+    let entities = document["@graph"].as_array().unwrap();
+    let of_type = |kind: &str| entities.iter().filter(|own| own["@type"] == kind).collect::<Vec<_>>();
+    let listed: BTreeMap<String, String> = (of_type("File").iter())
+        .map(|own| (own["@id"].as_str().unwrap().to_owned(), own["sha256"].as_str().unwrap().to_owned()))
+        .collect();
+    let there = files(&folder).into_iter().filter(|(path, _)| path != Path::new("ro-crate-metadata.json"));
+    let there = there.map(|(path, bytes)| (path.display().to_string(), sha256(&bytes))).collect();
+    assert_eq!(listed, there);
+    let ids: Vec<&Value> = entities.iter().map(|own| &own["@id"]).collect();
+    let action = of_type("CreateAction")[0];
+    for reference in ["object", "result", "instrument"].iter().flat_map(|term| match &action[*term] {
+        Value::Array(list) => list.iter().collect::<Vec<_>>(),
+        one => vec![one],
+    }) {
+        assert!(ids.contains(&&reference["@id"]), "{reference} is described");
+    }
+    let model = sha256(&fs::read(root.path().join("plate/model.json")).unwrap());
+    assert!(ids.contains(&&Value::from(format!("nih:sha-256;{model}"))));
+    let dataset = entities.iter().find(|own| own["@id"] == "./").unwrap();
+    assert_eq!((dataset["datePublished"].as_str(), dataset["version"].as_str()), (Some("2026-06-30"), Some("2")));
+    assert_eq!(dataset["license"]["@id"], "https://spdx.org/licenses/CC-BY-4.0");
+}
+
+#[test]
+fn no_requirement_is_called_met_by_a_model_that_fails_its_test() {
+    let root = plate();
+    let pass = root.path().join("plate/pass-1.json");
+    let easy = fs::read_to_string(&pass).unwrap().replace("\"probability\": 0.9", "\"probability\": 0.3");
+    for (criteria, verdict, state) in [
+        ("smc-3k", "met", "as delivered and validated on readings held out"),
+        ("precision-1k", "no claim: the model fails its test", "as delivered; it fails its test"),
+    ] {
+        let compared = easy.replace("\"compare\": {", &format!("\"compare\": {{\"criteria\": \"{criteria}\", "));
+        fs::write(&pass, compared).unwrap();
+        printed(root.path(), &["report", "plate"]);
+        let record: Value = serde_json::from_str(&read(root.path(), "reports/plate/pass-1/record.json")).unwrap();
+        let row = &record["requirements"][0];
+        assert_eq!((row["verdict"].as_str(), row["state"].as_str()), (Some(verdict), Some(state)), "{criteria}");
+        let report = read(root.path(), "reports/plate/pass-1/report.md");
+        let matrix = report.split("Requirement compliance\n").nth(1).unwrap().split("<a id").next().unwrap();
+        assert!(matrix.contains(verdict) && matrix.contains(&row["key"].as_str().unwrap()[..16]), "{matrix}");
+    }
+}
