@@ -17,6 +17,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
+use crate::thermal::External;
 use kind::ErasedKind;
 pub use kind::{kinds, load};
 pub use ready::{delivered, ready};
@@ -151,6 +152,10 @@ pub trait Job: Send + Sync + Sized {
     /// is long.
     fn memory_bytes(&self) -> u64 {
         0
+    }
+    /// What it asks outside, where that answers for its model.
+    fn external(&self) -> Option<&External> {
+        None
     }
     /// Whether no other stage follows this one, as far as is known when it begins: for the time left, which is not
     /// stated of stages that nobody has counted yet.

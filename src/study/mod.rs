@@ -6,6 +6,7 @@
 pub mod blocked;
 pub mod changed;
 pub mod discover;
+pub mod external;
 pub mod file;
 pub mod folder;
 pub mod history;

@@ -147,7 +147,7 @@ fn depends(model: &Model, ids: &[ExprId]) -> String {
             Symbol::Input(i) => model.inputs.get(i as usize).map(|p| p.name.clone()),
             Symbol::Node(i) => model.nodes.get(i as usize).map(|n| format!("temperature of {}", n.name)),
             Symbol::Time => Some("time".into()),
-            Symbol::Mode(_) | Symbol::Local(_) => None,
+            Symbol::Mode(_) | Symbol::Local(_) | Symbol::Output(_) => None,
         })
         .collect();
     if names.is_empty() { NONE.to_owned() } else { names.join(", ") }
