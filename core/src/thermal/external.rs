@@ -143,8 +143,7 @@ impl Network {
     pub(super) fn ask_for_lanes<const N: usize>(&self, external: &External, batch: &mut Batch<N>) {
         batch.one_by_one = false;
         let lanes = batch.used();
-        let points: Vec<Point> =
-            (0..lanes).map(|lane| self.point(|place| batch.state.file[place][lane])).collect();
+        let points: Vec<Point> = (0..lanes).map(|lane| self.point(|place| batch.state.file[place][lane])).collect();
         let mut answers = external.evaluate(&points).into_iter();
         for lane in 0..lanes {
             batch.outcomes[lane] = match answers.next().unwrap_or_else(unanswered) {

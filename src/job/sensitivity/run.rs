@@ -120,7 +120,8 @@ impl Sensitivity {
             self.network
                 .solve_steady(&mut workspace, Start::Default)
                 .map_err(|e| failed(format!("environment `{}` at nominal parameters: {e}", environment.name)))?;
-            let centres: Vec<f64> = self.spec.quantities.iter().map(|&q| self.network.quantity(&workspace, q)).collect();
+            let centres: Vec<f64> =
+                self.spec.quantities.iter().map(|&q| self.network.quantity(&workspace, q)).collect();
             let quantities = self.spec.quantities.iter().map(|&q| &self.model.quantities[q]);
             if let Some(fault) = quantities.zip(&centres).find_map(|(quantity, &value)| quantity.fault(value)) {
                 let nominal_values: Vec<f64> = self.uncertain.iter().map(|&index| self.nominal[index]).collect();

@@ -110,13 +110,7 @@ impl Sources<'_> {
     }
 
     /// The model of an entry, whose outputs have units; `how` is what is asked.
-    fn external(
-        &self,
-        common: &Common<'_>,
-        outputs: Vec<Output>,
-        how: How,
-        diagnostics: &mut Diagnostics,
-    ) -> External {
+    fn external(&self, common: &Common<'_>, outputs: Vec<Output>, how: How, diagnostics: &mut Diagnostics) -> External {
         let mut steps: Vec<f64> = self.asked.iter().map(|asked| asked.step).collect();
         let mut stated = vec![false; steps.len()];
         for entry in common.steps {
@@ -129,8 +123,7 @@ impl Sources<'_> {
             }
             (steps[place], stated[place]) = (step, true);
         }
-        let states_steps =
-            self.asked.iter().zip(&stated).all(|(asked, stated)| *stated || !asked.is_uncertain);
+        let states_steps = self.asked.iter().zip(&stated).all(|(asked, stated)| *stated || !asked.is_uncertain);
         let mut limited = |written: &Option<Spanned<u64>>, least: u64, most: u64, what: &str| {
             let written = written.as_ref()?;
             if !(least..=most).contains(&written.value) {
@@ -146,7 +139,12 @@ impl Sources<'_> {
             && let Some(seconds) = amount.si(Dimension::TIME, None, Sense::Difference, diagnostics)
         {
             if !(seconds > 0.0 && seconds <= LONGEST_S) {
-                wrong(&amount.place, format!("a timeout of {seconds} s"), "a time above 0, at most a week", diagnostics);
+                wrong(
+                    &amount.place,
+                    format!("a timeout of {seconds} s"),
+                    "a time above 0, at most a week",
+                    diagnostics,
+                );
             }
             timeout_s = seconds.clamp(0.0, LONGEST_S);
         }
@@ -315,7 +313,12 @@ fn table(form: &CsvFromForm, diagnostics: &mut Diagnostics) -> Table {
             match (characters.next(), characters.next()) {
                 (Some(character), None) => Separator::Character(character),
                 _ => {
-                    wrong(&written.place, format!("the separator {text:?}"), "a character, `tab` or `blanks`", diagnostics);
+                    wrong(
+                        &written.place,
+                        format!("the separator {text:?}"),
+                        "a character, `tab` or `blanks`",
+                        diagnostics,
+                    );
                     Separator::Blanks
                 }
             }

@@ -4,10 +4,10 @@ use crate::document::{Amount, Diagnostics, Map, PriorForm, Scalar, Spanned, Writ
 use crate::thermal::element::*;
 
 use super::group::GroupForm;
-use crate::study::external::{CommandForm, UmBridgeForm};
 use super::quantity::QuantityOrName;
 use super::resolve::ResolvedModel;
 use super::tabulated::TabulatedForm;
+use crate::study::external::{CommandForm, UmBridgeForm};
 
 /// The format's name in the file.
 pub const FORMAT: &str = "bmv-network/1";

@@ -3,8 +3,8 @@
 pub mod form;
 pub mod group;
 mod implied_groups;
-pub mod quantity;
 mod outside;
+pub mod quantity;
 pub mod resolve;
 pub mod tabulated;
 

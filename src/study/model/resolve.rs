@@ -19,8 +19,8 @@ use crate::thermal::{Input, Limits, Model, Node, NodeKind, Parameter};
 use super::form::{InputForm, LimitsForm, ModelForm, NodeForm, ParameterForm, TableForm};
 use super::group::{self, Group};
 use super::implied_groups;
-use super::outside;
 use super::name;
+use super::outside;
 use super::quantity;
 
 /// The unit in which a parameter or input is written and shown.

@@ -31,7 +31,8 @@ pub fn measurement(
 ) -> Outcome {
     let (before, doubts) = (scope.diagnostics.errors(), scope.doubts.len());
     if let (MeasurementForm::Transient(_), Some(_)) = (&entry.value, &scope.resolved.external) {
-        let message = format!("`{}` is a transient, and the model is asked outside for steady states alone", entry.name);
+        let message =
+            format!("`{}` is a transient, and the model is asked outside for steady states alone", entry.name);
         scope.error(&code::EXTERNAL_MODEL, &entry.name_place, message, "a `steady` measurement");
         return Outcome::Wrong;
     }
