@@ -164,5 +164,8 @@ pub trait Job: Send + Sync + Sized {
     }
 }
 
+/// Numbers by case.
+type ByCase = Vec<Vec<f64>>;
+
 /// The blocks of a stage, each with what it found.
 pub type Done<J> = Vec<(<J as Job>::Input, <J as Job>::Partial)>;

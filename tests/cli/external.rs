@@ -287,7 +287,7 @@ fn what_lies_outside_or_needs_a_network_is_refused_at_its_place() {
         assert!(found.contains(reason), "{answer}\n{found}");
     }
     for (jobs, reason) in [
-        (r#""x": {"diagnose": {}}"#, "pass-1.json:6:11"),
+        (r#""x": {"diagnose": {}}"#, "pass-1.json:5:11"),
         (r#""x": {"diagnose": {}}"#, "`diagnose` works on the equations of a network, and this model is asked outside"),
         (r#""x": {"conventional": {}}"#, "`conventional` works on the equations of a network"),
         (r#""x": {"calibrate": {"sampler": "nuts"}}"#, "`adaptive-metropolis` and `smc` are offered for it"),
@@ -337,13 +337,14 @@ fn a_served_network_is_a_model_of_another_pass() {
         )
     };
     let client = study(&served(&server.1), &format!("{JOBS}{CALIBRATION}"));
-    for job in ["prior", "delivered"] {
+    // Prior and delivered state: the same solves, only where they start differs. The comparison also shows the tuned state, for
+    // which the search climbs by differences.
+    for (job, tolerance) in [("prior", 1e-9), ("delivered", 1e-6)] {
         let (mut a, mut b) = (result(&network, job, &[]), result(&client, job, &[]));
         for document in [&mut a, &mut b] {
             document.as_object_mut().expect("an object").remove("heat");
         }
-        // The same solves: only where they start differs.
-        assert!(apart(&a, &b) < 1e-9, "{job}: {}", apart(&a, &b));
+        assert!(apart(&a, &b) < tolerance, "{job}: {}", apart(&a, &b));
     }
     // With stated steps all methods run; central differences of 1e-4 of 0.8 have an error of their square, and of the
     // solution over the step.
@@ -352,14 +353,12 @@ fn a_served_network_is_a_model_of_another_pass() {
     assert!(apart(&local(&exact), &local(&differences)) < 1e-6, "{}\n{}", local(&exact), local(&differences));
     // The estimate climbs by differences; the islands draw the same numbers and move by values alone.
     let (a, b) = (result(&network, "fit", &[]), result(&client, "fit", &[]));
-    for unknown in ["eps"] {
-        let of = |document: &Value, field: &str| {
-            document["parameters"][unknown][field].as_f64().unwrap_or_else(|| panic!("{document}"))
-        };
-        let sd = of(&a, "sd");
-        assert!((of(&a, "map") - of(&b, "map")).abs() < 1e-3 * sd, "{unknown}");
-        assert!((of(&a, "mean") - of(&b, "mean")).abs() < 0.3 * sd, "{unknown}");
-    }
+    let of = |document: &Value, field: &str| {
+        document["parameters"]["eps"][field].as_f64().unwrap_or_else(|| panic!("{document}"))
+    };
+    let sd = of(&a, "sd");
+    assert!((of(&a, "map") - of(&b, "map")).abs() < 1e-3 * sd, "{} {}", of(&a, "map"), of(&b, "map"));
+    assert!((of(&a, "mean") - of(&b, "mean")).abs() < 0.3 * sd, "{} {}", of(&a, "mean"), of(&b, "mean"));
 }
 
 #[test]

@@ -15,7 +15,7 @@ use crate::statistics::clusters::Clusters;
 use crate::thermal::{External, LANES, Model, Network, SampleBatch, Start};
 
 use crate::job::fault::listed;
-use crate::job::{Done, Job, JobError, Parts, Step};
+use crate::job::{ByCase, Done, Job, JobError, Parts, Step};
 use crate::study::posterior_prior::PosteriorPrior;
 use crate::study::requirement::Environment;
 
@@ -43,7 +43,7 @@ pub struct Propagate {
     /// Where every solve starts, by case, so that no result depends on the order of samples.
     pub(super) starts: Vec<Vec<f64>>,
     /// Quantities of the nominal parameters, by case.
-    nominal: OnceLock<Result<Vec<Vec<f64>>, JobError>>,
+    nominal: OnceLock<Result<ByCase, JobError>>,
     pub(super) posterior_priors: Vec<PosteriorPrior>,
     /// What is added to quantities, and a coordinate each of points of their own, which pick the errors.
     pub(super) discrepancy: Option<(Vec<Discrepancy>, Points)>,
@@ -105,7 +105,7 @@ impl Propagate {
     }
 
     /// The solutions at nominal parameters: temperatures and quantities, by case.
-    fn nominal_cases(&self) -> Result<(Vec<Vec<f64>>, Vec<Vec<f64>>), JobError> {
+    fn nominal_cases(&self) -> Result<(ByCase, ByCase), JobError> {
         let failed = |reason: String| JobError::Failed(reason);
         let (mut starts, mut nominal) = (Vec::new(), Vec::new());
         let mut workspace = self.network.workspace();

@@ -11,7 +11,7 @@ use crate::thermal::{External, Model, Network, Start};
 
 use super::block::{BlockInput, Found, Work};
 use crate::job::fault::listed;
-use crate::job::{Done, Job, JobError, Parts, Step};
+use crate::job::{ByCase, Done, Job, JobError, Parts, Step};
 
 /// Solves of a block of rows, about; part of the identity.
 pub(super) const BLOCK_SOLVES: u64 = 1 << 15;
@@ -43,7 +43,7 @@ pub struct Sensitivity {
     /// Where every solve starts, by environment.
     pub(super) starts: Vec<Vec<f64>>,
     /// Quantities at the nominal parameters, by environment.
-    centres: OnceLock<Result<Vec<Vec<f64>>, JobError>>,
+    centres: OnceLock<Result<ByCase, JobError>>,
 }
 
 impl Sensitivity {
@@ -110,7 +110,7 @@ impl Sensitivity {
     }
 
     /// The solutions at nominal parameters: temperatures and quantities, by environment.
-    fn nominal_cases(&self) -> Result<(Vec<Vec<f64>>, Vec<Vec<f64>>), JobError> {
+    fn nominal_cases(&self) -> Result<(ByCase, ByCase), JobError> {
         let failed = |reason: String| JobError::Failed(reason);
         let (mut starts, mut all_centres) = (Vec::new(), Vec::new());
         let mut workspace = self.network.workspace();
