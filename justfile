@@ -14,7 +14,7 @@ ci:
 
 # all studies' reports, their results against the baselines with the same seed and with another, exports read with ArviZ, a network asked by the client of UM-Bridge, slow statistical checks, large cases
 nightly seed="$(date +%Y%m%d)":
-    cargo run --release -- report && cargo run --release -- check studies && cargo run --release -- check studies --other-seed={{seed}} && python3 tests/clients/arviz_export.py target/release/bmv && python3 tests/clients/umbridge_model.py target/release/bmv && cargo test --release -- --include-ignored
+    cargo run --release -- report && cargo run --release -- check studies && cargo run --release -- check studies --other-seed={{seed}} && python3 tests/clients/arviz_export.py target/release/bmv && python3 tests/clients/umbridge_model.py target/release/bmv && python3 tests/clients/umbridge_server.py target/release/bmv && cargo test --release -- --include-ignored
 
 # the diagnosis on cases of known truth: hours; prints the tables of docs/verification.md
 laboratory nulls="2000" cases="1000" finer="400" dated="200" seed="1":

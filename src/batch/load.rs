@@ -10,10 +10,27 @@ use crate::document::{Diagnostic, Diagnostics};
 use crate::job;
 use crate::job::ready::{Readiness, Refusal};
 use crate::runner::Node;
+use crate::runner::external::Outside;
 use crate::study::{Pass, Project, Reader, discover};
 
 /// Diagnostics printed of one file.
 const MOST_DIAGNOSTICS: usize = 50;
+
+/// How passes are read.
+#[derive(Clone, Debug, Default)]
+pub struct Reading {
+    /// Whether messages are coloured.
+    pub coloured: bool,
+    /// What asks models outside.
+    pub outside: Arc<Outside>,
+}
+
+impl Reading {
+    fn reader(&self) -> Reader {
+        let outside: Arc<Outside> = Arc::clone(&self.outside);
+        Reader::new(job::kinds()).with_lender(outside)
+    }
+}
 
 /// A pass that was asked for.
 #[derive(Clone, Debug)]
@@ -100,16 +117,16 @@ pub fn passes(
 ///
 /// # Errors
 /// What is wrong with the files, rendered at its place.
-pub fn load(paths: &[PathBuf], coloured: bool) -> Result<Loaded, BatchError> {
-    load_with(&Reader::new(job::kinds()), paths, coloured)
+pub fn load(paths: &[PathBuf], reading: &Reading) -> Result<Loaded, BatchError> {
+    load_with(&reading.reader(), paths, reading.coloured)
 }
 
 /// As [`load`], with another seed than the passes state.
 ///
 /// # Errors
 /// As [`load`].
-pub fn load_with_seed(paths: &[PathBuf], seed: u64, coloured: bool) -> Result<Loaded, BatchError> {
-    load_with(&Reader::new(job::kinds()).with_seed(seed), paths, coloured)
+pub fn load_with_seed(paths: &[PathBuf], seed: u64, reading: &Reading) -> Result<Loaded, BatchError> {
+    load_with(&reading.reader().with_seed(seed), paths, reading.coloured)
 }
 
 fn load_with(reader: &Reader, paths: &[PathBuf], coloured: bool) -> Result<Loaded, BatchError> {
@@ -176,7 +193,7 @@ fn load_with(reader: &Reader, paths: &[PathBuf], coloured: bool) -> Result<Loade
 }
 
 /// The parents of passes, as far as they are not among them and can be loaded by themselves.
-pub fn parents(passes: &[LoadedPass]) -> Loaded {
+pub fn parents(passes: &[LoadedPass], reading: &Reading) -> Loaded {
     let mut wanted: Vec<PathBuf> = Vec::new();
     for pass in passes {
         for parent in &pass.pass.parents {
@@ -188,7 +205,7 @@ pub fn parents(passes: &[LoadedPass]) -> Loaded {
         }
     }
     let mut all = Loaded::default();
-    let reader = Reader::new(job::kinds());
+    let reader = reading.reader();
     for path in wanted {
         // A parent may lack what its children add; its own report then tells what is wrong with it.
         let Ok(loaded) = load_with(&reader, &[path], false) else { continue };

@@ -21,6 +21,6 @@ pub mod view;
 pub use error::BatchError;
 pub use executed::{Executed, is_judge};
 pub use history::history;
-pub use load::{Loaded, LoadedPass, RefusedJob, load, load_with_seed, parents, passes};
+pub use load::{Loaded, LoadedPass, Reading, RefusedJob, load, load_with_seed, parents, passes};
 pub use prepared::{NotThere, Prepared, prepare};
 pub use view::{document, view, without_rows};

@@ -60,6 +60,11 @@ impl Served {
             (_, "/InputSizes") => |own, _| Ok(json!({"inputSizes": own.input_sizes()})),
             (_, "/OutputSizes") => |own, _| Ok(json!({"outputSizes": [own.model.outputs().len()]})),
             (_, "/Evaluate") => Self::evaluate,
+            (_, path @ ("/Gradient" | "/ApplyJacobian")) if !self.model.has_derivatives() => {
+                let message =
+                    format!("`{path}` is not offered: the model is asked outside and has no exact derivatives");
+                return Err(Refused(400, "UnsupportedFeature", message));
+            }
             (_, "/Gradient") => Self::gradient,
             (_, "/ApplyJacobian") => Self::apply_jacobian,
             (_, "/ApplyHessian") => {
@@ -96,7 +101,12 @@ impl Served {
 
     fn model_info(&self, _: &Value) -> Result<Value, Refused> {
         Ok(json!({
-            "support": {"Evaluate": true, "Gradient": true, "ApplyJacobian": true, "ApplyHessian": false},
+            "support": {
+                "Evaluate": true,
+                "Gradient": self.model.has_derivatives(),
+                "ApplyJacobian": self.model.has_derivatives(),
+                "ApplyHessian": false,
+            },
             // Beyond the protocol: what the places of the vectors are.
             "inputs": self.model.inputs(),
             "outputs": [self.model.outputs()],

@@ -93,7 +93,7 @@ impl CacheVerb {
                 Ok(if verification.damaged.is_empty() { Status::Done } else { Status::CheckFailed })
             }
             Self::Prune { paths, cache, json } => {
-                let loaded = batch::load(&paths.paths, context.coloured)?;
+                let loaded = batch::load(&paths.paths, &context.reading)?;
                 let cache = cache.cache(&loaded.passes);
                 let plan = Plan::new(loaded.nodes)?;
                 let done = cache.prune(&plan.keys().iter().cloned().collect())?;
@@ -111,7 +111,7 @@ impl CacheVerb {
                 Ok(Status::Done)
             }
             Self::Why { job, paths } => {
-                let plan = Plan::new(batch::load(&paths.paths, context.coloured)?.nodes)?;
+                let plan = Plan::new(batch::load(&paths.paths, &context.reading)?.nodes)?;
                 let Some(position) = plan.find(&job) else {
                     let same_name = plan.nodes().iter().filter(|node| node.name == job).map(|node| escaped(&node.id));
                     let ids: Vec<_> = same_name.collect();

@@ -58,8 +58,8 @@ impl Check {
         let fresh = tempfile::tempdir()?;
         self.options.cache.folder.get_or_insert_with(|| fresh.path().to_path_buf());
         let loaded = match self.other_seed {
-            None => batch::load(&self.paths.paths, context.coloured)?,
-            Some(seed) => batch::load_with_seed(&self.paths.paths, seed, context.coloured)?,
+            None => batch::load(&self.paths.paths, &context.reading)?,
+            Some(seed) => batch::load_with_seed(&self.paths.paths, seed, &context.reading)?,
         };
         let executed = execute_loaded(loaded, Loaded::default(), &self.options, context, |_, _, _| true)?;
         match &self.because {

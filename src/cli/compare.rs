@@ -50,7 +50,7 @@ enum Rows {
 impl Compare {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         select::one_pass(&self.pass)?;
-        let loaded = batch::load(std::slice::from_ref(&self.pass), context.coloured)?;
+        let loaded = batch::load(std::slice::from_ref(&self.pass), &context.reading)?;
         let mut prepared = prepare(loaded, Loaded::default(), context, |_, kind, _| kind == "compare")?;
         let mut delivered = Vec::new();
         if !self.tuned {

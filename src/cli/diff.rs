@@ -54,7 +54,7 @@ impl Diff {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         let paths = [select::one_pass(&self.before)?, select::one_pass(&self.after)?];
         // Both at once: what they share is found, or run and reported, once.
-        let loaded = batch::load(&paths, context.coloured)?;
+        let loaded = batch::load(&paths, &context.reading)?;
         let mut prepared = prepare(loaded, Loaded::default(), context, |_, _, _| true)?;
         let not_there = if self.run || self.options.is_forced() {
             Vec::new()

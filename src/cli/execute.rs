@@ -49,7 +49,7 @@ pub fn execute(
     context: &Context,
     wanted: impl Fn(&str, &str) -> bool,
 ) -> Result<Executed, Failure> {
-    let loaded = batch::load(paths, context.coloured)?;
+    let loaded = batch::load(paths, &context.reading)?;
     execute_loaded(loaded, Loaded::default(), options, context, |_, kind, name| wanted(kind, name))
 }
 

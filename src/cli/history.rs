@@ -30,7 +30,7 @@ pub(super) struct HistoryVerb {
 
 impl HistoryVerb {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
-        let loaded = batch::load(std::slice::from_ref(&self.study), context.coloured)?;
+        let loaded = batch::load(std::slice::from_ref(&self.study), &context.reading)?;
         let mut folders: Vec<&PathBuf> = loaded.passes.iter().map(|pass| &pass.study).collect();
         folders.dedup();
         if folders.len() > 1 {
@@ -39,7 +39,7 @@ impl HistoryVerb {
             return Err(Failure::input(message));
         }
         let is_folder = self.study.is_dir();
-        let parents = if is_folder { Loaded::default() } else { batch::parents(&loaded.passes) };
+        let parents = if is_folder { Loaded::default() } else { batch::parents(&loaded.passes, &context.reading) };
         let executed = execute_loaded(loaded, parents, &self.options, context, |pass, _, name| is_judge(pass, name))?;
         let passes: Vec<_> = executed.parents.iter().chain(&executed.passes).collect();
         let history = batch::history(&passes, &executed)?;

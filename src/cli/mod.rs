@@ -34,12 +34,15 @@ mod verify;
 
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::{Parser, Subcommand, ValueEnum};
 
 use status::{Failure, Status};
 
+use crate::batch::Reading;
 use crate::report::terminal::Layout;
+use crate::runner::external::{Access, Outside};
 use crate::runner::interrupt::Interrupts;
 
 /// Lines are never made shorter than this, however narrow the terminal says that it is.
@@ -65,6 +68,12 @@ struct Program {
     /// Colours in messages
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
     color: Color,
+    /// Run the commands that models name
+    #[arg(long, global = true)]
+    allow_commands: bool,
+    /// Ask models of servers on other machines
+    #[arg(long, global = true)]
+    allow_remote_models: bool,
     #[command(subcommand)]
     verb: Verb,
 }
@@ -93,6 +102,8 @@ impl Color {
 struct Context {
     /// Whether messages on standard error are coloured.
     coloured: bool,
+    /// How passes are read.
+    reading: Reading,
     /// How text on standard output is laid out.
     layout: Layout,
     /// The width within which lines are broken, where standard output is a terminal.
@@ -203,7 +214,9 @@ pub fn main() -> ExitCode {
         layout.width = usize::from(columns).max(NARROWEST);
         fold = Some(layout.width);
     }
-    let context = Context { coloured, layout, fold, interrupts };
+    let access = Access::new(program.allow_commands, program.allow_remote_models);
+    let reading = Reading { coloured, outside: Arc::new(Outside::new(access)) };
+    let context = Context { coloured, reading, layout, fold, interrupts };
     let status = program.verb.execute(&context).unwrap_or_else(|failure| {
         let label = if coloured { "\u{1b}[1;31merror:\u{1b}[0m" } else { "error:" };
         let message = failure.message.trim_end();

@@ -26,7 +26,7 @@ pub(super) struct PlanVerb {
 
 impl PlanVerb {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
-        let loaded = batch::load(&self.paths.paths, context.coloured)?;
+        let loaded = batch::load(&self.paths.paths, &context.reading)?;
         execute::tell_notes(&loaded.notes);
         execute::tell_refused(&loaded.passes, context.coloured);
         let is_refused = loaded.passes.iter().any(|pass| !pass.refused.is_empty());

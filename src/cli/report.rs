@@ -28,10 +28,10 @@ pub(super) struct Report {
 
 impl Report {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
-        let loaded = batch::load(&self.paths.paths, context.coloured)?;
+        let loaded = batch::load(&self.paths.paths, &context.reading)?;
         let targets = archive::targets(&loaded.passes, self.out.as_deref())?;
         // A report shows what became of the error since the first pass.
-        let parents = batch::parents(&loaded.passes);
+        let parents = batch::parents(&loaded.passes, &context.reading);
         let executed = execute_loaded(loaded, parents, &self.options, context, |_, _, _| true)?;
         if executed.is_interrupted {
             return Ok(Status::Interrupted);

@@ -45,7 +45,7 @@ impl ServeModel {
                 "other machines reach {address}, and whoever asks is answered: add --allow-remote if that is wanted"
             )));
         }
-        let loaded = batch::load(std::slice::from_ref(&self.pass), context.coloured)?;
+        let loaded = batch::load(std::slice::from_ref(&self.pass), &context.reading)?;
         let Some(pass) = loaded.passes.first() else { return Ok(Status::WrongInput) };
         let model = SteadyModel::new(&pass.pass.model)
             .map_err(|error| Failure::input(format!("{}: {error}", escaped(&pass.shown))))?;

@@ -42,7 +42,7 @@ pub(super) struct Show {
 impl Show {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         select::one_pass(&self.pass)?;
-        let loaded = batch::load(std::slice::from_ref(&self.pass), context.coloured)?;
+        let loaded = batch::load(std::slice::from_ref(&self.pass), &context.reading)?;
         if let Some(job) = &self.job {
             loaded.passes.iter().try_for_each(|pass| select::has_job(pass, job))?;
         }

@@ -36,6 +36,16 @@ pub trait JobKind: Sync + 'static {
     /// Looks up the names and fills in the defaults; `None` where something is wrong, which is reported.
     fn resolve(form: &Self::Form, scope: &mut Scope, entry: &Entry, asked: &mut Asked) -> Option<JobSpec>;
 
+    /// Why a job with these settings does not run on a model that is asked outside; `states_steps` tells whether that states
+    /// steps of differences. `None` where it runs.
+    fn refuses_external(_spec: &Self::Spec, _states_steps: bool) -> Option<String> {
+        Some(format!(
+            "`{}` works on the equations of a network, and this model is asked outside; `propagate`, `sensitivity`, `compare`, \
+             `calibrate` and `predict` work with it",
+            Self::NAME
+        ))
+    }
+
     /// Called when all jobs of a pass are resolved: changes them, or adds some.
     fn complete(_jobs: &mut Vec<NamedJob>, _forms: &Forms, _offered: &Offered, _measured: Option<&Place>) {}
 
@@ -100,6 +110,10 @@ impl<K: JobKind> study_job::Kind for K {
 
     fn is_after_others(&self) -> bool {
         K::IS_AFTER_OTHERS
+    }
+
+    fn refuses_external(&self, spec: &JobSpec, states_steps: bool) -> Option<String> {
+        K::refuses_external(spec.get::<K::Spec>()?, states_steps)
     }
 
     fn complete(&self, jobs: &mut Vec<NamedJob>, forms: &Forms, offered: &Offered, measured: Option<&Place>) {

@@ -17,6 +17,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
+use crate::thermal::External;
 use kind::ErasedKind;
 pub use kind::{kinds, load};
 pub use ready::{delivered, ready};
@@ -152,12 +153,19 @@ pub trait Job: Send + Sync + Sized {
     fn memory_bytes(&self) -> u64 {
         0
     }
+    /// What it asks outside, where that answers for its model.
+    fn external(&self) -> Option<&External> {
+        None
+    }
     /// Whether no other stage follows this one, as far as is known when it begins: for the time left, which is not
     /// stated of stages that nobody has counted yet.
     fn is_last(&self, _state: &Self::State) -> bool {
         false
     }
 }
+
+/// Numbers by case.
+type ByCase = Vec<Vec<f64>>;
 
 /// The blocks of a stage, each with what it found.
 pub type Done<J> = Vec<(<J as Job>::Input, <J as Job>::Partial)>;

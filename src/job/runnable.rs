@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use super::stored::{self, Block, unreadable};
 use super::{Done, Job, JobError, Parts, Step};
+use crate::thermal::External;
 
 /// What is known when a stage begins, as bytes and as read back from them.
 #[derive(Clone)]
@@ -125,13 +126,19 @@ impl<J: Job + 'static> Runnable for J {
     }
 
     fn begin(&self) -> Result<Next, JobError> {
-        next(self, Job::begin(self)?)
+        let external = Job::external(self);
+        if let Some(external) = external {
+            external.ready().map_err(JobError::Failed)?;
+        }
+        next(self, unbroken(external, Job::begin(self))?)
     }
 
     fn block(&self, stage: &Stage, index: usize, parts: &dyn Parts) -> Result<Vec<u8>, JobError> {
         let input = stage.inputs.get(index).ok_or_else(|| unreadable(&stage.name, "there is no such block"))?;
         let input = J::Input::from_bytes(input, &stage.name)?;
-        Job::block(self, stage.state.get(&stage.name)?, input, parts)?.into_bytes()
+        let external = Job::external(self);
+        let parts = Unbroken { parts, external };
+        unbroken(external, Job::block(self, stage.state.get(&stage.name)?, input, &parts))?.into_bytes()
     }
 
     fn reduce(&self, stage: &Stage, outputs: Vec<Vec<u8>>) -> Result<Next, JobError> {
@@ -141,6 +148,37 @@ impl<J: Job + 'static> Runnable for J {
 
     fn as_any(&self) -> &dyn Any {
         self
+    }
+}
+
+/// What was found, unless what answers for the model broke down meanwhile: failures since then say nothing of the model, and
+/// must not be kept as if they did.
+fn unbroken<T>(external: Option<&External>, found: Result<T, JobError>) -> Result<T, JobError> {
+    match external.and_then(External::broken) {
+        Some(reason) => Err(JobError::Failed(reason)),
+        None => found,
+    }
+}
+
+/// Keeps no state that was reached after what answers for the model broke down.
+struct Unbroken<'a> {
+    parts: &'a dyn Parts,
+    external: Option<&'a External>,
+}
+
+impl Parts for Unbroken<'_> {
+    fn find(&self, part: u64) -> Option<Vec<u8>> {
+        self.parts.find(part)
+    }
+
+    fn is_due(&self) -> bool {
+        self.parts.is_due()
+    }
+
+    fn keep(&self, part: u64, state: &[u8]) {
+        if self.external.and_then(External::broken).is_none() {
+            self.parts.keep(part, state);
+        }
     }
 }
 

@@ -42,6 +42,9 @@ impl SteadyModel {
             .chain((0_u32..).zip(&model.inputs).map(|(place, _)| Symbol::Input(place)))
             .collect();
         let network = Network::compile(model, &symbols).map_err(|error| failed(error.to_string()))?;
+        if let Some(external) = network.external() {
+            external.ready().map_err(failed)?;
+        }
         if let Some(nodes) = network.isolated_nodes() {
             return Err(failed(format!("no steady state: {} have no path to a boundary", nodes.join(", "))));
         }
@@ -67,6 +70,11 @@ impl SteadyModel {
             Entry { name: quantity.name.clone(), unit: quantity.unit.clone(), nominal: None }
         });
         Ok(Self { outputs: outputs.collect(), network, inputs, quantities })
+    }
+
+    /// Whether it has exact derivatives: it does not where it is asked outside.
+    pub fn has_derivatives(&self) -> bool {
+        self.network.external().is_none()
     }
 
     /// Entries of each vector that is given.

@@ -10,6 +10,7 @@ pub mod engine;
 pub mod error;
 pub mod event_log;
 pub mod events;
+pub mod external;
 pub mod forecast;
 pub mod http;
 pub mod interrupt;

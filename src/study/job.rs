@@ -28,6 +28,9 @@ pub trait Kind: Sync {
     fn read(&self, settings: &Node, diagnostics: &mut Diagnostics) -> Option<Box<dyn Form>>;
     /// Whether its jobs are resolved after the others of the pass, whose settings they use.
     fn is_after_others(&self) -> bool;
+    /// Why a job does not run on a model that is asked outside; `states_steps` tells whether that states steps of differences.
+    /// `None` where it runs, or is of another kind.
+    fn refuses_external(&self, spec: &JobSpec, states_steps: bool) -> Option<String>;
     /// Called when all jobs of a pass are resolved: changes them, or adds some.
     fn complete(&self, jobs: &mut Vec<NamedJob>, forms: &Forms, offered: &Offered, measured: Option<&Place>);
 }
@@ -248,6 +251,11 @@ impl Kinds {
         }
         jobs.sort_by_key(|(position, _)| *position);
         jobs.into_iter().map(|(_, job)| job).collect()
+    }
+
+    /// Why a job does not run on a model that is asked outside.
+    pub(super) fn refuses_external(&self, spec: &JobSpec, states_steps: bool) -> Option<String> {
+        self.0.iter().find_map(|kind| kind.refuses_external(spec, states_steps))
     }
 
     /// Completes the jobs of a pass; `measured` is the place of its measurements.

@@ -7,6 +7,7 @@ pub mod blocked;
 pub mod changed;
 pub mod discover;
 pub mod document;
+pub mod external;
 pub mod file;
 pub mod folder;
 pub mod history;

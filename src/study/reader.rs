@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use crate::document::{Diagnostics, Node, written};
 
+use super::external::Lender;
 use super::folder::{Folder, FolderError};
 use super::job::Kinds;
 use super::ledger::Content;
@@ -35,12 +36,14 @@ pub struct Reader {
     trees: RefCell<HashMap<PathBuf, Parsed>>,
     /// The seed of all passes, whatever they state.
     seed: Option<u64>,
+    /// Lends what asks models outside; where there is none, nobody asks them.
+    pub(super) lender: Option<Arc<dyn Lender>>,
 }
 
 impl Reader {
     /// A reader of passes with jobs of these kinds.
     pub fn new(kinds: Kinds) -> Self {
-        Self { kinds, passes: RefCell::default(), trees: RefCell::default(), seed: None }
+        Self { kinds, passes: RefCell::default(), trees: RefCell::default(), seed: None, lender: None }
     }
 
     /// A reader that gives all passes another seed than they state: what samples draws other numbers, and data stay as they
@@ -48,6 +51,12 @@ impl Reader {
     #[must_use]
     pub fn with_seed(self, seed: u64) -> Self {
         Self { seed: Some(seed), ..self }
+    }
+
+    /// A reader whose passes can ask models outside.
+    #[must_use]
+    pub fn with_lender(self, lender: Arc<dyn Lender>) -> Self {
+        Self { lender: Some(lender), ..self }
     }
 
     /// A pass with its parents, its model and its data.

@@ -12,6 +12,7 @@ use crate::random::Distribution;
 use crate::thermal::Model;
 
 use super::document::StudyDocument;
+use super::external::External;
 use super::job::NamedJob;
 use super::ledger::Content;
 use super::model::InputError;
@@ -48,6 +49,8 @@ pub struct Pass {
     pub seed: u64,
     /// The model.
     pub model: Model,
+    /// What answers for the model in place of nodes and elements.
+    pub external: Option<Arc<External>>,
     /// The parameters' priors, SI, in the model's order; where draws stand in for one, the original one.
     pub priors: Vec<Distribution>,
     /// Draws that stand in for priors.

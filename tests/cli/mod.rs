@@ -7,6 +7,7 @@ mod decks;
 mod documents;
 mod escapes;
 mod export;
+mod external;
 mod frame;
 mod hand_on;
 mod history;

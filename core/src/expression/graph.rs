@@ -23,6 +23,8 @@ pub enum Symbol {
     Parameter(u32),
     /// An input (environment, dissipation, ...), in its SI unit.
     Input(u32),
+    /// An output of what answers for the model in place of equations, in its SI unit.
+    Output(u32),
     /// Time, s.
     Time,
     /// Temperature of a node, K.
@@ -73,7 +75,8 @@ impl Symbol {
     fn dependence(self) -> Dependence {
         match self {
             Self::Parameter(_) => Dependence::PARAMETER,
-            Self::Input(_) => Dependence::INPUT,
+            // Known before anything is solved, as an input is.
+            Self::Input(_) | Self::Output(_) => Dependence::INPUT,
             Self::Time => Dependence::TIME,
             Self::Node(_) => Dependence::NODE,
             Self::Mode(_) => Dependence::MODE,

@@ -50,7 +50,9 @@ impl Names {
             Symbol::Node(_) => Some(Dimension::TEMPERATURE),
             Symbol::Time => Some(Dimension::TIME),
             Symbol::Mode(_) => Some(Dimension::NONE),
-            Symbol::Parameter(_) | Symbol::Input(_) | Symbol::Local(_) => self.dimensions.get(&symbol).copied(),
+            Symbol::Parameter(_) | Symbol::Input(_) | Symbol::Output(_) | Symbol::Local(_) => {
+                self.dimensions.get(&symbol).copied()
+            }
         }
     }
 }

@@ -198,6 +198,10 @@ impl Predictor {
     }
 
     fn row_heat(&self, workspace: &mut Workspace) -> Option<RowHeat> {
+        if self.network.external().is_some() {
+            // Nobody knows the heat of a model that is asked outside.
+            return None;
+        }
         let balance = self.network.heat_balance(workspace);
         let numbers =
             balance.into_boundaries.iter().map(|boundary| boundary.1).chain([balance.source_w, balance.stored_w]);

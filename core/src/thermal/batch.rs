@@ -27,7 +27,7 @@ pub struct Batch<const N: usize> {
     /// Lanes written so far hold the solution.
     temperatures: Vec<[f64; N]>,
     /// Whether what follows from the parameters must be computed again.
-    stale_parameters: bool,
+    pub(super) stale_parameters: bool,
     /// Lanes from here on have no work of their own.
     used: usize,
 }
@@ -153,6 +153,10 @@ impl Network {
 
     /// Solves every lane. A lane that fails leaves its reason in [`Batch::outcome`]; the others are not affected.
     pub fn solve_steady_batch<const N: usize>(&self, batch: &mut Batch<N>, start: Start<'_>) {
+        if let Some(external) = &self.external {
+            self.ask_for_lanes(external, batch);
+            return;
+        }
         let equations = &self.steady;
         batch.one_by_one = batch.linear.as_ref().is_none_or(|linear| !linear.is_worth_lanes(batch.used));
         if batch.one_by_one {

@@ -4,12 +4,17 @@ use crate::math::lanes::Lanes;
 
 use super::batch::Batch;
 use super::equations::segment;
+use super::external;
 use super::network::Network;
 
 impl Network {
     /// Derivatives of all quantities at the solutions of the batch's last solve with respect to the differentiated
     /// symbols: `out` is `quantities x symbols`, row by row, SI. Lanes without a solution get numbers without meaning.
     pub fn quantity_tangent_batch<const N: usize>(&self, batch: &mut Batch<N>, out: &mut [[f64; N]]) {
+        if let Some(external) = &self.external {
+            self.lane_differences(external, batch, out);
+            return;
+        }
         let equations = &self.steady;
         let columns = self.differentiate.len();
         if batch.one_by_one {
@@ -65,6 +70,17 @@ impl Network {
         weights: &[[f64; N]],
         out: &mut [[f64; N]],
     ) {
+        if let Some(external) = &self.external {
+            let mut tangent = vec![[0.0; N]; self.quantities.len() * self.differentiate.len()];
+            self.lane_differences(external, batch, &mut tangent);
+            for lane in 0..batch.used() {
+                let of_lane = |values: &[[f64; N]]| values.iter().map(|lanes| lanes[lane]).collect::<Vec<f64>>();
+                let mut gradient = vec![0.0; out.len()];
+                external::weighted(&of_lane(&tangent), &of_lane(weights), &mut gradient);
+                out.iter_mut().zip(gradient).for_each(|(lanes, slope)| lanes[lane] = slope);
+            }
+            return;
+        }
         let equations = &self.steady;
         if batch.one_by_one {
             let (mut lane_gradient, mut lane_weights) = (vec![0.0; out.len()], vec![0.0; weights.len()]);

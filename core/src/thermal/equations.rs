@@ -76,6 +76,8 @@ pub(super) struct Equations {
     pub graph: Graph,
     pub parameters: usize,
     pub inputs: usize,
+    /// Outputs of what answers for the model.
+    pub outputs: usize,
     /// Node of each unknown.
     pub unknowns: Vec<usize>,
     /// Number of switched elements.
@@ -414,6 +416,7 @@ impl Equations {
         Ok(Self {
             parameters: model.parameters.len(),
             inputs: model.inputs.len(),
+            outputs: model.external.as_ref().map_or(0, |external| external.outputs),
             modes: forms.switches.len(),
             mode_names: forms.mode_names,
             boundaries: boundary_nodes
@@ -470,7 +473,12 @@ impl Equations {
 
     /// Register of time.
     pub fn time(&self) -> usize {
-        self.parameters + self.inputs
+        self.parameters + self.inputs + self.outputs
+    }
+
+    /// Registers of the outputs of what answers for the model.
+    pub fn given_outputs(&self) -> std::ops::Range<usize> {
+        self.parameters + self.inputs..self.time()
     }
 
     /// Registers of the modes.
@@ -480,12 +488,14 @@ impl Equations {
     }
 }
 
-/// The symbols of the first registers: parameters, inputs, time, unknown temperatures, modes.
+/// The symbols of the first registers: parameters, inputs, outputs of what answers for the model, time, unknown
+/// temperatures, modes.
 fn symbol_order(model: &Model, unknowns: &[usize], modes: usize) -> Vec<Symbol> {
     let number = |i: usize| u32::try_from(i).unwrap_or(u32::MAX);
     (0..model.parameters.len())
         .map(|i| Symbol::Parameter(number(i)))
         .chain((0..model.inputs.len()).map(|i| Symbol::Input(number(i))))
+        .chain((0..model.external.as_ref().map_or(0, |external| external.outputs)).map(|i| Symbol::Output(number(i))))
         .chain([Symbol::Time])
         .chain(unknowns.iter().map(|&i| Symbol::Node(number(i))))
         .chain((0..modes).map(|i| Symbol::Mode(number(i))))

@@ -95,7 +95,7 @@ impl Model {
             })
             .collect();
         let tables: Vec<Value> = self.graph.tables().iter().map(|t| json!({"x": t.x, "y": t.y})).collect();
-        json!({
+        let mut identity = json!({
             "parameters": self.parameters.iter().map(|p| json!({"name": p.name, "nominal": p.nominal})).collect::<Vec<_>>(),
             "inputs": self.inputs.iter().map(|i| json!({"name": i.name, "nominal": i.nominal})).collect::<Vec<_>>(),
             "nodes": nodes,
@@ -103,6 +103,10 @@ impl Model {
             "quantities": quantities,
             "tables": tables,
             "terms": terms.written,
-        })
+        });
+        if let Some(external) = &self.external {
+            identity["external"] = external.identity.clone();
+        }
+        identity
     }
 }

@@ -5,10 +5,11 @@ use std::sync::OnceLock;
 use crate::expression::{ExprId, Graph, Symbol, Term};
 
 use super::element::Element;
+use super::external::External;
 use super::size::Size;
 
 /// A resolved model. Expressions live in `graph`; `Symbol::Parameter(i)`, `Symbol::Input(i)` and
-/// `Symbol::Node(i)` index the lists below.
+/// `Symbol::Node(i)` index the lists below, `Symbol::Output(i)` the outputs of what answers for it.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
     /// Title, for people.
@@ -27,6 +28,8 @@ pub struct Model {
     pub elements: Vec<Element>,
     /// Named quantities, in the order of the file.
     pub quantities: Vec<Quantity>,
+    /// What answers for the model in place of nodes and elements.
+    pub external: Option<External>,
     /// Whether a conductance or the like below 0 ([`super::element::SignConstraint`]) is an error where the model is solved. Where
     /// effects are tried, either sign tells something.
     pub keeps_signs: bool,

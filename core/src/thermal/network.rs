@@ -10,6 +10,7 @@ use crate::math::lanes::Lanes;
 
 use super::connectivity::isolated_nodes;
 use super::equations::{Equations, segment};
+use super::external::External;
 use super::linear::Linear;
 use super::model::{Model, QuantityValue};
 
@@ -86,6 +87,8 @@ pub struct Network {
     pub(super) nominal_inputs: Vec<f64>,
     pub(super) quantities: Vec<QuantityValue>,
     pub(super) differentiate: Vec<Symbol>,
+    /// What answers in place of equations.
+    pub(super) external: Option<External>,
     isolated_nodes: Option<Vec<String>>,
 }
 
@@ -133,6 +136,7 @@ impl Network {
         let linear = Linear::new(&steady)?;
         let switched_linear = switched.as_ref().map(Linear::new).transpose()?;
         Ok(Self {
+            external: model.external.clone(),
             isolated_nodes: isolated_nodes(model),
             linear,
             switched_linear,
@@ -149,6 +153,11 @@ impl Network {
     /// Names of nodes without a path to a boundary: such a network has no steady state (a transient has a solution).
     pub fn isolated_nodes(&self) -> Option<&[String]> {
         self.isolated_nodes.as_deref()
+    }
+
+    /// What answers in place of equations, where the model is not a network.
+    pub fn external(&self) -> Option<&External> {
+        self.external.as_ref()
     }
 
     /// Number of nodes, boundaries included.

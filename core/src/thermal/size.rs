@@ -27,7 +27,7 @@ impl Size {
                 Symbol::Input(index) => model.inputs.get(index as usize).map_or(0.0, |input| input.nominal),
                 Symbol::Node(index) if warm == Some(index as usize) => AT_K + 1.0,
                 Symbol::Node(_) => AT_K,
-                Symbol::Time | Symbol::Mode(_) | Symbol::Local(_) => 0.0,
+                Symbol::Time | Symbol::Mode(_) | Symbol::Local(_) | Symbol::Output(_) => 0.0,
             }
         };
         let capacities = model.nodes.iter().filter_map(|node| match node.kind {

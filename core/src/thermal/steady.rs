@@ -8,6 +8,7 @@ use thiserror::Error;
 use crate::watch;
 
 use super::equations::segment;
+use super::external::Fault;
 use super::network::{Network, Workspace};
 use super::newton::{self, LaneStatus, SteadyStats};
 
@@ -84,6 +85,9 @@ pub enum SteadyError {
         /// Whether 0 is too small.
         above_zero: bool,
     },
+    /// What answers for the model gave no outputs.
+    #[error(transparent)]
+    External(#[from] Fault),
     /// The matrix of slopes is singular.
     #[error("the balances do not determine the temperatures (node `{node}`): a conductance may be zero")]
     Singular {
@@ -118,6 +122,9 @@ impl Network {
     pub fn solve_steady(&self, workspace: &mut Workspace, start: Start<'_>) -> Result<SteadyStats, SteadyError> {
         if let Some(nodes) = self.isolated_nodes() {
             return Err(SteadyError::Isolated { nodes: nodes.to_vec() });
+        }
+        if let Some(external) = &self.external {
+            self.ask(external, workspace)?;
         }
         workspace.held.clear();
         self.solve_from(workspace, start)

@@ -7,6 +7,7 @@
 use crate::expression::Symbol;
 
 use super::equations::segment;
+use super::external;
 use super::network::{Network, Workspace};
 use super::newton;
 
@@ -82,6 +83,9 @@ impl Network {
     /// # Errors
     /// [`UnsolvedError`] without a solution for the present parameters and inputs.
     pub fn quantity_tangent(&self, workspace: &mut Workspace, out: &mut [f64]) -> Result<(), UnsolvedError> {
+        if let Some(external) = &self.external {
+            return self.quantity_differences(external, workspace, out);
+        }
         self.factor_at_solution(workspace)?;
         let columns = self.differentiate.len();
         out.fill(0.0);
@@ -116,6 +120,12 @@ impl Network {
         weights: &[f64],
         out: &mut [f64],
     ) -> Result<(), UnsolvedError> {
+        if let Some(external) = &self.external {
+            let mut tangent = vec![0.0; self.quantities.len() * self.differentiate.len()];
+            self.quantity_differences(external, workspace, &mut tangent)?;
+            external::weighted(&tangent, weights, out);
+            return Ok(());
+        }
         self.factor_at_solution(workspace)?;
         out.fill(0.0);
         let (file, step) = (&workspace.state.file, &mut workspace.state.step);

@@ -14,13 +14,14 @@ use super::archive::study_name;
 use super::{BatchError, Executed, LoadedPass};
 use crate::job::calibrate::{Calibrate, Drawn, LeftOut, POSTERIOR, PRIOR, Replicates, Thinned};
 use crate::job::dataset::{Attribute, Dataset};
-use crate::job::{JobError, Runnable};
+use crate::job::{Job, JobError, Runnable};
 use crate::runner::cache::Lookup;
 use crate::runner::engine::pool;
 use crate::runner::interrupt::Interrupts;
 use crate::runner::replay::{Replayed, replay};
 use crate::runner::{Cache, Key, Kind, Settings};
 use crate::study::file::{self, Existing};
+use crate::thermal::External;
 
 /// Draws whose readings are predicted together.
 const BLOCK: usize = 64;
@@ -123,6 +124,9 @@ impl Calibration<'_> {
         let (Some(posterior), Some(prior)) = (replicates(POSTERIOR, &draws)?, replicates(PRIOR, &before)?) else {
             return Ok(None);
         };
+        if let Some(reason) = Job::external(job).and_then(External::broken) {
+            return Err(BatchError::job(reason));
+        }
         let mut dataset = job.inference_data(&drawn, thinned, choice.left_out, &posterior, &prior).map_err(failed)?;
         let text = |text: &str| Attribute::Text(text.to_owned());
         dataset.attributes = vec![

@@ -70,6 +70,14 @@ impl JobKind for Kind {
         monte_carlo::of_output(output)
     }
 
+    fn refuses_external(spec: &Spec, _states_steps: bool) -> Option<String> {
+        (spec.sampler == Sampler::Nuts).then(|| {
+            "the sampler `nuts` follows exact derivatives, and this model is asked outside: `adaptive-metropolis` and `smc` are \
+             offered for it"
+                .to_owned()
+        })
+    }
+
     fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {
         let draws = draws_among(shared.pass, &spec.parameters);
         let inputs = Inputs {

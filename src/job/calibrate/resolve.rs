@@ -20,7 +20,9 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &CalibrateForm, of
     let before = scope.diagnostics.errors();
     let (data, missing) = data(scope, entry, form.data.as_ref(), "calibrate on", offered);
     let parameters = parameters_or_all(scope, form.parameters.as_ref(), offered.priors);
-    let sampler = form.sampler.unwrap_or(Sampler::Nuts);
+    // What is asked outside has no exact derivatives.
+    let usual = if scope.resolved.external.is_some() { Sampler::AdaptiveMetropolis } else { Sampler::Nuts };
+    let sampler = form.sampler.unwrap_or(usual);
     let method = sampler.method();
     let (warmup, draws) = sampler.defaults();
     if let (false, Some(warmup)) = (method.has_warm_up(), &form.warmup) {

@@ -15,7 +15,7 @@ use crate::measurement::Measurement;
 use crate::measurement::prediction::Predictor;
 use crate::random::{Distribution, StreamKey};
 use crate::study::posterior_prior::PosteriorPrior;
-use crate::thermal::Model;
+use crate::thermal::{External, Model};
 
 pub(super) const ESTIMATE: &str = "estimate";
 pub(super) const SAMPLE: &str = "sample";
@@ -177,6 +177,10 @@ impl Job for Calibrate {
         let numbers = self.spec.chains.saturating_mul(self.spec.draws);
         let width = self.likelihood().unknowns().names.len() as u64 + 1;
         numbers.saturating_mul(3 * width).saturating_mul(size_of::<f64>() as u64)
+    }
+
+    fn external(&self) -> Option<&External> {
+        self.predictor.network().external()
     }
 
     fn is_last(&self, state: &State) -> bool {

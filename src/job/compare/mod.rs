@@ -96,6 +96,10 @@ impl JobKind for Kind {
         numbers
     }
 
+    fn refuses_external(_spec: &Spec, _states_steps: bool) -> Option<String> {
+        None
+    }
+
     fn ready(spec: &Spec, shared: &Shared, _name: &str) -> Result<Readiness, JobError> {
         let nominal: Vec<f64> = shared.pass.model.parameters.iter().map(|parameter| parameter.nominal).collect();
         let shown = spec.calibration.clone().filter(|name| !shared.refused.contains(name));

@@ -13,7 +13,7 @@ use crate::expression::Symbol;
 use crate::measurement::prediction::{Prediction, Predictor};
 use crate::measurement::scatter;
 use crate::measurement::{Measurement, Rows, Uncertain};
-use crate::thermal::{Model, NodeKind};
+use crate::thermal::{External, Model, NodeKind};
 
 use super::deviation::{KELVIN, deviation, noise_rmse, of_one_unit};
 use super::stretch::{Stretch, stretches};
@@ -449,6 +449,10 @@ impl Job for Compare {
     fn block(&self, (): &(), input: usize, _parts: &dyn Parts) -> Result<Part, JobError> {
         let measurement = self.measurements.get(input);
         Ok(self.part(measurement.ok_or_else(|| JobError::Failed("there is no such measurement".to_owned()))?))
+    }
+
+    fn external(&self) -> Option<&External> {
+        self.predictor.network().external()
     }
 
     fn is_last(&self, (): &()) -> bool {

@@ -45,6 +45,10 @@ impl JobKind for Kind {
         output.groups.iter().filter_map(number).collect()
     }
 
+    fn refuses_external(_spec: &Spec, _states_steps: bool) -> Option<String> {
+        None
+    }
+
     fn ready(spec: &Spec, _shared: &Shared, _name: &str) -> Result<Readiness, JobError> {
         Ok(Readiness::Ready(Arc::new(MarginsFromHistory::new(spec.clone()))))
     }

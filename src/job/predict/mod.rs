@@ -56,6 +56,10 @@ impl JobKind for Kind {
         propagate::key_numbers(&output.posterior)
     }
 
+    fn refuses_external(_spec: &Prediction, _states_steps: bool) -> Option<String> {
+        None
+    }
+
     fn ready(spec: &Prediction, shared: &Shared, name: &str) -> Result<Readiness, JobError> {
         let mut priors = shared.pass.priors.clone();
         for &(index, prior) in &spec.priors {

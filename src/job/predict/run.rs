@@ -4,6 +4,7 @@ use crate::inference::gaussian_process::tested_range::Outside;
 use crate::job::propagate::Discrepancy;
 use crate::random::Distribution;
 use crate::study::resolved::{Blocked, PosteriorReference, Upstream};
+use crate::thermal::External;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -217,6 +218,10 @@ impl Job for Predict {
     fn memory_bytes(&self) -> u64 {
         // One after the other.
         Job::memory_bytes(&self.prior).max(Job::memory_bytes(&self.posterior))
+    }
+
+    fn external(&self) -> Option<&External> {
+        Job::external(&self.prior)
     }
 
     fn is_last(&self, state: &Vec<propagate::Output>) -> bool {

@@ -70,6 +70,10 @@ impl JobKind for Kind {
         key_numbers(output)
     }
 
+    fn refuses_external(_spec: &Spec, _states_steps: bool) -> Option<String> {
+        None
+    }
+
     fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {
         let draws = shared.pass.posterior_priors.clone();
         let make = shared.propagation(name, spec, &shared.pass.priors);

@@ -5,22 +5,24 @@ use super::{
     Reached, Sampling, Spec, reached, summary,
 };
 use crate::study::variable::Variable;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use serde_json::{Value, json};
 
 use crate::math::special::normal_quantile;
 use crate::random::{Distribution, PointKind, Points, StreamKey};
 use crate::statistics::clusters::Clusters;
-use crate::thermal::{LANES, Model, Network, SampleBatch, Start};
+use crate::thermal::{External, LANES, Model, Network, SampleBatch, Start};
 
 use crate::job::fault::listed;
-use crate::job::{Done, Job, JobError, Parts, Step};
+use crate::job::{ByCase, Done, Job, JobError, Parts, Step};
 use crate::study::posterior_prior::PosteriorPrior;
 use crate::study::requirement::Environment;
 
 /// Samples in a block; part of the job's identity.
 pub(super) const BLOCK: u64 = 8192;
+/// The same where the model is asked outside, which takes its time: what a kill costs at most.
+const EXTERNAL_BLOCK: u64 = 64;
 /// Batches whose points are drawn at once.
 pub(super) const BATCHES_DRAWN: usize = 32;
 /// Failed samples kept with their inputs, a block and a case.
@@ -41,7 +43,7 @@ pub struct Propagate {
     /// Where every solve starts, by case, so that no result depends on the order of samples.
     pub(super) starts: Vec<Vec<f64>>,
     /// Quantities of the nominal parameters, by case.
-    pub(super) nominal: Vec<Vec<f64>>,
+    nominal: OnceLock<Result<ByCase, JobError>>,
     pub(super) posterior_priors: Vec<PosteriorPrior>,
     /// What is added to quantities, and a coordinate each of points of their own, which pick the errors.
     pub(super) discrepancy: Option<(Vec<Discrepancy>, Points)>,
@@ -86,32 +88,60 @@ impl Propagate {
             points,
             uncertain,
             starts: Vec::new(),
-            nominal: Vec::new(),
+            nominal: OnceLock::new(),
             posterior_priors: Vec::new(),
             discrepancy: None,
             adjustments: None,
         };
-        let mut workspace = job.network.workspace();
-        for case in 0..job.cases() {
-            let (parameters, inputs) = job.nominal_case(case);
-            job.network.set_parameters(&mut workspace, &parameters);
-            job.network.set_inputs(&mut workspace, &inputs);
-            job.network.solve_steady(&mut workspace, Start::Default).map_err(|e| {
-                failed(format!("environment `{}` at nominal parameters: {e}", job.environment(case).name))
+        if job.network.external().is_some() {
+            // What is asked outside is asked when the job runs; there is nothing to start from.
+            job.starts = vec![Vec::new(); job.cases()];
+            return Ok(job);
+        }
+        let (starts, nominal) = job.nominal_cases()?;
+        job.starts = starts;
+        job.nominal = OnceLock::from(Ok(nominal));
+        Ok(job)
+    }
+
+    /// The solutions at nominal parameters: temperatures and quantities, by case.
+    fn nominal_cases(&self) -> Result<(ByCase, ByCase), JobError> {
+        let failed = |reason: String| JobError::Failed(reason);
+        let (mut starts, mut nominal) = (Vec::new(), Vec::new());
+        let mut workspace = self.network.workspace();
+        for case in 0..self.cases() {
+            let (parameters, inputs) = self.nominal_case(case);
+            self.network.set_parameters(&mut workspace, &parameters);
+            self.network.set_inputs(&mut workspace, &inputs);
+            self.network.solve_steady(&mut workspace, Start::Default).map_err(|e| {
+                failed(format!("environment `{}` at nominal parameters: {e}", self.environment(case).name))
             })?;
-            job.starts.push(workspace.temperatures().to_vec());
-            let values: Vec<f64> = job.spec.quantities.iter().map(|&q| job.network.quantity(&workspace, q)).collect();
-            let quantities = job.spec.quantities.iter().map(|&q| &job.model.quantities[q]);
+            starts.push(workspace.temperatures().to_vec());
+            let values: Vec<f64> = self.spec.quantities.iter().map(|&q| self.network.quantity(&workspace, q)).collect();
+            let quantities = self.spec.quantities.iter().map(|&q| &self.model.quantities[q]);
             if let Some(fault) = quantities.zip(&values).find_map(|(quantity, &value)| quantity.fault(value)) {
                 return Err(failed(format!(
                     "{fault} in environment `{}` at nominal parameters: {}",
-                    job.environment(case).name,
-                    listed(&job.named(parameters))
+                    self.environment(case).name,
+                    listed(&self.named(parameters))
                 )));
             }
-            job.nominal.push(values);
+            nominal.push(values);
         }
-        Ok(job)
+        Ok((starts, nominal))
+    }
+
+    /// Quantities of the nominal parameters, by case.
+    fn nominal(&self) -> Result<&[Vec<f64>], JobError> {
+        match self.nominal.get_or_init(|| Ok(self.nominal_cases()?.1)) {
+            Ok(nominal) => Ok(nominal),
+            Err(error) => Err(error.clone()),
+        }
+    }
+
+    /// Samples in a block; part of the job's identity.
+    fn block_samples(&self) -> u64 {
+        if self.network.external().is_some() { EXTERNAL_BLOCK } else { BLOCK }
     }
 
     /// The same with draws in place of the priors of some parameters; posteriors without draws yet may stand among them, for
@@ -338,6 +368,9 @@ impl Propagate {
                     }
                 }
             }
+            if self.network.external().is_some() {
+                batch.use_lanes(lanes);
+            }
             self.network.solve_samples(&mut batch, start);
             for lane in 0..lanes {
                 let fault = match batch.outcome(lane) {
@@ -415,7 +448,7 @@ impl Job for Propagate {
     fn identity(&self) -> Value {
         let mut identity = json!({
             "settings": self.spec,
-            "block": BLOCK,
+            "block": self.block_samples(),
             "model": self.model.identity(),
             "priors": self.priors,
         });
@@ -434,11 +467,13 @@ impl Job for Propagate {
         {
             return Err(JobError::Failed(format!("the posterior of {} has no draws", posterior_prior.source)));
         }
+        // A model that cannot be had at its nominal parameters is not asked for samples.
+        self.nominal()?;
         let mut inputs = Vec::new();
         for case in 0..self.cases() {
             let mut first = 0;
             while first < self.spec.samples {
-                let count = BLOCK.min(self.spec.samples - first);
+                let count = self.block_samples().min(self.spec.samples - first);
                 inputs.push(BlockInput { case, first, count });
                 first += count;
             }
@@ -457,14 +492,19 @@ impl Job for Propagate {
         columns.saturating_mul(self.spec.samples).saturating_mul(size_of::<f64>() as u64)
     }
 
+    fn external(&self) -> Option<&External> {
+        self.network.external()
+    }
+
     fn is_last(&self, (): &()) -> bool {
         true
     }
 
     fn reduce(&self, (): (), blocks: Done<Self>) -> Result<Step<Self>, JobError> {
-        let per_case = usize::try_from(self.spec.samples.div_ceil(BLOCK)).unwrap_or(usize::MAX);
+        let per_case = usize::try_from(self.spec.samples.div_ceil(self.block_samples())).unwrap_or(usize::MAX);
         let mut cases = Vec::new();
         let clusters = self.clusters();
+        let nominal = self.nominal()?;
         let mut blocks = blocks.into_iter().map(|(_, block)| block).peekable();
         let mut case = 0;
         while blocks.peek().is_some() {
@@ -505,7 +545,7 @@ impl Job for Propagate {
                 self.case_name(case),
                 &values,
                 &clusters,
-                &self.nominal[case],
+                &nominal[case],
                 failed,
                 failures,
             );

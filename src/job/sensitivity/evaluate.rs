@@ -27,6 +27,13 @@ impl<'j> Evaluator<'j> {
         Self { job, case, batch }
     }
 
+    /// Says how many lanes are read, so that a model that is asked outside is not asked for others.
+    pub fn use_lanes(&mut self, lanes: usize) {
+        if self.job.network.external().is_some() {
+            self.batch.use_lanes(lanes);
+        }
+    }
+
     /// Sets an uncertain parameter in every lane, SI.
     pub fn set(&mut self, coordinate: usize, values: Lanes) {
         self.batch.set_parameter_lanes(self.job.uncertain[coordinate], values);

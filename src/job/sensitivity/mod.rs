@@ -61,6 +61,14 @@ impl JobKind for Kind {
         key_numbers::key_numbers(output)
     }
 
+    fn refuses_external(spec: &Spec, states_steps: bool) -> Option<String> {
+        (!states_steps && (spec.has(Method::Local) || spec.has(Method::Derivative))).then(|| {
+            "the methods `local` and `derivative` need derivatives, which a model that is asked outside has by differences alone: \
+             state `steps` of all uncertain parameters in the model, or take the methods `morris` and `sobol`"
+                .to_owned()
+        })
+    }
+
     fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {
         let (model, priors) = (Arc::clone(&shared.model), shared.pass.priors.clone());
         Ok(Readiness::Ready(Arc::new(Sensitivity::new(spec.clone(), model, priors, shared.pass.seed, name)?)))

@@ -32,10 +32,11 @@ impl Sensitivity {
         let mut workspace = self.differentiated.workspace();
         let mut tangent = vec![0.0; self.differentiated.quantities() * k];
         self.derivatives(case, &mut workspace, &self.nominal, &mut tangent).map_err(JobError::Failed)?;
+        let centres = self.centres()?;
         let finite = |value: f64| Some(value).filter(|value| value.is_finite());
         let mut local = Vec::new();
         for (position, &quantity) in self.spec.quantities.iter().enumerate() {
-            let value = self.centres[case][position];
+            let value = centres[case][position];
             for (coordinate, &parameter) in self.uncertain.iter().enumerate() {
                 let derivative = tangent[quantity * k + coordinate];
                 local.push(Local {
@@ -118,6 +119,7 @@ impl Sensitivity {
             let paths: Vec<Trajectory> =
                 (0..LANES as u64).map(|lane| Trajectory::new(&self.trajectory_key, next + lane, k)).collect();
             let mut evaluator = Evaluator::new(self, case);
+            evaluator.use_lanes(lanes);
             let mut at: Vec<Lanes> = (0..k).map(|j| std::array::from_fn(|lane| paths[lane].start[j])).collect();
             let mut effects = vec![[f64::NAN; LANES]; quantities * k];
             let mut before: Vec<Lanes> = Vec::new();

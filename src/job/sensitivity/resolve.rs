@@ -23,6 +23,9 @@ pub(super) fn resolve(scope: &mut Scope, form: &SensitivityForm, offered: &Offer
     let requirements = if form.quantities.is_some() { &[] } else { offered.requirements };
     let quantities = quantities(scope, form.quantities.as_ref(), requirements, offered);
     let methods = match &form.methods {
+        None if scope.resolved.external.as_ref().is_some_and(|external| !external.states_steps) => {
+            vec![Method::Morris, Method::Sobol]
+        }
         None => vec![Method::Local, Method::Morris, Method::Sobol, Method::Derivative],
         Some(forms) => {
             let mut methods = Vec::new();

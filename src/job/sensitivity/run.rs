@@ -1,20 +1,22 @@
 //! The sensitivity analysis as a job: what it is asked, and its stages.
 
 use super::{FailedSolve, Method, Output, Spec, block};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use serde_json::{Value, json};
 
 use crate::expression::Symbol;
 use crate::random::{Distribution, PointKind, Points, StreamKey};
-use crate::thermal::{Model, Network, Start};
+use crate::thermal::{External, Model, Network, Start};
 
 use super::block::{BlockInput, Found, Work};
 use crate::job::fault::listed;
-use crate::job::{Done, Job, JobError, Parts, Step};
+use crate::job::{ByCase, Done, Job, JobError, Parts, Step};
 
 /// Solves of a block of rows, about; part of the identity.
 pub(super) const BLOCK_SOLVES: u64 = 1 << 15;
+/// The same, solves and trajectories, where the model is asked outside, which takes its time: what a kill costs at most.
+const EXTERNAL_BLOCK: (u64, u64) = (256, 8);
 /// Rows of the first stage where a precision is asked for; each further stage doubles the rows.
 pub(super) const FIRST_ROWS: u64 = 1024;
 /// Points of a scramble at which derivatives are squared.
@@ -41,7 +43,7 @@ pub struct Sensitivity {
     /// Where every solve starts, by environment.
     pub(super) starts: Vec<Vec<f64>>,
     /// Quantities at the nominal parameters, by environment.
-    pub(super) centres: Vec<Vec<f64>>,
+    centres: OnceLock<Result<ByCase, JobError>>,
 }
 
 impl Sensitivity {
@@ -94,29 +96,58 @@ impl Sensitivity {
             trajectory_key,
             nominal,
             starts: Vec::new(),
-            centres: Vec::new(),
+            centres: OnceLock::new(),
         };
-        let mut workspace = job.network.workspace();
-        job.network.set_parameters(&mut workspace, &job.nominal);
-        for environment in &job.spec.environments {
-            job.network.set_inputs(&mut workspace, &environment.inputs);
-            job.network
+        if job.network.external().is_some() {
+            // What is asked outside is asked when the job runs; there is nothing to start from.
+            job.starts = vec![Vec::new(); job.spec.environments.len()];
+            return Ok(job);
+        }
+        let (starts, centres) = job.nominal_cases()?;
+        job.starts = starts;
+        job.centres = OnceLock::from(Ok(centres));
+        Ok(job)
+    }
+
+    /// The solutions at nominal parameters: temperatures and quantities, by environment.
+    fn nominal_cases(&self) -> Result<(ByCase, ByCase), JobError> {
+        let failed = |reason: String| JobError::Failed(reason);
+        let (mut starts, mut all_centres) = (Vec::new(), Vec::new());
+        let mut workspace = self.network.workspace();
+        self.network.set_parameters(&mut workspace, &self.nominal);
+        for environment in &self.spec.environments {
+            self.network.set_inputs(&mut workspace, &environment.inputs);
+            self.network
                 .solve_steady(&mut workspace, Start::Default)
                 .map_err(|e| failed(format!("environment `{}` at nominal parameters: {e}", environment.name)))?;
-            let centres: Vec<f64> = job.spec.quantities.iter().map(|&q| job.network.quantity(&workspace, q)).collect();
-            let quantities = job.spec.quantities.iter().map(|&q| &job.model.quantities[q]);
+            let centres: Vec<f64> =
+                self.spec.quantities.iter().map(|&q| self.network.quantity(&workspace, q)).collect();
+            let quantities = self.spec.quantities.iter().map(|&q| &self.model.quantities[q]);
             if let Some(fault) = quantities.zip(&centres).find_map(|(quantity, &value)| quantity.fault(value)) {
-                let nominal_values: Vec<f64> = job.uncertain.iter().map(|&index| job.nominal[index]).collect();
+                let nominal_values: Vec<f64> = self.uncertain.iter().map(|&index| self.nominal[index]).collect();
                 return Err(failed(format!(
                     "{fault} in environment `{}` at nominal parameters: {}",
                     environment.name,
-                    listed(&job.named(&nominal_values))
+                    listed(&self.named(&nominal_values))
                 )));
             }
-            job.starts.push(workspace.temperatures().to_vec());
-            job.centres.push(centres);
+            starts.push(workspace.temperatures().to_vec());
+            all_centres.push(centres);
         }
-        Ok(job)
+        Ok((starts, all_centres))
+    }
+
+    /// Quantities at the nominal parameters, by environment.
+    pub(super) fn centres(&self) -> Result<&[Vec<f64>], JobError> {
+        match self.centres.get_or_init(|| Ok(self.nominal_cases()?.1)) {
+            Ok(centres) => Ok(centres),
+            Err(error) => Err(error.clone()),
+        }
+    }
+
+    /// Solves of a block of rows, about, and trajectories of a block; part of the identity.
+    fn block_sizes(&self) -> (u64, u64) {
+        if self.network.external().is_some() { EXTERNAL_BLOCK } else { (BLOCK_SOLVES, BLOCK_TRAJECTORIES) }
     }
 
     /// The uncertain parameters by name.
@@ -130,7 +161,7 @@ impl Sensitivity {
 
     /// Rows of a block.
     pub(super) fn block_rows(&self) -> u64 {
-        let rows = (BLOCK_SOLVES / self.points_of_row() as u64).max(1);
+        let rows = (self.block_sizes().0 / self.points_of_row() as u64).max(1);
         // The power of two at or below.
         1 << rows.ilog2()
     }
@@ -202,13 +233,15 @@ impl Job for Sensitivity {
     fn identity(&self) -> Value {
         json!({
             "settings": self.spec,
-            "block_solves": BLOCK_SOLVES,
+            "block_solves": self.block_sizes().0,
             "model": self.model.identity(),
             "priors": self.priors,
         })
     }
 
     fn begin(&self) -> Result<Step<Self>, JobError> {
+        // A model that cannot be had at its nominal parameters is not asked elsewhere.
+        self.centres()?;
         let mut inputs = Vec::new();
         for case in 0..self.spec.environments.len() {
             let mut add = |work: Work| inputs.push(BlockInput { case, work });
@@ -218,7 +251,7 @@ impl Job for Sensitivity {
             if self.spec.has(Method::Morris) {
                 let mut first = 0;
                 while first < self.spec.trajectories {
-                    let count = BLOCK_TRAJECTORIES.min(self.spec.trajectories - first);
+                    let count = self.block_sizes().1.min(self.spec.trajectories - first);
                     add(Work::Morris { first, count });
                     first += count;
                 }
@@ -241,9 +274,13 @@ impl Job for Sensitivity {
         Ok(match input.work {
             Work::Local => self.local(input.case)?,
             Work::Morris { first, count } => self.trajectories(input.case, first, count),
-            Work::Sobol { scramble, first, count } => self.rows(input.case, scramble, first, count),
+            Work::Sobol { scramble, first, count } => self.rows(input.case, scramble, first, count)?,
             Work::Derivative { scramble, count } => self.squares(input.case, scramble, count),
         })
+    }
+
+    fn external(&self) -> Option<&External> {
+        self.network.external()
     }
 
     fn is_last(&self, _state: &Vec<Found>) -> bool {
@@ -270,6 +307,6 @@ impl Job for Sensitivity {
             let next = (2 * rows).min(self.spec.samples);
             return Ok(Self::step(next, found, self.row_blocks(rows, next)));
         }
-        Ok(Step::Done(Box::new(self.output(&found, rows))))
+        Ok(Step::Done(Box::new(self.output(&found, rows)?)))
     }
 }

@@ -4,6 +4,7 @@ use super::Sensitivity;
 use super::block::{FAILURES_KEPT, Found, OfScramble};
 use super::evaluate::{Evaluator, Lanes};
 use super::output::FailedSolve;
+use crate::job::JobError;
 use crate::statistics::sobol_indices::SobolSums;
 use crate::thermal::LANES;
 
@@ -32,13 +33,13 @@ impl Sensitivity {
     }
 
     /// Runs rows `first` to `first + count - 1` of a scramble.
-    pub(super) fn rows(&self, case: usize, scramble: u64, first: u64, count: u64) -> Found {
+    pub(super) fn rows(&self, case: usize, scramble: u64, first: u64, count: u64) -> Result<Found, JobError> {
         let (k, quantities, points) = (self.uncertain.len(), self.spec.quantities.len(), self.points_of_row());
         let (first, count) = (usize::try_from(first).unwrap_or(0), usize::try_from(count).unwrap_or(0));
         let set = &self.points[usize::try_from(scramble).unwrap_or(0)];
         let mut solved = Found { solves: (points * count) as u64, ..Found::default() };
         let mut sums: Vec<SobolSums> =
-            self.centres[case].iter().map(|&centre| SobolSums::new(k, self.spec.second_order, centre)).collect();
+            self.centres()?[case].iter().map(|&centre| SobolSums::new(k, self.spec.second_order, centre)).collect();
         let kept = if scramble == 0 && first == 0 { SAMPLE.min(count) } else { 0 };
         solved.sample = vec![None; quantities * kept];
         let mut left_out = 0;
@@ -64,6 +65,7 @@ impl Sensitivity {
                     self.priors[parameter].quantiles(column);
                 }
             }
+            evaluator.use_lanes(lanes);
             let context = Context { scramble, row: first + done, lanes };
             self.solve_rows(&context, &mut evaluator, &rows, &mut values, &mut solved);
             for lane in 0..lanes {
@@ -86,7 +88,7 @@ impl Sensitivity {
             done += lanes;
         }
         solved.scrambles = vec![OfScramble { sums, left_out }];
-        solved
+        Ok(solved)
     }
 
     /// Solves all points of a batch of rows.

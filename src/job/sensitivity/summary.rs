@@ -6,6 +6,7 @@ use super::output::{
     Case, DerivativeBound, Index, Local, Method, OfQuantity, Output, PairEffect, Parameter, Precision, Scatter, Sobol,
 };
 use super::sobol::SAMPLE;
+use crate::job::JobError;
 use crate::statistics::elementary_effects::ElementaryEffect;
 use crate::statistics::sobol_indices::{Estimate, SobolIndices, SobolSums, pairs, places};
 
@@ -39,7 +40,7 @@ impl Sensitivity {
     }
 
     /// The result.
-    pub(super) fn output(&self, found: &[Found], samples: u64) -> Output {
+    pub(super) fn output(&self, found: &[Found], samples: u64) -> Result<Output, JobError> {
         let parameters = self
             .uncertain
             .iter()
@@ -57,21 +58,25 @@ impl Sensitivity {
             let widest = self.widest(found);
             Precision { asked, widest, is_reached: widest <= asked }
         });
-        Output {
+        let centres = self.centres()?;
+        let cases = found.iter().zip(centres).enumerate();
+        Ok(Output {
             methods: self.spec.methods.clone(),
             samples,
             scrambles: self.spec.scrambles,
             trajectories: self.spec.trajectories,
             parameters,
             precision,
-            cases: found.iter().enumerate().map(|(case, case_sums)| self.case(case, case_sums, samples)).collect(),
-        }
+            cases: cases.map(|(case, (sums, centres))| self.case(case, sums, centres, samples)).collect(),
+        })
     }
 
-    fn case(&self, case: usize, found: &Found, samples: u64) -> Case {
+    fn case(&self, case: usize, found: &Found, centres: &[f64], samples: u64) -> Case {
         Case {
             environment: self.spec.environments[case].name.clone(),
-            quantities: (0..self.spec.quantities.len()).map(|position| self.quantity(case, found, position)).collect(),
+            quantities: (centres.iter().enumerate())
+                .map(|(position, centre)| self.quantity(found, position, *centre))
+                .collect(),
             solves: found.solves,
             failed: found.failed,
             rows_left_out: found.scrambles.iter().map(|scramble| scramble.left_out).sum(),
@@ -81,7 +86,7 @@ impl Sensitivity {
         }
     }
 
-    fn quantity(&self, case: usize, found: &Found, position: usize) -> OfQuantity {
+    fn quantity(&self, found: &Found, position: usize, nominal: f64) -> OfQuantity {
         let k = self.uncertain.len();
         let quantity = &self.model.quantities[self.spec.quantities[position]];
         let local: Vec<Local> = found.local.get(position * k..(position + 1) * k).unwrap_or_default().to_vec();
@@ -99,7 +104,7 @@ impl Sensitivity {
             name: quantity.name.clone(),
             unit: quantity.unit.clone(),
             is_temperature: quantity.is_temperature,
-            nominal: self.centres[case][position],
+            nominal,
             is_constant,
             local,
             morris,

@@ -19,9 +19,19 @@ use super::Entry;
 /// The section.
 pub(super) const SECTION: Entry = Entry::plain(build);
 
-/// The section on the model; not for a model without nodes.
+/// The section on the model; of algebraic ones there is none.
 fn build(report: &PassReport<'_>) -> Option<Section> {
     let model = report.model;
+    if let Some(external) = &model.external {
+        let words = format!(
+            "This model is no network: {} gives {} for its parameters and inputs, in a steady state. The keys of the jobs hold what \
+             it is.",
+            external.description,
+            counted(external.outputs, "output")
+        );
+        let blocks = vec![Block::paragraph(Text::with_names(&words))];
+        return Some(Section { id: "model", title: "Thermal model".into(), blocks });
+    }
     if model.nodes.is_empty() {
         return None;
     }
@@ -147,7 +157,7 @@ fn depends(model: &Model, ids: &[ExprId]) -> String {
             Symbol::Input(i) => model.inputs.get(i as usize).map(|p| p.name.clone()),
             Symbol::Node(i) => model.nodes.get(i as usize).map(|n| format!("temperature of {}", n.name)),
             Symbol::Time => Some("time".into()),
-            Symbol::Mode(_) | Symbol::Local(_) => None,
+            Symbol::Mode(_) | Symbol::Local(_) | Symbol::Output(_) => None,
         })
         .collect();
     if names.is_empty() { NONE.to_owned() } else { names.join(", ") }

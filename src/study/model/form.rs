@@ -7,6 +7,7 @@ use super::group::GroupForm;
 use super::quantity::QuantityOrName;
 use super::resolve::ResolvedModel;
 use super::tabulated::TabulatedForm;
+use crate::study::external::{CommandForm, UmBridgeForm};
 
 /// The format's name in the file.
 pub const FORMAT: &str = "bmv-network/1";
@@ -39,6 +40,10 @@ macro_rules! model_form {
                 $( $(#[doc = $doc])* default(Map::default()) $field: Map<$form>, )*
                 /// Conductors and radiations that stand in CSV tables, beside those above.
                 optional tabulated: Spanned<TabulatedForm>,
+                /// A program that answers for the model, in place of nodes and elements.
+                optional command: Spanned<CommandForm>,
+                /// A server of the UM-Bridge protocol that answers for the model, in place of nodes and elements.
+                optional umbridge: Spanned<UmBridgeForm>,
                 /// Members that share physics.
                 default(Map::default()) groups: Map<GroupForm>,
                 /// What is asked of the model.

@@ -116,7 +116,7 @@ fn nominal(model: &ResolvedModel, value: ExprId) -> f64 {
         Symbol::Parameter(index) => model.model.parameters[index as usize].nominal,
         Symbol::Input(index) => model.model.inputs[index as usize].nominal,
         Symbol::Node(_) => 293.15,
-        Symbol::Time | Symbol::Mode(_) | Symbol::Local(_) => 0.0,
+        Symbol::Time | Symbol::Mode(_) | Symbol::Local(_) | Symbol::Output(_) => 0.0,
     };
     model.model.graph.evaluate(value, &of)
 }

@@ -3,6 +3,7 @@
 pub mod form;
 pub mod group;
 mod implied_groups;
+mod outside;
 pub mod quantity;
 pub mod resolve;
 pub mod tabulated;
@@ -41,5 +42,5 @@ pub fn load(name: &str, bytes: &[u8], diagnostics: &mut Diagnostics) -> Option<R
         // Fields were misspelt: what follows from them would only repeat it.
         return None;
     }
-    resolve(&form, diagnostics)
+    resolve(&form, None, diagnostics)
 }

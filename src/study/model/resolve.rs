@@ -1,6 +1,7 @@
 //! From the written model to the resolved one: SI units, indices for names, parsed expressions.
 
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 use crate::document::formula::Expected;
 use crate::document::prior::{Prior, support};
@@ -10,6 +11,8 @@ use crate::document::{
 };
 use crate::expression::{Dependence, Dimension, ExprId, Names, Symbol, Table, Unit};
 use crate::random::Distribution;
+use crate::study::external::External;
+use crate::study::folder::Folder;
 use crate::thermal::element::{Contribution, Element, ElementForm, Lookup, Switch};
 use crate::thermal::{Input, Limits, Model, Node, NodeKind, Parameter};
 
@@ -17,6 +20,7 @@ use super::form::{InputForm, LimitsForm, ModelForm, NodeForm, ParameterForm, Tab
 use super::group::{self, Group};
 use super::implied_groups;
 use super::name;
+use super::outside;
 use super::quantity;
 
 /// The unit in which a parameter or input is written and shown.
@@ -106,6 +110,8 @@ pub struct ResolvedModel {
     pub groups: Vec<Group>,
     /// Dimension of each quantity.
     pub quantity_dimensions: Vec<Dimension>,
+    /// What answers for the model in place of nodes and elements.
+    pub external: Option<Arc<External>>,
     /// Where nodes and elements stand.
     pub places: Places,
     nodes: BTreeMap<String, usize>,
@@ -287,8 +293,8 @@ impl ResolvedModel {
     }
 }
 
-/// Resolves a model. `None` where there is an error; warnings may stand beside a model.
-pub fn resolve(form: &ModelForm, diagnostics: &mut Diagnostics) -> Option<ResolvedModel> {
+/// Resolves a model, whose program and tables lie in the folder. `None` where there is an error; warnings may stand beside a model.
+pub fn resolve(form: &ModelForm, folder: Option<&Folder>, diagnostics: &mut Diagnostics) -> Option<ResolvedModel> {
     let before = diagnostics.errors();
     let mut model = ResolvedModel::default();
     model.model.title.clone_from(&form.title);
@@ -333,6 +339,7 @@ pub fn resolve(form: &ModelForm, diagnostics: &mut Diagnostics) -> Option<Resolv
         return None;
     }
     model.reconstructed.clone_from(&form.reconstructed);
+    outside::resolve(form, folder, &mut model, diagnostics)?;
     model.groups = group::resolve(&form.groups, &model, diagnostics);
     model.groups.extend(implied_groups::implied(&model, &model.groups));
     quantity::resolve_all(&form.quantities, &mut model, diagnostics);

@@ -63,6 +63,11 @@ pub struct Adoption {
 /// Applies the effects that act on the model. Those on sensors wait for the measurements.
 pub fn adopt(scope: &mut Scope, form: &PassForm, catalogue: &Catalogue) -> Adoption {
     let mut adoption = Adoption::default();
+    if let (Some(entry), Some(_)) = (form.adopt.iter().next(), &scope.resolved.external) {
+        let message = "effects act on nodes and elements, and this model is asked outside";
+        scope.error(&code::EXTERNAL_MODEL, &entry.name_place, message, "a pass without `adopt`");
+        return adoption;
+    }
     for entry in &form.adopt {
         scope.reason(&entry.value.because);
         check_evidence(scope, &entry.value);

@@ -30,6 +30,12 @@ pub fn measurement(
     ignored: &mut Vec<IgnoredSensor>,
 ) -> Outcome {
     let (before, doubts) = (scope.diagnostics.errors(), scope.doubts.len());
+    if let (MeasurementForm::Transient(_), Some(_)) = (&entry.value, &scope.resolved.external) {
+        let message =
+            format!("`{}` is a transient, and the model is asked outside for steady states alone", entry.name);
+        scope.error(&code::EXTERNAL_MODEL, &entry.name_place, message, "a `steady` measurement");
+        return Outcome::Wrong;
+    }
     let mut outcome = match &entry.value {
         MeasurementForm::Steady(form) => super::steady::steady(scope, entry, form, pinned, ignored),
         MeasurementForm::Transient(form) => super::transient::transient(scope, entry, form, pinned, ignored),

@@ -13,6 +13,7 @@ mod influence;
 mod initial;
 pub mod measurement;
 mod noise;
+mod outside;
 mod parts;
 mod physical;
 mod plausible;
@@ -224,7 +225,7 @@ fn read_model(folder: &Folder, file: &Spanned<String>, diagnostics: &mut Diagnos
     if diagnostics.errors() > before {
         return None;
     }
-    Some((model::resolve(&form, diagnostics)?, tree))
+    Some((model::resolve(&form, Some(folder), diagnostics)?, tree))
 }
 
 fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics: &mut Diagnostics) -> Option<Pass> {
@@ -301,7 +302,8 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     let forms = kinds.read(&form.jobs, scope.diagnostics);
     let mut jobs = kinds.resolve(&mut scope, &forms, &offered, &mut upstreams);
     used_twice::check(&mut scope, &jobs, &forms, &measurements, &posterior_priors);
-    let refused = noise::refused(&scope, &jobs, form, &measurements);
+    let mut refused = noise::refused(&scope, &jobs, form, &measurements);
+    refused.extend(outside::refused(&scope, kinds, &jobs));
     let measured = form.measurements.iter().next().map(|entry| &entry.name_place);
     kinds.complete(&mut jobs, &forms, &offered, measured);
     physical::check(&mut scope, form, &priors, &environments, &measurements);
@@ -314,8 +316,11 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     }
     let definition_sha256 = definition(files, own_files);
     let groups = group_places(&scope.resolved, &sensor_places(measurements.iter()));
-    let ResolvedModel { mut model, reconstructed, input_errors, .. } = scope.resolved;
+    let ResolvedModel { mut model, reconstructed, input_errors, external, .. } = scope.resolved;
     model.keeps_signs = true;
+    if let (Some(asked), Some(external), Some(lender)) = (&mut model.external, &external, &files.reader.lender) {
+        asked.evaluator = Some(lender.lend(external));
+    }
     Some(Pass {
         folder: folder.shown().to_owned(),
         file: lineage.files[0].name.clone(),
@@ -334,6 +339,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
         definition_sha256,
         seed,
         model,
+        external,
         priors,
         posterior_priors,
         handed_on_depth: upstreams.depth(),

@@ -171,7 +171,7 @@ impl<'a> Tried<'a> {
             Symbol::Parameter(index) => of(parameters, index),
             Symbol::Input(index) => of(inputs, index),
             Symbol::Node(_) => temperature_k,
-            Symbol::Time | Symbol::Mode(_) | Symbol::Local(_) => 0.0,
+            Symbol::Time | Symbol::Mode(_) | Symbol::Local(_) | Symbol::Output(_) => 0.0,
         })
     }
 
@@ -212,14 +212,14 @@ impl<'a> Tried<'a> {
                     let input = self.model.inputs.get(index as usize)?;
                     (&input.name, input.range?)
                 }
-                Symbol::Time | Symbol::Node(_) | Symbol::Mode(_) | Symbol::Local(_) => return None,
+                Symbol::Time | Symbol::Node(_) | Symbol::Mode(_) | Symbol::Local(_) | Symbol::Output(_) => return None,
             };
             ends.into_iter().find_map(|end| {
                 let (mut parameters, mut inputs) = (self.parameters.clone(), self.inputs.clone());
                 match *symbol {
                     Symbol::Parameter(index) => parameters[index as usize] = end,
                     Symbol::Input(index) => inputs[index as usize] = end,
-                    Symbol::Time | Symbol::Node(_) | Symbol::Mode(_) | Symbol::Local(_) => {}
+                    Symbol::Time | Symbol::Node(_) | Symbol::Mode(_) | Symbol::Local(_) | Symbol::Output(_) => {}
                 }
                 // The end itself of a prior above 0 never occurs.
                 let wrong = self.wrong(signed, &parameters, &inputs, depends).filter(|(_, value)| *value < 0.0)?;

@@ -216,7 +216,7 @@ impl Laws {
                 Symbol::Node(index) => 200.0 + 200.0 * share(state, index, 0.619),
                 Symbol::Time => 1000.0 * (state as f64 + 1.0),
                 Symbol::Mode(_) => 1.0,
-                Symbol::Local(_) => f64::NAN,
+                Symbol::Local(_) | Symbol::Output(_) => f64::NAN,
             })
         };
         (0..STATES).map(at).collect()

@@ -36,6 +36,9 @@ UNCONNECTED = "unconnected-node", "a node that nothing leads to",
 POSSIBLY_NEGATIVE = "possibly-negative", "a value that may have an impossible sign (warning)",
     "A conductance, exchange area or heat capacity is 0 or more. At the nominal values this one is, but where one parameter or input takes a value that its prior or range allows (of a prior without an end the outer 0.1 %), or at a temperature of a boundary, it is not. The model then moves heat uphill, or has no solution. Bound the prior or the range, or the expression by max(0, ...).",
     "suspicious: \"prior\": {\"normal\": {\"mean\": 0.1, \"sd\": 0.1}} of a conductance\nfine: \"prior\": {\"normal\": {\"mean\": 0.1, \"sd\": 0.1, \"lower\": 0}}";
+EXTERNAL_MODEL = "external-model", "a model outside the program that cannot be used so",
+    "A model under `command` or `umbridge` gives the outputs that it declares, for given parameters and inputs, in a steady state. So it has no nodes and elements beside it, takes no adopted effects and knows no transients. A command's program and files lie in the study; a program of the machine is named alone (found on PATH) or by its absolute path, and then `version` stands for its bytes.",
+    "wrong: \"run\": [\"../sim/run.sh\"]\nright: \"run\": [\"sim/run.sh\"] in the study, or \"run\": [\"python3\", \"sim.py\"], \"files\": [\"sim.py\"], \"version\": \"Python 3.12\"";
 EMPTY_MODEL = "empty-model", "a model with nothing in it",
     "A model has nodes, or (without nodes) quantities as expressions of its parameters and inputs. This one has neither, so there is nothing to compute.",
     "right: \"quantities\": {\"y\": {\"expression\": {\"of\": \"a * x\", \"unit\": \"1\"}}}";

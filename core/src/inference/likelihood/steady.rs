@@ -193,6 +193,10 @@ impl SteadyPart {
 
     /// Solves every phase at given parameters and input errors; `at` are the differentiated symbols there.
     pub fn set_reference(&mut self, network: &Network, parameters: &[f64], shifts: &[f64], at: &[f64]) {
+        if network.external().is_some() {
+            // There are no temperatures to start from.
+            return;
+        }
         let mut workspace = network.workspace();
         network.set_parameters(&mut workspace, parameters);
         for phase in &mut self.phases {
@@ -297,6 +301,9 @@ impl SteadyPart {
 
     fn rejected(&self, phase: &Phase, error: &SteadyError) -> Rejected {
         let why = match error {
+            SteadyError::External(fault) => {
+                return Rejected::new(format!("phase `{}` of `{}`: {}", phase.name, self.name, fault.what));
+            }
             SteadyError::Isolated { .. } => "has nodes without a path to a boundary",
             SteadyError::NotConverged { .. } => "was not found",
             SteadyError::NotFinite { .. } => "has a heat that is not a finite number",

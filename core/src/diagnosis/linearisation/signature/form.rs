@@ -187,7 +187,7 @@ fn is_smooth(effect: &Effect) -> bool {
                 let value = graph.evaluate(slope, &|symbol| match symbol {
                     Symbol::Parameter(index) if shapes.get(index as usize) == Some(&true) => 5.0,
                     Symbol::Parameter(_) | Symbol::Local(0) => 0.0,
-                    Symbol::Local(_) => 10.0,
+                    Symbol::Local(_) | Symbol::Output(_) => 10.0,
                     Symbol::Node(node) => 280.0 + 3.0 * f64::from(node) * state,
                     Symbol::Input(input) => state + 0.1 * f64::from(input),
                     Symbol::Time => 100.0 * state,

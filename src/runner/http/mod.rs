@@ -1,18 +1,17 @@
 //! A small HTTP/1.1 server for programs on the same machine: bounded heads, bodies, times and numbers of connections. A
 //! thread a connection, which may carry many requests. What is asked and answered is the caller's.
 
+pub mod client;
+mod message;
+
 use std::io::{ErrorKind, Read, Write};
 use std::net::{IpAddr, TcpListener, TcpStream};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// Largest head of a request, bytes.
-const HEAD_BYTES: usize = 16 << 10;
-/// Most fields of a head.
-const MOST_FIELDS: usize = 64;
-/// Largest body, bytes.
-const BODY_BYTES: usize = 16 << 20;
+use message::{HEAD_BYTES, Length, MOST_FIELDS, length, values};
+
 /// Most connections at a time.
 const MOST_CONNECTIONS: usize = 64;
 /// How long a connection may be silent.
@@ -195,28 +194,21 @@ struct Head {
 fn head(bytes: &[u8], own: IpAddr) -> Result<Option<Head>, Broken> {
     let mut fields = [httparse::EMPTY_HEADER; MOST_FIELDS];
     let mut request = httparse::Request::new(&mut fields);
-    let length = match request.parse(bytes) {
+    let own_length = match request.parse(bytes) {
         Ok(httparse::Status::Complete(length)) => length,
         Ok(httparse::Status::Partial) => return Ok(None),
         Err(httparse::Error::TooManyHeaders) => return Err(Broken::Refused(431, "the head has too many fields")),
         Err(_) => return Err(Broken::Refused(400, "this is no HTTP request")),
     };
-    let values = |name: &str| -> Vec<String> {
-        let named = request.headers.iter().filter(|field| field.name.eq_ignore_ascii_case(name));
-        named.map(|field| String::from_utf8_lossy(field.value).trim().to_ascii_lowercase()).collect()
-    };
+    let values = |name: &str| values(request.headers, name);
     if !values("transfer-encoding").is_empty() {
         return Err(Broken::Refused(411, "a body needs a Content-Length, and no other encoding is read"));
     }
-    let lengths = values("content-length");
-    let body = match lengths.as_slice() {
-        [] => 0,
-        [length] if length.bytes().all(|digit| digit.is_ascii_digit()) => length
-            .parse::<usize>()
-            .ok()
-            .filter(|length| *length <= BODY_BYTES)
-            .ok_or(Broken::Refused(413, "the body is larger than 16 MiB"))?,
-        _ => return Err(Broken::Refused(400, "the Content-Length is no number")),
+    let body = match length(request.headers) {
+        Length::Unsaid => 0,
+        Length::Bytes(bytes) => bytes,
+        Length::TooLong => return Err(Broken::Refused(413, "the body is larger than 16 MiB")),
+        Length::Unreadable => return Err(Broken::Refused(400, "the Content-Length is no number")),
     };
     // A page in a browser may send requests to this machine by a name of its own; then the name tells.
     let is_local = |host: &String| {
@@ -235,7 +227,7 @@ fn head(bytes: &[u8], own: IpAddr) -> Result<Option<Head>, Broken> {
     Ok(Some(Head {
         method: request.method.unwrap_or_default().to_owned(),
         path: request.path.unwrap_or_default().split('?').next().unwrap_or_default().to_owned(),
-        length,
+        length: own_length,
         body,
         stays,
         waits: values("expect").iter().any(|value| value == "100-continue"),
