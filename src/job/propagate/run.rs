@@ -22,7 +22,7 @@ use crate::study::requirement::Environment;
 /// Samples in a block; part of the job's identity.
 pub(super) const BLOCK: u64 = 8192;
 /// The same where the model is asked outside, which takes its time: what a kill costs at most.
-const EXTERNAL_BLOCK: u64 = 64;
+const EXTERNAL_BLOCK: u64 = 16;
 /// Batches whose points are drawn at once.
 pub(super) const BATCHES_DRAWN: usize = 32;
 /// Failed samples kept with their inputs, a block and a case.

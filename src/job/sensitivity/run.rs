@@ -16,7 +16,7 @@ use crate::job::{ByCase, Done, Job, JobError, Parts, Step};
 /// Solves of a block of rows, about; part of the identity.
 pub(super) const BLOCK_SOLVES: u64 = 1 << 15;
 /// The same, solves and trajectories, where the model is asked outside, which takes its time: what a kill costs at most.
-const EXTERNAL_BLOCK: (u64, u64) = (256, 8);
+const EXTERNAL_BLOCK: (u64, u64) = (128, 8);
 /// Rows of the first stage where a precision is asked for; each further stage doubles the rows.
 pub(super) const FIRST_ROWS: u64 = 1024;
 /// Points of a scramble at which derivatives are squared.
