@@ -289,7 +289,6 @@ fn what_lies_outside_or_needs_a_network_is_refused_at_its_place() {
     for (jobs, reason) in [
         (r#""x": {"diagnose": {}}"#, "pass-1.json:5:11"),
         (r#""x": {"diagnose": {}}"#, "`diagnose` works on the equations of a network, and this model is asked outside"),
-        (r#""x": {"conventional": {}}"#, "`conventional` works on the equations of a network"),
         (r#""x": {"calibrate": {"sampler": "nuts"}}"#, "`adaptive-metropolis` and `smc` are offered for it"),
         (r#""x": {"sensitivity": {"methods": ["local"]}}"#, "state `steps` of all uncertain parameters in the model"),
     ] {
