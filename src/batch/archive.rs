@@ -50,6 +50,13 @@ impl Target {
     pub fn folder(&self) -> PathBuf {
         self.base.join(&self.relative)
     }
+
+    /// Name of the report as a PDF: of its study and pass.
+    pub fn printed(&self) -> String {
+        let mut names = self.relative.iter().rev().map(|name| name.to_string_lossy());
+        let (pass, study) = (names.next().unwrap_or_default(), names.next().unwrap_or_default());
+        format!("{study}-{pass}.pdf")
+    }
 }
 
 /// Where the reports of passes go, in their order.

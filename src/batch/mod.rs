@@ -14,6 +14,7 @@ pub mod load;
 pub mod memory;
 pub mod next_pass;
 mod prepared;
+pub mod print;
 pub mod regression;
 pub mod served;
 pub mod view;

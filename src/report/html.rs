@@ -45,11 +45,28 @@ pub fn render(page: &Page) -> Result<String, HtmlError> {
         links: &page.links,
         title_block: page.title_block.iter().map(|(term, entry)| [term, entry]).collect(),
         footer: &page.footer,
-        style: STYLE,
+        style: format!("{STYLE}{}", page_foot(page)),
         sections,
     })?;
     // Names and texts of the study are what could hold hidden characters; neither page nor drawings need any.
     Ok(escaped_lines(&tera.render("report.html", &context)?).into_owned())
+}
+
+/// The style of the foot of printed pages: what the document is.
+fn page_foot(page: &Page) -> String {
+    let text = if page.mark.is_empty() { page.title.clone() } else { format!("{} · {}", page.mark, page.title) };
+    format!("@page {{ @bottom-left {{ content: \"{}\"; }} }}\n", in_style(&text))
+}
+
+/// A text within a string of a style sheet: whatever might mean something there, or end the sheet, by its number (CSS Syntax,
+/// section 4.3.7).
+fn in_style(text: &str) -> String {
+    let one = |letter: char| match letter {
+        ' ' => " ".to_owned(),
+        _ if letter.is_ascii_alphanumeric() => letter.to_string(),
+        _ => format!("\\{:x} ", u32::from(letter)),
+    };
+    text.chars().map(one).collect()
 }
 
 #[derive(Serialize)]
@@ -59,7 +76,7 @@ struct Whole<'a> {
     links: &'a Text,
     title_block: Vec<[&'a Text; 2]>,
     footer: &'a Text,
-    style: &'static str,
+    style: String,
     sections: Vec<FlatSection<'a>>,
 }
 
@@ -191,5 +208,18 @@ impl<'a> Flat<'a> {
             };
             self.blocks.push(flat);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_style;
+
+    #[test]
+    fn a_text_in_a_style_sheet_cannot_end_it() {
+        assert_eq!(in_style("Disc 2"), "Disc 2");
+        let hostile = in_style("\"; } </style><script>\n\\é");
+        assert!(!hostile.contains(['"', '<', '>', ';', '}', '\n', 'é']), "{hostile}");
+        assert!(hostile.starts_with("\\22 \\3b  \\7d ") && hostile.ends_with("\\e9 "), "{hostile}");
     }
 }

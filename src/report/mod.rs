@@ -90,6 +90,7 @@ pub fn page(report: &PassReport<'_>) -> Page {
         subtitle: Text::new("Study ").code(&report.study).plain(", pass ").code(&report.pass_file),
         links: report.siblings.as_ref().map(links).unwrap_or_default(),
         title_block: report.document.iter().flat_map(|document| title_block::of_pass(document, report)).collect(),
+        mark: report.document.as_ref().map(|document| title_block::mark_of_pass(document, report)).unwrap_or_default(),
         footer: Text::new(format!("Made by bmv, numeric engine {}. ", report.engine_version))
             .plain("The same files give the same bytes; the section on provenance has every hash."),
         sections: section::SECTIONS.iter().filter_map(|section| (section.build)(report)).collect(),

@@ -320,6 +320,8 @@ pub struct Page {
     pub links: Text,
     /// Terms and entries of the title block; empty without one.
     pub title_block: Vec<(Text, Text)>,
+    /// What identifies the document at the foot of every printed page; empty without a title block.
+    pub mark: String,
     /// Line at the foot.
     pub footer: Text,
     /// Sections in order.

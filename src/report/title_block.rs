@@ -10,8 +10,7 @@ const NOT_SIGNED: &str = "not yet signed";
 
 /// The title block of a pass's report, which is a part of the study's document.
 pub fn of_pass(document: &StudyDocument, report: &PassReport<'_>) -> Vec<(Text, Text)> {
-    let part = report.pass_file.trim_end_matches(".json");
-    with_part(document, Some(part))
+    with_part(document, Some(part(report)))
 }
 
 /// The title block of the whole.
@@ -19,15 +18,32 @@ pub fn of_study(document: &StudyDocument) -> Vec<(Text, Text)> {
     with_part(document, None)
 }
 
-fn with_part(document: &StudyDocument, part: Option<&str>) -> Vec<(Text, Text)> {
-    let signed = |name: &Option<String>| name.clone().unwrap_or_else(|| NOT_SIGNED.to_owned());
-    let number = match part {
+/// Number and issue of a pass's report, for the foot of every page.
+pub fn mark_of_pass(document: &StudyDocument, report: &PassReport<'_>) -> String {
+    format!("{}, issue {}", number(document, Some(part(report))), document.issue)
+}
+
+/// Number and issue of the whole.
+pub fn mark_of_study(document: &StudyDocument) -> String {
+    format!("{}, issue {}", number(document, None), document.issue)
+}
+
+fn part<'a>(report: &'a PassReport<'_>) -> &'a str {
+    report.pass_file.trim_end_matches(".json")
+}
+
+fn number(document: &StudyDocument, part: Option<&str>) -> String {
+    match part {
         Some(part) => format!("{}, part {part}", document.number),
         None => document.number.clone(),
-    };
+    }
+}
+
+fn with_part(document: &StudyDocument, part: Option<&str>) -> Vec<(Text, Text)> {
+    let signed = |name: &Option<String>| name.clone().unwrap_or_else(|| NOT_SIGNED.to_owned());
     let mut entries = vec![
         ("Document", document.title.clone()),
-        ("Number", number),
+        ("Number", number(document, part)),
         ("Issue", document.issue.clone()),
         ("Date", document.date.clone()),
     ];

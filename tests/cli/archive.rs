@@ -242,3 +242,37 @@ fn a_cache_that_cannot_be_written_does_not_stop_a_report() {
     assert_eq!(said.matches("warning: not all results are kept in the cache").count(), 1, "{said}");
     assert!(printed(root.path(), &["verify", REPORT]).ends_with("the report is as it was written\n"));
 }
+
+/// A browser's part is played by a script: that it was asked for what is wanted, and what is said where it fails.
+#[cfg(unix)]
+#[test]
+fn reports_are_printed_by_a_browser() {
+    use std::os::unix::fs::PermissionsExt;
+    let root = plate();
+    let script = |body: &str| {
+        let place = root.path().join("browser");
+        fs::write(&place, format!("#!/bin/sh\n{body}\n")).unwrap();
+        fs::set_permissions(&place, fs::Permissions::from_mode(0o755)).unwrap();
+        place
+    };
+    let run = |browser: &Path| {
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("bmv"));
+        command.current_dir(root.path()).env("BMV_BROWSER", browser);
+        command.args(["report", "plate", "--pdf", "for review"]).output().unwrap()
+    };
+    let wanted = r#"for a in "$@"; do case "$a" in --print-to-pdf=*) to="${a#*=}";; file://*) page="$a";; esac; done
+printf '%%PDF-1.7 %s' "$page" > "$to""#;
+    let output = run(&script(wanted));
+    assert!(output.status.success(), "{output:?}");
+    let printed = fs::read_to_string(root.path().join("for review/plate-pass-1.pdf")).unwrap();
+    assert!(printed.starts_with("%PDF-1.7 file:///") && printed.ends_with("/reports/plate/pass-1/report.html"));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("plate-pass-1.pdf"));
+    let output = run(&script("echo no display >&2; exit 3"));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        output.status.code() == Some(2) && said.contains("printed no PDF") && said.contains("no display"),
+        "{said}"
+    );
+    let output = run(Path::new("/nowhere/browser"));
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+}

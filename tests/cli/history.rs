@@ -81,11 +81,11 @@ fn history_tells_the_error_of_each_pass_and_how_it_fell() {
     parameters; tuned: the most probable parameters of the pass's calibration, which saw the readings
     for fitting alone.
 
-    - `pass-1.json` as delivered -> tuned, without new physics: RMSE held-out 3.00 K -> 1.50 K, for
-      fitting 3.00 K -> 0.00 K.
-    - `pass-2.json` adds `heat-load:plate`: RMSE held-out 1.50 K -> 0.00 K, for fitting 0.00 K -> 0.00 K
+    - `pass-1.json` as delivered → tuned, without new physics: RMSE held-out 3.00 K → 1.50 K, for
+      fitting 3.00 K → 0.00 K.
+    - `pass-2.json` adds `heat-load:plate`: RMSE held-out 1.50 K → 0.00 K, for fitting 0.00 K → 0.00 K
       (tuned, against `pass-1.json`).
-    - `pass-3.json` adds `heat-load:plate`: RMSE held-out 3.00 K -> 1.00 K, for fitting 3.00 K -> 1.00 K
+    - `pass-3.json` adds `heat-load:plate`: RMSE held-out 3.00 K → 1.00 K, for fitting 3.00 K → 1.00 K
       (as delivered, against `pass-1.json`).
 
     Readings for fitting / held out. Mean deviation (measured minus predicted) and share within the

@@ -53,11 +53,11 @@ fn the_fall_is_told_in_words_numbers_and_three_curves() {
     let section = section.split("<a id=").next().expect("its end");
     let words = section.replace('\u{A0}', " ");
     for text in [
-        "`pass-2.json` as delivered -> tuned, without new physics: RMSE held-out 3.70 K -> 1.90 K, for fitting 3.10 K -> 1.60 K.",
-        "adds `sink-offset:<plate>`: RMSE held-out 1.90 K -> 0.30 K, for fitting 1.60 K -> 0.26 K (tuned, against `pass-2.json`).",
-        "held-out 1.90 K -> 2.00 K",
+        "`pass-2.json` as delivered → tuned, without new physics: RMSE held-out 3.70 K → 1.90 K, for fitting 3.10 K → 1.60 K.",
+        "adds `sink-offset:<plate>`: RMSE held-out 1.90 K → 0.30 K, for fitting 1.60 K → 0.26 K (tuned, against `pass-2.json`).",
+        "held-out 1.90 K → 2.00 K",
         "**the error did not fall**",
-        "`pass-5.json` adds no effect: RMSE held-out 3.60 K -> 2.60 K, for fitting 3.00 K -> 2.00 K (as delivered, against `pass-3.json`).",
+        "`pass-5.json` adds no effect: RMSE held-out 3.60 K → 2.60 K, for fitting 3.00 K → 2.00 K (as delivered, against `pass-3.json`).",
         "Without a comparison in kelvin: `pass-1.json`.",
         "| `pass-3.json` | 3.00 / 3.60 | 0.26 / 0.30 |",
         "as delivered 3.70 K, tuned only 1.90 K; tuned: pass-2.json 1.90 K, pass-3.json 0.30 K",
@@ -99,7 +99,7 @@ fn errors_of_other_readings_are_not_held_against_one_another() {
     let section = markdown.split("<a id=\"history\">").nth(1).expect("the section");
     let told = "held-out error 3.60 K as delivered, held-out error 0.30 K tuned, on other readings than those of `pass-2.json`";
     assert!(section.replace("\\-", "-").contains(told), "{section}");
-    assert!(!section.contains("1.90 K -> 0.30 K") && !section.contains("1.90 K \\-\\> 0.30"), "{section}");
+    assert!(!section.contains("1.90 K → 0.30 K") && !section.contains("1.90 K \\-\\> 0.30"), "{section}");
 }
 
 #[test]

@@ -35,6 +35,7 @@ pub fn page(study: &ArchivedStudy) -> Page {
         subtitle,
         links: Text::default().link("all studies", &["..", crate::report::INDEX]),
         title_block: document.map(title_block::of_study).unwrap_or_default(),
+        mark: document.map(title_block::mark_of_study).unwrap_or_default(),
         footer: Text::new(
             "Made by bmv from the records of the reports below this folder; the same reports give the same bytes.",
         ),

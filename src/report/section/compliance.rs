@@ -69,7 +69,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         return None;
     }
     let blocks = vec![
-        Block::Paragraph(Text::new(counts(&rows)).plain(
+        Block::Paragraph(Text::new(format!("Requirements: {}", counts(&rows))).plain(
             " Met: the whole 95 % interval of the probability lies at or above what is required, and the model keeps the \
              criteria of its test where it was tested. Without that a high probability is no claim.",
         )),

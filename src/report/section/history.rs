@@ -76,12 +76,14 @@ fn kelvin(value: f64) -> String {
     format!("{}\u{A0}K", fixed(value, 2))
 }
 
-/// `RMSE held-out 3.70 K -> 1.90 K, for fitting 2.10 K -> 1.10 K`; as far as both are known.
+/// `RMSE held-out 3.70 K → 1.90 K, for fitting 2.10 K → 1.10 K`; as far as both are known.
 fn change(before: &Split, after: &Split) -> Option<String> {
     let pairs = [("held-out", before.held_out, after.held_out), ("for fitting", before.train, after.train)];
     let changes: Vec<String> = pairs
         .iter()
-        .filter_map(|(what, before, after)| Some(format!("{what} {} -> {}", kelvin((*before)?), kelvin((*after)?))))
+        .filter_map(|(what, before, after)| {
+            Some(format!("{what} {} \u{2192} {}", kelvin((*before)?), kelvin((*after)?)))
+        })
         .collect();
     (!changes.is_empty()).then(|| format!("RMSE {}", changes.join(", ")))
 }
@@ -97,7 +99,7 @@ fn in_words(history: &History, pass: &PassErrors) -> Text {
     let mut text = Text::default().code(&pass.pass);
     let Some(before) = history.before(pass) else {
         return match change(&pass.rmse_k.delivered, &pass.rmse_k.tuned) {
-            Some(change) => text.plain(format!(" as delivered -> tuned, without new physics: {change}.")),
+            Some(change) => text.plain(format!(" as delivered \u{2192} tuned, without new physics: {change}.")),
             None => {
                 let of = pass.rmse_k.delivered;
                 let value = of.held_out.or(of.train).map_or_else(|| NONE.to_owned(), kelvin);

@@ -7,7 +7,7 @@ mod access;
 mod call;
 mod command;
 mod output;
-mod process;
+pub mod process;
 mod umbridge;
 
 use std::collections::HashMap;

@@ -11,7 +11,7 @@ const FIRST_LOOK: Duration = Duration::from_micros(200);
 const LONGEST_LOOK: Duration = Duration::from_millis(10);
 
 /// How a program ended.
-pub(super) enum End {
+pub enum End {
     /// By itself.
     Exited(ExitStatus),
     /// It took too long.
@@ -62,7 +62,7 @@ impl Drop for Group {
 ///
 /// # Errors
 /// The system does not start it, or does not tell how it ended.
-pub(super) fn run(
+pub fn run(
     mut command: Command,
     output: &Path,
     errors: &Path,

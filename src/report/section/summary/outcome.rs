@@ -85,14 +85,15 @@ fn of_diagnosis(output: &Diagnosis) -> Text {
                 held_out.or_else(|| before.train.zip(after.train).map(|pair| (pair, "fitted")))
             });
             let shown = Shown::si("K");
+            let them = if selected.len() == 1 { "it" } else { "them" };
             match fall {
                 Some(((before, after), what)) if after < before => text.plain(format!(
-                    " With it the {what} error falls from {} tuned to {}.",
+                    " With {them} the {what} error falls from {} tuned to {}.",
                     shown.text(before),
                     shown.text(after)
                 )),
                 Some(((before, after), what)) => text.plain(format!(
-                    " The {what} error does not fall with it: {} tuned, {} with it.",
+                    " The {what} error does not fall with {them}: {} tuned, {} with {them}.",
                     shown.text(before),
                     shown.text(after)
                 )),
