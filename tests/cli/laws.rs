@@ -10,15 +10,16 @@ use tempfile::TempDir;
 
 use super::studies::{bmv, code, printed};
 
-/// A box on a plate; a pump gives it `2 (1 - exp(-v / 25))` W at the valve's opening `v`, which the model lacks.
+/// A box on a plate; a pump gives it `2 (1 - exp(-v / 25))` W at the valve's opening `v`, which the model lacks. Its conductances
+/// cannot be 0: microwatts across them would explain kelvins.
 fn study() -> TempDir {
     let root = tempfile::tempdir().unwrap();
     let folder = root.path().join("pump");
     fs::create_dir(&folder).unwrap();
     let model = r#"{"format": "bmv-network/1", "title": "A box on a plate",
       "inputs": {"Q": {"unit": "W", "nominal": 5, "range": [0, 20]}, "valve": {"unit": "%", "nominal": 50, "range": [0, 100]}},
-      "parameters": {"G": {"unit": "W/K", "nominal": 0.5, "prior": {"normal": {"mean": 0.5, "sd": 0.1}}, "source": "assumed"},
-        "H": {"unit": "W/K", "nominal": 0.2, "prior": {"normal": {"mean": 0.2, "sd": 0.05}}, "source": "assumed"}},
+      "parameters": {"G": {"unit": "W/K", "nominal": 0.5, "prior": {"lognormal": {"median": 0.5, "factor": 1.22}}, "source": "assumed"},
+        "H": {"unit": "W/K", "nominal": 0.2, "prior": {"lognormal": {"median": 0.2, "factor": 1.28}}, "source": "assumed"}},
       "nodes": {"sink": {"boundary": "290"}, "plate": {"capacity": 200}, "box": {"capacity": 100}},
       "conductors": {"feet": {"between": ["plate", "sink"], "conductance": "G"}, "strap": {"between": ["box", "plate"], "conductance": "H"}},
       "loads": {"heater": {"into": "plate", "power": "Q"}}}"#;
