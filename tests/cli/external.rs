@@ -186,13 +186,14 @@ fn nothing_runs_that_is_not_allowed_and_the_message_tells_how_to() {
 #[test]
 fn a_call_that_fails_is_data_and_says_why() {
     let root = study(
-        &COMMAND.replace(r#""outputs""#, r#""timeout": 0.5, "outputs""#),
+        &COMMAND.replace(r#""outputs""#, r#""timeout": 0.5, "outputs""#).replace(r#""K", "from""#, r#""degC", "from""#),
         r#""prior": {"propagate": {"samples": 4}}"#,
     );
     let failing = [
         ("echo garbage > out.json", "`out.json`: it is no JSON"),
         ("echo '{\"plate\": NaN}' > out.json", "`out.json`: it is no JSON"),
         ("echo '{\"plate\": \"warm\"}' > out.json", "`/plate` is \"warm\", which is no number"),
+        ("echo '{\"plate\": -400}' > out.json", "an output is below absolute zero: `plate` is -400 degC"),
         ("echo '{\"other\": 3}' > out.json", "there is nothing at `/plate`"),
         ("true", "`out.json`: the program did not write it"),
         ("echo no licence >&2; exit 3", "the program did not succeed: exit status: 3; it said last: no licence"),

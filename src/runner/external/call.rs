@@ -39,6 +39,12 @@ impl Call<'_> {
         }
         let taken = numbers.iter().zip(outputs).enumerate().map(|(place, (number, output))| {
             let value = self.external.taken(place, *number);
+            // A unit whose zero is not that of SI is one of temperatures; differences are in kelvin.
+            if output.unit.offset != 0.0 && value < 0.0 {
+                let unit = &output.unit.text;
+                let detail = format!("`{}` is {number} {unit}", output.name);
+                return Err(Failure::at("an output is below absolute zero", detail));
+            }
             if value.is_finite() {
                 return Ok(value);
             }

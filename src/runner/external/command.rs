@@ -80,7 +80,7 @@ pub(super) fn call(call: &Call<'_>, command: &Command) -> Result<Vec<f64>, Failu
     match end.map_err(broken(&format!("`{}` cannot be started", Path::new(&program).display())))? {
         End::Left => return Err(Failure::at("the program was ended", "the run was left")),
         End::TimedOut => {
-            let detail = format!("it was ended after {} s, with all that it had started", timeout.as_secs_f64());
+            let detail = format!("it was ended after {} s, with its group of processes", timeout.as_secs_f64());
             return Err(Failure::at("the program took longer than its timeout", detail));
         }
         End::WroteTooMuch => {
