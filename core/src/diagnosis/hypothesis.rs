@@ -179,10 +179,9 @@ impl Measurement {
         let crate::measurement::Rows::Transient { initial, inputs, .. } = &mut self.rows else { return };
         let Initial::Temperatures { values, shared, balanced } = initial else { return };
         let is_input = |column: &&crate::measurement::InputColumn| {
-            model
-                .inputs
-                .get(column.input)
-                .is_some_and(|input| Unit::parse(&input.unit).is_ok_and(|unit| unit.dimension == kelvin()))
+            model.inputs.get(column.input).is_some_and(|input| {
+                Unit::parse(&input.unit).is_ok_and(|unit| unit.dimension == Dimension::TEMPERATURE)
+            })
         };
         shown.extend(inputs.columns.iter().filter(is_input).flat_map(|column| column.values.iter().copied()));
         if shared.contains(&node) || balanced.contains(&node) {
@@ -216,11 +215,6 @@ impl Measurement {
             values.push(value);
         }
     }
-}
-
-/// The dimension of K.
-fn kelvin() -> Dimension {
-    Unit::parse("K").map_or(Dimension::NONE, |unit| unit.dimension)
 }
 
 /// The dimension of J/K.

@@ -226,17 +226,17 @@ fn title(pass: &Pass, names: &[&str], file: &Path) -> String {
     format!("{base}{}", with(&all))
 }
 
-/// A title with the new number where it tells the old one: as `pass 1` or `Pass 1`, a word of its own.
+/// A title with the new number where it has the old one: as `pass 1` or `Pass 1`, a word of its own.
 fn renumbered(title: &str, old: u64, new: u64) -> String {
-    let told = format!("pass {old}");
+    let before = format!("pass {old}");
     // Of the same length: only ASCII letters change.
     let lower = title.to_ascii_lowercase();
     let is_word = |at: &usize| {
         let begins = !lower[..*at].ends_with(char::is_alphanumeric);
-        begins && !lower[at + told.len()..].starts_with(|c: char| c.is_ascii_digit())
+        begins && !lower[at + before.len()..].starts_with(|c: char| c.is_ascii_digit())
     };
-    match lower.match_indices(told.as_str()).map(|(at, _)| at).find(is_word) {
-        Some(at) => format!("{}{new}{}", &title[..at + "pass ".len()], &title[at + told.len()..]),
+    match lower.match_indices(before.as_str()).map(|(at, _)| at).find(is_word) {
+        Some(at) => format!("{}{new}{}", &title[..at + "pass ".len()], &title[at + before.len()..]),
         None => title.to_owned(),
     }
 }

@@ -1,5 +1,6 @@
 //! The verdict in sentences.
 
+use crate::diagnosis::odds::prior_scale::WIDTHS;
 use crate::diagnosis::output::{
     Amount, DiscriminatingExperiment, EffectResult, OneThing, Output, RISES, StoryStep, Verdict,
 };
@@ -103,7 +104,15 @@ const LEAST_MODEL_ERROR: f64 = 0.05;
 /// That errors of the model itself may be what an effect explains.
 fn or_model_error(effect: &EffectResult) -> String {
     if effect.model_error >= IS_MODEL_ERROR {
-        return " It explains less than what else is missing: errors of the model itself may be all that it stands for.".to_owned();
+        // What is said of its size is why, where it is implausible.
+        let is_implausible = effect.prior_width >= WIDTHS.iter().map(|width| width.factor).fold(1.0, f64::max);
+        return match is_implausible {
+            true => " Errors of the model itself may be all that it stands for.".to_owned(),
+            false => {
+                " It explains less than what else is missing: errors of the model itself may be all that it stands for."
+                    .to_owned()
+            }
+        };
     }
     if effect.model_error < LEAST_MODEL_ERROR {
         return String::new();
@@ -491,17 +500,30 @@ mod tests {
         assert!(found.starts_with("that is a misfit (p < 1e-6, "), "{found}");
     }
 
+    /// An effect with this most probable conductance, W/K.
+    fn effect(most_probable: f64) -> EffectResult {
+        let amount = serde_json::json!({"value": 0.0307, "sd": 0.0131, "most_probable": most_probable, "unit": "W/K", "at_bound": false});
+        serde_json::from_value(serde_json::json!({
+            "id": "a:x", "effect": "a", "title": "A", "where": ["x"], "where_kind": "node", "input": null, "probability": 0.9,
+            "log_bayes_factor": 9.0, "log_bayes_factor_scales": null, "group": null, "amplitudes": {"conductance": amount},
+            "rmse_k": {"train": [null, null], "held_out": [null, null]}, "watts": null, "confused_with": [], "separate": ""
+        }))
+        .expect("an effect")
+    }
+
+    #[test]
+    fn why_errors_of_the_model_may_be_it_is_said_where_it_is_so() {
+        let of = |model_error: f64, prior_width: f64| {
+            or_model_error(&EffectResult { model_error, prior_width, ..effect(0.03) })
+        };
+        assert!(of(0.04, 1.0).is_empty());
+        assert_eq!(of(0.13, 1.0), " Errors of the model itself explain as much with probability 13.0 %.");
+        assert!(of(0.5, 10.0).starts_with(" It explains less than what else is missing"));
+        assert_eq!(of(0.5, 100.0), " Errors of the model itself may be all that it stands for.");
+    }
+
     #[test]
     fn the_value_that_is_adopted_stands_beside_a_mean_that_lies_elsewhere() {
-        let effect = |most_probable: f64| {
-            let amount = serde_json::json!({"value": 0.0307, "sd": 0.0131, "most_probable": most_probable, "unit": "W/K", "at_bound": false});
-            serde_json::from_value::<EffectResult>(serde_json::json!({
-                "id": "a:x", "effect": "a", "title": "A", "where": ["x"], "where_kind": "node", "input": null, "probability": 0.9,
-                "log_bayes_factor": 9.0, "log_bayes_factor_scales": null, "group": null, "amplitudes": {"conductance": amount},
-                "rmse_k": {"train": [null, null], "held_out": [null, null]}, "watts": null, "confused_with": [], "separate": ""
-            }))
-            .expect("an effect")
-        };
         assert_eq!(size(&effect(0.0308)), ", conductance 0.031 ± 0.013 W/K");
         assert_eq!(
             size(&effect(0.0347)),
