@@ -4,7 +4,7 @@ use bmv::batch::next_pass::{Asked, NextPass, destination, next_pass, write};
 use bmv::diagnosis::Output;
 use bmv::document::Diagnostics;
 use bmv::effect::{Bound, Candidate, Catalogue, GroupPlace, Site, candidates};
-use bmv::measurement::sensor_places;
+use bmv::measurement::{Initial, Rows, Uncertain, sensor_places};
 use bmv::random::Distribution;
 use bmv::study::problem::dated;
 use serde_json::{Value, json};
@@ -249,6 +249,31 @@ fn the_file_is_readable_and_says_why() {
       |
       = help: a phase at T_plate = 39.85 degC would tell them apart with probability 97.0 % (repeating a phase: 60.0 %)
     ");
+}
+
+/// Two parts of a measurement have one start, whose bounds hold both.
+#[test]
+fn inferred_starts_of_added_nodes_are_adopted_with_their_priors() {
+    let study = Study::transient();
+    let start = |measurement: &str, mean: f64| {
+        json!({"measurement": measurement, "node": "hidden-node:panel.hidden", "most_probable_k": 301.0,
+            "prior_k": [mean, 5.0], "bounds_k": [mean - 20.0, mean + 20.0]})
+    };
+    let mut part = other("hidden-node:panel", "node", Some(1));
+    part["starts"] = json!([start("balance", 290.0), start("balance (part 2)", 294.0)]);
+    let found = findings("identified", vec![part], &["hidden-node:panel"]);
+    let next = adopt(&study, &found, &[], false).expect("adopted");
+    study.put("pass-2.json", &next.text);
+    let read = bmv::job::load(&study.path("pass-2.json")).unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 9)));
+    let Rows::Transient { initial: Initial::Temperatures { values, .. }, .. } = &read.measurements[0].rows else {
+        panic!("temperatures")
+    };
+    let hidden = read.model.nodes.iter().position(|node| node.name.ends_with(".hidden")).expect("there");
+    let Uncertain::Inferred(Distribution::Normal { mean, sd, lower: Some(lower), upper: Some(upper) }) = values[hidden]
+    else {
+        panic!("{:?}", values[hidden])
+    };
+    assert!(close(mean, 292.0) && close(sd, 5.0) && close(lower, 270.0) && close(upper, 314.0), "{}", next.text);
 }
 
 #[test]

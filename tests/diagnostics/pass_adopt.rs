@@ -144,6 +144,45 @@ fn a_lag_is_a_parameter_and_a_hidden_node_starts_with_its_host() {
     assert!((prompt[1] - 293.15).abs() > (late[1] - 293.15).abs(), "a lagging sensor has moved less");
 }
 
+/// A part inside the panel, which starts between 10 and 30 degC.
+const WARM_PART: &str = r#""inside": {"effect": {"hidden-node": {"where": "panel"}}, "because": "two time constants",
+    "starts": {"balance": {"prior": {"normal": {"mean": 20, "sd": 4, "lower": 10, "upper": 30}}, "unit": "degC"}}}"#;
+
+#[test]
+fn a_node_that_an_effect_adds_starts_as_its_entry_says() {
+    for initial in [r#"{"temperatures": {"all": {"value": 20, "unit": "degC"}}}"#, r#"{"measured": {}}"#] {
+        let study = Study::transient();
+        study.edit("pass-1.json", r#"{"temperatures": {"all": {"value": 20, "unit": "degC"}}}"#, initial);
+        let pass = adopting(&study, WARM_PART);
+        let Rows::Transient { initial: Initial::Temperatures { values, shared, balanced }, .. } =
+            &pass.measurements[0].rows
+        else {
+            panic!("temperatures")
+        };
+        let hidden = pass.model.nodes.iter().position(|node| node.name == "inside.hidden").expect("there");
+        let prior = Distribution::Normal { mean: 293.15, sd: 4.0, lower: Some(283.15), upper: Some(303.15) };
+        assert_eq!(values[hidden], Uncertain::Inferred(prior), "{initial}");
+        assert!(!shared.contains(&hidden) && !balanced.contains(&hidden), "{initial}");
+    }
+}
+
+#[test]
+fn a_start_that_nothing_can_have_is_refused() {
+    let said = |entry: &str, initial: &str| {
+        let study = Study::transient();
+        study.edit("pass-1.json", r#"{"temperatures": {"all": {"value": 20, "unit": "degC"}}}"#, initial);
+        study.edit("pass-1.json", r#""design": {"A""#, &format!(r#""adopt": {{{entry}}}, "design": {{"A""#));
+        study.said("pass-1.json")
+    };
+    let all = r#"{"temperatures": {"all": {"value": 20, "unit": "degC"}}}"#;
+    let elsewhere = WARM_PART.replace(r#""balance""#, r#""log""#);
+    assert!(said(&elsewhere, all).contains("unknown transient measurement `log`"), "{}", said(&elsewhere, all));
+    let load = WARM_PART.replace("hidden-node", "heat-load");
+    assert!(said(&load, all).contains("`inside` adds no node that could start"), "{}", said(&load, all));
+    let steady = said(WARM_PART, r#"{"steady": {}}"#);
+    assert!(steady.contains("whose start follows from its inputs"), "{steady}");
+}
+
 #[test]
 fn a_study_brings_its_own_effect() {
     let study = Study::new();

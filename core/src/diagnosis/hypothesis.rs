@@ -35,6 +35,21 @@ pub struct Hypothesis {
     pub amplitudes: Vec<std::ops::Range<usize>>,
     /// The measurements with their sensors changed and a start temperature for every added node.
     pub measurements: Vec<Measurement>,
+    /// Starts of added nodes that are inferred.
+    pub starts: Vec<InferredStart>,
+}
+
+/// The start temperature of a node that an effect adds, where it is inferred.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InferredStart {
+    /// Position of the effect in the hypothesis's list.
+    pub effect: usize,
+    /// Position of the measurement.
+    pub measurement: usize,
+    /// The node in the model.
+    pub node: usize,
+    /// Its prior, K.
+    pub prior: Distribution,
 }
 
 impl Problem {
@@ -58,6 +73,7 @@ impl Problem {
             parameters: self.parameters.clone(),
             amplitudes: Vec::new(),
             measurements: self.measurements.clone(),
+            starts: Vec::new(),
         };
         for (&effect, &width) in effects.iter().zip(widths) {
             hypothesis.add(self, effect, width)?;
@@ -91,9 +107,13 @@ impl Hypothesis {
         }
         let applied = self.add_as(candidate, effect, &candidate.id, parameters)?;
         if problem.is_misspecified {
-            let model = &self.model;
+            let (model, effect) = (&self.model, self.amplitudes.len() - 1);
             for &(node, _) in &applied.nodes {
-                self.measurements.iter_mut().for_each(|measurement| measurement.begin_free(node, model));
+                for (measurement, measured) in self.measurements.iter_mut().enumerate() {
+                    let prior = measured.begin_free(node, model);
+                    let start = prior.map(|prior| InferredStart { effect, measurement, node, prior });
+                    self.starts.extend(start);
+                }
             }
         }
         Ok(())
@@ -163,8 +183,8 @@ impl Hypothesis {
 impl Measurement {
     /// Frees the start temperature of a node that was added, unless it is that of all: a part that a record finds at its host's
     /// temperature is the exception. It stays near the temperatures that the record shows, as nothing that is hotter or colder
-    /// than all that is there could have made it so.
-    fn begin_free(&mut self, node: usize, model: &Model) {
+    /// than all that is there could have made it so. The prior, K, where it is freed.
+    fn begin_free(&mut self, node: usize, model: &Model) -> Option<Distribution> {
         let width = self.sensors.len().max(1);
         let is_temperature = |sensor: usize| {
             let quantity = self.sensors.get(sensor).and_then(|sensor| model.quantities.get(sensor.quantity));
@@ -176,8 +196,8 @@ impl Measurement {
         let mean = shown.iter().sum::<f64>() / count;
         let square = shown.iter().map(|reading| (reading - mean) * (reading - mean)).sum::<f64>();
         let sd = (square / count).sqrt().max(LEAST_SPREAD_OF_STARTS_K);
-        let crate::measurement::Rows::Transient { initial, inputs, .. } = &mut self.rows else { return };
-        let Initial::Temperatures { values, shared, balanced } = initial else { return };
+        let crate::measurement::Rows::Transient { initial, inputs, .. } = &mut self.rows else { return None };
+        let Initial::Temperatures { values, shared, balanced } = initial else { return None };
         let is_input = |column: &&crate::measurement::InputColumn| {
             model.inputs.get(column.input).is_some_and(|input| {
                 Unit::parse(&input.unit).is_ok_and(|unit| unit.dimension == Dimension::TEMPERATURE)
@@ -185,16 +205,18 @@ impl Measurement {
         };
         shown.extend(inputs.columns.iter().filter(is_input).flat_map(|column| column.values.iter().copied()));
         if shared.contains(&node) || balanced.contains(&node) {
-            return;
+            return None;
         }
-        let Some(value) = values.get_mut(node) else { return };
+        let value = values.get_mut(node)?;
         let mean = value.nominal();
         shown.push(mean);
         let [least, most] =
             [shown.iter().copied().fold(f64::INFINITY, f64::min), shown.iter().copied().fold(0.0, f64::max)];
         let margin = (MARGIN_OF_STARTS * (most - least)).max(LEAST_SPREAD_OF_STARTS_K);
         let (lower, upper) = (Some((least - margin).max(0.0)), Some(most + margin));
-        *value = Uncertain::Inferred(Distribution::Normal { mean, sd, lower, upper });
+        let prior = Distribution::Normal { mean, sd, lower, upper };
+        *value = Uncertain::Inferred(prior);
+        Some(prior)
     }
 
     /// Gives a node that was added a start temperature: that of its host.
@@ -256,6 +278,9 @@ mod tests {
         else {
             panic!("temperatures")
         };
+        let listed = hypothesis.starts.iter().filter(|start| start.measurement == 0 && start.node == count);
+        let listed: Vec<Uncertain> = listed.map(|start| Uncertain::Inferred(start.prior)).collect();
+        assert_eq!(listed, if with_all { Vec::new() } else { vec![values[count].clone()] });
         (values[count].clone(), shown)
     }
 

@@ -117,6 +117,21 @@ pub struct EffectHeat {
     pub watts: f64,
 }
 
+/// The inferred start temperature of a node that an effect adds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StartResult {
+    /// The measurement.
+    pub measurement: String,
+    /// The node, as the effect names it.
+    pub node: String,
+    /// The most probable temperature, K.
+    pub most_probable_k: f64,
+    /// Mean and standard deviation of its normal prior, K.
+    pub prior_k: [f64; 2],
+    /// Bounds of the prior, K.
+    pub bounds_k: [f64; 2],
+}
+
 /// An effect as an explanation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EffectResult {
@@ -152,6 +167,9 @@ pub struct EffectResult {
     pub amplitudes: BTreeMap<String, Amount>,
     /// Errors without it and with it, the rest of its best set given.
     pub rmse_k: RmseChange,
+    /// Start temperatures of the nodes that it adds, where they were inferred.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub starts: Vec<StartResult>,
     /// Heat that it gives the node to which it gives most, W: smallest and largest over the fitted rows, negative where
     /// it takes heat; `None` where it moves none, as on sensors.
     pub watts: Option<[f64; 2]>,

@@ -14,6 +14,7 @@ use crate::random::Distribution;
 use crate::thermal::Model;
 
 use super::text::Item;
+use crate::study::resolve::belongs_to;
 use crate::study::resolved::Pass;
 
 /// Rivals that a reason names.
@@ -124,6 +125,36 @@ pub fn usage(effect: &Effect, finding: &EffectResult, bound: &[Bound], model: &M
         fields.push(("parameters".to_owned(), Item::Object(parameters)));
     }
     (Item::one(&effect.name, Item::Object(fields)), fitted_amplitudes)
+}
+
+/// The priors of the start temperatures of the nodes that an effect adds, by measurement. Parts of a measurement, and members
+/// of a group, have one that holds them all.
+pub fn starts(finding: &EffectResult, pass: &Pass) -> Option<Item> {
+    let unit = Unit::parse("degC").ok()?;
+    let mut entries = Vec::new();
+    let mut written: Vec<&str> = Vec::new();
+    for measurement in &pass.measurements {
+        if !written.iter().any(|whole| belongs_to(&measurement.name, whole)) {
+            written.push(&measurement.name);
+        }
+    }
+    for name in written {
+        let own: Vec<_> = finding.starts.iter().filter(|start| belongs_to(&start.measurement, name)).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let mean = own.iter().map(|start| start.prior_k[0]).sum::<f64>() / own.len() as f64;
+        let sd = own.iter().map(|start| start.prior_k[1]).fold(0.0, f64::max);
+        let lower = own.iter().map(|start| start.bounds_k[0]).fold(f64::INFINITY, f64::min);
+        let upper = own.iter().map(|start| start.bounds_k[1]).fold(0.0, f64::max);
+        let prior = Distribution::Normal { mean, sd, lower: Some(lower), upper: Some(upper) };
+        let start = vec![
+            ("prior".to_owned(), distribution(&prior, &unit, Sense::Absolute)),
+            ("unit".to_owned(), Item::text("degC")),
+        ];
+        entries.push((name.to_owned(), Item::Object(start)));
+    }
+    (!entries.is_empty()).then_some(Item::Object(entries))
 }
 
 fn place(finding: &EffectResult) -> Item {

@@ -192,11 +192,11 @@ fn adopt<'f>(
     let name = name::name(&finding.effect, &finding.place, &finding.where_kind, finding.input.as_deref(), &is_used);
     let evidence = vec![("pass".to_owned(), Item::text(&pass.file)), ("job".to_owned(), Item::text(job))];
     let (usage, fitted) = entry::usage(effect, finding, &bound, model);
-    let item = Item::Object(vec![
-        ("effect".to_owned(), usage),
-        ("because".to_owned(), Item::text(&entry::because(finding, &fitted, diagnosis, job, &pass.file))),
-        ("evidence".to_owned(), Item::Object(evidence)),
-    ]);
+    let mut fields = vec![("effect".to_owned(), usage)];
+    fields.extend(entry::starts(finding, pass).map(|starts| ("starts".to_owned(), starts)));
+    fields.push(("because".to_owned(), Item::text(&entry::because(finding, &fitted, diagnosis, job, &pass.file))));
+    fields.push(("evidence".to_owned(), Item::Object(evidence)));
+    let item = Item::Object(fields);
     let parameters = effect.parameters(model, &bound).into_iter().filter(|parameter| !parameter.prior.is_fixed());
     let parameters = parameters.map(|parameter| format!("{name}.{}", parameter.name)).collect();
     Some(Adoption { key: name.clone(), name, is_prior: false, finding, item, parameters })

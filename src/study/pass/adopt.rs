@@ -2,6 +2,7 @@
 
 use crate::document::{Amount, Map, NameOr, OneOrMany, Spanned, WrittenUnit, written_struct};
 
+use super::uncertain::UncertainForm;
 use crate::study::model::PriorForm;
 
 written_struct! {
@@ -15,6 +16,8 @@ written_struct! {
         optional evidence: Evidence,
         /// Measurements and environments that have it; all where it is left out.
         optional applies_to: Vec<Spanned<String>>,
+        /// Start temperature of the nodes that it adds, by transient measurement; where it is left out, that of their host.
+        default(Map::default()) starts: Map<UncertainForm>,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Adopted effects: looked up, placed, given their parameters, and applied to the model and to the measurements.
 
-use crate::document::{Diagnostics, Map, MapEntry, Place, code};
+use crate::document::{Diagnostics, Map, MapEntry, Place, Sense, code};
 use crate::effect::{Applied, Bound, Catalogue, Effect, Instance, PlaceKind, SensorChange, SensorPlace, apply};
 use crate::expression::{Dimension, Unit};
 use crate::measurement::{Measurement, Rows, sensor_places};
@@ -10,7 +10,7 @@ use crate::study::inherit::unnamed_file_diagnostic;
 use crate::study::model::Scale;
 use crate::study::pass::PassForm;
 use crate::study::pass::adopt::{Adopted, EffectUse};
-use crate::study::pass::measurement::SensorForm;
+use crate::study::pass::measurement::{MeasurementForm, SensorForm};
 use crate::study::requirement::Environment;
 use crate::study::resolved::AdoptedEffect;
 use crate::thermal::Input;
@@ -74,7 +74,8 @@ pub fn adopt(scope: &mut Scope, form: &PassForm, catalogue: &Catalogue) -> Adopt
         check_applies_to(scope, form, &entry.value);
         let Some((effect, usage)) = effect(scope, entry, catalogue) else { continue };
         if !of_sensors(effect) {
-            adoption.adopt_one(scope, entry, effect, usage, &[]);
+            let applied = adoption.adopt_one(scope, entry, effect, usage, &[]);
+            note_starts(scope, form, entry, applied.as_ref());
         }
     }
     adoption
@@ -118,6 +119,27 @@ fn check_evidence(scope: &mut Scope, form: &Adopted) {
     {
         let diagnostic = super::folder_diagnostic_at(&error, &evidence.pass.place);
         scope.diagnostics.push(diagnostic);
+    }
+}
+
+/// The start temperatures of the nodes that an effect adds.
+fn note_starts(scope: &mut Scope, form: &PassForm, entry: &MapEntry<Adopted>, applied: Option<&Applied>) {
+    for start in &entry.value.starts {
+        let transients: Vec<&str> = (form.measurements.iter())
+            .filter(|one| matches!(one.value, MeasurementForm::Transient(_)))
+            .map(|one| one.name.as_str())
+            .collect();
+        if !transients.contains(&start.name.as_str()) {
+            scope.unknown(&code::UNKNOWN_NAME, "transient measurement", &start.name, &start.name_place, &transients);
+            continue;
+        }
+        let value = scope.uncertain(&start.value, Dimension::TEMPERATURE, Sense::Absolute, true);
+        let (Some(value), Some(applied)) = (value, applied) else { continue };
+        if applied.nodes.is_empty() {
+            let message = format!("`{}` adds no node that could start at a temperature", entry.name);
+            scope.error(&code::INITIAL, &start.name_place, message, "no `starts`");
+        }
+        scope.starts.extend(applied.nodes.iter().map(|&(node, _)| (start.name.clone(), node, value.clone())));
     }
 }
 

@@ -8,6 +8,7 @@ use crate::study::pass::measurement::{InitialForm, MeasuredStartForm, OtherNodes
 use crate::study::pass::uncertain::UncertainForm;
 use crate::thermal::{Network, NodeKind, isolated_nodes_beside};
 
+use super::parts::belongs_to;
 use super::plausible::short;
 use super::scope::Scope;
 
@@ -21,6 +22,8 @@ const DOUBTFUL_SIGMAS: f64 = 5.0;
 const DOUBTFUL_SHARE: f64 = 0.02;
 /// The share where the sensor's noise is not stated.
 const DOUBTFUL_SHARE_ALONE: f64 = 0.1;
+/// A line through two readings is carried back over so many times the time between them.
+const FARTHEST_BACK: f64 = 2.0;
 /// Probability of each tail of a prior that a start is not expected in.
 const TAIL: f64 = 0.0005;
 /// Sensors named in a message.
@@ -69,24 +72,37 @@ impl FirstRows<'_> {
             .filter_map(move |(row, time_s)| Some((row, *time_s, self.readings[row * sensors + sensor]?)))
     }
 
-    /// The first reading of a sensor, carried back to the first instant along the line to its second where it comes late.
+    /// The first reading of a sensor, carried back to the first instant along the line to its second where it comes late;
+    /// `None` where it comes so late that the line tells nothing of the start.
     fn at_start(&self, sensor: usize, sensors: usize) -> Option<f64> {
         let begin_s = self.times_s.first().copied().unwrap_or(0.0);
         let mut readings = self.of(sensor, sensors);
         let (_, time_s, reading) = readings.next()?;
-        let second = readings.next().filter(|_| time_s > begin_s);
-        let back =
-            second.map_or(0.0, |(_, later_s, later)| (later - reading) / (later_s - time_s) * (time_s - begin_s));
-        Some(reading - back)
+        let late_s = time_s - begin_s;
+        let Some((_, later_s, later)) = readings.next().filter(|_| late_s > 0.0) else { return Some(reading) };
+        let step_s = later_s - time_s;
+        (late_s <= FARTHEST_BACK * step_s).then(|| reading - (later - reading) / step_s * late_s)
     }
 }
 
 /// The start as written. `None` after an error.
-pub fn stated<'a>(scope: &mut Scope, form: &'a InitialForm, place: &Place) -> Option<Stated<'a>> {
+pub fn stated<'a>(
+    scope: &mut Scope,
+    form: &'a InitialForm,
+    (measurement, place): (&str, &Place),
+) -> Option<Stated<'a>> {
+    let follows = matches!(form, InitialForm::Steady(_) | InitialForm::Periodic(_));
+    if follows && scope.starts.iter().any(|start| start.0 == measurement) {
+        let message = format!(
+            "an adopted effect has a start temperature in `{measurement}`, whose start follows from its inputs"
+        );
+        scope.error(&code::INITIAL, place, message, "no `starts` for it, or another `initial`");
+        return None;
+    }
     match form {
         InitialForm::Steady(_) => Some(Stated::Known(Initial::Steady)),
         InitialForm::Periodic(_) => Some(Stated::Known(Initial::Periodic)),
-        InitialForm::Temperatures(map) => temperatures(scope, map, place).map(Stated::Known),
+        InitialForm::Temperatures(map) => temperatures(scope, map, (measurement, place)).map(Stated::Known),
         InitialForm::Measured(form) => Some(Stated::Measured(form)),
     }
 }
@@ -157,7 +173,7 @@ pub fn measured(
     for (node, value) in given.into_iter().enumerate() {
         let at = expected[node];
         let sd = spread.min(at / ABOVE_ZERO);
-        values.push(match value {
+        values.push(match value.or_else(|| of_effect(scope, measurement, node)) {
             Some(value) => value,
             None if others.contains(&node) && is_fitted => Uncertain::Inferred(normal(at, sd)),
             None => {
@@ -425,7 +441,13 @@ fn unknown_node(scope: &mut Scope, name: &str, place: &Place, more: &[&str]) {
     scope.unknown(&code::UNKNOWN_NAME, "node", name, place, &listed_names);
 }
 
-fn temperatures(scope: &mut Scope, map: &Map<UncertainForm>, place: &Place) -> Option<Initial> {
+/// The start of a node that an adopted effect adds to a measurement, where the effect states it.
+fn of_effect(scope: &Scope, measurement: &str, node: usize) -> Option<Uncertain> {
+    let is_here = |start: &&(String, usize, Uncertain)| belongs_to(measurement, &start.0) && start.1 == node;
+    scope.starts.iter().find(is_here).map(|start| start.2.clone())
+}
+
+fn temperatures(scope: &mut Scope, map: &Map<UncertainForm>, (measurement, place): (&str, &Place)) -> Option<Initial> {
     let before = scope.diagnostics.errors();
     let mut all = None;
     let mut named: Vec<Option<Uncertain>> = vec![None; scope.resolved.model.nodes.len()];
@@ -444,7 +466,7 @@ fn temperatures(scope: &mut Scope, map: &Map<UncertainForm>, place: &Place) -> O
     }
     for &(node, host) in &scope.hosts {
         if named[node].is_none() {
-            named[node] = named[host].clone();
+            named[node] = of_effect(scope, measurement, node).or_else(|| named[host].clone());
         }
     }
     // What stores no heat as the model is written follows from the others at the start, whatever an effect adds to it.

@@ -15,6 +15,7 @@ pub mod measurement;
 mod noise;
 mod outside;
 mod parts;
+pub use parts::belongs_to;
 mod physical;
 mod plausible;
 pub mod posterior_prior;
@@ -230,8 +231,9 @@ fn read_model(folder: &Folder, file: &Spanned<String>, diagnostics: &mut Diagnos
 
 fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics: &mut Diagnostics) -> Option<Pass> {
     let (folder, lineage) = (files.folder, files.lineage);
-    let (hosts, given_storage, drawn, doubts) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut scope = Scope { folder, resolved, hosts, given_storage, drawn, doubts, diagnostics };
+    let (hosts, starts, given_storage) = (Vec::new(), Vec::new(), Vec::new());
+    let (drawn, doubts) = (Vec::new(), Vec::new());
+    let mut scope = Scope { folder, resolved, hosts, starts, given_storage, drawn, doubts, diagnostics };
     let seed = seed(&mut scope, form.seed.as_ref());
     check_names(&mut scope, form);
     let (changes, mut priors) = changes::changes(&mut scope, &form.parameters);

@@ -18,6 +18,8 @@ pub struct Scope<'a> {
     pub resolved: ResolvedModel,
     /// Nodes that effects have added, each with the node whose start temperature it takes where none is stated.
     pub hosts: Vec<(usize, usize)>,
+    /// Starts of nodes that effects have added: the measurement as written, the node, the temperature.
+    pub starts: Vec<(String, usize, Uncertain)>,
     /// Nodes to which effects have given the only heat capacity that they have.
     pub given_storage: Vec<usize>,
     /// Priors from draws of the effect's parameters that is being adopted, by their names in the effect.

@@ -28,7 +28,7 @@ pub fn transient(
     ignored_sensors: &mut Vec<IgnoredSensor>,
 ) -> Outcome {
     let mut list = sensors(scope, &entry.name, &entry.name_place, &form.sensors, &form.ignore, ignored_sensors);
-    let stated = initial::stated(scope, &form.initial, &entry.name_place);
+    let stated = initial::stated(scope, &form.initial, (&entry.name, &entry.name_place));
     let base = scope.nominal_inputs();
     let base = test_inputs(scope, base, &form.inputs);
     let pinned = form.pinned.as_ref().and_then(|pinned| pin(&entry.name, &form.file.value, pinned, scope.diagnostics));

@@ -8,6 +8,7 @@ use crate::diagnosis::fits::held_out;
 use crate::diagnosis::fits::refit::{Amplitude, Begin};
 use crate::diagnosis::heat;
 use crate::diagnosis::heat::effect_heat_flow::effect_heat_flow;
+use crate::diagnosis::hypothesis::InferredStart;
 use crate::diagnosis::noise::overstated;
 use crate::diagnosis::odds::narrow_prior::{SEPARATE, TITLE, is_prior};
 use crate::diagnosis::odds::posterior_odds::{
@@ -16,7 +17,7 @@ use crate::diagnosis::odds::posterior_odds::{
 };
 use crate::diagnosis::output::{
     Amount, Detectable, EffectHeat, EffectResult, HeldOutTest, Misfit, ModelResult, NoiseResult, Output, Rmse,
-    RmseChange, StoryStep, Test, Unseen, Verdict,
+    RmseChange, StartResult, StoryStep, Test, Unseen, Verdict,
 };
 use crate::diagnosis::problem::{FittedReading, is_idle};
 use crate::diagnosis::story::{Step, Story};
@@ -28,7 +29,9 @@ use crate::diagnosis::{Problem, Refit};
 use crate::document::counted;
 use crate::math::functions::{ln, pow};
 use crate::math::special::{chi_square_sf, normal_quantile};
+use crate::measurement::unknown::start_name;
 use crate::measurement::{Doubt, Rows};
+use crate::random::Distribution;
 
 /// Parameters of an effect as a result states them.
 pub(super) fn amounts(amplitudes: &[Amplitude]) -> BTreeMap<String, Amount> {
@@ -448,8 +451,10 @@ impl Diagnosis {
         let carries = if is_stated { effect_heat_flow(problem, refit, effect) } else { Vec::new() };
         let watts = watts(&carries);
         let hints = if is_stated { hints(problem, refit, effect) } else { Vec::new() };
+        let starts = position.map(|position| starts(problem, refit, position)).unwrap_or_default();
         EffectResult {
             hints,
+            starts,
             file: None,
             id: candidate.id.clone(),
             effect: candidate.effect.clone(),
@@ -611,6 +616,28 @@ impl Findings<'_> {
         let all_large = !self.state.refits[self.selected].effects.iter().any(|&effect| self.is_small(effect));
         if alone && sure && all_large { Verdict::Identified } else { Verdict::Ambiguous }
     }
+}
+
+/// The start temperatures of the nodes that a member of a set adds, where they were inferred.
+fn starts(problem: &Problem, refit: &Refit, member: usize) -> Vec<StartResult> {
+    let Ok(hypothesis) = problem.hypothesis_of_widths(&refit.effects, &refit.widths) else { return Vec::new() };
+    let one = |start: &InferredStart| {
+        let measurement = &hypothesis.measurements[start.measurement].name;
+        let node = &hypothesis.model.nodes[start.node].name;
+        let unknown = start_name(measurement, node);
+        let place = refit.names.iter().position(|name| *name == unknown)?;
+        let Distribution::Normal { mean, sd, lower: Some(lower), upper: Some(upper) } = start.prior else {
+            return None;
+        };
+        Some(StartResult {
+            measurement: measurement.clone(),
+            node: node.clone(),
+            most_probable_k: refit.unknowns[place],
+            prior_k: [mean, sd],
+            bounds_k: [lower, upper],
+        })
+    };
+    hypothesis.starts.iter().filter(|start| start.effect == member).filter_map(one).collect()
 }
 
 /// What is said of fits in which transients were given up.

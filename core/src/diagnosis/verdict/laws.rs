@@ -128,6 +128,7 @@ fn result(best: &Fitted, curve: &EffectResult, curve_refit: &Refit, needless: Ve
         carries,
         confused_with: vec![curve.effect.clone()],
         hints: Vec::new(),
+        starts: Vec::new(),
         file: Some(EffectFile {
             name: best.law.name.clone(),
             law: best.law.law.to_owned(),

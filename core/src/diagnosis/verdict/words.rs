@@ -20,6 +20,8 @@ const FIRST_KNOT: &str = "knot_1";
 const FAR_BEYOND_K: f64 = 30.0;
 /// Standard deviations between the mean and the most probable value from which both are stated.
 const ELSEWHERE: f64 = 0.1;
+/// Start temperatures that are stated of an effect.
+const MOST_STARTS: usize = 3;
 /// p at which a test is clear.
 const CLEARLY: f64 = 1e-6;
 
@@ -148,6 +150,19 @@ fn carried(effect: &EffectResult) -> String {
         return format!(", which takes {} from {node}", range(-most, -least));
     }
     format!(", which gives {node} {}", range(least, most))
+}
+
+/// Where the parts that an effect adds start, where that was inferred.
+fn started(effect: &EffectResult) -> String {
+    let mut starts: Vec<String> = Vec::new();
+    for start in effect.starts.iter().take(MOST_STARTS) {
+        starts.push(format!("{:.1} degC in `{}`", start.most_probable_k - CELSIUS_ZERO_K, start.measurement));
+    }
+    match effect.starts.len() {
+        0 => String::new(),
+        all if all > MOST_STARTS => format!(", and starts at {} (and {} more)", starts.join(", "), all - MOST_STARTS),
+        _ => format!(", and starts at {}", starts.join(", ")),
+    }
 }
 
 /// A value and its spread, to two digits of the spread.
@@ -402,12 +417,13 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     None => (head.to_owned(), String::new()),
                 };
                 words.push(format!(
-                    "{head}: {} ({}){}{}{}{errors}; probability {}, log Bayes factor {:.1}.{}{}",
+                    "{head}: {} ({}){}{}{}{}{errors}; probability {}, log Bayes factor {:.1}.{}{}",
                     effect.title,
                     effect.id,
                     size(effect),
                     date(effect, findings.problem),
                     carried(effect),
+                    started(effect),
                     percent(effect.probability),
                     effect.log_bayes_factor,
                     surprising(effect),
