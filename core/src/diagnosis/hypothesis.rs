@@ -14,11 +14,9 @@ use crate::measurement::{Initial, Measurement, Uncertain};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
-/// Least standard deviation of the start of a node that was added, where it is inferred, K.
+/// Least standard deviation of the start of a node that was added, where it is inferred, and how far outside the temperatures of
+/// the record it may lie, K.
 const LEAST_SPREAD_OF_STARTS_K: f64 = 1.0;
-
-/// By which share of the temperatures' range such a start may lie outside it: not all that is there is measured.
-const MARGIN_OF_STARTS: f64 = 0.25;
 
 /// A model with effects that a problem's model lacks.
 #[derive(Clone, Debug)]
@@ -182,8 +180,8 @@ impl Hypothesis {
 
 impl Measurement {
     /// Frees the start temperature of a node that was added, unless it is that of all: a part that a record finds at its host's
-    /// temperature is the exception. It stays near the temperatures that the record shows, as nothing that is hotter or colder
-    /// than all that is there could have made it so. The prior, K, where it is freed.
+    /// temperature is the exception. It stays between the temperatures that the record shows: a part without a source of its own
+    /// was never hotter or colder than all around it. The prior, K, where it is freed.
     fn begin_free(&mut self, node: usize, model: &Model) -> Option<Distribution> {
         let width = self.sensors.len().max(1);
         let is_temperature = |sensor: usize| {
@@ -212,8 +210,7 @@ impl Measurement {
         shown.push(mean);
         let [least, most] =
             [shown.iter().copied().fold(f64::INFINITY, f64::min), shown.iter().copied().fold(0.0, f64::max)];
-        let margin = (MARGIN_OF_STARTS * (most - least)).max(LEAST_SPREAD_OF_STARTS_K);
-        let (lower, upper) = (Some((least - margin).max(0.0)), Some(most + margin));
+        let (lower, upper) = (Some((least - LEAST_SPREAD_OF_STARTS_K).max(0.0)), Some(most + LEAST_SPREAD_OF_STARTS_K));
         let prior = Distribution::Normal { mean, sd, lower, upper };
         *value = Uncertain::Inferred(prior);
         Some(prior)
@@ -295,7 +292,7 @@ mod tests {
         let least = shown.iter().copied().fold(300.0, f64::min);
         let most = shown.iter().copied().fold(300.0, f64::max);
         assert_eq!(mean, 300.0);
-        assert!((lower - (least - 0.25 * (most - least))).abs() < 1e-9, "{lower}");
-        assert!((upper - (most + 0.25 * (most - least))).abs() < 1e-9, "{upper}");
+        assert!((lower - (least - 1.0)).abs() < 1e-9, "{lower}");
+        assert!((upper - (most + 1.0)).abs() < 1e-9, "{upper}");
     }
 }

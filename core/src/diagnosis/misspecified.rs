@@ -100,13 +100,16 @@ fn beside(problem: &Problem, readings: &[FittedReading], refit: &Refit, instrume
     }
     let times = exp(widening / f64::max(count, 1.0));
     log += refit.log_evidence - refit.log_likelihood + other_noise::gain(&refit.directions, times);
-    Beside { place: 0, log_weight: log, sds, determined: other_noise::determined(&refit.directions, times) }
+    let determined = other_noise::determined(&refit.directions, times);
+    Beside { place: 0, log_evidence: log, log_weight: log, sds, determined }
 }
 
 /// A set with the model errors that are most likely beside it.
 struct Beside {
     /// Position of the set.
     place: usize,
+    /// Log evidence of the set with them.
+    log_evidence: f64,
     /// Log posterior weight of the set with them; of [`beside`] the log evidence alone.
     log_weight: f64,
     /// Standard deviations of the model error, SI, by measurement.
@@ -207,17 +210,19 @@ impl Diagnosis {
         state.refits.first().map_or(0.0, |refit| refit.held_out.iter().filter_map(of).sum())
     }
 
-    /// Log posterior weights of the sets, each with the model error that is most likely beside it.
-    pub(crate) fn log_weights_of_story(&self, state: &State) -> Vec<f64> {
+    /// Log evidences and log posterior weights of the sets, each with the model error that is most likely beside it.
+    pub(crate) fn log_weights_of_story(&self, state: &State) -> (Vec<f64>, Vec<f64>) {
         let mut logs = vec![f64::NEG_INFINITY; state.refits.len()];
-        let Some((first, instruments)) = self.reference(state) else { return logs };
+        let mut evidences = logs.clone();
+        let Some((first, instruments)) = self.reference(state) else { return (evidences, logs) };
         for one in self.beside_sets(state, &instruments) {
             let inputs = |&effect: &usize| self.problem().candidates[effect].bound.len().saturating_sub(1) as f64;
             let owed: f64 = one.sds.iter().zip(&first.sds).map(|(sd, first)| owes_more(*sd, *first)).sum();
             let more: f64 = state.refits[one.place].effects.iter().map(inputs).sum();
+            evidences[one.place] = one.log_evidence - owed;
             logs[one.place] = one.log_weight - FURTHER_INPUT * more - owed;
         }
-        logs
+        (evidences, logs)
     }
 
     /// The noise with the model error that the fitted sets want; `None` where it is that of before.

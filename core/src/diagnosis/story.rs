@@ -50,6 +50,8 @@ pub(crate) struct Story {
     pub steps: Vec<Step>,
     /// Log posterior weights of all sets, with what unseen rows say.
     pub logs: Vec<f64>,
+    /// Log evidences of all sets, each with its own model error.
+    pub log_evidences: Vec<f64>,
 }
 
 impl Story {
@@ -78,9 +80,10 @@ impl Diagnosis {
     pub(crate) fn story(&self, state: &State) -> Story {
         // With what the unseen rows say: users judge the error there.
         let unseen = self.independent_unseen(state);
-        let seen = self.log_weights_of_story(state).into_iter().zip(&state.refits);
+        let (log_evidences, weights) = self.log_weights_of_story(state);
+        let seen = weights.into_iter().zip(&state.refits);
         let logs: Vec<f64> = seen.map(|(log, refit)| log + gains_unseen(&state.refits[0], refit, unseen)).collect();
-        let mut story = Story { sets: vec![0], steps: Vec::new(), logs: logs.clone() };
+        let mut story = Story { sets: vec![0], steps: Vec::new(), logs: logs.clone(), log_evidences: Vec::new() };
         let mut at = 0;
         while (state.refits[at].effects.len() as u64) < self.settings().most {
             let step = self.step(state, &logs, at);
@@ -98,7 +101,7 @@ impl Diagnosis {
                 at = better;
             }
         }
-        self.largest_first(state, &logs, story)
+        Story { log_evidences, ..self.largest_first(state, &logs, story) }
     }
 
     /// The same sets in the order of what their effects explain: the one that explains most comes first. A law of a whole
@@ -252,7 +255,7 @@ impl Diagnosis {
             if own.additions.iter().any(is_likely) { own } else { beside().unwrap_or(own) }
         };
         let steps = sets.windows(2).map(step).collect();
-        Story { sets, steps, logs: logs.to_vec() }
+        Story { sets, steps, logs: logs.to_vec(), log_evidences: Vec::new() }
     }
 
     /// The step to a set by the effect that another step added, as if that had come last.

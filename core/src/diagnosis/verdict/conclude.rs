@@ -438,15 +438,17 @@ impl Diagnosis {
         let own = Some(findings.selected).filter(with).or_else(|| (0..state.refits.len()).filter(with).reduce(better));
         let own = own.unwrap_or(0);
         let step = findings.step_of(effect);
-        let refit = &state.refits[step.map_or(own, |(_, place)| place)];
+        let after = step.map_or(own, |(_, place)| place);
+        let refit = &state.refits[after];
         let rest: Vec<usize> = refit.effects.iter().copied().filter(|&other| other != effect).collect();
-        let before = step.map(|(before, _)| &state.refits[before]);
-        let before =
-            before.or_else(|| state.refits.iter().find(|other| other.effects == rest)).unwrap_or(&state.refits[0]);
+        let without = || state.refits.iter().position(|other| other.effects == rest);
+        let without = step.map(|(before, _)| before).or_else(without).unwrap_or(0);
+        let before = &state.refits[without];
+        let log_bayes_factor = findings.log_bayes_factor(without, after);
         let position = refit.effects.iter().position(|&other| other == effect);
         let amplitudes = position.map(|position| amounts(&refit.amplitudes[position])).unwrap_or_default();
         let group = findings.groups.iter().position(|group| group.contains(&effect)).map(|group| group as u64 + 1);
-        let scales = group.and_then(|_| self.at_scales(findings, refit, before));
+        let scales = group.and_then(|_| self.at_scales(findings, refit, log_bayes_factor));
         let is_stated = probability >= LEAST_STATED || group.is_some();
         let carries = if is_stated { effect_heat_flow(problem, refit, effect) } else { Vec::new() };
         let watts = watts(&carries);
@@ -464,7 +466,7 @@ impl Diagnosis {
             input: candidate.input.clone(),
             probability,
             model_error: findings.model_errors.get(&effect).copied().unwrap_or(0.0),
-            log_bayes_factor: refit.log_evidence - before.log_evidence,
+            log_bayes_factor,
             log_bayes_factor_scales: scales,
             changes_nothing: changes_nothing(before, refit),
             group,
@@ -486,11 +488,11 @@ impl Diagnosis {
     }
 
     /// Log Bayes factors with the amplitudes' priors at half and at double scale.
-    fn at_scales(&self, findings: &Findings<'_>, refit: &Refit, before: &Refit) -> Option<[f64; 2]> {
+    fn at_scales(&self, findings: &Findings<'_>, refit: &Refit, log_bayes_factor: f64) -> Option<[f64; 2]> {
         let at = |scale: f64| {
             let begin = Begin { starts: vec![refit.by_name()], scale, is_near: true, ..Begin::default() };
             let found = findings.problem.refit(&refit.effects, &begin, self.key()).ok()?;
-            Some(found.log_evidence - before.log_evidence).filter(|value| value.is_finite())
+            Some(log_bayes_factor + found.log_evidence - refit.log_evidence).filter(|value| value.is_finite())
         };
         Some([at(0.5)?, at(2.0)?])
     }
@@ -583,6 +585,17 @@ impl Findings<'_> {
             self.selected = first;
             self.fewest_parameters = false;
             (self.groups, self.rivals) = groups(refits, &weights, first, within);
+        }
+    }
+
+    /// Log Bayes factor of a fit over another; where a model error is allowed for, each with the one that is most likely beside
+    /// it: with that of the best set the baseline model would seem far less probable than it is, and later steps hardly more.
+    fn log_bayes_factor(&self, before: usize, after: usize) -> f64 {
+        let own = |place: usize| self.story.as_ref()?.log_evidences.get(place).copied().filter(|log| log.is_finite());
+        let refits = &self.state.refits;
+        match (own(before), own(after)) {
+            (Some(before), Some(after)) => after - before,
+            _ => refits[after].log_evidence - refits[before].log_evidence,
         }
     }
 

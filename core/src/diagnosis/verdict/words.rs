@@ -7,7 +7,7 @@ use crate::diagnosis::output::{
 use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::verdict::conclude::Findings;
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
-use crate::diagnosis::{PRIOR_OF, Problem};
+use crate::diagnosis::{PRIOR_OF, Problem, Refit};
 use crate::document::{counted, p_stated, percent, upper};
 use crate::effect::Effect;
 use crate::expression::Unit;
@@ -20,6 +20,8 @@ const FIRST_KNOT: &str = "knot_1";
 const FAR_BEYOND_K: f64 = 30.0;
 /// Standard deviations between the mean and the most probable value from which both are stated.
 const ELSEWHERE: f64 = 0.1;
+/// Share of the model error that is allowed for below which what remains beside all steps is stated too.
+const CLEARLY_LESS: f64 = 0.8;
 /// Start temperatures that are stated of an effect.
 const MOST_STARTS: usize = 3;
 /// p at which a test is clear.
@@ -292,8 +294,9 @@ fn law(output: &Output, effect: &EffectResult, problem: &Problem) -> Option<Stri
     ))
 }
 
-/// How large the model error is that is allowed for.
-fn model_error(output: &Output) -> Option<String> {
+/// How large the model error is: the one that is allowed for, which stands beside one or two effects, and what remains beside
+/// all steps where that is clearly less.
+fn model_error(output: &Output, chosen: &Refit) -> Option<String> {
     let sizes = output.noise.values().filter(|own| own.unit == "K");
     let of: Vec<(f64, f64, f64)> =
         sizes.filter_map(|own| Some((own.model_error?, own.sigma, own.counts_as?))).collect();
@@ -302,12 +305,20 @@ fn model_error(output: &Output) -> Option<String> {
         Some(_) => " Held-out rows take part in the choice of the steps.",
         None => "",
     };
-    Some(format!(
-        "The model is a little wrong everywhere: beside what is found, a model error of {} K (standard deviation) remains, while the instruments' noise is {} K. Such errors are alike in readings that follow one another, so that a reading counts as one with a noise of {} K.{part}",
-        short(worst.0, 2),
-        short(worst.1, 2),
-        short(worst.2, 2)
-    ))
+    let [sd, noise, counts_as] = [worst.0, worst.1, worst.2].map(|size| short(size, 2));
+    let left = chosen.rmse_train_k.map(|rmse| (rmse * rmse - worst.1 * worst.1).max(0.0).sqrt());
+    let alike = format!(
+        "such errors are alike in readings that follow one another, so that a reading counts as one with a noise of {counts_as} K.{part}"
+    );
+    Some(match left.filter(|left| *left < CLEARLY_LESS * worst.0) {
+        Some(left) => format!(
+            "The model is a little wrong everywhere: beside all that is found, a model error of {} K (standard deviation) remains, while the instruments' noise is {noise} K. Each step was weighed with the model error beside the most probable one or two effects, {sd} K: {alike}",
+            short(left, 2)
+        ),
+        None => format!(
+            "The model is a little wrong everywhere: beside what is found, a model error of {sd} K (standard deviation) remains, while the instruments' noise is {noise} K: {alike}"
+        ),
+    })
 }
 
 /// That a proposed phase goes far beyond all readings so far.
@@ -368,7 +379,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 .to_owned(),
         );
     }
-    words.extend(model_error(output));
+    words.extend(model_error(output, &findings.state.refits[findings.selected]));
     let selected: Vec<&EffectResult> =
         output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id)).collect();
     match output.verdict {
