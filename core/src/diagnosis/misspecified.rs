@@ -246,7 +246,9 @@ impl Diagnosis {
             }
             (size(one) - before).abs() > CHANGES * size(one).max(before)
         };
-        noise.iter().any(is_other).then_some(noise)
+        // The size with which fits of unstated noise begin is a guess, whatever comes out.
+        let is_guess = unstated && state.model_errors == 0;
+        (is_guess || noise.iter().any(is_other)).then_some(noise)
     }
 
     /// The most probable plain set with the model error that is most likely beside it, and the instruments' noise.
