@@ -73,9 +73,14 @@ fn rises(before: &Refit, after: &Refit) -> bool {
     before.rmse_held_out_k.zip(after.rmse_held_out_k).is_some_and(|(before, after)| after > RISES * before)
 }
 
+/// Whether a set predicts unseen rows clearly better than one that it follows, or there are none.
+fn falls(before: &Refit, after: &Refit) -> bool {
+    before.rmse_held_out_k.zip(after.rmse_held_out_k).is_none_or(|(before, after)| RISES * after < before)
+}
+
 impl Diagnosis {
     /// The sets that follow from one another, each with one effect more than the one before, from nothing on: the most
-    /// probable plain law is added while it pays and the error on unseen rows does not rise. A curve of one input goes
+    /// probable plain law is added while it pays, the error on unseen rows does not rise by the first and falls by each further one. A curve of one input goes
     /// before laws only where it is clearly more probable; other curves only after them.
     pub(crate) fn story(&self, state: &State) -> Story {
         // With what the unseen rows say: users judge the error there.
@@ -166,7 +171,12 @@ impl Diagnosis {
             .map(|&(effect, place)| Addition { effect, place, probability: exp(logs[place] - total) })
             .collect();
         additions.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
-        let pays = |one: &&Addition| logs[one.place] > logs[at] && !rises(own, &state.refits[one.place]);
+        // After the first step the error on unseen rows has to fall: what a further effect gains may be errors of the model.
+        let is_first = own.effects.is_empty();
+        let pays = |one: &&Addition| {
+            let after = &state.refits[one.place];
+            logs[one.place] > logs[at] && if is_first { !rises(own, after) } else { falls(own, after) }
+        };
         let is_curve = |one: &&Addition| self.is_unknown_function(one.effect);
         let is_of_group = |one: &Addition| self.problem().candidates[one.effect].is_group();
         let law = additions.iter().filter(pays).find(|one| !is_curve(one));

@@ -3,7 +3,8 @@
 //! Each kind of effect is missing with probability 0.05 if the study does not say otherwise, at any of its places in this
 //! network alike, and so is physics that no kind describes: so the number of places is paid for. What is out of place, such
 //! as convection in vacuum, is less probable. A hidden node between two nodes that the model does not join is two things at
-//! once, a path and a part.
+//! once, a path and a part. What changes at a date is the less probable the shorter the record is: hardware changes over weeks, not
+//! within the minutes of a bench test.
 
 use std::collections::BTreeMap;
 
@@ -11,6 +12,7 @@ use crate::diagnosis::Problem;
 use crate::diagnosis::odds::medium::{is_pressure, is_vacuum};
 use crate::effect::{Bound, Effect, Site};
 use crate::math::functions::ln;
+use crate::measurement::{Measurement, Rows};
 use crate::thermal::element::Element;
 
 /// Probability beforehand that a kind of effect is missing: a convention. It makes an effect of one place pay a log odds of
@@ -21,6 +23,11 @@ pub(crate) const CURVE_COST: f64 = 3.0;
 /// Log odds by which an effect stands behind others where its physics is out of place: a twentieth, not nothing, as the
 /// model may say too little of where it is.
 const OUT_OF_PLACE: f64 = 3.0;
+
+/// Time in which a change at a date is as probable as another kind of effect, s: a day. A convention.
+const CHANGES_WITHIN_S: f64 = 86_400.0;
+/// Least share of that probability, in whatever short record.
+const LEAST_CHANGES: f64 = 0.01;
 
 /// Log prior odds, against "nothing", of one instance of each kind of effect.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,9 +43,11 @@ impl PriorOdds {
         for candidate in &problem.candidates {
             *counts.entry(candidate.effect.clone()).or_default() += 1;
         }
+        let changes = log_share_of_changes(&problem.measurements);
         let odds = |effect: &str, count: usize| {
-            let unknown = problem.catalogue.get(effect).is_some_and(Effect::is_unknown_function);
-            let behind = if unknown { CURVE_COST } else { 0.0 };
+            let is = |of: fn(&Effect) -> bool| problem.catalogue.get(effect).is_some_and(of);
+            let behind = if is(Effect::is_unknown_function) { CURVE_COST } else { 0.0 };
+            let behind = if is(Effect::depends_on_date) { behind - changes } else { behind };
             let missing = problem.missing_probability.get(effect).copied().unwrap_or(MISSING);
             ln(missing / (1.0 - missing)) - ln(count.max(1) as f64) - behind
         };
@@ -76,6 +85,18 @@ impl PriorOdds {
     }
 }
 
+/// Logarithm of the share of the probability of a change at a date that the measured time leaves; 0 where phases are steady, which
+/// take hours each.
+fn log_share_of_changes(measurements: &[Measurement]) -> f64 {
+    let mut measured_s = 0.0;
+    for measurement in measurements {
+        let Rows::Transient { inputs, .. } = &measurement.rows else { return 0.0 };
+        let times = &inputs.times_s;
+        measured_s += times.first().zip(times.last()).map_or(0.0, |(first, last)| last - first);
+    }
+    ln((measured_s / CHANGES_WITHIN_S).clamp(LEAST_CHANGES, 1.0))
+}
+
 /// Whether an effect is a hidden node between two nodes that nothing in the baseline model joins.
 fn is_path_and_part(problem: &Problem, effect: usize) -> bool {
     let candidate = &problem.candidates[effect];
@@ -94,6 +115,29 @@ mod tests {
     use crate::document::Diagnostics;
     use crate::effect::Catalogue;
     use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
+
+    /// Half a day halves the odds of what changes at a date, of a record of minutes a hundredth is left; steady phases keep them.
+    #[test]
+    fn a_change_at_a_date_is_less_probable_in_a_short_record() {
+        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+        let recipe = |kind| Recipe::of(Topology::Star, kind, InjectionRequest::default());
+        let mut problem = case(&catalogue, &recipe(TestKind::Steps), 1, 0).unwrap().problem;
+        let mut over = |seconds: f64| {
+            let count = problem.measurements.len() as f64;
+            for measurement in &mut problem.measurements {
+                let Rows::Transient { inputs, .. } = &mut measurement.rows else { panic!("a transient") };
+                let rows = inputs.times_s.len() as f64 - 1.0;
+                let time = |row: usize| row as f64 * seconds / count / rows;
+                inputs.times_s.iter_mut().enumerate().for_each(|(row, own)| *own = time(row));
+            }
+            log_share_of_changes(&problem.measurements)
+        };
+        assert!((over(43_200.0) - ln(0.5)).abs() < 1e-9);
+        assert!((over(60.0) - ln(0.01)).abs() < 1e-9);
+        assert_eq!(over(1e6), 0.0);
+        let steady = case(&catalogue, &recipe(TestKind::Steady), 1, 0).unwrap().problem;
+        assert_eq!(log_share_of_changes(&steady.measurements), 0.0);
+    }
 
     /// A kind that is held for likely gains the ratio of its odds to the conventional 1/19 at each of its places, others nothing.
     #[test]
