@@ -9,6 +9,7 @@ pub mod export;
 mod graph;
 pub mod history;
 pub mod index;
+pub mod live;
 mod inputs;
 pub mod load;
 pub mod memory;

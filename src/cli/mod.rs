@@ -31,6 +31,7 @@ mod show;
 pub mod status;
 mod test_plan;
 mod verify;
+mod watch;
 
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
@@ -118,6 +119,8 @@ enum Verb {
     Run(run::Run),
     /// Render report.md, report.html, plots, results.json and manifest.json
     Report(report::Report),
+    /// Run a study again whenever a file of it changes, and serve its reports to a browser of this machine
+    Watch(watch::Watch),
     /// Hold a model against its measurements
     Compare(compare::Compare),
     /// Name the physics that a model is missing
@@ -167,6 +170,7 @@ impl Verb {
         match self {
             Self::Run(verb) => verb.execute(context),
             Self::Report(verb) => verb.execute(context),
+            Self::Watch(verb) => verb.execute(context),
             Self::Compare(verb) => verb.execute(context),
             Self::Diagnose(verb) => verb.execute(context),
             Self::Adopt(verb) => verb.execute(context),

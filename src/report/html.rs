@@ -9,6 +9,8 @@ use super::page::{Block, Cell, Column, Inline, Numbering, Page, Status, Table, T
 
 const TEMPLATE: &str = include_str!("../../templates/report.html");
 const STYLE: &str = include_str!("../../templates/report.css");
+/// What a page may load: nothing but its own style.
+pub(super) const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'";
 
 /// Why a page could not be rendered.
 #[derive(Debug, Error)]
@@ -40,6 +42,7 @@ pub fn render(page: &Page) -> Result<String, HtmlError> {
         })
         .collect();
     let context = tera::Context::from_serialize(&Whole {
+        policy: POLICY,
         title: &page.title,
         subtitle: &page.subtitle,
         links: &page.links,
@@ -71,6 +74,7 @@ fn in_style(text: &str) -> String {
 
 #[derive(Serialize)]
 struct Whole<'a> {
+    policy: &'static str,
     title: &'a str,
     subtitle: &'a Text,
     links: &'a Text,
