@@ -169,6 +169,13 @@ pub(super) fn rendered(
     Ok(Some((rendered.sealed(&origin_sha256), manifest)))
 }
 
+/// Neighbours to which the report of a pass links and whose reports do not lie beside it.
+pub fn missing_neighbours(pass: &LoadedPass, target: &Target) -> Vec<String> {
+    let Siblings { previous, next } = siblings(pass);
+    let is_missing = |name: &String| !target.folder().with_file_name(name).join("report.html").is_file();
+    previous.into_iter().chain(next).filter(is_missing).collect()
+}
+
 /// The passes beside one in its study, those left out whose reports are kept elsewhere.
 fn siblings(pass: &LoadedPass) -> Siblings {
     let is_left_out = |file: &str| pass.pass.document.as_ref().is_some_and(|own| own.not_archived(file).is_some());

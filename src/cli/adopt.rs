@@ -13,8 +13,8 @@ use crate::batch::LoadedPass;
 use crate::batch::next_pass::{Adoption, Asked, NextPass, adopt_into, probability_text};
 use crate::diagnosis::output::EffectResult;
 use crate::diagnosis::{Output, RISES};
-use crate::document::visible::shell_word;
 use crate::document::suggest;
+use crate::document::visible::shell_word;
 use crate::measurement::Doubt;
 
 /// Diagnostics printed of one refusal.

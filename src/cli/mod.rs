@@ -5,6 +5,7 @@ mod adopt;
 mod cache;
 mod check;
 mod compare;
+mod completions;
 mod data;
 mod diagnose;
 mod diff;
@@ -153,6 +154,8 @@ enum Verb {
     Lab(lab::LabVerb),
     /// Print the JSON Schema of a file format
     Schema(schema::Schema),
+    /// Print a script that completes commands in a shell
+    Completions(completions::Completions),
     /// Explain a diagnostic at length
     Explain(explain::Explain),
     /// Make a new study that runs at once
@@ -186,6 +189,7 @@ impl Verb {
             Self::Effects(verb) => verb.execute(context),
             Self::Lab(verb) => verb.execute(context),
             Self::Schema(verb) => verb.execute(),
+            Self::Completions(verb) => verb.execute(),
             Self::Explain(verb) => verb.execute(context),
             Self::Init(verb) => verb.execute(),
             Self::Import(verb) => verb.execute(context),

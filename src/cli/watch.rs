@@ -58,11 +58,7 @@ impl Watch {
             };
             run_listened(prepared, &options.cache, both)
         };
-        let followed = Followed {
-            folder: study.folder.clone(),
-            path: self.path,
-            reading: context.reading.clone(),
-        };
+        let followed = Followed { folder: study.folder.clone(), path: self.path, reading: context.reading.clone() };
         follow(&followed, &state, &run, &tell)
     }
 }

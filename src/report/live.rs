@@ -58,7 +58,10 @@ pub fn served(page: &str, around: &Around<'_>) -> Result<String, HtmlError> {
     let context = tera::Context::from_serialize(&Context {
         version: around.version,
         state: around.state,
-        words: std::iter::once(around.state).chain(around.lines.iter().map(String::as_str)).collect::<Vec<_>>().join("\n"),
+        words: std::iter::once(around.state)
+            .chain(around.lines.iter().map(String::as_str))
+            .collect::<Vec<_>>()
+            .join("\n"),
         messages: around.messages,
         offers: around.offers,
         notice: around.notice,
@@ -69,7 +72,7 @@ pub fn served(page: &str, around: &Around<'_>) -> Result<String, HtmlError> {
     let additions = [
         (html::POLICY.to_owned(), policy_of_page()),
         ("</style>".to_owned(), format!("{STYLE}</style>")),
-        ("<main>".to_owned(), format!("<main>{panel}")),
+        (html::MAIN.to_owned(), format!("{}{panel}", html::MAIN)),
         ("</body>".to_owned(), format!("{bar}<script>{SCRIPT}</script>\n</body>")),
     ];
     Ok(additions.iter().fold(page.to_owned(), |text, (at, instead)| text.replacen(at, instead, 1)))
@@ -110,7 +113,8 @@ pub fn policy() -> String {
 fn base64(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let of_three = |three: &[u8]| {
-        let number = (0..3).fold(0_usize, |number, at| number << 8 | three.get(at).map_or(0, |byte| usize::from(*byte)));
+        let number =
+            (0..3).fold(0_usize, |number, at| number << 8 | three.get(at).map_or(0, |byte| usize::from(*byte)));
         let digit = move |at: usize| match at <= three.len() {
             true => char::from(DIGITS[number >> (18 - 6 * at) & 63]),
             false => '=',
@@ -153,7 +157,7 @@ mod tests {
             notice: hostile,
         };
         let served = served(&page, &around).expect("served");
-        for (part, count) in [("<script", 1), ("</style>", 1), ("<main>", 1), ("</main>", 1), ("id=\"live\"", 1)] {
+        for (part, count) in [("<script", 1), ("</style>", 1), (html::MAIN, 1), ("</main>", 1), ("id=\"live\"", 1)] {
             assert_eq!(served.matches(part).count(), count, "{part}: {served}");
         }
         assert!(served.contains("data-version=\"3\"") && served.contains(&policy_of_page()));

@@ -14,7 +14,7 @@
     open.forEach((place) => { if (all[place]) all[place].open = true; });
     scrollTo({ top, behavior: "instant" });
   }
-  const said = { ready: "up to date", running: "running", wrong: "the files cannot be used as they are; below is the last good report" };
+  const said = { ready: "up to date", running: "running", wrong: "the files cannot be used as they are; shown is the last good report" };
   const show = (element, text) => { if (element.textContent !== text) element.textContent = text; };
   const look = async () => {
     try {

@@ -393,3 +393,12 @@ fn a_server_that_is_gone_fails_the_job_and_nothing_of_it_is_kept() {
     let _server = Server::start(network.path(), &port);
     assert_eq!(result(&client, "prior", &[])["failed"], json!(0));
 }
+
+#[test]
+fn exit_codes_of_which_there_is_none_are_refused_at_their_place() {
+    let none = COMMAND.replacen("\"outputs\"", "\"exit_codes\": [], \"outputs\"", 1);
+    let output = at(&study(&none, JOBS), &["plan", "m"]);
+    let said = text(&output.stderr);
+    assert_eq!(code(&output), 2, "{said}");
+    assert!(said.contains("with no exit code at all no call succeeds") && said.contains("m/model.json:"), "{said}");
+}

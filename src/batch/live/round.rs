@@ -73,13 +73,8 @@ pub fn round(
     if executed.is_interrupted {
         return Err(RoundError::Stopped);
     }
-    let mut round = Round {
-        pages: BTreeMap::new(),
-        home: format!("/{INDEX}.html"),
-        errors: BTreeMap::new(),
-        notes,
-        executed,
-    };
+    let mut round =
+        Round { pages: BTreeMap::new(), home: format!("/{INDEX}.html"), errors: BTreeMap::new(), notes, executed };
     round.render()?;
     Ok(round)
 }
@@ -97,7 +92,8 @@ impl Round {
                 manifest.add_output(&name, text.as_bytes());
                 let mut page = Served::new(&name, text);
                 if page.kind == Kind::Page {
-                    page.offers = offers(pass, &self.executed).into_iter().map(|own| (pass.file.clone(), own)).collect();
+                    page.offers =
+                        offers(pass, &self.executed).into_iter().map(|own| (pass.file.clone(), own)).collect();
                 }
                 self.pages.insert(format!("{base}/{name}"), page);
             }
@@ -130,9 +126,8 @@ fn stated(errors: &PassErrors) -> String {
     let is_held_out = errors.readings.held_out > 0;
     let of = |split: &Split| if is_held_out { split.held_out } else { split.train };
     let states = [("as delivered", &errors.rmse_k.delivered), ("tuned", &errors.rmse_k.tuned)];
-    let words: Vec<String> = (states.into_iter())
-        .filter_map(|(name, split)| Some(format!("{} K {name}", fixed(of(split)?, 2))))
-        .collect();
+    let words: Vec<String> =
+        (states.into_iter()).filter_map(|(name, split)| Some(format!("{} K {name}", fixed(of(split)?, 2)))).collect();
     let on = if is_held_out { "on readings held out" } else { "on the readings of the fit" };
     format!("error {on}: {}", words.join(", "))
 }

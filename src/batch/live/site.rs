@@ -113,7 +113,7 @@ impl Site {
             }
             None if path.ends_with(".html") || path == "/" => {
                 let text = live::waiting().map_err(|error| Refused::new(500, error.to_string()))?;
-                self.whole(if path == "/" { 200 } else { 404 }, &text, version, &[], "")
+                self.whole(if path == "/" { 200 } else { 202 }, &text, version, &[], "")
             }
             None => Err(Refused::new(404, "there is no such page")),
         }
@@ -258,7 +258,6 @@ fn form(body: &[u8]) -> Option<Vec<(String, String)>> {
     };
     if pairs.len() > MOST_FIELDS { None } else { pairs.iter().map(one).collect() }
 }
-
 
 #[cfg(test)]
 mod tests {
