@@ -191,7 +191,7 @@ fn a_call_that_fails_is_data_and_says_why() {
     );
     let failing = [
         ("echo garbage > out.json", "`out.json`: it is no JSON"),
-        ("echo '{\"plate\": NaN}' > out.json", "`out.json`: it is no JSON"),
+        ("echo '{\"plate\": NaN}' > out.json", "`out.json`: NaN is not JSON (line 1): print a number"),
         ("echo '{\"plate\": \"warm\"}' > out.json", "`/plate` is \"warm\", which is no number"),
         ("echo '{\"plate\": -400}' > out.json", "an output is below absolute zero: `plate` is -400 degC"),
         ("echo '{\"other\": 3}' > out.json", "there is nothing at `/plate`"),
