@@ -7,10 +7,12 @@ At widths of 390, 1280 and 1920 px: no error in the console, nothing asked of an
 are kept below target/pages. What cannot be had (the browser, axe-core) is skipped aloud.
 """
 
+import concurrent.futures
 import hashlib
 import io
 import os
 import pathlib
+import queue
 import subprocess
 import sys
 import tarfile
@@ -20,6 +22,8 @@ import browser
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 KEPT = ROOT / "target" / "pages"
+# More than these browsers at a time would wait for one another.
+BROWSERS = min(2, os.cpu_count() or 1)
 WIDTHS = {390: 844, 1280: 800, 1920: 1080}
 
 # MPL-2.0; brought by npm when it is needed, and not part of the repository.
@@ -34,7 +38,7 @@ OVERFLOW = "document.documentElement.scrollWidth - document.documentElement.clie
 HIDDEN = """[...document.querySelectorAll('main table, main figure svg')].filter((part) => {
   const box = part.getBoundingClientRect();
   return box.width === 0 || box.height === 0 || !part.checkVisibility({contentVisibilityAuto: true});
-}).map((part) => (part.closest('figure') || part.closest('.table')).id || part.outerHTML.slice(0, 80))"""
+}).map((part) => (part.closest('figure') || part.closest('.table') || part).id || part.outerHTML.slice(0, 80))"""
 RUN_AXE = """axe.run(document, {resultTypes: ['violations'], preload: false, runOnly: %s}).then((found) =>
   found.violations.map((one) => `${one.id} (${one.impact}): ${one.help}; ${one.nodes.length} places, first `
     + `${one.nodes[0].target.join(' ')}: ${(one.nodes[0].any[0] || one.nodes[0].all[0] || one.nodes[0].none[0] || {}).message}`))"""
@@ -113,15 +117,29 @@ def main():
     KEPT.mkdir(parents=True, exist_ok=True)
     script, begun, failed = axe(), time.monotonic(), 0
     all_pages = [pathlib.Path(name).resolve() for name in sys.argv[1:]] or pages()
-    own = browser.Browser(program)
+    browsers, free = [], queue.SimpleQueue()
+
+    def checked(page):
+        own = free.get()
+        try:
+            return page, check(own, page, script)
+        except browser.Failed as error:
+            return page, [f"the browser: {error}"]
+        finally:
+            free.put(own)
+
     try:
-        for page in all_pages:
-            wrong = check(own, page, script)
-            failed += bool(wrong)
-            for line in wrong:
-                print(f"{os.path.relpath(page, ROOT)}: {line}")
+        for _ in range(BROWSERS):
+            browsers.append(browser.Browser(program))
+            free.put(browsers[-1])
+        with concurrent.futures.ThreadPoolExecutor(BROWSERS) as pool:
+            for page, wrong in pool.map(checked, all_pages):
+                failed += bool(wrong)
+                for line in wrong:
+                    print(f"{os.path.relpath(page, ROOT)}: {line}")
     finally:
-        own.close()
+        for own in browsers:
+            own.close()
     print(f"{len(all_pages)} pages in {time.monotonic() - begun:.0f} s, {failed} with something wrong; pictures in target/pages")
     if failed or not all_pages:
         sys.exit(1)
