@@ -291,7 +291,7 @@ mod tests {
                 "the study has no pass `pass-2.json`",
                 "such as \"pass-1.json\"",
             ),
-            ("Plate", &"x".repeat(301), "document.json:1:42", "with 301 characters", "at most 300 characters"),
+            ("Plate", &"x".repeat(301), "document.json:1:39", "with 301 characters", "at most 300 characters"),
             ("bmv-document/1", "bmv-document/2", "document.json:1:12", "bmv-document/2", "bmv-document/1"),
         ];
         for (from, to, place, message, help) in cases {
