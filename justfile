@@ -12,6 +12,10 @@ test:
 ci:
     .ci/run
 
+# every committed page in a headless Chromium: widths, console, requests, axe-core, print; pictures in target/pages
+pages:
+    python3 .ci/pages.py
+
 # all studies' reports, their results against the baselines with the same seed and with another, exports read with ArviZ, a network asked by the client of UM-Bridge, slow statistical checks, large cases
 nightly seed="$(date +%Y%m%d)":
     cargo run --release -- report && cargo run --release -- check studies && cargo run --release -- check studies --other-seed={{seed}} && python3 tests/clients/arviz_export.py target/release/bmv && python3 tests/clients/umbridge_model.py target/release/bmv && python3 tests/clients/umbridge_server.py target/release/bmv && cargo test --release -- --include-ignored

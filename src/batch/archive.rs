@@ -11,7 +11,7 @@ use super::{BatchError, Executed, LoadedPass};
 use crate::report::assemble::Surroundings;
 use crate::report::terminal::escaped;
 use crate::report::view::Siblings;
-use crate::report::{self, FileHash};
+use crate::report::{self, FileHash, RenderedReport};
 use crate::runner::manifest::FileRecord;
 use crate::runner::{ENGINE_VERSION, Key, Manifest};
 use crate::study::discover::passes;
@@ -103,9 +103,24 @@ const COMMAND: &str = "bmv report";
 /// # Errors
 /// A result that cannot be rendered, a file that cannot be written, a study that changed while it was read.
 pub fn render(pass: &LoadedPass, executed: &Executed, target: &Target) -> Result<bool, BatchError> {
+    let Some((rendered, manifest)) = rendered(pass, executed)? else { return Ok(false) };
+    report::write(&rendered, manifest, &target.base, &target.relative)
+        .map_err(|error| BatchError::job(format!("{}: {error}", escaped(&pass.shown))))?;
+    Ok(true)
+}
+
+/// The report of a pass with the manifest of what it was made of, which does not list the report's own files yet; `None` as
+/// [`render`] gives `false`.
+///
+/// # Errors
+/// As [`render`], nothing being written.
+pub(super) fn rendered(
+    pass: &LoadedPass,
+    executed: &Executed,
+) -> Result<Option<(RenderedReport, Manifest)>, BatchError> {
     let failed = |error: String| BatchError::job(format!("{}: {error}", escaped(&pass.shown)));
     if executed.results(pass).next().is_none() && !pass.not_run.is_empty() {
-        return Ok(false);
+        return Ok(None);
     }
     let path_of = |file: &str| pass.project.path_of(&pass.study, file);
     let command = format!("{COMMAND} {}", path_of(&pass.file));
@@ -151,9 +166,14 @@ pub fn render(pass: &LoadedPass, executed: &Executed, target: &Target) -> Result
         *warning = warning.replace(&format!("`{from_here}`"), &format!("`{from_project}`"));
     }
     let rendered = report::render(&view).map_err(|error| failed(error.to_string()))?;
-    let rendered = rendered.sealed(&origin_sha256);
-    report::write(&rendered, manifest, &target.base, &target.relative).map_err(|error| failed(error.to_string()))?;
-    Ok(true)
+    Ok(Some((rendered.sealed(&origin_sha256), manifest)))
+}
+
+/// Neighbours to which the report of a pass links and whose reports do not lie beside it.
+pub fn missing_neighbours(pass: &LoadedPass, target: &Target) -> Vec<String> {
+    let Siblings { previous, next } = siblings(pass);
+    let is_missing = |name: &String| !target.folder().with_file_name(name).join("report.html").is_file();
+    previous.into_iter().chain(next).filter(is_missing).collect()
 }
 
 /// The passes beside one in its study, those left out whose reports are kept elsewhere.

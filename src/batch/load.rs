@@ -26,6 +26,12 @@ pub struct Reading {
 }
 
 impl Reading {
+    /// The same reading, by which a model outside that broke off is tried again.
+    #[must_use]
+    pub fn anew(&self) -> Self {
+        Self { coloured: self.coloured, outside: Arc::new(self.outside.anew()) }
+    }
+
     fn reader(&self) -> Reader {
         let outside: Arc<Outside> = Arc::clone(&self.outside);
         Reader::new(job::kinds()).with_lender(outside)

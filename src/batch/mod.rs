@@ -1,5 +1,6 @@
 //! Batches of passes: the graph of their jobs across passes and studies, what of it runs, the history of a study's error,
-//! the archived report of a pass, the index of reports, its results against their baselines, the pass that follows a diagnosis. Knows how passes, jobs, the runner and reports meet;
+//! the archived report of a pass, the index of reports, its results against their baselines, the pass that follows a diagnosis,
+//! the rounds of a study that is watched. Knows how passes, jobs, the runner and reports meet;
 //! may not print, nor know of verbs and their options.
 
 pub mod archive;
@@ -10,6 +11,7 @@ mod graph;
 pub mod history;
 pub mod index;
 mod inputs;
+pub mod live;
 pub mod load;
 pub mod memory;
 pub mod next_pass;

@@ -10,7 +10,7 @@ use super::{BatchError, Executed, memory};
 use crate::runner::engine::local;
 use crate::runner::interrupt::Interrupts;
 use crate::runner::plan::State;
-use crate::runner::{Cache, Listener, Plan, Settings, WorkHistory};
+use crate::runner::{Cache, Listener, Plan, Settings, StopFlag, WorkHistory};
 use crate::study::Pass;
 
 /// Passes with their plan, of which nothing has run yet.
@@ -120,11 +120,10 @@ impl Prepared {
         Ok((Self { passes, parents, plan: Plan::new(nodes)?, only }, without))
     }
 
-    /// Runs what is wanted and not in the cache.
+    /// Runs what is wanted and not in the cache; Ctrl-C stops it.
     ///
     /// # Errors
-    /// A job that needs more memory than the machine has; a refusal of the system. What goes wrong with a job is in the
-    /// summary.
+    /// As [`Prepared::run_until`].
     pub fn run(
         self,
         settings: Settings,
@@ -132,13 +131,30 @@ impl Prepared {
         interrupts: &Interrupts,
         listener: &dyn Listener,
     ) -> Result<Executed, BatchError> {
+        let mut executed = interrupts.during(|stop| self.run_until(settings, cache, stop, listener))?;
+        // One that comes with the last block counts too.
+        executed.is_interrupted |= interrupts.is_stopped();
+        Ok(executed)
+    }
+
+    /// Runs what is wanted and not in the cache, until that is done or the flag is raised.
+    ///
+    /// # Errors
+    /// A job that needs more memory than the machine has; a refusal of the system. What goes wrong with a job is in the
+    /// summary.
+    pub fn run_until(
+        self,
+        settings: Settings,
+        cache: &Cache,
+        stop: &StopFlag,
+        listener: &dyn Listener,
+    ) -> Result<Executed, BatchError> {
         let Self { passes, parents, plan, only } = self;
         let settings = Settings { only: Some(only), ..settings };
         let needed = plan.preview(cache, settings.only.as_ref(), settings.force, &WorkHistory::default());
         memory::check(&needed)?;
-        let summary = interrupts.during(|stop| local::run(&plan, cache, &settings, stop, listener))?;
-        // One that comes with the last block counts too.
-        let is_interrupted = summary.is_interrupted() || interrupts.is_stopped();
+        let summary = local::run(&plan, cache, &settings, stop, listener)?;
+        let is_interrupted = summary.is_interrupted();
         Ok(Executed { passes, parents, plan, summary, is_interrupted })
     }
 }

@@ -43,11 +43,12 @@ impl Handler for Served {
             Ok(body) => (200, body),
             Err(Refused(status, kind, message)) => (status, json!({"error": {"type": kind, "message": message}})),
         };
-        Response { status, body: body.to_string().into_bytes() }
+        Response::json(status, body.to_string().into_bytes())
     }
 
-    fn refusal(&self, reason: &str) -> Vec<u8> {
-        json!({"error": {"type": "InvalidRequest", "message": reason}}).to_string().into_bytes()
+    fn refusal(&self, status: u16, reason: &str) -> Response {
+        let body = json!({"error": {"type": "InvalidRequest", "message": reason}});
+        Response::json(status, body.to_string().into_bytes())
     }
 }
 

@@ -10,11 +10,11 @@ use super::output::{escaped, print, tell};
 use super::status::{Failure, Status};
 use super::{Context, select};
 use crate::batch::LoadedPass;
-use crate::batch::next_pass::{Asked, NextPass, destination, next_pass, probability_text, twin, write};
+use crate::batch::next_pass::{Adoption, Asked, NextPass, adopt_into, probability_text};
 use crate::diagnosis::output::EffectResult;
 use crate::diagnosis::{Output, RISES};
+use crate::document::suggest;
 use crate::document::visible::shell_word;
-use crate::document::{Diagnostics, suggest};
 use crate::measurement::Doubt;
 
 /// Diagnostics printed of one refusal.
@@ -55,7 +55,6 @@ impl Adopt {
         let of_job = self.job.as_ref().map_or_else(String::new, |job| format!(" --job {}", shell_word(job)));
         let pass = self.pass.display().to_string();
         let asked = Asked::new(&format!("bmv adopt {}{of_job}", shell_word(&pass)), &self.effects);
-        let refused = |wrong: Diagnostics| Failure::rendered(wrong.render(context.coloured, MOST_DIAGNOSTICS));
         let job = select::job_of_kind(&self.pass, "diagnose", self.job.as_deref(), context.coloured)?;
         let options = self.options.clone().into();
         let executed = execute(std::slice::from_ref(&self.pass), &options, context, |_, name| name == job)?;
@@ -65,29 +64,23 @@ impl Adopt {
         let diagnosis = Output::deserialize(&*result.stored.value).map_err(|error| {
             Failure::job(format!("{}: the result of `{job}` is no diagnosis: {error}", escaped(&pass.shown)))
         })?;
-        let path = destination(&pass.pass, self.out.as_deref(), &asked.command()).map_err(|wrong| {
-            let mut diagnostics = Diagnostics::new();
-            diagnostics.push(*wrong);
-            refused(diagnostics)
-        })?;
-        let next = next_pass(&pass.pass, &job, &diagnosis, &asked, self.force, &path).map_err(refused)?;
-        if self.out.is_none() {
-            let ids: Vec<&str> = next.adopted.iter().map(|(_, finding)| finding.id.as_str()).collect();
-            if let Some(twin) = twin(&pass.pass, &ids) {
+        let adoption = adopt_into(&pass.pass, &job, &diagnosis, &asked, self.out.as_deref(), self.force);
+        match adoption.map_err(|wrong| Failure::rendered(wrong.render(context.coloured, MOST_DIAGNOSTICS)))? {
+            Adoption::There(twin) => {
                 let (shown, parent_file) = (escaped(&twin.display().to_string()), escaped(&pass.file));
                 let there = format!("{shown} is {parent_file} with the same effects already; nothing is written");
                 print(&format!("{there} (--out FILE writes another pass all the same)\n{}", now_try(pass, &twin)))?;
-                return Ok(Status::of(&executed));
+            }
+            Adoption::Written(path, next) => {
+                for line in diagnosis.doubts.iter().map(Doubt::in_words) {
+                    tell(&format!("warning: {}", escaped(&line)));
+                }
+                if !next.warnings.is_empty() {
+                    tell(&next.warnings.render(context.coloured, MOST_DIAGNOSTICS));
+                }
+                print(&described(pass, &path, &next, &diagnosis))?;
             }
         }
-        for line in diagnosis.doubts.iter().map(Doubt::in_words) {
-            tell(&format!("warning: {}", escaped(&line)));
-        }
-        if !next.warnings.is_empty() {
-            tell(&next.warnings.render(context.coloured, MOST_DIAGNOSTICS));
-        }
-        write(&next.text, &next.files, &path, self.force && self.out.is_some(), &asked.command()).map_err(refused)?;
-        print(&described(pass, &path, &next, &diagnosis))?;
         Ok(Status::of(&executed))
     }
 }

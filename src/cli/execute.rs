@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use super::Context;
-use super::options::RunOptions;
+use super::options::{CacheOption, RunOptions};
 use super::output::tell;
 use super::status::{Failure, Status};
 use crate::batch::{self, Executed, Loaded, LoadedPass, Prepared};
 use crate::document::Diagnostic;
-use crate::runner::{EventLog, Listener, Progress};
+use crate::runner::{Cache, EventLog, Listener, Progress};
 use crate::study::Pass;
 
 impl Status {
@@ -89,18 +89,34 @@ pub fn prepare(
 /// A job that needs more memory than the machine has; a refusal of the system. What goes wrong with a job is in the
 /// summary.
 pub fn run(prepared: Prepared, options: &RunOptions, context: &Context) -> Result<Executed, Failure> {
-    if let Some(note) = options.cache.shared(prepared.passes()) {
+    let run = |prepared: Prepared, cache: &Cache, listener: &dyn Listener| {
+        prepared.run(options.settings(), cache, &context.interrupts, listener)
+    };
+    Ok(run_listened(prepared, &options.cache, run)?)
+}
+
+/// Has `run` run what is prepared with this cache and a listener, which shows progress on standard error and keeps an event
+/// log.
+///
+/// # Errors
+/// Those of `run`.
+pub fn run_listened<E>(
+    prepared: Prepared,
+    cache: &CacheOption,
+    run: impl FnOnce(Prepared, &Cache, &dyn Listener) -> Result<Executed, E>,
+) -> Result<Executed, E> {
+    if let Some(note) = cache.shared(prepared.passes()) {
         tell(&note);
     }
-    let cache = options.cache.cache(prepared.passes());
     let progress = Progress::on_standard_error();
-    let log = EventLog::create(&options.cache.events(prepared.passes()));
+    let log = EventLog::create(&cache.events(prepared.passes()));
     let mut listeners: Vec<&dyn Listener> = vec![&progress];
     match &log {
         Ok(log) => listeners.push(log),
         Err(error) => tell(&format!("warning: no event log: {error}")),
     }
-    Ok(prepared.run(options.settings(), &cache, &context.interrupts, &listeners)?)
+    let cache = cache.cache(prepared.passes());
+    run(prepared, &cache, &listeners)
 }
 
 /// Tells what people should know of the files, each thing once.

@@ -5,6 +5,7 @@ mod adopt;
 mod cache;
 mod check;
 mod compare;
+mod completions;
 mod data;
 mod diagnose;
 mod diff;
@@ -31,6 +32,7 @@ mod show;
 pub mod status;
 mod test_plan;
 mod verify;
+mod watch;
 
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
@@ -118,6 +120,8 @@ enum Verb {
     Run(run::Run),
     /// Render report.md, report.html, plots, results.json and manifest.json
     Report(report::Report),
+    /// Run a study again whenever a file of it changes, and serve its reports to a browser of this machine
+    Watch(watch::Watch),
     /// Hold a model against its measurements
     Compare(compare::Compare),
     /// Name the physics that a model is missing
@@ -150,6 +154,8 @@ enum Verb {
     Lab(lab::LabVerb),
     /// Print the JSON Schema of a file format
     Schema(schema::Schema),
+    /// Print a script that completes commands in a shell
+    Completions(completions::Completions),
     /// Explain a diagnostic at length
     Explain(explain::Explain),
     /// Make a new study that runs at once
@@ -167,6 +173,7 @@ impl Verb {
         match self {
             Self::Run(verb) => verb.execute(context),
             Self::Report(verb) => verb.execute(context),
+            Self::Watch(verb) => verb.execute(context),
             Self::Compare(verb) => verb.execute(context),
             Self::Diagnose(verb) => verb.execute(context),
             Self::Adopt(verb) => verb.execute(context),
@@ -182,6 +189,7 @@ impl Verb {
             Self::Effects(verb) => verb.execute(context),
             Self::Lab(verb) => verb.execute(context),
             Self::Schema(verb) => verb.execute(),
+            Self::Completions(verb) => verb.execute(),
             Self::Explain(verb) => verb.execute(context),
             Self::Init(verb) => verb.execute(),
             Self::Import(verb) => verb.execute(context),

@@ -51,6 +51,14 @@ impl Report {
                 tell(&format!("{}: no job has a result, no report", escaped(&pass.shown)));
             }
         }
+        for (pass, target) in executed.passes.iter().zip(&targets) {
+            let missing = archive::missing_neighbours(pass, target);
+            if !missing.is_empty() {
+                let (shown, study) = (escaped(&pass.shown), shown(&pass.study));
+                let names = escaped(&missing.join(" and "));
+                tell(&format!("note: the report of {shown} links to {names}, not rendered yet: bmv report {study}"));
+            }
+        }
         let (pages, notes) = index::write(&targets)?;
         for note in notes {
             tell(&format!("note: {note}"));

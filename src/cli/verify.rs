@@ -47,7 +47,8 @@ impl Verify {
             let document = serde_json::to_value(&verification).map_err(|error| Failure::job(error.to_string()))?;
             documents.insert(folder.display().to_string(), document);
         }
-        let altered = archive::ro_crate::contradictions(&reports).map_err(unreadable(&self.report))?;
+        let mut altered = archive::ro_crate::contradictions(&reports).map_err(unreadable(&self.report))?;
+        altered.extend(archive::altered_pages(&self.report, &reports).map_err(unreadable(&self.report))?);
         if !altered.is_empty() {
             status = Status::CheckFailed;
         }
@@ -79,7 +80,7 @@ fn unreadable(folder: &Path) -> impl Fn(std::io::Error) -> Failure {
 /// What was found, a line each, and the verdict.
 fn in_words(verification: &Verification) -> String {
     let lists = [
-        ("changed", &verification.changed),
+        ("output changed", &verification.changed),
         ("missing", &verification.missing),
         ("extra", &verification.extra),
         ("contradiction", &verification.contradictions),
@@ -93,7 +94,12 @@ fn in_words(verification: &Verification) -> String {
     if let Some((theirs, ours)) = verification.other_engine {
         text.push_str(&format!("made by numeric engine {theirs}, this is {ours}: a new run may give other numbers\n"));
     }
-    let verdict = if verification.is_intact() { "the report is as it was written" } else { "the report was altered" };
+    let of_report = [&verification.changed, &verification.missing, &verification.extra, &verification.contradictions];
+    let verdict = match (of_report.iter().all(|list| list.is_empty()), verification.changed_inputs.is_empty()) {
+        (true, true) => "the report is as it was written",
+        (true, false) => "the report is as it was written, and its inputs are others now",
+        (false, _) => "the report was altered",
+    };
     format!("{text}{} unchanged; {verdict}\n", counted(verification.unchanged, "file"))
 }
 

@@ -9,6 +9,10 @@ use super::page::{Block, Cell, Column, Inline, Numbering, Page, Status, Table, T
 
 const TEMPLATE: &str = include_str!("../../templates/report.html");
 const STYLE: &str = include_str!("../../templates/report.css");
+/// What a page may load: nothing but its own style.
+pub(super) const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'";
+/// Where the content begins.
+pub(super) const MAIN: &str = "<main id=\"content\" tabindex=\"-1\">";
 
 /// Why a page could not be rendered.
 #[derive(Debug, Error)]
@@ -40,16 +44,27 @@ pub fn render(page: &Page) -> Result<String, HtmlError> {
         })
         .collect();
     let context = tera::Context::from_serialize(&Whole {
+        policy: POLICY,
         title: &page.title,
         subtitle: &page.subtitle,
         links: &page.links,
         title_block: page.title_block.iter().map(|(term, entry)| [term, entry]).collect(),
         footer: &page.footer,
-        style: format!("{STYLE}{}", page_foot(page)),
+        style: format!("{STYLE}{}{}", current_section(page), page_foot(page)),
         sections,
     })?;
     // Names and texts of the study are what could hold hidden characters; neither page nor drawings need any.
     Ok(escaped_lines(&tera.render("report.html", &context)?).into_owned())
+}
+
+/// The style that marks, among the contents, the section that was jumped to.
+fn current_section(page: &Page) -> String {
+    let marks = page.sections.iter().map(|section| format!("body:has(#{0}:target) nav a[href=\"#{0}\"]", section.id));
+    let marks: Vec<String> = marks.collect();
+    if marks.is_empty() {
+        return String::new();
+    }
+    format!("{} {{ border-color: var(--blue); background: var(--soft); font-weight: 650; }}\n", marks.join(", "))
 }
 
 /// The style of the foot of printed pages: what the document is.
@@ -71,6 +86,7 @@ fn in_style(text: &str) -> String {
 
 #[derive(Serialize)]
 struct Whole<'a> {
+    policy: &'static str,
     title: &'a str,
     subtitle: &'a Text,
     links: &'a Text,

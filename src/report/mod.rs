@@ -11,6 +11,7 @@ pub mod history;
 pub mod html;
 pub mod known;
 pub mod ladder;
+pub mod live;
 pub mod markdown;
 pub mod number;
 pub mod page;

@@ -141,6 +141,14 @@ impl Manifest {
         Ok(Key::of(&canonical_bytes(&value, WHAT)?))
     }
 
+    /// The text of its file.
+    ///
+    /// # Errors
+    /// [`RunnerError::NotCanonical`] if JSON cannot hold it.
+    pub fn text(&self) -> Result<String, RunnerError> {
+        Ok(serde_json::to_string_pretty(self).map_err(not_canonical)? + "\n")
+    }
+
     /// Writes the manifest into a report's folder, `relative` below `base`. A reader sees the old one or the new one,
     /// never a part.
     ///
@@ -148,8 +156,7 @@ impl Manifest {
     /// [`RunnerError::File`] if the system refuses, or a link is in the way.
     pub fn write(&self, base: &Path, relative: &Path) -> Result<(), RunnerError> {
         let place = relative.join(FILE_NAME);
-        let text = serde_json::to_string_pretty(self).map_err(not_canonical)? + "\n";
-        file::write(base, &place, text.as_bytes(), Existing::Replace)
+        file::write(base, &place, self.text()?.as_bytes(), Existing::Replace)
             .map_err(RunnerError::file("write", base.join(&place)))
     }
 

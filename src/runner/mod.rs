@@ -17,6 +17,7 @@ pub mod interrupt;
 pub mod key;
 pub mod manifest;
 pub mod plan;
+pub mod polling;
 pub mod progress;
 pub mod replay;
 

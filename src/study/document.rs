@@ -14,6 +14,8 @@ use super::inherit::unnamed_file_diagnostic;
 pub const FILE: &str = "document.json";
 /// The format's name in the file.
 const FORMAT: &str = "bmv-document/1";
+/// Most characters of an entry of the title block.
+const LONGEST: usize = 300;
 
 written_struct! {
     /// The title block of a study's reports, and what people write of its test.
@@ -29,17 +31,17 @@ written_struct! {
         /// Day of issue, `2026-06-30`.
         required date: Spanned<String>,
         /// Project.
-        optional project: String,
+        optional project: Spanned<String>,
         /// Who issues it.
-        optional organisation: String,
+        optional organisation: Spanned<String>,
         /// Who wrote it; not yet signed where it is left out, as the next two.
-        optional author: String,
+        optional author: Spanned<String>,
         /// Who checked it.
-        optional checker: String,
+        optional checker: Spanned<String>,
         /// Who approved it.
-        optional approver: String,
+        optional approver: Spanned<String>,
         /// Licence of the reports, such as `CC-BY-4.0` or an address.
-        optional licence: String,
+        optional licence: Spanned<String>,
         /// What it is about, in a few sentences.
         optional summary: String,
         /// Documents that bind.
@@ -166,6 +168,19 @@ impl DocumentForm {
                 );
             }
         }
+        let block = [Some(&self.title), Some(&self.number), Some(&self.issue), self.project.as_ref()];
+        let people = [&self.organisation, &self.author, &self.checker, &self.approver, &self.licence];
+        for text in block.into_iter().chain(people.map(Option::as_ref)).flatten() {
+            let length = text.value.chars().count();
+            if length > LONGEST {
+                let message = format!("an entry of the title block with {length} characters");
+                diagnostics.push(
+                    Diagnostic::error(&code::DOCUMENT_FILE, &text.place, message)
+                        .expected(format!("at most {LONGEST} characters"))
+                        .help("longer texts have their place in `summary`"),
+                );
+            }
+        }
         if !is_day(&self.date.value) {
             let message = format!("`{}` is no day", self.date.value);
             diagnostics.push(
@@ -201,12 +216,12 @@ impl DocumentForm {
             number: self.number.value,
             issue: self.issue.value,
             date: self.date.value,
-            project: self.project,
-            organisation: self.organisation,
-            author: self.author,
-            checker: self.checker,
-            approver: self.approver,
-            licence: self.licence,
+            project: self.project.map(|text| text.value),
+            organisation: self.organisation.map(|text| text.value),
+            author: self.author.map(|text| text.value),
+            checker: self.checker.map(|text| text.value),
+            approver: self.approver.map(|text| text.value),
+            licence: self.licence.map(|text| text.value),
             summary: self.summary,
             applicable: self.applicable_documents.into_iter().map(reference).collect(),
             references: self.reference_documents.into_iter().map(reference).collect(),
@@ -276,6 +291,7 @@ mod tests {
                 "the study has no pass `pass-2.json`",
                 "such as \"pass-1.json\"",
             ),
+            ("Plate", &"x".repeat(301), "document.json:1:39", "with 301 characters", "at most 300 characters"),
             ("bmv-document/1", "bmv-document/2", "document.json:1:12", "bmv-document/2", "bmv-document/1"),
         ];
         for (from, to, place, message, help) in cases {

@@ -191,7 +191,7 @@ fn a_call_that_fails_is_data_and_says_why() {
     );
     let failing = [
         ("echo garbage > out.json", "`out.json`: it is no JSON"),
-        ("echo '{\"plate\": NaN}' > out.json", "`out.json`: it is no JSON"),
+        ("echo '{\"plate\": NaN}' > out.json", "`out.json`: NaN is not JSON (line 1): print a number"),
         ("echo '{\"plate\": \"warm\"}' > out.json", "`/plate` is \"warm\", which is no number"),
         ("echo '{\"plate\": -400}' > out.json", "an output is below absolute zero: `plate` is -400 degC"),
         ("echo '{\"other\": 3}' > out.json", "there is nothing at `/plate`"),
@@ -392,4 +392,13 @@ fn a_server_that_is_gone_fails_the_job_and_nothing_of_it_is_kept() {
     .expect("written");
     let _server = Server::start(network.path(), &port);
     assert_eq!(result(&client, "prior", &[])["failed"], json!(0));
+}
+
+#[test]
+fn exit_codes_of_which_there_is_none_are_refused_at_their_place() {
+    let none = COMMAND.replacen("\"outputs\"", "\"exit_codes\": [], \"outputs\"", 1);
+    let output = at(&study(&none, JOBS), &["plan", "m"]);
+    let said = text(&output.stderr);
+    assert_eq!(code(&output), 2, "{said}");
+    assert!(said.contains("with no exit code at all no call succeeds") && said.contains("m/model.json:"), "{said}");
 }

@@ -52,6 +52,17 @@ fn help_names_every_verb_and_the_exit_statuses() {
     assert!(statuses.lines().all(|line| line.chars().count() <= 80), "{help}");
 }
 
+#[test]
+fn shells_complete_every_verb() {
+    for (shell, sign) in [("bash", "complete -F _bmv"), ("zsh", "#compdef bmv"), ("fish", "complete -c bmv")] {
+        let output = run(&["completions", shell]);
+        let script = text(&output.stdout);
+        assert_eq!((code(&output), script.contains(sign)), (0, true), "{shell}");
+        assert!(script.contains("watch") && script.contains("test-plan") && script.contains("allow-commands"));
+    }
+    assert_eq!(code(&run(&["completions", "tea"])), 2);
+}
+
 #[cfg(unix)]
 #[test]
 fn a_signal_before_any_job_runs_ends_with_130() {
@@ -163,7 +174,7 @@ fn verify_tells_what_changed_in_a_report() {
     let altered = run(&["verify", display(&report)]);
     assert_eq!(code(&altered), 1);
     let said = text(&altered.stdout);
-    assert!(said.starts_with("changed: report.md\nextra: extra\\u{1b}[2J.md\n"), "{said}");
+    assert!(said.starts_with("output changed: report.md\nextra: extra\\u{1b}[2J.md\n"), "{said}");
     let json: serde_json::Value = serde_json::from_slice(&run(&["verify", "--json", display(&report)]).stdout).unwrap();
     assert_eq!(json["changed"][0], "report.md");
 }

@@ -54,6 +54,11 @@ fn the_index_lists_what_lies_there_whatever_the_command_rendered() {
     assert!(
         text(&altered.stdout).contains("reports/slab/index.md is not as ro-crate-metadata.json beside it lists it")
     );
+    let index = read(root.path(), "reports/index.html");
+    fs::write(reports.join("index.html"), index.replace("slab", "slap")).unwrap();
+    let altered = text(&bmv(root.path(), &["verify", "reports"]).stdout);
+    assert!(altered.contains("reports/slab/index.md was altered"), "{altered}");
+    assert!(altered.contains("reports/index.html was altered"), "{altered}");
     printed(root.path(), &["report", "slab"]);
     assert!(files(&reports) == whole, "written anew");
     // Reports that lie elsewhere: the study has its page, the index does not know it.

@@ -22,3 +22,4 @@ mod test_plan_verb;
 mod tutorial;
 mod unsettled;
 mod verbs;
+mod watch;

@@ -192,7 +192,7 @@ fn what_cannot_be_asked_is_refused_before_anything_runs() {
 }
 
 /// The study with its pass changed by `change`.
-fn changed(change: impl Fn(&mut Value)) -> TempDir {
+pub(super) fn changed(change: impl Fn(&mut Value)) -> TempDir {
     let root = hidden();
     let file = root.path().join("hidden/pass-1.json");
     let mut pass = read(&file);

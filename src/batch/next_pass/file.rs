@@ -123,7 +123,8 @@ fn write_pass(text: &str, path: &Path, replace: bool, place: &Place) -> Result<(
     file::write(folder, Path::new(path.file_name().unwrap_or_default()), text.as_bytes(), existing).map_err(refused)
 }
 
-fn one(diagnostic: Diagnostic) -> Diagnostics {
+/// A collection of one finding.
+pub(super) fn one(diagnostic: Diagnostic) -> Diagnostics {
     let mut diagnostics = Diagnostics::new();
     diagnostics.push(diagnostic);
     diagnostics

@@ -4,15 +4,19 @@
 //! inherited. Everything else follows from the parent. Adopting goes back to the original priors; the next pass is
 //! calibrated anew.
 
+mod adoption;
 mod choose;
 mod entry;
 mod file;
 mod name;
+mod offer;
 pub mod text;
 
+pub use adoption::{Adoption, adopt_into};
 pub use choose::Asked;
 pub use entry::probability_text;
 pub use file::{destination, twin, write};
+pub use offer::{Offer, diagnosis, offers};
 
 use std::path::Path;
 
@@ -80,7 +84,7 @@ pub fn next_pass<'f>(
         return Err(diagnostics);
     }
     let Some(tree) = tree(pass, asked, &mut diagnostics) else { return Err(diagnostics) };
-    let mut adopted: Vec<Adoption<'f>> = Vec::new();
+    let mut adopted: Vec<Entered<'f>> = Vec::new();
     for finding in chosen {
         match adopt(pass, job, diagnosis, finding, &catalogue, &adopted) {
             Some(adoption) => adopted.push(adoption),
@@ -130,7 +134,7 @@ fn has_it(catalogue: &Catalogue, file: &EffectFile) -> bool {
 }
 
 /// An effect, or a wider prior, with its entry.
-struct Adoption<'f> {
+struct Entered<'f> {
     /// As people read it.
     name: String,
     /// Of its entry: the same, or the parameter that has the prior.
@@ -161,8 +165,8 @@ fn adopt<'f>(
     diagnosis: &Output,
     finding: &'f EffectResult,
     catalogue: &Catalogue,
-    before: &[Adoption<'f>],
-) -> Option<Adoption<'f>> {
+    before: &[Entered<'f>],
+) -> Option<Entered<'f>> {
     let (model, _) = dated(pass, pass.measurements.clone());
     let model = &model;
     if finding.effect == PRIOR_OF {
@@ -174,7 +178,7 @@ fn adopt<'f>(
         );
         item.push(("because".to_owned(), Item::text(&because)));
         let (name, key) = (format!("wider prior of {key}"), key.clone());
-        return Some(Adoption { name, key, is_prior: true, finding, item: Item::Object(item), parameters: Vec::new() });
+        return Some(Entered { name, key, is_prior: true, finding, item: Item::Object(item), parameters: Vec::new() });
     }
     let effect = catalogue.get(&finding.effect)?;
     let bound = entry::bound(effect, finding, model)?;
@@ -199,7 +203,7 @@ fn adopt<'f>(
     let item = Item::Object(fields);
     let parameters = effect.parameters(model, &bound).into_iter().filter(|parameter| !parameter.prior.is_fixed());
     let parameters = parameters.map(|parameter| format!("{name}.{}", parameter.name)).collect();
-    Some(Adoption { key: name.clone(), name, is_prior: false, finding, item, parameters })
+    Some(Entered { key: name.clone(), name, is_prior: false, finding, item, parameters })
 }
 
 /// What is added to a title.

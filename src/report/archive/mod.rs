@@ -13,6 +13,9 @@ use std::path::{Path, PathBuf};
 use crate::document::hash::sha256_hex;
 use crate::runner::Manifest;
 use crate::runner::manifest::{FILE_NAME as MANIFEST, FileRecord};
+use crate::study::file;
+
+use super::INDEX;
 
 use record::Record;
 
@@ -66,13 +69,52 @@ impl RenderedPage {
     /// As [`super::html::render`].
     pub fn new(page: &super::page::Page) -> Result<Self, super::html::HtmlError> {
         let text = super::page::Page { sections: without_figures(&page.sections), ..page.clone() };
-        let marked = |text: String| format!("{}\n<!-- {FORMAT} -->\n", text.trim_end());
+        let marked = |text: String| {
+            let text = format!("{}\n", text.trim_end());
+            let seal = seal(&text);
+            text + &seal
+        };
         Ok(Self { markdown: marked(super::markdown::render(&text)), html: marked(super::html::render(page)?) })
     }
 }
 
 /// What stands at the end of every page over reports, by which the program knows its own.
 pub const FORMAT: &str = "bmv-index/1";
+/// Largest page that is read, bytes.
+const LARGEST: u64 = 64 << 20;
+
+/// The last line of a page over reports, with the hash of all above it: it finds what was altered without that.
+fn seal(above: &str) -> String {
+    format!("<!-- {FORMAT} text={} -->\n", sha256_hex(above.as_bytes()))
+}
+
+/// Which pages over reports are not as they were written: in the folder that was named, and in those of the studies whose
+/// reports lie below it. A page that is not there, or not the program's own, is none of them.
+///
+/// # Errors
+/// What the system says of a file that is there.
+pub fn altered_pages(folder: &Path, reports: &[PathBuf]) -> std::io::Result<Vec<String>> {
+    let mut folders: Vec<&Path> = reports.iter().filter_map(|report| report.parent()).collect();
+    folders.push(folder);
+    folders.sort_unstable();
+    folders.dedup();
+    let mut altered = Vec::new();
+    for place in folders.iter().flat_map(|folder| ["html", "md"].map(|ending| folder.join(format!("{INDEX}.{ending}"))))
+    {
+        let bytes = match file::read(&place, LARGEST) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => continue,
+            Err(error) => return Err(error),
+        };
+        let text = String::from_utf8_lossy(&bytes);
+        let end = text.trim_end_matches('\n').rfind('\n').map_or(0, |end| end + 1);
+        let (above, own) = text.split_at(end);
+        if text.contains(FORMAT) && own != seal(above) {
+            altered.push(format!("{} was altered, or written by an earlier version", place.display()));
+        }
+    }
+    Ok(altered)
+}
 
 /// Figures have no file of their own beside these pages.
 fn without_figures(sections: &[super::page::Section]) -> Vec<super::page::Section> {

@@ -25,6 +25,8 @@ pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Sensitivity);
 /// The section on sensitivity; not without such a job.
 fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
+    // A model that is asked outside has no derivatives of its own.
+    let by_differences = report.model.external.is_some();
     for (name, output) in report.outputs::<Kind>() {
         blocks.push(Block::Paragraph(introduction(name, output)));
         blocks.extend(precision(output));
@@ -32,7 +34,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         for case in &output.cases {
             blocks.extend(failures(case));
             for quantity in &case.quantities {
-                let shown = of_quantity(name, output, case, quantity);
+                let shown = of_quantity(name, output, case, quantity, by_differences);
                 if is_first {
                     blocks.push(Block::Heading(heading(output, case, quantity)));
                     blocks.extend(shown);
@@ -139,7 +141,7 @@ fn failures(case: &Case) -> Vec<Block> {
     ]
 }
 
-fn of_quantity(job: &str, output: &Output, case: &Case, quantity: &OfQuantity) -> Vec<Block> {
+fn of_quantity(job: &str, output: &Output, case: &Case, quantity: &OfQuantity, by_differences: bool) -> Vec<Block> {
     if quantity.is_constant {
         return vec![Block::paragraph(format!("{} does not vary with the uncertain parameters.", quantity.name))];
     }
@@ -149,10 +151,11 @@ fn of_quantity(job: &str, output: &Output, case: &Case, quantity: &OfQuantity) -
         blocks.push(Block::Paragraph(ranking(output, sobol, &order)));
         blocks.push(Block::Figure(shares(job, output, case, quantity, sobol, &order)));
     }
-    blocks.extend(tornado(job, output, case, quantity, &order).map(Block::Figure));
+    blocks.extend(tornado(job, output, case, quantity, &order, by_differences).map(Block::Figure));
     blocks.extend(scatters(job, output, case, quantity).into_iter().map(Block::Figure));
     blocks.extend(table(output, quantity, &order));
-    let details = elementary(output, quantity, &order).into_iter().chain(derivatives(output, quantity, &order));
+    let derivatives = derivatives(output, quantity, &order, by_differences);
+    let details = elementary(output, quantity, &order).into_iter().chain(derivatives);
     let details: Vec<Block> = details.chain(pairs(quantity)).collect();
     if !details.is_empty() {
         let what = match (quantity.morris.is_empty(), quantity.local.is_empty()) {
@@ -249,7 +252,14 @@ fn shares(job: &str, output: &Output, case: &Case, quantity: &OfQuantity, sobol:
 }
 
 /// What a standard deviation of each parameter does to the quantity about its nominal value.
-fn tornado(job: &str, output: &Output, case: &Case, quantity: &OfQuantity, order: &[usize]) -> Option<Figure> {
+fn tornado(
+    job: &str,
+    output: &Output,
+    case: &Case,
+    quantity: &OfQuantity,
+    order: &[usize],
+    by_differences: bool,
+) -> Option<Figure> {
     let shown = Shown::quantity(&quantity.unit, quantity.is_temperature);
     let mut reach: Vec<(usize, f64)> =
         order.iter().filter_map(|&at| Some((at, quantity.local.get(at)?.scaled_by_sd?))).collect();
@@ -271,9 +281,11 @@ fn tornado(job: &str, output: &Output, case: &Case, quantity: &OfQuantity, order
         .collect();
     let nominal = format!("nominal {}", shown.text(quantity.nominal));
     let caption = format!(
-        "Tornado of {} in environment {}: nominal value plus and minus the exact derivative times one prior standard deviation; the \
+        "Tornado of {} in environment {}: nominal value plus and minus the {} times one prior standard deviation; the \
          number is the change for a larger parameter.",
-        quantity.name, case.environment
+        quantity.name,
+        case.environment,
+        if by_differences { "derivative by differences" } else { "exact derivative" }
     );
     Some(Figure {
         id: format!("{job}-{}-{}-tornado", case.environment, quantity.name),
@@ -398,7 +410,7 @@ fn elementary(output: &Output, quantity: &OfQuantity, order: &[usize]) -> Option
     }))
 }
 
-fn derivatives(output: &Output, quantity: &OfQuantity, order: &[usize]) -> Option<Block> {
+fn derivatives(output: &Output, quantity: &OfQuantity, order: &[usize], by_differences: bool) -> Option<Block> {
     if quantity.local.is_empty() {
         return None;
     }
@@ -422,8 +434,13 @@ fn derivatives(output: &Output, quantity: &OfQuantity, order: &[usize]) -> Optio
         .collect();
     Some(Block::Table(Table {
         caption: format!(
-            "Exact derivatives of {} at the nominal parameters: raw, times parameter by quantity (absolute temperatures in \
+            "{} of {} at the nominal parameters: raw, times parameter by quantity (absolute temperatures in \
              K), times the prior's standard deviation.",
+            if by_differences {
+                "Derivatives by the model's steps, differences rather than exact,"
+            } else {
+                "Exact derivatives"
+            },
             quantity.name
         )
         .into(),

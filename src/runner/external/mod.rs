@@ -42,6 +42,11 @@ impl Outside {
     pub fn new(access: Access) -> Self {
         Self { access, lent: Mutex::default() }
     }
+
+    /// Asks what is allowed, and has asked nothing yet: a model that broke off is tried again.
+    pub fn anew(&self) -> Self {
+        Self::new(self.access.clone())
+    }
 }
 
 impl Lender for Outside {

@@ -62,11 +62,28 @@ impl Outputs<'_> {
         let place = name.map_or_else(|| self.output.to_owned(), |name| self.folder.join(name));
         let bytes = file::read(&place, MOST_BYTES).map_err(|error| absent(&error))?;
         if is_json {
-            return serde_json::from_slice(&bytes)
-                .map(Content::Json)
-                .map_err(|error| format!("it is no JSON: {error}"));
+            return serde_json::from_slice(&bytes).map(Content::Json).map_err(|error| no_json(&bytes, &error));
         }
         Ok(Content::Text(String::from_utf8_lossy(&bytes).into_owned()))
+    }
+}
+
+/// That a text is no JSON; a number that is none, as many languages write it, is named.
+fn no_json(bytes: &[u8], error: &serde_json::Error) -> String {
+    const NONE: [&str; 3] = ["nan", "inf", "-inf"];
+    let text = String::from_utf8_lossy(bytes);
+    let line = text.lines().nth(error.line().saturating_sub(1)).unwrap_or_default();
+    // The column is that of the character that is wrong, or of the one before it.
+    let from = |back: usize| line.chars().skip(error.column().saturating_sub(back));
+    let word = |back: usize| from(back).take_while(|c| c.is_alphabetic() || *c == '-').collect::<String>();
+    let is_none = |word: &String| NONE.iter().any(|none| word.to_lowercase().starts_with(none));
+    match [word(2), word(1), word(0)].into_iter().find(is_none) {
+        Some(word) => format!(
+            "{} is not JSON (line {}): print a number, or end with another exit code where there is none",
+            shown(&word),
+            error.line()
+        ),
+        None => format!("it is no JSON: {error}"),
     }
 }
 
@@ -152,6 +169,20 @@ mod tests {
         assert_eq!(in_table("a  b\n 1   2 \n", &table("b", None, &[], Separator::Blanks)), Ok(2.0));
         let bare = Table { skip: 1, header: false, ..table("2", None, &[], Separator::Blanks) };
         assert_eq!(in_table("a title\n 1 2\n", &bare), Ok(2.0));
+    }
+
+    #[test]
+    fn a_number_that_is_none_is_named() {
+        let said = |text: &str| {
+            let error = serde_json::from_str::<Value>(text).expect_err("no JSON");
+            no_json(text.as_bytes(), &error)
+        };
+        for (text, word) in
+            [("{\"T\": NaN}", "NaN"), ("{\n \"T\": -Infinity}", "-Infinity"), ("[1, nan]", "nan"), ("inf", "inf")]
+        {
+            assert!(said(text).starts_with(&format!("{word} is not JSON (line ")), "{text}: {}", said(text));
+        }
+        assert!(said("{\"nan\": x}").starts_with("it is no JSON: "), "{}", said("{\"nan\": x}"));
     }
 
     #[test]

@@ -6,8 +6,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use super::call::{Call, Failure};
-use crate::runner::http::Response;
-use crate::runner::http::client::{Client, Silence};
+use crate::runner::http::client::{Answer, Client, Silence};
 use crate::study::external::{External, UmBridge};
 use crate::thermal::Fault;
 
@@ -155,7 +154,7 @@ fn refused(detail: String) -> Failure {
 }
 
 /// What an error says.
-fn said(value: &Value, response: &Response) -> String {
+fn said(value: &Value, response: &Answer) -> String {
     let text = |field: &str| value.pointer(field).and_then(Value::as_str);
     match (text("/error/type"), text("/error/message")) {
         (Some(kind), Some(message)) => plain(&format!("{kind}: {message}")),
@@ -165,7 +164,7 @@ fn said(value: &Value, response: &Response) -> String {
 }
 
 /// Status and beginning of an answer.
-fn shown(response: &Response) -> String {
+fn shown(response: &Answer) -> String {
     let text = plain(&String::from_utf8_lossy(&response.body));
     format!("status {}{}", response.status, if text.is_empty() { text } else { format!(", {text}") })
 }

@@ -5,7 +5,6 @@ use std::net::{SocketAddr, TcpStream};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::Response;
 use super::message::{BODY_BYTES, HEAD_BYTES, Length, MOST_FIELDS, length, values};
 
 /// How long a connection may take to be made.
@@ -24,6 +23,15 @@ pub enum Silence {
     TimedOut,
     /// The answer is none that is read.
     Unreadable(String),
+}
+
+/// An answer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Answer {
+    /// Status.
+    pub status: u16,
+    /// Body.
+    pub body: Vec<u8>,
 }
 
 /// Asks one host.
@@ -58,7 +66,7 @@ impl Client {
         body: &[u8],
         timeout: Duration,
         is_over: &dyn Fn() -> bool,
-    ) -> Result<Response, Silence> {
+    ) -> Result<Answer, Silence> {
         let wait = Wait { until: Instant::now() + timeout, is_over };
         let kept = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
         if let Some(stream) = kept {
@@ -82,7 +90,7 @@ impl Client {
         Err(Silence::Unreachable(why))
     }
 
-    fn on(&self, mut stream: TcpStream, path: &str, body: &[u8], wait: &Wait<'_>) -> Result<Response, Silence> {
+    fn on(&self, mut stream: TcpStream, path: &str, body: &[u8], wait: &Wait<'_>) -> Result<Answer, Silence> {
         let gone = |error: std::io::Error| Silence::Unreachable(error.to_string());
         let set = stream.set_nodelay(true).and_then(|()| stream.set_write_timeout(Some(TO_SEND)));
         set.and_then(|()| stream.set_read_timeout(Some(GLANCE))).map_err(gone)?;
@@ -150,7 +158,7 @@ impl Incoming<'_> {
     }
 
     /// The answer, and whether the connection stays.
-    fn response(&mut self) -> Result<(Response, bool), Silence> {
+    fn response(&mut self) -> Result<(Answer, bool), Silence> {
         let head = loop {
             if let Some(head) = head(&self.kept)? {
                 // What a server says before it answers.
@@ -181,12 +189,12 @@ impl Incoming<'_> {
                         return Err(unreadable("the answer is larger than 16 MiB"));
                     }
                 }
-                return Ok((Response { status: head.status, body: std::mem::take(&mut self.kept) }, false));
+                return Ok((Answer { status: head.status, body: std::mem::take(&mut self.kept) }, false));
             }
             Length::TooLong => return Err(unreadable("the answer is larger than 16 MiB")),
             Length::Unreadable => return Err(unreadable("the Content-Length of the answer is no number")),
         };
-        Ok((Response { status: head.status, body }, head.stays))
+        Ok((Answer { status: head.status, body }, head.stays))
     }
 
     /// A body in chunks; trailing fields are read over.
@@ -286,9 +294,9 @@ mod tests {
             b"HTTP/1.1 200 OK\r\nContent-Length: 9\r\n\r\n[1]",
         ]);
         let ask = || client.post("/Evaluate", b"{}", Duration::from_secs(20), &|| false);
-        assert_eq!(ask(), Ok(Response { status: 200, body: b"[1]\n".to_vec() }));
-        assert_eq!(ask(), Ok(Response { status: 500, body: b"[1]".to_vec() }));
-        assert_eq!(ask(), Ok(Response { status: 200, body: b"[1]".to_vec() }));
+        assert_eq!(ask(), Ok(Answer { status: 200, body: b"[1]\n".to_vec() }));
+        assert_eq!(ask(), Ok(Answer { status: 500, body: b"[1]".to_vec() }));
+        assert_eq!(ask(), Ok(Answer { status: 200, body: b"[1]".to_vec() }));
         assert!(matches!(ask(), Err(Silence::Unreadable(_))));
         assert!(matches!(ask(), Err(Silence::Unreadable(_))));
         assert!(matches!(ask(), Err(Silence::Unreachable(_))), "broken off");

@@ -1,5 +1,5 @@
-//! A small HTTP/1.1 server for programs on the same machine: bounded heads, bodies, times and numbers of connections. A
-//! thread a connection, which may carry many requests. What is asked and answered is the caller's.
+//! A small HTTP/1.1 server for programs and browsers on the same machine: bounded heads, bodies, times and numbers of
+//! connections. A thread a connection, which may carry many requests. What is asked and answered is the caller's.
 
 pub mod client;
 mod message;
@@ -7,6 +7,7 @@ mod message;
 use std::io::{ErrorKind, Read, Write};
 use std::net::{IpAddr, TcpListener, TcpStream};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
@@ -28,25 +29,45 @@ pub struct Request {
     pub method: String,
     /// Path, without what follows `?`.
     pub path: String,
+    /// What follows `?`.
+    pub query: String,
+    /// Fields of the head, names in lower case; a value that is no UTF-8 is left out.
+    pub fields: Vec<(String, String)>,
     /// Body.
     pub body: Vec<u8>,
 }
 
-/// An answer, whose body is JSON.
+impl Request {
+    /// The values of a field by its name in lower case.
+    pub fn field<'r>(&'r self, name: &'r str) -> impl Iterator<Item = &'r str> {
+        self.fields.iter().filter(move |(own, _)| own == name).map(|(_, value)| value.as_str())
+    }
+}
+
+/// An answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Response {
     /// Status.
     pub status: u16,
+    /// Fields of its head, length and connection left out. No value holds a line's end.
+    pub fields: Vec<(&'static str, String)>,
     /// Body.
     pub body: Vec<u8>,
+}
+
+impl Response {
+    /// An answer whose body is JSON.
+    pub fn json(status: u16, body: Vec<u8>) -> Self {
+        Self { status, fields: vec![("Content-Type", "application/json".to_owned())], body }
+    }
 }
 
 /// Answers requests.
 pub trait Handler: Sync {
     /// The answer to a request.
     fn answer(&self, request: &Request) -> Response;
-    /// The body of an answer to what is no request that can be read, or fails: `reason` in words.
-    fn refusal(&self, reason: &str) -> Vec<u8>;
+    /// The answer to what is no request that can be read, or fails: `reason` in words.
+    fn refusal(&self, status: u16, reason: &str) -> Response;
 }
 
 /// Why a request could not be had.
@@ -78,7 +99,7 @@ pub fn serve(listener: &TcpListener, handler: &dyn Handler) -> std::io::Result<(
                 continue;
             };
             if open.fetch_add(1, Ordering::AcqRel) >= MOST_CONNECTIONS {
-                let _ = write(&mut stream, &refused(handler, 503, "too many connections"), false);
+                let _ = write(&mut stream, &handler.refusal(503, "too many connections"), false);
                 open.fetch_sub(1, Ordering::AcqRel);
                 continue;
             }
@@ -95,6 +116,16 @@ pub fn serve(listener: &TcpListener, handler: &dyn Handler) -> std::io::Result<(
         }
     });
     Ok(())
+}
+
+/// Serves in a thread of its own until the process ends.
+///
+/// # Errors
+/// There is no further thread, or the listener's own address cannot be had.
+pub fn serve_beside(listener: TcpListener, handler: Arc<dyn Handler + Send>) -> std::io::Result<()> {
+    listener.local_addr()?;
+    let serving = move || serve(&listener, handler.as_ref());
+    std::thread::Builder::new().name("http".to_owned()).spawn(serving).map(drop)
 }
 
 /// A connection, with what was read of it and not used yet.
@@ -115,7 +146,7 @@ fn connection(stream: &mut TcpStream, own: IpAddr, handler: &dyn Handler) -> std
         match connection.request(own) {
             Ok((request, stays)) => {
                 let answered = catch_unwind(AssertUnwindSafe(|| handler.answer(&request)));
-                let response = answered.unwrap_or_else(|_| refused(handler, 500, "the model failed"));
+                let response = answered.unwrap_or_else(|_| handler.refusal(500, "what should answer failed"));
                 write(connection.stream, &response, stays)?;
                 if !stays {
                     return Ok(());
@@ -123,14 +154,10 @@ fn connection(stream: &mut TcpStream, own: IpAddr, handler: &dyn Handler) -> std
             }
             Err(Broken::Gone) => return Ok(()),
             Err(Broken::Refused(status, reason)) => {
-                return write(connection.stream, &refused(handler, status, reason), false);
+                return write(connection.stream, &handler.refusal(status, reason), false);
             }
         }
     }
-}
-
-fn refused(handler: &dyn Handler, status: u16, reason: &str) -> Response {
-    Response { status, body: handler.refusal(reason) }
 }
 
 impl Connection<'_> {
@@ -157,7 +184,9 @@ impl Connection<'_> {
         let rest = self.kept.split_off(whole);
         let body = self.kept.split_off(head.length);
         self.kept = rest;
-        Ok((Request { method: head.method, path: head.path, body }, head.stays))
+        let (path, query) = head.target.split_once('?').unwrap_or((&head.target, ""));
+        let (path, query) = (path.to_owned(), query.to_owned());
+        Ok((Request { method: head.method, path, query, fields: head.fields, body }, head.stays))
     }
 
     /// Waits for more bytes.
@@ -179,7 +208,8 @@ impl Connection<'_> {
 /// What a head says.
 struct Head {
     method: String,
-    path: String,
+    target: String,
+    fields: Vec<(String, String)>,
     /// Its own length, bytes.
     length: usize,
     /// Length of the body, bytes.
@@ -217,7 +247,7 @@ fn head(bytes: &[u8], own: IpAddr) -> Result<Option<Head>, Broken> {
         name == "localhost" || name.parse::<IpAddr>().is_ok_and(|address| address.is_loopback())
     };
     if own.is_loopback() && !values("host").iter().all(is_local) {
-        return Err(Broken::Refused(403, "this model is served on this machine alone: ask 127.0.0.1 or localhost"));
+        return Err(Broken::Refused(403, "this is served on this machine alone: ask 127.0.0.1 or localhost"));
     }
     let connection = values("connection");
     let stays = match request.version {
@@ -226,7 +256,10 @@ fn head(bytes: &[u8], own: IpAddr) -> Result<Option<Head>, Broken> {
     };
     Ok(Some(Head {
         method: request.method.unwrap_or_default().to_owned(),
-        path: request.path.unwrap_or_default().split('?').next().unwrap_or_default().to_owned(),
+        target: request.path.unwrap_or_default().to_owned(),
+        fields: (request.headers.iter())
+            .filter_map(|field| Some((field.name.to_ascii_lowercase(), str::from_utf8(field.value).ok()?.to_owned())))
+            .collect(),
         length: own_length,
         body,
         stays,
@@ -237,13 +270,14 @@ fn head(bytes: &[u8], own: IpAddr) -> Result<Option<Head>, Broken> {
 /// Writes an answer.
 fn write(stream: &mut TcpStream, response: &Response, stays: bool) -> std::io::Result<()> {
     let reason = match response.status {
-        200 => "OK",
+        200..400 => "OK",
         status if status < 500 => "Refused",
         _ => "Failed",
     };
     let connection = if stays { "keep-alive" } else { "close" };
+    let fields: String = response.fields.iter().map(|(name, value)| format!("{name}: {value}\r\n")).collect();
     let mut bytes = format!(
-        "HTTP/1.1 {} {reason}\r\nContent-Type: application/json\r\nContent-Length: {}\r\nConnection: {connection}\r\n\r\n",
+        "HTTP/1.1 {} {reason}\r\n{fields}Content-Length: {}\r\nConnection: {connection}\r\n\r\n",
         response.status,
         response.body.len()
     )

@@ -25,7 +25,7 @@ written_struct! {
         /// How often a call that failed is tried again (0).
         optional retries: Spanned<u64>,
         /// Exit codes of a call that succeeded ([0]).
-        optional exit_codes: Vec<Spanned<u64>>,
+        optional exit_codes: Spanned<Vec<Spanned<u64>>>,
         /// Calls at a time (as many as the run has threads).
         optional at_once: Spanned<u64>,
     }

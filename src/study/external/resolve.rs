@@ -217,6 +217,11 @@ pub fn command(form: &Spanned<CommandForm>, sources: &Sources<'_>, diagnostics: 
     let exit_codes = match &form.exit_codes {
         None => vec![0],
         Some(codes) => {
+            if codes.value.is_empty() {
+                let message = "with no exit code at all no call succeeds".to_owned();
+                wrong(&codes.place, message, "the exit codes of a call that succeeded, such as [0]", diagnostics);
+            }
+            let codes = &codes.value;
             for code in codes.iter().filter(|code| code.value > 255) {
                 wrong(&code.place, format!("an exit code of {}", code.value), "a number from 0 to 255", diagnostics);
             }

@@ -1,0 +1,18 @@
+//! A study that is run again whenever one of its files changes, and served to a browser on this machine.
+//!
+//! A round loads, runs and renders; what it gives is kept in memory, and requests are answered from there alone. So no
+//! request can name a file: nothing is read for it, and the one thing that it can write is the next pass, as `bmv adopt`
+//! does.
+
+mod changes;
+mod follow;
+mod page;
+mod progress;
+mod round;
+mod session;
+mod site;
+mod state;
+
+pub use follow::{Followed, follow};
+pub use site::Site;
+pub use state::State;

@@ -1,0 +1,34 @@
+//! What is served under a path.
+
+use crate::batch::next_pass::Offer;
+
+/// What a file is to a browser.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// HTML, to which the state and the offers are added.
+    Page,
+    /// Anything else, as it is.
+    Other(&'static str),
+}
+
+/// A file of the reports, in memory.
+#[derive(Clone, Debug)]
+pub(super) struct Served {
+    pub kind: Kind,
+    pub text: String,
+    /// What can be adopted from here: of which pass.
+    pub offers: Vec<(String, Offer)>,
+}
+
+impl Served {
+    /// A file by its name and text.
+    pub fn new(name: &str, text: &str) -> Self {
+        let kind = match name.rsplit_once('.').map(|(_, ending)| ending) {
+            Some("html") => Kind::Page,
+            Some("json") => Kind::Other("application/json"),
+            Some("svg") => Kind::Other("image/svg+xml"),
+            _ => Kind::Other("text/plain; charset=utf-8"),
+        };
+        Self { kind, text: text.to_owned(), offers: Vec::new() }
+    }
+}

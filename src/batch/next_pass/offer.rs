@@ -1,0 +1,77 @@
+//! What of a pass's diagnoses can be adopted by one command, as a page offers it.
+
+use serde::Deserialize;
+
+use crate::batch::{Executed, LoadedPass};
+use crate::diagnosis::Output;
+use crate::diagnosis::output::EffectResult;
+use crate::document::visible::shell_word;
+
+use super::entry::probability_text;
+
+/// Effects offered of one diagnosis.
+const MOST_OFFERED: usize = 6;
+
+/// Effects that a command adopts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Offer {
+    /// The diagnosis.
+    pub job: String,
+    /// Ids that the command names; none where it adopts what the diagnosis selected.
+    pub effects: Vec<String>,
+    /// The effects in words.
+    pub title: String,
+    /// How probable they are.
+    pub probability: String,
+    /// The command.
+    pub command: String,
+}
+
+/// The diagnosis of this name among the results of a pass.
+pub fn diagnosis(pass: &LoadedPass, executed: &Executed, job: &str) -> Option<Output> {
+    let is_it = |position: usize| {
+        let node = &executed.plan.nodes()[position];
+        node.name == job && node.task.kind() == "diagnose"
+    };
+    let (_, finished) = executed.results(pass).find(|(position, _)| is_it(*position))?;
+    Output::deserialize(&*finished.stored.value).ok()
+}
+
+/// What the diagnoses of a pass let adopt: the selected set where the verdict settles it, else each supported effect by its
+/// name.
+pub fn offers(pass: &LoadedPass, executed: &Executed) -> Vec<Offer> {
+    let jobs = pass.pass.jobs.iter().filter(|job| job.spec.kind() == "diagnose");
+    let mut offers = Vec::new();
+    for (place, job) in jobs.enumerate() {
+        let Some(output) = diagnosis(pass, executed, &job.name) else { continue };
+        // The first diagnosis of a pass needs no name.
+        let of_job = if place == 0 { String::new() } else { format!(" --job {}", shell_word(&job.name)) };
+        let base = format!("bmv adopt {}{of_job}", shell_word(&pass.shown));
+        let offer = |effects: &[&EffectResult], are_named: bool| {
+            let ids: Vec<String> = effects.iter().filter(|_| are_named).map(|effect| effect.id.clone()).collect();
+            let words: String = ids.iter().map(|id| format!(" {}", shell_word(id))).collect();
+            Offer {
+                job: job.name.clone(),
+                title: effects.iter().map(|effect| in_words(effect)).collect::<Vec<_>>().join("; "),
+                probability: output.odds(effects).map(probability_text).unwrap_or_default(),
+                command: format!("{base}{words}"),
+                effects: ids,
+            }
+        };
+        let selected: Vec<&EffectResult> = output.selected.iter().filter_map(|id| output.effect(id)).collect();
+        if output.verdict.names_one_set() && !selected.is_empty() {
+            offers.push(offer(&selected, false));
+        } else {
+            let supported = output.effects.iter().filter(|effect| output.supports(effect)).take(MOST_OFFERED);
+            offers.extend(supported.map(|effect| offer(&[effect], true)));
+        }
+    }
+    offers
+}
+
+fn in_words(effect: &EffectResult) -> String {
+    match effect.place.as_slice() {
+        [] => effect.title.clone(),
+        places => format!("{}: {}", effect.title, places.join(", ")),
+    }
+}

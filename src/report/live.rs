@@ -1,0 +1,167 @@
+//! Pages of reports as they are served while somebody works on the study: with a bar that says how it stands, buttons that
+//! adopt, and the script that loads the page anew. Nothing of this is in a report that lies in a folder.
+
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use crate::document::visible::escaped_lines;
+
+use super::html::{self, HtmlError};
+use super::page::{Block, Page, Section};
+
+const PANEL: &str = include_str!("../../templates/live/panel.html");
+const BAR: &str = include_str!("../../templates/live/bar.html");
+const STYLE: &str = include_str!("../../templates/live/watch.css");
+const SCRIPT: &str = include_str!("../../templates/live/watch.js");
+
+/// Effects that the page offers to adopt.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Offered<'a> {
+    /// File of the pass.
+    pub pass: &'a str,
+    /// The diagnosis.
+    pub job: &'a str,
+    /// Ids to be named; none where the diagnosis settles it.
+    pub effects: &'a [String],
+    /// In words.
+    pub title: &'a str,
+    /// How probable; empty where that is not known.
+    pub probability: &'a str,
+    /// The command that does the same.
+    pub command: &'a str,
+}
+
+/// What stands round a page.
+#[derive(Clone, Copy, Debug)]
+pub struct Around<'a> {
+    /// Number of the round that the page is of.
+    pub version: u64,
+    /// `ready`, `running` or `wrong`.
+    pub state: &'a str,
+    /// What goes on, or what came out.
+    pub lines: &'a [String],
+    /// Messages on the files.
+    pub messages: &'a str,
+    /// What can be adopted.
+    pub offers: &'a [Offered<'a>],
+    /// What is to be read first; mostly empty.
+    pub notice: &'a str,
+}
+
+/// A page with what stands round it.
+///
+/// # Errors
+/// A template does not fit what it is given.
+pub fn served(page: &str, around: &Around<'_>) -> Result<String, HtmlError> {
+    let mut tera = tera::Tera::default();
+    tera.add_raw_templates([("panel.html", PANEL), ("bar.html", BAR)])?;
+    let context = tera::Context::from_serialize(&Context {
+        version: around.version,
+        state: around.state,
+        words: std::iter::once(around.state)
+            .chain(around.lines.iter().map(String::as_str))
+            .collect::<Vec<_>>()
+            .join("\n"),
+        messages: around.messages,
+        offers: around.offers,
+        notice: around.notice,
+    })?;
+    let panel = escaped_lines(&tera.render("panel.html", &context)?).into_owned();
+    let bar = escaped_lines(&tera.render("bar.html", &context)?).into_owned();
+    // Texts of a study are escaped, so that each of these stands in the template alone.
+    let additions = [
+        (html::POLICY.to_owned(), policy_of_page()),
+        ("</style>".to_owned(), format!("{STYLE}</style>")),
+        (html::MAIN.to_owned(), format!("{}{panel}", html::MAIN)),
+        ("</body>".to_owned(), format!("{bar}<script>{SCRIPT}</script>\n</body>")),
+    ];
+    Ok(additions.iter().fold(page.to_owned(), |text, (at, instead)| text.replacen(at, instead, 1)))
+}
+
+/// A page that waits for the first results.
+///
+/// # Errors
+/// As [`html::render`].
+pub fn waiting() -> Result<String, HtmlError> {
+    let words = "This page is not here yet: it comes when the jobs of its pass have run. It loads by itself.";
+    let section = Section { id: "waiting", title: "No results yet".into(), blocks: vec![Block::paragraph(words)] };
+    html::render(&Page { title: "bmv watch".into(), sections: vec![section], ..Page::default() })
+}
+
+#[derive(Serialize)]
+struct Context<'a> {
+    version: u64,
+    state: &'a str,
+    words: String,
+    messages: &'a str,
+    offers: &'a [Offered<'a>],
+    notice: &'a str,
+}
+
+/// What a served page may do: its own style and script, and asking and posting where it comes from.
+fn policy_of_page() -> String {
+    let hash = base64(&Sha256::digest(SCRIPT.as_bytes()));
+    format!("{}; script-src 'sha256-{hash}'; connect-src 'self'; form-action 'self'; base-uri 'none'", html::POLICY)
+}
+
+/// The same as a field of an answer, which can also keep others from showing the page within theirs.
+pub fn policy() -> String {
+    format!("{}; frame-ancestors 'none'", policy_of_page())
+}
+
+/// Bytes in base 64 (RFC 4648, section 4).
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let of_three = |three: &[u8]| {
+        let number =
+            (0..3).fold(0_usize, |number, at| number << 8 | three.get(at).map_or(0, |byte| usize::from(*byte)));
+        let digit = move |at: usize| match at <= three.len() {
+            true => char::from(DIGITS[number >> (18 - 6 * at) & 63]),
+            false => '=',
+        };
+        [digit(0), digit(1), digit(2), digit(3)]
+    };
+    bytes.chunks(3).flat_map(of_three).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base_64_is_that_of_the_standard() {
+        // RFC 4648, section 10.
+        for (bytes, digits) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
+            assert_eq!(base64(bytes.as_bytes()), digits);
+        }
+    }
+
+    #[test]
+    fn a_served_page_has_everything_once_and_no_markup_of_the_study() {
+        let hostile = "</main></style><script>alert(1)</script>\"'";
+        let page = html::render(&Page { title: hostile.into(), ..Page::default() }).expect("rendered");
+        let offer = Offered {
+            pass: hostile,
+            job: hostile,
+            effects: &[hostile.to_owned()],
+            title: hostile,
+            probability: hostile,
+            command: hostile,
+        };
+        let around = Around {
+            version: 3,
+            state: "ready",
+            lines: &[hostile.to_owned()],
+            messages: hostile,
+            offers: &[offer],
+            notice: hostile,
+        };
+        let served = served(&page, &around).expect("served");
+        for (part, count) in [("<script", 1), ("</style>", 1), (html::MAIN, 1), ("</main>", 1), ("id=\"live\"", 1)] {
+            assert_eq!(served.matches(part).count(), count, "{part}: {served}");
+        }
+        assert!(served.contains("data-version=\"3\"") && served.contains(&policy_of_page()));
+        assert!(served.contains("<button type=\"submit\">Adopt</button>"));
+        assert!(!page.contains("<script") && !page.contains("script-src"), "a report has none of it");
+    }
+}
