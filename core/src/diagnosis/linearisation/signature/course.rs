@@ -239,9 +239,11 @@ fn course(
     let limit = base.problem.most_steps.get(position).copied();
     request.options.most_steps = limit.unwrap_or(request.options.most_steps);
     let step_ends = network.solve_transient(&TransientRequest { temperatures: false, ..request }).ok()?.step_ends_s;
+    let is_jump = |time_s: f64| inputs.at(time_s, true) != inputs.at(time_s, false);
     let (times_s, rows) = merged(&inputs.times_s, &step_ends);
+    let (times_s, rows) = halved(&times_s, &rows, is_jump);
     // A table of instants and of what comes right after jumps there.
-    let jumps: Vec<bool> = times_s.iter().map(|&time| inputs.at(time, true) != inputs.at(time, false)).collect();
+    let jumps: Vec<bool> = times_s.iter().map(|&time| is_jump(time)).collect();
     let mut outputs_s = Vec::with_capacity(2 * times_s.len());
     for (place, &time_s) in times_s.iter().enumerate() {
         outputs_s.push(time_s);
@@ -312,6 +314,23 @@ fn merged(rows_s: &[f64], step_ends_s: &[f64]) -> (Vec<f64>, Vec<usize>) {
     (times_s, places)
 }
 
+/// The same with the middles of steps from row to row where inputs jump: the model does not feel the jump, but effects may.
+fn halved(times_s: &[f64], rows: &[usize], is_jump: impl Fn(f64) -> bool) -> (Vec<f64>, Vec<usize>) {
+    let (mut halved, mut places) = (Vec::with_capacity(times_s.len()), Vec::with_capacity(rows.len()));
+    let mut next = rows.iter().copied().peekable();
+    for (place, &time_s) in times_s.iter().enumerate() {
+        let is_row = next.next_if_eq(&place).is_some();
+        if is_row {
+            places.push(halved.len());
+        }
+        halved.push(time_s);
+        if is_row && next.peek() == Some(&(place + 1)) && is_jump(time_s) {
+            halved.push(0.5 * (time_s + times_s[place + 1]));
+        }
+    }
+    (halved, places)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -321,5 +340,9 @@ mod tests {
         let (times_s, places) = merged(&[0.0, 10.0, 20.0], &[4.0, 10.0 - 1e-9, 15.0, 20.0, 25.0]);
         assert_eq!(times_s, [0.0, 4.0, 10.0, 15.0, 20.0]);
         assert_eq!(places, [0, 2, 4]);
+        // A step from row to row is cut in two after a jump.
+        let (times_s, places) = halved(&[0.0, 4.0, 10.0, 20.0, 30.0], &[0, 2, 3, 4], |time_s| time_s < 15.0);
+        assert_eq!(times_s, [0.0, 4.0, 10.0, 15.0, 20.0, 30.0]);
+        assert_eq!(places, [0, 2, 4, 5]);
     }
 }
