@@ -271,7 +271,8 @@ impl<'a> Integrator<'a> {
             return Err(self.not_finite());
         }
         self.refresh_slopes(0);
-        self.contraction = 1.0;
+        // With slopes as new as these the iteration goes as before, or nearly so; at the start nothing is known of it.
+        self.contraction = self.contraction.sqrt();
         self.previous_step_s = None;
         self.restart_tangent();
         Ok(())
