@@ -334,13 +334,10 @@ fn divided(
         divided.push(time_s);
         let Some(&end_s) = times_s.get(place + 1) else { break };
         let step_s = end_s - time_s;
-        count = if is_row && is_jump(time_s) && step_s >= 0.5 * last_s {
-            4
-        } else if is_row && next.peek() == Some(&(place + 1)) && is_ramp(time_s, end_s) {
-            4
-        } else {
-            (count / 2).max(1)
-        };
+        let is_row_to_row = is_row && next.peek() == Some(&(place + 1));
+        let is_coarse_jump = is_row && step_s >= 0.5 * last_s && is_jump(time_s);
+        let is_coarse = is_coarse_jump || is_row_to_row && is_ramp(time_s, end_s);
+        count = if is_coarse { 4 } else { (count / 2).max(1) };
         divided.extend((1..count).map(|piece| time_s + step_s * piece as f64 / count as f64));
         last_s = step_s;
     }
