@@ -241,8 +241,6 @@ fn course(
     let step_ends = network.solve_transient(&TransientRequest { temperatures: false, ..request }).ok()?.step_ends_s;
     let is_jump = |time_s: f64| inputs.at(time_s, true) != inputs.at(time_s, false);
     let (times_s, rows) = merged(&inputs.times_s, &step_ends);
-    let is_ramp = |from_s: f64, to_s: f64| inputs.at(from_s, false) != inputs.at(to_s, true);
-    let (times_s, rows) = divided(&times_s, &rows, is_jump, is_ramp);
     // A table of instants and of what comes right after jumps there.
     let jumps: Vec<bool> = times_s.iter().map(|&time| is_jump(time)).collect();
     let mut outputs_s = Vec::with_capacity(2 * times_s.len());
@@ -315,35 +313,6 @@ fn merged(rows_s: &[f64], step_ends_s: &[f64]) -> (Vec<f64>, Vec<usize>) {
     (times_s, places)
 }
 
-/// The same with steps in pieces where inputs change and the course does not get finer: the model does not feel that, but
-/// effects may. After a jump the first step has four and the next one two, a step from row to row along a ramp four.
-fn divided(
-    times_s: &[f64],
-    rows: &[usize],
-    is_jump: impl Fn(f64) -> bool,
-    is_ramp: impl Fn(f64, f64) -> bool,
-) -> (Vec<f64>, Vec<usize>) {
-    let (mut divided, mut places) = (Vec::with_capacity(times_s.len()), Vec::with_capacity(rows.len()));
-    let mut next = rows.iter().copied().peekable();
-    let (mut last_s, mut count) = (f64::INFINITY, 1);
-    for (place, &time_s) in times_s.iter().enumerate() {
-        let is_row = next.next_if_eq(&place).is_some();
-        if is_row {
-            places.push(divided.len());
-        }
-        divided.push(time_s);
-        let Some(&end_s) = times_s.get(place + 1) else { break };
-        let step_s = end_s - time_s;
-        let is_row_to_row = is_row && next.peek() == Some(&(place + 1));
-        let is_coarse_jump = is_row && step_s >= 0.5 * last_s && is_jump(time_s);
-        let is_coarse = is_coarse_jump || is_row_to_row && is_ramp(time_s, end_s);
-        count = if is_coarse { 4 } else { (count / 2).max(1) };
-        divided.extend((1..count).map(|piece| time_s + step_s * piece as f64 / count as f64));
-        last_s = step_s;
-    }
-    (divided, places)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -353,16 +322,5 @@ mod tests {
         let (times_s, places) = merged(&[0.0, 10.0, 20.0], &[4.0, 10.0 - 1e-9, 15.0, 20.0, 25.0]);
         assert_eq!(times_s, [0.0, 4.0, 10.0, 15.0, 20.0]);
         assert_eq!(places, [0, 2, 4]);
-        // A jump at 8 that makes no step shorter, one at 24 that does, a ramp from 30 on.
-        let times_s = [0.0, 8.0, 16.0, 24.0, 25.0, 30.0, 34.0];
-        let (times_s, places) = divided(
-            &times_s,
-            &[0, 1, 2, 3, 5, 6],
-            |time_s| time_s == 8.0 || time_s == 24.0,
-            |from_s, _| from_s == 30.0,
-        );
-        let expected = [0.0, 8.0, 10.0, 12.0, 14.0, 16.0, 20.0, 24.0, 25.0, 30.0, 31.0, 32.0, 33.0, 34.0];
-        assert_eq!(times_s, expected);
-        assert_eq!(places, [0, 1, 5, 7, 9, 13]);
     }
 }
