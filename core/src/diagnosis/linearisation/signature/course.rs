@@ -166,8 +166,8 @@ impl Slopes {
     }
 }
 
-/// The transients of a problem at its fit; `None` where one of them, or the model, is of a kind whose derivatives are not linear
-/// along its course: with switches, in a cycle, with extremes of time, asked outside.
+/// The transients of a problem at its fit; `None` where one of them, or the model, is of a kind whose derivatives such steps do not
+/// follow well: with switches, nodes without storage, inputs that change between rows, a cycle, extremes of time, or asked outside.
 pub(super) fn courses(base: &Base<'_>) -> Result<Option<(Layout, Vec<Course>, Vec<f64>)>, FitError> {
     let (problem, likelihood) = (base.problem, base.likelihood);
     let model = &problem.model;
@@ -175,7 +175,8 @@ pub(super) fn courses(base: &Base<'_>) -> Result<Option<(Layout, Vec<Course>, Ve
     let is_plain = |measurement: &Measurement| {
         let is_transient = match &measurement.rows {
             Rows::Transient { initial, inputs, .. } => {
-                *initial != Initial::Periodic && inputs.base.len() == model.inputs.len()
+                let is_held = inputs.columns.iter().all(|column| column.hold);
+                is_held && *initial != Initial::Periodic && inputs.base.len() == model.inputs.len()
             }
             Rows::Steady(_) => false,
         };
@@ -191,6 +192,9 @@ pub(super) fn courses(base: &Base<'_>) -> Result<Option<(Layout, Vec<Course>, Ve
     quantities.sort_unstable();
     quantities.dedup();
     let (layout, mut slopes) = Layout::new(model, &parameters, &quantities);
+    if layout.stores.contains(&false) {
+        return Ok(None);
+    }
     let network = Network::compile(model, &[])?;
     let names = &likelihood.unknowns().names;
     let values: HashMap<&str, f64> = names.iter().map(String::as_str).zip(base.unknowns.iter().copied()).collect();
