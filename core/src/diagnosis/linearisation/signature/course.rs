@@ -77,6 +77,9 @@ pub(super) struct Course {
     pub start: Start,
 }
 
+/// All transients with their layout, and the model's parameters, SI.
+pub(super) type Courses = (Layout, Vec<Course>, Vec<f64>);
+
 /// The slopes of a model without effects, compiled.
 struct Slopes {
     program: Program,
@@ -168,7 +171,7 @@ impl Slopes {
 
 /// The transients of a problem at its fit; `None` where one of them, or the model, is of a kind whose derivatives such steps do not
 /// follow well: with switches, nodes without storage, inputs that change between rows, a cycle, extremes of time, or asked outside.
-pub(super) fn courses(base: &Base<'_>) -> Result<Option<(Layout, Vec<Course>, Vec<f64>)>, FitError> {
+pub(super) fn courses(base: &Base<'_>) -> Result<Option<Courses>, FitError> {
     let (problem, likelihood) = (base.problem, base.likelihood);
     let model = &problem.model;
     let is_instant = |quantity: usize| matches!(model.quantities[quantity].value, QuantityValue::Instant(_));
