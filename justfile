@@ -40,13 +40,13 @@ pictures:
 bench:
     cargo build --release && cargo bench --package bmv-benches
 
-# studies of grids of nodes with a hidden path, and what each verb takes on them
-sizes +nodes="30 100 300 1000":
+# studies of grids of nodes with a hidden path, what each verb takes on them, and how that grows
+sizes +nodes="30 100 300 1000 10000":
     cargo build --release && benches/sizes/run.sh target/release/bmv {{nodes}}
 
 # the same on one record of 30 nodes: ten phases of so many rows, so many sensors, and by how many kelvin the sink steps in every row
-record rows="200" sensors="6" swing="0":
-    cargo build --release && ROWS={{rows}} SENSORS={{sensors}} SWING={{swing}} benches/sizes/run.sh target/release/bmv 30
+record rows="200" sensors="6" swing="0" sampler="independence-metropolis":
+    cargo build --release && ROWS={{rows}} SENSORS={{sensors}} SWING={{swing}} SAMPLER={{sampler}} benches/sizes/run.sh target/release/bmv 30
 
 # the documentation of the library
 doc:

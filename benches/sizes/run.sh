@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Times the verbs on grids of several numbers of nodes: seconds, CPU seconds and memory.
-# usage: [ROWS=N [SWING=K] [SENSORS=M]] run.sh BMV NODES...
-# With ROWS one transient of ten phases of N rows and M sensors (6), whose sink steps by K in every row.
+# Times the verbs on grids of several numbers of nodes: seconds, CPU seconds and memory; and the exponents of the CPU seconds.
+# usage: [ROWS=N [SWING=K] [SENSORS=M]] [SAMPLER=NAME] [VERBS="plan compare ..."] run.sh BMV NODES...
+# With ROWS one transient of ten phases of N rows and M sensors (6), whose sink steps by K in every row; SAMPLER calibrates
+# another way than by default. Above 3000 nodes only `plan` and `compare` are asked.
 set -euo pipefail
 bmv="$(realpath "$1")"
 here="$(cd "$(dirname "$0")" && pwd)"
@@ -15,9 +16,27 @@ for nodes in "$@"; do
   else
     python3 "$here/grid.py" "$work/$nodes" "$nodes" 20 10
   fi
-  for verb in plan "run --job propagate" "run --job sensitivity" compare diagnose; do
-    /usr/bin/time -f '%e %U %S %M' -o "$work/time" "$bmv" $verb "$work/$nodes/pass-1.json" --cache "$work/cache-$nodes" > "$work/out" 2>&1 || true
-    awk -v n="$nodes" -v v="${verb##* }" 'NF == 4 { printf "%-6s %-12s %8.2f %8.2f %8.0f\n", n, v, $1, $2 + $3, $4 / 1024 }' "$work/time"
+  if [ -n "${SAMPLER:-}" ]; then
+    sed -i "s/\"calibrate\": {/&\"sampler\": \"$SAMPLER\", /" "$work/$nodes/pass-1.json"
+  fi
+  verbs="${VERBS:-plan compare propagate sensitivity calibrate diagnose}"
+  if [ "$nodes" -gt 3000 ]; then verbs="plan compare"; fi
+  for verb in $verbs; do
+    case "$verb" in
+      propagate | sensitivity | calibrate) command="run --job $verb" ;;
+      *) command="$verb" ;;
+    esac
+    /usr/bin/time -f '%e %U %S %M' -o "$work/time" "$bmv" $command "$work/$nodes/pass-1.json" --cache "$work/cache-$nodes" > "$work/out" 2>&1 || true
+    awk -v n="$nodes" -v v="$verb" 'NF == 4 { printf "%-6s %-12s %8.2f %8.2f %8.0f\n", n, v, $1, $2 + $3, $4 / 1024 }' "$work/time" | tee -a "$work/all"
   done
   grep -E '^- Missing' "$work/out" || true
 done
+# Slopes of the logarithm of the CPU seconds over that of the number of nodes, by least squares.
+awk '
+  $4 > 0 { x = log($1); y = log($4); n[$2]++; sx[$2] += x; sy[$2] += y; sxx[$2] += x * x; sxy[$2] += x * y }
+  END {
+    for (v in n) {
+      spread = n[v] * sxx[v] - sx[v] * sx[v]
+      if (spread > 1e-9) printf "%-12s CPU seconds grow as nodes to the power of %.2f\n", v, (n[v] * sxy[v] - sx[v] * sy[v]) / spread
+    }
+  }' "$work/all" | sort

@@ -91,6 +91,12 @@ fn adaptive_metropolis_finds_the_reference_posterior() {
 
 #[test]
 #[ignore = "nightly"]
+fn independent_proposals_find_the_reference_posterior() {
+    agrees(&calibrated(Sampler::IndependenceMetropolis, 4000));
+}
+
+#[test]
+#[ignore = "nightly"]
 fn sequential_monte_carlo_finds_the_reference_posterior() {
     agrees(&calibrated(Sampler::Smc, 400));
 }

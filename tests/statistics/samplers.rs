@@ -7,6 +7,7 @@ use bmv::inference::prior::triangular_transport::NormalApproximation;
 use bmv::inference::sampler::chains::{Chain, Chains};
 use bmv::inference::sampler::convergence::{Convergence, ConvergenceLimits, Objection, judge};
 use bmv::inference::sampler::importance::{ImportanceEstimate, ImportanceSettings, estimate as importance};
+use bmv::inference::sampler::independence::{self, IndependenceSettings};
 use bmv::inference::sampler::metropolis::{self, MetropolisSettings};
 use bmv::inference::sampler::nuts::{self, NutsSettings};
 use bmv::inference::sampler::parts::Parts;
@@ -110,6 +111,31 @@ fn linear_gaussian_in_ten_dimensions() {
     assert!(smc.finished);
     assert!((smc.log_evidence - evidence).abs() < 3.0 * smc.log_evidence_error, "{} {evidence}", smc.log_evidence);
     assert!(smc.log_evidence_error < 0.1);
+}
+
+/// About the exact posterior, and about one that is a standard deviation away and twice as wide: a normal approximation
+/// decides how well the chains mix, not where they go.
+#[test]
+fn independent_proposals_about_a_right_and_a_wrong_normal_approximation() {
+    let linear = models::LinearGaussian::new(4, 25);
+    let model = linear.model();
+    let (mean, covariance, _) = linear.exact();
+    for (shift, factor) in [(0.0, 1.0), (1.0, 2.0)] {
+        let mode = (0..4).map(|i| mean[i] + shift * covariance[(i, i)].sqrt()).collect();
+        let covariance_of_normal = covariance.iter().map(|value| factor * value).collect();
+        let normal = NormalApproximation { mode, covariance: covariance_of_normal };
+        let settings = IndependenceSettings { draws: 4000, ..IndependenceSettings::about(normal) };
+        let run = |c| independence::sample(&model, &settings, &key("independence"), c, None).expect("a chain");
+        let chains = collect(&model, (0..4).map(run).collect());
+        for i in 0..4 {
+            let what = format!("independence {shift} {i}");
+            check_moments(&what, &chains, |draw| draw[i], mean[i], covariance[(i, i)].sqrt());
+        }
+        let verdict = verdict(&model, &chains);
+        assert!(verdict.converged, "{:?}", verdict.objections);
+        let acceptance = chains.chains[0].moves.acceptance;
+        assert!(acceptance > 0.1 && acceptance < 0.9, "{shift}: {acceptance}");
+    }
 }
 
 #[test]
@@ -449,4 +475,11 @@ fn a_chain_that_goes_on_from_a_state_is_the_same() {
         assert_eq!(whole, metropolis::sample(&model, &settings, &key("walk"), 1, None).expect("a chain"));
         assert!(again.len() == 9 && again.iter().all(|own| *own == whole), "{adapt_throughout}");
     }
+    let normal = NormalApproximation { mode: vec![1.0], covariance: vec![0.5] };
+    let settings = IndependenceSettings { warm_up: 10, draws: 60, ..IndependenceSettings::about(normal) };
+    let run = |parts: &mut Parts<'_, _>| {
+        independence::sample_in_parts(&model, &settings, &key("independence"), 1, None, parts).expect("a chain")
+    };
+    let (whole, again) = states(30, run);
+    assert!(again.len() == 2 && again.iter().all(|own| *own == whole));
 }

@@ -41,6 +41,14 @@ pub fn dot<V: Lanes>(a: &[V], b: &[V]) -> V {
     even.zip(odd, |even, odd| even + odd).zip(last, |sum, last| sum + last)
 }
 
+/// `x -= factor * y`.
+#[inline]
+pub fn subtract_multiple(x: &mut [f64], factor: f64, y: &[f64]) {
+    for (x, y) in x.iter_mut().zip(y) {
+        *x -= factor * y;
+    }
+}
+
 impl Lanes for f64 {
     const COUNT: usize = 1;
     #[inline]

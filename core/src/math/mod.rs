@@ -5,6 +5,7 @@ pub mod dense;
 pub mod elimination;
 pub mod functions;
 pub mod lanes;
+pub mod listed_lu;
 pub mod ordering;
 pub mod pivoting_lu;
 pub mod quadrature;

@@ -257,7 +257,7 @@ impl SparseLu<f64> {
 }
 
 /// Replaces the solutions of lanes.
-fn put_back<V: Lanes>(rhs: &mut [V], apart: &[(usize, Vec<f64>)]) {
+pub(super) fn put_back<V: Lanes>(rhs: &mut [V], apart: &[(usize, Vec<f64>)]) {
     for (lane, own) in apart {
         for (value, &own) in rhs.iter_mut().zip(own) {
             value.set_lane(*lane, own);

@@ -4,7 +4,7 @@
 //! Networks have few conductors a node, so most entries are 0 and stay 0: they are passed over in the elimination, and
 //! solutions go through lists of the others.
 
-use crate::math::lanes::Lanes;
+use crate::math::lanes::{Lanes, subtract_multiple};
 
 /// Factors of a square matrix per lane, rows exchanged for the largest pivot.
 #[derive(Clone, Debug)]
@@ -203,7 +203,11 @@ impl LanesLu<f64> {
             let row_rhs = &mut rest[..columns];
             for &column in self.entries(row, 0) {
                 let column = column as usize;
-                subtract(row_rhs, self.matrix[row * n + column], &above[column * columns..(column + 1) * columns]);
+                subtract_multiple(
+                    row_rhs,
+                    self.matrix[row * n + column],
+                    &above[column * columns..(column + 1) * columns],
+                );
             }
         }
         for row in (0..n).rev() {
@@ -212,21 +216,13 @@ impl LanesLu<f64> {
             for &column in self.entries(row, 1) {
                 let column = column as usize;
                 let from = (column - row - 1) * columns;
-                subtract(row_rhs, self.matrix[row * n + column], &below[from..from + columns]);
+                subtract_multiple(row_rhs, self.matrix[row * n + column], &below[from..from + columns]);
             }
             let pivot = self.matrix[row * n + row];
             for value in row_rhs {
                 *value /= pivot;
             }
         }
-    }
-}
-
-/// `x -= factor * y`.
-#[inline]
-fn subtract(x: &mut [f64], factor: f64, y: &[f64]) {
-    for (x, y) in x.iter_mut().zip(y) {
-        *x -= factor * y;
     }
 }
 

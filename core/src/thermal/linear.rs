@@ -1,8 +1,10 @@
-//! The linear systems of the solvers: dense factors for small networks, sparse ones for large.
+//! The linear systems of the solvers: dense factors for small networks, sparse ones for large, and in transients, which factor
+//! one matrix after another, sparse ones by lists up to some hundred nodes.
 
 use std::sync::Arc;
 
 use crate::math::lanes::Lanes;
+use crate::math::listed_lu::ListedLu;
 use crate::math::sparse::Pattern;
 use crate::math::sparse_lu::{SparseLu, SymbolicLu};
 
@@ -13,6 +15,10 @@ use super::network::NetworkError;
 /// Networks of up to this many unknowns have dense factors.
 const DENSE_UP_TO: usize = 32;
 
+/// Most multiplications of a factorisation by lists: they take memory, and blocks are better at many.
+const LISTED_UP_TO: f64 = 20_000.0;
+/// Share of the multiplications of a dense factorisation up to which lists are better than passing over zeros.
+const SHARE_LISTED: f64 = 0.25;
 /// Sparse factors of all lanes side by side take about as long as those of one lane in so many, one after the other.
 const SHARE_OF_LANES: usize = 2;
 /// Most entries of the factors of all lanes, 32 MiB: beyond, nearly dense blocks gain nothing from company.
@@ -23,6 +29,7 @@ const MOST_ENTRIES: usize = 1 << 22;
 pub(super) enum Linear<V> {
     Dense { lu: LanesLu<V>, size: usize },
     Sparse(Box<Sparse<V>>),
+    Listed(Box<ListedLu<V>>),
 }
 
 /// A sparse matrix and its factors.
@@ -50,22 +57,39 @@ impl<V: Lanes> Sparse<V> {
     }
 }
 
+/// The pattern of the slopes, entries in the equations' order.
+fn pattern(equations: &Equations) -> Result<Pattern, NetworkError> {
+    let entries: Vec<(usize, usize)> = equations.jacobian.iter().map(|e| (e.row, e.column)).collect();
+    Pattern::new(equations.size(), &entries).map_err(|error| NetworkError::Matrix { reason: error.to_string() })
+}
+
 impl<V: Lanes> Linear<V> {
     pub fn new(equations: &Equations) -> Result<Self, NetworkError> {
         let size = equations.size();
         if size <= DENSE_UP_TO {
             return Ok(Self::Dense { lu: LanesLu::new(size), size });
         }
-        let entries: Vec<(usize, usize)> = equations.jacobian.iter().map(|e| (e.row, e.column)).collect();
-        let pattern =
-            Pattern::new(size, &entries).map_err(|error| NetworkError::Matrix { reason: error.to_string() })?;
-        Ok(Self::Sparse(Box::new(Sparse::new(Arc::new(SymbolicLu::new(pattern))))))
+        let symbolic = SymbolicLu::new(pattern(equations)?);
+        Ok(Self::Sparse(Box::new(Sparse::new(Arc::new(symbolic)))))
+    }
+
+    /// Room for one matrix after another, as transients factor them: for these the lists are worth their making.
+    pub fn in_turn(&self, equations: &Equations) -> Self {
+        let size = equations.size();
+        let Ok(pattern) = pattern(equations) else { return self.clone() };
+        let dense = (size * size * size) as f64 / 3.0;
+        let most = if size <= DENSE_UP_TO { SHARE_LISTED * dense } else { LISTED_UP_TO };
+        if SymbolicLu::new(pattern.clone()).multiplications() > most {
+            return self.clone();
+        }
+        Self::Listed(Box::new(ListedLu::new(pattern)))
     }
 
     /// Room for the same pattern in other lanes; none where that would be too large to be of use.
     pub fn in_lanes<W: Lanes>(&self) -> Option<Linear<W>> {
         match self {
             Self::Dense { size, .. } => Some(Linear::Dense { lu: LanesLu::new(*size), size: *size }),
+            Self::Listed(lu) => Some(Linear::Listed(Box::new(lu.in_lanes()))),
             Self::Sparse(sparse) => {
                 let symbolic = sparse.lu.symbolic();
                 let fits = symbolic.factor_entries().saturating_mul(W::COUNT) <= MOST_ENTRIES;
@@ -74,15 +98,19 @@ impl<V: Lanes> Linear<V> {
         }
     }
 
-    /// Whether the factors are dense.
-    pub fn is_dense(&self) -> bool {
-        matches!(self, Self::Dense { .. })
+    /// Whether factors cost so little that none needs to be kept for long.
+    pub fn is_cheap(&self) -> bool {
+        match self {
+            Self::Dense { .. } => true,
+            Self::Sparse(_) => false,
+            Self::Listed(lu) => lu.pattern().size() <= DENSE_UP_TO,
+        }
     }
 
     /// Whether so many lanes are better solved side by side than one after the other.
     pub fn is_worth_lanes(&self, used: usize) -> bool {
         match self {
-            Self::Dense { .. } => true,
+            Self::Dense { .. } | Self::Listed(_) => true,
             Self::Sparse(_) => SHARE_OF_LANES * used >= V::COUNT,
         }
     }
@@ -97,6 +125,7 @@ impl<V: Lanes> Linear<V> {
                 }
             }
             Self::Sparse(sparse) => sparse.load(slopes.iter().copied()),
+            Self::Listed(lu) => lu.load(slopes.iter().copied()),
         }
     }
 
@@ -110,6 +139,7 @@ impl<V: Lanes> Linear<V> {
                 }
             }
             Self::Sparse(sparse) => sparse.load(equations.jacobian.iter().map(|entry| file[entry.register.index()])),
+            Self::Listed(lu) => lu.load(equations.jacobian.iter().map(|entry| file[entry.register.index()])),
         }
     }
 
@@ -124,6 +154,7 @@ impl<V: Lanes> Linear<V> {
                 let slot = sparse.pattern().diagonal()[row];
                 sparse.values[slot] = sparse.values[slot].zip(value, |a, b| a + b);
             }
+            Self::Listed(lu) => lu.add_to_diagonal(row, value),
         }
     }
 
@@ -132,6 +163,7 @@ impl<V: Lanes> Linear<V> {
         match self {
             Self::Dense { lu, size } => lu.matrix[row * *size + row],
             Self::Sparse(sparse) => sparse.values[sparse.pattern().diagonal()[row]],
+            Self::Listed(lu) => lu.values[lu.pattern().diagonal()[row]],
         }
     }
 
@@ -143,6 +175,7 @@ impl<V: Lanes> Linear<V> {
                 // A singular lane has no numbers as its solution.
                 sparse.lu.refactor(&sparse.values);
             }
+            Self::Listed(lu) => lu.factor(),
         }
     }
 
@@ -151,6 +184,7 @@ impl<V: Lanes> Linear<V> {
         match self {
             Self::Dense { lu, .. } => lu.solve(rhs),
             Self::Sparse(sparse) => sparse.lu.solve(rhs),
+            Self::Listed(lu) => lu.solve(rhs),
         }
     }
 
@@ -159,6 +193,7 @@ impl<V: Lanes> Linear<V> {
         match self {
             Self::Dense { lu, .. } => lu.solve_transposed(rhs),
             Self::Sparse(sparse) => sparse.lu.solve_transposed(rhs),
+            Self::Listed(lu) => lu.solve_transposed(rhs),
         }
     }
 }
@@ -168,6 +203,7 @@ impl Linear<f64> {
     pub fn solve_columns(&mut self, rhs: &mut [f64], columns: usize) {
         match self {
             Self::Dense { lu, .. } => lu.solve_columns(rhs, columns),
+            Self::Listed(lu) => lu.solve_columns(rhs, columns),
             Self::Sparse(sparse) => {
                 let mut one = vec![0.0; rhs.len() / columns.max(1)];
                 for column in 0..columns {

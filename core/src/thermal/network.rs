@@ -3,6 +3,8 @@
 //! `C_i(T_i) dT_i/dt = r_i(T)`, the balance `r_i` being the sum of the elements' heat into node `i` (W). Compilation
 //! checks the model, chooses the unknowns and turns balances, slopes and quantities into instructions.
 
+use std::sync::OnceLock;
+
 use thiserror::Error;
 
 use crate::expression::Symbol;
@@ -80,8 +82,8 @@ pub struct Network {
     /// The form with modes, where the model has thermostats.
     pub(super) switched: Option<Equations>,
     pub(super) linear: Linear<f64>,
-    /// Matrix of the form with modes.
-    pub(super) switched_linear: Option<Linear<f64>>,
+    /// Matrix of transients, made for the first of them.
+    transient_linear: OnceLock<Linear<f64>>,
     pub(super) nodes: Vec<String>,
     pub(super) nominal_parameters: Vec<f64>,
     pub(super) nominal_inputs: Vec<f64>,
@@ -134,12 +136,11 @@ impl Network {
         let switched = model.elements.iter().any(|element| element.physics().is_switched());
         let switched = if switched { Some(Equations::compile(model, differentiate, true)?) } else { None };
         let linear = Linear::new(&steady)?;
-        let switched_linear = switched.as_ref().map(Linear::new).transpose()?;
         Ok(Self {
             external: model.external.clone(),
             isolated_nodes: isolated_nodes(model),
             linear,
-            switched_linear,
+            transient_linear: OnceLock::new(),
             steady,
             switched,
             nodes: model.nodes.iter().map(|node| node.name.clone()).collect(),
@@ -188,6 +189,15 @@ impl Network {
     /// Nominal inputs, SI.
     pub fn nominal_inputs(&self) -> &[f64] {
         &self.nominal_inputs
+    }
+
+    /// Room for the matrices of transients.
+    pub(super) fn transient_linear(&self) -> Linear<f64> {
+        let made = || match &self.switched {
+            Some(equations) => Linear::new(equations).unwrap_or_else(|_| self.linear.clone()).in_turn(equations),
+            None => self.linear.in_turn(&self.steady),
+        };
+        self.transient_linear.get_or_init(made).clone()
     }
 
     /// A workspace at the nominal parameters and inputs.

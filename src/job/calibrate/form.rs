@@ -14,9 +14,10 @@ written_struct! {
         optional sampler: Sampler,
         /// Number of chains (of islands for `smc`), 4 where it is left out.
         optional chains: Spanned<u64>,
-        /// Steps of a chain that adapt and are dropped: 500 for `nuts`, 5000 for `adaptive-metropolis`.
+        /// Steps of a chain that adapt and are dropped: 500 for `nuts`, 5000 for `adaptive-metropolis`, 100 for
+        /// `independence-metropolis`.
         optional warmup: Spanned<u64>,
-        /// Draws of a chain that are kept: 1000, 5000 for `adaptive-metropolis`.
+        /// Draws of a chain that are kept: 1000, 5000 for `adaptive-metropolis`, 2000 for `independence-metropolis`.
         optional draws: Spanned<u64>,
         /// Mean acceptance that the steps of `nuts` are adapted to, 0.8 where it is left out; 0.95 takes shorter steps, for
         /// posteriors in which trajectories diverge.

@@ -9,13 +9,15 @@ use crate::inference::posterior::Posterior;
 use crate::inference::sampler::importance::{self, ImportanceEstimate, ImportanceSettings};
 use crate::inference::target::Target;
 use crate::job::{self, JobError, Step};
+use crate::measurement::{Measurement, Rows};
 use crate::thermal::{Node, NodeKind};
 
 /// A second mode is used as a start if its log posterior is within this of the best.
 const MODES_WITHIN: f64 = 10.0;
 
-/// Unknown temperatures from which on the draws of the evidence end early.
+/// Unknown temperatures, and rows of transients, from which on the draws of the evidence end early.
 const LARGE: usize = 200;
+const LONG: usize = 1000;
 /// The standard error of a log evidence that is then good enough: a factor of 1.05.
 const ENOUGH: f64 = 0.05;
 
@@ -67,7 +69,10 @@ impl Calibrate {
     /// Standard error of the log evidence at which its draws may end; 0 where they are cheap enough to make all.
     pub(super) fn evidence_error(&self) -> f64 {
         let is_unknown = |node: &&Node| !matches!(node.kind, NodeKind::Boundary { .. });
-        if self.inputs.model.nodes.iter().filter(is_unknown).count() < LARGE { 0.0 } else { ENOUGH }
+        let transients = self.measurements().into_iter().filter(|m| matches!(m.rows, Rows::Transient { .. }));
+        let is_long = transients.map(Measurement::len).sum::<usize>() >= LONG;
+        let is_large = self.inputs.model.nodes.iter().filter(is_unknown).count() >= LARGE;
+        if is_large || is_long { ENOUGH } else { 0.0 }
     }
 
     /// Runs a chain, an island or the evidence.

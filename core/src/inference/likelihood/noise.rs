@@ -34,6 +34,26 @@ pub struct Series<'a> {
     pub scale_gradient: &'a mut [f64],
 }
 
+/// A function with its last value: most rows are as far apart as those before them.
+struct Remembered<F> {
+    function: F,
+    at: f64,
+    value: f64,
+}
+
+impl<F: Fn(f64) -> f64> Remembered<F> {
+    fn new(function: F) -> Self {
+        Self { function, at: f64::NAN, value: f64::NAN }
+    }
+
+    fn of(&mut self, at: f64) -> f64 {
+        if at != self.at {
+            (self.at, self.value) = (at, (self.function)(at));
+        }
+        self.value
+    }
+}
+
 impl Noise {
     /// Standard deviation of one reading alone.
     pub fn total(&self, unknowns: &[f64]) -> f64 {
@@ -92,15 +112,16 @@ impl Noise {
     fn correlated(&self, unknowns: &[f64], tau: Value, series: &mut Series<'_>) {
         let (sigma, tau_s) = (self.sigma.at(unknowns), tau.at(unknowns));
         let n = series.scale_gradient.len();
+        let (mut decay, mut loss, mut log) = (Remembered::new(exp), Remembered::new(exp_m1), Remembered::new(ln));
         // Backwards, so that the difference before is still there.
         for row in (0..series.values.len()).rev() {
             let (mut phi, mut phi_slope, mut scale) = (0.0, 0.0, sigma);
             let mut log_slope = 0.0;
             if row > 0 {
                 let step = (series.times_s[row] - series.times_s[row - 1]) / tau_s;
-                phi = exp(-step);
+                phi = decay.of(-step);
                 phi_slope = phi * step / tau_s;
-                let left = -exp_m1(-2.0 * step);
+                let left = -loss.of(-2.0 * step);
                 scale = sigma * left.sqrt();
                 // d ln(scale) / d tau.
                 log_slope = -phi * phi_slope / left;
@@ -108,7 +129,7 @@ impl Noise {
             let before = if row > 0 { series.values[row - 1] } else { 0.0 };
             let whitened = (series.values[row] - phi * before) / scale;
             series.values[row] = whitened;
-            series.log_scales[row] = -ln(scale);
+            series.log_scales[row] = -log.of(scale);
             if n == 0 {
                 continue;
             }
@@ -137,13 +158,14 @@ impl Noise {
         let mut mean_slopes = vec![0.0; n];
         let mut variance_slopes = vec![0.0; n];
         let variance_of_sigma = 2.0 * sigma;
+        let (mut decay, mut log) = (Remembered::new(exp), Remembered::new(ln));
         if let (Some(place), true) = (self.sigma.place(), n > 0) {
             variance_slopes[place] = variance_of_sigma;
         }
         for row in 0..series.values.len() {
             if row > 0 {
                 let step = (series.times_s[row] - series.times_s[row - 1]) / tau_s;
-                let phi = exp(-step);
+                let phi = decay.of(-step);
                 let excess = variance - sigma * sigma;
                 for column in 0..n {
                     let variance_slope = if self.sigma.place() == Some(column) { variance_of_sigma } else { 0.0 };
@@ -161,7 +183,7 @@ impl Noise {
             let innovation = series.values[row] - mean;
             let gain = variance / total;
             series.values[row] = innovation / scale;
-            series.log_scales[row] = -ln(scale);
+            series.log_scales[row] = -log.of(scale);
             for column in 0..n {
                 let white_slope = if white.place() == Some(column) { 2.0 * white_sd } else { 0.0 };
                 let total_slope = variance_slopes[column] + white_slope;

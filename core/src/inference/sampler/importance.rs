@@ -12,9 +12,10 @@ use serde::{Deserialize, Serialize};
 use crate::inference::posterior::{Evaluator, Posterior, Work};
 use crate::inference::sampler::chains::{SampleError, start_point};
 use crate::inference::sampler::psis;
+use crate::inference::sampler::student::StudentProposal;
 use crate::inference::target::Target;
 use crate::math::cholesky;
-use crate::math::functions::{exp, ln, ln_gamma};
+use crate::math::functions::{exp, ln};
 use crate::math::sum::log_sum_exp;
 use crate::random::StreamKey;
 use crate::watch;
@@ -91,34 +92,13 @@ pub fn estimate<T: Target>(
     for value in &mut factor {
         *value *= settings.widening.sqrt();
     }
-    let degrees = f64::from(settings.degrees);
-    let dimension = n as f64;
-    let log_constant = ln_gamma(0.5 * (degrees + dimension))
-        - ln_gamma(0.5 * degrees)
-        - 0.5 * dimension * ln(degrees * core::f64::consts::PI)
-        - 0.5 * cholesky::log_determinant(&factor, n);
+    let mut proposal = StudentProposal::new(mode, factor, settings.degrees);
     let mut log_ratios = Vec::with_capacity(settings.draws);
     let mut parameters = Vec::with_capacity(settings.draws * n);
-    let (mut normals, mut coordinates) = (vec![0.0; n], vec![0.0; n]);
+    let mut coordinates = vec![0.0; n];
     for draw in 0..settings.draws {
         watch::at(draw as u64, settings.draws as u64);
-        for value in &mut normals {
-            *value = stream.normal();
-        }
-        let chi_square: f64 = (0..settings.degrees)
-            .map(|_| {
-                let z = stream.normal();
-                z * z
-            })
-            .sum();
-        let stretch = (degrees / chi_square).sqrt();
-        let distance: f64 = normals.iter().map(|u| u * u).sum::<f64>() * stretch * stretch;
-        cholesky::multiply(&factor, &normals, &mut coordinates);
-        for (z, centre) in coordinates.iter_mut().zip(&mode) {
-            *z = centre + stretch * *z;
-        }
-        let log_proposal =
-            log_constant - 0.5 * (degrees + dimension) * crate::math::functions::ln_1p(distance / degrees);
+        let log_proposal = proposal.draw(&mut stream, &mut coordinates);
         let density = evaluator.density(&coordinates);
         log_ratios.push(density.map_or(f64::NEG_INFINITY, |density| density.total() - log_proposal));
         parameters.extend_from_slice(evaluator.parameters());

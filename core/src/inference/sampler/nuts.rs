@@ -211,7 +211,7 @@ pub fn sample_in_parts<T: Target>(
 
 /// The covariance of a normal approximation over the coordinates. Variances of 0 become 1, those above [`WIDEST`] fall to
 /// it: a normal approximation that wide says only that the data say nothing.
-fn in_coordinates<T: Target>(normal: &NormalApproximation, posterior: &Posterior<'_, T>) -> Vec<f64> {
+pub(super) fn in_coordinates<T: Target>(normal: &NormalApproximation, posterior: &Posterior<'_, T>) -> Vec<f64> {
     let n = normal.mode.len();
     let mut covariance = posterior.covariance(normal);
     let cut: Vec<f64> = (0..n).map(|i| (WIDEST / covariance[i * n + i]).sqrt().min(1.0)).collect();

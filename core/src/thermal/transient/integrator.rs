@@ -114,7 +114,7 @@ impl<'a> Integrator<'a> {
         }
         let balanced: Vec<bool> = equations.unknowns.iter().map(|node| request.balanced.contains(node)).collect();
         let has_balances = has_arithmetic(equations) || balanced.contains(&true);
-        let linear = network.switched_linear.as_ref().unwrap_or(&network.linear).clone();
+        let linear = network.transient_linear();
         let time_s = request.start_s.or_else(|| request.inputs.times_s.first().copied()).unwrap_or(0.0);
         let mut predictors = [[0.0; STAGES]; STAGES];
         for (stage, weights) in predictors.iter_mut().enumerate().skip(1) {
@@ -271,7 +271,8 @@ impl<'a> Integrator<'a> {
             return Err(self.not_finite());
         }
         self.refresh_slopes(0);
-        self.contraction = 1.0;
+        // With slopes as new as these the iteration goes as before, or nearly so; at the start nothing is known of it.
+        self.contraction = self.contraction.sqrt();
         self.previous_step_s = None;
         self.restart_tangent();
         Ok(())
@@ -339,7 +340,8 @@ impl<'a> Integrator<'a> {
         let start_s = self.time_s;
         let most_switchings = MOST_SWITCHINGS.max(SWITCHINGS_AN_OUTPUT * recorder.outputs() as u64);
         let mut step_s = self.options.fixed_step_s.unwrap_or_else(|| self.first_step(end_s));
-        let mut last_error: f64 = 1.0;
+        // The logarithm of the last step's error.
+        let mut last_error: f64 = 0.0;
         let mut failures = 0;
         while self.time_s < end_s {
             watch::check();
@@ -401,9 +403,8 @@ impl<'a> Integrator<'a> {
                 }
                 Attempt::Accepted { error } => {
                     failures = 0;
-                    let error = error.max(1e-8);
-                    let (now, before) = (ln(error), ln(last_error));
-                    last_error = error;
+                    let (now, before) = (ln(error.max(1e-8)), last_error);
+                    last_error = now;
                     (SAFETY * exp(-0.175 * now + 0.1 * before)).clamp(SHRINK, GROWTH)
                 }
             };
@@ -429,7 +430,7 @@ impl<'a> Integrator<'a> {
                 let proposed = present * factor;
                 // A step cut short by a stop says little about the longest that is possible.
                 step_s = if present < wanted { proposed.max(wanted.min(proposed * GROWTH)) } else { proposed };
-                if !self.linear.is_dense() && present == wanted && (1.0..WORTH_GROWING).contains(&factor) {
+                if !self.linear.is_cheap() && present == wanted && (1.0..WORTH_GROWING).contains(&factor) {
                     step_s = present;
                 }
             }
@@ -437,13 +438,13 @@ impl<'a> Integrator<'a> {
             self.commit(present, arrival, recorder, result)?;
             if let Some((_, after)) = discontinuity {
                 self.pass_discontinuity(after)?;
-                last_error = 1.0;
+                last_error = 0.0;
             } else if reaches_stop && corner.is_some() {
                 let jumps = self.reader.steps_at(self.time_s);
                 self.reader.enter(self.time_s);
                 if jumps {
                     self.restart()?;
-                    last_error = 1.0;
+                    last_error = 0.0;
                 } else {
                     // At a corner of linear inputs the slopes go on without a jump.
                     self.enter_instant()?;
@@ -517,7 +518,7 @@ impl<'a> Integrator<'a> {
         result: &mut Transient,
     ) -> Result<(), TransientError> {
         // The file still holds the last evaluation of the last stage, a Newton correction away from the result.
-        let renew = self.linear.is_dense() || self.matrix.age >= 20 || self.contraction > 0.1;
+        let renew = self.linear.is_cheap() || self.matrix.age >= 20 || self.contraction > 0.1;
         self.matrix.age += 1;
         let slopes = renew.then(|| self.refresh_slopes(STAGES - 1));
         self.step_tangent(step_s);

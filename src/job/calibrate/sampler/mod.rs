@@ -113,6 +113,7 @@ macro_rules! samplers {
 samplers! {
     Nuts in nuts,
     AdaptiveMetropolis in adaptive_metropolis,
+    IndependenceMetropolis in independence_metropolis,
     Smc in smc,
 }
 
