@@ -32,16 +32,6 @@ impl InputTable {
             None => self.base[input],
         }
     }
-
-    /// Every input at an instant, s, SI: held ones as they are right before it, or from it on.
-    pub fn at(&self, time_s: f64, is_before: bool) -> Vec<f64> {
-        let is_past = |t: &f64| if is_before { *t < time_s } else { *t <= time_s };
-        let held = self.times_s.partition_point(is_past).saturating_sub(1);
-        let after = self.times_s.partition_point(|t| *t <= time_s);
-        let mut values = self.base.clone();
-        InputReader { table: self, corners: Vec::new(), held, after }.read(time_s, &mut values);
-        values
-    }
 }
 
 /// Inputs over time as the integrator reads them: corners known, rows found quickly.
@@ -177,7 +167,5 @@ mod tests {
         assert_eq!(out[0], 0.0);
         reader.read(15.0, &mut out);
         assert_eq!(out[0], 1.5);
-        assert_eq!([table.at(20.0, true), table.at(20.0, false)], [[2.0, 5.0, 3.0], [2.0, 7.0, 3.0]]);
-        assert_eq!(table.at(25.0, true), [1.0, 7.0, 3.0]);
     }
 }

@@ -22,7 +22,7 @@ pub(super) fn solve(base: &Base<'_>, variants: &[Variant<'_>], directions: &mut 
 }
 
 /// A variant's direction, `None` where nothing depends on it, or why there is none.
-pub(super) type Solved = Result<Option<Direction>, FitError>;
+type Solved = Result<Option<Direction>, FitError>;
 
 fn solved(base: &Base<'_>, variants: &[Variant<'_>]) -> Vec<Solved> {
     match together(base, variants) {

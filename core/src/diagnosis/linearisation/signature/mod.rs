@@ -2,21 +2,17 @@
 //!
 //! `linearise`: the baseline model at its fit. `directions`: every candidate. An effect that is smooth at amplitude 0
 //! has exact derivatives, with steady phases alone by adjoints (`adjoint`), with transients as sensitivities of a model
-//! that holds many effects with amplitude 0 (`extended`), of long ones on fewer rows (`coarse`) along the model's own course
-//! (`steps`); one that is not, such as a hidden node, is tried at finite values (`probe`); exchanged channels are exchanged
-//! predictions (`swap`), a prior that is too narrow is its parameter (`parameter`). What no reading can see is stated with its
-//! reason (`form`: which of these an effect is, and why not). `bench`: what effects do at given temperatures.
+//! that holds many effects with amplitude 0 (`extended`), of long ones on fewer rows (`coarse`); one that is not, such as a hidden node, is tried at finite
+//! values (`probe`); exchanged channels are exchanged predictions (`swap`), a prior that is too narrow is its parameter (`parameter`). What no reading can see is stated with its
+//! reason (`form`: which of these an effect is, and why not).
 
 mod adjoint;
-mod bench;
 mod blank;
 mod coarse;
-mod course;
 mod extended;
 mod form;
 mod parameter;
 mod probe;
-mod steps;
 mod swap;
 mod variant;
 
@@ -35,7 +31,6 @@ use crate::measurement::Rows;
 use adjoint::Phases;
 use coarse::Coarse;
 use form::{Form, Forms};
-use steps::Steps;
 use variant::Variant;
 
 /// A coordinate this close to a bound, as a share of its range, is at it.
@@ -144,7 +139,6 @@ pub fn for_each_direction(
     // Where the means have no solution, every row is kept.
     let coarse = Coarse::new(&base).ok().flatten();
     let coarse_base = coarse.as_ref().and_then(|coarse| coarse.base().ok());
-    let steps = coarse_base.as_ref().and_then(|coarse_base| Steps::new(coarse_base).ok().flatten());
     let fewer_rows = coarse.as_ref().zip(coarse_base.as_ref());
     let forms = Forms::new(problem);
     // Transients have no adjoints here.
@@ -158,7 +152,7 @@ pub fn for_each_direction(
         let smooth: Vec<(usize, &Form<'_>)> =
             block.iter().copied().zip(&forms).filter(|(_, form)| matches!(form, Form::Smooth { .. })).collect();
         let mut exact = match fewer_rows {
-            Some(fewer_rows) => exact_on_fewer_rows(&base, fewer_rows, steps.as_ref(), &smooth),
+            Some(fewer_rows) => exact_on_fewer_rows(&base, fewer_rows, &smooth),
             None => exact(&base, phases.as_ref(), &smooth),
         }
         .into_iter();
@@ -203,25 +197,13 @@ fn exact(base: &Base<'_>, phases: Option<&Phases>, asked: &[(usize, &Form<'_>)])
 fn exact_on_fewer_rows(
     base: &Base<'_>,
     (coarse, coarse_base): (&Coarse, &Base<'_>),
-    steps: Option<&Steps>,
     asked: &[(usize, &Form<'_>)],
 ) -> Vec<Found> {
     let is_coarse = |variant: &Variant<'_>| coarse.takes(variant.candidate);
     let (on_fewer, on_all): (Vec<Variant<'_>>, Vec<Variant<'_>>) =
         variant::variants(base, asked).into_iter().partition(is_coarse);
     let mut exact_directions: Vec<Found> = asked.iter().map(|_| Ok(Vec::new())).collect();
-    let solved = match steps {
-        Some(steps) => steps.solve(coarse_base, &on_fewer),
-        None => on_fewer.iter().map(|_| None).collect(),
-    };
-    let mut left = Vec::new();
-    for (variant, solved) in on_fewer.into_iter().zip(solved) {
-        match solved {
-            Some(direction) => variant::put(&mut exact_directions[variant.asked], direction),
-            None => left.push(variant),
-        }
-    }
-    extended::solve(coarse_base, &left, &mut exact_directions);
+    extended::solve(coarse_base, &on_fewer, &mut exact_directions);
     for (directions, (position, _)) in exact_directions.iter_mut().zip(asked) {
         if coarse.takes(*position) {
             *directions = coarse.on_all_rows(base, std::mem::replace(directions, Ok(Vec::new())));
