@@ -115,3 +115,75 @@ fn laws_predictions_and_flags_are_those_of_the_truth() {
         other.sd
     );
 }
+
+/// The simple machine of Brynjarsdottir & O'Hagan (2014, Inverse Problems 30, 114007, section 2): the model `theta x`, the truth
+/// `0.65 x / (1 + x / 20)`, noise 0.01.
+fn simple_machine() -> tempfile::TempDir {
+    let root = tempfile::tempdir().unwrap();
+    std::fs::create_dir(root.path().join("data")).unwrap();
+    let put = |name: &str, text: &str| std::fs::write(root.path().join(name), text).unwrap();
+    let mut table = String::from("phase,x [1],y [1]\n");
+    for phase in 0..11u32 {
+        let x = 0.2 + 0.38 * f64::from(phase);
+        let noise = 0.01 * StreamKey::new(3, "machine", "noise").stream(u64::from(phase)).normal();
+        writeln!(table, "P{phase},{x},{}", machine(x) + noise).unwrap();
+    }
+    put("data/machine.csv", &table);
+    put(
+        "model.json",
+        r#"{"format": "bmv-network/1", "title": "Machine", "inputs": {"x": {"unit": "1", "nominal": 2}},
+ "parameters": {"theta": {"unit": "1", "nominal": 0.5, "prior": {"normal": {"mean": 0.5, "sd": 2}}}},
+ "quantities": {"y": {"expression": {"of": "theta * x", "unit": "1"}}}}"#,
+    );
+    put(
+        "pass-1.json",
+        r#"{"format": "bmv-pass/1", "title": "t", "parent": null, "seed": 5,
+ "requirements": {"low": {"quantity": "y", "below": 3, "probability": 0.9}},
+ "environments": {"inside": {"x": 2.1}, "beyond": {"x": 6}},
+ "measurements": {"machine": {"steady": {"file": "data/machine.csv", "sensors": {"y": {"measures": "y", "sigma": 0.01}}}}},
+ "jobs": {"fit": {"calibrate": {"draws": 500}}, "usual": {"discrepancy": {"mode": "joint"}},
+   "informed": {"discrepancy": {"mode": "joint", "priors": {"standard_deviation": {"lognormal": {"median": 0.3, "factor": 2}},
+     "lengths": {"x": {"lognormal": {"median": 8, "factor": 1.5}}}}}},
+   "flight": {"predict": {"with": {"discrepancy": "informed"}, "samples": 1024}}}}"#,
+    );
+    root
+}
+
+fn machine(x: f64) -> f64 {
+    0.65 * x / (1.0 + x / 20.0)
+}
+
+#[test]
+fn parameters_inferred_with_their_discrepancy_are_as_good_as_what_is_known_of_it() {
+    let root = simple_machine();
+    let mut results = Results::of_study(root.path());
+    let mut of = |job: &str| -> discrepancy::Output {
+        serde_json::from_value((*results.of("pass-1.json", job)).clone()).unwrap()
+    };
+    let (usual, informed) = (of("usual"), of("informed"));
+    let theta = |output: &discrepancy::Output| (output.means[0], output.parameters[0].clone());
+    let (mean, own) = theta(&usual);
+    // Without a discrepancy: 0.01 / sqrt(sum x^2) = 0.00125 wide, and far from the truth.
+    assert!((own.sd - 0.00125).abs() < 1e-4 && (mean - own.shift - 0.65).abs() > 50.0 * own.sd, "{own:?}");
+    // With one: many times as wide. Priors that follow what the calibration left know too little of its size.
+    assert!(own.free_sd > 5.0 * own.sd && (mean - 0.65).abs() > 3.0 * own.free_sd && own.is_confounded, "{mean} {own:?}");
+    assert!(usual.findings.iter().any(|text| text.contains("the usual ones by the size of what the calibration left")));
+    // Who knows it has an interval that holds the truth.
+    let (mean, own) = theta(&informed);
+    assert!((mean - 0.65).abs() < 2.0 * own.free_sd && own.free_sd < 0.15, "{mean} {own:?}");
+    let joint = informed.joint.as_ref().expect("joint");
+    let [lower, upper] = joint.parameters["theta"].interval;
+    assert!(lower < 0.65 && 0.65 < upper && informed.converged, "{lower} {upper} {:?}", joint.objections);
+    assert_eq!((joint.draws.values.len(), informed.sensors[0].draws.len()), (200, 200));
+
+    let flight: predict::Output = serde_json::from_value((*results.of("pass-1.json", "flight")).clone()).unwrap();
+    let case = |environment: &str| {
+        let case = flight.posterior.cases.iter().find(|case| case.environment == environment).expect("a case");
+        (case.quantities[0].mean, case.quantities[0].sd)
+    };
+    // Within the test the pairs of parameter and discrepancy foretell what both together have seen, though each is wide; beyond
+    // it they do not.
+    let (inside, beyond) = (case("inside"), case("beyond"));
+    assert!((inside.0 - machine(2.1)).abs() < 3.0 * inside.1 && inside.1 < 0.01, "{inside:?} {}", machine(2.1));
+    assert!((beyond.0 - machine(6.0)).abs() < 3.0 * beyond.1 && beyond.1 > 5.0 * inside.1, "{beyond:?} {}", machine(6.0));
+}
