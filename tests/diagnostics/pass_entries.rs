@@ -369,7 +369,11 @@ fn an_unknown_rule() {
 #[test]
 fn a_rule_that_says_nothing_of_the_requirement() {
     let study = Study::new();
-    study.edit("pass-1.json", r#"{"quantity": "panel", "below": {"value": -30, "unit": "degC"}"#, r#"{"quantity": "leak", "below": 5"#);
+    study.edit(
+        "pass-1.json",
+        r#"{"quantity": "panel", "below": {"value": -30, "unit": "degC"}"#,
+        r#"{"quantity": "leak", "below": 5"#,
+    );
     study.edit("pass-1.json", r#"{"conventional": {}}"#, r#"{"conventional": {"rules": ["none", "military-11k"]}}"#);
     let said = study.said("pass-1.json");
     for part in [

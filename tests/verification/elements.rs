@@ -189,7 +189,11 @@ fn a_cooler_by_surfaces_heats_its_housing_by_its_power_less_that_of_the_leads() 
     let x = 2.0 * -a0 / (a1 + (a1 * a1 - 4.0 * a2 * a0).sqrt());
     let i = p + q * x;
     for (place, exact) in [i, 240.0 + x, voltage * i - resistance * i * i].into_iter().enumerate() {
-        assert!((network.quantity(&ws, place) - exact).abs() < 1e-8, "{place}: {} {exact}", network.quantity(&ws, place));
+        assert!(
+            (network.quantity(&ws, place) - exact).abs() < 1e-8,
+            "{place}: {} {exact}",
+            network.quantity(&ws, place)
+        );
     }
 }
 

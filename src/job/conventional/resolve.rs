@@ -6,9 +6,9 @@ use crate::document::{Spanned, code};
 use crate::expression::Dimension;
 use crate::study::job::{Asked, Entry, Forms};
 use crate::study::model::Scale;
+use crate::study::requirement::Requirement;
 use crate::study::resolve::design_variable::design_variable;
 use crate::study::resolve::scope::Scope;
-use crate::study::requirement::Requirement;
 use crate::study::resolve::settings::{environments, requirements};
 use crate::study::rule::{Margin, Rule};
 use crate::study::variable::Variable;
@@ -65,7 +65,8 @@ fn applicable(
         match rule.margin {
             Margin::TemperatureK(margin) if margin != 0.0 => {
                 let dimensions = &scope.resolved.quantity_dimensions;
-                let unit_of = |own: &Requirement| dimensions.get(own.quantity).copied().unwrap_or(Dimension::TEMPERATURE);
+                let unit_of =
+                    |own: &Requirement| dimensions.get(own.quantity).copied().unwrap_or(Dimension::TEMPERATURE);
                 let is_other = |own: &&Requirement| unit_of(own) != Dimension::TEMPERATURE;
                 let Some(other) = requirements.iter().find(is_other) else { continue };
                 let unit = unit_of(other);
