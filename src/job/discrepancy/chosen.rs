@@ -6,7 +6,7 @@
 //! rule of one standard error, Breiman et al. 1984, Classification and Regression Trees, section 3.4.3).
 
 use super::expected::scaled;
-use super::laws::{Question, mixture, two};
+use super::laws::{Given, Question, mixture, two};
 use super::output::{Law, LawScore};
 use crate::inference::gaussian_process::cross_validation::{left_out, score};
 use crate::inference::gaussian_process::fit::{Fit, Search, fit};
@@ -102,13 +102,8 @@ impl Question<'_> {
     }
 
     /// The law whose hyperparameters were drawn together with the parameters.
-    pub(super) fn drawn_together(
-        &self,
-        training: &Training,
-        law: Law,
-        draws: &[Vec<f64>],
-        r_hat: Option<f64>,
-    ) -> Result<Chosen, String> {
+    pub(super) fn drawn_together(&self, training: &Training, given: Given<'_>) -> Result<Chosen, String> {
+        let Given { law, draws, r_hat } = given;
         let form = law.form(self.kernel, self.trend);
         let column = |place: usize| sorted(&draws.iter().map(|draw| draw[place]).collect::<Vec<_>>());
         let central: Vec<f64> =

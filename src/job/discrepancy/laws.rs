@@ -34,10 +34,21 @@ pub(super) struct Question<'q> {
     pub sampled: bool,
     /// What is known of the hyperparameters beforehand.
     pub beforehand: &'q Beforehand,
-    /// The law, draws of its hyperparameters and their largest R-hat, where they were inferred together with the parameters.
-    pub given: Option<(Law, &'q [Vec<f64>], Option<f64>)>,
+    /// What was inferred together with the parameters.
+    pub given: Option<Given<'q>>,
     /// Of the random numbers.
     pub key: StreamKey,
+}
+
+/// A law whose hyperparameters were drawn together with the parameters.
+#[derive(Clone, Copy)]
+pub(super) struct Given<'q> {
+    /// The law.
+    pub law: Law,
+    /// Draws of its hyperparameters.
+    pub draws: &'q [Vec<f64>],
+    /// Their largest R-hat.
+    pub r_hat: Option<f64>,
 }
 
 impl Question<'_> {
@@ -55,7 +66,7 @@ impl Question<'_> {
         .map_err(|error| failed(error.to_string()))?;
         let chosen = match self.given {
             None => self.chosen(&training),
-            Some((law, draws, r_hat)) => self.drawn_together(&training, law, draws, r_hat),
+            Some(given) => self.drawn_together(&training, given),
         };
         let mut chosen = chosen.map_err(failed)?;
         let draws = std::mem::take(&mut chosen.draws);

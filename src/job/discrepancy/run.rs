@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::joint::{CHAINS, Drawn, Together};
-use super::laws::{Question, two};
+use super::laws::{Given, Question, two};
 use super::output::{Confounded, Law, Output, PhaseResidual, SensorDiscrepancy, Spec};
 use super::residuals::{Reading, Residuals, readings};
 use crate::inference::gaussian_process::confounding::{Information, moved};
@@ -304,7 +304,8 @@ impl Discrepancy {
             beforehand: &self.spec.beforehand,
             given: drawn.map(|drawn| {
                 let (draws, r_hat) = &drawn.hyperparameters[name];
-                (self.spec.law.unwrap_or(Law::GaussianProcess), draws.as_slice(), *r_hat)
+                let law = self.spec.law.unwrap_or(Law::GaussianProcess);
+                Given { law, draws, r_hat: *r_hat }
             }),
             key: self.key,
         };
