@@ -304,6 +304,7 @@ const ELEMENTS: &[(&str, &str)] = &[
     ("Flow", "flow.rs"),
     ("Cooler", "cooler.rs"),
     ("Heater", "heater.rs"),
+    ("SurfaceCooler", "surface_cooler.rs"),
 ];
 
 /// Folders and files that make elements of some kind, or change those of one, with the reason.

@@ -32,7 +32,26 @@ fn what_allows_no_discrepancy_is_refused_at_its_place() {
             &["no sensor has more than 3 readings in phases that are fitted", "5 readings of a sensor or more"][..],
         ),
         (3, r#""rest": {"discrepancy": {"sensors": ["box"]}}"#, &["`box` has 3 readings in phases that are fitted"]),
-        (7, r#""rest": {"discrepancy": {"mode": "joint"}}"#, &["the mode `joint` is not there", "`modular`"]),
+        (
+            7,
+            r#""rest": {"discrepancy": {"mode": "joint", "law": "none", "hyperparameters": "maximum"}}"#,
+            &["nothing to infer together with the parameters", "the mode `joint` draws hyperparameters"],
+        ),
+        (
+            7,
+            r#""rest": {"discrepancy": {"priors": {"lengths": {"Q": {"lognormal": {"median": 1, "factor": 2}}}}}}"#,
+            &["the discrepancy does not depend on `Q`", "an input that the phases vary"],
+        ),
+        (
+            7,
+            r#""rest": {"discrepancy": {"hyperparameters": "maximum", "priors": {"scatter": {"lognormal": {"median": 1, "factor": 1}}}}}"#,
+            &["`priors` do nothing where hyperparameters are those"],
+        ),
+        (
+            7,
+            r#""rest": {"discrepancy": {"priors": {"scatter": {"lognormal": {"median": 1, "factor": 1}}}}}"#,
+            &["factor 1 is not above 1"],
+        ),
         (7, r#""rest": {"discrepancy": {"sensors": ["bx"]}}"#, &["unknown sensor of these data `bx`", "`box`"]),
         (7, r#""rest": {"discrepancy": {"inputs": ["Q"]}}"#, &["`Q` has the same value in all phases that are fitted"]),
         (7, r#""rest": {"discrepancy": {"from": "match"}}"#, &["`match` is a `compare` job", "a `calibrate` job"]),

@@ -367,6 +367,30 @@ fn an_unknown_rule() {
 }
 
 #[test]
+fn a_rule_that_says_nothing_of_the_requirement() {
+    let study = Study::new();
+    study.edit(
+        "pass-1.json",
+        r#"{"quantity": "panel", "below": {"value": -30, "unit": "degC"}"#,
+        r#"{"quantity": "leak", "below": 5"#,
+    );
+    study.edit("pass-1.json", r#"{"conventional": {}}"#, r#"{"conventional": {"rules": ["none", "military-11k"]}}"#);
+    let said = study.said("pass-1.json");
+    for part in [
+        "the rule `military-11k` is a margin of temperature, and the requirement `cold` is about a quantity in W",
+        "`requirements` about temperatures",
+        "pass-1.json:9:",
+    ] {
+        assert!(said.contains(part), "{part}\n{said}");
+    }
+    let study = Study::new();
+    study.edit("model.json", r#""Q": {"unit": "W", "nominal": 5}"#, r#""Q": {"nominal": 5}"#);
+    study.edit("pass-1.json", r#"{"conventional": {}}"#, r#"{"conventional": {"rules": ["heat-load-25"]}}"#);
+    let said = study.said("pass-1.json");
+    assert!(said.contains("the rule `heat-load-25` changes heat loads, and no parameter or input is in W"), "{said}");
+}
+
+#[test]
 fn a_design_variable_without_a_range() {
     let study = Study::new();
     study.edit("pass-1.json", r#"{"conventional": {}}"#, r#"{"conventional": {"design_variable": "T_s"}}"#);

@@ -16,8 +16,8 @@ fn one_of_everything_loads() {
     assert!(diagnostics.is_empty(), "{}", diagnostics.render(false, 20));
     let model = model.expect("no error");
     assert_eq!(model.model.nodes.len(), 7);
-    assert_eq!(model.model.elements.len(), 3 + 2 + 2 + 1 + 1 + 2);
-    assert_eq!(model.model.quantities.len(), 10);
+    assert_eq!(model.model.elements.len(), 3 + 2 + 2 + 1 + 1 + 1 + 2);
+    assert_eq!(model.model.quantities.len(), 11);
     assert_eq!(model.groups.len(), 5, "those of the file and those that it implies");
 }
 

@@ -115,3 +115,82 @@ fn laws_predictions_and_flags_are_those_of_the_truth() {
         other.sd
     );
 }
+
+/// The simple machine of Brynjarsdottir & O'Hagan (2014, Inverse Problems 30, 114007, section 2): the model `theta x`, the truth
+/// `0.65 x / (1 + x / 20)`; readings at 0.2, 0.58, ..., 4 with noise 0.01.
+const MACHINE: [f64; 11] = [0.1297, 0.3789, 0.5861, 0.8262, 1.0269, 1.2327, 1.4532, 1.628, 1.812, 1.9997, 2.1779];
+
+fn simple_machine() -> tempfile::TempDir {
+    let root = tempfile::tempdir().unwrap();
+    std::fs::create_dir(root.path().join("data")).unwrap();
+    let put = |name: &str, text: &str| std::fs::write(root.path().join(name), text).unwrap();
+    let mut table = String::from("phase,x [1],y [1]\n");
+    for (phase, y) in MACHINE.iter().enumerate() {
+        writeln!(table, "P{phase},{},{y}", 0.2 + 0.38 * phase as f64).unwrap();
+    }
+    put("data/machine.csv", &table);
+    put(
+        "model.json",
+        r#"{"format": "bmv-network/1", "title": "Machine", "inputs": {"x": {"unit": "1", "nominal": 2}},
+ "parameters": {"theta": {"unit": "1", "nominal": 0.5, "prior": {"normal": {"mean": 0.5, "sd": 2}}}},
+ "quantities": {"y": {"expression": {"of": "theta * x", "unit": "1"}}}}"#,
+    );
+    put(
+        "pass-1.json",
+        r#"{"format": "bmv-pass/1", "title": "t", "parent": null, "seed": 5,
+ "requirements": {"low": {"quantity": "y", "below": 3, "probability": 0.9}},
+ "environments": {"inside": {"x": 2.1}, "beyond": {"x": 6}},
+ "measurements": {"machine": {"steady": {"file": "data/machine.csv", "sensors": {"y": {"measures": "y", "sigma": 0.01}}}}},
+ "jobs": {"fit": {"calibrate": {"draws": 500}}, "usual": {"discrepancy": {"mode": "joint"}},
+   "informed": {"discrepancy": {"mode": "joint", "draws": 1000, "priors": {
+     "standard_deviation": {"lognormal": {"median": 0.5, "factor": 2}}, "scatter": {"lognormal": {"median": 0.01, "factor": 2.7}},
+     "lengths": {"x": {"lognormal": {"median": 8, "factor": 1.5}}}}}},
+   "flight": {"predict": {"with": {"discrepancy": "informed"}, "samples": 4096}}}}"#,
+    );
+    root
+}
+
+fn machine(x: f64) -> f64 {
+    0.65 * x / (1.0 + x / 20.0)
+}
+
+/// The posterior of the informed case was computed apart (Python: theta in closed form, the three hyperparameters on a grid of
+/// 21 points each over four standard deviations of their priors): theta 0.5296 +/- 0.1002, and at x = 2.1 model, discrepancy
+/// and scatter 1.2374 +/- 0.0088.
+#[test]
+fn parameters_inferred_with_their_discrepancy_are_as_good_as_what_is_known_of_it() {
+    let root = simple_machine();
+    let mut results = Results::of_study(root.path());
+    let mut of = |job: &str| -> discrepancy::Output {
+        serde_json::from_value((*results.of("pass-1.json", job)).clone()).unwrap()
+    };
+    let (usual, informed) = (of("usual"), of("informed"));
+    let theta = |output: &discrepancy::Output| (output.means[0], output.parameters[0].clone());
+    let (mean, own) = theta(&usual);
+    // Without a discrepancy: 0.01 / sqrt(sum x^2) = 0.00125 wide, and far from the truth.
+    assert!((own.sd - 0.00125).abs() < 1.5e-4 && (mean - own.shift - 0.65).abs() > 50.0 * own.sd, "{own:?}");
+    // With one: many times as wide. Priors that follow what the calibration left know too little of its size.
+    assert!(
+        own.free_sd > 5.0 * own.sd && (mean - 0.65).abs() > 3.0 * own.free_sd && own.is_confounded,
+        "{mean} {own:?}"
+    );
+    assert!(usual.findings.iter().any(|text| text.contains("the usual ones by the size of what the calibration left")));
+    // Who knows it has an interval that holds the truth. Some 1500 effective draws: four standard errors.
+    let (mean, own) = theta(&informed);
+    assert!((mean - 0.5296).abs() < 0.012 && (own.free_sd / 0.1002 - 1.0).abs() < 0.08, "{mean} {own:?}");
+    let joint = informed.joint.as_ref().expect("joint");
+    let [lower, upper] = joint.parameters["theta"].interval;
+    assert!(lower < 0.65 && 0.65 < upper && informed.converged, "{lower} {upper} {:?}", joint.objections);
+    assert_eq!((joint.draws.values.len(), informed.sensors[0].draws.len()), (1000, 1000));
+
+    let flight: predict::Output = serde_json::from_value((*results.of("pass-1.json", "flight")).clone()).unwrap();
+    let case = |environment: &str| {
+        let case = flight.posterior.cases.iter().find(|case| case.environment == environment).expect("a case");
+        (case.quantities[0].mean, case.quantities[0].sd)
+    };
+    // Within the test, parameter and discrepancy of one draw foretell what both together have seen, though each alone is wide:
+    // the parameter alone leaves 0.2. Beyond it they do not.
+    let (inside, beyond) = (case("inside"), case("beyond"));
+    assert!((inside.0 - 1.2374).abs() < 0.001 && (inside.1 / 0.0088 - 1.0).abs() < 0.08, "{inside:?}");
+    assert!((beyond.0 - machine(6.0)).abs() < 3.0 * beyond.1 && beyond.1 > 5.0 * inside.1, "{beyond:?}");
+}

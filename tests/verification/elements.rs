@@ -1,9 +1,9 @@
-//! Elements against closed forms: coolers, a fin, a proportional heater.
+//! Elements against closed forms: coolers, by couples and by response surfaces, a fin, a proportional heater.
 
 use bmv::expression::ExprId;
 use bmv::thermal::element::Physics;
 use bmv::thermal::element::{
-    ElementKind, Heater, HeaterControl,
+    ElementKind, Heater, HeaterControl, SurfaceCooler,
     cooler::{Cooler, Drive},
 };
 use bmv::thermal::{Network, Start};
@@ -154,6 +154,46 @@ fn fin_converges_to_the_cosh_solution_with_second_order() {
     for pair in errors.windows(2) {
         let order = libm::log2(pair[0] / pair[1]);
         assert!((order - 2.0).abs() < 0.1, "{errors:?}");
+    }
+}
+
+/// `i = p + q x`, `x = T - 300`, on a housing that loses `G (T - 290)`: `V i - i^2 R = G (x + 10)` is a quadratic of `x`.
+#[test]
+fn a_cooler_by_surfaces_heats_its_housing_by_its_power_less_that_of_the_leads() {
+    let (voltage, p, q, resistance, loss) = (2.5, 0.3, -0.002, 0.35, 0.4);
+    let mut b = Build::default();
+    let housing = b.diffusion("housing", 12.0);
+    let wall = b.n(290.0);
+    let wall = b.boundary("wall", wall);
+    let conductance = b.n(loss);
+    b.conductor("joint", [housing, wall], conductance);
+    let (v, p_id, q_id, r) = (b.n(voltage), b.parameter("p", p), b.parameter("q", q), b.n(resistance));
+    let temperature = b.graph().symbol(bmv::expression::Symbol::Node(0));
+    let reference = b.n(300.0);
+    let warmer = b.graph().subtract(temperature, reference);
+    let rising = b.graph().multiply(q_id, warmer);
+    let current = b.graph().add(p_id, rising);
+    let drop = b.n(60.0);
+    let cold_side = b.graph().subtract(temperature, drop);
+    let cooler = SurfaceCooler { hot: housing, voltage: v, current, cold_side, lead_resistance: r };
+    let contribution = cooler.contribution(b.graph(), &mut Vec::new(), false);
+    b.element("tec", ElementKind::SurfaceCooler(cooler));
+    b.quantity("current", contribution.current.unwrap());
+    b.quantity("cold side", contribution.cold_side.unwrap());
+    b.quantity("heat", contribution.through.unwrap());
+    let network = Network::compile(&b.model, &[]).unwrap();
+    let mut ws = network.workspace();
+    network.solve_steady(&mut ws, Start::Default).unwrap();
+    let (a2, a1) = (resistance * q * q, loss - voltage * q + 2.0 * resistance * p * q);
+    let a0 = resistance * p * p - voltage * p + 10.0 * loss;
+    let x = 2.0 * -a0 / (a1 + (a1 * a1 - 4.0 * a2 * a0).sqrt());
+    let i = p + q * x;
+    for (place, exact) in [i, 240.0 + x, voltage * i - resistance * i * i].into_iter().enumerate() {
+        assert!(
+            (network.quantity(&ws, place) - exact).abs() < 1e-8,
+            "{place}: {} {exact}",
+            network.quantity(&ws, place)
+        );
     }
 }
 

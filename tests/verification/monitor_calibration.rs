@@ -47,12 +47,15 @@ fn joints(pass: &Pass) -> Vec<usize> {
 }
 
 fn estimate(pass: &Pass, noise: bool) -> PointEstimate {
-    let data = measurement(pass, noise);
+    estimate_of(pass, &measurement(pass, noise))
+}
+
+fn estimate_of(pass: &Pass, data: &Measurement) -> PointEstimate {
     let likelihood = Likelihood::new(&Definition {
         model: &pass.model,
         priors: &pass.priors,
         parameters: &joints(pass),
-        measurements: &[&data],
+        measurements: &[data],
         input_errors: &[],
     })
     .unwrap();
@@ -118,6 +121,27 @@ fn the_truth_lies_within_the_noise() {
     let distance = deviation.dot(&covariance.lu().solve(&deviation).unwrap());
     // Chi-square of three degrees of freedom, 99.9 %.
     assert!(distance < 16.3, "{distance}");
+}
+
+/// Acceptance check 9: of 20 draws of the noise.
+#[test]
+fn intervals_of_the_joints_hold_the_truth_over_twenty_draws_of_the_noise() {
+    let pass = study("pass-3.json");
+    let clean = measurement(&pass, false);
+    let key = StreamKey::new(43, "monitor", "noise of the coverage");
+    let mut inside = [0; 3];
+    for draw in 0..20 {
+        let mut stream = key.stream(draw);
+        let mut data = clean.clone();
+        data.readings.iter_mut().flatten().for_each(|reading| *reading += 0.25 * stream.normal());
+        let found = estimate_of(&pass, &data);
+        for (place, count) in inside.iter_mut().enumerate() {
+            let half = 1.96 * found.covariance[4 * place].sqrt();
+            *count += u32::from((TRUTH[place].1 - found.parameters[place]).abs() < half);
+        }
+    }
+    // The 99.9 % range of a binomial share of 95 % in 20 begins at 15.
+    assert!(inside.iter().all(|&count| count >= 15), "{inside:?}");
 }
 
 #[test]

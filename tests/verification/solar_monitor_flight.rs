@@ -98,6 +98,17 @@ fn the_validated_deck_is_that_of_the_case_with_its_discrepancy() {
     // The priors of the cooler are the narrower ones before, too.
     assert!((before - 30.0).abs() < 1.5 && (calibrated - 41.0).abs() < 1.0, "{before} {calibrated}");
     assert!((after - 39.0).abs() < 1.5, "{after}");
+    // The calibration is too sure of two joints; inferred together with the discrepancies all three hold the truth.
+    let together: bmv::job::discrepancy::Output =
+        serde_json::from_value((*results.of("pass-5.json", "together")).clone()).unwrap();
+    assert!(together.converged, "{:?}", together.findings);
+    for ((name, truth), (own, mean)) in
+        super::monitor_campaign::TRUTH.iter().zip(together.parameters.iter().zip(&together.means))
+    {
+        let alone = (mean - own.shift - truth).abs() / own.sd;
+        assert!(own.name == *name && (mean - truth).abs() < 1.96 * own.free_sd && own.is_confounded, "{own:?} {mean}");
+        assert_eq!(alone > 1.96, *name != "Gh", "{name}: {alone}");
+    }
     // The chamber had neither sun nor cold space: every case is an extrapolation, in these two.
     for term in &validated.terms {
         let outside: Vec<&str> = term.outside.iter().map(|own| own.input.as_str()).collect();

@@ -1,11 +1,12 @@
 //! Inference: `target` (what a posterior is), `prior` (densities and their coordinates), `likelihood` (of measurements, given
 //! parameters), `posterior` (both together, unconstrained), `sampler` (chains, importance, tempering), `estimate` (point
 //! estimates, evidence, moments between bounds, identifiability), `information` (what a measurement would tell),
-//! `gaussian_process` (regression of what a model leaves unexplained).
+//! `gaussian_process` (regression of what a model leaves unexplained), `joint_discrepancy` (that and the parameters together).
 
 pub mod estimate;
 pub mod gaussian_process;
 pub mod information;
+pub mod joint_discrepancy;
 pub mod likelihood;
 pub mod posterior;
 pub mod prior;

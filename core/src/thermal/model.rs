@@ -24,7 +24,7 @@ pub struct Model {
     pub date: Option<usize>,
     /// Nodes in the order of the file, boundaries included.
     pub nodes: Vec<Node>,
-    /// Elements: conductors, radiations, loads, flows, coolers, heaters, each in the order of the file.
+    /// Elements: conductors, radiations, loads, flows, coolers, heaters, surface coolers, each in the order of the file.
     pub elements: Vec<Element>,
     /// Named quantities, in the order of the file.
     pub quantities: Vec<Quantity>,

@@ -30,6 +30,8 @@ pub use output::{
 };
 pub use run::{Calibrate, Inputs};
 pub use sampler::Sampler;
+pub(in crate::job) use summary::Weighted;
+pub(in crate::job) use words::objections;
 
 use std::sync::Arc;
 
@@ -80,12 +82,7 @@ impl JobKind for Kind {
 
     fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {
         let draws = draws_among(shared.pass, &spec.parameters);
-        let inputs = Inputs {
-            model: Arc::clone(&shared.model),
-            priors: shared.pass.priors.clone(),
-            measurements: Arc::clone(&shared.measurements),
-            input_errors: input_errors(shared.pass),
-        };
+        let inputs = Inputs::of(shared);
         let unprepared = Calibrate::new(spec.clone(), inputs.clone(), shared.pass.seed, name)?;
         if draws.is_empty() {
             return Ok(Readiness::Ready(Arc::new(unprepared)));
@@ -99,6 +96,18 @@ impl JobKind for Kind {
             Ok(Arc::new(job.with_posterior_priors(filled(&references, &mut results.iter())?)?))
         };
         after(&[&draws], Arc::new(unprepared), Box::new(prepare))
+    }
+}
+
+impl Inputs {
+    /// Those of a pass.
+    pub(in crate::job) fn of(shared: &Shared) -> Self {
+        Self {
+            model: Arc::clone(&shared.model),
+            priors: shared.pass.priors.clone(),
+            measurements: Arc::clone(&shared.measurements),
+            input_errors: input_errors(shared.pass),
+        }
     }
 }
 

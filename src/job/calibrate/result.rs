@@ -204,7 +204,7 @@ impl Calibrate {
     }
 
     /// Numbers of the posterior with their Monte Carlo errors, in the unknowns' units.
-    fn key_numbers(&self, chains: &Chains, weights: Option<&[f64]>) -> Vec<KeyNumber> {
+    pub(in crate::job) fn key_numbers(&self, chains: &Chains, weights: Option<&[f64]>) -> Vec<KeyNumber> {
         let unknowns = self.likelihood().unknowns();
         let shown = unknowns.names.iter().zip(&unknowns.units).map(|(name, text)| {
             let unit = Unit::parse(text).ok();

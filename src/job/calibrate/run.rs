@@ -98,6 +98,21 @@ impl Calibrate {
         Ok(Self { target, posterior_priors, fits, ..self })
     }
 
+    /// The likelihood with its priors.
+    pub fn target(&self) -> &Informed<Likelihood> {
+        &self.target
+    }
+
+    /// Own errors of the inputs.
+    pub fn input_errors(&self) -> &[InputError] {
+        &self.inputs.input_errors
+    }
+
+    /// Positions of its measurements in the pass's list.
+    pub fn data(&self) -> &[usize] {
+        &self.spec.data
+    }
+
     pub(super) fn likelihood(&self) -> &Likelihood {
         self.target.target()
     }

@@ -4,7 +4,7 @@ use super::output::KeptDraws;
 use crate::inference::sampler::chains::Chains;
 
 /// Draws of all chains with a weight each, which sum to one.
-pub(super) struct Weighted<'a> {
+pub(in crate::job) struct Weighted<'a> {
     chains: &'a Chains,
     /// Weight of a draw, by chain.
     weights: Vec<f64>,

@@ -13,7 +13,7 @@ fn end(end: End) -> &'static str {
 }
 
 /// Objections against the chains.
-pub(super) fn objections(convergence: &Convergence, names: &[String]) -> Vec<String> {
+pub(in crate::job) fn objections(convergence: &Convergence, names: &[String]) -> Vec<String> {
     let number = |value: Option<f64>, digits: usize| {
         value.map_or_else(|| "undefined (the draws do not vary)".to_owned(), |value| format!("{value:.digits$}"))
     };

@@ -6,9 +6,11 @@ use crate::document::{Spanned, code};
 use crate::expression::Dimension;
 use crate::study::job::{Asked, Entry, Forms};
 use crate::study::model::Scale;
+use crate::study::requirement::Requirement;
 use crate::study::resolve::design_variable::design_variable;
 use crate::study::resolve::scope::Scope;
 use crate::study::resolve::settings::{environments, requirements};
+use crate::study::rule::{Margin, Rule};
 use crate::study::variable::Variable;
 
 /// Resolves the settings of a conventional analysis.
@@ -41,9 +43,49 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &ConventionalForm,
     }
     let design = design_variable(scope, entry, form.design_variable.as_ref(), offered);
     let heat_loads = heat_loads(scope, form.heat_loads.as_ref(), design.as_ref().map(|design| design.variable));
+    applicable(scope, entry, form, &rules, &requirements, heat_loads.is_empty());
     let design = design?;
     let spec = Spec { rules, environments, requirements, design, heat_loads, correlation, knowledge };
     (scope.diagnostics.errors() == before).then_some(spec)
+}
+
+/// Refuses rules that say nothing of a requirement: kelvins of a quantity in another unit, a share of heat loads where there
+/// are none.
+fn applicable(
+    scope: &mut Scope,
+    entry: &Entry,
+    form: &ConventionalForm,
+    rules: &[Rule],
+    requirements: &[Requirement],
+    has_no_load: bool,
+) {
+    for rule in rules {
+        let named = form.rules.iter().flatten().find(|name| name.value == rule.name);
+        let place = named.map_or(&entry.name_place, |name| &name.place);
+        match rule.margin {
+            Margin::TemperatureK(margin) if margin != 0.0 => {
+                let dimensions = &scope.resolved.quantity_dimensions;
+                let unit_of =
+                    |own: &Requirement| dimensions.get(own.quantity).copied().unwrap_or(Dimension::TEMPERATURE);
+                let is_other = |own: &&Requirement| unit_of(own) != Dimension::TEMPERATURE;
+                let Some(other) = requirements.iter().find(is_other) else { continue };
+                let unit = unit_of(other);
+                let message = format!(
+                    "the rule `{}` is a margin of temperature, and the requirement `{}` is about a quantity in {unit}",
+                    rule.name, other.name
+                );
+                let expected = "`requirements` about temperatures, or `rules` without margins of temperature";
+                scope.error(&code::JOB_REFERENCE, place, message, expected);
+                return;
+            }
+            Margin::HeatLoad(_) if has_no_load && named.is_some() => {
+                let message = format!("the rule `{}` changes heat loads, and no parameter or input is in W", rule.name);
+                let expected = "`heat_loads`, or `rules` without it";
+                scope.error(&code::JOB_REFERENCE, place, message, expected);
+            }
+            Margin::TemperatureK(_) | Margin::HeatLoad(_) => {}
+        }
+    }
 }
 
 /// Kind of the jobs whose values may stand.

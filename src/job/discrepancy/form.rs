@@ -1,7 +1,7 @@
 //! Settings of `discrepancy` as written.
 
-use crate::document::prior::PosteriorForm;
-use crate::document::{NameOr, Spanned, written_struct, written_words};
+use crate::document::prior::{LognormalForm, PosteriorForm};
+use crate::document::{Map, NameOr, Spanned, written_choice, written_struct, written_words};
 
 written_struct! {
     /// Settings of `discrepancy`.
@@ -17,18 +17,42 @@ written_struct! {
         optional inputs: Vec<Spanned<String>>,
         /// Covariance, `squared-exponential` where it is left out.
         optional kernel: KernelForm,
-        /// Trend of the Gaussian process, `constant` where it is left out.
+        /// Trend of the Gaussian process, `constant` where it is left out (in the mode `joint` `none`).
         optional trend: TrendForm,
         /// The law of the discrepancy, `automatic` where it is left out: the simplest that foretells readings left out about as
-        /// well as the best.
+        /// well as the best (in the mode `joint` a Gaussian process).
         optional law: Spanned<LawForm>,
         /// Whether hyperparameters are drawn from their posterior or those of the highest marginal likelihood, `sampled` where
         /// it is left out.
         optional hyperparameters: HyperparametersForm,
-        /// Draws of the calibration over which residuals are taken, 200 where it is left out.
+        /// What is known of the discrepancy beforehand; wide priors by the size of the residuals where it is left out.
+        optional priors: Spanned<BeforehandForm>,
+        /// Draws of the calibration over which residuals are taken (in the mode `joint` draws that are kept), 200 where it is left
+        /// out.
         optional draws: Spanned<u64>,
-        /// `modular`: after the calibration, whose posterior stays as it is.
+        /// `modular` where it is left out: after the calibration, whose posterior stays as it is. `joint`: together with its
+        /// parameters.
         optional mode: Spanned<ModeForm>,
+    }
+}
+
+written_struct! {
+    /// What is known of a discrepancy beforehand.
+    pub struct BeforehandForm: "priors of a discrepancy" {
+        /// Standard deviation of the smooth part, in the unit of the sensors, differences of temperatures in K.
+        optional standard_deviation: HyperpriorForm,
+        /// Length by input, in the unit of the input.
+        optional lengths: Map<HyperpriorForm>,
+        /// Standard deviation of the scatter, as that of the smooth part.
+        optional scatter: HyperpriorForm,
+    }
+}
+
+written_choice! {
+    /// What is known of a standard deviation or a length; bare numbers are in SI.
+    pub enum HyperpriorForm: "a prior" {
+        /// Normal in the logarithm.
+        "lognormal" => Lognormal(Spanned<LognormalForm>),
     }
 }
 

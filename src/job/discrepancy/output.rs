@@ -1,9 +1,14 @@
 //! Settings and result of a discrepancy.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
+use crate::inference::gaussian_process::hyperparameters::Beforehand;
 use crate::inference::gaussian_process::tested_range::TestedRange;
 use crate::inference::gaussian_process::{Form, Kernel, Trend};
+use crate::job::calibrate::KeptDraws;
+use crate::job::key_number::KeyNumber;
 use crate::study::resolved::{Blocked, Upstream};
 
 /// A law of the discrepancy, simplest first.
@@ -68,7 +73,11 @@ pub struct Spec {
     pub law: Option<Law>,
     /// Whether hyperparameters are drawn.
     pub sampled: bool,
-    /// Draws of the calibration.
+    /// What is known of them beforehand.
+    pub beforehand: Beforehand,
+    /// Whether parameters and discrepancy are inferred together.
+    pub is_joint: bool,
+    /// Draws of the calibration, or of parameters and hyperparameters together.
     pub draws: u64,
     /// A diagnosis of the pass.
     pub diagnosis: Option<String>,
@@ -127,7 +136,8 @@ pub struct Hyperparameter {
     pub name: String,
     /// SI unit.
     pub unit: String,
-    /// Of the highest marginal likelihood; mean of the trend's coefficients.
+    /// Of the highest marginal likelihood, median of the draws where they were inferred with the parameters; mean of the trend's
+    /// coefficients.
     pub value: f64,
     /// Quantiles of 2.5 % and 97.5 % of its draws, where it was drawn.
     pub interval: Option<[f64; 2]>,
@@ -202,7 +212,8 @@ pub struct SensorDiscrepancy {
     pub findings: Vec<String>,
 }
 
-/// What would become of a parameter if the discrepancy were free beside it.
+/// What would become of a parameter if the discrepancy were free beside it, to first order; in the mode `joint` what became of
+/// it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Confounded {
     /// Unknown of the calibration.
@@ -219,6 +230,38 @@ pub struct Confounded {
     pub is_confounded: bool,
 }
 
+/// A parameter that was inferred together with the discrepancies.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct JointParameter {
+    /// Quantiles of 2.5 % and 97.5 %, SI.
+    pub interval: [f64; 2],
+    /// Rank-normalised split R-hat.
+    pub rhat: Option<f64>,
+    /// Effective sample size of the bulk.
+    pub ess_bulk: Option<f64>,
+    /// Effective sample size of the tails.
+    pub ess_tail: Option<f64>,
+}
+
+/// The posterior of the parameters together with the discrepancies.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Joint {
+    /// Whether the chains converged.
+    pub converged: bool,
+    /// What stands against them.
+    pub objections: Vec<String>,
+    /// Chains and draws of each.
+    pub chains: [u64; 2],
+    /// Unknowns of the calibration.
+    pub order: Vec<String>,
+    /// The same with what is known of each.
+    pub parameters: BTreeMap<String, JointParameter>,
+    /// Their draws; hyperparameters of the same draws stand with the sensors.
+    pub draws: KeptDraws,
+    /// Numbers of the posterior with their Monte Carlo errors.
+    pub key_numbers: Vec<KeyNumber>,
+}
+
 /// Result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Output {
@@ -226,11 +269,11 @@ pub struct Output {
     pub converged: bool,
     /// The calibration.
     pub source: String,
-    /// Draws of the calibration that were used, and those of which a phase has no solution.
+    /// Draws of the calibration (in the mode `joint` of both together) that were used, and those of which a phase has no solution.
     pub draws: [u64; 2],
     /// Unknowns of the calibration.
     pub unknowns: Vec<String>,
-    /// Their posterior means, SI.
+    /// Their posterior means, in the mode `joint` those beside the discrepancies, SI.
     pub means: Vec<f64>,
     /// Largest part of a residual that is not linear in the unknowns over the draws, in standard deviations of the noise.
     pub nonlinearity: Option<f64>,
@@ -244,4 +287,7 @@ pub struct Output {
     pub parameters: Vec<Confounded>,
     /// What the reader must know.
     pub findings: Vec<String>,
+    /// The posterior of parameters and discrepancies together; nothing in the mode `modular`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint: Option<Joint>,
 }

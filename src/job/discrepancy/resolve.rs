@@ -1,18 +1,24 @@
 //! Discrepancies: settings with their defaults, names looked up, data that allow one.
 
 use super::Kind;
-use super::form::{DiscrepancyForm, HyperparametersForm, KernelForm, LawForm, ModeForm, TrendForm};
+use super::form::{
+    BeforehandForm, DiscrepancyForm, HyperparametersForm, HyperpriorForm, KernelForm, LawForm, ModeForm, TrendForm,
+};
 use super::output::{Law, Spec};
-use crate::document::prior::PosteriorForm;
-use crate::document::{Diagnostic, NameOr, Place, code, counted};
+use crate::document::prior::{LognormalForm, PosteriorForm, PriorForm};
+use crate::document::{Diagnostic, NameOr, Place, Sense, Spanned, code, counted};
+use crate::expression::{Dimension, Unit};
+use crate::inference::gaussian_process::hyperparameters::Beforehand;
 use crate::inference::gaussian_process::{FEWEST_POINTS, Kernel, Trend};
 use crate::job::kind::JobKind;
+use crate::math::functions::ln;
 use crate::measurement::{Measurement, Rows};
+use crate::random::Distribution;
 use crate::study::blocked::blocked;
 use crate::study::job::{Asked, CALIBRATION, Entry, JobSpec};
 use crate::study::resolve::chosen::data;
 use crate::study::resolve::posterior_prior;
-use crate::study::resolve::scope::Scope;
+use crate::study::resolve::scope::{Scope, unit_of};
 use crate::study::resolve::settings::{number, push_new};
 use crate::study::resolved::{Blocked, Upstream};
 
@@ -24,11 +30,13 @@ const DRAWS: u64 = 200;
 /// Resolves the settings of a discrepancy.
 pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, asked: &mut Asked) -> Option<JobSpec> {
     let (before, offered) = (scope.diagnostics.errors(), asked.offered);
-    if let Some(mode) = form.mode.as_ref().filter(|mode| mode.value == ModeForm::Joint) {
-        let diagnostic = Diagnostic::error(&code::DISCREPANCY, &mode.place, "the mode `joint` is not there")
-            .expected("`modular`, the discrepancy after the calibration")
-            .help("the result of `modular` says which parameters a discrepancy beside them would move, and how far");
-        scope.diagnostics.push(diagnostic);
+    let joint = form.mode.as_ref().filter(|mode| mode.value == ModeForm::Joint).map(|mode| &mode.place);
+    if let Some(place) = joint {
+        settings_of_joint(scope, form, place);
+    }
+    if let Some(priors) = form.priors.as_ref().filter(|_| form.hyperparameters == Some(HyperparametersForm::Maximum)) {
+        let message = "`priors` do nothing where hyperparameters are those of the highest marginal likelihood";
+        scope.error(&code::DISCREPANCY, &priors.place, message, "`\"hyperparameters\": \"sampled\"`, or no `priors`");
     }
     let (mut chosen, missing) = data(scope, entry, form.data.as_ref(), "take residuals of", offered);
     // An erroneous measurement has a position that nothing has.
@@ -57,6 +65,10 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, 
     }
     let sensors = sensors(scope, entry, form, &measurements);
     let inputs = inputs(scope, form, &measurements);
+    let beforehand = match &form.priors {
+        Some(written) => beforehand(scope, written, &measurements, &sensors, &inputs),
+        None => Beforehand::default(),
+    };
     let law = form.law.as_ref().and_then(|law| match law.value {
         LawForm::Automatic => None,
         LawForm::None => Some(Law::None),
@@ -64,7 +76,7 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, 
         LawForm::ResidualLaw => Some(Law::ResidualLaw),
         LawForm::GaussianProcess => Some(Law::GaussianProcess),
     });
-    points(scope, entry, form, &measurements, &inputs);
+    points(scope, entry, form, joint, &measurements, &inputs);
     let draws = number(scope, form.draws.as_ref(), DRAWS, 20, 1000, "draws");
     if scope.diagnostics.errors() > before {
         return None;
@@ -84,13 +96,97 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, 
         trend: match form.trend {
             Some(TrendForm::None) => Trend::None,
             Some(TrendForm::Linear) => Trend::Linear,
+            None if joint.is_some() => Trend::None,
             Some(TrendForm::Constant) | None => Trend::Constant,
         },
         law,
         sampled: form.hyperparameters != Some(HyperparametersForm::Maximum),
+        beforehand,
+        is_joint: joint.is_some(),
         draws,
         diagnosis: asked.forms.of_kind(DIAGNOSIS).first().map(|name| (*name).to_owned()),
     }))
+}
+
+/// Refuses what the mode `joint` does not take.
+fn settings_of_joint(scope: &mut Scope, form: &DiscrepancyForm, place: &Place) {
+    if let Some(NameOr::Other(from)) = &form.from {
+        let message = "the mode `joint` infers the parameters of its calibration anew, and this one is of another pass";
+        scope.error(&code::DISCREPANCY, &from.place, message, "a `calibrate` job of this pass");
+    }
+    if form.hyperparameters == Some(HyperparametersForm::Maximum) {
+        let message = "the mode `joint` draws hyperparameters together with the parameters";
+        scope.error(&code::DISCREPANCY, place, message, "no `hyperparameters`, or `\"sampled\"`");
+    }
+    if let Some(law) = form.law.as_ref().filter(|law| law.value == LawForm::None) {
+        let message = "without a discrepancy there is nothing to infer together with the parameters";
+        scope.error(
+            &code::DISCREPANCY,
+            &law.place,
+            message,
+            "`\"gaussian-process\"`, `\"residual-law\"` or `\"constant\"`",
+        );
+    }
+}
+
+/// What is known beforehand, in SI and in widths of the range of each input over the phases that are fitted.
+fn beforehand(
+    scope: &mut Scope,
+    written: &Spanned<BeforehandForm>,
+    measurements: &[&Measurement],
+    sensors: &[String],
+    inputs: &[usize],
+) -> Beforehand {
+    let BeforehandForm { standard_deviation, lengths, scatter } = &written.value;
+    let of_sensors = measurements.iter().flat_map(|measurement| &measurement.sensors);
+    let quantities = of_sensors.filter(|sensor| sensors.contains(&sensor.name)).map(|sensor| sensor.quantity);
+    let mut units: Vec<Unit> =
+        quantities.map(|quantity| unit_of(&scope.resolved.model.quantities[quantity].unit)).collect();
+    units.dedup_by_key(|unit| unit.dimension);
+    let Some(unit) = units.first().filter(|_| units.len() == 1) else {
+        let message = "the sensors measure quantities of different units, which have no prior in common";
+        scope.error(&code::DISCREPANCY, &written.place, message, "`sensors` of one unit, in a job each");
+        return Beforehand::default();
+    };
+    // Of the variance: twice that of the standard deviation.
+    let dimension = unit.dimension;
+    let mut variance = |form: &Option<HyperpriorForm>| {
+        let HyperpriorForm::Lognormal(form) = form.as_ref()?;
+        logarithm(scope, form, None, dimension).map(|[mean, sd]| [2.0 * mean, 2.0 * sd])
+    };
+    let (variance, scatter) = (variance(standard_deviation), variance(scatter));
+    let mut known = Beforehand { variance, lengths: vec![None; inputs.len()], scatter };
+    for length in lengths.iter().flatten() {
+        let Some(input) = scope.known_input(&length.name, &length.name_place) else { continue };
+        let Some(place) = inputs.iter().position(|own| *own == input) else {
+            let message = format!("the discrepancy does not depend on `{}`", length.name);
+            scope.error(&code::DISCREPANCY, &length.name_place, message, "an input that the phases vary");
+            continue;
+        };
+        let unit = unit_of(&scope.resolved.model.inputs[input].unit);
+        let phases = measurements.iter().flat_map(|measurement| fitted_phases(measurement));
+        let [low, high] = phases
+            .map(|(_, inputs)| inputs[input])
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
+        let HyperpriorForm::Lognormal(form) = &length.value;
+        let own = logarithm(scope, form, Some(&unit), unit.dimension);
+        known.lengths[place] = own.map(|[mean, sd]| [mean - ln(high - low), sd]);
+    }
+    known
+}
+
+/// Mean and standard deviation of the logarithm, SI.
+fn logarithm(
+    scope: &mut Scope,
+    form: &Spanned<LognormalForm>,
+    unit: Option<&Unit>,
+    dimension: Dimension,
+) -> Option<[f64; 2]> {
+    let prior = PriorForm::Lognormal(form.clone()).resolve(unit, dimension, Sense::Difference, scope.diagnostics)?;
+    match prior.distribution()? {
+        Distribution::LogNormal { median, factor } => Some([ln(*median), ln(*factor)]),
+        _ => None,
+    }
 }
 
 /// The calibration, in words, and why it does not run where it is another pass's.
@@ -222,7 +318,14 @@ fn inputs(scope: &mut Scope, form: &DiscrepancyForm, measurements: &[&Measuremen
 }
 
 /// Says where phases coincide, and refuses a Gaussian process that is asked for and has too few places.
-fn points(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, measurements: &[&Measurement], inputs: &[usize]) {
+fn points(
+    scope: &mut Scope,
+    entry: &Entry,
+    form: &DiscrepancyForm,
+    joint: Option<&Place>,
+    measurements: &[&Measurement],
+    inputs: &[usize],
+) {
     let mut places: Vec<(Vec<f64>, String)> = Vec::new();
     let mut same = None;
     for measurement in measurements {
@@ -235,8 +338,13 @@ fn points(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, measurements
             }
         }
     }
-    let asked_for = form.law.as_ref().filter(|law| law.value == LawForm::GaussianProcess);
-    if let Some(law) = asked_for.filter(|_| places.len() < FEWEST_POINTS || inputs.is_empty()) {
+    let asked_for = match &form.law {
+        Some(law) if law.value == LawForm::GaussianProcess => Some(&law.place),
+        Some(law) if law.value == LawForm::Automatic => joint,
+        Some(_) => None,
+        None => joint,
+    };
+    if let Some(place) = asked_for.filter(|_| places.len() < FEWEST_POINTS || inputs.is_empty()) {
         let message = match same {
             _ if inputs.is_empty() => "no input varies over the phases that are fitted".to_owned(),
             Some([first, second]) => format!(
@@ -246,7 +354,7 @@ fn points(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, measurements
             None => format!("the fit has {}", counted(places.len(), "phase")),
         };
         let expected = format!("{FEWEST_POINTS} different ones or more for a Gaussian process");
-        scope.error(&code::DISCREPANCY, &law.place, message, &expected);
+        scope.error(&code::DISCREPANCY, place, message, &expected);
     } else if let Some([first, second]) = same.filter(|_| !inputs.is_empty()) {
         let message =
             format!("the phases `{first}` and `{second}` have the same values of the inputs of the discrepancy");

@@ -5,11 +5,14 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::laws::{Question, two};
-use super::output::{Confounded, Output, PhaseResidual, SensorDiscrepancy, Spec};
+use super::joint::{CHAINS, Drawn, Together};
+use super::laws::{Given, Question, two};
+use super::output::{Confounded, Law, Output, PhaseResidual, SensorDiscrepancy, Spec};
 use super::residuals::{Reading, Residuals, readings};
 use crate::inference::gaussian_process::confounding::{Information, moved};
+use crate::inference::gaussian_process::hyperparameters::Beforehand;
 use crate::inference::gaussian_process::tested_range::TestedRange;
+use crate::inference::sampler::chains::Chain;
 use crate::job::{Done, Job, JobError, Parts, Step};
 use crate::measurement::prediction::Predictor;
 use crate::measurement::unknown::with_unknowns;
@@ -58,11 +61,35 @@ impl Calibrated {
         Ok(own)
     }
 
+    /// Names of the unknowns.
+    pub(super) fn order(&self) -> &[String] {
+        &self.order
+    }
+
+    /// Mean of all draws.
+    pub(super) fn mean(&self) -> Vec<f64> {
+        mean(&self.draws.values)
+    }
+
+    /// Mean and standard deviation of an unknown.
+    fn moments(&self, place: usize) -> [f64; 2] {
+        let (mean, count) = (self.mean()[place], self.draws.values.len() as f64);
+        let square = self.draws.values.iter().map(|draw| (draw[place] - mean) * (draw[place] - mean)).sum::<f64>();
+        [mean, (square / count).sqrt()]
+    }
+
     /// So many draws, evenly spaced.
-    fn some(&self, count: usize) -> Vec<&Vec<f64>> {
+    pub(super) fn some(&self, count: usize) -> Vec<&Vec<f64>> {
         let all = self.draws.values.len();
         (0..count.min(all)).map(|k| &self.draws.values[k * all / count.min(all)]).collect()
     }
+}
+
+/// Mean of draws.
+fn mean(draws: &[Vec<f64>]) -> Vec<f64> {
+    let count = draws.len().max(1) as f64;
+    let of = |place: usize| draws.iter().map(|draw| draw[place]).sum::<f64>() / count;
+    (0..draws.first().map_or(0, Vec::len)).map(of).collect()
 }
 
 /// A discrepancy, ready to run.
@@ -75,11 +102,15 @@ pub struct Discrepancy {
     readings: Vec<Reading>,
     key: StreamKey,
     calibrated: Option<Calibrated>,
+    /// In the mode `joint`.
+    together: Option<Together>,
 }
 
 /// What a block is to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Input {
+    /// A chain over parameters and hyperparameters, by its number.
+    Chain(u64),
     /// Residuals at points of the unknowns: the first is the posterior mean, the others draws.
     Points {
         /// First point.
@@ -94,15 +125,28 @@ pub enum Input {
 /// What a block found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Partial {
+    /// A chain over parameters and hyperparameters.
+    Chain(Box<Chain>),
     /// Residuals at each point, reading by reading; NaN where there is no solution.
     Residuals(Vec<Vec<f64>>),
     /// The law, and what the readings say of the unknowns.
     Law(Box<SensorDiscrepancy>, Option<Information>),
 }
 
-/// The residuals, once they are known.
+/// What is known when a stage begins.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Known(Residuals);
+pub struct State {
+    /// Draws of parameters and hyperparameters together, in the mode `joint`.
+    pub(super) drawn: Option<Box<Drawn>>,
+    /// The residuals.
+    pub(super) residuals: Option<Residuals>,
+}
+
+impl State {
+    fn drawn(&self) -> Option<&Drawn> {
+        self.drawn.as_deref()
+    }
+}
 
 impl Discrepancy {
     /// Prepares the job. `measurements` are the pass's; `seed` and `name` key its random numbers.
@@ -119,7 +163,12 @@ impl Discrepancy {
         let predictor = Predictor::new(&model, &[]).map_err(|error| JobError::Failed(error.to_string()))?;
         let readings = readings(&measurements, &spec.data, &spec.sensors);
         let key = StreamKey::new(seed, name, "discrepancy");
-        Ok(Self { spec, model, measurements, predictor, readings, key, calibrated: None })
+        Ok(Self { spec, model, measurements, predictor, readings, key, calibrated: None, together: None })
+    }
+
+    /// The same with the calibration whose parameters are inferred together with the discrepancies.
+    pub(super) fn with_together(self, together: Together) -> Self {
+        Self { together: Some(together), ..self }
     }
 
     /// The same with the posterior after which residuals are taken.
@@ -132,14 +181,37 @@ impl Discrepancy {
     }
 
     /// The points of the unknowns: their means over the draws, then the draws.
-    fn points(&self) -> Result<Vec<Vec<f64>>, JobError> {
-        let calibrated = self.calibrated()?;
-        // A slope is told from the noise of the others only with some draws for each unknown.
-        let count = usize::try_from(self.spec.draws).unwrap_or(usize::MAX).max(4 * (calibrated.order.len() + 1));
-        let draws = calibrated.some(count);
-        let mean = |a: usize| draws.iter().map(|draw| draw[a]).sum::<f64>() / draws.len() as f64;
-        let means: Vec<f64> = (0..calibrated.order.len()).map(mean).collect();
-        Ok(std::iter::once(means).chain(draws.into_iter().cloned()).collect())
+    fn points(&self, drawn: Option<&Drawn>) -> Result<Vec<Vec<f64>>, JobError> {
+        let draws: Vec<Vec<f64>> = match drawn {
+            Some(drawn) => drawn.joint.draws.values.clone(),
+            None => {
+                let calibrated = self.calibrated()?;
+                // A slope is told from the noise of the others only with some draws for each unknown.
+                let least = 4 * (calibrated.order.len() + 1);
+                let count = usize::try_from(self.spec.draws).unwrap_or(usize::MAX).max(least);
+                calibrated.some(count).into_iter().cloned().collect()
+            }
+        };
+        Ok(std::iter::once(mean(&draws)).chain(draws).collect())
+    }
+
+    /// The blocks that take residuals.
+    fn residual_blocks(&self, drawn: Option<Box<Drawn>>) -> Result<Step<Self>, JobError> {
+        let points = self.points(drawn.as_deref())?.len();
+        let block = |first: usize| Input::Points { first, count: BLOCK.min(points - first) };
+        let inputs = (0..points).step_by(BLOCK).map(block).collect();
+        Ok(Step::Blocks { stage: "residuals".to_owned(), state: State { drawn, residuals: None }, inputs })
+    }
+
+    fn together(&self) -> Result<&Together, JobError> {
+        self.together.as_ref().ok_or_else(|| JobError::Failed("the calibration is not there".to_owned()))
+    }
+
+    /// Ranges of the inputs that the discrepancy may depend on.
+    fn ranges(&self) -> Vec<TestedRange> {
+        let tested = self.tested();
+        let names = self.spec.inputs.iter().map(|&input| &self.model.inputs[input].name);
+        names.filter_map(|own| tested.iter().find(|range| range.input == *own).cloned()).collect()
     }
 
     /// Measurements with what was inferred of them put in, at a point of the unknowns, and the model's parameters there.
@@ -190,13 +262,10 @@ impl Discrepancy {
         ranges
     }
 
-    fn law(&self, residuals: &Residuals, name: usize) -> Result<Partial, JobError> {
+    fn law(&self, residuals: &Residuals, drawn: Option<&Drawn>, name: usize) -> Result<Partial, JobError> {
         let calibrated = self.calibrated()?;
         let (fixed, parameters) = self.fixed(calibrated, &residuals.means);
-        let tested = self.tested();
-        let own_inputs: Vec<&String> = self.spec.inputs.iter().map(|&input| &self.model.inputs[input].name).collect();
-        let ranges: Vec<TestedRange> =
-            own_inputs.iter().filter_map(|own| tested.iter().find(|range| range.input == **own).cloned()).collect();
+        let ranges = self.ranges();
         let mut phases = Vec::new();
         let mut quantity = 0;
         for (place, reading) in self.readings.iter().enumerate().filter(|(_, reading)| reading.name == name) {
@@ -232,6 +301,12 @@ impl Discrepancy {
             trend: self.spec.trend,
             law: self.spec.law,
             sampled: self.spec.sampled,
+            beforehand: &self.spec.beforehand,
+            given: drawn.map(|drawn| {
+                let (draws, r_hat) = &drawn.hyperparameters[name];
+                let law = self.spec.law.unwrap_or(Law::GaussianProcess);
+                Given { law, draws, r_hat: *r_hat }
+            }),
             key: self.key,
         };
         let (answer, information) = question.answer()?;
@@ -239,8 +314,8 @@ impl Discrepancy {
     }
 
     /// Takes the residuals together; begins with the laws.
-    fn known(&self, rows: Vec<Vec<f64>>) -> Result<Step<Self>, JobError> {
-        let points = self.points()?;
+    fn known(&self, drawn: Option<Box<Drawn>>, rows: Vec<Vec<f64>>) -> Result<Step<Self>, JobError> {
+        let points = self.points(drawn.as_deref())?;
         let (Some(at_mean), Some(means)) = (rows.first(), points.first()) else {
             return Err(JobError::Failed("no residual was taken".to_owned()));
         };
@@ -266,12 +341,14 @@ impl Discrepancy {
             )));
         }
         let inputs = (0..self.spec.sensors.len()).map(Input::Sensor).collect();
-        Ok(Step::Blocks { stage: "laws".to_owned(), state: Some(Known(residuals)), inputs })
+        let state = State { drawn, residuals: Some(residuals) };
+        Ok(Step::Blocks { stage: "laws".to_owned(), state, inputs })
     }
 
     fn output(
         &self,
         residuals: &Residuals,
+        drawn: Option<Box<Drawn>>,
         laws: Vec<(SensorDiscrepancy, Option<Information>)>,
     ) -> Result<Output, JobError> {
         let calibrated = self.calibrated()?;
@@ -279,17 +356,22 @@ impl Discrepancy {
         let information: Vec<Information> = laws.iter().filter_map(|(_, information)| information.clone()).collect();
         let moved = moved(&residuals.covariance, unknowns.len(), &information).unwrap_or_default();
         let parameters: Vec<Confounded> = (unknowns.iter().zip(&moved))
-            .map(|(name, own)| Confounded {
-                name: name.clone(),
-                sd: own.sd,
-                free_sd: own.free_sd,
-                shift: own.shift,
-                absorbed: own.absorbed,
-                is_confounded: own.free_sd > WIDER * own.sd || own.shift.abs() > SHIFTED * own.sd,
+            .enumerate()
+            .map(|(place, (name, own))| {
+                let (sd, free_sd, shift) = match drawn {
+                    None => (own.sd, own.free_sd, own.shift),
+                    // What became of it: its posterior together with the discrepancies beside that of the calibration.
+                    Some(_) => {
+                        let [mean, sd] = calibrated.moments(place);
+                        (sd, own.sd, residuals.means[place] - mean)
+                    }
+                };
+                let is_confounded = free_sd > WIDER * sd || shift.abs() > SHIFTED * sd;
+                Confounded { name: name.clone(), sd, free_sd, shift, absorbed: own.absorbed, is_confounded }
             })
             .collect();
         let sensors: Vec<SensorDiscrepancy> = laws.into_iter().map(|(law, _)| law).collect();
-        let mut findings = Vec::new();
+        let mut findings: Vec<String> = drawn.iter().flat_map(|drawn| drawn.joint.objections.clone()).collect();
         let confounded: Vec<&str> =
             parameters.iter().filter(|own| own.is_confounded).map(|own| own.name.as_str()).collect();
         if !confounded.is_empty() {
@@ -297,13 +379,27 @@ impl Discrepancy {
                 Some(name) => format!("`{name}` of this pass says whether it finds one"),
                 None => "a `diagnose` job seeks one".to_owned(),
             };
-            findings.push(format!(
+            findings.push(match drawn {
+                Some(_) => format!(
+                    "inferred together with the discrepancies, the posteriors of {} are more than {WIDER} times as wide, or have moved \
+                     by more than their standard deviation: these data do not tell them from a discrepancy wholly, and the priors of \
+                     the discrepancy, {}, decide a part of the result (Brynjarsdottir & O'Hagan 2014). A physical effect that \
+                     explains the residuals removes this; {diagnosis}",
+                    confounded.join(", "),
+                    if self.spec.beforehand == Beforehand::default() {
+                        "here the usual ones by the size of what the calibration left (`priors` states what is known)"
+                    } else {
+                        "which the study states"
+                    },
+                ),
+                None => format!(
                 "with a discrepancy free beside them the posteriors of {} would be more than {WIDER} times as wide, or move by more \
                  than their standard deviation: these data do not tell them from a discrepancy wholly, so that their calibrated \
                  values may be off by more than their intervals say (Brynjarsdottir & O'Hagan 2014). A physical effect that \
                  explains the residuals removes this; {diagnosis}",
                 confounded.join(", ")
-            ));
+                ),
+            });
         }
         let mut worst: Option<f64> = None;
         for (reading, bent) in self.readings.iter().zip(&residuals.bent) {
@@ -319,9 +415,12 @@ impl Discrepancy {
                 two(bent)
             ));
         }
-        let r_hats_are_good = sensors.iter().all(|own| own.r_hat.is_none_or(|r_hat| r_hat <= 1.05));
+        let converged = match &drawn {
+            Some(drawn) => drawn.joint.converged,
+            None => calibrated.converged && sensors.iter().all(|own| own.r_hat.is_none_or(|r_hat| r_hat <= 1.05)),
+        };
         Ok(Output {
-            converged: calibrated.converged && r_hats_are_good,
+            converged,
             source: self.spec.source.clone(),
             draws: residuals.draws,
             unknowns,
@@ -332,12 +431,13 @@ impl Discrepancy {
             sensors,
             parameters,
             findings,
+            joint: drawn.map(|drawn| drawn.joint),
         })
     }
 }
 
 impl Job for Discrepancy {
-    type State = Option<Known>;
+    type State = State;
     type Input = Input;
     type Partial = Partial;
     type Output = Output;
@@ -351,7 +451,7 @@ impl Job for Discrepancy {
     }
 
     fn identity(&self) -> Value {
-        json!({
+        let mut identity = json!({
             "data": self.spec.data.iter().map(|&index| self.measurements[index].identity()).collect::<Vec<_>>(),
             "source": self.spec.source,
             "sensors": self.spec.sensors,
@@ -364,53 +464,64 @@ impl Job for Discrepancy {
             "diagnosis": self.spec.diagnosis,
             "block": BLOCK,
             "model": self.model.identity(),
-        })
+        });
+        if self.spec.beforehand != Beforehand::default() {
+            identity["beforehand"] = json!(self.spec.beforehand);
+        }
+        if let Some(together) = &self.together {
+            identity["together"] = together.identity();
+        }
+        identity
     }
 
     fn begin(&self) -> Result<Step<Self>, JobError> {
-        let points = self.points()?.len();
-        let block = |first: usize| Input::Points { first, count: BLOCK.min(points - first) };
-        let inputs = (0..points).step_by(BLOCK).map(block).collect();
-        Ok(Step::Blocks { stage: "residuals".to_owned(), state: None, inputs })
+        if self.together.is_none() {
+            return self.residual_blocks(None);
+        }
+        let state = State { drawn: None, residuals: None };
+        Ok(Step::Blocks { stage: "chains".to_owned(), state, inputs: (0..CHAINS).map(Input::Chain).collect() })
     }
 
-    fn block(&self, state: &Option<Known>, input: Input, _parts: &dyn Parts) -> Result<Partial, JobError> {
-        match (input, state) {
+    fn block(&self, state: &State, input: Input, _parts: &dyn Parts) -> Result<Partial, JobError> {
+        match (input, &state.residuals) {
+            (Input::Chain(index), _) => {
+                let (calibrated, ranges) = (self.calibrated()?, self.ranges());
+                let together = self.together()?;
+                let chain = together.chain(&self.spec, &self.measurements, &ranges, calibrated, &self.key, index)?;
+                Ok(Partial::Chain(Box::new(chain)))
+            }
             (Input::Points { first, count }, _) => {
                 let calibrated = self.calibrated()?;
-                let points = self.points()?;
+                let points = self.points(state.drawn())?;
                 let some = points.iter().skip(first).take(count);
                 Ok(Partial::Residuals(some.map(|point| self.residuals_at(calibrated, point)).collect()))
             }
-            (Input::Sensor(name), Some(Known(residuals))) => self.law(residuals, name),
+            (Input::Sensor(name), Some(residuals)) => self.law(residuals, state.drawn(), name),
             (Input::Sensor(_), None) => Err(JobError::Failed("the residuals are not known yet".to_owned())),
         }
     }
 
-    fn is_last(&self, state: &Option<Known>) -> bool {
-        state.is_some()
+    fn is_last(&self, state: &State) -> bool {
+        state.residuals.is_some()
     }
 
-    fn reduce(&self, state: Option<Known>, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
-        match state {
-            None => {
-                let mut rows = Vec::new();
-                for (_, partial) in blocks {
-                    if let Partial::Residuals(more) = partial {
-                        rows.extend(more);
-                    }
-                }
-                self.known(rows)
-            }
-            Some(Known(residuals)) => {
-                let mut laws = Vec::new();
-                for (_, partial) in blocks {
-                    if let Partial::Law(law, information) = partial {
-                        laws.push((*law, information));
-                    }
-                }
-                Ok(Step::Done(Box::new(self.output(&residuals, laws)?)))
+    fn reduce(&self, state: State, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
+        let (mut chains, mut rows, mut laws) = (Vec::new(), Vec::new(), Vec::new());
+        for (_, partial) in blocks {
+            match partial {
+                Partial::Chain(chain) => chains.push(*chain),
+                Partial::Residuals(more) => rows.extend(more),
+                Partial::Law(law, information) => laws.push((*law, information)),
             }
         }
+        if let Some(residuals) = &state.residuals {
+            return Ok(Step::Done(Box::new(self.output(residuals, state.drawn, laws)?)));
+        }
+        if self.together.is_some() && state.drawn.is_none() {
+            let (together, calibrated, ranges) = (self.together()?, self.calibrated()?, self.ranges());
+            let drawn = together.drawn(&self.spec, &self.measurements, &ranges, calibrated, chains)?;
+            return self.residual_blocks(Some(Box::new(drawn)));
+        }
+        self.known(state.drawn, rows)
     }
 }

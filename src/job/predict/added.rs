@@ -9,6 +9,7 @@ use super::run::{Added, Term};
 use crate::job::JobError;
 use crate::job::discrepancy::{self, Case, Rebuilt};
 use crate::job::propagate::{Adjustment, CaseInputs, Propagate};
+use crate::study::posterior_prior::PosteriorPrior;
 use crate::study::resolved::PosteriorReference;
 
 /// What is added.
@@ -19,6 +20,8 @@ pub(super) struct Laws {
     pub terms: Vec<Term>,
     /// Whether the chains behind it converged.
     pub converged: bool,
+    /// The posterior of the parameters that was had together with the laws, where it was.
+    pub posterior: Option<PosteriorPrior>,
 }
 
 /// What of the job decides a prediction beside its key.
@@ -45,18 +48,22 @@ pub(super) fn laws(
     let mut all = posterior.draws.clone();
     all.names.clone_from(&output.unknowns);
     all.parameters = vec![usize::MAX; output.unknowns.len()];
-    let draws = all.filled(calibration)?.draws;
+    // Parameters that were inferred together with the laws have a posterior of their own.
+    let joint = output.joint.as_ref().and_then(|_| law.get("joint"));
+    let draws = all.filled(joint.unwrap_or(calibration))?.draws;
+    let of_joint = joint.map(|joint| posterior.draws.filled(joint)).transpose()?;
     let deviation =
         |draw: &Vec<f64>| -> Vec<f64> { draw.iter().zip(&output.means).map(|(value, mean)| value - mean).collect() };
     let deviations: Arc<Vec<Vec<f64>>> = Arc::new(draws.iter().map(deviation).collect());
     let cases = propagate.described();
-    let mut laws = Laws { adjustments: Vec::new(), terms: Vec::new(), converged: output.converged };
+    let (is_paired, converged) = (of_joint.is_some(), output.converged);
+    let mut laws = Laws { adjustments: Vec::new(), terms: Vec::new(), converged, posterior: of_joint };
     for (name, positions) in &added.sensors {
         let own = output.sensors.iter().find(|own| own.sensor == *name);
         let own = own.ok_or_else(|| failed(format!("it has no sensor `{name}`")))?;
         let rebuilt = Rebuilt::new(&output, own).map_err(|error| failed(error.to_string()))?;
-        let mut adjustment =
-            Adjustment { positions: positions.clone(), cases: Vec::new(), deviations: Arc::clone(&deviations) };
+        let deviations = Arc::clone(&deviations);
+        let mut adjustment = Adjustment { positions: positions.clone(), cases: Vec::new(), deviations, is_paired };
         for CaseInputs { environment, design_value, inputs } in &cases {
             let value = |input: &String| inputs.iter().find(|(name, _)| name == input).map(|(_, value)| *value);
             let values = output

@@ -98,6 +98,10 @@ impl JobKind for Kind {
             let missing = || JobError::Failed("a result is not there".to_owned());
             let (calibration, law) = (results.first().ok_or_else(missing)?, left.next().ok_or_else(missing)?);
             let laws = added::laws(added, &posterior, &references[0], calibration, law)?;
+            let posterior = match laws.posterior {
+                Some(joint) => make()?.with_posterior_priors(join(vec![joint], &others)),
+                None => posterior,
+            };
             let posterior = posterior.with_adjustments(laws.adjustments, 0, seed, &named)?;
             let identity = added::identity(added);
             let predict = Predict::new(prior, posterior);

@@ -242,6 +242,8 @@ pub struct Adjustment {
     pub cases: Vec<Vec<(f64, Vec<f64>, f64)>>,
     /// For each draw of the posterior the unknowns' deviations from their means.
     pub deviations: Arc<Vec<Vec<f64>>>,
+    /// Whether hyperparameters were drawn together with the posterior, a draw each; else any goes with any.
+    pub is_paired: bool,
 }
 
 /// An error of the model that is added to a quantity: normal with mean 0.

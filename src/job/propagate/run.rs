@@ -218,7 +218,8 @@ impl Propagate {
             let draw = leader.map_or(0, |(posterior_prior, leader)| posterior_prior.position(row[leader]));
             for (adjustment, coordinates) in adjustments.iter().zip(own.chunks_exact(2)) {
                 let laws = &adjustment.cases[block.case];
-                let picked = ((coordinates[0] * laws.len() as f64) as usize).min(laws.len().saturating_sub(1));
+                let any = ((coordinates[0] * laws.len() as f64) as usize).min(laws.len().saturating_sub(1));
+                let picked = if adjustment.is_paired { draw } else { any };
                 let Some((mean, slopes, sd)) = laws.get(picked) else { continue };
                 let deviations = adjustment.deviations.get(draw).map_or(&[][..], Vec::as_slice);
                 let along = deviations.iter().zip(slopes).map(|(deviation, slope)| deviation * slope).sum::<f64>();

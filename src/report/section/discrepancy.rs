@@ -1,6 +1,7 @@
 //! What the calibrated model leaves unexplained: law, residuals with its band, checks, confounded parameters.
 
 mod brief;
+mod joint;
 
 use crate::document::counted;
 use crate::job::discrepancy::{Check, Curve, Kind, Law, Output, PhaseResidual, SensorDiscrepancy};
@@ -65,6 +66,9 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
 }
 
 fn opening(name: &str, output: &Output) -> Text {
+    if let Some(joint) = &output.joint {
+        return joint::opening(name, output, joint);
+    }
     let inputs = if output.inputs.is_empty() { "no input".to_owned() } else { output.inputs.join(", ") };
     Text::new("Job ").code(name).plain(format!(
         ": residuals after the calibration {} (measured minus predicted at the posterior mean, and at {} of its posterior), and \
@@ -156,6 +160,7 @@ fn scores(output: &Output) -> Block {
 }
 
 fn hyperparameters(output: &Output) -> Option<Block> {
+    let central = if output.joint.is_some() { "medians" } else { "those of the highest marginal likelihood" };
     let mut rows = Vec::new();
     for own in &output.sensors {
         for parameter in &own.hyperparameters {
@@ -175,13 +180,15 @@ fn hyperparameters(output: &Output) -> Option<Block> {
     }
     (!rows.is_empty()).then(|| {
         Block::Table(Table {
-            caption: "Hyperparameters: those of the highest marginal likelihood, and 95 % intervals of their draws, over which \
-                      predictions go; coefficients of the trend are means over the draws. Differences of temperatures are in K."
-                .into(),
+            caption: format!(
+                "Hyperparameters: {central}, and 95 % intervals of their draws, over which predictions go; coefficients of the \
+                 trend are means over the draws. Differences of temperatures are in K."
+            )
+            .into(),
             columns: vec![
                 Column::text("Sensor"),
                 Column::text("Hyperparameter"),
-                Column::number("Most probable", ""),
+                Column::number(if output.joint.is_some() { "Median" } else { "Most probable" }, ""),
                 Column::number("95 % interval", ""),
                 Column::text("Unit"),
                 Column::text("Note"),
@@ -192,6 +199,9 @@ fn hyperparameters(output: &Output) -> Option<Block> {
 }
 
 fn parameters(output: &Output) -> Option<Block> {
+    if let Some(joint) = &output.joint {
+        return joint::parameters(output, joint);
+    }
     let rows: Vec<Vec<Cell>> = (output.parameters.iter())
         .map(|own| {
             let status = if own.is_confounded { Status::Caution } else { Status::Ok };

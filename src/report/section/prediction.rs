@@ -14,7 +14,8 @@ use crate::study::requirement::ALL;
 use super::Entry;
 use super::problem::limits;
 use super::propagation::{
-    cumulative, curve, environments, failures, histogram, joint, nominal_cases, probability_text, quantile, standing,
+    along, cumulative, curve, environments, failures, histogram, joint, nominal_cases, probability_text, quantile,
+    standing,
 };
 use super::validation::{Rests, claim_cell, objection};
 
@@ -32,15 +33,18 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         }
         blocks.extend(failures(&output.posterior));
         blocks.extend(output.validated.iter().flat_map(|validated| added(report, validated)));
-        blocks.push(requirements(report, output));
-        let claims = nominal_cases(&output.posterior).flat_map(|case| &case.requirements);
-        blocks.extend(objection(report, Rests::OnTuned, claims).map(|text| Block::callout(Tone::Warning, text)));
-        blocks.extend(reached(output));
-        // The first picture stands in the summary where that has no better one.
-        let shown = super::summary::main_picture(report).map(|figure| figure.id);
-        let figures = figures(output, name).into_iter().filter(|figure| shown.as_ref() != Some(&figure.id));
-        blocks.extend(figures.map(Block::Figure));
-        blocks.extend(sweep(output));
+        if output.posterior.cases.iter().any(|case| !case.requirements.is_empty()) {
+            blocks.push(requirements(report, output));
+            let claims = nominal_cases(&output.posterior).flat_map(|case| &case.requirements);
+            blocks.extend(objection(report, Rests::OnTuned, claims).map(|text| Block::callout(Tone::Warning, text)));
+            blocks.extend(reached(output));
+            // The first picture stands in the summary where that has no better one.
+            let shown = super::summary::main_picture(report).map(|figure| figure.id);
+            let figures = figures(output, name).into_iter().filter(|figure| shown.as_ref() != Some(&figure.id));
+            blocks.extend(figures.map(Block::Figure));
+            blocks.extend(sweep(output));
+        }
+        blocks.extend(along::block(&output.posterior, name));
         blocks.push(distributions(output));
         let mut folded = Vec::new();
         for case in nominal_cases(&output.posterior) {

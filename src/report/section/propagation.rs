@@ -1,5 +1,6 @@
 //! Uncertainty propagation: distributions of the quantities, probability that the requirements are met.
 
+pub(super) mod along;
 pub(super) mod brief;
 
 use crate::document::counted;
@@ -39,6 +40,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         let is_new = |figure: &Figure| shown_before.as_ref() != Some(&figure.id);
         blocks.extend(probability_figures(output, name).into_iter().filter(is_new).map(Block::Figure));
         blocks.extend(sweep_table(output));
+        blocks.extend(along::block(output, name));
         blocks.push(distributions(output));
         blocks.extend(main_effects(output));
         let mut figures = Vec::new();

@@ -5,7 +5,7 @@ use crate::document::{
     Diagnostic, Diagnostics, Map, NameOr, Place, Sense, Spanned, WrittenUnit, code, written_choice, written_struct,
 };
 use crate::expression::{Dependence, Dimension, ExprId};
-use crate::thermal::element::Lookup;
+use crate::thermal::element::{Contribution, Lookup};
 use crate::thermal::{Quantity, QuantityValue};
 
 use super::name;
@@ -27,6 +27,8 @@ written_choice! {
         "heat" => Heat(Spanned<String>),
         /// Current of a cooler, A.
         "current" => Current(Spanned<String>),
+        /// Temperature of the cold side of a cooler that response surfaces stand for.
+        "cold_side" => ColdSide(Spanned<String>),
         /// Duty of a heater, 0 to 1.
         "duty" => Duty(Spanned<String>),
         /// A quantity over the whole of a transient.
@@ -97,6 +99,7 @@ fn place_of(form: &QuantityOrName) -> Option<&Place> {
             QuantityForm::Temperature(name)
             | QuantityForm::Heat(name)
             | QuantityForm::Current(name)
+            | QuantityForm::ColdSide(name)
             | QuantityForm::Duty(name) => Some(&name.place),
             QuantityForm::Mean(map) => Some(&map.place),
             QuantityForm::Difference(pair) => place_of(&pair[0]),
@@ -207,6 +210,11 @@ fn unnamed(
         QuantityForm::Current(name) => {
             let id = model.find_output(&name.value, "current", |element| element.current, &name.place, diagnostics)?;
             Some(Unnamed::instant(id, Dimension::CURRENT, false))
+        }
+        QuantityForm::ColdSide(name) => {
+            let output = |element: &Contribution| element.cold_side;
+            let id = model.find_output(&name.value, "cold side of surfaces", output, &name.place, diagnostics)?;
+            Some(Unnamed::instant(id, Dimension::TEMPERATURE, true))
         }
         QuantityForm::Duty(name) => {
             let id = model.find_output(&name.value, "duty", |element| element.duty, &name.place, diagnostics)?;

@@ -150,6 +150,11 @@ impl Factored {
         self.log_likelihood
     }
 
+    /// Slopes of the marginal likelihood's logarithm with the values, `-P r`.
+    pub fn slopes_with_values(&self) -> impl Iterator<Item = f64> + '_ {
+        self.weights.iter().map(|weight| -weight)
+    }
+
     /// Rows up to the diagonal of `P` (n x n). Cost: n^3 / 3.
     pub fn projected(&self) -> Vec<f64> {
         let (n, columns) = (self.weights.len(), self.basis.len());
@@ -187,6 +192,19 @@ pub fn with_gradient(
     hyperparameters: &[f64],
     gradient: &mut [f64],
 ) -> Result<f64, GaussianProcessError> {
+    factored_with_gradient(training, form, hyperparameters, gradient).map(|factored| factored.log_likelihood)
+}
+
+/// As [`with_gradient`], with all that follows from the factored covariance.
+///
+/// # Errors
+/// As [`Factored::new`].
+pub fn factored_with_gradient(
+    training: &Training,
+    form: &Form,
+    hyperparameters: &[f64],
+    gradient: &mut [f64],
+) -> Result<Factored, GaussianProcessError> {
     let (factored, smooth) = Factored::with_smooth(training, form, hyperparameters)?;
     let n = training.len();
     let mut weight = factored.projected();
@@ -218,5 +236,5 @@ pub fn with_gradient(
     {
         *last = 0.5 * form.named(hyperparameters).scatter * trace;
     }
-    Ok(factored.log_likelihood)
+    Ok(factored)
 }

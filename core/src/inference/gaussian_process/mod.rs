@@ -248,12 +248,20 @@ impl Training {
         &self.noise
     }
 
-    /// The same points with other values.
+    /// Puts other values at the same points.
     ///
     /// # Errors
-    /// As [`Training::new`].
-    pub fn with_values(&self, values: Vec<f64>) -> Result<Self, GaussianProcessError> {
-        Self::new(self.inputs, self.points.clone(), values, self.noise.clone())
+    /// A list of the wrong length, a number that is not finite.
+    pub fn set_values(&mut self, values: &[f64]) -> Result<(), GaussianProcessError> {
+        if values.len() != self.len() {
+            let (what, found, expected) = ("the list of values", values.len(), self.len());
+            return Err(GaussianProcessError::Shape { what, found, expected });
+        }
+        if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+            return Err(GaussianProcessError::Number { what: "value", index, value: values[index] });
+        }
+        self.values.copy_from_slice(values);
+        Ok(())
     }
 
     /// Some of the points, by their places.

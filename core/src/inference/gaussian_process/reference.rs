@@ -1,6 +1,7 @@
 //! Values of other programs, finite differences and coverage.
 
 use super::fit::{Search, fit};
+use super::hyperparameters::Beforehand;
 use super::marginal::{Factored, with_gradient};
 use super::process::Process;
 use super::{Form, GaussianProcessError, Kernel, Training, Trend, cross_validation, hyperparameters};
@@ -268,7 +269,8 @@ fn covered(truths: u64, is_sampled: bool) -> (u64, u64) {
         let search = Search::usual(&training, &form, 4);
         let fitted = fit(&training, &form, &search, &key()).expect("a fit");
         let draws = if is_sampled {
-            hyperparameters::sample(&training, &form, &fitted.hyperparameters, &key()).expect("draws").draws
+            let usual = hyperparameters::priors(&training, &form, &Beforehand::default());
+            hyperparameters::sample(&training, &form, usual, &fitted.hyperparameters, &key()).expect("draws").draws
         } else {
             vec![fitted.hyperparameters]
         };

@@ -120,6 +120,8 @@ macro_rules! element_kinds {
             coolers: Cooler, CoolerForm in cooler,
             /// Controlled heaters.
             heaters: Heater, HeaterForm in heater,
+            /// Thermoelectric coolers as response surfaces: temperature of the cold side and current over voltage and hot side.
+            surface_coolers: SurfaceCooler, SurfaceCoolerForm in surface_cooler,
         }
     };
 }
@@ -172,6 +174,8 @@ pub struct Contribution {
     pub through: Option<ExprId>,
     /// The quantity `{"current": NAME}`, A.
     pub current: Option<ExprId>,
+    /// The quantity `{"cold_side": NAME}`, K, of a cooler whose cold side is no node.
+    pub cold_side: Option<ExprId>,
     /// The quantity `{"duty": NAME}`, 1.
     pub duty: Option<ExprId>,
     /// Width of a controller's band, K: must be above 0.
