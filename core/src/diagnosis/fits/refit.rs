@@ -11,12 +11,12 @@ use crate::diagnosis::fits::threshold_gaps::{Flat, together};
 use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::prior_scale::{Amplitudes, WIDTHS};
 use crate::diagnosis::{Hypothesis, Problem};
+use crate::effect::Site;
 use crate::expression::Unit;
 use crate::inference::estimate::point_estimate::{PointEstimate, PointSettings, estimate};
 use crate::inference::estimate::truncated_moments::Moments;
 use crate::inference::likelihood::Likelihood;
 use crate::inference::target::{LeastSquares, Target};
-use crate::math::functions::ln;
 use crate::measurement::prediction::Predictor;
 use crate::measurement::unknown::with_unknowns;
 use crate::random::StreamKey;
@@ -203,7 +203,9 @@ impl Problem {
         moments: bool,
     ) -> Result<(Refit, Amplitudes), FitError> {
         let widths: Vec<f64> = places.iter().map(|&place| begin.scale * WIDTHS[place].factor).collect();
-        let odds: f64 = places.iter().map(|&place| ln(WIDTHS[place].odds)).sum();
+        let of_sensors = |effect: &usize| matches!(self.candidates[*effect].site, Site::Sensors(_));
+        let odds: f64 =
+            effects.iter().zip(places).map(|(effect, &place)| WIDTHS[place].log_odds(of_sensors(effect))).sum();
         let hypothesis = self.hypothesis_of_widths(effects, &widths)?;
         let likelihood = hypothesis.likelihood(self)?;
         let mut settings = PointSettings {

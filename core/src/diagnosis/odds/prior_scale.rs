@@ -22,6 +22,14 @@ pub struct Width {
     pub odds: f64,
 }
 
+impl Width {
+    /// Logarithm of the odds. A sensor's fault that is larger than plausible is the square less probable: hardware is of any size,
+    /// instruments are much alike.
+    pub fn log_odds(&self, of_sensors: bool) -> f64 {
+        if of_sensors { 2.0 * ln(self.odds) } else { ln(self.odds) }
+    }
+}
+
 /// The catalogue's width and wider ones, which are fitted where they pay.
 pub const WIDTHS: [Width; 3] =
     [Width { factor: 1.0, odds: 1.0 }, Width { factor: 10.0, odds: 0.1 }, Width { factor: 100.0, odds: 0.01 }];
@@ -160,6 +168,13 @@ mod tests {
         let most = pairs.map(|(a, b)| density([a.0, b.0]) - density([1.0, 1.0]) + ln(a.1 * b.1)).fold(0.0, f64::max);
         assert!(most > 0.5 && (amplitudes.narrower(&[0, 0]) - most).abs() < 1e-10, "{most}");
         assert_eq!(amplitudes.narrower(&[1, 1]), 0.0, "what is wider is not narrower");
+    }
+
+    #[test]
+    fn a_large_fault_of_a_sensor_is_less_probable_than_a_large_effect_on_hardware() {
+        let [written, _, widest] = WIDTHS;
+        assert_eq!([written.log_odds(true), written.log_odds(false)], [0.0; 2]);
+        assert!((widest.log_odds(true) - ln(1e-4)).abs() < 1e-12 && (widest.log_odds(false) - ln(0.01)).abs() < 1e-12);
     }
 
     #[test]
