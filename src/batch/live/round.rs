@@ -16,6 +16,7 @@ use crate::report::archive::{ArchivedPass, ArchivedStudy, RenderedPage, index_pa
 use crate::report::history::{PassErrors, Split};
 use crate::report::number::fixed;
 use crate::report::terminal::escaped;
+use crate::runner::Outcome;
 use crate::runner::manifest::{FILE_NAME as MANIFEST, FileRecord};
 
 /// What a round gave.
@@ -72,6 +73,13 @@ pub fn round(
     let executed = run(prepared)?;
     if executed.is_interrupted {
         return Err(RoundError::Stopped);
+    }
+    for pass in &executed.passes {
+        for id in &pass.jobs {
+            let Some(Outcome::Failed(error)) = executed.summary.outcomes.get(id) else { continue };
+            let name = executed.plan.find(id).map_or(id.as_str(), |position| &executed.plan.nodes()[position].name);
+            note(format!("{}: {name} failed: {error}", pass.file));
+        }
     }
     let mut round =
         Round { pages: BTreeMap::new(), home: format!("/{INDEX}.html"), errors: BTreeMap::new(), notes, executed };

@@ -149,6 +149,12 @@ impl Site {
         let (Some(round), Some(file), Some(job)) = (round, field("pass"), field("job")) else {
             return Err(Refused::new(400, "the form names no pass, or no diagnosis"));
         };
+        if self.state.shown().state != "ready" {
+            return Err(Refused::new(
+                409,
+                "the study is running again, or something in it is wrong: adopt when the new results are there",
+            ));
+        }
         let effects = form.iter().filter(|(name, _)| name == "effect").map(|(_, value)| value.clone()).collect();
         match self.written(&round, file, job, effects)? {
             Ok(to) => Ok(moved(&to)),

@@ -133,6 +133,12 @@ fn note_starts(scope: &mut Scope, form: &PassForm, entry: &MapEntry<Adopted>, ap
             scope.unknown(&code::UNKNOWN_NAME, "transient measurement", &start.name, &start.name_place, &transients);
             continue;
         }
+        let applies =
+            entry.value.applies_to.as_ref().is_none_or(|names| names.iter().any(|own| own.value == start.name));
+        if !applies {
+            let message = format!("`{}` does not apply to `{}`", entry.name, start.name);
+            scope.error(&code::INITIAL, &start.name_place, message, "a measurement under `applies_to`");
+        }
         let value = scope.uncertain(&start.value, Dimension::TEMPERATURE, Sense::Absolute, true);
         let (Some(value), Some(applied)) = (value, applied) else { continue };
         if applied.nodes.is_empty() {

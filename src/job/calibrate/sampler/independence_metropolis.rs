@@ -17,7 +17,7 @@ impl Method for IndependenceMetropolis {
     }
 
     fn about(&self) -> &'static str {
-        "Metropolis with proposals about the most probable point, one likelihood a draw: for long records, whose posteriors are nearly normal."
+        "Metropolis with proposals about the most probable point, one likelihood a draw: for long records, whose posteriors are nearly normal. It sees one mode only."
     }
 
     fn defaults(&self) -> (u64, u64) {
