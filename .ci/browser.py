@@ -24,7 +24,7 @@ class Failed(Exception):
 
 
 class Browser:
-    """A running browser. `events` holds what it told since they were last taken."""
+    """A running browser. `events` holds what it said since they were last read."""
 
     def __init__(self, program):
         self.profile = tempfile.mkdtemp(prefix="bmv-browser-")
@@ -103,14 +103,14 @@ class Browser:
             raise Failed(f"{method}: {answer['error']['message']}")
         return answer["result"]
 
-    def taken(self):
-        """The events since they were last taken."""
+    def recent_events(self):
+        """The events since they were last read."""
         events, self.events = self.events, []
         return events
 
     def open(self, url, timeout=60):
         """Opens an address and waits until it is loaded."""
-        self.taken()
+        self.recent_events()
         answer = self.call("Page.navigate", url=url)
         if answer.get("errorText"):
             raise Failed(f"{url}: {answer['errorText']}")

@@ -67,7 +67,7 @@ def pages():
     return [ROOT / name for name in listed.stdout.split("\n") if name.endswith(".html")]
 
 
-def told(events):
+def complaints(events):
     """What the browser held against a page, and what the page asked for beside itself."""
     for event in events:
         said = event["params"]
@@ -90,7 +90,7 @@ def check(own, page, script):
         own.size(width, height)
         if width == min(WIDTHS):
             own.open(page.as_uri())
-            wrong += told(own.taken())
+            wrong += complaints(own.recent_events())
         if (over := own.evaluate(OVERFLOW)) > 0:
             wrong.append(f"at {width} px it is {over} px too wide")
         own.picture(KEPT / f"{name}-{width}.png")
@@ -106,7 +106,7 @@ def check(own, page, script):
     wrong += [f"not printed: {part}" for part in own.evaluate(HIDDEN)]
     own.media()
     own.printed(KEPT / f"{name}.pdf")
-    return wrong + [f"later, {one}" for one in told(own.taken())]
+    return wrong + [f"later, {one}" for one in complaints(own.recent_events())]
 
 
 def main():

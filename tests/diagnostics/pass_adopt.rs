@@ -179,6 +179,10 @@ fn a_start_that_nothing_can_have_is_refused() {
     assert!(said(&elsewhere, all).contains("unknown transient measurement `log`"), "{}", said(&elsewhere, all));
     let load = WARM_PART.replace("hidden-node", "heat-load");
     assert!(said(&load, all).contains("`inside` adds no node that could start"), "{}", said(&load, all));
+    let lag = WARM_PART.replace("hidden-node", "sensor-lag").replace(r#""where": "panel""#, r#""where": "box""#);
+    assert!(said(&lag, all).contains("`inside` adds no node that could start"), "{}", said(&lag, all));
+    let elsewhere = WARM_PART.replace(r#""because""#, r#""applies_to": [], "because""#);
+    assert!(said(&elsewhere, all).contains("`inside` does not apply to `balance`"), "{}", said(&elsewhere, all));
     let steady = said(WARM_PART, r#"{"steady": {}}"#);
     assert!(steady.contains("whose start follows from its inputs"), "{steady}");
 }

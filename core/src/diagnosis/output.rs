@@ -122,7 +122,7 @@ pub struct EffectHeat {
 pub struct StartResult {
     /// The measurement.
     pub measurement: String,
-    /// The node, as the effect names it.
+    /// The node's name.
     pub node: String,
     /// The most probable temperature, K.
     pub most_probable_k: f64,

@@ -68,20 +68,25 @@ fn gains_unseen(before: &Refit, after: &Refit, independent: f64) -> f64 {
     ratio.filter(|ratio| ratio.is_finite() && *ratio > 0.0).map_or(0.0, |ratio| independent * ln(ratio))
 }
 
-/// Whether a set predicts unseen rows worse than one that it follows.
-fn rises(before: &Refit, after: &Refit) -> bool {
-    before.rmse_held_out_k.zip(after.rmse_held_out_k).is_some_and(|(before, after)| after > RISES * before)
+/// Whether the error on unseen rows rises clearly from a set to one that follows it.
+fn rises(errors: [Option<f64>; 2]) -> bool {
+    matches!(errors, [Some(before), Some(after)] if after > RISES * before)
 }
 
-/// Whether a set predicts unseen rows clearly better than one that it follows, or there are none.
-fn falls(before: &Refit, after: &Refit) -> bool {
-    before.rmse_held_out_k.zip(after.rmse_held_out_k).is_none_or(|(before, after)| RISES * after < before)
+/// Whether it falls clearly, or there are no such rows.
+fn falls(errors: [Option<f64>; 2]) -> bool {
+    !matches!(errors, [Some(before), Some(after)] if !(RISES * after < before))
+}
+
+/// The errors of two sets on unseen rows.
+fn unseen(before: &Refit, after: &Refit) -> [Option<f64>; 2] {
+    [before.rmse_held_out_k, after.rmse_held_out_k]
 }
 
 impl Diagnosis {
     /// The sets that follow from one another, each with one effect more than the one before, from nothing on: the most
-    /// probable plain law is added while it pays, the error on unseen rows does not rise by the first and falls by each further one. A curve of one input goes
-    /// before laws only where it is clearly more probable; other curves only after them.
+    /// probable plain law is added while it pays, the error on unseen rows does not rise by the first and falls by each further
+    /// one. A curve of one input goes before laws only where it is clearly more probable; other curves only after them.
     pub(crate) fn story(&self, state: &State) -> Story {
         // With what the unseen rows say: users judge the error there.
         let unseen = self.independent_unseen(state);
@@ -174,8 +179,8 @@ impl Diagnosis {
         // After the first step the error on unseen rows has to fall: what a further effect gains may be errors of the model.
         let is_first = own.effects.is_empty();
         let pays = |one: &&Addition| {
-            let after = &state.refits[one.place];
-            logs[one.place] > logs[at] && if is_first { !rises(own, after) } else { falls(own, after) }
+            let errors = unseen(own, &state.refits[one.place]);
+            logs[one.place] > logs[at] && if is_first { !rises(errors) } else { falls(errors) }
         };
         let is_curve = |one: &&Addition| self.is_unknown_function(one.effect);
         let is_of_group = |one: &Addition| self.problem().candidates[one.effect].is_group();
@@ -236,7 +241,7 @@ impl Diagnosis {
                         && !effects.contains(member)
                         && before.iter().all(|one| effects.contains(one))
                         && effects.iter().all(|&one| members.contains(&one) || !self.is_unknown_function(one))
-                        && !rises(&state.refits[end], &state.refits[place])
+                        && !rises(unseen(&state.refits[end], &state.refits[place]))
                 };
                 let place = (0..logs.len()).filter(is_other).reduce(|a, b| if logs[b] > logs[a] { b } else { a });
                 let place = place.filter(|&place| logs[place] > logs[best.map_or(end, |best| best.0)]);
@@ -279,5 +284,22 @@ impl Diagnosis {
     /// Whether an effect is an unknown function in which several inputs meet, which is asked where no law is found.
     pub(crate) fn is_last_resort(&self, effect: usize) -> bool {
         self.is_unknown_function(effect) && self.problem().candidates[effect].bound.len() > 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{falls, rises};
+
+    /// By more than 5 % either way; without unseen rows nothing rises, and every step may be taken.
+    #[test]
+    fn errors_on_unseen_rows_rise_and_fall_by_more_than_a_twentieth() {
+        let of = |after: f64| [Some(1.0), Some(after)];
+        assert!(rises(of(1.06)) && !rises(of(1.04)) && !rises(of(0.5)));
+        assert!(falls(of(0.95)) && !falls(of(0.96)) && !falls(of(1.2)));
+        for none in [[None, Some(1.0)], [Some(1.0), None], [None, None]] {
+            assert!(!rises(none) && falls(none), "{none:?}");
+        }
+        assert!(!falls(of(f64::NAN)));
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::changes::Stamp;
-use super::progress::Told;
+use super::progress::RoundProgress;
 use super::round::{RoundError, round};
 use super::state::State;
 use crate::batch::{BatchError, Executed, Prepared, Reading};
@@ -39,11 +39,11 @@ pub fn follow(followed: &Followed, state: &State, run: Run<'_>, tell: &dyn Fn(&s
         // A pass that was adopted is wanted too, where not all of the folder is; it may be deleted again.
         let there = adopted.iter().filter(|pass| pass.is_file());
         let paths: Vec<PathBuf> = std::iter::once(&followed.path).chain(there).cloned().collect();
-        let told = Told::default();
-        state.begin(&told);
+        let progress = RoundProgress::default();
+        state.begin(&progress);
         let has_changed = || Stamp::of(&followed.folder) != before;
         let given = stopped_when(GLANCE, has_changed, |stop| {
-            round(&paths, &followed.reading.anew(), |prepared| run(prepared, stop, &told))
+            round(&paths, &followed.reading.anew(), |prepared| run(prepared, stop, &progress))
         });
         match given {
             Ok(round) => {

@@ -8,7 +8,7 @@ use crate::runner::{Event, Listener};
 
 /// Hears the events of a run and says in words how it stands.
 #[derive(Clone, Debug, Default)]
-pub struct Told {
+pub struct RoundProgress {
     jobs: Arc<Mutex<BTreeMap<String, Running>>>,
 }
 
@@ -20,7 +20,7 @@ struct Running {
     done: usize,
 }
 
-impl Told {
+impl RoundProgress {
     /// A line for each job that runs.
     pub fn lines(&self) -> Vec<String> {
         let jobs = self.jobs.lock().unwrap_or_else(PoisonError::into_inner);
@@ -39,7 +39,7 @@ impl Told {
     }
 }
 
-impl Listener for Told {
+impl Listener for RoundProgress {
     fn hear(&self, event: &Event) {
         match event {
             Event::JobStarted { job, .. } => self.change(job, |_| {}),

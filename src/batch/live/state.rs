@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use serde_json::{Value, json};
 
-use super::progress::Told;
+use super::progress::RoundProgress;
 use super::round::Round;
 
 /// What goes on.
@@ -34,7 +34,7 @@ struct Shared {
     /// Counts the rounds that gave something.
     version: u64,
     phase: Phase,
-    told: Told,
+    progress: RoundProgress,
     round: Option<Arc<Round>>,
     /// Errors of the passes in the round before.
     before: BTreeMap<String, String>,
@@ -55,11 +55,11 @@ impl State {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A round begins, whose progress is told here.
-    pub fn begin(&self, told: &Told) {
+    /// A round begins, whose progress is shown here.
+    pub fn begin(&self, progress: &RoundProgress) {
         let mut shared = self.shared();
         shared.phase = Phase::Running;
-        shared.told = told.clone();
+        shared.progress = progress.clone();
     }
 
     /// A round gave this: it is served from now on.
@@ -99,7 +99,7 @@ impl State {
     pub(super) fn shown(&self) -> Shown {
         let shared = self.shared();
         let (state, lines) = match shared.phase {
-            Phase::Running => ("running", shared.told.lines()),
+            Phase::Running => ("running", shared.progress.lines()),
             Phase::Ready => ("ready", shared.errors()),
             Phase::Wrong => ("wrong", Vec::new()),
         };

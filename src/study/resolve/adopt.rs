@@ -76,6 +76,8 @@ pub fn adopt(scope: &mut Scope, form: &PassForm, catalogue: &Catalogue) -> Adopt
         if !of_sensors(effect) {
             let applied = adoption.adopt_one(scope, entry, effect, usage, &[]);
             note_starts(scope, form, entry, applied.as_ref());
+        } else if let Some(start) = entry.value.starts.iter().next() {
+            adds_no_node(scope, &entry.name, &start.name_place);
         }
     }
     adoption
@@ -142,11 +144,15 @@ fn note_starts(scope: &mut Scope, form: &PassForm, entry: &MapEntry<Adopted>, ap
         let value = scope.uncertain(&start.value, Dimension::TEMPERATURE, Sense::Absolute, true);
         let (Some(value), Some(applied)) = (value, applied) else { continue };
         if applied.nodes.is_empty() {
-            let message = format!("`{}` adds no node that could start at a temperature", entry.name);
-            scope.error(&code::INITIAL, &start.name_place, message, "no `starts`");
+            adds_no_node(scope, &entry.name, &start.name_place);
         }
         scope.starts.extend(applied.nodes.iter().map(|&(node, _)| (start.name.clone(), node, value.clone())));
     }
+}
+
+fn adds_no_node(scope: &mut Scope, name: &str, place: &Place) {
+    let message = format!("`{name}` adds no node that could start at a temperature");
+    scope.error(&code::INITIAL, place, message, "no `starts`");
 }
 
 fn check_applies_to(scope: &mut Scope, form: &PassForm, adopted: &Adopted) {
