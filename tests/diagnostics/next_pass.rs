@@ -269,10 +269,9 @@ fn inferred_starts_of_added_nodes_are_adopted_with_their_priors() {
         panic!("temperatures")
     };
     let hidden = read.model.nodes.iter().position(|node| node.name.ends_with(".hidden")).expect("there");
-    let Uncertain::Inferred(Distribution::Normal { mean, sd, lower: Some(lower), upper: Some(upper) }) = values[hidden]
-    else {
-        panic!("{:?}", values[hidden])
-    };
+    let Uncertain::InferredFrom { prior, nominal } = values[hidden] else { panic!("{:?}", values[hidden]) };
+    let Distribution::Normal { mean, sd, lower: Some(lower), upper: Some(upper) } = prior else { panic!("{prior:?}") };
+    assert!(close(nominal, 301.0), "the model as delivered starts where the diagnosis found it: {nominal}");
     assert!(close(mean, 292.0) && close(sd, 5.0) && close(lower, 270.0) && close(upper, 314.0), "{}", next.text);
 }
 

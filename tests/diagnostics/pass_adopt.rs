@@ -167,6 +167,25 @@ fn a_node_that_an_effect_adds_starts_as_its_entry_says() {
 }
 
 #[test]
+fn the_nominal_start_of_an_added_node_lies_where_its_prior_allows() {
+    let with = |nominal: &str| {
+        WARM_PART.replace(r#""unit": "degC""#, &format!(r#""unit": "degC", "nominal": {nominal}"#))
+    };
+    let study = Study::transient();
+    let pass = adopting(&study, &with("27.5"));
+    let Rows::Transient { initial: Initial::Temperatures { values, .. }, .. } = &pass.measurements[0].rows else {
+        panic!("temperatures")
+    };
+    let hidden = pass.model.nodes.iter().position(|node| node.name == "inside.hidden").expect("there");
+    assert!((values[hidden].nominal() - 300.65).abs() < 1e-9, "{:?}", values[hidden]);
+    assert!(values[hidden].prior().is_some(), "it is inferred all the same");
+    let study = Study::transient();
+    study.edit("pass-1.json", r#""design": {"A""#, &format!(r#""adopt": {{{}}}, "design": {{"A""#, with("31")));
+    let said = study.said("pass-1.json");
+    assert!(said.contains("the prior excludes 31") && said.contains("a value that the prior allows"), "{said}");
+}
+
+#[test]
 fn a_start_that_nothing_can_have_is_refused() {
     let said = |entry: &str, initial: &str| {
         let study = Study::transient();

@@ -30,8 +30,15 @@ pub use sensor_places::sensor_places;
 pub enum Uncertain {
     /// Known, SI.
     Known(f64),
-    /// Inferred under this prior, SI.
+    /// Inferred under this prior, SI; its median is the nominal value.
     Inferred(Distribution),
+    /// Inferred under a prior that is not centred on the nominal value, such as a start temperature that an earlier pass found.
+    InferredFrom {
+        /// The prior, SI.
+        prior: Distribution,
+        /// The nominal value, SI.
+        nominal: f64,
+    },
     /// A parameter of the model, such as an adopted effect's.
     Parameter {
         /// Its index in the model.
@@ -42,12 +49,12 @@ pub enum Uncertain {
 }
 
 impl Uncertain {
-    /// The known value, the prior's median, or the parameter's nominal value.
+    /// The known value, the stated nominal value, or the prior's median.
     pub fn nominal(&self) -> f64 {
         match self {
             Self::Known(value) => *value,
             Self::Inferred(prior) => prior.quantile(0.5),
-            Self::Parameter { nominal, .. } => *nominal,
+            Self::InferredFrom { nominal, .. } | Self::Parameter { nominal, .. } => *nominal,
         }
     }
 
@@ -55,15 +62,18 @@ impl Uncertain {
     pub fn at(&self, parameters: &[f64]) -> f64 {
         match self {
             Self::Parameter { index, nominal } => parameters.get(*index).copied().unwrap_or(*nominal),
-            Self::Known(_) | Self::Inferred(_) => self.nominal(),
+            Self::Known(_) | Self::Inferred(_) | Self::InferredFrom { .. } => self.nominal(),
         }
     }
 
     /// The prior under which it is inferred beside the model's parameters; `None` where it is known or one of these.
     pub fn prior(&self) -> Option<&Distribution> {
         match self {
-            Self::Known(_) | Self::Inferred(Distribution::Fixed(_)) | Self::Parameter { .. } => None,
-            Self::Inferred(prior) => Some(prior),
+            Self::Known(_)
+            | Self::Inferred(Distribution::Fixed(_))
+            | Self::InferredFrom { prior: Distribution::Fixed(_), .. }
+            | Self::Parameter { .. } => None,
+            Self::Inferred(prior) | Self::InferredFrom { prior, .. } => Some(prior),
         }
     }
 }

@@ -148,10 +148,15 @@ pub fn starts(finding: &EffectResult, pass: &Pass) -> Option<Item> {
         let lower = own.iter().map(|start| start.bounds_k[0]).fold(f64::INFINITY, f64::min);
         let upper = own.iter().map(|start| start.bounds_k[1]).fold(0.0, f64::max);
         let prior = Distribution::Normal { mean, sd, lower: Some(lower), upper: Some(upper) };
-        let start = vec![
+        // The bounds are kept by rounding of the nominal value as well.
+        let found = own.iter().map(|start| start.most_probable_k).sum::<f64>() / own.len() as f64;
+        let found = rounded(in_unit(found, &unit, Sense::Absolute));
+        let is_allowed = prior.log_density(unit.to_si(found)).is_finite();
+        let mut start = vec![
             ("prior".to_owned(), distribution(&prior, &unit, Sense::Absolute)),
             ("unit".to_owned(), Item::text("degC")),
         ];
+        start.extend(is_allowed.then(|| ("nominal".to_owned(), Item::number(found))));
         entries.push((name.to_owned(), Item::Object(start)));
     }
     (!entries.is_empty()).then_some(Item::Object(entries))

@@ -359,7 +359,7 @@ fn of_measurements<'a>(offered: &'a Offered) -> impl Iterator<Item = (&'a str, &
 fn bias(value: Option<&Uncertain>, priors: &[Distribution]) -> Option<Distribution> {
     match value? {
         Uncertain::Known(_) => None,
-        Uncertain::Inferred(prior) => Some(*prior),
+        Uncertain::Inferred(prior) | Uncertain::InferredFrom { prior, .. } => Some(*prior),
         Uncertain::Parameter { index, .. } => priors.get(*index).copied(),
     }
 }

@@ -66,7 +66,9 @@ fn uncertain(value: Option<&Uncertain>, shown: &Shown) -> String {
     match value {
         None => NONE.to_owned(),
         Some(Uncertain::Known(value)) => shown.text(*value),
-        Some(Uncertain::Inferred(_) | Uncertain::Parameter { .. }) => "inferred".to_owned(),
+        Some(Uncertain::Inferred(_) | Uncertain::InferredFrom { .. } | Uncertain::Parameter { .. }) => {
+            "inferred".to_owned()
+        }
     }
 }
 

@@ -22,6 +22,8 @@ written_struct! {
         required prior: PriorForm,
         /// Unit of the prior's numbers; SI where it is left out.
         optional unit: WrittenUnit,
+        /// The value in the model as delivered; the prior's median where it is left out.
+        optional nominal: Amount,
     }
 }
 

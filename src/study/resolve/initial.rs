@@ -212,8 +212,8 @@ fn readings(
         let start = first.at_start(position, sensors.len()).unwrap_or(readings[0]);
         let moved = readings.iter().fold(0.0, |most: f64, other| most.max((other - start).abs()));
         let bias_sd = match &sensor.bias {
-            Some(Uncertain::Inferred(prior)) => prior.quantile(0.84) - prior.quantile(0.5),
-            _ => 0.0,
+            Some(bias) => bias.prior().map_or(0.0, |prior| prior.quantile(0.84) - prior.quantile(0.5)),
+            None => 0.0,
         };
         let sigma = match nominal(&sensor.sigma) {
             Some(sigma) => root_of_squares(&[sigma, nominal(&sensor.white).unwrap_or(0.0)]),
@@ -430,7 +430,9 @@ pub fn compare(
 fn expected(value: &Uncertain) -> Option<[f64; 2]> {
     match value {
         Uncertain::Known(value) | Uncertain::Inferred(Distribution::Fixed(value)) => Some([*value; 2]),
-        Uncertain::Inferred(prior) => Some([prior.quantile(TAIL), prior.quantile(1.0 - TAIL)]),
+        Uncertain::Inferred(prior) | Uncertain::InferredFrom { prior, .. } => {
+            Some([prior.quantile(TAIL), prior.quantile(1.0 - TAIL)])
+        }
         Uncertain::Parameter { .. } => None,
     }
 }

@@ -162,7 +162,18 @@ impl Scope<'_> {
                     None => Unit::si(dimension),
                 };
                 match form.prior.resolve(Some(&written_unit), dimension, sense, self.diagnostics)? {
-                    Prior::Distribution(distribution) => Some(Uncertain::Inferred(distribution)),
+                    Prior::Distribution(prior) => match &form.nominal {
+                        None => Some(Uncertain::Inferred(prior)),
+                        Some(amount) => {
+                            let nominal = amount.si(dimension, Some(&written_unit), sense, self.diagnostics)?;
+                            if !prior.log_density(nominal).is_finite() {
+                                let message = format!("the prior excludes {}", amount.value);
+                                self.error(&code::OUT_OF_RANGE, &amount.place, message, "a value that the prior allows");
+                                return None;
+                            }
+                            Some(Uncertain::InferredFrom { prior, nominal })
+                        }
+                    },
                     Prior::Posterior { place, .. } | Prior::Draws { place, .. } => {
                         let message = "draws cannot be the prior of what is inferred of the data";
                         self.error(&code::PRIOR_NOT_READ, &place, message, "a distribution");
