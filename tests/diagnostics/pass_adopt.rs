@@ -168,9 +168,8 @@ fn a_node_that_an_effect_adds_starts_as_its_entry_says() {
 
 #[test]
 fn the_nominal_start_of_an_added_node_lies_where_its_prior_allows() {
-    let with = |nominal: &str| {
-        WARM_PART.replace(r#""unit": "degC""#, &format!(r#""unit": "degC", "nominal": {nominal}"#))
-    };
+    let with =
+        |nominal: &str| WARM_PART.replace(r#""unit": "degC""#, &format!(r#""unit": "degC", "nominal": {nominal}"#));
     let study = Study::transient();
     let pass = adopting(&study, &with("27.5"));
     let Rows::Transient { initial: Initial::Temperatures { values, .. }, .. } = &pass.measurements[0].rows else {

@@ -83,12 +83,12 @@ impl Problem {
         let likelihood = heated.hypothesis(&[], 1.0)?.likelihood(&heated)?;
         let positions: Vec<usize> = (0..heated.candidates.len()).collect();
         let mut columns: Vec<(usize, Vec<f64>)> = Vec::new();
-        signature::for_each_direction(&heated, &likelihood, &refit.unknowns, &positions, &mut |direction| {
-            if let Site::Nodes(nodes) = &heated.candidates[direction.candidate].site
-                && let [(node, _)] = nodes[..]
-            {
-                columns.push((node, direction.columns));
-            }
+        signature::for_each_direction(&heated, &likelihood, &refit.unknowns, &positions, &mut |directions| {
+            columns.extend(directions.into_iter().filter_map(|direction| {
+                let Site::Nodes(nodes) = &heated.candidates[direction.candidate].site else { return None };
+                let [(node, _)] = nodes[..] else { return None };
+                Some((node, direction.columns))
+            }));
         })?;
         let mut neighbours = neighbours(&columns);
         let is_boundary = |node: &usize| matches!(self.model.nodes[*node].kind, NodeKind::Boundary { .. });

@@ -3,6 +3,7 @@
 
 use crate::diagnosis::engine::{Diagnosis, State};
 use crate::diagnosis::odds::posterior_odds::RIVALS_WITHIN;
+use crate::diagnosis::odds::prior_scale::WIDTHS;
 use crate::diagnosis::{RISES, Refit};
 use crate::math::functions::{exp, ln};
 use crate::math::sum::log_sum_exp;
@@ -14,6 +15,11 @@ const CLEARLY: f64 = 10.0;
 const SINGLE_PLACE: f64 = 3.0;
 /// Share of the gain of a step in log odds within which effects explain as much as one another.
 const ALIKE_SHARE: f64 = 0.1;
+/// Share of what an effect of a hundred times the plausible size explains, in squares of errors, that one of plausible size
+/// has to explain to go before it.
+const EXPLAINS_ALIKE: f64 = 0.95;
+/// Log odds by which the former then stands behind.
+const IMPLAUSIBLE: f64 = 1.0;
 /// Share of the largest gain of a member below which a member is a minor one, which gives way to any that explains more.
 const MINOR_SHARE: f64 = 0.2;
 
@@ -83,6 +89,37 @@ fn unseen(before: &Refit, after: &Refit) -> [Option<f64>; 2] {
     [before.rmse_held_out_k, after.rmse_held_out_k]
 }
 
+/// The effect that a set adds to another; `None` where it does not hold the other and one effect more.
+fn added(state: &State, at: usize, place: usize) -> Option<usize> {
+    let (own, effects) = (&state.refits[at].effects, &state.refits[place].effects);
+    let is_next = effects.len() == own.len() + 1 && own.iter().all(|one| effects.contains(one));
+    effects.iter().find(|effect| is_next && !own.contains(effect)).copied()
+}
+
+/// Whether the effect that a set adds to another has to be as large as the widest prior.
+fn is_implausible(state: &State, at: usize, place: usize) -> bool {
+    let widest = WIDTHS[WIDTHS.len() - 1].factor;
+    added(state, at, place)
+        .is_some_and(|effect| state.refits[place].widths().get(&effect).is_some_and(|&w| w >= widest))
+}
+
+/// Whether an effect of plausible size goes before one of a hundred times that, each by a set that adds it to another: it
+/// explains nearly as much, and predicts unseen rows no worse.
+fn goes_before(state: &State, at: usize, plausible: usize, other: usize) -> bool {
+    let [own, plausible_set, other_set] = [at, plausible, other].map(|place| &state.refits[place]);
+    let squares = [own, plausible_set, other_set].map(|refit| refit.residuals.iter().map(|error| error * error).sum());
+    is_implausible(state, at, other)
+        && !is_implausible(state, at, plausible)
+        && serves_as_well(squares, unseen(other_set, plausible_set))
+}
+
+/// Whether a set explains nearly as much as another, from the sums of squares without both, with it and with the other, and
+/// errs no more on unseen rows: the errors of the other and of it there.
+fn serves_as_well([without, with, with_other]: [f64; 3], errors: [Option<f64>; 2]) -> bool {
+    without - with >= EXPLAINS_ALIKE * (without - with_other)
+        && !matches!(errors, [Some(other), Some(own)] if own > other)
+}
+
 impl Diagnosis {
     /// The sets that follow from one another, each with one effect more than the one before, from nothing on: the most
     /// probable plain law is added while it pays, the error on unseen rows does not rise by the first and falls by each further
@@ -115,7 +152,8 @@ impl Diagnosis {
     }
 
     /// The same sets in the order of what their effects explain: the one that explains most comes first. A law of a whole
-    /// surface goes before single places that explain clearly more only.
+    /// surface goes before single places that explain clearly more only, one of plausible size before one of a hundred times
+    /// that which explains hardly more.
     fn largest_first(&self, state: &State, logs: &[f64], story: Story) -> Story {
         let end = story.end();
         let weight = |at: usize, place: usize| {
@@ -125,11 +163,13 @@ impl Diagnosis {
         };
         let mut sets = vec![0];
         while let Some(&at) = sets.last().filter(|&&at| at != end) {
-            let next = self.on_the_way(state, at, end).filter(|&place| logs[place].is_finite());
-            let Some(next) = next.reduce(|a, b| if weight(at, b) > weight(at, a) { b } else { a }) else {
-                return story;
+            let all: Vec<usize> = self.on_the_way(state, at, end).filter(|&place| logs[place].is_finite()).collect();
+            let most = |places: &mut dyn Iterator<Item = usize>| {
+                places.reduce(|a, b| if weight(at, b) > weight(at, a) { b } else { a })
             };
-            sets.push(next);
+            let Some(next) = most(&mut all.iter().copied()) else { return story };
+            let plausible = most(&mut all.iter().copied().filter(|&place| goes_before(state, at, place, next)));
+            sets.push(plausible.unwrap_or(next));
         }
         if sets == story.sets {
             return story;
@@ -160,15 +200,29 @@ impl Diagnosis {
     /// What may be added to a set.
     fn step(&self, state: &State, logs: &[f64], at: usize) -> Step {
         let own = &state.refits[at];
-        let added = |place: usize| {
-            let effects = &state.refits[place].effects;
-            let is_next = effects.len() == own.effects.len() + 1 && own.effects.iter().all(|one| effects.contains(one));
-            effects.iter().find(|effect| is_next && !own.effects.contains(effect)).copied()
-        };
         let next: Vec<(usize, usize)> = (0..logs.len())
-            .filter_map(|place| Some((added(place)?, place)))
+            .filter_map(|place| Some((added(state, at, place)?, place)))
             .filter(|one| logs[one.1].is_finite())
             .collect();
+        // After the first step the error on unseen rows has to fall: what a further effect gains may be errors of the model.
+        let is_first = own.effects.is_empty();
+        let pays = |place: usize| {
+            let errors = unseen(own, &state.refits[place]);
+            logs[place] > logs[at] && if is_first { !rises(errors) } else { falls(errors) }
+        };
+        let most_probable = |wanted: &dyn Fn(usize) -> bool| {
+            let laws = next.iter().filter(|one| !self.is_unknown_function(one.0) && pays(one.1) && wanted(one.1));
+            laws.map(|one| one.1).reduce(|a, b| if logs[b] > logs[a] { b } else { a })
+        };
+        let largest_law = most_probable(&|_| true);
+        let before_implausible = largest_law.and_then(|law| most_probable(&|place| goes_before(state, at, place, law)));
+        let mut logs_of_step = logs.to_vec();
+        if let Some(plausible) = before_implausible {
+            let others = next.iter().map(|one| one.1).filter(|&place| logs[place] > logs[plausible]);
+            others.for_each(|place| logs_of_step[place] = logs[plausible] - IMPLAUSIBLE);
+        }
+        let largest_law = largest_law.map(|place| logs[place]);
+        let logs = logs_of_step;
         let all: Vec<f64> = next.iter().map(|one| logs[one.1]).chain([logs[at]]).collect();
         let total = log_sum_exp(&all);
         let mut additions: Vec<Addition> = next
@@ -176,19 +230,14 @@ impl Diagnosis {
             .map(|&(effect, place)| Addition { effect, place, probability: exp(logs[place] - total) })
             .collect();
         additions.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
-        // After the first step the error on unseen rows has to fall: what a further effect gains may be errors of the model.
-        let is_first = own.effects.is_empty();
-        let pays = |one: &&Addition| {
-            let errors = unseen(own, &state.refits[one.place]);
-            logs[one.place] > logs[at] && if is_first { !rises(errors) } else { falls(errors) }
-        };
+        let pays = |one: &&Addition| pays(one.place);
         let is_curve = |one: &&Addition| self.is_unknown_function(one.effect);
         let is_of_group = |one: &Addition| self.problem().candidates[one.effect].is_group();
         let law = additions.iter().filter(pays).find(|one| !is_curve(one));
         let of_one_input = |one: &&Addition| is_curve(one) && self.problem().candidates[one.effect].bound.len() == 1;
         let curve = additions.iter().filter(pays).find(of_one_input);
         let chosen = match (law, curve) {
-            (Some(law), Some(curve)) if logs[curve.place] > logs[law.place] + CLEARLY => Some(curve),
+            (Some(_), Some(curve)) if largest_law.is_some_and(|law| logs[curve.place] > law + CLEARLY) => Some(curve),
             (Some(law), _) => {
                 // A law of a whole surface goes before what explains as much at single places.
                 let alike = |one: &&Addition| logs[one.place] > logs[law.place] - CLEARLY && !is_curve(one);
@@ -289,7 +338,16 @@ impl Diagnosis {
 
 #[cfg(test)]
 mod tests {
-    use super::{falls, rises};
+    use super::{falls, rises, serves_as_well};
+
+    /// 95 % of what the other explains, and no larger error on unseen rows.
+    #[test]
+    fn an_effect_of_plausible_size_has_to_explain_nearly_as_much_and_to_predict_no_worse() {
+        assert!(serves_as_well([100.0, 5.9, 1.0], [Some(0.6), Some(0.5)]));
+        assert!(!serves_as_well([100.0, 6.0, 1.0], [Some(0.6), Some(0.5)]), "94 of 99");
+        assert!(!serves_as_well([100.0, 5.9, 1.0], [Some(0.5), Some(0.6)]), "it predicts worse");
+        assert!(serves_as_well([100.0, 5.9, 1.0], [None, None]), "nothing is held out");
+    }
 
     /// By more than 5 % either way; without unseen rows nothing rises, and every step may be taken.
     #[test]

@@ -168,7 +168,12 @@ impl Scope<'_> {
                             let nominal = amount.si(dimension, Some(&written_unit), sense, self.diagnostics)?;
                             if !prior.log_density(nominal).is_finite() {
                                 let message = format!("the prior excludes {}", amount.value);
-                                self.error(&code::OUT_OF_RANGE, &amount.place, message, "a value that the prior allows");
+                                self.error(
+                                    &code::OUT_OF_RANGE,
+                                    &amount.place,
+                                    message,
+                                    "a value that the prior allows",
+                                );
                                 return None;
                             }
                             Some(Uncertain::InferredFrom { prior, nominal })

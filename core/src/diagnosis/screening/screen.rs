@@ -3,6 +3,7 @@
 use crate::diagnosis::FitError;
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::diagnosis::engine::{Diagnosis, SensorNoise};
@@ -115,11 +116,11 @@ impl Scored {
         Self { prepared, directions: Vec::new(), scores: Vec::new(), held: 0, left_out: 0 }
     }
 
-    /// Takes a direction and scores it; in between only the best are kept.
-    fn take(&mut self, direction: Direction) {
-        self.held += direction.columns.len();
-        self.scores.push(self.prepared.score(&direction));
-        self.directions.push(direction);
+    /// Takes directions and scores them; in between only the best are kept.
+    fn take(&mut self, directions: Vec<Direction>) {
+        self.held += directions.iter().map(|direction| direction.columns.len()).sum::<usize>();
+        self.scores.par_extend(directions.par_iter().map(|direction| self.prepared.score(direction)));
+        self.directions.extend(directions);
         if self.held >= 2 * MOST_ENTRIES {
             self.keep(MOST_ENTRIES);
         }
@@ -140,10 +141,9 @@ impl Scored {
         }
         let mut scored = Self::new(prepared);
         let find = |scored: &mut Self, positions: &[usize]| {
-            let mut give = |direction: Direction| {
-                if wanted(&direction) {
-                    scored.take(direction);
-                }
+            let mut give = |mut directions: Vec<Direction>| {
+                directions.retain(&wanted);
+                scored.take(directions);
             };
             signature::for_each_direction(problem, likelihood, unknowns, positions, &mut give)
         };
@@ -345,8 +345,8 @@ impl Diagnosis {
         let likelihood = self.likelihood(problem)?;
         let linear = signature::linearise(&likelihood, &refit.unknowns)?;
         let mut scored = Scored::new(Prepared::new(&linear));
-        signature::for_each_direction(problem, &likelihood, &refit.unknowns, positions, &mut |direction| {
-            scored.take(direction);
+        signature::for_each_direction(problem, &likelihood, &refit.unknowns, positions, &mut |directions| {
+            scored.take(directions);
         })?;
         scored.keep(MOST_ENTRIES);
         Ok(self.leads(problem, &scored))
@@ -542,7 +542,7 @@ impl Diagnosis {
         for direction in directions {
             let mut own = direction.clone();
             whiten(&mut own.columns);
-            scored.take(own);
+            scored.take(vec![own]);
             if scored.directions.len() >= 2 * MOST_BESIDE_NOISE {
                 scored.keep(MOST_BESIDE_NOISE * linear.rows);
             }

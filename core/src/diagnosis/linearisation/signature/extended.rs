@@ -10,8 +10,9 @@ use crate::diagnosis::linearisation::linear::Direction;
 use crate::inference::likelihood::Likelihood;
 use crate::inference::target::{LeastSquares, Target};
 
-/// Most variants that are solved together; blocks of them are solved beside one another.
-const TOGETHER: usize = 256;
+/// Most variants that are solved together; blocks of them are solved beside one another, so that there are enough for all
+/// threads.
+const TOGETHER: usize = 96;
 
 /// Solves variants together; where they do not go together, in halves, so that one that fails spoils no other.
 pub(super) fn solve(base: &Base<'_>, variants: &[Variant<'_>], directions: &mut [Found]) {

@@ -16,10 +16,10 @@ mod probe;
 mod swap;
 mod variant;
 
-use crate::diagnosis::error::NoDirection;
 use rayon::prelude::*;
 
 use crate::diagnosis::FitError;
+use crate::diagnosis::error::NoDirection;
 use crate::diagnosis::linearisation::linear::{Direction, Linear};
 use crate::diagnosis::problem::Problem;
 use crate::effect::Site;
@@ -109,7 +109,7 @@ pub fn directions(
 ) -> Result<(Vec<Direction>, Vec<Unseen>), FitError> {
     let mut all = Vec::new();
     let positions: Vec<usize> = (0..problem.candidates.len()).collect();
-    let unseen = for_each_direction(problem, likelihood, unknowns, &positions, &mut |direction| all.push(direction))?;
+    let unseen = for_each_direction(problem, likelihood, unknowns, &positions, &mut |block| all.extend(block))?;
     Ok((all, unseen))
 }
 
@@ -121,7 +121,7 @@ pub fn probed_pairs(problem: &Problem) -> Vec<usize> {
     (0..problem.candidates.len()).filter(is_pair).filter(is_probed).collect()
 }
 
-/// Gives the directions of candidates one after another, in the order of their positions: a direction for each value
+/// Gives the directions of candidates block after block, in the order of their positions: a direction for each value
 /// of an effect's shape parameters that is tried, or for each probe of an effect that is not smooth at amplitude 0.
 /// `likelihood` is that of the problem without effects, `unknowns` (SI) its fit. What comes back are the candidates
 /// that have none.
@@ -133,7 +133,7 @@ pub fn for_each_direction(
     likelihood: &Likelihood,
     unknowns: &[f64],
     positions: &[usize],
-    give: &mut dyn FnMut(Direction),
+    give: &mut dyn FnMut(Vec<Direction>),
 ) -> Result<Vec<Unseen>, FitError> {
     let base = Base::new(problem, likelihood, unknowns)?;
     // Where the means have no solution, every row is kept.
@@ -151,11 +151,10 @@ pub fn for_each_direction(
         let forms: Vec<Form<'_>> = block.iter().map(|&position| forms.of(problem, position)).collect();
         let smooth: Vec<(usize, &Form<'_>)> =
             block.iter().copied().zip(&forms).filter(|(_, form)| matches!(form, Form::Smooth { .. })).collect();
-        let mut exact = match fewer_rows {
+        let exact = || match fewer_rows {
             Some(fewer_rows) => exact_on_fewer_rows(&base, fewer_rows, &smooth),
             None => exact(&base, phases.as_ref(), &smooth),
-        }
-        .into_iter();
+        };
         let probe = |(&position, form): (&usize, &Form<'_>)| match (form, fewer_rows) {
             (Form::Probe { effect }, Some((coarse, coarse_base))) if coarse.takes(position) => {
                 Some(coarse.on_all_rows(&base, probe::directions(coarse_base, position, effect)))
@@ -163,8 +162,10 @@ pub fn for_each_direction(
             (Form::Probe { effect }, _) => Some(probe::directions(&base, position, effect)),
             _ => None,
         };
-        let probed: Vec<Found> = block.par_iter().zip(&forms).filter_map(probe).collect();
-        let mut probed = probed.into_iter();
+        let probed = || block.par_iter().zip(&forms).filter_map(probe).collect::<Vec<Found>>();
+        let (exact, probed) = rayon::join(exact, probed);
+        let (mut exact, mut probed) = (exact.into_iter(), probed.into_iter());
+        let mut found = Vec::new();
         for (&position, form) in block.iter().zip(&forms) {
             let candidate_directions = match form {
                 Form::Unseen(reason) => Err((*reason).into()),
@@ -174,10 +175,11 @@ pub fn for_each_direction(
                 Form::Parameter(index) => parameters.direction(&base, position, *index),
             };
             match candidate_directions {
-                Ok(candidate_directions) => candidate_directions.into_iter().for_each(&mut *give),
+                Ok(candidate_directions) => found.extend(candidate_directions),
                 Err(reason) => unseen.push(Unseen { candidate: position, reason }),
             }
         }
+        give(found);
     }
     Ok(unseen)
 }
@@ -202,15 +204,23 @@ fn exact_on_fewer_rows(
     let is_coarse = |variant: &Variant<'_>| coarse.takes(variant.candidate);
     let (on_fewer, on_all): (Vec<Variant<'_>>, Vec<Variant<'_>>) =
         variant::variants(base, asked).into_iter().partition(is_coarse);
-    let mut exact_directions: Vec<Found> = asked.iter().map(|_| Ok(Vec::new())).collect();
-    extended::solve(coarse_base, &on_fewer, &mut exact_directions);
-    for (directions, (position, _)) in exact_directions.iter_mut().zip(asked) {
-        if coarse.takes(*position) {
-            *directions = coarse.on_all_rows(base, std::mem::replace(directions, Ok(Vec::new())));
-        }
-    }
-    extended::solve(base, &on_all, &mut exact_directions);
-    without_reading(exact_directions)
+    let none = || -> Vec<Found> { asked.iter().map(|_| Ok(Vec::new())).collect() };
+    let drawn = || {
+        let mut directions = none();
+        extended::solve(coarse_base, &on_fewer, &mut directions);
+        let on_all_rows = |(found, (position, _)): (Found, &(usize, &Form<'_>))| {
+            if coarse.takes(*position) { coarse.on_all_rows(base, found) } else { found }
+        };
+        directions.into_par_iter().zip(asked).map(on_all_rows).collect::<Vec<Found>>()
+    };
+    let whole = || {
+        let mut directions = none();
+        extended::solve(base, &on_all, &mut directions);
+        directions
+    };
+    let (drawn, whole) = rayon::join(drawn, whole);
+    let of_both = drawn.into_iter().zip(whole).zip(asked);
+    without_reading(of_both.map(|((drawn, whole), asked)| if coarse.takes(asked.0) { drawn } else { whole }).collect())
 }
 
 /// Says of candidates without a direction that no reading depends on them.
