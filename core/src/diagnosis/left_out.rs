@@ -52,6 +52,8 @@ const COSTS: f64 = 11.512_925_464_970_229;
 const MOST_REFITTED: usize = 4;
 /// Fewest readings of a stretch of one value that is taken for frozen.
 const LEAST_RUN: f64 = 8.0;
+/// Fewest readings of one value that show a channel's resolution, and fewest changes between such stretches.
+const LEAST_HELD: usize = 3;
 /// Times that such a stretch is longer than nine of ten stretches of the channel.
 const LONGER_RUN: f64 = 4.0;
 /// The model moves meanwhile by this many typical changes of its error and steps of the channel.
@@ -143,7 +145,11 @@ fn frozen(errors: &[f64], readings: &[f64]) -> Vec<usize> {
     let differences = errors.windows(2).map(|two| (two[1] - two[0]).abs()).collect();
     let steps = readings.windows(2).map(|two| (two[1] - two[0]).abs()).filter(|step| *step > 0.0);
     let step = steps.fold(f64::INFINITY, f64::min);
-    let scale = median(differences).unwrap_or(0.0) + if step.is_finite() { step } else { 0.0 };
+    // Means over readings with whole steps show fractions of them on the way, and stay at whole ones.
+    let held: Vec<f64> = runs.iter().filter(|run| run.1 >= LEAST_HELD).map(|run| readings[run.0]).collect();
+    let whole_steps: Vec<f64> = held.windows(2).map(|two| (two[1] - two[0]).abs()).filter(|step| *step > 0.0).collect();
+    let whole_step = if whole_steps.len() >= LEAST_HELD { median(whole_steps).unwrap_or(0.0) } else { 0.0 };
+    let scale = median(differences).unwrap_or(0.0) + whole_step.max(if step.is_finite() { step } else { 0.0 });
     let moves = |&(first, length): &(usize, usize)| {
         let predicted = (first..first + length).map(|at| readings[at] - errors[at]);
         let ends = predicted.fold([f64::INFINITY, f64::NEG_INFINITY], |ends, temperature| {
@@ -359,7 +365,7 @@ impl Diagnosis {
 #[cfg(test)]
 mod tests {
     use super::{frozen, spikes, stuck};
-    use crate::math::functions::sin;
+    use crate::math::functions::{exp, sin};
     use crate::random::StreamKey;
 
     /// A slow error of 3 K, noise of 0.1 K.
@@ -403,6 +409,15 @@ mod tests {
         // Steps of 2 K: long stretches at the turns, where the model rests as well.
         let coarse: Vec<f64> = truth.iter().map(|temperature| (temperature / 2.0).round() * 2.0).collect();
         assert!(frozen(&against(&coarse), &coarse).is_empty());
+        // Means over forty readings in whole steps of half a kelvin, of a node that comes to rest: it stays at them.
+        let rest = |row: f64| -> f64 { 300.0 + 40.0 * (1.0 - exp(-row / 60.0)) };
+        let mean = |row: u32| {
+            let parts = (0..40).map(|part| (rest(f64::from(row) + f64::from(part) / 40.0) / 0.5).round() * 0.5);
+            parts.sum::<f64>() / 40.0
+        };
+        let averaged: Vec<f64> = (0..400).map(mean).collect();
+        let errors: Vec<f64> = (0..400).map(|row| mean(row) - rest(f64::from(row) + 0.5)).collect();
+        assert!(frozen(&errors, &averaged).is_empty());
         assert!(frozen(&[], &[]).is_empty() && frozen(&[0.0], &[300.0]).is_empty());
     }
 

@@ -13,6 +13,7 @@ use crate::effect::Effect;
 use crate::expression::Unit;
 use crate::expression::unit::CELSIUS_ZERO_K;
 use crate::measurement::{Measurement, Rows};
+use crate::random::Distribution;
 
 /// The first parameter of a curve.
 const FIRST_KNOT: &str = "knot_1";
@@ -77,9 +78,11 @@ fn too_narrow(effect: &EffectResult, problem: &Problem) -> String {
         let unit = Unit::parse(&own.unit).ok();
         let shown = |si: f64| short(unit.as_ref().map_or(si, |unit| unit.from_si(si)), 3);
         let (lower, upper) = prior.support();
-        let ends = match (lower.is_finite() && upper.is_finite(), prior) {
-            (true, _) => format!("{} to {}", shown(lower), shown(upper)),
-            (false, prior) => format!("{} to {} (95 %)", shown(prior.quantile(0.025)), shown(prior.quantile(0.975))),
+        let ends = match prior {
+            Distribution::Normal { .. } | Distribution::LogNormal { .. } | Distribution::HalfNormal { .. } => {
+                format!("{} to {} (95 %)", shown(prior.quantile(0.025)), shown(prior.quantile(0.975)))
+            }
+            _ => format!("{} to {}", shown(lower), shown(upper)),
         };
         let text = if own.unit == "1" { String::new() } else { format!(" {}", own.unit) };
         format!(", and its prior says {ends}{text}")
