@@ -260,6 +260,12 @@ impl Diagnosis {
                 held_out_test = held_out::test(&problem, baseline, &state.refits[findings.selected], stated);
             }
             findings.model_errors = findings.model_errors(self.finds_beside(&findings, held_out_test.as_ref(), stated));
+            if !state.is_misspecified() {
+                for (effect, probability) in self.errors_everywhere(&findings) {
+                    let known = findings.model_errors.entry(effect).or_insert(0.0);
+                    *known = known.max(probability);
+                }
+            }
             let chosen = &state.refits[findings.selected];
             let explains = !chosen.effects.is_empty() && !self.leaves_too_much(&findings);
             if explains {

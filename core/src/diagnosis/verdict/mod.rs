@@ -6,6 +6,7 @@
 
 pub(crate) mod conclude;
 pub(crate) mod discriminating_experiment;
+mod everywhere;
 pub(crate) mod few_readings;
 pub(crate) mod hints;
 mod laws;

@@ -1,0 +1,293 @@
+//! Whether one effect, or small ones everywhere, explain a misfit.
+//!
+//! A model that is a little wrong everywhere leaves errors that are sums of many small effects, and one large effect fits such
+//! a sum better than noise allows by chance. So an effect of the selected set is weighed beside a random sum of all kinds of
+//! effects at all places, as association studies weigh one gene beside the small contributions of all others (the mixed
+//! model of Kang et al. 2008, Genetics 178, 1709; its likelihood by one eigendecomposition: Lippert et al. 2011, Nature Methods
+//! 8, 833). With the whitened residuals `y` of the set without the effect, `g` what it changes of them, and `K` the mean of
+//! `k k'` over the directions `k` of other effects, all of length 1 and orthogonal to the free parameters,
+//!
+//! `y ~ N(0, I + t K)` without it, `y ~ N(0, I + t K + g g')` with it,
+//!
+//! each with its most likely `t >= 0`.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use crate::diagnosis::engine::Diagnosis;
+use crate::diagnosis::linearisation::scalar_products::{add_scaled, orthonormal, project_out};
+use crate::diagnosis::linearisation::signature;
+use crate::diagnosis::odds::prior_odds::PriorOdds;
+use crate::diagnosis::screening::score::SMALLEST_SHARE;
+use crate::diagnosis::verdict::conclude::Findings;
+use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
+use crate::diagnosis::{FitError, PRIOR_OF, Refit};
+use crate::effect::Effect;
+use crate::math::dense::dot_of_columns as dot;
+use crate::math::functions::{exp, ln, sqrt};
+
+/// Effects of which the random sum is made.
+const MOST_OTHERS: usize = 300;
+/// Sizes `t` that are tried beside 0, on a logarithmic scale.
+const SIZES: usize = 40;
+const SMALLEST: f64 = 1e-1;
+const LARGEST: f64 = 1e8;
+/// A column whose remainder is shorter than this share of it depends on the others.
+const DEPENDENT: f64 = 1e-9;
+/// Share of the largest eigenvalue below which one is 0.
+const NO_EIGENVALUE: f64 = 1e-10;
+
+/// Errors of the kinds of the catalogue, everywhere and small.
+struct Everywhere {
+    /// Eigenvalues of `K`.
+    values: Vec<f64>,
+    /// Its eigenvectors, one after the other.
+    vectors: Vec<f64>,
+}
+
+/// A column in the eigenvectors, and the square of what is left of it.
+struct Seen {
+    along: Vec<f64>,
+    rest: f64,
+}
+
+impl Everywhere {
+    /// Of directions of one length, column by column, that are orthogonal to the free parameters.
+    fn new(columns: &[Vec<f64>], rows: usize) -> Self {
+        let count = columns.len();
+        let mut gram = DMatrix::zeros(count, count);
+        for i in 0..count {
+            for k in 0..=i {
+                let product = dot(&columns[i], &columns[k]) / count as f64;
+                (gram[(i, k)], gram[(k, i)]) = (product, product);
+            }
+        }
+        let eigen = SymmetricEigen::new(gram);
+        let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+        let (mut values, mut vectors) = (Vec::new(), Vec::new());
+        for (place, &value) in
+            eigen.eigenvalues.iter().enumerate().filter(|(_, value)| **value > NO_EIGENVALUE * largest)
+        {
+            let mut vector = vec![0.0; rows];
+            let scale = 1.0 / sqrt(value * count as f64);
+            for (k, column) in columns.iter().enumerate() {
+                add_scaled(&mut vector, scale * eigen.eigenvectors[(k, place)], column);
+            }
+            values.push(value);
+            vectors.extend(vector);
+        }
+        Self { values, vectors }
+    }
+
+    fn seen(&self, column: &[f64]) -> Seen {
+        let along: Vec<f64> =
+            self.vectors.chunks_exact(column.len().max(1)).map(|vector| dot(vector, column)).collect();
+        let rest = (dot(column, column) - dot(&along, &along)).max(0.0);
+        Seen { along, rest }
+    }
+
+    /// `a' (I + t K)^-1 b`, where `rest` is the product of what is left of both.
+    fn product(&self, size: f64, a: &[f64], b: &[f64], rest: f64) -> f64 {
+        let one = |((a, b), value): ((&f64, &f64), &f64)| a * b / (1.0 + size * value);
+        a.iter().zip(b).zip(&self.values).map(one).sum::<f64>() + rest
+    }
+
+    /// Log likelihoods of the residuals `y` with small effects everywhere of a size `t` alone, and with the change `g` beside
+    /// them (determinant and inverse of a change of rank 1); the same constant is left out of both.
+    fn log_likelihoods(&self, y: &[f64], g: &[f64]) -> impl Fn(f64) -> (f64, f64) {
+        let (seen_y, seen_g) = (self.seen(y), self.seen(g));
+        let crossed = dot(y, g) - dot(&seen_y.along, &seen_g.along);
+        move |size: f64| {
+            let volume: f64 = self.values.iter().map(|value| ln(1.0 + size * value)).sum();
+            let square = self.product(size, &seen_y.along, &seen_y.along, seen_y.rest);
+            let length = self.product(size, &seen_g.along, &seen_g.along, seen_g.rest);
+            let common = self.product(size, &seen_y.along, &seen_g.along, crossed);
+            let alone = -0.5 * (volume + square);
+            (alone, alone - 0.5 * ln(1.0 + length) + 0.5 * common * common / (1.0 + length))
+        }
+    }
+
+    /// By how much the most likely sum of both raises the log likelihood of the residuals over that of small effects
+    /// everywhere alone.
+    fn log_bayes_factor(&self, y: &[f64], g: &[f64]) -> f64 {
+        let ratio = ln(LARGEST / SMALLEST) / (SIZES - 1) as f64;
+        let sizes = std::iter::once(0.0).chain((0..SIZES).map(|k| SMALLEST * exp(ratio * k as f64)));
+        let [mut without, mut with] = [f64::NEG_INFINITY; 2];
+        for (alone, both) in sizes.map(self.log_likelihoods(y, g)) {
+            without = without.max(alone);
+            with = with.max(both);
+        }
+        with - without
+    }
+}
+
+impl Diagnosis {
+    /// Probability that small effects everywhere are what each effect of the selected set explains, at most [`IS_MODEL_ERROR`]:
+    /// nothing beforehand speaks for either but the effect's own odds. Effects are weighed one by one, the strongest first,
+    /// each beside those before it; those of sets that were not fitted are left out.
+    pub(super) fn errors_everywhere(&self, findings: &Findings) -> BTreeMap<usize, f64> {
+        let refits = &findings.state.refits;
+        let chosen = &refits[findings.selected].effects;
+        let odds = PriorOdds::new(findings.problem);
+        let mut probabilities = BTreeMap::new();
+        let Ok(others) = self.others(findings) else { return probabilities };
+        let mut before: Vec<usize> = Vec::new();
+        while before.len() < chosen.len() {
+            let Some(without) = refits.iter().find(|refit| refit.effects == before) else { break };
+            let Ok(beside) = self.beside(findings, without, &others) else { break };
+            let with = |effect: usize| {
+                let mut effects = before.clone();
+                effects.push(effect);
+                effects.sort_unstable();
+                refits.iter().find(|refit| refit.effects == effects)
+            };
+            let next = chosen.iter().filter(|effect| !before.contains(effect));
+            let weighed = next.filter_map(|&effect| Some((effect, beside.log_bayes_factor(without, with(effect)?))));
+            let Some((effect, log)) = weighed.reduce(|a, b| if b.1 > a.1 { b } else { a }) else { break };
+            let log_odds = log + odds.of(findings.problem, &[effect]);
+            probabilities.insert(effect, (1.0 / (1.0 + exp(log_odds))).min(IS_MODEL_ERROR));
+            before.push(effect);
+            before.sort_unstable();
+        }
+        probabilities
+    }
+
+    /// Errors everywhere beside a fitted set.
+    fn beside(&self, findings: &Findings, without: &Refit, others: &[Vec<f64>]) -> Result<Beside, FitError> {
+        let problem = findings.problem.with(without)?;
+        let linear = signature::linearise(&self.likelihood(&problem)?, &without.unknowns)?;
+        let (readings, parameters) = (linear.readings, linear.parameters());
+        // What is pressed against a bound is not free.
+        let is_free = |k: &usize| linear.lower[*k] < 0.0 && linear.upper[*k] > 0.0;
+        let of_parameter = |k: usize| (0..readings).map(|row| linear.jacobian[row * parameters + k]).collect();
+        let free: Vec<Vec<f64>> = (0..parameters).filter(is_free).map(of_parameter).collect();
+        let columns: Vec<&[f64]> = free.iter().map(Vec::as_slice).collect();
+        let (basis, _) = orthonormal(&columns, Vec::new(), DEPENDENT);
+        let remaining = |other: &Vec<f64>| {
+            let mut column = other.clone();
+            let whole = dot(&column, &column);
+            project_out(&mut column, &basis);
+            let square = dot(&column, &column);
+            let is_seen = square > SMALLEST_SHARE * whole && square.is_finite();
+            column.iter_mut().for_each(|value| *value /= sqrt(square));
+            is_seen.then_some(column)
+        };
+        let others: Vec<Vec<f64>> = others.iter().filter_map(remaining).collect();
+        Ok(Beside { everywhere: Everywhere::new(&others, readings), basis })
+    }
+
+    /// Directions of the effects of which the random sum is made, at the baseline fit: laws at single places, evenly over the
+    /// list, one direction of each.
+    fn others(&self, findings: &Findings) -> Result<Vec<Vec<f64>>, FitError> {
+        let problem = findings.problem;
+        let is_law = |&place: &usize| {
+            let candidate = &problem.candidates[place];
+            let is_dated = problem.catalogue.get(&candidate.effect).is_some_and(Effect::depends_on_date);
+            !(self.is_unknown_function(place) || is_dated || candidate.is_group() || candidate.effect == PRIOR_OF)
+        };
+        let laws: Vec<usize> = (0..problem.candidates.len()).filter(is_law).collect();
+        let step = laws.len().div_ceil(MOST_OTHERS).max(1);
+        let chosen: Vec<usize> = laws.into_iter().step_by(step).collect();
+        let baseline = &findings.state.refits[0];
+        let (readings, likelihood) = (baseline.residuals.len(), self.likelihood(problem)?);
+        let mut others: Vec<Vec<f64>> = Vec::new();
+        let mut last = None;
+        signature::for_each_direction(problem, &likelihood, &baseline.unknowns, &chosen, &mut |directions| {
+            for direction in directions {
+                if last.replace(direction.candidate) != Some(direction.candidate) {
+                    others.push(direction.column(0)[..readings].to_vec());
+                }
+            }
+        })?;
+        Ok(others)
+    }
+}
+
+/// Errors everywhere, orthogonal to the free parameters of a set.
+struct Beside {
+    everywhere: Everywhere,
+    /// Orthonormal columns of these.
+    basis: Vec<f64>,
+}
+
+impl Beside {
+    /// Log Bayes factor of the effect by which one set differs from another.
+    fn log_bayes_factor(&self, without: &Refit, with: &Refit) -> f64 {
+        let mut y = without.residuals.clone();
+        let mut g: Vec<f64> = y.iter().zip(&with.residuals).map(|(before, after)| before - after).collect();
+        project_out(&mut y, &self.basis);
+        project_out(&mut g, &self.basis);
+        self.everywhere.log_bayes_factor(&y, &g)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Everywhere;
+    use crate::random::StreamKey;
+
+    const ROWS: usize = 60;
+
+    /// Forty directions of length 1, and noise of standard deviation 1.
+    fn drawn(seed: u64) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let mut stream = StreamKey::new(seed, "everywhere", "test").stream(0);
+        let mut direction = || {
+            let column: Vec<f64> = (0..ROWS).map(|_| stream.normal()).collect();
+            let length = column.iter().map(|value| value * value).sum::<f64>().sqrt();
+            column.into_iter().map(|value| value / length).collect::<Vec<f64>>()
+        };
+        let columns: Vec<Vec<f64>> = (0..40).map(|_| direction()).collect();
+        let mut noise = StreamKey::new(seed, "everywhere", "noise").stream(0);
+        (columns, (0..ROWS).map(|_| noise.normal()).collect())
+    }
+
+    /// The fit of one direction to residuals.
+    fn fitted(column: &[f64], y: &[f64]) -> Vec<f64> {
+        let amplitude: f64 = column.iter().zip(y).map(|(a, b)| a * b).sum();
+        column.iter().map(|value| amplitude * value).collect()
+    }
+
+    #[test]
+    fn one_large_effect_is_told_from_small_ones_everywhere() {
+        for seed in 0..10 {
+            let (columns, noise) = drawn(seed);
+            let mut amplitudes = StreamKey::new(seed, "everywhere", "amplitudes").stream(0);
+            let everywhere = Everywhere::new(&columns, ROWS);
+            let one: Vec<f64> = noise.iter().zip(&columns[3]).map(|(noise, value)| noise + 30.0 * value).collect();
+            let large = everywhere.log_bayes_factor(&one, &fitted(&columns[3], &one));
+            // The random sum of the same square costs the volume of forty directions.
+            assert!(large > 20.0, "{large}");
+            let mut sum = noise.clone();
+            for column in &columns {
+                let amplitude = 30.0 / 40.0_f64.sqrt() * amplitudes.normal();
+                sum.iter_mut().zip(column).for_each(|(sum, value)| *sum += amplitude * value);
+            }
+            // The best of forty.
+            let ratios = columns.iter().map(|column| everywhere.log_bayes_factor(&sum, &fitted(column, &sum)));
+            let most = ratios.fold(f64::NEG_INFINITY, f64::max);
+            assert!(most < 8.0 && most < large - 12.0, "{most}, {large}");
+        }
+    }
+
+    /// With the covariance of the rows, inverted.
+    #[test]
+    fn the_likelihood_is_that_of_the_covariance() {
+        let (columns, y) = drawn(5);
+        let g = fitted(&columns[0], &y).iter().map(|value| 3.0 * value).collect::<Vec<f64>>();
+        let everywhere = Everywhere::new(&columns, ROWS);
+        let log = |size: f64, with: f64| {
+            let covariance = nalgebra::DMatrix::from_fn(ROWS, ROWS, |i, k| {
+                let of_others: f64 = columns.iter().map(|column| column[i] * column[k]).sum::<f64>() / 40.0;
+                size * of_others + with * g[i] * g[k] + if i == k { 1.0 } else { 0.0 }
+            });
+            let decomposition = covariance.cholesky().unwrap();
+            let rows = nalgebra::DVector::from_column_slice(&y);
+            -0.5 * (decomposition.ln_determinant() + rows.dot(&decomposition.solve(&rows)))
+        };
+        for size in [0.0, 3.0, 200.0] {
+            let (alone, both) = everywhere.log_likelihoods(&y, &g)(size);
+            assert!((alone - log(size, 0.0)).abs() < 1e-9 && (both - log(size, 1.0)).abs() < 1e-9, "{size}");
+        }
+    }
+}
