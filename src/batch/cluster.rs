@@ -63,6 +63,10 @@ fn copy(pass: &LoadedPass, folder: &RunFolder, study: &Path) -> Result<(), Batch
             return Err(BatchError::input(format!("`{name}` changed while the study was read: run the command again")));
         }
         let inside = study.join(&name);
+        // An earlier submission's shards may read it.
+        if file::read(&folder.path().join(&inside), LARGEST).is_ok_and(|there| there == bytes) {
+            continue;
+        }
         folder.write(&inside, &bytes)?;
         let permissions = fs::metadata(&path).map_err(RunnerError::file("read", &path))?.permissions();
         let copied = folder.path().join(&inside);
@@ -118,9 +122,13 @@ pub(super) fn job_name(file: &str, name: &str) -> String {
 }
 
 /// The pass of each job of a run, as it was submitted.
-pub fn passes_of(prepared: &Prepared, record: &RunRecord) -> BTreeMap<Key, PathBuf> {
+pub fn passes_of(prepared: &Prepared, folder: &RunFolder, record: &RunRecord) -> BTreeMap<Key, PathBuf> {
     let mut passes = BTreeMap::new();
-    for (pass, submitted) in prepared.passes().iter().zip(&record.passes) {
+    let run = whole(&folder.path());
+    for pass in prepared.passes() {
+        let place = whole(&pass.study).join(&pass.file);
+        let is_it = |submitted: &&RunPass| submitted.original == place || run.join(&submitted.file) == place;
+        let Some(submitted) = record.passes.iter().find(is_it) else { continue };
         for key in prepared.keys_for(pass) {
             passes.entry(key).or_insert_with(|| submitted.file.clone());
         }

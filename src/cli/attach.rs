@@ -1,7 +1,7 @@
 //! `bmv attach`, `bmv collect` and `bmv cancel`: a run on a cluster that was left.
 
 use super::Context;
-use super::cluster::{RunArgument, follow, scheduler};
+use super::cluster::{RunArgument, follow, scheduler, status};
 use super::output::{print, tell};
 use super::run::outcome;
 use super::status::{Failure, Status};
@@ -57,7 +57,7 @@ fn resume(run: &RunArgument, mode: Mode, finish_on_cluster: bool, context: &Cont
     }
     let executed = follow(prepared, &folder, &record, mode, Settings::default(), context)?;
     print(&outcome(&executed, context.fold)?)?;
-    Ok(Status::of(&executed))
+    Ok(status(&executed, mode == Mode::Detach))
 }
 
 impl Attach {

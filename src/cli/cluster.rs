@@ -6,7 +6,7 @@ use super::Context;
 use super::execute::run_listened;
 use super::options::{CacheOption, RunOptions};
 use super::output::tell;
-use super::status::Failure;
+use super::status::{Failure, Status};
 use crate::batch::{self, Executed, Prepared};
 use crate::runner::cluster::slurm::Slurm;
 use crate::runner::cluster::{Driver, Mode, Options, RunFolder, RunRecord, Scheduler};
@@ -109,11 +109,11 @@ impl ClusterOptions {
 #[derive(Args, Clone, Debug)]
 pub(super) struct RunArgument {
     /// The run's key, or its beginning, as `bmv run` prints it
-    #[arg(value_name = "RUN", required_unless_present = "folder")]
+    #[arg(value_name = "RUN", required_unless_present = "run_folder")]
     key: Option<String>,
     /// Folder of the run
     #[arg(long = "run", value_name = "DIR", hide = true)]
-    folder: Option<std::path::PathBuf>,
+    run_folder: Option<std::path::PathBuf>,
     #[command(flatten)]
     cache: CacheOption,
 }
@@ -121,7 +121,7 @@ pub(super) struct RunArgument {
 impl RunArgument {
     /// Its folder.
     pub(super) fn find(&self) -> Result<RunFolder, Failure> {
-        match &self.folder {
+        match &self.run_folder {
             // Any submission of it names the run.
             Some(folder) => Ok(crate::runner::cluster::folder::Submission::at(&folder.join("1"))?.run),
             None => {
@@ -129,6 +129,14 @@ impl RunArgument {
                 Ok(RunFolder::find(&cache, self.key.as_deref().unwrap_or_default())?)
             }
         }
+    }
+}
+
+/// How the program ends after a run; one that was to be left, and was, is done.
+pub(super) fn status(executed: &Executed, is_left: bool) -> Status {
+    match Status::of(executed) {
+        Status::Interrupted if is_left => Status::Done,
+        status => status,
     }
 }
 
@@ -168,7 +176,7 @@ pub(super) fn follow(
     context: &Context,
 ) -> Result<Executed, Failure> {
     let scheduler = scheduler(&record.engine)?;
-    let passes = batch::cluster::passes_of(&prepared, record);
+    let passes = batch::cluster::passes_of(&prepared, folder, record);
     let (_followed, other) = folder.follow();
     if let Some(other) = other {
         tell(&format!("another program follows this run already ({other}): harmless, and wasteful"));

@@ -9,6 +9,7 @@ use super::status::{Failure, Status};
 use crate::batch::{self, Executed, Loaded};
 use crate::report::section::objection;
 use crate::report::{headline, terminal};
+use crate::runner::cluster::Mode;
 
 /// Arguments of `bmv run`.
 #[derive(Debug, clap::Args)]
@@ -76,6 +77,7 @@ impl Run {
             return Err(Failure::input(format!("no job of kind `{}`", self.kinds.join("`, `"))));
         }
         print(&outcome(&executed, context.fold)?)?;
-        self.require.judge(&executed, Status::of(&executed))
+        let is_left = self.engine == Engine::Slurm && self.cluster.mode() == Mode::Detach;
+        self.require.judge(&executed, cluster::status(&executed, is_left))
     }
 }

@@ -30,16 +30,30 @@ pub(super) struct ShardVerb {
     /// Threads
     #[arg(long, value_name = "N", default_value = "1")]
     threads: NonZeroUsize,
+    /// Name of this machine, for the record of the shard
+    #[arg(long, value_name = "NAME", default_value = "")]
+    node: String,
+    /// How often the scheduler started the shard again, for its record
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    restart: u64,
 }
 
 impl ShardVerb {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         let settings = Settings { threads: Some(self.threads), ..Settings::default() };
         let load = |pass: &Path| batch::cluster::plan_of(pass, &context.reading).map_err(|error| error.to_string());
+        let task = (Some(self.node).filter(|name| !name.is_empty()), self.restart);
         let listener = Progress::on_standard_error();
         let (end, reason) = context.interrupts.counted(|signals| {
-            let shard =
-                Shard { folder: &self.run, index: self.index, settings, signals, listener: &listener, load: &load };
+            let shard = Shard {
+                folder: &self.run,
+                index: self.index,
+                task,
+                settings,
+                signals,
+                listener: &listener,
+                load: &load,
+            };
             shard.run()
         });
         if let Some(reason) = reason {

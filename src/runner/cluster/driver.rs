@@ -271,12 +271,15 @@ impl<'a> Driver<'a> {
     }
 
     fn script(&self, submission: &Submission) -> Result<String, RunnerError> {
+        let variables = self.scheduler.variables();
         Ok(format!(
-            "{} shard --run {} --index \"${}\" --threads {}\n",
+            "{} shard --run {} --index \"${}\" --threads {} --node \"${}\" --restart \"${{{}:-0}}\"\n",
             self.program()?,
             quoted(&submission.path()),
-            self.scheduler.index_variable(),
-            self.record.options.cpus_per_task
+            variables.index,
+            self.record.options.cpus_per_task,
+            variables.node,
+            variables.restart,
         ))
     }
 

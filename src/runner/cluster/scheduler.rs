@@ -93,13 +93,24 @@ pub enum Wait {
     Lasting,
 }
 
+/// Names of environment variables of a task.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Variables {
+    /// Its index in the array.
+    pub index: &'static str,
+    /// The scheduler's name of the machine.
+    pub node: &'static str,
+    /// How often it was started again.
+    pub restart: &'static str,
+}
+
 /// A scheduler of jobs.
 pub trait Scheduler: Sync {
     /// What people call it.
     fn name(&self) -> &'static str;
 
-    /// The variable that tells a task its index.
-    fn index_variable(&self) -> &'static str;
+    /// The variables that tell a task about itself.
+    fn variables(&self) -> Variables;
 
     /// What the cluster allows.
     ///

@@ -54,6 +54,8 @@ pub struct Shard<'a> {
     pub folder: &'a Path,
     /// Its index in the array.
     pub index: usize,
+    /// The scheduler's name of this machine, and how often it started the shard again.
+    pub task: (Option<String>, u64),
     /// Threads.
     pub settings: Settings,
     /// How often the scheduler asked it to end.
@@ -78,8 +80,7 @@ impl Shard<'_> {
     /// Runs it, writes its record, and gives how it ended, with the reason where it did not publish everything.
     pub fn run(&self) -> (End, Option<String>) {
         let started_s = now_s();
-        let node = std::env::var("SLURMD_NODENAME").ok().filter(|name| !name.is_empty());
-        let restart = std::env::var("SLURM_RESTART_COUNT").ok().and_then(|count| count.parse().ok()).unwrap_or(0);
+        let (node, restart) = self.task.clone();
         let mut record =
             Record { index: self.index, host: cache::host(), node, restart, started_s, ..Record::default() };
         let submission = match Submission::at(self.folder) {

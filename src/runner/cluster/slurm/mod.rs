@@ -7,7 +7,7 @@ use std::process::Command;
 use std::time::Duration;
 
 use super::options::Options;
-use super::scheduler::{Ending, Limits, Request, Scheduler, SchedulerError, Task, Wait};
+use super::scheduler::{Ending, Limits, Request, Scheduler, SchedulerError, Task, Variables, Wait};
 use crate::runner::external::process::{self, End};
 
 /// A command that takes longer is given up.
@@ -119,8 +119,8 @@ impl Scheduler for Slurm {
         "Slurm"
     }
 
-    fn index_variable(&self) -> &'static str {
-        "SLURM_ARRAY_TASK_ID"
+    fn variables(&self) -> Variables {
+        Variables { index: "SLURM_ARRAY_TASK_ID", node: "SLURMD_NODENAME", restart: "SLURM_RESTART_COUNT" }
     }
 
     fn limits(&self, options: &Options) -> Result<Limits, SchedulerError> {
