@@ -1,13 +1,16 @@
-"""A study whose jobs last as long as a test needs: study.py FOLDER ENVIRONMENTS SAMPLES, a block an environment.
+"""A study whose jobs last as long as a test needs.
 
-A chain of plates on a wall that radiate to the sky, so that a solve costs some iterations."""
+study.py FOLDER ENVIRONMENTS SAMPLES [PLATES]: a chain of plates on a wall that radiate to the sky; a block an environment.
+study.py FOLDER ENVIRONMENTS SAMPLES pause SECONDS: a plate by a program that takes so long a sample, and computes nothing
+meanwhile; 16 samples a block, one at a time."""
 
 import json
 import pathlib
 import sys
 
 folder, environments, samples = pathlib.Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
-plates = int(sys.argv[4]) if len(sys.argv) > 4 else 8
+pause = float(sys.argv[5]) if sys.argv[4:5] == ["pause"] else None
+plates = int(sys.argv[4]) if len(sys.argv) > 4 and pause is None else 8
 names = [f"plate {number}" for number in range(plates)]
 model = {
     "format": "bmv-network/1",
@@ -32,6 +35,16 @@ model = {
     "loads": {f"board {number}": {"into": names[number], "power": "Q"} for number in range(plates)},
     "quantities": {"last plate": names[-1]},
 }
+if pause is not None:
+    for part in ["nodes", "conductors", "radiations", "loads", "quantities"]:
+        del model[part]
+    names = ["plate"]
+    model["command"] = {
+        "run": ["./plate.sh"],
+        "input": {"templates": [{"file": "values.in", "as": "values"}]},
+        "outputs": {"last plate": {"unit": "K", "from": {"json": {"file": "out.json", "pointer": "/plate"}}}},
+        "at_once": 1,
+    }
 sweep = {"Q": {"from": 5, "to": 20, "steps": environments}}
 passed = {
     "format": "bmv-pass/1",
@@ -46,4 +59,11 @@ passed = {
 }
 folder.mkdir(parents=True, exist_ok=True)
 (folder / "model.json").write_text(json.dumps(model, indent=1))
+if pause is not None:
+    (folder / "values.in").write_text("G={{G}}\neps={{eps}}\nQ={{ Q }}\nT_wall={{T_wall}}\n")
+    (folder / "plate.sh").write_text(
+        f"#!/bin/sh\n. ./values\nsleep {pause}\n"
+        'awk -v G="$G" -v Q="$Q" -v T="$T_wall" \'BEGIN {printf "{\\"plate\\": %.17g}\\n", T + Q / G}\' > out.json\n'
+    )
+    (folder / "plate.sh").chmod(0o755)
 (folder / "pass-1.json").write_text(json.dumps(passed, indent=1))
