@@ -9,7 +9,7 @@ use tempfile::TempDir;
 
 use super::studies::{code, text};
 
-/// Seven environments of a sweep: seven blocks.
+/// With the sweep of the pass: six environments and the given one, a block each.
 const MODEL: &str = r#"{
   "format": "bmv-network/1", "title": "Plate",
   "parameters": {"G": {"unit": "W/K", "nominal": 0.5, "prior": {"uniform": [0.4, 0.6]}}},
@@ -22,7 +22,7 @@ const MODEL: &str = r#"{
 const PASS: &str = r#"{
   "format": "bmv-pass/1", "title": "Plate", "parent": null, "model": "model.json", "seed": 1,
   "requirements": {"plate": {"quantity": "plate temperature", "below": {"value": 41, "unit": "degC"}, "probability": 0.9}},
-  "jobs": {"prior": {"propagate": {"samples": 64, "sweep": {"Q": {"from": 5, "to": 11, "steps": 7}}}}}
+  "jobs": {"prior": {"propagate": {"samples": 64, "sweep": {"Q": {"from": 5, "to": 11, "steps": 6}}}}}
 }"#;
 
 /// Runs the tasks of an array at once, unless the file `never` is there; a task whose file `fails-N` is there is killed, once.
