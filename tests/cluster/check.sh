@@ -15,11 +15,11 @@ CLUSTER=$(mktemp -d "${TMPDIR:-/tmp}/bmv-check-XXXXXX")/cluster
 chmod 755 "$(dirname "$CLUSTER")"
 export CLUSTER
 slurm="$here/slurm.sh"
+trap '"$slurm" stop; rm -rf "$(dirname "$CLUSTER")"' EXIT
 status=0
 "$slurm" start || status=$?
 [ $status != 77 ] || { echo "SKIPPED: runs on a real Slurm were not tested"; exit 0; }
 [ $status = 0 ] || exit $status
-trap '"$slurm" stop; rm -rf "$(dirname "$CLUSTER")"' EXIT
 . "$CLUSTER/env"
 work=$CLUSTER/shared
 cd "$work"

@@ -9,11 +9,11 @@ CLUSTER=$(mktemp -d "${TMPDIR:-/tmp}/bmv-demo-XXXXXX")/cluster
 # munged runs as another user.
 chmod 755 "$(dirname "$CLUSTER")"
 export CLUSTER
+trap '"$here/slurm.sh" stop; rm -rf "$(dirname "$CLUSTER")"' EXIT
 status=0
 "$here/slurm.sh" start || status=$?
 [ $status != 77 ] || { echo "SKIPPED: no demonstration without Slurm"; exit 0; }
 [ $status = 0 ] || exit $status
-trap '"$here/slurm.sh" stop; rm -rf "$(dirname "$CLUSTER")"' EXIT
 . "$CLUSTER/env"
 cd "$CLUSTER/shared"
 hash() { "$bmv" show "$pass" effects --json --cache "$1" 2> /dev/null | sha256sum | cut -c1-64; }
