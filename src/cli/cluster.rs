@@ -5,7 +5,8 @@ use clap::{Args, ValueEnum};
 use super::Context;
 use super::execute::run_listened;
 use super::options::{CacheOption, RunOptions};
-use super::output::tell;
+use super::output::{print, tell};
+use super::run::outcome;
 use super::status::{Failure, Status};
 use crate::batch::{self, Executed, Prepared};
 use crate::runner::cluster::slurm::Slurm;
@@ -164,6 +165,26 @@ pub(super) fn run(
     let access = context.reading.outside.access();
     let (folder, record) = batch::cluster::submit(&prepared, &cache, "slurm", cluster.options()?, access)?;
     follow(prepared, &folder, &record, cluster.mode(), options.settings(), context)
+}
+
+/// Goes on with a run that was left.
+pub(super) fn resume(
+    run: &RunArgument,
+    mode: Mode,
+    finish_on_cluster: bool,
+    context: &Context,
+) -> Result<Status, Failure> {
+    let folder = run.find()?;
+    let record = folder.record()?;
+    let options = Options { finish_on_cluster, ..record.options };
+    let record = RunRecord { options, ..record };
+    let (prepared, is_same) = batch::cluster::resume(&folder, &record, &context.reading)?;
+    if !is_same {
+        tell("the study has changed since it was submitted; this is the run of what it was then");
+    }
+    let executed = follow(prepared, &folder, &record, mode, Settings::default(), context)?;
+    print(&outcome(&executed, context.fold)?)?;
+    Ok(status(&executed, mode == Mode::Detach))
 }
 
 /// Follows a run until it is done, or as far as its mode goes.

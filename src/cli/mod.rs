@@ -4,8 +4,10 @@ mod adopt;
 mod attach;
 
 mod cache;
+mod cancel;
 mod check;
 mod cluster;
+mod collect;
 mod compare;
 mod completions;
 mod data;
@@ -124,9 +126,9 @@ enum Verb {
     /// Follow a run on a cluster that was left
     Attach(attach::Attach),
     /// Reduce what is there of a run on a cluster, without waiting
-    Collect(attach::Collect),
+    Collect(collect::Collect),
     /// End a run on a cluster; what is finished is kept
-    Cancel(attach::Cancel),
+    Cancel(cancel::Cancel),
     /// Compute one shard of a run: what a task of a cluster calls
     Shard(shard::ShardVerb),
     /// Render report.md, report.html, plots, results.json and manifest.json
