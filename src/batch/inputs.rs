@@ -23,6 +23,16 @@ pub(super) fn input_files(lineage: &[&Pass]) -> Result<Vec<InputFile>, String> {
     Ok(files)
 }
 
+/// The files that were read of a study for a pass.
+///
+/// # Errors
+/// One that changed meanwhile.
+pub(super) fn read_files(pass: &Pass) -> Result<BTreeMap<String, Content>, String> {
+    let mut read = BTreeMap::new();
+    note(pass, &mut read)?;
+    Ok(read)
+}
+
 /// Adds what was read for a pass and those whose posteriors it uses.
 fn note(pass: &Pass, read: &mut BTreeMap<String, Content>) -> Result<(), String> {
     for (file, content) in &pass.files {

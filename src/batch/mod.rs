@@ -4,6 +4,7 @@
 //! may not print, nor know of verbs and their options.
 
 pub mod archive;
+pub mod cluster;
 mod error;
 mod executed;
 pub mod export;

@@ -3,14 +3,17 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use super::cluster::job_name;
 use super::executed::is_judge;
 use super::graph::delivered;
 use super::load::{Loaded, LoadedPass};
 use super::{BatchError, Executed, memory};
+use crate::runner::cluster::overview::blocks_there;
+use crate::runner::engine::elsewhere::Elsewhere;
 use crate::runner::engine::local;
 use crate::runner::interrupt::Interrupts;
 use crate::runner::plan::State;
-use crate::runner::{Cache, Listener, Plan, Settings, StopFlag, WorkHistory};
+use crate::runner::{Cache, Key, Listener, Plan, RunSummary, RunnerError, Settings, StopFlag, WorkHistory};
 use crate::study::Pass;
 
 /// Passes with their plan, of which nothing has run yet.
@@ -63,12 +66,64 @@ pub struct NotThere {
     pub pass: String,
     /// Its name.
     pub job: String,
+    /// Where it runs on a cluster: blocks that are there, blocks of its stage, and the run.
+    pub on_cluster: Option<(usize, usize, Key)>,
 }
 
 impl Prepared {
     /// The passes that were asked for.
     pub fn passes(&self) -> &[LoadedPass] {
         &self.passes
+    }
+
+    /// Keys of the wanted jobs.
+    pub fn wanted_keys(&self) -> Vec<&Key> {
+        self.wanted().map(|position| &self.plan.keys()[position]).collect()
+    }
+
+    /// The wanted jobs, by their pass's file and their name.
+    pub fn wanted_jobs(&self) -> Vec<String> {
+        let of_pass = |pass: &LoadedPass| -> Vec<String> {
+            let names = pass.jobs.iter().filter_map(|id| self.plan.find(id));
+            names.map(|position| job_name(&pass.file, &self.plan.nodes()[position].name)).collect()
+        };
+        self.passes.iter().flat_map(of_pass).collect()
+    }
+
+    fn wanted(&self) -> impl Iterator<Item = usize> {
+        (0..self.plan.nodes().len()).filter(|&position| self.only.contains(&self.plan.nodes()[position].id))
+    }
+
+    /// Keys of the wanted jobs of a pass and of those on which they build.
+    pub fn keys_for(&self, pass: &LoadedPass) -> Vec<Key> {
+        let mut positions: Vec<usize> = pass.jobs.iter().filter_map(|id| self.plan.find(id)).collect();
+        let mut next = 0;
+        while let Some(&position) = positions.get(next) {
+            next += 1;
+            for &upstream in self.plan.upstream(position) {
+                if !positions.contains(&upstream) {
+                    positions.push(upstream);
+                }
+            }
+        }
+        positions.into_iter().map(|position| self.plan.keys()[position].clone()).collect()
+    }
+
+    /// As [`Prepared::run_until`]; blocks that are not in the cache are computed elsewhere.
+    ///
+    /// # Errors
+    /// As there, and what concerns all blocks elsewhere.
+    pub fn run_elsewhere(
+        self,
+        settings: Settings,
+        cache: &Cache,
+        listener: &dyn Listener,
+        elsewhere: &dyn Elsewhere,
+    ) -> Result<Executed, BatchError> {
+        // Who computes elsewhere decides when a run is left.
+        self.run_by(settings, cache, |plan, settings| {
+            local::run_elsewhere(plan, cache, settings, &StopFlag::default(), listener, elsewhere)
+        })
     }
 
     /// Leaves out the wanted jobs that have no result in the cache, so that nothing runs.
@@ -83,8 +138,12 @@ impl Prepared {
             let (gone, kept) = std::mem::take(&mut pass.jobs).into_iter().partition(|id| missing.contains(id));
             pass.jobs = kept;
             let gone: Vec<String> = gone;
-            let name = |id: &String| self.plan.find(id).map(|position| self.plan.nodes()[position].name.clone());
-            left_out.extend(gone.iter().filter_map(|id| Some(NotThere { pass: pass.shown.clone(), job: name(id)? })));
+            let not_there = |id: &String| {
+                let position = self.plan.find(id)?;
+                let on_cluster = blocks_there(cache, &self.plan.keys()[position]);
+                Some(NotThere { pass: pass.shown.clone(), job: self.plan.nodes()[position].name.clone(), on_cluster })
+            };
+            left_out.extend(gone.iter().filter_map(not_there));
         }
         for pass in &mut self.parents {
             pass.jobs.retain(|id| !missing.contains(id));
@@ -149,11 +208,20 @@ impl Prepared {
         stop: &StopFlag,
         listener: &dyn Listener,
     ) -> Result<Executed, BatchError> {
+        self.run_by(settings, cache, |plan, settings| local::run(plan, cache, settings, stop, listener))
+    }
+
+    fn run_by(
+        self,
+        settings: Settings,
+        cache: &Cache,
+        run: impl FnOnce(&Plan, &Settings) -> Result<RunSummary, RunnerError>,
+    ) -> Result<Executed, BatchError> {
         let Self { passes, parents, plan, only } = self;
         let settings = Settings { only: Some(only), ..settings };
         let needed = plan.preview(cache, settings.only.as_ref(), settings.force, &WorkHistory::default());
         memory::check(&needed)?;
-        let summary = local::run(&plan, cache, &settings, stop, listener)?;
+        let summary = run(&plan, &settings)?;
         let is_interrupted = summary.is_interrupted();
         Ok(Executed { passes, parents, plan, summary, is_interrupted })
     }

@@ -1,9 +1,13 @@
 //! The command line: a file a verb; parses, calls, prints; holds no logic of its own.
 
 mod adopt;
+mod attach;
 
 mod cache;
+mod cancel;
 mod check;
+mod cluster;
+mod collect;
 mod compare;
 mod completions;
 mod data;
@@ -28,6 +32,7 @@ mod run;
 mod schema;
 mod select;
 mod serve_model;
+mod shard;
 mod show;
 pub mod status;
 mod test_plan;
@@ -118,6 +123,14 @@ struct Context {
 enum Verb {
     /// Run the jobs of passes; what is in the cache is not run again
     Run(run::Run),
+    /// Follow a run on a cluster that was left
+    Attach(attach::Attach),
+    /// Reduce what is there of a run on a cluster, without waiting
+    Collect(collect::Collect),
+    /// End a run on a cluster; what is finished is kept
+    Cancel(cancel::Cancel),
+    /// Compute one shard of a run: what a task of a cluster calls
+    Shard(shard::ShardVerb),
     /// Render report.md, report.html, plots, results.json and manifest.json
     Report(report::Report),
     /// Run a study again whenever a file of it changes, and serve its reports to a browser of this machine
@@ -172,6 +185,10 @@ impl Verb {
     fn execute(self, context: &Context) -> Result<Status, Failure> {
         match self {
             Self::Run(verb) => verb.execute(context),
+            Self::Attach(verb) => verb.execute(context),
+            Self::Collect(verb) => verb.execute(context),
+            Self::Cancel(verb) => verb.execute(),
+            Self::Shard(verb) => verb.execute(context),
             Self::Report(verb) => verb.execute(context),
             Self::Watch(verb) => verb.execute(context),
             Self::Compare(verb) => verb.execute(context),

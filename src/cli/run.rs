@@ -1,20 +1,23 @@
 //! `bmv run`.
 
 use super::Context;
-use super::execute::execute;
+use super::cluster::{self, ClusterOptions, Engine};
+use super::execute::{execute, prepare};
 use super::options::{PathsArgument, RequireOption, RunOptions};
 use super::output::{escaped, folded, print};
 use super::status::{Failure, Status};
-use crate::batch::{self, Executed};
+use crate::batch::{self, Executed, Loaded};
 use crate::report::section::objection;
 use crate::report::{headline, terminal};
+use crate::runner::cluster::Mode;
 
 /// Arguments of `bmv run`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
                   bmv run my-study\n  \
                   bmv run my-study/pass-2.json --threads 4\n  \
-                  bmv run my-study --require")]
+                  bmv run my-study --require\n  \
+                  bmv run my-study --engine slurm --partition long --time 00:30:00 -c 4")]
 pub(super) struct Run {
     #[command(flatten)]
     paths: PathsArgument,
@@ -25,10 +28,15 @@ pub(super) struct Run {
     require: RequireOption,
     #[command(flatten)]
     options: RunOptions,
+    /// Who computes; results do not depend on it
+    #[arg(long, value_name = "ENGINE", default_value = "local")]
+    engine: Engine,
+    #[command(flatten)]
+    cluster: ClusterOptions,
 }
 
 /// What came out, by pass and job, and where to look next.
-fn outcome(executed: &Executed, fold: Option<usize>) -> Result<String, Failure> {
+pub(super) fn outcome(executed: &Executed, fold: Option<usize>) -> Result<String, Failure> {
     let mut text = String::new();
     for pass in &executed.passes {
         let report = batch::view(pass, executed)?;
@@ -57,11 +65,19 @@ fn outcome(executed: &Executed, fold: Option<usize>) -> Result<String, Failure> 
 impl Run {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         let wanted = |kind: &str, _: &str| self.kinds.is_empty() || self.kinds.iter().any(|wanted| wanted == kind);
-        let executed = execute(&self.paths.paths, &self.options, context, wanted)?;
+        let executed = match self.engine {
+            Engine::Local => execute(&self.paths.paths, &self.options, context, wanted)?,
+            Engine::Slurm => {
+                let loaded = batch::load(&self.paths.paths, &context.reading)?;
+                let prepared = prepare(loaded, Loaded::default(), context, |_, kind, name| wanted(kind, name))?;
+                cluster::run(prepared, &self.options, &self.cluster, context)?
+            }
+        };
         if executed.passes.iter().all(|pass| pass.jobs.is_empty()) && !self.kinds.is_empty() {
             return Err(Failure::input(format!("no job of kind `{}`", self.kinds.join("`, `"))));
         }
         print(&outcome(&executed, context.fold)?)?;
-        self.require.judge(&executed, Status::of(&executed))
+        let is_left = self.engine == Engine::Slurm && self.cluster.mode() == Mode::Detach;
+        self.require.judge(&executed, cluster::status(&executed, is_left))
     }
 }

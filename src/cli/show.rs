@@ -97,6 +97,12 @@ pub(super) fn tell_not_there(not_there: &[NotThere]) {
             .map(|missing_result| format!("`{}`", escaped(&missing_result.job)))
             .collect();
         let shown = escaped(shown);
+        for missing_result in not_there.iter().filter(|missing_result| missing_result.pass == shown) {
+            if let Some((there, all, run)) = &missing_result.on_cluster {
+                let job = escaped(&missing_result.job);
+                tell(&format!("{shown}: `{job}`: {there} of {all} blocks; run {} on a cluster", run.short()));
+            }
+        }
         let (have, them) = if names.len() == 1 { ("has", "it") } else { ("have", "them") };
         tell(&format!(
             "{shown}: {} {have} no result in the cache; `bmv run {shown}` makes {them}, and so does --run here",

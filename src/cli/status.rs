@@ -17,6 +17,12 @@ pub enum Status {
     NotConverged,
     /// Interrupted; what was finished is kept.
     Interrupted,
+    /// What one shard of a run says: its arguments are wrong.
+    ShardUsage,
+    /// What one shard of a run says: its definition is rejected, or a block of it fails; it would again.
+    ShardRejected,
+    /// What one shard of a run says: it may succeed another time.
+    ShardTemporary,
 }
 
 impl Status {
@@ -29,6 +35,10 @@ impl Status {
             Self::JobFailed => 3,
             Self::NotConverged => 4,
             Self::Interrupted => 130,
+            // As in sysexits.h.
+            Self::ShardUsage => 64,
+            Self::ShardRejected => 65,
+            Self::ShardTemporary => 75,
         }
     }
 }
@@ -74,6 +84,7 @@ impl From<crate::runner::RunnerError> for Failure {
             E::DuplicateJob { .. }
             | E::UnknownUpstream { .. }
             | E::Cycle { .. }
+            | E::Submission { .. }
             | E::Manifest { .. }
             | E::Baseline { .. } => Status::WrongInput,
             _ => Status::JobFailed,

@@ -73,6 +73,13 @@ pub trait Runnable: Send + Sync {
     fn identity(&self) -> Value;
     /// As [`Job::memory_bytes`].
     fn memory_bytes(&self) -> u64;
+    /// Whether something outside answers for its model, so that what fails at one machine may succeed at another.
+    fn is_external(&self) -> bool;
+    /// A stage as another process has written it down: its name, its state, the inputs of its blocks.
+    ///
+    /// # Errors
+    /// A state that cannot be read.
+    fn stage(&self, name: &str, state: Vec<u8>, inputs: Vec<Vec<u8>>) -> Result<Stage, JobError>;
     /// As [`Job::begin`].
     ///
     /// # Errors
@@ -123,6 +130,16 @@ impl<J: Job + 'static> Runnable for J {
 
     fn memory_bytes(&self) -> u64 {
         Job::memory_bytes(self)
+    }
+
+    fn is_external(&self) -> bool {
+        Job::external(self).is_some()
+    }
+
+    fn stage(&self, name: &str, state: Vec<u8>, inputs: Vec<Vec<u8>>) -> Result<Stage, JobError> {
+        let value = J::State::from_bytes(&state, name)?;
+        let is_last = self.is_last(&value);
+        Ok(Stage { name: name.to_owned(), state: State { bytes: state, value: Arc::new(value) }, inputs, is_last })
     }
 
     fn begin(&self) -> Result<Next, JobError> {

@@ -73,6 +73,20 @@ pub enum RunnerError {
         /// Why.
         reason: String,
     },
+    /// A scheduler does not do what it was asked.
+    #[error("{scheduler}: {reason}")]
+    Scheduler {
+        /// What people call it.
+        scheduler: &'static str,
+        /// What it says.
+        reason: String,
+    },
+    /// What was asked of a cluster cannot be submitted so.
+    #[error("{reason}")]
+    Submission {
+        /// Why, and what to do.
+        reason: String,
+    },
     /// The pool of threads could not be started.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {

@@ -173,7 +173,7 @@ mod tests {
     fn a_line_has_a_time_and_the_event() {
         let folder = tempfile::tempdir().unwrap();
         let log = EventLog::create(folder.path()).unwrap();
-        log.hear(&Event::RunStarted { to_run: 2, cached: 1, threads: 2 });
+        log.hear(&Event::RunStarted { to_run: 2, cached: 1, threads: 2, engine: None });
         let line: serde_json::Value = serde_json::from_str(&fs::read_to_string(log.path()).unwrap()).unwrap();
         assert!(line["at_s"].as_f64().unwrap() > 1.7e9);
         assert_eq!(line["event"]["run-started"]["to_run"], 2);

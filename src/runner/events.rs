@@ -18,6 +18,14 @@ pub enum Event {
         cached: usize,
         /// Threads of the pool.
         threads: usize,
+        /// Who computes the blocks, if not these threads.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        engine: Option<String>,
+    },
+    /// What a scheduler or the machines of a cluster did, for people.
+    Cluster {
+        /// In words.
+        text: String,
     },
     /// A job's result was in the cache.
     JobCached {

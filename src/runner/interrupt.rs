@@ -4,7 +4,7 @@
 
 use std::io::Write;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -21,7 +21,13 @@ const PATIENCE: Duration = Duration::from_secs(10);
 pub struct Interrupts {
     stop: StopFlag,
     is_running: Arc<AtomicBool>,
+    /// Whether what runs counts the signals itself, and how many there were.
+    is_counted: Arc<AtomicBool>,
+    count: Arc<AtomicUsize>,
 }
+
+/// Signals that end the program although what runs counts them.
+const TOO_MANY: usize = 3;
 
 impl Interrupts {
     /// Catches signals from now on: each ends the program with `status`, unless a run is under way.
@@ -31,10 +37,18 @@ impl Interrupts {
     pub fn catch(status: i32) -> Result<Self, RunnerError> {
         let refused = |error: std::io::Error| RunnerError::Threads { threads: 1, reason: error.to_string() };
         let mut signals = Signals::new([SIGINT, SIGTERM]).map_err(refused)?;
-        let interrupt = Self { stop: StopFlag::default(), is_running: Arc::default() };
-        let Self { stop, is_running } = interrupt.clone();
+        let interrupt = Self {
+            stop: StopFlag::default(),
+            is_running: Arc::default(),
+            is_counted: Arc::default(),
+            count: Arc::default(),
+        };
+        let Self { stop, is_running, is_counted, count } = interrupt.clone();
         let wait = move || {
             for _ in signals.forever() {
+                if is_counted.load(Ordering::SeqCst) && count.fetch_add(1, Ordering::SeqCst) + 1 < TOO_MANY {
+                    continue;
+                }
                 if stop.is_stopped() || !is_running.load(Ordering::SeqCst) {
                     std::process::exit(status);
                 }
@@ -56,6 +70,15 @@ impl Interrupts {
         self.is_running.store(true, Ordering::SeqCst);
         let done = run(&self.stop);
         self.is_running.store(false, Ordering::SeqCst);
+        done
+    }
+
+    /// Runs what decides by itself about a first and a second signal: it looks at their number now and then. A third one
+    /// ends the program.
+    pub fn counted<T>(&self, run: impl FnOnce(&AtomicUsize) -> T) -> T {
+        self.is_counted.store(true, Ordering::SeqCst);
+        let done = run(&self.count);
+        self.is_counted.store(false, Ordering::SeqCst);
         done
     }
 

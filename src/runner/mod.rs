@@ -5,6 +5,7 @@
 
 pub mod baseline;
 pub mod cache;
+pub mod cluster;
 pub mod difference;
 pub mod engine;
 pub mod error;

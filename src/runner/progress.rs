@@ -94,15 +94,15 @@ impl Listener for Progress {
 impl Shown {
     fn hear(&mut self, event: &Event) {
         match event {
-            Event::RunStarted { to_run, cached, threads } => {
+            Event::RunStarted { to_run, cached, threads, engine } => {
                 self.threads = *threads;
                 self.to_run = *to_run;
                 if *to_run > 0 {
-                    let line = format!(
-                        "{} to run on {}, {cached} in the cache",
-                        counted(*to_run as u64, "job"),
-                        counted(*threads as u64, "thread")
-                    );
+                    let place = match engine {
+                        Some(engine) => format!("by {engine}"),
+                        None => format!("on {}", counted(*threads as u64, "thread")),
+                    };
+                    let line = format!("{} to run {place}, {cached} in the cache", counted(*to_run as u64, "job"));
                     self.line(&line);
                 } else if *cached > 0 {
                     self.line(&format!("nothing to run, {} in the cache", counted(*cached as u64, "job")));
@@ -137,6 +137,7 @@ impl Shown {
             Event::Damaged { object } => {
                 self.line(&format!("object {} of the cache is damaged; it is computed again", object.short()));
             }
+            Event::Cluster { text } => self.line(text),
             Event::NotStored { reason } => {
                 self.line(&format!("warning: not all results are kept in the cache: {reason}"));
             }
@@ -311,7 +312,7 @@ mod tests {
         let key = Key::of(b"key");
         let job = || "pass-1:before".to_owned();
         for event in [
-            Event::RunStarted { to_run: 1, cached: 2, threads: 1 },
+            Event::RunStarted { to_run: 1, cached: 2, threads: 1, engine: None },
             Event::JobStarted { job: job(), kind: "propagate".into(), key: key.clone() },
             Event::StageStarted { job: job(), stage: "sum".into(), blocks: 1, is_last: true },
             Event::BlockDone { job: job(), stage: "sum".into(), index: 0, cached: false },

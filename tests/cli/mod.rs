@@ -3,6 +3,7 @@
 mod archive;
 mod campaigns;
 mod check;
+mod cluster;
 mod decks;
 mod documents;
 mod escapes;

@@ -315,7 +315,7 @@ fn a_failure_stops_what_builds_upon_it_and_nothing_else() {
     assert!(matches!(&summary.outcomes["second"], Outcome::Skipped { upstream } if upstream == "bad"));
     assert!(matches!(&summary.outcomes["third"], Outcome::Skipped { upstream } if upstream == "second"));
     let heard = heard.0.into_inner().unwrap();
-    assert_eq!(heard[0], Event::RunStarted { to_run: 5, cached: 0, threads: 2 });
+    assert_eq!(heard[0], Event::RunStarted { to_run: 5, cached: 0, threads: 2, engine: None });
     assert_eq!(heard[heard.len() - 1], Event::RunFinished { finished: 2, failed: 3, interrupted: false });
 }
 

@@ -16,6 +16,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 pub use object::Kind;
+pub(super) use tidy::host;
 pub use tidy::{Pruned, Statistics, Verified};
 
 use super::error::RunnerError;
@@ -45,6 +46,8 @@ pub struct Cache {
     /// Part of the temporary names of this process.
     writer: String,
     counter: AtomicU64,
+    /// Whether blocks, too, are flushed to the disk before they get their name.
+    is_shared: bool,
 }
 
 impl Cache {
@@ -55,7 +58,21 @@ impl Cache {
             prepared: (0..256).map(|_| AtomicBool::new(false)).collect(),
             writer: tidy::writer_prefix(),
             counter: AtomicU64::new(0),
+            is_shared: false,
         }
+    }
+
+    /// The same for a writer among several machines: blocks are flushed as results are, since others read them at once and
+    /// this machine may be lost. `task` names the writer where machines have equal names: letters and digits.
+    #[must_use]
+    pub fn shared(self, task: &str) -> Self {
+        Self { writer: format!("{}-{task}", self.writer), is_shared: true, ..self }
+    }
+
+    /// Whether something lies at an object's place. The place is opened: what a listing says may be old on a shared file
+    /// system.
+    pub fn is_there(&self, name: &Key) -> bool {
+        File::open(self.path(name)).is_ok()
     }
 
     /// The folder.
@@ -120,7 +137,7 @@ impl Cache {
                 }
             };
             if published {
-                if kind == Kind::Result {
+                if self.is_flushed(kind) {
                     // The name itself must outlive a power cut; a file system that cannot do this still has the object.
                     let _ = File::open(folder).and_then(|folder| folder.sync_all());
                 }
@@ -165,7 +182,7 @@ impl Cache {
             let mut draft = Draft::with_prefix(&self.root, &place, &prefix)?;
             draft.write_all(payload)?;
             draft.write_all(object::trailer(kind, name, owner, payload).as_bytes())?;
-            if kind == Kind::Result {
+            if self.is_flushed(kind) {
                 draft.file().sync_all()?;
             }
             Ok(draft)
@@ -198,6 +215,10 @@ impl Cache {
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(target),
             other => other.map(|()| target.clone()).map_err(RunnerError::file("move", path)),
         }
+    }
+
+    fn is_flushed(&self, kind: Kind) -> bool {
+        kind == Kind::Result || self.is_shared
     }
 
     fn unique(&self) -> String {

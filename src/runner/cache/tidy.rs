@@ -210,7 +210,7 @@ pub(super) fn remove_leftovers(folder: &Path) -> u64 {
 }
 
 /// Name of this machine in letters, digits and dots, or `unknown`.
-fn host() -> String {
+pub(in crate::runner) fn host() -> String {
     let name = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
     let name: String = name.trim().chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '.' }).collect();
     if name.is_empty() { "unknown".to_owned() } else { name }

@@ -5,25 +5,26 @@
 //! block is published at once, and so are the states that long ones leave on their way; a run that was killed begins where it stopped. A block that is left because the run was
 //! asked to stop is one that was not begun. What the system does not let store (another user's cache, a full disk) is
 //! used all the same, and the run says so once.
+//!
+//! Where blocks are computed elsewhere, a task whose block is not in the cache hands it over and ends; when it is said to
+//! be there, the task is started again. All else is the same: keys, order of reduction, results.
 
-use std::any::Any;
-use std::cell::{Cell, RefCell};
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
-use std::time::Instant;
 
 use rayon::ScopeFifo;
 
+use super::block::{Blocks, Halt, Working, caught, failure};
+use super::elsewhere::{Elsewhere, Settled, Wanted};
 use super::pool::pool;
 use super::{Finished, Outcome, RunSummary, Settings, StopFlag, block_name};
-use crate::job::{JobError, Next, Parts, Runnable, Stage};
-use crate::runner::cache::{Cache, Kind, Lookup};
+use crate::job::{Next, Stage};
+use crate::runner::cache::{Cache, Kind};
 use crate::runner::error::RunnerError;
 use crate::runner::events::{Event, Listener};
-use crate::runner::key::{Key, block_key, canonical_bytes};
+use crate::runner::key::canonical_bytes;
 use crate::runner::plan::{Plan, State, Stored};
-use crate::watch::{self, Share, Stopped};
 
 /// Runs what is missing of a plan.
 ///
@@ -38,6 +39,32 @@ pub fn run(
     stop: &StopFlag,
     listener: &dyn Listener,
 ) -> Result<RunSummary, RunnerError> {
+    run_with(plan, cache, settings, stop, listener, None)
+}
+
+/// As [`run`]; blocks that are not in the cache are computed elsewhere, and jobs begun and reduced here.
+///
+/// # Errors
+/// As [`run`], and those of [`Elsewhere::settled`].
+pub fn run_elsewhere(
+    plan: &Plan,
+    cache: &Cache,
+    settings: &Settings,
+    stop: &StopFlag,
+    listener: &dyn Listener,
+    elsewhere: &dyn Elsewhere,
+) -> Result<RunSummary, RunnerError> {
+    run_with(plan, cache, settings, stop, listener, Some(elsewhere))
+}
+
+fn run_with(
+    plan: &Plan,
+    cache: &Cache,
+    settings: &Settings,
+    stop: &StopFlag,
+    listener: &dyn Listener,
+    elsewhere: Option<&dyn Elsewhere>,
+) -> Result<RunSummary, RunnerError> {
     let threads = settings.threads();
     let pool = pool(settings, stop)?;
 
@@ -47,9 +74,11 @@ pub fn run(
     }
     let count = |wanted: fn(&State) -> bool| states.iter().filter(|state| wanted(state)).count();
     let to_run = count(|state| *state == State::Missing);
-    listener.hear(&Event::RunStarted { to_run, cached: count(|state| matches!(state, State::Cached(_))), threads });
+    let cached = count(|state| matches!(state, State::Cached(_)));
+    let engine = elsewhere.map(Elsewhere::name);
+    listener.hear(&Event::RunStarted { to_run, cached, threads, engine });
 
-    let run = Run::new(plan, cache, settings, stop, listener, &states);
+    let run = Run::new(plan, cache, settings, stop, listener, elsewhere, &states);
     for (position, state) in states.into_iter().enumerate() {
         if let State::Cached(stored) = state {
             let (job, key) = (plan.nodes()[position].id.clone(), plan.keys()[position].clone());
@@ -58,12 +87,12 @@ pub fn run(
             run.slots[position].set(Outcome::Finished(finished));
         }
     }
-    pool.scope_fifo(|scope| {
+    pool.in_place_scope_fifo(|scope| {
         for position in run.ready_at_once() {
-            let run = &run;
-            scope.spawn_fifo(move |scope| run.start(scope, position));
+            run.spawn(scope, move |run, scope| run.start(scope, position));
         }
-    });
+        elsewhere.map_or(Ok(()), |elsewhere| run.follow(scope, elsewhere))
+    })?;
     let summary = run.summary();
     listener.hear(&Event::RunFinished {
         finished: summary.outcomes.values().filter(|outcome| outcome.finished().is_some()).count(),
@@ -96,27 +125,34 @@ impl Slot {
 
 struct Run<'a> {
     plan: &'a Plan,
-    cache: &'a Cache,
-    settings: &'a Settings,
     stop: &'a StopFlag,
     listener: &'a dyn Listener,
     slots: Vec<Slot>,
-    /// Whether it was reported that something could not be stored.
-    told_not_stored: AtomicBool,
+    blocks: Blocks<'a>,
+    elsewhere: Option<&'a dyn Elsewhere>,
+    /// Tasks that were started and have not ended.
+    busy: AtomicUsize,
+    /// Blocks that were handed over, by ticket.
+    handed: Mutex<Handed>,
+}
+
+#[derive(Default)]
+struct Handed {
+    next: usize,
+    blocks: BTreeMap<usize, (Arc<Active>, Arc<Running>, usize)>,
 }
 
 /// A job that runs.
 struct Active {
     position: usize,
-    job: Arc<dyn Runnable>,
-    work_ns: AtomicU64,
+    working: Working,
     blocks_run: AtomicUsize,
     blocks_cached: AtomicUsize,
 }
 
 /// A stage that runs.
 struct Running {
-    stage: Stage,
+    stage: Arc<Stage>,
     outputs: Mutex<Vec<Option<Vec<u8>>>>,
     remaining: AtomicUsize,
     /// The failure of the block with the lowest index: the same one for any number of threads.
@@ -130,6 +166,7 @@ impl<'a> Run<'a> {
         settings: &'a Settings,
         stop: &'a StopFlag,
         listener: &'a dyn Listener,
+        elsewhere: Option<&'a dyn Elsewhere>,
         states: &[State],
     ) -> Self {
         let mut slots: Vec<Slot> = states.iter().map(|_| Slot::default()).collect();
@@ -152,7 +189,56 @@ impl<'a> Run<'a> {
             slot.waiting = AtomicUsize::new(waits_for.len());
             slot.waits_for = waits_for;
         }
-        Self { plan, cache, settings, stop, listener, slots, told_not_stored: AtomicBool::new(false) }
+        let blocks = Blocks::new(cache, listener, settings.keep_every()).forced(settings.force);
+        let (busy, handed) = (AtomicUsize::new(0), Mutex::default());
+        Self { plan, stop, listener, slots, blocks, elsewhere, busy, handed }
+    }
+
+    /// Starts a task.
+    fn spawn<'s>(&'s self, scope: &ScopeFifo<'s>, task: impl FnOnce(&'s Self, &ScopeFifo<'s>) + Send + 's) {
+        self.busy.fetch_add(1, Ordering::AcqRel);
+        scope.spawn_fifo(move |scope| {
+            task(self, scope);
+            // After those that it started were counted.
+            self.busy.fetch_sub(1, Ordering::AcqRel);
+        });
+    }
+
+    /// Waits for the blocks that are computed elsewhere, until nothing is left to wait for.
+    fn follow<'s>(&'s self, scope: &ScopeFifo<'s>, elsewhere: &dyn Elsewhere) -> Result<(), RunnerError> {
+        loop {
+            // In this order: a task that ended in between has handed over what it had to.
+            let is_idle = self.busy.load(Ordering::Acquire) == 0;
+            let waits = !lock(&self.handed).blocks.is_empty();
+            if self.stop.is_stopped() || (is_idle && !waits) {
+                return Ok(());
+            }
+            let Some(settled) = elsewhere.settled(is_idle)? else { return Ok(()) };
+            for Settled { ticket, result } in settled {
+                let Some((active, running, index)) = lock(&self.handed).blocks.remove(&ticket) else { continue };
+                self.spawn(scope, move |run, scope| match result {
+                    Ok(()) => run.block(scope, active, &running, index),
+                    Err(error) => {
+                        running.fail(index, error);
+                        run.ended(scope, active, &running);
+                    }
+                });
+            }
+        }
+    }
+
+    /// Hands a block over that is not in the cache.
+    fn hand_over(&self, elsewhere: &dyn Elsewhere, active: Arc<Active>, running: Arc<Running>, index: usize) {
+        let (working, stage) = (&active.working, Arc::clone(&running.stage));
+        let (job, owner, name) = (working.id.clone(), working.key.clone(), block_name(&working.key, &stage, index));
+        let ticket = {
+            let mut handed = lock(&self.handed);
+            let ticket = handed.next;
+            handed.next += 1;
+            handed.blocks.insert(ticket, (active, running, index));
+            ticket
+        };
+        elsewhere.want(Wanted { ticket, job, owner, stage, index, name });
     }
 
     fn ready_at_once(&self) -> Vec<usize> {
@@ -176,7 +262,7 @@ impl<'a> Run<'a> {
     fn start<'s>(&'s self, scope: &ScopeFifo<'s>, position: usize) {
         match self.prepare(position) {
             Ok(active) => {
-                let next = self.guarded(&active, None, None, |job| job.begin());
+                let next = active.working.guarded(None, None, |job| job.begin());
                 self.advance(scope, active, next);
             }
             Err(outcome) => self.end(scope, position, outcome),
@@ -206,11 +292,10 @@ impl<'a> Run<'a> {
         let key = self.plan.keys()[position].clone();
         self.listener.hear(&Event::JobStarted { job: node.id.clone(), kind: node.task.kind().to_owned(), key });
         let job = caught(|| node.task.prepare(&upstream))
-            .map_err(|halt| Outcome::from(halt.at(|source| self.failure(position, None, None, source))))?;
+            .map_err(|halt| Outcome::from(halt.at(|source| failure(&node.id, None, None, source))))?;
         Ok(Arc::new(Active {
             position,
-            job,
-            work_ns: AtomicU64::new(0),
+            working: Working::new(node.id.clone(), self.plan.keys()[position].clone(), job),
             blocks_run: AtomicUsize::new(0),
             blocks_cached: AtomicUsize::new(0),
         }))
@@ -231,18 +316,18 @@ impl<'a> Run<'a> {
                     let (job, blocks, is_last) = (self.id(active.position), stage.inputs.len(), stage.is_last);
                     self.listener.hear(&Event::StageStarted { job, stage: stage.name.clone(), blocks, is_last });
                     if blocks == 0 {
-                        next = self.guarded(&active, Some(&stage.name), None, |job| job.reduce(&stage, Vec::new()));
+                        next = active.working.guarded(Some(&stage.name), None, |job| job.reduce(&stage, Vec::new()));
                         continue;
                     }
                     let running = Arc::new(Running {
-                        stage,
+                        stage: Arc::new(stage),
                         outputs: Mutex::new(vec![None; blocks]),
                         remaining: AtomicUsize::new(blocks),
                         failure: Mutex::new(None),
                     });
                     for index in 0..blocks {
                         let (active, running) = (Arc::clone(&active), Arc::clone(&running));
-                        scope.spawn_fifo(move |scope| self.block(scope, active, &running, index));
+                        self.spawn(scope, move |run, scope| run.block(scope, active, &running, index));
                     }
                     return;
                 }
@@ -250,21 +335,25 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Takes a block from the cache or runs it; the last one of the stage goes on.
-    fn block<'s>(&'s self, scope: &ScopeFifo<'s>, active: Arc<Active>, running: &Running, index: usize) {
+    /// Takes a block from the cache or runs it, here or elsewhere; the last one of the stage goes on.
+    fn block<'s>(&'s self, scope: &ScopeFifo<'s>, active: Arc<Active>, running: &Arc<Running>, index: usize) {
         let is_moot = lock(&running.failure).as_ref().is_some_and(|(failed, _)| *failed < index);
         if !is_moot && !self.stop.is_stopped() {
-            match self.output(&active, &running.stage, index) {
+            let found = self.blocks.find(&active.working.key, &running.stage, index);
+            if let (None, Some(elsewhere)) = (&found, self.elsewhere) {
+                return self.hand_over(elsewhere, active, Arc::clone(running), index);
+            }
+            match self.output(&active, &running.stage, index, found) {
                 Ok(output) => lock(&running.outputs)[index] = Some(output),
                 Err(Halt::Stopped) => {}
-                Err(Halt::Failed(error)) => {
-                    let mut failure = lock(&running.failure);
-                    if failure.as_ref().is_none_or(|(failed, _)| index < *failed) {
-                        *failure = Some((index, error));
-                    }
-                }
+                Err(Halt::Failed(error)) => running.fail(index, error),
             }
         }
+        self.ended(scope, active, running);
+    }
+
+    /// Notes that one more block of a stage has ended; after the last one the job goes on.
+    fn ended<'s>(&'s self, scope: &ScopeFifo<'s>, active: Arc<Active>, running: &Running) {
         // The last one must see what all the others wrote.
         if running.remaining.fetch_sub(1, Ordering::AcqRel) > 1 {
             return;
@@ -278,59 +367,33 @@ impl<'a> Run<'a> {
             return self.end(scope, active.position, Outcome::Interrupted);
         };
         let stage = &running.stage;
-        let next = self.guarded(&active, Some(&stage.name), None, |job| job.reduce(stage, outputs));
+        let next = active.working.guarded(Some(&stage.name), None, |job| job.reduce(stage, outputs));
         self.advance(scope, active, next);
     }
 
-    fn output(&self, active: &Active, stage: &Stage, index: usize) -> Result<Vec<u8>, Halt<RunnerError>> {
-        let owner = &self.plan.keys()[active.position];
-        let name = block_name(owner, stage, index);
-        let cached_block = if self.settings.force { Lookup::Absent } else { self.cache.get(Kind::Block, &name) };
-        let (output, cached) = match cached_block {
-            Lookup::Found(output) => {
-                active.blocks_cached.fetch_add(1, Ordering::Relaxed);
-                (output, true)
-            }
-            Lookup::Absent | Lookup::Damaged => {
-                if cached_block == Lookup::Damaged {
-                    self.listener.hear(&Event::Damaged { object: name.clone() });
-                }
-                let share = Share::default();
-                self.listener.block_runs(&self.id(active.position), index, &share);
-                let (last, refused) = (Cell::new(Instant::now()), RefCell::default());
-                let parts = KeptParts { run: self, owner, stage, index, last, refused };
-                let run = |job: &dyn Runnable| watch::with_share(&share, || job.block(stage, index, &parts));
-                let output = self.guarded(active, Some(&stage.name), Some(index), run)?;
-                if let Some(error) = parts.refused.take() {
-                    return Err(Halt::Failed(error));
-                }
-                self.store(Kind::Block, owner, &name, &output).map_err(Halt::Failed)?;
-                active.blocks_run.fetch_add(1, Ordering::Relaxed);
-                (output, false)
-            }
+    /// The output of a block that was found, or is run now.
+    fn output(
+        &self,
+        active: &Active,
+        stage: &Stage,
+        index: usize,
+        found: Option<Vec<u8>>,
+    ) -> Result<Vec<u8>, Halt<RunnerError>> {
+        let cached = found.is_some();
+        let (output, counted) = match found {
+            Some(output) => (output, &active.blocks_cached),
+            None => (self.blocks.run(&active.working, stage, index)?, &active.blocks_run),
         };
-        let (job, stage) = (self.id(active.position), stage.name.clone());
+        counted.fetch_add(1, Ordering::Relaxed);
+        let (job, stage) = (active.working.id.clone(), stage.name.clone());
         self.listener.hear(&Event::BlockDone { job, stage, index, cached });
         Ok(output)
-    }
-
-    /// Stores an object where the system lets it; only other bytes for the same key are an error.
-    fn store(&self, kind: Kind, owner: &Key, name: &Key, payload: &[u8]) -> Result<(), RunnerError> {
-        match self.cache.put(kind, owner, name, payload) {
-            Err(error @ RunnerError::File { .. }) => {
-                if !self.told_not_stored.swap(true, Ordering::Relaxed) {
-                    self.listener.hear(&Event::NotStored { reason: error.to_string() });
-                }
-                Ok(())
-            }
-            stored => stored,
-        }
     }
 
     fn publish(&self, active: &Active, value: &serde_json::Value) -> Result<Finished, RunnerError> {
         let (job, key) = (self.id(active.position), self.plan.keys()[active.position].clone());
         let bytes = canonical_bytes(value, &format!("the result of job `{job}`"))?;
-        self.store(Kind::Result, &key, &key, &bytes)?;
+        self.blocks.store(Kind::Result, &key, &key, &bytes)?;
         let finished = Finished {
             key,
             stored: Stored::from_bytes(&bytes, &job)?,
@@ -340,11 +403,11 @@ impl<'a> Run<'a> {
         };
         self.listener.hear(&Event::JobFinished {
             job,
-            kind: active.job.kind().to_owned(),
+            kind: active.working.job.kind().to_owned(),
             key: finished.key.clone(),
             blocks_run: finished.blocks_run,
             blocks_cached: finished.blocks_cached,
-            work_s: active.work_ns.load(Ordering::Relaxed) as f64 * 1e-9,
+            work_s: active.working.work_s(),
         });
         Ok(finished)
     }
@@ -365,118 +428,20 @@ impl<'a> Run<'a> {
         self.slots[position].set(outcome);
         for &next in &self.slots[position].waited_for_by {
             if self.slots[next].waiting.fetch_sub(1, Ordering::AcqRel) == 1 {
-                scope.spawn_fifo(move |scope| self.start(scope, next));
+                self.spawn(scope, move |run, scope| run.start(scope, next));
             }
         }
     }
-
-    /// Calls the job's code, measures it, and turns a panic or an error into one that names the place.
-    fn guarded<T>(
-        &self,
-        active: &Active,
-        stage: Option<&str>,
-        block: Option<usize>,
-        call: impl FnOnce(&dyn Runnable) -> Result<T, JobError>,
-    ) -> Result<T, Halt<RunnerError>> {
-        let begin = Instant::now();
-        let result = caught(|| call(active.job.as_ref()));
-        let elapsed_ns = u64::try_from(begin.elapsed().as_nanos()).unwrap_or(u64::MAX);
-        active.work_ns.fetch_add(elapsed_ns, Ordering::Relaxed);
-        result.map_err(|halt| halt.at(|source| self.failure(active.position, stage, block, source)))
-    }
-
-    fn failure(&self, position: usize, stage: Option<&str>, block: Option<usize>, source: JobError) -> RunnerError {
-        RunnerError::Job { job: self.id(position), stage: stage.map(str::to_owned), block, source }
-    }
 }
 
-/// The states of a block that runs, as objects of the cache.
-struct KeptParts<'r, 'a> {
-    run: &'r Run<'a>,
-    owner: &'r Key,
-    stage: &'r Stage,
-    index: usize,
-    /// When it began, or kept a state.
-    last: Cell<Instant>,
-    /// Other bytes than an earlier run's.
-    refused: RefCell<Option<RunnerError>>,
-}
-
-impl KeptParts<'_, '_> {
-    fn name(&self, part: u64) -> Key {
-        let Stage { name, state, inputs, .. } = self.stage;
-        let determining = [state.bytes(), &inputs[self.index]];
-        block_key(self.owner, &format!("{name}, part {part}"), self.index, &determining)
-    }
-}
-
-impl Parts for KeptParts<'_, '_> {
-    fn find(&self, part: u64) -> Option<Vec<u8>> {
-        if self.run.settings.force {
-            return None;
-        }
-        let name = self.name(part);
-        match self.run.cache.get(Kind::Block, &name) {
-            Lookup::Found(state) => Some(state),
-            Lookup::Absent => None,
-            Lookup::Damaged => {
-                self.run.listener.hear(&Event::Damaged { object: name });
-                None
-            }
+impl Running {
+    /// Notes that a block failed.
+    fn fail(&self, index: usize, error: RunnerError) {
+        let mut failure = lock(&self.failure);
+        if failure.as_ref().is_none_or(|(failed, _)| index < *failed) {
+            *failure = Some((index, error));
         }
     }
-
-    fn is_due(&self) -> bool {
-        self.last.get().elapsed() >= self.run.settings.keep_every()
-    }
-
-    fn keep(&self, part: u64, state: &[u8]) {
-        self.last.set(Instant::now());
-        if let Err(error) = self.run.store(Kind::Block, self.owner, &self.name(part), state) {
-            self.refused.replace(Some(error));
-        }
-    }
-}
-
-/// Why a job's code gave nothing.
-enum Halt<E> {
-    /// The run was asked to stop.
-    Stopped,
-    Failed(E),
-}
-
-impl<E> Halt<E> {
-    /// The same with the place of a failure.
-    fn at<F>(self, place: impl FnOnce(E) -> F) -> Halt<F> {
-        match self {
-            Self::Stopped => Halt::Stopped,
-            Self::Failed(error) => Halt::Failed(place(error)),
-        }
-    }
-}
-
-impl From<Halt<RunnerError>> for Outcome {
-    fn from(halt: Halt<RunnerError>) -> Self {
-        match halt {
-            Halt::Stopped => Self::Interrupted,
-            Halt::Failed(error) => Self::Failed(Arc::new(error)),
-        }
-    }
-}
-
-/// Calls, and turns a panic into an error. The job is not used again after one, so it may be in any state.
-fn caught<T>(call: impl FnOnce() -> Result<T, JobError>) -> Result<T, Halt<JobError>> {
-    match catch_unwind(AssertUnwindSafe(call)) {
-        Ok(result) => result.map_err(Halt::Failed),
-        Err(payload) if Stopped::is(payload.as_ref()) => Err(Halt::Stopped),
-        Err(payload) => Err(Halt::Failed(JobError::Failed(panic_text(payload.as_ref())))),
-    }
-}
-
-fn panic_text(payload: &(dyn Any + Send)) -> String {
-    let text = payload.downcast_ref::<&str>().copied();
-    let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
-    format!("panicked: {}", text.unwrap_or("no message"))
 }
 
 /// A mutex whose holder panicked still has whole data here: every change is a single assignment.

@@ -1,5 +1,7 @@
 //! Where jobs run. An engine runs the blocks of a plan's jobs anywhere, in any order, and reduces them in their order.
 
+pub(in crate::runner) mod block;
+pub mod elsewhere;
 pub mod local;
 pub mod pool;
 
@@ -40,7 +42,7 @@ const KEEP_EVERY: Duration = Duration::from_secs(1);
 
 impl Settings {
     /// How long a block runs before it keeps its state.
-    fn keep_every(&self) -> Duration {
+    pub(super) fn keep_every(&self) -> Duration {
         self.keep_every.unwrap_or(KEEP_EVERY)
     }
 

@@ -15,7 +15,7 @@ const STACK_BYTES: usize = 8 << 20;
 ///
 /// # Errors
 /// [`RunnerError::Threads`] if the system refuses.
-pub(super) fn pool(settings: &Settings, stop: &StopFlag) -> Result<rayon::ThreadPool, RunnerError> {
+pub(in crate::runner) fn pool(settings: &Settings, stop: &StopFlag) -> Result<rayon::ThreadPool, RunnerError> {
     let threads = settings.threads();
     let flag = stop.clone();
     rayon::ThreadPoolBuilder::new()

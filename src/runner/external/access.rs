@@ -27,6 +27,16 @@ impl Access {
         Self { commands, remote, settings }
     }
 
+    /// Whether all commands may run, and whether servers of other machines may be asked.
+    pub fn flags(&self) -> (bool, bool) {
+        (self.commands, self.remote)
+    }
+
+    /// The user's list of commands that may run, if there is one.
+    pub fn list(&self) -> Option<Vec<u8>> {
+        file::read(&self.settings.as_ref()?.join(LIST), LIST_BYTES).ok()
+    }
+
     /// Whether servers of other machines may be asked.
     pub(super) fn is_remote_allowed(&self) -> bool {
         self.remote

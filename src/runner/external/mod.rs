@@ -43,6 +43,11 @@ impl Outside {
         Self { access, lent: Mutex::default() }
     }
 
+    /// What is allowed.
+    pub fn access(&self) -> &Access {
+        &self.access
+    }
+
     /// Asks what is allowed, and has asked nothing yet: a model that broke off is tried again.
     pub fn anew(&self) -> Self {
         Self::new(self.access.clone())
