@@ -9,6 +9,7 @@ use plotters::style::{Color, FontStyle, FontTransform, IntoFont, RGBColor, Shape
 use crate::document::visible::is_hidden;
 
 use super::palette::Colour;
+use super::sheet::{Entry, Numbers, Sheet};
 
 /// Width of every canvas, pixels.
 pub const WIDTH: u32 = 1600;
@@ -23,9 +24,15 @@ pub struct Drawing {
     width: u32,
     height: u32,
     body: String,
+    numbers: Numbers,
 }
 
 impl Drawing {
+    /// The numbers that it shows.
+    pub fn numbers(&self) -> &Numbers {
+        &self.numbers
+    }
+
     /// The drawing as an SVG element. `title` and `description` are what a screen reader says; `id` makes their
     /// names unique in a page. `standalone` adds what a file of its own needs.
     pub fn svg(&self, id: &str, title: &str, description: &str, standalone: bool) -> String {
@@ -148,21 +155,23 @@ pub fn fitted(text: &str, size: f64, width: f64) -> String {
 /// A canvas while it is drawn on.
 pub struct Canvas<'a> {
     backend: SVGBackend<'a>,
+    sheet: Sheet,
 }
 
 /// Draws on a new canvas of the standard width.
 pub fn draw(height: u32, paint: impl FnOnce(&mut Canvas<'_>)) -> Drawing {
     let mut text = String::new();
-    let mut canvas = Canvas { backend: SVGBackend::with_string(&mut text, (WIDTH, height)) };
+    let mut canvas = Canvas { backend: SVGBackend::with_string(&mut text, (WIDTH, height)), sheet: Sheet::default() };
     paint(&mut canvas);
     // Writing to a string cannot fail.
     let _ = canvas.backend.present();
+    let numbers = std::mem::take(&mut canvas.sheet).finish();
     drop(canvas);
     let start = text.find('>').map_or(0, |at| at + 1);
     let end = text.rfind("</svg>").unwrap_or(text.len());
     // A quote in a text is escaped, so these patterns are attributes and nothing else.
     let body = text[start..end].trim_start().replace(" font-family=\"sans-serif\"", "").replace(" opacity=\"1\"", "");
-    Drawing { width: WIDTH, height, body }
+    Drawing { width: WIDTH, height, body, numbers }
 }
 
 fn shape(colour: Colour, opacity: f64, width: u32) -> ShapeStyle {
@@ -178,6 +187,23 @@ fn pixel((x, y): (f64, f64)) -> Option<(i32, i32)> {
 }
 
 impl Canvas<'_> {
+    /// Names the columns of the numbers that are drawn.
+    pub(super) fn columns<T: Into<String>>(&mut self, columns: impl IntoIterator<Item = T>) {
+        self.sheet.name(columns);
+    }
+
+    /// Records a row of the numbers that are drawn; gives its number.
+    pub(super) fn record(&mut self, cells: impl IntoIterator<Item = Entry>) -> usize {
+        self.sheet.row(cells)
+    }
+
+    /// Says where a recorded row is seen.
+    pub(super) fn seen(&mut self, row: usize, at: (f64, f64)) {
+        if let Some(at) = pixel(at) {
+            self.sheet.place(at, row);
+        }
+    }
+
     /// A line through points; it breaks where a coordinate is no number.
     pub fn path(&mut self, points: &[(f64, f64)], colour: Colour, width: u32) {
         for piece in points.split(|p| pixel(*p).is_none()) {
