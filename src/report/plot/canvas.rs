@@ -325,24 +325,31 @@ impl Canvas<'_> {
     }
 }
 
+/// Points above which a line is drawn from columns of [`COARSE`] pixels.
+const DENSE: usize = 2000;
+/// Width of such a column, pixels; a line is five wide.
+const COARSE: i32 = 3;
+
 /// Points in whole pixels; of a run in the same column only the first, lowest, highest and last are kept, which
-/// draws the same line.
+/// draws the same line. Of a very long line the lowest and highest of each column are kept, where they come.
 fn thinned(points: &[(f64, f64)]) -> Vec<(i32, i32)> {
+    let is_dense = points.len() > DENSE;
+    let column_of = |point: &(i32, i32)| if is_dense { point.0.div_euclid(COARSE) } else { point.0 };
     let mut out: Vec<(i32, i32)> = Vec::new();
     let mut column: Vec<(i32, i32)> = Vec::new();
     let mut flush = |column: &mut Vec<(i32, i32)>| {
-        if column.len() <= 4 {
+        if column.len() <= if is_dense { 2 } else { 4 } {
             out.append(column);
             return;
         }
-        let low = column.iter().copied().min_by_key(|p| p.1);
-        let high = column.iter().copied().max_by_key(|p| p.1);
-        let ends = [column.first().copied(), low, high, column.last().copied()];
-        out.extend(ends.into_iter().flatten());
+        let low = column.iter().enumerate().min_by_key(|(_, p)| p.1).map_or(0, |(at, _)| at);
+        let high = column.iter().enumerate().max_by_key(|(_, p)| p.1).map_or(0, |(at, _)| at);
+        let kept = if is_dense { vec![low.min(high), low.max(high)] } else { vec![0, low, high, column.len() - 1] };
+        out.extend(kept.iter().filter_map(|&at| column.get(at)).copied());
         column.clear();
     };
     for point in points.iter().filter_map(|&p| pixel(p)) {
-        if column.last().is_some_and(|last| last.0 != point.0) {
+        if column.last().is_some_and(|last| column_of(last) != column_of(&point)) {
             flush(&mut column);
         }
         if column.last() != Some(&point) {
@@ -377,9 +384,13 @@ mod tests {
     }
 
     #[test]
-    fn thousands_of_points_in_a_column_draw_four() {
-        let points: Vec<(f64, f64)> = (0..5000).map(|i| (3.0, f64::from(i % 97))).collect();
-        assert_eq!(thinned(&points).len(), 4);
+    fn thousands_of_points_in_a_column_draw_its_ends() {
+        let points: Vec<(f64, f64)> = (0..1500).map(|i| (3.0, f64::from(i % 97))).collect();
+        assert_eq!(thinned(&points), [(3, 0), (3, 0), (3, 96), (3, 45)]);
+        let long: Vec<(f64, f64)> = (0..9000).map(|i| (f64::from(i) / 1000.0, f64::from((i + 50) % 97))).collect();
+        let drawn = thinned(&long);
+        assert!(drawn.len() <= 8, "two for each three pixels: {drawn:?}");
+        assert!(drawn.iter().any(|p| p.1 == 0) && drawn.iter().any(|p| p.1 == 96), "the ends are kept");
     }
 
     #[test]

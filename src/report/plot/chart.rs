@@ -5,6 +5,9 @@ use super::canvas::{Anchor, Canvas, Drawing, Lettering, SMALL, TEXT, WIDTH, draw
 use super::palette::{Colour, GRID, INK, MUTED, PAPER, SHADE, between};
 use super::sheet::Entry;
 
+/// Dots of a layer that are drawn, an even choice.
+const MOST_DOTS: usize = 600;
+
 /// How a line runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stroke {
@@ -501,8 +504,8 @@ impl Frame {
                 } else {
                     9
                 };
-                // More dots than columns of pixels tell nothing more.
-                let stride = points.len().div_ceil(1500).max(1);
+                // Dots five pixels large that lie closer cover one another.
+                let stride = points.len().div_ceil(MOST_DOTS).max(1);
                 for &point in points.iter().step_by(stride).filter(|p| p.0.is_finite() && p.1.is_finite()) {
                     paint_mark(canvas, self.at(point), *colour, *mark, radius);
                 }
