@@ -1,7 +1,7 @@
 "use strict";
 // Tables sort and filter, figures tell their values. The page says all of it without this script.
 (() => {
-  const SORTED_FROM = 3, FILTERED_FROM = 10, FAR = 120;
+  const SORTED_FROM = 5, FILTERED_FROM = 10, FAR = 120;
   const make = (kind, fields, ...inside) => {
     const element = Object.assign(document.createElement(kind), fields);
     element.append(...inside);

@@ -14,7 +14,11 @@ pub fn text(text: &str) -> String {
     let begins = shown.trim_start().starts_with(['=', '+', '-', '@', '\u{FF1D}', '\u{FF0B}', '\u{FF0D}', '\u{FF20}']);
     // A number is no formula, whatever its sign.
     let guard = if begins && shown.parse::<f64>().is_err() { "'" } else { "" };
-    if shown.contains(['"', ',']) { format!("\"{guard}{}\"", shown.replace('"', "\"\"")) } else { format!("{guard}{shown}") }
+    if shown.contains(['"', ',']) {
+        format!("\"{guard}{}\"", shown.replace('"', "\"\""))
+    } else {
+        format!("{guard}{shown}")
+    }
 }
 
 #[cfg(test)]
@@ -31,12 +35,20 @@ mod tests {
 
     #[test]
     fn no_cell_begins_as_a_formula_or_ends_before_its_end() {
-        for formula in ["=1+1", "+1+1", "-1+1", "@SUM(A1)", " =1", "\t=1", "\r=1", "=cmd|' /C calc'!A0", "\u{FF1D}1", "-x"] {
+        for formula in
+            ["=1+1", "+1+1", "-1+1", "@SUM(A1)", " =1", "\t=1", "\r=1", "=cmd|' /C calc'!A0", "\u{FF1D}1", "-x"]
+        {
             let cell = text(formula);
             assert!(cell.starts_with('\'') || cell.starts_with("\"'") || cell.starts_with('\\'), "{formula:?}: {cell}");
             assert!(!cell.contains(['\t', '\r', '\n']), "{cell:?}");
         }
-        for (plain, cell) in [("TC 1", "TC 1"), ("-5", "-5"), ("a\"b,c", "\"a\"\"b,c\""), ("a\nb", "a\\nb"), ("\u{2212}3 K", "\u{2212}3 K")] {
+        for (plain, cell) in [
+            ("TC 1", "TC 1"),
+            ("-5", "-5"),
+            ("a\"b,c", "\"a\"\"b,c\""),
+            ("a\nb", "a\\nb"),
+            ("\u{2212}3 K", "\u{2212}3 K"),
+        ] {
             assert_eq!(text(plain), cell);
         }
         assert_eq!(text("=HYPERLINK(\"a\",\"b\")"), "\"'=HYPERLINK(\"\"a\"\",\"\"b\"\")\"");

@@ -160,15 +160,14 @@ fn class(status: Option<Status>) -> &'static str {
     }
 }
 
-/// Columns of a table that is too wide for a phone, and those of them that hold text.
-const WIDE: [usize; 2] = [5, 3];
+/// Columns of a table that is too wide for a phone.
+const WIDE: usize = 5;
 /// Rows up to which a table is still read as a list.
 const MOST_STACKED: usize = 40;
 
-/// Whether the rows of a table stand as lists on a narrow screen: many columns of text leave none of them room there.
+/// Whether the rows of a table stand as lists on a narrow screen: many columns have no room there.
 fn stacks(table: &Table) -> bool {
-    let texts = table.columns.iter().filter(|column| !column.is_numeric).count();
-    table.columns.len() >= WIDE[0] && texts >= WIDE[1] && table.rows.len() <= MOST_STACKED
+    table.columns.len() >= WIDE && table.rows.len() <= MOST_STACKED
 }
 
 fn label(column: &Column) -> String {

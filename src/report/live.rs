@@ -134,7 +134,9 @@ mod tests {
             notice: hostile,
         };
         let served = served(&page, &around).expect("served");
-        for (part, count) in [("<script>", 2), ("<script", 2), ("</style>", 1), (html::MAIN, 1), ("</main>", 1), ("id=\"live\"", 1)] {
+        for (part, count) in
+            [("<script>", 2), ("<script", 2), ("</style>", 1), (html::MAIN, 1), ("</main>", 1), ("id=\"live\"", 1)]
+        {
             assert_eq!(served.matches(part).count(), count, "{part}: {served}");
         }
         assert!(served.contains("data-version=\"3\"") && served.contains(&policy_of_page()));

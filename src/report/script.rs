@@ -40,7 +40,19 @@ mod tests {
 
     #[test]
     fn the_script_makes_no_markup_and_asks_for_nothing() {
-        for forbidden in ["innerHTML", "outerHTML", "insertAdjacent", "document.write", "eval", "Function(", "fetch", "XMLHttp", "import", "</", "<!--"] {
+        for forbidden in [
+            "innerHTML",
+            "outerHTML",
+            "insertAdjacent",
+            "document.write",
+            "eval",
+            "Function(",
+            "fetch",
+            "XMLHttp",
+            "import",
+            "</",
+            "<!--",
+        ] {
             assert!(!OF_PAGES.contains(forbidden), "{forbidden}");
         }
         assert_eq!(crate::document::visible::escaped_lines(OF_PAGES), OF_PAGES, "its hash is that of the page's text");

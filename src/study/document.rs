@@ -194,7 +194,12 @@ impl DocumentForm {
             limit(text, "a summary", LONGEST_SUMMARY, instead);
         }
         for text in self.assumptions.iter().take(MOST_ASSUMPTIONS) {
-            limit(text, "an assumption", LONGEST_ASSUMPTION, "write a sentence, and an entry of its own for each assumption");
+            limit(
+                text,
+                "an assumption",
+                LONGEST_ASSUMPTION,
+                "write a sentence, and an entry of its own for each assumption",
+            );
         }
         if let Some(text) = self.assumptions.get(MOST_ASSUMPTIONS) {
             let message = format!("{} assumptions", self.assumptions.len());

@@ -238,19 +238,26 @@ fn hostile_names_are_text_everywhere() {
 /// A page runs its own script and nothing else: one element of it, whose text is that of every page, and no attribute that runs.
 fn assert_scripts_are_the_program_s(html: &str) {
     let plain = rendered(&steady()).html;
-    let script = |page: &str| page.split("<script").nth(1).and_then(|rest| rest.split("</script>").next().map(str::to_owned));
+    let script =
+        |page: &str| page.split("<script").nth(1).and_then(|rest| rest.split("</script>").next().map(str::to_owned));
     assert_eq!(html.matches("<script").count(), 1);
     assert_eq!(script(html), script(&plain));
     assert_eq!(html.matches("</script").count(), 1);
-    let (policy, own) = (|page: &str| page.split("Content-Security-Policy\" content=\"").nth(1).map(|rest| rest[..120].to_owned()), html);
+    let (policy, own) = (
+        |page: &str| page.split("Content-Security-Policy\" content=\"").nth(1).map(|rest| rest[..120].to_owned()),
+        html,
+    );
     assert_eq!(policy(own), policy(&plain), "the policy is that of every page");
     // Tags alone: what is escaped between them is text.
-    for tag in own.split("<script").next().unwrap_or_default().split('<').skip(1).filter_map(|part| part.split('>').next()) {
+    for tag in
+        own.split("<script").next().unwrap_or_default().split('<').skip(1).filter_map(|part| part.split('>').next())
+    {
         let names = tag.split('"').step_by(2).flat_map(str::split_whitespace);
         let runs = names.clone().find(|name| name.starts_with("on") && name.contains('='));
         assert_eq!(runs, None, "<{tag}>");
         for address in tag.split("href=\"").skip(1).filter_map(|rest| rest.split('"').next()) {
-            let is_own = ["#", "data:text/csv;charset=utf-8,", "plots/", ".."].iter().any(|start| address.starts_with(start));
+            let is_own =
+                ["#", "data:text/csv;charset=utf-8,", "plots/", ".."].iter().any(|start| address.starts_with(start));
             assert!(is_own && !address.contains(['<', '>', '\'']), "{address:.200}");
         }
     }
@@ -345,11 +352,16 @@ fn no_try_of_a_name_gets_through() {
         let report = bmv::report::render(&view).expect("renders");
         assert_scripts_are_the_program_s(&report.html);
         let before_script = report.html.split("<script").next().expect("a page");
-        for tag in ["<img", "<iframe", "<base", "<svg onload", "<details open ", "<meta http-equiv=refresh", "<a href=java"] {
+        for tag in
+            ["<img", "<iframe", "<base", "<svg onload", "<details open ", "<meta http-equiv=refresh", "<a href=java"]
+        {
             assert!(!before_script.contains(tag), "{hostile}: {tag}");
             assert!(!without_code(&report.markdown).contains(tag), "{hostile}: {tag}");
         }
-        assert!(!before_script.contains("url(") || !before_script.split("</style>").next().expect("a style").contains("url("));
+        assert!(
+            !before_script.contains("url(")
+                || !before_script.split("</style>").next().expect("a style").contains("url(")
+        );
         assert!(!report.html.contains('\u{202e}') && !report.markdown.contains('\u{202e}'));
         report.figures.iter().for_each(|(_, svg)| assert_well_formed(svg));
         report.data.iter().for_each(|(name, csv)| assert_inert_csv(name, csv));

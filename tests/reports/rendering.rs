@@ -123,7 +123,8 @@ fn pages_need_nothing_from_outside_and_run_their_own_script_alone() {
         }
         let script = html.split("<script>").nth(1).and_then(|rest| rest.split("</script>").next()).expect("a script");
         let hash = bmv::document::hash::sha256_hex(script.as_bytes());
-        let policy = html.split("script-src 'sha256-").nth(1).and_then(|rest| rest.split('\'').next()).expect("a policy");
+        let policy =
+            html.split("script-src 'sha256-").nth(1).and_then(|rest| rest.split('\'').next()).expect("a policy");
         assert_eq!(hexadecimal(policy), hash, "the policy admits the script that is there");
         assert_eq!(html.matches("<script").count(), 1);
     }
@@ -133,7 +134,9 @@ fn pages_need_nothing_from_outside_and_run_their_own_script_alone() {
 fn hexadecimal(text: &str) -> String {
     const DIGITS: &str = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let bits: String = text.chars().filter_map(|c| DIGITS.find(c)).map(|digit| format!("{digit:06b}")).collect();
-    (0..bits.len() / 8).map(|at| format!("{:02x}", u8::from_str_radix(&bits[8 * at..8 * at + 8], 2).expect("bits"))).collect()
+    (0..bits.len() / 8)
+        .map(|at| format!("{:02x}", u8::from_str_radix(&bits[8 * at..8 * at + 8], 2).expect("bits")))
+        .collect()
 }
 
 #[test]

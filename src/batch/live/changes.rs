@@ -167,7 +167,8 @@ mod tests {
             assert!(!watched.has_changed(), "{unread} is not read");
         }
         std::fs::create_dir(root.path().join("data")).expect("made");
-        for seen in ["target/a.csv", ".logger/b.csv", "data/late.csv", "pass-2.json", "effects/own.json", "model.json"] {
+        for seen in ["target/a.csv", ".logger/b.csv", "data/late.csv", "pass-2.json", "effects/own.json", "model.json"]
+        {
             write(seen, "changed");
             assert_eq!(watched.renew(), [seen]);
             assert!(!watched.has_changed());

@@ -73,7 +73,8 @@ pub fn bar_chart(axis: &Axis, bars: &[Bar], marker: Option<(f64, &str)>) -> Draw
             let from = if bar.from == 0.0 { Entry::Empty } else { bar.from.into() };
             let [lower, upper] = bar.interval.unwrap_or([f64::NAN; 2]);
             let label = bar.label.as_str().into();
-            let row = canvas.record([label, from, bar.value.into(), lower.into(), upper.into(), bar.text.as_str().into()]);
+            let row =
+                canvas.record([label, from, bar.value.into(), lower.into(), upper.into(), bar.text.as_str().into()]);
             canvas.seen(row, (end, middle));
             canvas.text_on_paper(&bar.text, (end + 16.0, middle), Lettering::new(TEXT, INK).bold());
         }

@@ -170,7 +170,8 @@ pub fn draw(height: u32, paint: impl FnOnce(&mut Canvas<'_>)) -> Drawing {
     let start = text.find('>').map_or(0, |at| at + 1);
     let end = text.rfind("</svg>").unwrap_or(text.len());
     // A quote in a text is escaped, so these patterns are attributes and nothing else.
-    let body = text[start..end].trim_start().replace(" font-family=\"sans-serif\"", "").replace(" opacity=\"1\"", "");
+    let needless = [" font-family=\"sans-serif\"", " opacity=\"1\"", " stroke=\"none\" stroke-width=\"1\""];
+    let body = needless.iter().fold(text[start..end].trim_start().to_owned(), |body, part| body.replace(part, ""));
     Drawing { width: WIDTH, height, body, numbers }
 }
 
@@ -327,8 +328,8 @@ impl Canvas<'_> {
 
 /// Points above which a line is drawn from columns of [`COARSE`] pixels.
 const DENSE: usize = 2000;
-/// Width of such a column, pixels; a line is five wide.
-const COARSE: i32 = 3;
+/// Width of such a column, pixels: as wide as a line.
+const COARSE: i32 = 5;
 
 /// Points in whole pixels; of a run in the same column only the first, lowest, highest and last are kept, which
 /// draws the same line. Of a very long line the lowest and highest of each column are kept, where they come.
@@ -389,7 +390,7 @@ mod tests {
         assert_eq!(thinned(&points), [(3, 0), (3, 0), (3, 96), (3, 45)]);
         let long: Vec<(f64, f64)> = (0..9000).map(|i| (f64::from(i) / 1000.0, f64::from((i + 50) % 97))).collect();
         let drawn = thinned(&long);
-        assert!(drawn.len() <= 8, "two for each three pixels: {drawn:?}");
+        assert!(drawn.len() <= 8, "two for each five pixels: {drawn:?}");
         assert!(drawn.iter().any(|p| p.1 == 0) && drawn.iter().any(|p| p.1 == 96), "the ends are kept");
     }
 

@@ -151,7 +151,17 @@ impl Shade {
 /// The columns in which [`Chart::record`] writes.
 pub(super) fn chart_columns(x: &str, y: &str) -> [String; 9] {
     let of = |title: &str, what: &str| format!("{title} {what}").trim_start().to_owned();
-    ["panel".into(), "series".into(), x.into(), of(x, "to"), y.into(), of(y, "lower"), of(y, "upper"), of(y, "to"), "value".into()]
+    [
+        "panel".into(),
+        "series".into(),
+        x.into(),
+        of(x, "to"),
+        y.into(),
+        of(y, "lower"),
+        of(y, "upper"),
+        of(y, "to"),
+        "value".into(),
+    ]
 }
 
 /// A chart.
@@ -205,7 +215,8 @@ impl Chart {
             let series = Entry::from(self.series(layer).as_str());
             let mut add = |[x, x_to, y, lower, upper, y_to, value]: [f64; 7], place: (f64, f64)| {
                 let numbers = [y, lower, upper, y_to, value].map(Entry::from);
-                let row = canvas.record([panel.clone(), series.clone(), at_name(x), x_to.into()].into_iter().chain(numbers));
+                let row =
+                    canvas.record([panel.clone(), series.clone(), at_name(x), x_to.into()].into_iter().chain(numbers));
                 canvas.seen(row, frame.at(place));
             };
             const NONE: f64 = f64::NAN;

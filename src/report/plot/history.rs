@@ -70,7 +70,10 @@ pub fn history(data: &History) -> Drawing {
         let frame = upper.paint(canvas, Area { left: 0.0, top: 0.0, right, bottom: 730.0 }, Some(190.0), false);
         lower.paint(canvas, Area { left: 0.0, top: 680.0, right, bottom: height }, Some(190.0), true);
         let predicted = format!("predicted {}", data.y_title);
-        canvas.columns([&data.x_title, &format!("measured {}", data.y_title), &predicted, &data.residual_title, "held out"].map(String::from));
+        canvas.columns(
+            [&data.x_title, &format!("measured {}", data.y_title), &predicted, &data.residual_title, "held out"]
+                .map(String::from),
+        );
         for &(x, measured, predicted) in &data.points {
             let held_out = Entry::mark("held out", data.held_out.iter().any(|shade| shade.holds(x)));
             let residual = (measured - predicted).into();

@@ -158,7 +158,13 @@ fn record(canvas: &mut Canvas<'_>, diagram: &Diagram, centres: &[(f64, f64)]) {
     }
     let adopted = |own: &str| Entry::mark("adopted", diagram.adopted.iter().any(|other| other == own));
     for ((own, kind, from, to), lane) in diagram.paths.iter().zip(lanes(diagram)) {
-        let row = canvas.record([own.as_str().into(), path_words(*kind).into(), name(*from).into(), name(*to).into(), adopted(own)]);
+        let row = canvas.record([
+            own.as_str().into(),
+            path_words(*kind).into(),
+            name(*from).into(),
+            name(*to).into(),
+            adopted(own),
+        ]);
         let (from, to) = shifted(place(*from), place(*to), lane);
         canvas.seen(row, (0.5 * (from.0 + to.0), 0.5 * (from.1 + to.1)));
     }
@@ -168,7 +174,13 @@ fn record(canvas: &mut Canvas<'_>, diagram: &Diagram, centres: &[(f64, f64)]) {
     }
     for own in &diagram.missing {
         let to = if own.from == own.to { "" } else { name(own.to) };
-        canvas.record([own.label.as_str().into(), path_words(own.path).into(), name(own.from).into(), to.into(), "missing".into()]);
+        canvas.record([
+            own.label.as_str().into(),
+            path_words(own.path).into(),
+            name(own.from).into(),
+            to.into(),
+            "missing".into(),
+        ]);
     }
 }
 

@@ -82,7 +82,8 @@ impl Sheet {
 
     /// Columns that hold something.
     fn used(&self) -> Vec<usize> {
-        let holds = |column: &usize| self.rows.iter().any(|row| row.get(*column).is_some_and(|own| *own != Entry::Empty));
+        let holds =
+            |column: &usize| self.rows.iter().any(|row| row.get(*column).is_some_and(|own| *own != Entry::Empty));
         (0..self.columns.len()).filter(holds).collect()
     }
 

@@ -110,8 +110,11 @@ fn before(report: &PassReport<'_>) -> Vec<Rung> {
 fn proposed(report: &PassReport<'_>, output: &Diagnosis, is_tuned: bool) -> Vec<Rung> {
     let mut rungs = Vec::new();
     let rung = |state: Text, train: Option<f64>, held_out: Option<f64>| {
-        (train.is_some() || held_out.is_some())
-            .then(|| Rung { state, standing: Standing { fitted: train, held_out, ..Standing::default() }, unseen: None })
+        (train.is_some() || held_out.is_some()).then(|| Rung {
+            state,
+            standing: Standing { fitted: train, held_out, ..Standing::default() },
+            unseen: None,
+        })
     };
     if !is_tuned {
         let errors = output.misfit.rmse_k;
