@@ -40,7 +40,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
                 blocks.push(Block::Details(title, own));
                 continue;
             }
-            blocks.extend((all.len() > 1).then(|| Block::Heading(title)));
+            blocks.extend((all.len() > 1).then_some(Block::Heading(title)));
             blocks.extend(own);
         }
         blocks.extend(worst_case(output));
