@@ -387,7 +387,7 @@ mod tests {
     #[test]
     fn thousands_of_points_in_a_column_draw_its_ends() {
         let points: Vec<(f64, f64)> = (0..1500).map(|i| (3.0, f64::from(i % 97))).collect();
-        assert_eq!(thinned(&points), [(3, 0), (3, 0), (3, 96), (3, 45)]);
+        assert_eq!(thinned(&points), [(3, 0), (3, 0), (3, 96), (3, 44)]);
         let long: Vec<(f64, f64)> = (0..9000).map(|i| (f64::from(i) / 1000.0, f64::from((i + 50) % 97))).collect();
         let drawn = thinned(&long);
         assert!(drawn.len() <= 8, "two for each five pixels: {drawn:?}");

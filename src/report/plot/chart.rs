@@ -6,7 +6,7 @@ use super::palette::{Colour, GRID, INK, MUTED, PAPER, SHADE, between};
 use super::sheet::Entry;
 
 /// Dots of a layer that are drawn, an even choice.
-const MOST_DOTS: usize = 600;
+const MOST_DOTS: usize = 500;
 
 /// How a line runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
