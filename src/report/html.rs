@@ -1,16 +1,17 @@
-//! The page as one HTML file that needs nothing else: style and drawings inside, no script, no network.
+//! The page as one HTML file that needs nothing else: style, drawings and a small script inside, no network.
 
 use serde::Serialize;
 use thiserror::Error;
 
 use crate::document::visible::escaped_lines;
 
-use super::page::{Block, Cell, Column, Inline, Numbering, Page, Status, Table, Text, Tone};
+use super::page::{Block, Cell, Column, Figure, Inline, Numbering, Page, Status, Table, Text, Tone};
+use super::script;
 
 const TEMPLATE: &str = include_str!("../../templates/report.html");
 const STYLE: &str = include_str!("../../templates/report.css");
-/// What a page may load: nothing but its own style.
-pub(super) const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'";
+/// Numbers behind a figure that are this long or longer, bytes of CSV, are linked and not held in the page.
+const LINKED_FROM: usize = 24 << 10;
 /// Where the content begins.
 pub(super) const MAIN: &str = "<main id=\"content\" tabindex=\"-1\">";
 
@@ -22,12 +23,24 @@ pub enum HtmlError {
     Template(#[from] tera::Error),
 }
 
+/// Where the numbers behind figures can be had.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beside {
+    /// A file of each figure's numbers lies beside the page: `plots/NAME.csv`.
+    Files,
+    /// In the page alone.
+    Nothing,
+}
+
 /// The page as HTML.
-pub fn render(page: &Page) -> Result<String, HtmlError> {
+///
+/// # Errors
+/// A template that does not fit the page.
+pub fn render(page: &Page, beside: Beside) -> Result<String, HtmlError> {
     let mut tera = tera::Tera::default();
     // Names that end in `.html` are escaped.
     tera.add_raw_template("report.html", TEMPLATE)?;
-    let mut flat = Flat { blocks: Vec::new(), numbering: Numbering::default(), section: 0, heading: 0 };
+    let mut flat = Flat { blocks: Vec::new(), numbering: Numbering::default(), section: 0, heading: 0, beside };
     let sections: Vec<FlatSection<'_>> = page
         .sections
         .iter()
@@ -44,7 +57,8 @@ pub fn render(page: &Page) -> Result<String, HtmlError> {
         })
         .collect();
     let context = tera::Context::from_serialize(&Whole {
-        policy: POLICY,
+        policy: script::policy(&[script::OF_PAGES]),
+        script: script::OF_PAGES,
         title: &page.title,
         subtitle: &page.subtitle,
         links: &page.links,
@@ -86,7 +100,8 @@ fn in_style(text: &str) -> String {
 
 #[derive(Serialize)]
 struct Whole<'a> {
-    policy: &'static str,
+    policy: String,
+    script: &'static str,
     title: &'a str,
     subtitle: &'a Text,
     links: &'a Text,
@@ -112,7 +127,7 @@ enum FlatBlock<'a> {
     Paragraph { text: &'a Text },
     List { items: &'a [Text] },
     Table { number: usize, caption: &'a Text, columns: &'a [Column], stacks: bool, rows: Vec<Vec<FlatCell<'a>>> },
-    Figure { number: usize, id: String, caption: &'a Text, svg: String },
+    Figure { number: usize, id: String, caption: &'a Text, svg: String, values: &'a str, data: String, file: String },
     Callout { tone: Tone, word: &'static str, text: &'a Text },
     Statements { statements: Vec<FlatStatement<'a>> },
     Definitions { entries: Vec<[&'a Text; 2]> },
@@ -145,15 +160,14 @@ fn class(status: Option<Status>) -> &'static str {
     }
 }
 
-/// Columns of a table that is too wide for a phone, and those of them that hold text.
-const WIDE: [usize; 2] = [5, 3];
+/// Columns of a table that is too wide for a phone.
+const WIDE: usize = 5;
 /// Rows up to which a table is still read as a list.
 const MOST_STACKED: usize = 40;
 
-/// Whether the rows of a table stand as lists on a narrow screen: many columns of text leave none of them room there.
+/// Whether the rows of a table stand as lists on a narrow screen: many columns have no room there.
 fn stacks(table: &Table) -> bool {
-    let texts = table.columns.iter().filter(|column| !column.is_numeric).count();
-    table.columns.len() >= WIDE[0] && texts >= WIDE[1] && table.rows.len() <= MOST_STACKED
+    table.columns.len() >= WIDE && table.rows.len() <= MOST_STACKED
 }
 
 fn label(column: &Column) -> String {
@@ -171,6 +185,21 @@ struct Flat<'a> {
     numbering: Numbering,
     section: usize,
     heading: usize,
+    beside: Beside,
+}
+
+/// The address of the numbers behind a figure: the numbers themselves (RFC 2397), or the file beside the page where they are many.
+fn data(figure: &Figure, id: &str, beside: Beside) -> String {
+    let csv = &figure.drawing.numbers().csv;
+    if beside == Beside::Files && csv.len() >= LINKED_FROM {
+        return format!("plots/{id}.csv");
+    }
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~,".contains(&byte);
+    let mut out = String::from("data:text/csv;charset=utf-8,");
+    for byte in csv.bytes() {
+        if is_plain(byte) { out.push(char::from(byte)) } else { out.push_str(&format!("%{byte:02X}")) }
+    }
+    out
 }
 
 impl<'a> Flat<'a> {
@@ -199,7 +228,9 @@ impl<'a> Flat<'a> {
                 Block::Figure(figure) => {
                     let (number, id) = self.numbering.figure(figure);
                     let svg = figure.drawing.svg(&id, &format!("Figure {number}"), &figure.alternative, false);
-                    FlatBlock::Figure { number, id, caption: &figure.caption, svg }
+                    let values = &figure.drawing.numbers().values;
+                    let (data, file) = (data(figure, &id, self.beside), format!("{id}.csv"));
+                    FlatBlock::Figure { number, id, caption: &figure.caption, svg, values, data, file }
                 }
                 Block::Callout(tone, text) => FlatBlock::Callout { tone: *tone, word: tone.word(), text },
                 Block::Statements(statements) => FlatBlock::Statements {

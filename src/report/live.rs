@@ -2,12 +2,12 @@
 //! adopt, and the script that loads the page anew. Nothing of this is in a report that lies in a folder.
 
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 
 use crate::document::visible::escaped_lines;
 
-use super::html::{self, HtmlError};
+use super::html::{self, Beside, HtmlError};
 use super::page::{Block, Page, Section};
+use super::script;
 
 const PANEL: &str = include_str!("../../templates/live/panel.html");
 const BAR: &str = include_str!("../../templates/live/bar.html");
@@ -70,7 +70,7 @@ pub fn served(page: &str, around: &Around<'_>) -> Result<String, HtmlError> {
     let bar = escaped_lines(&tera.render("bar.html", &context)?).into_owned();
     // Texts of a study are escaped, so that each of these stands in the template alone.
     let additions = [
-        (html::POLICY.to_owned(), policy_of_page()),
+        (script::policy(&[script::OF_PAGES]), policy_of_page()),
         ("</style>".to_owned(), format!("{STYLE}</style>")),
         (html::MAIN.to_owned(), format!("{}{panel}", html::MAIN)),
         ("</body>".to_owned(), format!("{bar}<script>{SCRIPT}</script>\n</body>")),
@@ -85,7 +85,7 @@ pub fn served(page: &str, around: &Around<'_>) -> Result<String, HtmlError> {
 pub fn waiting() -> Result<String, HtmlError> {
     let words = "This page is not here yet: it comes when the jobs of its pass have run. It loads by itself.";
     let section = Section { id: "waiting", title: "No results yet".into(), blocks: vec![Block::paragraph(words)] };
-    html::render(&Page { title: "bmv watch".into(), sections: vec![section], ..Page::default() })
+    html::render(&Page { title: "bmv watch".into(), sections: vec![section], ..Page::default() }, Beside::Nothing)
 }
 
 #[derive(Serialize)]
@@ -98,10 +98,10 @@ struct Context<'a> {
     notice: &'a str,
 }
 
-/// What a served page may do: its own style and script, and asking and posting where it comes from.
+/// What a served page may do: its own style and scripts, and asking and posting where it comes from.
 fn policy_of_page() -> String {
-    let hash = base64(&Sha256::digest(SCRIPT.as_bytes()));
-    format!("{}; script-src 'sha256-{hash}'; connect-src 'self'; form-action 'self'; base-uri 'none'", html::POLICY)
+    let scripts = script::policy(&[script::OF_PAGES, SCRIPT]);
+    format!("{scripts}; connect-src 'self'; form-action 'self'; base-uri 'none'")
 }
 
 /// The same as a field of an answer, which can also keep others from showing the page within theirs.
@@ -109,37 +109,14 @@ pub fn policy() -> String {
     format!("{}; frame-ancestors 'none'", policy_of_page())
 }
 
-/// Bytes in base 64 (RFC 4648, section 4).
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let of_three = |three: &[u8]| {
-        let number =
-            (0..3).fold(0_usize, |number, at| number << 8 | three.get(at).map_or(0, |byte| usize::from(*byte)));
-        let digit = move |at: usize| match at <= three.len() {
-            true => char::from(DIGITS[number >> (18 - 6 * at) & 63]),
-            false => '=',
-        };
-        [digit(0), digit(1), digit(2), digit(3)]
-    };
-    bytes.chunks(3).flat_map(of_three).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn base_64_is_that_of_the_standard() {
-        // RFC 4648, section 10.
-        for (bytes, digits) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
-            assert_eq!(base64(bytes.as_bytes()), digits);
-        }
-    }
-
-    #[test]
     fn a_served_page_has_everything_once_and_no_markup_of_the_study() {
         let hostile = "</main></style><script>alert(1)</script>\"'";
-        let page = html::render(&Page { title: hostile.into(), ..Page::default() }).expect("rendered");
+        let page = html::render(&Page { title: hostile.into(), ..Page::default() }, Beside::Nothing).expect("rendered");
         let offer = Offered {
             pass: hostile,
             job: hostile,
@@ -157,11 +134,13 @@ mod tests {
             notice: hostile,
         };
         let served = served(&page, &around).expect("served");
-        for (part, count) in [("<script", 1), ("</style>", 1), (html::MAIN, 1), ("</main>", 1), ("id=\"live\"", 1)] {
+        for (part, count) in
+            [("<script>", 2), ("<script", 2), ("</style>", 1), (html::MAIN, 1), ("</main>", 1), ("id=\"live\"", 1)]
+        {
             assert_eq!(served.matches(part).count(), count, "{part}: {served}");
         }
         assert!(served.contains("data-version=\"3\"") && served.contains(&policy_of_page()));
         assert!(served.contains("<button type=\"submit\">Adopt</button>"));
-        assert!(!page.contains("<script") && !page.contains("script-src"), "a report has none of it");
+        assert!(!page.contains(SCRIPT) && !page.contains("connect-src"), "a report has none of it");
     }
 }

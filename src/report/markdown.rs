@@ -6,7 +6,7 @@ use crate::document::visible::escaped_lines;
 
 use super::page::{Block, Cell, Column, Figure, Inline, Numbering, Page, Section, Status, Table, Text};
 
-/// The page as Markdown; figures are links to `plots/NAME.svg`.
+/// The page as Markdown; figures are links to `plots/NAME.svg`, with their numbers in `plots/NAME.csv`.
 pub fn render(page: &Page) -> String {
     let mut out = format!("# {}\n", escape(&page.title));
     if !page.subtitle.0.is_empty() {
@@ -126,7 +126,8 @@ impl Writer {
 
     fn figure(&mut self, number: usize, name: &str, figure: &Figure) {
         let _ = write!(self.out, "\n![{}](plots/{name}.svg)\n", escape(&figure.alternative));
-        paragraph(&mut self.out, &format!("**Figure {number}.** {}", inline(&figure.caption, false)));
+        let caption = inline(&figure.caption, false);
+        paragraph(&mut self.out, &format!("**Figure {number}.** {caption} [Data (CSV)](plots/{name}.csv)"));
     }
 }
 

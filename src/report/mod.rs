@@ -5,6 +5,7 @@
 
 pub mod archive;
 pub mod assemble;
+pub mod csv;
 pub mod essentials;
 pub mod headline;
 pub mod history;
@@ -17,6 +18,7 @@ pub mod number;
 pub mod page;
 pub mod plot;
 pub mod required;
+mod script;
 pub mod seal;
 pub mod section;
 pub mod terminal;
@@ -48,6 +50,8 @@ pub struct RenderedReport {
     pub html: String,
     /// Name and contents of each `plots/NAME.svg`.
     pub figures: Vec<(String, String)>,
+    /// Name and contents of each `plots/NAME.csv`: the numbers that the figure shows.
+    pub data: Vec<(String, String)>,
     /// `results.json`.
     pub results_json: String,
     /// `record.json`.
@@ -68,17 +72,15 @@ pub enum RenderError {
 /// Renders a report. Pure: no file is read, no clock, no host.
 pub fn render(report: &PassReport<'_>) -> Result<RenderedReport, RenderError> {
     let page = page(report);
-    let figures = page::figures(&page)
-        .into_iter()
-        .map(|(name, figure)| {
-            let svg = figure.drawing.svg(&name, &name, &figure.alternative, true);
-            (name, svg)
-        })
-        .collect();
+    let figures = page::figures(&page);
+    let svg = |(name, figure): &(String, &page::Figure)| {
+        (name.clone(), figure.drawing.svg(name, name, &figure.alternative, true))
+    };
     Ok(RenderedReport {
         markdown: markdown::render(&page),
-        html: html::render(&page)?,
-        figures,
+        html: html::render(&page, html::Beside::Files)?,
+        figures: figures.iter().map(svg).collect(),
+        data: figures.iter().map(|(name, figure)| (name.clone(), figure.drawing.numbers().csv.clone())).collect(),
         results_json: results_json(report)?,
         record_json: Record::of(report).text()?,
     })

@@ -35,7 +35,8 @@ impl RenderedReport {
         ];
         let texts = texts.into_iter().map(|(name, text)| (name.to_owned(), text.as_str()));
         let plots = self.figures.iter().map(|(name, svg)| (format!("plots/{name}.svg"), svg.as_str()));
-        texts.chain(plots).collect()
+        let data = self.data.iter().map(|(name, csv)| (format!("plots/{name}.csv"), csv.as_str()));
+        texts.chain(plots).chain(data).collect()
     }
 
     /// The report with its seal; `origin` is the hash of where it comes from, [`Manifest::origin_sha256`].
@@ -107,7 +108,7 @@ pub fn contradictions(manifest: &Manifest, folder: &Path) -> std::io::Result<Vec
 fn meaning(part: &str) -> Option<&'static str> {
     match part.split_once('=')?.0 {
         "origin" => Some("other inputs, jobs or results"),
-        "files" => Some("other figures, another results.json or record.json"),
+        "files" => Some("other figures or numbers behind them, another results.json or record.json"),
         "text" => Some("another text"),
         _ => None,
     }

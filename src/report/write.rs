@@ -24,8 +24,8 @@ pub enum WriteError {
     Manifest(#[from] RunnerError),
 }
 
-/// Writes `report.md`, `report.html`, `results.json`, `record.json`, `plots/*.svg` and at last the manifest, which gets them as its
-/// outputs, into the folder `relative` below `base`; it is made if needed. Files that the manifest of an earlier report
+/// Writes `report.md`, `report.html`, `results.json`, `record.json`, `plots/*.svg`, `plots/*.csv` and at last the manifest, which gets
+/// them as its outputs, into the folder `relative` below `base`; it is made if needed. Files that the manifest of an earlier report
 /// there names, and this report does not have, are removed; all others stay. Below `base` no link is followed.
 ///
 /// # Errors

@@ -16,6 +16,12 @@ pub const FILE: &str = "document.json";
 const FORMAT: &str = "bmv-document/1";
 /// Most characters of an entry of the title block.
 const LONGEST: usize = 300;
+/// Most characters of the summary.
+const LONGEST_SUMMARY: usize = 2000;
+/// Most characters of an assumption.
+const LONGEST_ASSUMPTION: usize = 600;
+/// Most assumptions.
+const MOST_ASSUMPTIONS: usize = 100;
 
 written_struct! {
     /// The title block of a study's reports, and what people write of its test.
@@ -43,13 +49,13 @@ written_struct! {
         /// Licence of the reports, such as `CC-BY-4.0` or an address.
         optional licence: Spanned<String>,
         /// What it is about, in a few sentences.
-        optional summary: String,
+        optional summary: Spanned<String>,
         /// Documents that bind.
         default(Vec::new()) applicable_documents: Vec<ReferenceForm>,
         /// Documents that inform.
         default(Vec::new()) reference_documents: Vec<ReferenceForm>,
         /// Assumptions, a sentence each.
-        default(Vec::new()) assumptions: Vec<String>,
+        default(Vec::new()) assumptions: Vec<Spanned<String>>,
         /// The test in words.
         optional test: TestForm,
         /// Set where what stands here was reconstructed: what and how.
@@ -170,16 +176,38 @@ impl DocumentForm {
         }
         let block = [Some(&self.title), Some(&self.number), Some(&self.issue), self.project.as_ref()];
         let people = [&self.organisation, &self.author, &self.checker, &self.approver, &self.licence];
-        for text in block.into_iter().chain(people.map(Option::as_ref)).flatten() {
+        let mut limit = |text: &Spanned<String>, what: &str, longest: usize, instead: &str| {
             let length = text.value.chars().count();
-            if length > LONGEST {
-                let message = format!("an entry of the title block with {length} characters");
+            if length > longest {
                 diagnostics.push(
-                    Diagnostic::error(&code::DOCUMENT_FILE, &text.place, message)
-                        .expected(format!("at most {LONGEST} characters"))
-                        .help("longer texts have their place in `summary`"),
+                    Diagnostic::error(&code::DOCUMENT_FILE, &text.place, format!("{what} with {length} characters"))
+                        .expected(format!("at most {longest} characters"))
+                        .help(instead),
                 );
             }
+        };
+        for text in block.into_iter().chain(people.map(Option::as_ref)).flatten() {
+            limit(text, "an entry of the title block", LONGEST, "longer texts have their place in `summary`");
+        }
+        if let Some(text) = &self.summary {
+            let instead = "say what the document is about; longer texts have their place in `test`, or in the passes' `description`";
+            limit(text, "a summary", LONGEST_SUMMARY, instead);
+        }
+        for text in self.assumptions.iter().take(MOST_ASSUMPTIONS) {
+            limit(
+                text,
+                "an assumption",
+                LONGEST_ASSUMPTION,
+                "write a sentence, and an entry of its own for each assumption",
+            );
+        }
+        if let Some(text) = self.assumptions.get(MOST_ASSUMPTIONS) {
+            let message = format!("{} assumptions", self.assumptions.len());
+            diagnostics.push(
+                Diagnostic::error(&code::DOCUMENT_FILE, &text.place, message)
+                    .expected(format!("at most {MOST_ASSUMPTIONS}"))
+                    .help("refer to the document that lists them, under `reference_documents`"),
+            );
         }
         if !is_day(&self.date.value) {
             let message = format!("`{}` is no day", self.date.value);
@@ -222,10 +250,10 @@ impl DocumentForm {
             checker: self.checker.map(|text| text.value),
             approver: self.approver.map(|text| text.value),
             licence: self.licence.map(|text| text.value),
-            summary: self.summary,
+            summary: self.summary.map(|text| text.value),
             applicable: self.applicable_documents.into_iter().map(reference).collect(),
             references: self.reference_documents.into_iter().map(reference).collect(),
-            assumptions: self.assumptions,
+            assumptions: self.assumptions.into_iter().map(|text| text.value).collect(),
             test,
             reconstructed: self.reconstructed,
             not_archived: (self.not_archived.iter()).map(|entry| (entry.name.clone(), entry.value.clone())).collect(),
@@ -292,6 +320,27 @@ mod tests {
                 "such as \"pass-1.json\"",
             ),
             ("Plate", &"x".repeat(301), "document.json:1:39", "with 301 characters", "at most 300 characters"),
+            (
+                "\"2026-06-30\"",
+                &format!("\"2026-06-30\", \"summary\": \"{}\"", "x".repeat(2001)),
+                "document.json:1:112",
+                "a summary with 2001 characters",
+                "at most 2000 characters",
+            ),
+            (
+                "\"2026-06-30\"",
+                &format!("\"2026-06-30\", \"assumptions\": [\"short\", \"{}\"]", "x".repeat(601)),
+                "document.json:1:126",
+                "an assumption with 601 characters",
+                "at most 600 characters",
+            ),
+            (
+                "\"2026-06-30\"",
+                &format!("\"2026-06-30\", \"assumptions\": [{}\"b\"]", "\"a\", ".repeat(100)),
+                "document.json:1:617",
+                "101 assumptions",
+                "at most 100",
+            ),
             ("bmv-document/1", "bmv-document/2", "document.json:1:12", "bmv-document/2", "bmv-document/1"),
         ];
         for (from, to, place, message, help) in cases {

@@ -159,6 +159,7 @@ fn verify_tells_what_changed_in_a_report() {
         markdown: "# Report".to_owned(),
         html: "<html></html>".to_owned(),
         figures: Vec::new(),
+        data: Vec::new(),
         results_json: results,
         record_json: "{}\n".to_owned(),
     };

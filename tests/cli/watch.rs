@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use super::story::changed;
-use super::studies::{bmv, code, printed};
+use super::studies::{bmv, code, plate, printed};
 
 /// A study that is watched, until the test ends.
 struct Watched {
@@ -30,10 +30,10 @@ impl Answer {
 }
 
 impl Watched {
-    fn start(root: &Path) -> Self {
+    fn start(root: &Path, study: &str) -> Self {
         let mut process = Command::new(assert_cmd::cargo::cargo_bin!("bmv"))
             .current_dir(root)
-            .args(["watch", "hidden", "--cache", "cache"])
+            .args(["watch", study, "--cache", "cache"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
@@ -68,7 +68,7 @@ impl Watched {
                 return status;
             }
             assert!(begun.elapsed() < Duration::from_secs(120), "{status}");
-            std::thread::sleep(Duration::from_millis(100));
+            std::thread::sleep(Duration::from_millis(20));
         }
     }
 }
@@ -84,7 +84,7 @@ impl Drop for Watched {
 fn a_watched_study_is_served_to_one_browser_run_again_and_taken_further() {
     let root = changed(|pass| pass["jobs"].as_object_mut().unwrap().retain(|name, _| name == "missing"));
     let study = root.path().join("hidden");
-    let watched = Watched::start(root.path());
+    let watched = Watched::start(root.path(), "hidden");
     let host = format!("Host: {}", watched.host);
     let origin = format!("Origin: http://{}", watched.host);
     let enter = format!("GET /?token={}", watched.token);
@@ -139,15 +139,34 @@ fn a_watched_study_is_served_to_one_browser_run_again_and_taken_further() {
     assert!(said.contains("hidden/model.json:") && said.contains("`nodse`"), "{said}");
     let page = watched.ask("GET /hidden/pass-1/report.html", &own, "");
     assert!(page.2.contains("data-state=\"wrong\"") && page.2.contains("What is missing"), "{}", page.2);
-    fs::write(study.join("model.json"), model).unwrap();
+    // What is shown is older than the files: nothing is adopted from it.
+    let own_page = [own[0], own[1], origin.as_str()];
+    let no_effect = "pass=pass-1.json&job=missing&effect=no-such-effect";
+    let refused = watched.ask("POST /adopt", &own_page, no_effect);
+    assert_eq!(refused.0, 409);
+    assert!(refused.2.contains("something in it is wrong: adopt when the new results are there"), "{}", refused.2);
+    fs::write(study.join("model.json"), &model).unwrap();
     watched.until(&own, "ready", 2);
+
+    // Nor while it runs again. What nothing reads starts no run.
+    fs::write(study.join("notes.txt"), "seen by nobody").unwrap();
+    let pass = fs::read_to_string(study.join("pass-1.json")).unwrap();
+    let mut other: Value = serde_json::from_str(&pass).unwrap();
+    other["seed"] = (other["seed"].as_u64().unwrap() + 1).into();
+    fs::write(study.join("pass-1.json"), other.to_string()).unwrap();
+    watched.until(&own, "running", 2);
+    let refused = watched.ask("POST /adopt", &own_page, no_effect);
+    assert_eq!(refused.0, 409);
+    assert!(refused.2.contains("the study is running again"), "{}", refused.2);
+    watched.until(&own, "ready", 3);
+    fs::write(study.join("pass-1.json"), pass).unwrap();
+    watched.until(&own, "ready", 4);
 
     // The page adopts what the command adopts, byte for byte; and nothing by a request of another origin.
     let form = "pass=pass-1.json&job=missing";
     assert_eq!(watched.ask("POST /adopt", &own, form).0, 403);
     let foreign = [own[0], own[1], "Origin: null"];
     assert_eq!(watched.ask("POST /adopt", &foreign, form).0, 403);
-    let own_page = [own[0], own[1], origin.as_str()];
     assert_eq!(watched.ask("POST /adopt", &[&host, &origin], form).0, 403);
     assert_eq!(watched.ask("POST /adopt", &own_page, "pass=..%2Fpass-1.json&job=missing").0, 404);
     assert_eq!(watched.ask("POST /adopt", &own_page, "pass=pass-1.json&job=other").0, 404);
@@ -162,6 +181,36 @@ fn a_watched_study_is_served_to_one_browser_run_again_and_taken_further() {
     fs::remove_file(study.join("pass-2.json")).unwrap();
     printed(root.path(), &["adopt", "hidden/pass-1.json", "--cache", "cache"]);
     assert_eq!(by_page, fs::read(study.join("pass-2.json")).unwrap());
+}
+
+#[test]
+fn a_job_that_failed_is_told_with_its_reason_and_data_below_target_are_seen() {
+    let root = plate();
+    let study = root.path().join("plate");
+    fs::create_dir(study.join("target")).unwrap();
+    fs::rename(study.join("data/balance.csv"), study.join("target/balance.csv")).unwrap();
+    let pass = fs::read_to_string(study.join("pass-1.json")).unwrap();
+    fs::write(study.join("pass-1.json"), pass.replace("data/balance.csv", "target/balance.csv")).unwrap();
+    // Below 0.45 W/K the load is no number: samples fail, and so does their job.
+    let model = fs::read_to_string(study.join("model.json")).unwrap();
+    let model = model.replace(r#""power": "Q""#, r#""power": "Q + 1e-9 * log(G - 0.45)""#);
+    fs::write(study.join("model.json"), model).unwrap();
+    let watched = Watched::start(root.path(), "plate");
+    let host = format!("Host: {}", watched.host);
+    let entered = watched.ask(&format!("GET /?token={}", watched.token), &[&host], "");
+    let cookie = format!("Cookie: {}", entered.field("Set-Cookie").unwrap().split(';').next().unwrap());
+    let own = [host.as_str(), cookie.as_str()];
+    let said = watched.until(&own, "ready", 1);
+    let messages = said["messages"].as_str().unwrap();
+    assert!(messages.contains("pass-1.json: prior failed: ") && messages.contains("samples failed"), "{messages}");
+    assert!(watched.ask("GET /plate/pass-1/report.html", &own, "").2.contains("samples failed"));
+    fs::write(study.join("target/balance.csv"), "phase,Q,wall,plate\nP1,10,20,43\nP2,5,20,34\n").unwrap();
+    watched.until(&own, "ready", 2);
+    let csv = watched.ask("GET /plate/pass-1/plots/delivered-balance-phases.csv", &own, "");
+    assert_eq!((csv.0, csv.field("Content-Type")), (200, Some("text/csv; charset=utf-8")));
+    let last: Vec<&str> = csv.2.lines().last().unwrap().split(',').collect();
+    // Measured 34 degC, predicted 20 degC + 5 W / 0.5 W/K and 3e-9 W.
+    assert!(last[..2] == ["P2", "plate"] && (last[2].parse::<f64>().unwrap() - 4.0).abs() < 1e-6, "{}", csv.2);
 }
 
 #[test]

@@ -59,8 +59,13 @@ fn predicted() -> Sample {
 }
 
 /// The sample with every name that a study chooses replaced.
-fn poisoned(mut sample: Sample) -> Sample {
-    let name = || HOSTILE.to_owned();
+fn poisoned(sample: Sample) -> Sample {
+    poisoned_with(sample, HOSTILE)
+}
+
+/// The same with a text.
+fn poisoned_with(mut sample: Sample, hostile: &str) -> Sample {
+    let name = || hostile.to_owned();
     sample.title = name();
     sample.reconstructed = Some(name());
     sample.closing = Some(Closing { domain: vec![name()], dispositions: vec![(name(), name())], left: vec![name()] });
@@ -104,8 +109,8 @@ fn poisoned(mut sample: Sample) -> Sample {
             output.criteria.title = name();
             output.criteria.source = name();
             for row in &mut output.rows {
-                row.sensor = format!("{HOSTILE}{}", row.sensor);
-                row.phase = row.phase.take().map(|p| p + HOSTILE);
+                row.sensor = format!("{hostile}{}", row.sensor);
+                row.phase = row.phase.take().map(|p| hostile.to_owned() + &p);
             }
             for verdict in &mut output.verdicts {
                 verdict.criterion = name();
@@ -213,7 +218,8 @@ fn hostile_names_are_text_everywhere() {
         view.warnings.push(HOSTILE.into());
         view.command = HOSTILE.into();
         let report = bmv::report::render(&view).expect("renders");
-        assert!(!report.html.contains("<img") && !report.html.contains("<script"));
+        assert!(!report.html.contains("<img"));
+        assert_scripts_are_the_program_s(&report.html);
         assert!(report.html.contains("&lt;img src=x onerror=alert(1)&gt;"));
         // Outside code spans, where HTML is inert, no tag survives in the Markdown.
         let outside: String = without_code(&report.markdown);
@@ -224,7 +230,150 @@ fn hostile_names_are_text_everywhere() {
             assert!(!svg.contains("<img"));
             assert!(name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'-'), "{name} is a safe file name");
         }
+        report.data.iter().for_each(|(name, csv)| assert_inert_csv(name, csv));
         assert_tables_are_even(&report.markdown);
+    }
+}
+
+/// A page runs its own script and nothing else: one element of it, whose text is that of every page, and no attribute that runs.
+fn assert_scripts_are_the_program_s(html: &str) {
+    let plain = rendered(&steady()).html;
+    let script =
+        |page: &str| page.split("<script").nth(1).and_then(|rest| rest.split("</script>").next().map(str::to_owned));
+    assert_eq!(html.matches("<script").count(), 1);
+    assert_eq!(script(html), script(&plain));
+    assert_eq!(html.matches("</script").count(), 1);
+    let (policy, own) = (
+        |page: &str| page.split("Content-Security-Policy\" content=\"").nth(1).map(|rest| rest[..120].to_owned()),
+        html,
+    );
+    assert_eq!(policy(own), policy(&plain), "the policy is that of every page");
+    // Tags alone: what is escaped between them is text.
+    for tag in
+        own.split("<script").next().unwrap_or_default().split('<').skip(1).filter_map(|part| part.split('>').next())
+    {
+        let names = tag.split('"').step_by(2).flat_map(str::split_whitespace);
+        let runs = names.clone().find(|name| name.starts_with("on") && name.contains('='));
+        assert_eq!(runs, None, "<{tag}>");
+        for address in tag.split("href=\"").skip(1).filter_map(|rest| rest.split('"').next()) {
+            let is_own =
+                ["#", "data:text/csv;charset=utf-8,", "plots/", ".."].iter().any(|start| address.starts_with(start));
+            assert!(is_own && !address.contains(['<', '>', '\'']), "{address:.200}");
+        }
+    }
+}
+
+/// A table of as many cells in each row, none of which a spreadsheet takes for a formula or a browser for markup that it runs.
+fn assert_inert_csv(name: &str, csv: &str) {
+    assert!(name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'-'), "{name} is a safe file name");
+    let rows: Vec<Vec<String>> = csv.lines().map(cells).collect();
+    for row in &rows {
+        assert_eq!(row.len(), rows[0].len(), "{name}: {row:?}");
+        for cell in row {
+            let is_formula = cell.trim_start().starts_with(['=', '+', '-', '@']) && cell.parse::<f64>().is_err();
+            assert!(!is_formula && !cell.contains(['\t', '\r', '\u{202e}']), "{name}: {cell:?}");
+        }
+    }
+}
+
+/// The cells of a line of CSV (RFC 4180); no cell of these files holds a line end.
+fn cells(line: &str) -> Vec<String> {
+    let (mut all, mut is_quoted) = (vec![String::new()], false);
+    for part in line.split_inclusive(['"', ',']) {
+        let (text, end) = part.split_at(part.trim_end_matches(['"', ',']).len());
+        let last = all.last_mut().expect("a cell");
+        last.push_str(text);
+        match end {
+            "\"" => is_quoted = !is_quoted,
+            "," if is_quoted => last.push(','),
+            "," => all.push(String::new()),
+            _ => {}
+        }
+    }
+    assert!(!is_quoted, "{line}");
+    all
+}
+
+/// What may stand in a title, a name, a cell, an effect or a log and be more than text: for a browser, a spreadsheet, Markdown, a
+/// style sheet, the page's script, a terminal.
+const TRIES: [&str; 40] = [
+    "<script>alert(1)</script>",
+    "</script><script>alert(1)</script>",
+    "</title><script>alert(1)</script>",
+    "</style><script>alert(1)</script>",
+    "\"><script>alert(1)</script>",
+    "'><img src=x onerror=alert(1)>",
+    "\" onmouseover=\"alert(1)",
+    "\" autofocus onfocus=alert(1) x=\"",
+    "<svg onload=alert(1)>",
+    "</svg><svg onload=alert(1)>",
+    "</desc><script>alert(1)</script>",
+    "<a href=javascript:alert(1)>a</a>",
+    "[a](javascript:alert(1))",
+    "![a](https://example.org/a.png)",
+    "<https://example.org>",
+    "<iframe srcdoc=\"<script>alert(1)</script>\">",
+    "<base href=https://example.org/>",
+    "<meta http-equiv=refresh content=0>",
+    "<details open ontoggle=alert(1)>",
+    "<!--<script>alert(1)//-->",
+    "]]><script>alert(1)</script>",
+    "&lt;script&gt;alert(1)&lt;/script&gt;",
+    "&#60;script&#62;alert(1)",
+    "\u{202e}<script>alert(1)</script>",
+    "a\n12 12\t<img src=x onerror=alert(1)>",
+    "a\t<b>\n0 0\tb",
+    "data:text/html,<script>alert(1)</script>",
+    "plots/../../../etc/passwd",
+    "..\\..\\a",
+    "{{ policy | safe }}",
+    "{% raw %}<script>{% endraw %}",
+    "\"; } body { background: url(https://example.org) } /*",
+    "=HYPERLINK(\"https://example.org\",\"a\")",
+    "=cmd|' /C calc'!A0",
+    "+1+cmd|' /C calc'!A0",
+    "-2+3+cmd|' /C calc'!A0",
+    "@SUM(1+1)*cmd|' /C calc'!A0",
+    " \t=1+1",
+    "a\",=1+1,\"",
+    "a\r\n=1+1",
+];
+
+#[test]
+fn no_try_of_a_name_gets_through() {
+    for (number, hostile) in TRIES.iter().enumerate() {
+        // Each sort of page in turn: rendering all would cost the more the less it tells.
+        let sample = [steady, transient, predicted, radiator][number % 4]();
+        let sample = poisoned_with(sample, hostile);
+        let mut view: PassReport<'_> = sample.report();
+        view.description = (*hostile).into();
+        view.warnings.push((*hostile).into());
+        view.command = (*hostile).into();
+        let report = bmv::report::render(&view).expect("renders");
+        assert_scripts_are_the_program_s(&report.html);
+        let before_script = report.html.split("<script").next().expect("a page");
+        for tag in
+            ["<img", "<iframe", "<base", "<svg onload", "<details open ", "<meta http-equiv=refresh", "<a href=java"]
+        {
+            assert!(!before_script.contains(tag), "{hostile}: {tag}");
+            assert!(!without_code(&report.markdown).contains(tag), "{hostile}: {tag}");
+        }
+        assert!(
+            !before_script.contains("url(")
+                || !before_script.split("</style>").next().expect("a style").contains("url(")
+        );
+        assert!(!report.html.contains('\u{202e}') && !report.markdown.contains('\u{202e}'));
+        report.figures.iter().for_each(|(_, svg)| assert_well_formed(svg));
+        report.data.iter().for_each(|(name, csv)| assert_inert_csv(name, csv));
+        // What the script reads: as many cells in each line as headings, places of numbers.
+        for values in report.html.split("data-values=\"").skip(1).filter_map(|rest| rest.split('"').next()) {
+            let headings = values.lines().next().expect("headings").split('\t').count();
+            for line in values.lines().skip(1) {
+                let cells: Vec<&str> = line.split('\t').collect();
+                assert_eq!(cells.len(), headings + 1, "{line}");
+                assert!(cells[0].split(' ').all(|place| place.parse::<i32>().is_ok()), "{line}");
+            }
+        }
     }
 }
 

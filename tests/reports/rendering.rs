@@ -115,13 +115,74 @@ fn steady_report_has_the_map_of_phases_and_the_criteria() {
 }
 
 #[test]
-fn pages_need_nothing_from_outside_and_run_nothing() {
+fn pages_need_nothing_from_outside_and_run_their_own_script_alone() {
     for sample in [radiator(), transient(), steady()] {
         let html = rendered(&sample).html;
-        for forbidden in ["http:", "https:", "src=", "url(", "@import", "<script", "<link", "javascript:", "onload"] {
+        for forbidden in ["http:", "https:", "src=", "url(", "@import", "<script ", "<link", "javascript:", "onload"] {
             assert!(!html.contains(forbidden), "`{forbidden}` in the page");
         }
+        let script = html.split("<script>").nth(1).and_then(|rest| rest.split("</script>").next()).expect("a script");
+        let hash = bmv::document::hash::sha256_hex(script.as_bytes());
+        let policy =
+            html.split("script-src 'sha256-").nth(1).and_then(|rest| rest.split('\'').next()).expect("a policy");
+        assert_eq!(hexadecimal(policy), hash, "the policy admits the script that is there");
+        assert_eq!(html.matches("<script").count(), 1);
     }
+}
+
+/// Base 64 as hexadecimal digits.
+fn hexadecimal(text: &str) -> String {
+    const DIGITS: &str = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let bits: String = text.chars().filter_map(|c| DIGITS.find(c)).map(|digit| format!("{digit:06b}")).collect();
+    (0..bits.len() / 8)
+        .map(|at| format!("{:02x}", u8::from_str_radix(&bits[8 * at..8 * at + 8], 2).expect("bits")))
+        .collect()
+}
+
+#[test]
+fn the_numbers_behind_a_figure_are_those_that_it_shows() {
+    let report = rendered(&steady());
+    let csv = &report.data.iter().find(|own| own.0.ends_with("phases")).expect("a map").1;
+    let row = csv.lines().find(|line| line.starts_with("P07,housing,")).expect("a row");
+    // As the map's cell: load 6, housing 0.55 * 6 + 0.25 sin(42.6) = 3.05.
+    let value: f64 = row.split(',').nth(2).expect("a cell").parse().expect("a number");
+    assert!((value - 3.05).abs() < 0.005, "{row}");
+    assert_eq!(csv.lines().count(), 1 + 22 * 6);
+    // A small table is in the page, byte for byte; a large one lies beside it.
+    let all = [report, rendered(&transient()), rendered(&radiator())];
+    let (mut held, mut linked) = (0, 0);
+    for report in &all {
+        assert_eq!(report.figures.len(), report.data.len());
+        for (name, csv) in &report.data {
+            let link = format!("download=\"{name}.csv\"");
+            let before = report.html.split(&link).next().expect("a page");
+            let address = before.rsplit("href=\"").next().and_then(|rest| rest.split('"').next()).expect("an address");
+            match address.strip_prefix("data:text/csv;charset=utf-8,") {
+                Some(text) => {
+                    assert_eq!(&decoded(text), csv);
+                    held += 1;
+                }
+                None => {
+                    assert_eq!(address, format!("plots/{name}.csv"));
+                    linked += 1;
+                }
+            }
+            assert!(report.markdown.contains(&format!("[Data (CSV)](plots/{name}.csv)")));
+            assert!(csv.lines().count() > 1, "{name} has no numbers");
+        }
+    }
+    assert!(held > 3 && linked > 0, "{held} in the page, {linked} beside it");
+}
+
+/// What a percent-encoded text says.
+fn decoded(text: &str) -> String {
+    let mut parts = text.split('%');
+    let mut bytes = parts.next().unwrap_or_default().as_bytes().to_vec();
+    for part in parts {
+        bytes.push(u8::from_str_radix(&part[..2], 16).expect("two digits"));
+        bytes.extend(&part.as_bytes()[2..]);
+    }
+    String::from_utf8(bytes).expect("UTF-8")
 }
 
 #[test]
@@ -181,7 +242,7 @@ fn writing_puts_every_file_in_its_place_and_removes_what_the_earlier_report_had(
     let report = rendered(&radiator());
     write(&report).expect("written");
     let listed = Manifest::read(&folder).expect("a manifest").outputs;
-    assert_eq!(listed.len(), 4 + report.figures.len());
+    assert_eq!(listed.len(), 4 + report.figures.len() + report.data.len());
     assert_eq!(std::fs::read_to_string(folder.join("report.md")).expect("read"), report.markdown);
     assert!(!folder.join("plots/old.svg").exists(), "the earlier manifest names it");
     assert!(folder.join("plots/foreign.svg").exists(), "no manifest names it");

@@ -2,6 +2,7 @@
 //! across it. Numbers are the shortest text that reads back as the same double; an empty cell is missing.
 
 use crate::job::dataset::{Dataset, Group, Values, Variable};
+use crate::report::csv::{number, text as quoted};
 
 /// The files, by name.
 pub(super) fn files(dataset: &Dataset) -> Vec<(String, Vec<u8>)> {
@@ -49,18 +50,9 @@ fn of_row(variable: &Variable, row: usize) -> Vec<String> {
     let width = variable.across.as_ref().map_or(1, |across| across.labels.len());
     let cells = row * width..(row + 1) * width;
     match &variable.values {
-        Values::Numbers(values) => values.get(cells).unwrap_or_default().iter().map(number).collect(),
+        Values::Numbers(values) => values.get(cells).unwrap_or_default().iter().copied().map(number).collect(),
         Values::Texts(values) => values.get(cells).unwrap_or_default().iter().map(|text| quoted(text)).collect(),
     }
-}
-
-fn number(value: &f64) -> String {
-    if value.is_nan() { String::new() } else { value.to_string() }
-}
-
-/// A cell, in quotes where it holds what ends one.
-fn quoted(text: &str) -> String {
-    if text.contains(['"', ',', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
 #[cfg(test)]

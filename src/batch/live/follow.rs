@@ -1,9 +1,9 @@
 //! Round after round: a study is run again whenever one of its files changes.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
-use super::changes::Stamp;
+use super::changes::Watched;
 use super::progress::RoundProgress;
 use super::round::{RoundError, round};
 use super::state::State;
@@ -34,17 +34,23 @@ pub type Run<'r> = &'r dyn Fn(Prepared, &StopFlag, &dyn Listener) -> Result<Exec
 /// Follows a study until the process ends. A change stops the round under way.
 pub fn follow(followed: &Followed, state: &State, run: Run<'_>, tell: &dyn Fn(&str)) -> ! {
     let mut adopted: Vec<PathBuf> = Vec::new();
+    let watched = Watched::new(&followed.folder);
     loop {
-        let before = Stamp::of(&followed.folder);
         // A pass that was adopted is wanted too, where not all of the folder is; it may be deleted again.
         let there = adopted.iter().filter(|pass| pass.is_file());
         let paths: Vec<PathBuf> = std::iter::once(&followed.path).chain(there).cloned().collect();
         let progress = RoundProgress::default();
         state.begin(&progress);
-        let has_changed = || Stamp::of(&followed.folder) != before;
-        let given = stopped_when(GLANCE, has_changed, |stop| {
-            round(&paths, &followed.reading.anew(), |prepared| run(prepared, stop, &progress))
-        });
+        let given = stopped_when(
+            GLANCE,
+            || watched.has_changed(),
+            |stop| {
+                round(&paths, &followed.reading.anew(), |prepared| {
+                    watched.narrow(prepared.passes());
+                    run(prepared, stop, &progress)
+                })
+            },
+        );
         match given {
             Ok(round) => {
                 round.notes.iter().for_each(|note| tell(note));
@@ -53,30 +59,32 @@ pub fn follow(followed: &Followed, state: &State, run: Run<'_>, tell: &dyn Fn(&s
                 tell("up to date");
             }
             Err(RoundError::Wrong(messages)) => {
+                watched.widen();
                 state.fail(&messages);
                 tell(&messages);
             }
             Err(RoundError::Stopped) => {}
         }
-        wait_until(GLANCE, has_changed);
-        tell(&changed(&before, &settled(&followed.folder)));
+        wait_until(GLANCE, || watched.has_changed());
+        settle(&watched);
+        tell(&changed(&watched.renew()));
         adopted.extend(state.adopted());
     }
 }
 
-/// The files, once they stay as they are.
-fn settled(folder: &Path) -> Stamp {
-    let mut last = Stamp::of(folder);
+/// Waits until the files stay as they are.
+fn settle(watched: &Watched) {
+    let mut last = watched.now();
     wait_until(SETTLED, || {
-        let now = Stamp::of(folder);
-        now == std::mem::replace(&mut last, now.clone())
+        let now = watched.now();
+        let is_settled = now == last;
+        last = now;
+        is_settled
     });
-    last
 }
 
 /// What changed, in a line.
-fn changed(before: &Stamp, now: &Stamp) -> String {
-    let names = before.differences(now);
+fn changed(names: &[String]) -> String {
     let more = names.len().saturating_sub(MOST_NAMED);
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     let named: Vec<&str> = names.iter().take(MOST_NAMED).map(String::as_str).collect();

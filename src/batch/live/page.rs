@@ -26,6 +26,7 @@ impl Served {
         let kind = match name.rsplit_once('.').map(|(_, ending)| ending) {
             Some("html") => Kind::Page,
             Some("json") => Kind::Other("application/json"),
+            Some("csv") => Kind::Other("text/csv; charset=utf-8"),
             Some("svg") => Kind::Other("image/svg+xml"),
             _ => Kind::Other("text/plain; charset=utf-8"),
         };

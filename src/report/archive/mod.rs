@@ -74,7 +74,10 @@ impl RenderedPage {
             let seal = seal(&text);
             text + &seal
         };
-        Ok(Self { markdown: marked(super::markdown::render(&text)), html: marked(super::html::render(page)?) })
+        Ok(Self {
+            markdown: marked(super::markdown::render(&text)),
+            html: marked(super::html::render(page, super::html::Beside::Nothing)?),
+        })
     }
 }
 

@@ -3,6 +3,7 @@
 use super::axis::{Axis, Scale, range_of};
 use super::canvas::{Anchor, Drawing, Lettering, TEXT, WIDTH, draw, fitted, text_width};
 use super::palette::{Colour, GRID, INK, MUTED};
+use super::sheet::Entry;
 
 /// A bar.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +38,8 @@ pub fn bar_chart(axis: &Axis, bars: &[Bar], marker: Option<(f64, &str)>) -> Draw
     let scale = Scale::new((low, high + (high - low) * share / (1.0 - share)), (left, right), 7);
     let bottom = top + row * bars.len().max(1) as f64;
     draw(height as u32, |canvas| {
+        let title = &axis.title;
+        canvas.columns(["bar", "from", title, "lower", "upper", "text"]);
         for (value, label) in scale.ticks() {
             let at = scale.at(value);
             canvas.path(&[(at, top), (at, bottom)], GRID, 2);
@@ -48,6 +51,7 @@ pub fn bar_chart(axis: &Axis, bars: &[Bar], marker: Option<(f64, &str)>) -> Draw
             let half = text_width(label, TEXT) / 2.0;
             let x = at.clamp(half + 4.0, (f64::from(WIDTH) - half - 4.0).max(half + 4.0));
             canvas.text(label, (x, top - 36.0), Lettering::new(TEXT, MUTED).at(Anchor::Middle));
+            canvas.record([label.into(), Entry::Empty, value.into()]);
         }
         for (position, bar) in bars.iter().enumerate() {
             let middle = top + row * (position as f64 + 0.5);
@@ -66,6 +70,12 @@ pub fn bar_chart(axis: &Axis, bars: &[Bar], marker: Option<(f64, &str)>) -> Draw
                 }
                 end = end.max(b);
             }
+            let from = if bar.from == 0.0 { Entry::Empty } else { bar.from.into() };
+            let [lower, upper] = bar.interval.unwrap_or([f64::NAN; 2]);
+            let label = bar.label.as_str().into();
+            let row =
+                canvas.record([label, from, bar.value.into(), lower.into(), upper.into(), bar.text.as_str().into()]);
+            canvas.seen(row, (end, middle));
             canvas.text_on_paper(&bar.text, (end + 16.0, middle), Lettering::new(TEXT, INK).bold());
         }
         canvas.path(&[(scale.at(0.0_f64.max(low)), top), (scale.at(0.0_f64.max(low)), bottom)], INK, 3);

@@ -9,6 +9,7 @@ use plotters::style::{Color, FontStyle, FontTransform, IntoFont, RGBColor, Shape
 use crate::document::visible::is_hidden;
 
 use super::palette::Colour;
+use super::sheet::{Entry, Numbers, Sheet};
 
 /// Width of every canvas, pixels.
 pub const WIDTH: u32 = 1600;
@@ -23,9 +24,15 @@ pub struct Drawing {
     width: u32,
     height: u32,
     body: String,
+    numbers: Numbers,
 }
 
 impl Drawing {
+    /// The numbers that it shows.
+    pub fn numbers(&self) -> &Numbers {
+        &self.numbers
+    }
+
     /// The drawing as an SVG element. `title` and `description` are what a screen reader says; `id` makes their
     /// names unique in a page. `standalone` adds what a file of its own needs.
     pub fn svg(&self, id: &str, title: &str, description: &str, standalone: bool) -> String {
@@ -148,21 +155,24 @@ pub fn fitted(text: &str, size: f64, width: f64) -> String {
 /// A canvas while it is drawn on.
 pub struct Canvas<'a> {
     backend: SVGBackend<'a>,
+    sheet: Sheet,
 }
 
 /// Draws on a new canvas of the standard width.
 pub fn draw(height: u32, paint: impl FnOnce(&mut Canvas<'_>)) -> Drawing {
     let mut text = String::new();
-    let mut canvas = Canvas { backend: SVGBackend::with_string(&mut text, (WIDTH, height)) };
+    let mut canvas = Canvas { backend: SVGBackend::with_string(&mut text, (WIDTH, height)), sheet: Sheet::default() };
     paint(&mut canvas);
     // Writing to a string cannot fail.
     let _ = canvas.backend.present();
+    let numbers = std::mem::take(&mut canvas.sheet).finish();
     drop(canvas);
     let start = text.find('>').map_or(0, |at| at + 1);
     let end = text.rfind("</svg>").unwrap_or(text.len());
     // A quote in a text is escaped, so these patterns are attributes and nothing else.
-    let body = text[start..end].trim_start().replace(" font-family=\"sans-serif\"", "").replace(" opacity=\"1\"", "");
-    Drawing { width: WIDTH, height, body }
+    let needless = [" font-family=\"sans-serif\"", " opacity=\"1\"", " stroke=\"none\" stroke-width=\"1\""];
+    let body = needless.iter().fold(text[start..end].trim_start().to_owned(), |body, part| body.replace(part, ""));
+    Drawing { width: WIDTH, height, body, numbers }
 }
 
 fn shape(colour: Colour, opacity: f64, width: u32) -> ShapeStyle {
@@ -178,6 +188,23 @@ fn pixel((x, y): (f64, f64)) -> Option<(i32, i32)> {
 }
 
 impl Canvas<'_> {
+    /// Names the columns of the numbers that are drawn.
+    pub(super) fn columns<T: Into<String>>(&mut self, columns: impl IntoIterator<Item = T>) {
+        self.sheet.name(columns);
+    }
+
+    /// Records a row of the numbers that are drawn; gives its number.
+    pub(super) fn record(&mut self, cells: impl IntoIterator<Item = Entry>) -> usize {
+        self.sheet.row(cells)
+    }
+
+    /// Says where a recorded row is seen.
+    pub(super) fn seen(&mut self, row: usize, at: (f64, f64)) {
+        if let Some(at) = pixel(at) {
+            self.sheet.place(at, row);
+        }
+    }
+
     /// A line through points; it breaks where a coordinate is no number.
     pub fn path(&mut self, points: &[(f64, f64)], colour: Colour, width: u32) {
         for piece in points.split(|p| pixel(*p).is_none()) {
@@ -299,24 +326,31 @@ impl Canvas<'_> {
     }
 }
 
+/// Points above which a line is drawn from columns of [`COARSE`] pixels.
+const DENSE: usize = 2000;
+/// Width of such a column, pixels: as wide as a line.
+const COARSE: i32 = 5;
+
 /// Points in whole pixels; of a run in the same column only the first, lowest, highest and last are kept, which
-/// draws the same line.
+/// draws the same line. Of a very long line the lowest and highest of each column are kept, where they come.
 fn thinned(points: &[(f64, f64)]) -> Vec<(i32, i32)> {
+    let is_dense = points.len() > DENSE;
+    let column_of = |point: &(i32, i32)| if is_dense { point.0.div_euclid(COARSE) } else { point.0 };
     let mut out: Vec<(i32, i32)> = Vec::new();
     let mut column: Vec<(i32, i32)> = Vec::new();
     let mut flush = |column: &mut Vec<(i32, i32)>| {
-        if column.len() <= 4 {
+        if column.len() <= if is_dense { 2 } else { 4 } {
             out.append(column);
             return;
         }
-        let low = column.iter().copied().min_by_key(|p| p.1);
-        let high = column.iter().copied().max_by_key(|p| p.1);
-        let ends = [column.first().copied(), low, high, column.last().copied()];
-        out.extend(ends.into_iter().flatten());
+        let low = column.iter().enumerate().min_by_key(|(_, p)| p.1).map_or(0, |(at, _)| at);
+        let high = column.iter().enumerate().max_by_key(|(_, p)| p.1).map_or(0, |(at, _)| at);
+        let kept = if is_dense { vec![low.min(high), low.max(high)] } else { vec![0, low, high, column.len() - 1] };
+        out.extend(kept.iter().filter_map(|&at| column.get(at)).copied());
         column.clear();
     };
     for point in points.iter().filter_map(|&p| pixel(p)) {
-        if column.last().is_some_and(|last| last.0 != point.0) {
+        if column.last().is_some_and(|last| column_of(last) != column_of(&point)) {
             flush(&mut column);
         }
         if column.last() != Some(&point) {
@@ -351,9 +385,13 @@ mod tests {
     }
 
     #[test]
-    fn thousands_of_points_in_a_column_draw_four() {
-        let points: Vec<(f64, f64)> = (0..5000).map(|i| (3.0, f64::from(i % 97))).collect();
-        assert_eq!(thinned(&points).len(), 4);
+    fn thousands_of_points_in_a_column_draw_its_ends() {
+        let points: Vec<(f64, f64)> = (0..1500).map(|i| (3.0, f64::from(i % 97))).collect();
+        assert_eq!(thinned(&points), [(3, 0), (3, 0), (3, 96), (3, 44)]);
+        let long: Vec<(f64, f64)> = (0..9000).map(|i| (f64::from(i) / 1000.0, f64::from((i + 50) % 97))).collect();
+        let drawn = thinned(&long);
+        assert!(drawn.len() <= 8, "two for each five pixels: {drawn:?}");
+        assert!(drawn.iter().any(|p| p.1 == 0) && drawn.iter().any(|p| p.1 == 96), "the ends are kept");
     }
 
     #[test]

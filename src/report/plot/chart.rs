@@ -3,6 +3,10 @@
 use super::axis::{Axis, Scale, range_of, widened};
 use super::canvas::{Anchor, Canvas, Drawing, Lettering, SMALL, TEXT, WIDTH, draw, fitted, text_width};
 use super::palette::{Colour, GRID, INK, MUTED, PAPER, SHADE, between};
+use super::sheet::Entry;
+
+/// Dots of a layer that are drawn, an even choice.
+const MOST_DOTS: usize = 500;
 
 /// How a line runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,6 +96,20 @@ pub enum Layer {
     },
 }
 
+impl Layer {
+    /// Its colour, its label, and what it is.
+    fn about(&self) -> (Colour, &str, &'static str) {
+        match self {
+            Self::Band { colour, label, .. } => (*colour, label, "band"),
+            Self::Line { colour, label, .. } => (*colour, label, "line"),
+            Self::Dots { colour, label, .. } => (*colour, label, "points"),
+            Self::Intervals { colour, .. } => (*colour, "", "intervals"),
+            Self::Bars { colour, label, .. } => (*colour, label, "bars"),
+            Self::Cells { colour, label, .. } => (*colour, label, "cells"),
+        }
+    }
+}
+
 /// The axis that a limit belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Along {
@@ -121,6 +139,29 @@ pub struct Shade {
     pub from: f64,
     /// To.
     pub to: f64,
+}
+
+impl Shade {
+    /// Whether it covers a value of x.
+    pub(super) fn holds(&self, x: f64) -> bool {
+        (self.from..=self.to).contains(&x)
+    }
+}
+
+/// The columns in which [`Chart::record`] writes.
+pub(super) fn chart_columns(x: &str, y: &str) -> [String; 9] {
+    let of = |title: &str, what: &str| format!("{title} {what}").trim_start().to_owned();
+    [
+        "panel".into(),
+        "series".into(),
+        x.into(),
+        of(x, "to"),
+        y.into(),
+        of(y, "lower"),
+        of(y, "upper"),
+        of(y, "to"),
+        "value".into(),
+    ]
 }
 
 /// A chart.
@@ -156,18 +197,79 @@ impl Chart {
     pub fn draw(&self) -> Drawing {
         let height = if self.height == 0 { 900 } else { self.height };
         draw(height, |canvas| {
-            self.paint(
-                canvas,
-                Area { left: 0.0, top: 0.0, right: f64::from(WIDTH), bottom: f64::from(height) },
-                None,
-                true,
-            );
+            let area = Area { left: 0.0, top: 0.0, right: f64::from(WIDTH), bottom: f64::from(height) };
+            let frame = self.paint(canvas, area, None, true);
+            canvas.columns(chart_columns(&self.x.title, &self.y.title));
+            self.record(canvas, &frame, "");
         })
     }
 
+    /// Records what a painted chart shows, in the columns of [`chart_columns`]; `panel` tells charts of one canvas apart.
+    pub(super) fn record(&self, canvas: &mut Canvas<'_>, frame: &Frame, panel: &str) {
+        let panel = Entry::from(panel);
+        let at_name = |x: f64| {
+            let position = self.x.names.iter().enumerate().find(|(position, _)| x == *position as f64 + 1.0);
+            position.map_or_else(|| x.into(), |(_, name)| name.as_str().into())
+        };
+        for layer in &self.layers {
+            let series = Entry::from(self.series(layer).as_str());
+            let mut add = |[x, x_to, y, lower, upper, y_to, value]: [f64; 7], place: (f64, f64)| {
+                let numbers = [y, lower, upper, y_to, value].map(Entry::from);
+                let row =
+                    canvas.record([panel.clone(), series.clone(), at_name(x), x_to.into()].into_iter().chain(numbers));
+                canvas.seen(row, frame.at(place));
+            };
+            const NONE: f64 = f64::NAN;
+            match layer {
+                Layer::Band { points, .. } | Layer::Intervals { points, .. } => {
+                    points.iter().for_each(|&(x, low, high)| add([x, NONE, NONE, low, high, NONE, NONE], (x, high)));
+                }
+                Layer::Line { points, .. } | Layer::Dots { points, .. } => {
+                    points.iter().for_each(|&(x, y)| add([x, NONE, y, NONE, NONE, NONE, NONE], (x, y)));
+                }
+                Layer::Bars { edges, heights, .. } => {
+                    for (pair, &height) in edges.windows(2).zip(heights) {
+                        let middle = 0.5 * (pair[0] + pair[1]);
+                        add([pair[0], pair[1], height, NONE, NONE, NONE, NONE], (middle, height));
+                    }
+                }
+                Layer::Cells { x_edges, y_edges, values, .. } => {
+                    for (columns, of_column) in x_edges.windows(2).zip(values) {
+                        for (rows, &value) in y_edges.windows(2).zip(of_column) {
+                            let middle = (0.5 * (columns[0] + columns[1]), 0.5 * (rows[0] + rows[1]));
+                            add([columns[0], columns[1], rows[0], NONE, NONE, rows[1], value], middle);
+                        }
+                    }
+                }
+            }
+        }
+        for limit in self.limits.iter().filter(|limit| !limit.label.is_empty()) {
+            let (x, y) = if limit.along == Along::X { (limit.value, f64::NAN) } else { (f64::NAN, limit.value) };
+            canvas.record([panel.clone(), limit.label.as_str().into(), x.into(), Entry::Empty, y.into()]);
+        }
+        let shade = if self.shade_label.is_empty() { "shaded" } else { &self.shade_label };
+        for own in &self.shades {
+            canvas.record([panel.clone(), shade.into(), own.from.into(), own.to.into()]);
+        }
+    }
+
+    /// What a layer is called: its label; without one that of a layer of the same colour, and what it is.
+    fn series(&self, layer: &Layer) -> String {
+        let (colour, label, what) = layer.about();
+        if !label.is_empty() {
+            return label.to_owned();
+        }
+        let other = self.layers.iter().map(Layer::about).find(|(own, label, _)| *own == colour && !label.is_empty());
+        match other {
+            Some((_, label, _)) => format!("{label}, {what}"),
+            None if self.layers.len() > 1 => what.to_owned(),
+            None => String::new(),
+        }
+    }
+
     /// Draws the chart into a part of a canvas. `left` fixes the width of the left margin, so that charts above one
-    /// another line up; the lowest shows the title of x.
-    pub(super) fn paint(&self, canvas: &mut Canvas<'_>, area: Area, left: Option<f64>, lowest: bool) {
+    /// another line up; the lowest shows the title of x. Gives where the axes lie.
+    pub(super) fn paint(&self, canvas: &mut Canvas<'_>, area: Area, left: Option<f64>, lowest: bool) -> Frame {
         let key_rows = self.key_rows(area.right - area.left - 60.0);
         let key_height = 46.0 * key_rows.len() as f64;
         let inner_top = area.top
@@ -237,6 +339,7 @@ impl Chart {
         let middle = ((inner_top + inner_bottom) / 2.0).max(area.top + text_width(&title, TEXT) / 2.0);
         canvas.text(&title, (area.left + 30.0, middle), Lettering::new(TEXT, INK).at(Anchor::Middle).upwards());
         self.paint_key(canvas, &key_rows, (inner_left, area.top + 34.0));
+        frame
     }
 
     /// Range of the data along an axis, limits included.
@@ -366,14 +469,16 @@ fn paint_mark(canvas: &mut Canvas<'_>, at: (f64, f64), colour: Colour, mark: Mar
     }
 }
 
-struct Frame {
+/// Where the axes of a painted chart lie.
+pub(super) struct Frame {
     x: Scale,
     y: Scale,
     area: Area,
 }
 
 impl Frame {
-    fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
+    /// Where a point lies, pixels.
+    pub(super) fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
         (self.x.at(x), self.y.at(y))
     }
 
@@ -410,8 +515,8 @@ impl Frame {
                 } else {
                     9
                 };
-                // More dots than columns of pixels tell nothing more.
-                let stride = points.len().div_ceil(1500).max(1);
+                // Dots five pixels large that lie closer cover one another.
+                let stride = points.len().div_ceil(MOST_DOTS).max(1);
                 for &point in points.iter().step_by(stride).filter(|p| p.0.is_finite() && p.1.is_finite()) {
                     paint_mark(canvas, self.at(point), *colour, *mark, radius);
                 }

@@ -2,6 +2,7 @@
 
 use super::canvas::{Anchor, Canvas, Drawing, Lettering, SMALL, TEXT, WIDTH, draw, fitted, text_width};
 use super::palette::{INK, MUTED, PAPER, diverging, is_light};
+use super::sheet::Entry;
 use crate::report::number::{fixed, signed, significant};
 
 /// What is drawn.
@@ -70,6 +71,9 @@ pub fn heat_map(map: &HeatMap) -> Drawing {
     let letters = lettering(map, width, row_height);
     let name_size = TEXT.min(0.85 * row_height);
     draw((bottom + 124.0) as u32, |canvas| {
+        // What the signs mean stands behind a colon.
+        let title = map.legend.split(':').next().unwrap_or_default();
+        canvas.columns(["row", "column", title, "mark"]);
         canvas.text(&fitted(&map.legend, TEXT, f64::from(WIDTH) - 20.0), (10.0, 30.0), Lettering::new(TEXT, INK));
         for (position, name) in map.columns.iter().enumerate() {
             let x = left + width * (position as f64 + 0.5);
@@ -81,6 +85,7 @@ pub fn heat_map(map: &HeatMap) -> Drawing {
         }
         for (number, (name, marked, values)) in map.rows.iter().enumerate() {
             let y = top + row_height * number as f64;
+            let whole_name = name.as_str();
             let name = fitted(name, name_size, if *marked { names - 34.0 } else { names } + 1.0);
             canvas.text(&name, (left - 14.0, y + row_height / 2.0), Lettering::new(name_size, INK).at(Anchor::End));
             if *marked {
@@ -90,6 +95,9 @@ pub fn heat_map(map: &HeatMap) -> Drawing {
                 let x = left + width * position as f64;
                 let value = values.get(position).copied().flatten();
                 paint_cell(canvas, map, value, full, ((x, y), (x + width, y + row_height)), letters);
+                let (column, mark) = (map.columns[position].as_str(), Entry::mark(&map.mark_label, *marked));
+                let row = canvas.record([whole_name.into(), column.into(), value.unwrap_or(f64::NAN).into(), mark]);
+                canvas.seen(row, (x + width / 2.0, y + row_height / 2.0));
             }
         }
         canvas.path(&[(left, bottom), (right, bottom)], INK, 2);

@@ -4,6 +4,7 @@ use super::axis::Axis;
 use super::canvas::{Drawing, WIDTH, draw};
 use super::chart::{Along, Area, Chart, Layer, Limit, Mark, Shade, Stroke};
 use super::palette::{BLUE, INK, MUTED, VERMILION};
+use super::sheet::Entry;
 
 /// What is drawn.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -66,7 +67,18 @@ pub fn history(data: &History) -> Drawing {
     };
     draw(height as u32, |canvas| {
         let right = f64::from(WIDTH);
-        upper.paint(canvas, Area { left: 0.0, top: 0.0, right, bottom: 730.0 }, Some(190.0), false);
+        let frame = upper.paint(canvas, Area { left: 0.0, top: 0.0, right, bottom: 730.0 }, Some(190.0), false);
         lower.paint(canvas, Area { left: 0.0, top: 680.0, right, bottom: height }, Some(190.0), true);
+        let predicted = format!("predicted {}", data.y_title);
+        canvas.columns(
+            [&data.x_title, &format!("measured {}", data.y_title), &predicted, &data.residual_title, "held out"]
+                .map(String::from),
+        );
+        for &(x, measured, predicted) in &data.points {
+            let held_out = Entry::mark("held out", data.held_out.iter().any(|shade| shade.holds(x)));
+            let residual = (measured - predicted).into();
+            let row = canvas.record([x.into(), measured.into(), predicted.into(), residual, held_out]);
+            canvas.seen(row, frame.at((x, measured)));
+        }
     })
 }

@@ -1,7 +1,8 @@
 //! Plots: data in, a drawing out. Nothing here knows a job or a model beyond the network's shape.
 //!
 //! Every plot is drawn on a canvas of fixed width in whole pixels and scaled by the page, so that the same data give
-//! the same bytes everywhere. No system font is read: widths of texts are estimated.
+//! the same bytes everywhere. No system font is read: widths of texts are estimated. What is drawn is recorded in the same
+//! pass, so that the numbers behind a drawing are those that it shows.
 
 mod axis;
 mod bars;
@@ -14,6 +15,7 @@ mod network;
 mod pairs;
 pub mod palette;
 mod passes;
+mod sheet;
 mod strip;
 
 pub use axis::Axis;
@@ -25,4 +27,5 @@ pub use history::{History, history};
 pub use network::{Diagram, Missing, NodeShape, Path, Source, network};
 pub use pairs::{PairAxis, pairs};
 pub use passes::{PassCurves, pass_curves};
+pub use sheet::Numbers;
 pub use strip::{Strip, residual_strips};

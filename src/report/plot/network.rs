@@ -3,6 +3,7 @@
 use super::canvas::{Anchor, Canvas, Drawing, Lettering, SMALL, TEXT, WIDTH, draw, fitted, text_width};
 use super::layout::{positions, push_apart};
 use super::palette::{AMBER, BLUE, Colour, GREEN, INK, MUTED, PAPER, PURPLE, VERMILION};
+use super::sheet::Entry;
 
 pub use crate::thermal::element::{Path, Source};
 
@@ -15,6 +16,16 @@ pub enum NodeShape {
     Arithmetic,
     /// Has a given temperature.
     Boundary,
+}
+
+impl NodeShape {
+    fn words(self) -> &'static str {
+        match self {
+            Self::Diffusion => "stores heat",
+            Self::Arithmetic => "no storage",
+            Self::Boundary => "given temperature",
+        }
+    }
 }
 
 /// The shape of a network.
@@ -132,7 +143,58 @@ pub fn network(diagram: &Diagram) -> Drawing {
             }
         }
         paint_key(canvas, diagram, field + 40.0);
+        record(canvas, diagram, &centres);
     })
+}
+
+/// What a network shows has names and kinds; where it lies tells nothing.
+fn record(canvas: &mut Canvas<'_>, diagram: &Diagram, centres: &[(f64, f64)]) {
+    canvas.columns(["name", "kind", "node", "other node", "mark"]);
+    let name = |node: usize| diagram.nodes.get(node).map_or("", |own| own.0.as_str());
+    let place = |node: usize| centres.get(node).copied().unwrap_or((f64::NAN, f64::NAN));
+    for (node, (own, shape)) in diagram.nodes.iter().enumerate() {
+        let row = canvas.record([own.as_str().into(), shape.words().into()]);
+        canvas.seen(row, place(node));
+    }
+    let adopted = |own: &str| Entry::mark("adopted", diagram.adopted.iter().any(|other| other == own));
+    for ((own, kind, from, to), lane) in diagram.paths.iter().zip(lanes(diagram)) {
+        let row = canvas.record([
+            own.as_str().into(),
+            path_words(*kind).into(),
+            name(*from).into(),
+            name(*to).into(),
+            adopted(own),
+        ]);
+        let (from, to) = shifted(place(*from), place(*to), lane);
+        canvas.seen(row, (0.5 * (from.0 + to.0), 0.5 * (from.1 + to.1)));
+    }
+    for (own, kind, node) in &diagram.sources {
+        let kind = if *kind == Source::Load { LOAD } else { HEATER };
+        canvas.record([own.as_str().into(), kind.into(), name(*node).into(), Entry::Empty, adopted(own)]);
+    }
+    for own in &diagram.missing {
+        let to = if own.from == own.to { "" } else { name(own.to) };
+        canvas.record([
+            own.label.as_str().into(),
+            path_words(own.path).into(),
+            name(own.from).into(),
+            to.into(),
+            "missing".into(),
+        ]);
+    }
+}
+
+/// What sources are called.
+const LOAD: &str = "heat load";
+const HEATER: &str = "heater";
+
+fn path_words(path: Path) -> &'static str {
+    match path {
+        Path::Conductor => "conduction",
+        Path::Radiation => "radiation",
+        Path::Flow => "other heat flow",
+        Path::Cooler => "cooler, cold to hot",
+    }
 }
 
 /// The line of a missing path: straight, or bent round the boxes that stand between; at one node a line from above or below.
@@ -343,26 +405,17 @@ fn paint_key(canvas: &mut Canvas<'_>, diagram: &Diagram, y: f64) {
             paint_node(canvas, "", kind, ((x + 30.0, y), (56.0, 32.0)), SMALL)
         }
     };
-    for (kind, label) in [
-        (NodeShape::Diffusion, "stores heat"),
-        (NodeShape::Arithmetic, "no storage"),
-        (NodeShape::Boundary, "given temperature"),
-    ] {
+    for kind in [NodeShape::Diffusion, NodeShape::Arithmetic, NodeShape::Boundary] {
         if diagram.nodes.iter().any(|n| n.1 == kind) {
-            entry(canvas, label, &node(kind));
+            entry(canvas, kind.words(), &node(kind));
         }
     }
-    for (kind, label) in [
-        (Path::Conductor, "conduction"),
-        (Path::Radiation, "radiation"),
-        (Path::Flow, "other heat flow"),
-        (Path::Cooler, "cooler, cold to hot"),
-    ] {
+    for kind in [Path::Conductor, Path::Radiation, Path::Flow, Path::Cooler] {
         if diagram.paths.iter().any(|p| p.1 == kind) {
-            entry(canvas, label, &|canvas, x, y| paint_path(canvas, kind, (x, y), (x + 62.0, y)));
+            entry(canvas, path_words(kind), &|canvas, x, y| paint_path(canvas, kind, (x, y), (x + 62.0, y)));
         }
     }
-    for (kind, label, colour) in [(Source::Load, "heat load", GREEN), (Source::Heater, "heater", AMBER)] {
+    for (kind, label, colour) in [(Source::Load, LOAD, GREEN), (Source::Heater, HEATER, AMBER)] {
         if diagram.sources.iter().any(|s| s.1 == kind) {
             entry(canvas, label, &|canvas, x, y| {
                 canvas.path(&[(x, y), (x + 50.0, y)], colour, 6);

@@ -40,6 +40,10 @@ pub fn pairs(unknowns: &[PairAxis]) -> Drawing {
         })
         .collect();
     draw(height as u32, |canvas| {
+        canvas.columns(unknowns.iter().map(|unknown| unknown.title.as_str()));
+        for draw in 0..unknowns.iter().map(|unknown| unknown.draws.len()).max().unwrap_or(0) {
+            canvas.record(unknowns.iter().map(|unknown| unknown.draws.get(draw).copied().unwrap_or(f64::NAN).into()));
+        }
         for (row, vertical) in unknowns.iter().enumerate() {
             for (column, horizontal) in unknowns.iter().enumerate().take(row + 1) {
                 let (x0, y0) = corner(row, column);
@@ -67,8 +71,9 @@ pub fn pairs(unknowns: &[PairAxis]) -> Drawing {
                     );
                 } else {
                     let along = Scale::new(ranges[row], (y1, y0), 3);
-                    for (&x, &y) in horizontal.draws.iter().zip(&vertical.draws).step_by(every) {
+                    for (draw, (&x, &y)) in horizontal.draws.iter().zip(&vertical.draws).enumerate().step_by(every) {
                         canvas.disc((across.at(x), along.at(y)), 4, BLUE, 0.35);
+                        canvas.seen(draw, (across.at(x), along.at(y)));
                     }
                     if let (Some(x), Some(y)) = (horizontal.marked, vertical.marked) {
                         let (x, y) = (across.at(x), along.at(y));

@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::canvas::{Drawing, WIDTH, draw};
-use super::chart::{Area, Chart, Layer, Mark, Stroke};
+use super::chart::{Area, Chart, Layer, Mark, Stroke, chart_columns};
 use super::palette::{BLUE, Colour, GREEN, VERMILION};
 
 /// The first pass as delivered, the first pass tuned, and each pass tuned; in order of the passes.
@@ -30,12 +30,15 @@ pub fn pass_curves(data: &PassCurves) -> Drawing {
     let each = 620.0;
     let height = each * panels.len().max(1) as f64 + 60.0;
     draw(height as u32, |canvas| {
+        canvas.columns(chart_columns("pass", "RMSE [K]"));
         for (position, (title, errors)) in panels.iter().enumerate() {
             let lowest = position + 1 == panels.len();
             let top = each * position as f64;
             let bottom = top + each + if lowest { 60.0 } else { 0.0 };
             let area = Area { left: 0.0, top, right: f64::from(WIDTH), bottom };
-            chart(data, title, errors, position == 0).paint(canvas, area, Some(190.0), lowest);
+            let own = chart(data, title, errors, position == 0);
+            let frame = own.paint(canvas, area, Some(190.0), lowest);
+            chart(data, title, errors, true).record(canvas, &frame, title);
         }
     })
 }

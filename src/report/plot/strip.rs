@@ -4,6 +4,7 @@ use super::axis::Axis;
 use super::canvas::{Drawing, Lettering, TEXT, WIDTH, draw, fitted};
 use super::chart::{Along, Area, Chart, Layer, Limit, Shade, Stroke};
 use super::palette::{INK, series};
+use super::sheet::Entry;
 
 /// A sensor's residuals.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,6 +24,7 @@ pub fn residual_strips(x_title: &str, y_title: &str, strips: &[Strip], held_out:
     let each = 270.0;
     let height = each * strips.len().max(1) as f64 + 110.0;
     draw(height as u32, |canvas| {
+        canvas.columns(["sensor", x_title, y_title, "held out"]);
         for (position, strip) in strips.iter().enumerate() {
             let top = each * position as f64;
             let lowest = position + 1 == strips.len();
@@ -40,7 +42,7 @@ pub fn residual_strips(x_title: &str, y_title: &str, strips: &[Strip], held_out:
                 ..Chart::default()
             };
             let bottom = top + each + if lowest { 110.0 } else { 46.0 };
-            chart.paint(
+            let frame = chart.paint(
                 canvas,
                 Area { left: 0.0, top: top + 34.0, right: f64::from(WIDTH), bottom },
                 Some(190.0),
@@ -48,6 +50,11 @@ pub fn residual_strips(x_title: &str, y_title: &str, strips: &[Strip], held_out:
             );
             let name = fitted(&strip.label, TEXT, 1200.0);
             canvas.text(&name, (190.0, top + 44.0), Lettering::new(TEXT, series(position)).bold());
+            for &(x, y) in &strip.points {
+                let mark = Entry::mark("held out", held_out.iter().any(|shade| shade.holds(x)));
+                let row = canvas.record([strip.label.as_str().into(), x.into(), y.into(), mark]);
+                canvas.seen(row, frame.at((x, y)));
+            }
         }
     })
 }

@@ -14,6 +14,9 @@ use crate::study::rule::Margin;
 use super::Entry;
 use super::propagation::curve;
 
+/// Pairs of environment and requirement that stand open, one below another.
+const MOST_OPEN: usize = 3;
+
 /// The section, and its kind's results in brief.
 pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Sizing);
 
@@ -21,17 +24,24 @@ pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Sizing);
 fn build(report: &PassReport<'_>) -> Option<Section> {
     let mut blocks = Vec::new();
     for (name, output) in report.outputs::<Kind>() {
-        for pair in pairs(output) {
-            if pairs(output).len() > 1 {
-                let what = if pair.1 == ALL { "all requirements together" } else { pair.1 };
-                blocks.push(Block::Heading(format!("{what} in environment {}", pair.0)));
-            }
+        let all = pairs(output);
+        for (position, &pair) in all.iter().enumerate() {
+            let what = if pair.1 == ALL { "all requirements together" } else { pair.1 };
+            let title = format!("{what} in environment {}", pair.0);
+            let mut own = Vec::new();
             // The first picture stands in the summary where that has no better one.
             let figure = figure(report, name, output, pair);
             if super::summary::main_picture(report).is_none_or(|shown| shown.id != figure.id) {
-                blocks.push(Block::Figure(figure));
+                own.push(Block::Figure(figure));
             }
-            blocks.push(sizes(report, output, pair));
+            own.push(sizes(report, output, pair));
+            // Of many the first is read, the others are looked up.
+            if position > 0 && all.len() > MOST_OPEN {
+                blocks.push(Block::Details(title, own));
+                continue;
+            }
+            blocks.extend((all.len() > 1).then_some(Block::Heading(title)));
+            blocks.extend(own);
         }
         blocks.extend(worst_case(output));
     }

@@ -11,6 +11,9 @@ use crate::report::view::PassReport;
 
 use super::{MOST_SENSORS, WORST_SENSORS, worst_first};
 
+/// Most histories of single sensors in a comparison; of more, each measurement keeps those of its worst sensors.
+const MOST_HISTORIES: usize = 24;
+
 /// Measurements of an output in the order of the rows.
 fn measurements(output: &Output) -> Vec<&str> {
     let mut out: Vec<&str> = Vec::new();
@@ -31,13 +34,18 @@ fn sensor_names<'a>(output: &'a Output, measurement: &str) -> Vec<(&'a str, &'a 
         }
     }
     if out.len() > MOST_SENSORS {
-        let of_measurement = output.sensors.iter().filter(|sensor| sensor.measurement == measurement);
-        let mut sensors: Vec<&SensorSummary> = of_measurement.collect();
-        worst_first(&mut sensors);
-        sensors.truncate(WORST_SENSORS);
-        out.retain(|(name, _)| sensors.iter().any(|sensor| sensor.sensor == *name));
+        keep_worst(output, measurement, WORST_SENSORS, &mut out);
     }
     out
+}
+
+/// Keeps so many sensors of a measurement, those with the largest errors, in their order.
+fn keep_worst(output: &Output, measurement: &str, most: usize, names: &mut Vec<(&str, &str)>) {
+    let of_measurement = output.sensors.iter().filter(|sensor| sensor.measurement == measurement);
+    let mut sensors: Vec<&SensorSummary> = of_measurement.collect();
+    worst_first(&mut sensors);
+    sensors.truncate(most);
+    names.retain(|(name, _)| sensors.iter().any(|sensor| sensor.sensor == *name));
 }
 
 /// All figures of a comparison but the one that stands in the summary.
@@ -45,16 +53,20 @@ pub(super) fn figures(report: &PassReport<'_>, job: &str, output: &Output) -> Ve
     let main = super::super::summary::main_picture(report).map(|f| f.id);
     let mut open = Vec::new();
     let mut folded = Vec::new();
+    let of_time = |measurement: &&str| !report.is_steady(measurement, &output.rows);
+    let transients: Vec<&str> = measurements(output).into_iter().filter(of_time).collect();
+    let histories: usize = transients.iter().map(|measurement| sensor_names(output, measurement).len()).sum();
+    let most = if histories > MOST_HISTORIES { (MOST_HISTORIES / transients.len()).max(1) } else { histories };
     for measurement in measurements(output) {
         if report.is_steady(measurement, &output.rows) {
             open.push(phase_map(report, job, output, measurement, Shows::Delivered));
         } else {
             open.push(strips(job, output, measurement));
-            folded.extend(
-                sensor_names(output, measurement)
-                    .into_iter()
-                    .map(|(sensor, _)| time_history(report, job, output, measurement, sensor, Shows::Delivered)),
-            );
+            let mut names = sensor_names(output, measurement);
+            keep_worst(output, measurement, most, &mut names);
+            let history =
+                |(sensor, _): (&str, &str)| time_history(report, job, output, measurement, sensor, Shows::Delivered);
+            folded.extend(names.into_iter().map(history));
         }
         folded.extend(residual_histogram(job, output, measurement));
     }
@@ -64,7 +76,8 @@ pub(super) fn figures(report: &PassReport<'_>, job: &str, output: &Output) -> Ve
     let mut blocks = keep(open);
     let folded = keep(folded);
     if !folded.is_empty() {
-        blocks.push(Block::Details(format!("Further plots ({})", folded.len()), folded));
+        let which = if most < histories { "; histories of the worst sensors" } else { "" };
+        blocks.push(Block::Details(format!("Further plots ({}{which})", folded.len()), folded));
     }
     blocks
 }

@@ -13,9 +13,12 @@ use crate::report::view::PassReport;
 const MOST_BEFORE: usize = 5;
 
 /// A state and what is said of it.
+#[derive(Default)]
 struct Rung {
     state: Text,
     standing: Standing,
+    /// Error on rows that its fit did not see, but by which its effects were chosen.
+    unseen: Option<f64>,
 }
 
 /// The ladder; none where nothing was measured.
@@ -33,7 +36,7 @@ pub(super) fn table(report: &PassReport<'_>) -> Option<Table> {
             }
             let state = state(report, position > 0, rungs.is_empty());
             let state = if has_several { state.plain(" (").code(name).plain(")") } else { state };
-            rungs.push(Rung { state, standing });
+            rungs.push(Rung { state, standing, unseen: None });
         }
         for sigma in output.sensors.iter().filter(|sensor| sensor.unit == unit).filter_map(|sensor| sensor.sigma) {
             let [low, high] = noise.unwrap_or([sigma; 2]);
@@ -97,7 +100,7 @@ fn before(report: &PassReport<'_>) -> Vec<Rung> {
                 (_, false) => with(Text::new("Tuned with "), &ids),
             };
             let state = state.plain(", ").code(&pass.pass);
-            rungs.push(Rung { state, standing: standing.clone() });
+            rungs.push(Rung { state, standing: standing.clone(), unseen: None });
         }
     }
     rungs
@@ -107,8 +110,11 @@ fn before(report: &PassReport<'_>) -> Vec<Rung> {
 fn proposed(report: &PassReport<'_>, output: &Diagnosis, is_tuned: bool) -> Vec<Rung> {
     let mut rungs = Vec::new();
     let rung = |state: Text, train: Option<f64>, held_out: Option<f64>| {
-        (train.is_some() || held_out.is_some())
-            .then(|| Rung { state, standing: Standing { fitted: train, held_out, ..Standing::default() } })
+        (train.is_some() || held_out.is_some()).then(|| Rung {
+            state,
+            standing: Standing { fitted: train, held_out, ..Standing::default() },
+            unseen: None,
+        })
     };
     if !is_tuned {
         let errors = output.misfit.rmse_k;
@@ -119,7 +125,13 @@ fn proposed(report: &PassReport<'_>, output: &Diagnosis, is_tuned: bool) -> Vec<
     let is_selected = |set: &[String]| set.len() == ids.len() && set.iter().all(|id| output.selected.contains(id));
     if let Some(model) = output.models.iter().find(|model| !ids.is_empty() && is_selected(&model.effects)) {
         let state = with(Text::new("Tuned with the proposed "), &ids);
-        rungs.extend(rung(state, model.rmse_k.train, model.rmse_k.held_out));
+        let own = rung(state, model.rmse_k.train, model.rmse_k.held_out);
+        // Step by step, rows that no fit saw judge each effect: for what came about so they are not held out any more.
+        let is_chosen_by_them = !output.steps.is_empty();
+        rungs.extend(own.map(|mut own| {
+            own.unseen = own.standing.held_out.take_if(|_| is_chosen_by_them);
+            own
+        }));
     }
     rungs
 }
@@ -131,11 +143,15 @@ fn laid_out(rungs: &[Rung], unit: &str, noise: Option<[f64; 2]>) -> Table {
     let has = |known: fn(&Standing) -> bool| rungs.iter().any(|rung| known(&rung.standing));
     let has_fitted = has(|standing| standing.fitted.is_some());
     let has_held_out = has(|standing| standing.held_out.is_some());
+    let has_unseen = rungs.iter().any(|rung| rung.unseen.is_some());
     let has_criteria = has(|standing| standing.kept.is_some());
     let shown = typeset(unit);
     let mut columns = vec![Column::text("State of the model")];
     if has_fitted {
         columns.push(Column::number("Error, fitted", shown.clone()));
+    }
+    if has_unseen {
+        columns.push(Column::number("Error, unseen", shown.clone()));
     }
     if has_held_out {
         columns.push(Column::number("Error, held out", shown.clone()));
@@ -149,10 +165,13 @@ fn laid_out(rungs: &[Rung], unit: &str, noise: Option<[f64; 2]>) -> Table {
         Column::number("its largest", shown.clone()),
     ]);
     let rows = (rungs.iter())
-        .map(|Rung { state, standing }| {
+        .map(|Rung { state, standing, unseen }| {
             let mut row = vec![Cell::from(state.clone())];
             if has_fitted {
                 row.push(number(standing.fitted).into());
+            }
+            if has_unseen {
+                row.push(number(*unseen).into());
             }
             if has_held_out {
                 row.push(number(standing.held_out).into());
@@ -180,10 +199,39 @@ fn laid_out(rungs: &[Rung], unit: &str, noise: Option<[f64; 2]>) -> Table {
             if low == high { shown.text(low) } else { format!("{} to {}", shown.number(low), shown.text(high)) };
         format!(" The sensors' noise is {range}.")
     });
-    let not_held = if has_held_out { "" } else { " No reading is held out." };
+    let not_held = match (has_held_out, has_unseen) {
+        (false, false) => " No reading is held out.",
+        (_, true) => {
+            " Unseen: rows that no fit saw, but by which the diagnosis chose the effects, so that they judge its choice too well; \
+             held out: rows that had no part in either. Only the diagnosis chooses by such rows; other states have no such error."
+        }
+        (true, false) => "",
+    };
     let caption = format!(
         "The states of the model, on the same readings: error (root mean square of measured minus predicted), criteria kept, and the \
          worst sensor.{noise}{not_held}"
     );
     Table { caption: caption.into(), columns, rows }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_that_chose_the_effects_have_a_column_of_their_own() {
+        let standing = |held_out| Standing { fitted: Some(0.5), held_out, ..Standing::default() };
+        let delivered = Rung { state: "As delivered".into(), standing: standing(Some(2.0)), unseen: None };
+        let proposed = Rung { state: "Tuned with".into(), standing: standing(None), unseen: Some(0.25) };
+        let texts = |table: &Table, row: usize| -> Vec<String> {
+            table.rows[row].iter().map(|cell| cell.text.in_plain_words()).collect()
+        };
+        let table = laid_out(&[delivered, proposed], "K", None);
+        assert_eq!(table.columns[2].title, "Error, unseen");
+        assert_eq!(texts(&table, 0)[1..4], ["0.50", NONE, "2.00"]);
+        assert_eq!(texts(&table, 1)[1..4], ["0.50", "0.25", NONE]);
+        assert!(table.caption.in_plain_words().contains("rows that no fit saw"));
+        let plain = laid_out(&[Rung { standing: standing(None), ..Rung::default() }], "K", None);
+        assert!(plain.columns.iter().all(|column| column.title != "Error, unseen"));
+    }
 }
