@@ -10,10 +10,10 @@ use crate::report::section::{compliance, document, error_by_pass};
 use crate::report::title_block;
 
 use super::study_tables::{changes, flight, parameters, requirements, statements};
-use super::{ArchivedPass, ArchivedStudy};
+use super::{ArchivedPass, ArchivedStudy, counterparts, timeline};
 
-/// The page.
-pub fn page(study: &ArchivedStudy) -> Page {
+/// The page; `all` are the studies whose reports lie beside it, itself among them.
+pub fn page(study: &ArchivedStudy, all: &[ArchivedStudy]) -> Page {
     let document = study.document();
     let mut subtitle = Text::new("Study ").code(&study.folder);
     if document.is_some() {
@@ -21,7 +21,9 @@ pub fn page(study: &ArchivedStudy) -> Page {
     }
     let sections = [
         Some(passes(study)),
+        counterparts::section(study, all),
         error(study),
+        timeline::section(study),
         requirements(study),
         statements(study),
         parameters(study),
