@@ -18,7 +18,7 @@ mod outside;
 mod parts;
 pub use parts::belongs_to;
 mod physical;
-mod plausible;
+pub mod plausible;
 pub mod posterior_prior;
 pub mod requirement;
 pub mod scope;
