@@ -110,7 +110,7 @@ fn counterparts_have_links_and_the_hashes_of_their_files_or_say_that_they_are_no
     let document = DOCUMENT.trim_end().trim_end_matches('}').to_owned() + items;
     fs::write(root.path().join("plate/document.json"), document).unwrap();
     printed(root.path(), &["report", "plate", "slab"]);
-    let hash = |path: &str| sha256(&fs::read(root.path().join("reports").join(path)).unwrap());
+    let hash = |path: &str| sha256(&fs::read(root.path().join("reports").join(path)).unwrap())[..16].to_owned();
     let html = read(root.path(), "reports/plate/index.html");
     let network = "pass-1/report.html#network\">pass-1, network</a>";
     let table = "../slab/pass-1/report.html#problem\">slab pass-1, problem</a>";

@@ -6,6 +6,9 @@ use crate::study::document::{Counterpart, Shown};
 
 use super::{ArchivedPass, ArchivedStudy};
 
+/// Digits of a hash that are shown: enough to find it in a manifest, which has all.
+const DIGITS: usize = 16;
+
 /// The section; not where the study's document names no counterparts. `all` are the studies whose reports lie beside it.
 pub(super) fn section(study: &ArchivedStudy, all: &[ArchivedStudy]) -> Option<Section> {
     let document = study.document()?;
@@ -14,7 +17,8 @@ pub(super) fn section(study: &ArchivedStudy, all: &[ArchivedStudy]) -> Option<Se
     let with = document.counterparts.iter().filter(|own| matches!(own.shown, Shown::In { .. })).count();
     let caption = format!(
         "Figures and tables of {of}, by what their titles name, and where these reports show the same: {with} of {} entries \
-         have a counterpart. The hash is that of the figure's file, of a table that of the report.",
+         have a counterpart. SHA-256: the first digits of the hash of the figure's file, of a table that of report.md; \
+         manifest.json of the pass has all.",
         document.counterparts.len()
     );
     Some(Section {
@@ -60,7 +64,7 @@ fn row(study: &ArchivedStudy, all: &[ArchivedStudy], own: &Counterpart) -> Vec<C
     match found.and_then(|found| found.manifest.outputs.get(&file)) {
         Some(output) => {
             let link = Text::default().link_into(name, &parts, anchor);
-            head(link.into(), remark, Cell::code(output.sha256.as_str()))
+            head(link.into(), remark, Cell::code(output.sha256.as_str().chars().take(DIGITS).collect::<String>()))
         }
         None => head(Cell::marked(format!("{name}: not among the reports here"), Status::Fail), remark, NONE.into()),
     }

@@ -21,7 +21,6 @@ pub fn page(study: &ArchivedStudy, all: &[ArchivedStudy]) -> Page {
     }
     let sections = [
         Some(passes(study)),
-        counterparts::section(study, all),
         error(study),
         timeline::section(study),
         requirements(study),
@@ -29,6 +28,7 @@ pub fn page(study: &ArchivedStudy, all: &[ArchivedStudy]) -> Page {
         parameters(study),
         changes(study),
         flight(study),
+        counterparts::section(study, all),
         document_section(study),
         Some(verification(study)),
     ];

@@ -2,7 +2,7 @@
 
 use crate::report::number::{NONE, Shown};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Table};
-use crate::report::plot::{Along, Axis, Chart, Layer, Limit, Mark, Stroke, palette};
+use crate::report::plot::{Axis, Chart, Layer, Mark, Stroke, palette};
 use crate::report::section::design_values::{DesignValue, Way};
 
 use super::study_page::{link, name};
@@ -86,18 +86,18 @@ fn figure(passes: &[(&ArchivedPass, Vec<&DesignValue>)], variable: &str, environ
         layers.push(Layer::Line { points: place.clone(), colour, stroke, label: String::new() });
         layers.push(Layer::Dots { points: place, colour, mark, label });
     }
-    let nominal = all.iter().find_map(|(own, _)| own.nominal).map(|value| Limit {
-        along: Along::Y,
-        value: shown.value(value),
+    let end = passes.len() as f64 + 0.5;
+    layers.extend(all.iter().find_map(|(own, _)| own.nominal).map(|value| Layer::Line {
+        points: vec![(0.5, shown.value(value)), (end, shown.value(value))],
+        colour: palette::MUTED,
+        stroke: Stroke::Dashed,
         label: format!("nominal {}", shown.text(value)),
-        colour: palette::VERMILION,
-    });
+    }));
     let names = passes.iter().map(|(pass, _)| name(pass).to_owned()).collect();
     let chart = Chart {
         x: Axis::of_names("pass", names),
         y: Axis::new(shown.title(variable)),
         layers,
-        limits: nominal.into_iter().collect(),
         height: 1000,
         ..Chart::default()
     };

@@ -32,10 +32,26 @@ fn histogram(job: &str, output: &Output, known: &[f64]) -> Option<Figure> {
     }
     let bins = ((known.len() as f64).sqrt().ceil() as usize).clamp(4, MOST_BINS);
     let edges: Vec<f64> = (0..=bins).map(|edge| low + (high - low) * edge as f64 / bins as f64).collect();
-    let mut heights = vec![0.0; bins];
-    for value in known {
-        let bin = ((value - low) / (high - low) * bins as f64) as usize;
-        heights[bin.min(bins - 1)] += 1.0;
+    let heights = |only_allowed: bool| {
+        let mut heights = vec![0.0; bins];
+        let counted = output.candidates.iter().filter(|own| own.allowed || !only_allowed);
+        for value in counted.filter_map(|own| own.information_nats) {
+            let bin = ((value - low) / (high - low) * bins as f64) as usize;
+            heights[bin.min(bins - 1)] += 1.0;
+        }
+        heights
+    };
+    let has_others = output.candidates.iter().any(|own| !own.allowed && own.information_nats.is_some());
+    let bars = |only_allowed, colour, label: &str| Layer::Bars {
+        edges: edges.clone(),
+        heights: heights(only_allowed),
+        colour,
+        label: if has_others { label.to_owned() } else { String::new() },
+    };
+    // Those that are allowed stand before all.
+    let mut layers = vec![bars(true, palette::BLUE, "allowed")];
+    if has_others {
+        layers.insert(0, bars(false, palette::AMBER, "not allowed"));
     }
     let best = output.best.as_ref().map(|best| Limit {
         along: Along::X,
@@ -46,7 +62,7 @@ fn histogram(job: &str, output: &Output, known: &[f64]) -> Option<Figure> {
     let chart = Chart {
         x: Axis::new("expected information [nats]"),
         y: Axis::new("candidates"),
-        layers: vec![Layer::Bars { edges, heights, colour: palette::BLUE, label: String::new() }],
+        layers,
         limits: best.into_iter().collect(),
         height: 700,
         ..Chart::default()
