@@ -230,6 +230,7 @@ const NAMED_ELSEWHERE: &[(&str, &[&str], &str)] = &[
         &["compare", "predict", "propagate"],
         "a study's figures draw test, prediction and fit in one",
     ),
+    ("report/section/design_values.rs", &["conventional", "predict", "propagate"], "each way leads to a design value"),
     ("report/section/margins", &["compare", "conventional", "predict", "propagate"], "margins are judged side by side"),
     ("report/section/record", &["compare", "discrepancy"], "the record puts their results together"),
     ("report/section/compliance.rs", &["predict", "propagate"], "requirements are judged by either"),

@@ -56,7 +56,11 @@ fn what_allows_no_discrepancy_is_refused_at_its_place() {
             &["factor 1 is not above 1"],
         ),
         (7, r#""rest": {"discrepancy": {"sensors": ["bx"]}}"#, &["unknown sensor of these data `bx`", "`box`"]),
-        (7, r#""rest": {"discrepancy": {"inputs": ["Q"]}}"#, &["`Q` has the same value in all phases that are fitted"]),
+        (
+            7,
+            r#""rest": {"discrepancy": {"inputs": ["Q"]}}"#,
+            &["`Q` cannot explain a discrepancy: it is 5 W in all phases that are fitted"],
+        ),
         (7, r#""rest": {"discrepancy": {"from": "match"}}"#, &["`match` is a `compare` job", "a `calibrate` job"]),
         (7, r#""rest": {"discrepancy": {"kernel": "rbf"}}"#, &["squared-exponential", "matern-5/2"]),
         (7, r#""rest": {"discrepancy": {"draws": 3}}"#, &["3 draws", "an integer from 20 to 1000"]),
