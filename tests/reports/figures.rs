@@ -22,7 +22,7 @@ fn said(figures: Vec<Figure>) -> String {
     let sample = steady();
     let mut report = sample.report();
     report.figures = figures;
-    let markdown = render(&report).expect("renders").markdown;
+    let markdown = render(&report).expect("renders").markdown.replace('\u{A0}', " ");
     let start = markdown.find("Figures of this study\n").expect("a section");
     let rest = &markdown[start..];
     rest[..rest.find("<a id=").unwrap_or(rest.len())].to_owned()

@@ -228,7 +228,7 @@ fn constant_residuals_carry_a_constant_and_no_process() {
         crate::serial::run(job.as_ref())
     };
     let fit = std::sync::Arc::new(run("fit", &[]).unwrap());
-    let left: discrepancy::Output = serde_json::from_value(run("left", &[fit.clone()]).unwrap()).unwrap();
+    let left: discrepancy::Output = serde_json::from_value(run("left", std::slice::from_ref(&fit)).unwrap()).unwrap();
     assert_eq!(left.sensors[0].law, Law::Constant);
     let refused = run("asked", &[fit]).unwrap_err().to_string();
     for part in ["sensor `y`: the law `Gaussian process`, which `law` asks for", "all values are 0.3", "without `law`"]
