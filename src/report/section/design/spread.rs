@@ -31,27 +31,23 @@ fn histogram(job: &str, output: &Output, known: &[f64]) -> Option<Figure> {
         return None;
     }
     let bins = ((known.len() as f64).sqrt().ceil() as usize).clamp(4, MOST_BINS);
-    let edges: Vec<f64> = (0..=bins).map(|edge| low + (high - low) * edge as f64 / bins as f64).collect();
-    let heights = |only_allowed: bool| {
-        let mut heights = vec![0.0; bins];
-        let counted = output.candidates.iter().filter(|own| own.allowed || !only_allowed);
+    let others = output.candidates.iter().filter(|own| !own.allowed && own.information_nats.is_some()).count();
+    // Candidates that are not allowed stand beside the others, each in a half of the bin.
+    let parts = if others > 0 { 2 } else { 1 };
+    let edges: Vec<f64> =
+        (0..=bins * parts).map(|edge| low + (high - low) * edge as f64 / (bins * parts) as f64).collect();
+    let bars = |allowed: bool, colour, label: &str| {
+        let mut heights = vec![0.0; bins * parts];
+        let counted = output.candidates.iter().filter(|own| own.allowed == allowed);
         for value in counted.filter_map(|own| own.information_nats) {
-            let bin = ((value - low) / (high - low) * bins as f64) as usize;
-            heights[bin.min(bins - 1)] += 1.0;
+            let bin = (((value - low) / (high - low) * bins as f64) as usize).min(bins - 1);
+            heights[bin * parts + usize::from(!allowed)] += 1.0;
         }
-        heights
+        Layer::Bars { edges: edges.clone(), heights, colour, label: label.to_owned() }
     };
-    let has_others = output.candidates.iter().any(|own| !own.allowed && own.information_nats.is_some());
-    let bars = |only_allowed, colour, label: &str| Layer::Bars {
-        edges: edges.clone(),
-        heights: heights(only_allowed),
-        colour,
-        label: if has_others { label.to_owned() } else { String::new() },
-    };
-    // Those that are allowed stand before all.
-    let mut layers = vec![bars(true, palette::BLUE, "allowed")];
-    if has_others {
-        layers.insert(0, bars(false, palette::AMBER, "not allowed"));
+    let mut layers = vec![bars(true, palette::BLUE, if others > 0 { "allowed" } else { "" })];
+    if others > 0 {
+        layers.push(bars(false, palette::AMBER, "not allowed"));
     }
     let best = output.best.as_ref().map(|best| Limit {
         along: Along::X,
