@@ -225,6 +225,12 @@ const NAMED_ELSEWHERE: &[(&str, &[&str], &str)] = &[
     ("report/ladder.rs", &["compare"], "a comparison tells how the states of a model stand"),
     ("report/section/prediction", &["propagate"], "a prediction is two propagations"),
     ("report/section/sizing.rs", &["propagate"], "sizes by rule stand beside the probabilistic one"),
+    (
+        "report/section/figures",
+        &["compare", "predict", "propagate"],
+        "a study's figures draw test, prediction and fit in one",
+    ),
+    ("report/section/design_values.rs", &["conventional", "predict", "propagate"], "each way leads to a design value"),
     ("report/section/margins", &["compare", "conventional", "predict", "propagate"], "margins are judged side by side"),
     ("report/section/record", &["compare", "discrepancy"], "the record puts their results together"),
     ("report/section/compliance.rs", &["predict", "propagate"], "requirements are judged by either"),

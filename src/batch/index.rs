@@ -33,7 +33,7 @@ pub fn write(targets: &[Target]) -> Result<(Vec<PathBuf>, Vec<String>), BatchErr
             let below = relative.join(&study.folder);
             match foreign(&base, &below, &[&page_names()[..], &[CRATE.to_owned()]].concat()) {
                 Some(note) => notes.push(note),
-                None => write_study(&base, &below, study)?,
+                None => write_study(&base, &below, study, &studies)?,
             }
         }
         let archived: Vec<ArchivedStudy> = studies.into_iter().filter(is_kept).collect();
@@ -56,8 +56,8 @@ fn is_kept(study: &ArchivedStudy) -> bool {
     study.passes.iter().any(|pass| pass.record.is_archived())
 }
 
-fn write_study(base: &Path, relative: &Path, study: &ArchivedStudy) -> Result<(), BatchError> {
-    let files = put(base, relative, &rendered(&study_page::page(study))?)?;
+fn write_study(base: &Path, relative: &Path, study: &ArchivedStudy, all: &[ArchivedStudy]) -> Result<(), BatchError> {
+    let files = put(base, relative, &rendered(&study_page::page(study, all))?)?;
     let text = ro_crate::text(study, &files).map_err(|error| BatchError::job(error.to_string()))?;
     put_file(base, &relative.join(CRATE), text.as_bytes())
 }

@@ -92,6 +92,7 @@ pub fn assemble<'p>(
         siblings: surroundings.siblings,
         origin_sha256: surroundings.origin_sha256,
         closing: pass.closing.clone(),
+        figures: pass.figures.clone(),
         model: &pass.model,
         groups: &pass.groups,
         priors: names.zip(pass.priors.iter().copied()).collect(),

@@ -157,7 +157,8 @@ fn inline(text: &Text, in_table: bool) -> String {
             Inline::Plain(text) => out.push_str(&escape(text)),
             Inline::Strong(text) => wrap(&mut out, "**", text),
             Inline::Code(text) => out.push_str(&code(text, in_table)),
-            Inline::Link { text, page } => {
+            // Figures have no anchors here: a link leads to the page's beginning.
+            Inline::Link { text, page, .. } => {
                 let _ = write!(out, "[{}]({page}.md)", escape(text));
             }
         }

@@ -21,6 +21,8 @@ pub enum Inline {
         text: String,
         /// The page, from this one's folder: `pass-2/report`, without the ending, which is that of the page itself.
         page: String,
+        /// The place in it, an anchor; empty for its beginning.
+        anchor: String,
     },
 }
 
@@ -70,9 +72,14 @@ impl Text {
     }
 
     /// Appends a link to another page of the reports, named by the parts of its path from this one's folder.
-    pub fn link(mut self, text: impl Into<String>, parts: &[&str]) -> Self {
+    pub fn link(self, text: impl Into<String>, parts: &[&str]) -> Self {
+        self.link_into(text, parts, "")
+    }
+
+    /// The same to a section or a figure of that page, by its anchor.
+    pub fn link_into(mut self, text: impl Into<String>, parts: &[&str], anchor: &str) -> Self {
         let page = parts.iter().map(|part| encoded(part)).collect::<Vec<_>>().join("/");
-        self.0.push(Inline::Link { text: text.into(), page });
+        self.0.push(Inline::Link { text: text.into(), page, anchor: encoded(anchor) });
         self
     }
 
@@ -408,7 +415,7 @@ mod tests {
     fn a_link_leads_to_a_page_below_and_to_no_other_scheme() {
         let text = Text::default().link("a", &["..", "javascript:alert(1)", "\"><b", "report"]);
         let page = "../javascript%3Aalert%281%29/%22%3E%3Cb/report".to_owned();
-        assert_eq!(text.0, [Inline::Link { text: "a".into(), page }]);
+        assert_eq!(text.0, [Inline::Link { text: "a".into(), page, anchor: String::new() }]);
     }
 
     #[test]

@@ -90,6 +90,8 @@ pub struct PassReport<'a> {
     pub origin_sha256: Option<String>,
     /// What people add to the record of the validation that the pass closes; `None` where it closes none.
     pub closing: Option<Closing>,
+    /// Figures of the study's own.
+    pub figures: Vec<crate::study::figure::Figure>,
     /// The model, adopted effects included.
     pub model: &'a Model,
     /// Groups of the model, in the order of its file and then those that it implies.

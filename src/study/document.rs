@@ -62,6 +62,40 @@ written_struct! {
         optional reconstructed: String,
         /// Passes whose reports are not kept with the others, each with the reason; the index leaves them out.
         default(Map::default()) not_archived: Map<String>,
+        /// Where the figures and tables of another document have their counterparts in the reports.
+        optional counterparts: CounterpartsForm,
+    }
+}
+
+written_struct! {
+    /// Counterparts of the figures and tables of another document.
+    pub struct CounterpartsForm: "counterparts" {
+        /// Which document, such as `Stout 2015, chapter 5`.
+        required of: String,
+        /// Its items in order; an item with several counterparts stands several times.
+        required items: Vec<Spanned<CounterpartForm>>,
+    }
+}
+
+written_struct! {
+    /// A figure or table of another document, and its counterpart.
+    pub struct CounterpartForm: "an item with its counterpart" {
+        /// Its number there, such as `Figure 5-2`.
+        required item: String,
+        /// What it shows, by its title.
+        required title: String,
+        /// The study whose reports show the same, where it is not this one.
+        optional study: Spanned<String>,
+        /// The pass.
+        optional pass: Spanned<String>,
+        /// The figure, by the name of its file in `plots` without `.svg`.
+        optional figure: Spanned<String>,
+        /// Or the section, by its anchor in the report.
+        optional section: Spanned<String>,
+        /// In what the counterpart differs.
+        optional note: String,
+        /// Why there is no counterpart.
+        optional none: Spanned<String>,
     }
 }
 
@@ -128,6 +162,44 @@ pub struct StudyDocument {
     pub reconstructed: Option<String>,
     /// Files of passes whose reports are not kept with the others, each with the reason.
     pub not_archived: Vec<(String, String)>,
+    /// The document whose figures and tables have counterparts in the reports.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub counterparts_of: Option<String>,
+    /// Those figures and tables.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub counterparts: Vec<Counterpart>,
+}
+
+/// A figure or table of another document.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counterpart {
+    /// Its number there.
+    pub item: String,
+    /// What it shows.
+    pub title: String,
+    /// Where the reports show the same.
+    pub shown: Shown,
+    /// In what the counterpart differs.
+    pub note: Option<String>,
+}
+
+/// Where reports show something.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Shown {
+    /// In the report of a pass.
+    In {
+        /// The study; `None` for the own one.
+        study: Option<String>,
+        /// File of the pass.
+        pass: String,
+        /// The figure's name, or the section's anchor.
+        anchor: String,
+        /// Whether it is a figure.
+        is_figure: bool,
+    },
+    /// Nowhere, and why.
+    Nowhere(String),
 }
 
 /// A document that is referred to.
@@ -225,6 +297,13 @@ impl DocumentForm {
                     .push(Diagnostic::error(&code::DOCUMENT_FILE, &entry.name_place, message).expected(expected));
             }
         }
+        let (counterparts_of, counterparts) = match self.counterparts {
+            Some(form) => {
+                let items = form.items.into_iter().filter_map(|item| counterpart(item, folder, diagnostics));
+                (Some(form.of), items.collect())
+            }
+            None => (None, Vec::new()),
+        };
         let reference = |form: ReferenceForm| Reference {
             number: form.number,
             title: form.title,
@@ -257,8 +336,51 @@ impl DocumentForm {
             test,
             reconstructed: self.reconstructed,
             not_archived: (self.not_archived.iter()).map(|entry| (entry.name.clone(), entry.value.clone())).collect(),
+            counterparts_of,
+            counterparts,
         }
     }
+}
+
+/// An item with its counterpart: a pass with a figure or a section of it, or why there is none.
+fn counterpart(item: Spanned<CounterpartForm>, folder: &Folder, diagnostics: &mut Diagnostics) -> Option<Counterpart> {
+    let Spanned { value: form, place } = item;
+    let anchor = match (form.figure, form.section) {
+        (Some(figure), None) => Some((figure.value, true)),
+        (None, Some(section)) => Some((section.value, false)),
+        (None, None) => None,
+        (Some(_), Some(section)) => {
+            let message = format!("`{}` names a figure and a section", form.item);
+            diagnostics
+                .push(Diagnostic::error(&code::DOCUMENT_FILE, &section.place, message).expected("one of the two"));
+            return None;
+        }
+    };
+    let shown = match (form.none, form.pass, anchor) {
+        (Some(why), None, None) if form.study.is_none() && !why.value.trim().is_empty() => Shown::Nowhere(why.value),
+        (None, Some(pass), Some((anchor, is_figure))) => {
+            if form.study.is_none() && !folder.has_file(&pass.value) {
+                let message = format!("the study has no pass `{}`", pass.value);
+                let diagnostic = Diagnostic::error(&code::DOCUMENT_FILE, &pass.place, message)
+                    .expected("the file of a pass, such as \"pass-1.json\"")
+                    .help("a pass of another study needs its name beside it: \"study\": \"NAME\"");
+                diagnostics.push(diagnostic);
+                return None;
+            }
+            Shown::In { study: form.study.map(|study| study.value), pass: pass.value, anchor, is_figure }
+        }
+        _ => {
+            let message = format!("where `{}` has its counterpart is not clear", form.item);
+            let diagnostic = Diagnostic::error(&code::DOCUMENT_FILE, &place, message)
+                .expected("`pass` with either `figure` or `section`, or `none` with the reason")
+                .help(
+                    "{\"item\": \"Figure 3\", \"title\": \"...\", \"pass\": \"pass-1.json\", \"figure\": \"network\"}",
+                );
+            diagnostics.push(diagnostic);
+            return None;
+        }
+    };
+    Some(Counterpart { item: form.item, title: form.title, shown, note: form.note })
 }
 
 /// Whether a text is a day of the Gregorian calendar as ISO 8601 writes it.
@@ -318,6 +440,20 @@ mod tests {
                 "document.json:1:118",
                 "the study has no pass `pass-2.json`",
                 "such as \"pass-1.json\"",
+            ),
+            (
+                "\"2026-06-30\"",
+                "\"2026-06-30\", \"counterparts\": {\"of\": \"T\", \"items\": [{\"item\": \"1\", \"title\": \"t\", \"pass\": \"pass-1.json\"}]}",
+                "document.json:1:142",
+                "where `1` has its counterpart is not clear",
+                "`pass` with either `figure` or `section`",
+            ),
+            (
+                "\"2026-06-30\"",
+                "\"2026-06-30\", \"counterparts\": {\"of\": \"T\", \"items\": [{\"item\": \"1\", \"title\": \"t\", \"pass\": \"pass-7.json\", \"figure\": \"network\"}]}",
+                "document.json:1:180",
+                "the study has no pass `pass-7.json`",
+                "\"study\": \"NAME\"",
             ),
             ("Plate", &"x".repeat(301), "document.json:1:39", "with 301 characters", "at most 300 characters"),
             (

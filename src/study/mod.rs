@@ -8,6 +8,7 @@ pub mod changed;
 pub mod discover;
 pub mod document;
 pub mod external;
+pub mod figure;
 pub mod file;
 pub mod folder;
 pub mod history;

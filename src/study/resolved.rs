@@ -13,6 +13,7 @@ use crate::thermal::Model;
 
 use super::document::StudyDocument;
 use super::external::External;
+use super::figure::Figure;
 use super::job::NamedJob;
 use super::ledger::Content;
 use super::model::InputError;
@@ -41,6 +42,8 @@ pub struct Pass {
     pub document: Option<Arc<StudyDocument>>,
     /// What people add to the record of the validation that this pass closes.
     pub closing: Option<Closing>,
+    /// Figures of the study's own, in the order of the file.
+    pub figures: Vec<Figure>,
     /// Every file of the study that was read, by its path within the folder, as it was then.
     pub files: BTreeMap<String, Content>,
     /// SHA-256 of the canonical JSON of the files as written: pass, parents, model, own rules and criteria.

@@ -103,6 +103,41 @@ fn a_document_is_shown_escaped_listed_in_the_manifest_and_decides_no_result() {
 }
 
 #[test]
+fn counterparts_have_links_and_the_hashes_of_their_files_or_say_that_they_are_not_there() {
+    let root = two();
+    let items = r#", "counterparts": {"of": "Report <7>", "items": [
+        {"item": "1", "title": "network", "pass": "pass-1.json", "figure": "network", "note": "another layout"},
+        {"item": "2", "title": "model", "study": "slab", "pass": "pass-1.json", "section": "problem"},
+        {"item": "3", "title": "lost", "pass": "pass-1.json", "figure": "nowhere"},
+        {"item": "4", "title": "photo", "none": "a photograph"}]}}"#;
+    let document = DOCUMENT.trim_end().trim_end_matches('}').to_owned() + items;
+    fs::write(root.path().join("plate/document.json"), document).unwrap();
+    printed(root.path(), &["report", "plate", "slab"]);
+    let hash = |path: &str| sha256(&fs::read(root.path().join("reports").join(path)).unwrap())[..16].to_owned();
+    let html = read(root.path(), "reports/plate/index.html");
+    let network = "pass-1/report.html#network\">pass-1, network</a>";
+    let table = "../slab/pass-1/report.html#problem\">slab pass-1, problem</a>";
+    let hashes = [hash("plate/pass-1/plots/network.svg"), hash("slab/pass-1/report.md")];
+    for part in ["Counterparts of Report &lt;7&gt;", network, table, "another layout", &hashes[0], &hashes[1]] {
+        assert!(html.contains(part), "{part}");
+    }
+    let page = read(root.path(), "reports/plate/index.md");
+    assert!(page.contains("**pass-1, nowhere: not among the reports here**"), "{page}");
+    assert!(page.contains("| 4 | photo | none | a photograph | — |"), "{page}");
+    assert!(page.contains("3 of 4 entries have a counterpart"), "{page}");
+}
+
+/// The committed pages: what the case studies call a counterpart is there.
+#[test]
+fn the_case_studies_have_every_counterpart_that_they_name() {
+    for study in ["sxm", "radiator"] {
+        let reports = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports").join(study);
+        let page = fs::read_to_string(reports.join("index.md")).unwrap();
+        assert!(!page.contains("not among the reports here"), "{study}");
+    }
+}
+
+#[test]
 fn the_research_object_has_every_file_with_its_hash() {
     let root = two();
     printed(root.path(), &["report", "plate"]);

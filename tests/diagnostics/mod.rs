@@ -6,6 +6,7 @@ use bmv::study::model;
 mod docs;
 mod effects;
 mod expression;
+mod figures;
 mod model_form;
 mod properties;
 mod schema;

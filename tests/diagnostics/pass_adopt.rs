@@ -201,6 +201,20 @@ fn a_start_that_nothing_can_have_is_refused() {
     assert!(said(&lag, all).contains("`inside` adds no node that could start"), "{}", said(&lag, all));
     let elsewhere = WARM_PART.replace(r#""because""#, r#""applies_to": [], "because""#);
     assert!(said(&elsewhere, all).contains("`inside` does not apply to `balance`"), "{}", said(&elsewhere, all));
+    // Kelvins that were meant as degrees Celsius: a tail of a normal prior, and one that lies there as a whole.
+    for (unit, low) in [(r#""unit": "K""#, "-4.7"), (r#""unit": "degC""#, "")] {
+        let wide =
+            WARM_PART.replace(r#""sd": 4, "lower": 10, "upper": 30"#, r#""sd": 8"#).replace(r#""unit": "degC""#, unit);
+        let answer = said(&wide, all);
+        let is_refused =
+            answer.contains("pass-1.json:") && answer.contains("a share of the prior lies below absolute zero");
+        assert_eq!(is_refused, !low.is_empty(), "{answer}");
+        assert!(answer.contains(low), "{answer}");
+    }
+    let everywhere = r#"{"temperatures": {"all": {"prior": {"uniform": [-40, 60]}}}}"#;
+    let answer = said(WARM_PART, everywhere);
+    assert!(answer.contains("below absolute zero: 0.001 of it below -39.9000 K"), "{answer}");
+    assert!(answer.contains("\"unit\": \"degC\""), "{answer}");
     let steady = said(WARM_PART, r#"{"steady": {}}"#);
     assert!(steady.contains("whose start follows from its inputs"), "{steady}");
 }

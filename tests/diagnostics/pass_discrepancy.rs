@@ -40,7 +40,10 @@ fn what_allows_no_discrepancy_is_refused_at_its_place() {
         (
             7,
             r#""rest": {"discrepancy": {"priors": {"lengths": {"Q": {"lognormal": {"median": 1, "factor": 2}}}}}}"#,
-            &["the discrepancy does not depend on `Q`", "an input that the phases vary"],
+            &[
+                "the discrepancy does not depend on `Q`: it is 5 W in all phases that are fitted",
+                "one that the phases vary: `T_if`",
+            ],
         ),
         (
             7,
@@ -53,7 +56,11 @@ fn what_allows_no_discrepancy_is_refused_at_its_place() {
             &["factor 1 is not above 1"],
         ),
         (7, r#""rest": {"discrepancy": {"sensors": ["bx"]}}"#, &["unknown sensor of these data `bx`", "`box`"]),
-        (7, r#""rest": {"discrepancy": {"inputs": ["Q"]}}"#, &["`Q` has the same value in all phases that are fitted"]),
+        (
+            7,
+            r#""rest": {"discrepancy": {"inputs": ["Q"]}}"#,
+            &["`Q` cannot explain a discrepancy: it is 5 W in all phases that are fitted"],
+        ),
         (7, r#""rest": {"discrepancy": {"from": "match"}}"#, &["`match` is a `compare` job", "a `calibrate` job"]),
         (7, r#""rest": {"discrepancy": {"kernel": "rbf"}}"#, &["squared-exponential", "matern-5/2"]),
         (7, r#""rest": {"discrepancy": {"draws": 3}}"#, &["3 draws", "an integer from 20 to 1000"]),
@@ -99,6 +106,44 @@ fn phases_with_the_same_inputs_are_repetitions_and_too_few_others_carry_no_proce
         warned.contains("the phases `P0` and `P4` have the same values of the inputs of the discrepancy"),
         "{warned}"
     );
+}
+
+#[test]
+fn a_process_needs_an_input_that_varies_and_the_inputs_are_named() {
+    for mode in [r#""law": "gaussian-process""#, r#""mode": "joint""#] {
+        let said = study(6, |_| (20.0, 5.0), &format!(r#""rest": {{"discrepancy": {{{mode}}}}}"#)).said("pass-1.json");
+        for part in [
+            "no input varies over the phases of `balance` that are fitted: in every phase `T_if` is 20 degC, `Q` is 5 W",
+            "5 different ones or more for a Gaussian process",
+            "\"law\": \"residual-law\"",
+        ] {
+            assert!(said.contains(part), "{part}\n{said}");
+        }
+    }
+}
+
+#[test]
+fn priors_of_sensors_in_different_units_are_refused_by_their_names() {
+    let own = study(
+        7,
+        |phase| (10.0 * phase as f64, 5.0),
+        r#""rest": {"discrepancy": {"priors": {"scatter": {"lognormal": {"median": 1, "factor": 2}}}}}"#,
+    );
+    own.edit(
+        "pass-1.json",
+        r#""panel": {"measures": "panel", "sigma": 0.5}"#,
+        r#""panel": {"measures": "heat", "sigma": 0.5}"#,
+    );
+    own.edit("data/balance.csv", "panel [degC]", "panel [W]");
+    own.edit(
+        "pass-1.json",
+        r#""jobs": {"#,
+        r#""quantities": {"heat": {"expression": {"of": "Q", "unit": "W"}}}, "jobs": {"#,
+    );
+    let said = own.said("pass-1.json");
+    for part in ["`box` is measured in K and `panel` in W", "sensors of one unit", "such as [\"box\"]"] {
+        assert!(said.contains(part), "{part}\n{said}");
+    }
 }
 
 #[test]

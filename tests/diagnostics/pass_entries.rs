@@ -388,6 +388,25 @@ fn a_rule_that_says_nothing_of_the_requirement() {
     study.edit("pass-1.json", r#"{"conventional": {}}"#, r#"{"conventional": {"rules": ["heat-load-25"]}}"#);
     let said = study.said("pass-1.json");
     assert!(said.contains("the rule `heat-load-25` changes heat loads, and no parameter or input is in W"), "{said}");
+    // A limit on each side, 20 K apart, and 11 K asked for at each.
+    let study = Study::new();
+    study.edit(
+        "pass-1.json",
+        r#""below": {"value": -30, "unit": "degC"}"#,
+        r#""below": {"value": -30, "unit": "degC"}, "above": {"value": -50, "unit": "degC"}"#,
+    );
+    study.edit(
+        "pass-1.json",
+        r#"{"conventional": {}}"#,
+        r#"{"conventional": {"rules": ["nasa-gsfc-5k", "military-11k"]}}"#,
+    );
+    let said = study.said("pass-1.json");
+    for part in
+        ["no design passes the rule `military-11k` for the requirement `cold`", "20.0000 K apart", "`below` alone"]
+    {
+        assert!(said.contains(part), "{part}\n{said}");
+    }
+    assert!(!said.contains("`nasa-gsfc-5k`"), "{said}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod calibration;
 mod diagnosis;
+mod figures;
 mod history;
 mod hostile;
 mod rendering;

@@ -47,6 +47,7 @@ impl Sample {
             siblings: Some(Siblings { previous: None, next: Some("pass-2".into()) }),
             origin_sha256: Some("cd".repeat(32)),
             closing: self.closing.clone(),
+            figures: Vec::new(),
             model: &self.model,
             groups: &[],
             priors: self.priors.clone(),

@@ -194,3 +194,45 @@ fn parameters_inferred_with_their_discrepancy_are_as_good_as_what_is_known_of_it
     assert!((inside.0 - 1.2374).abs() < 0.001 && (inside.1 / 0.0088 - 1.0).abs() < 0.08, "{inside:?}");
     assert!((beyond.0 - machine(6.0)).abs() < 3.0 * beyond.1 && beyond.1 > 5.0 * inside.1, "{beyond:?}");
 }
+
+/// Residuals that are all the same: a constant describes them, and a process that is asked for is refused with what to do.
+#[test]
+fn constant_residuals_carry_a_constant_and_no_process() {
+    let root = tempfile::tempdir().unwrap();
+    let put = |name: &str, text: &str| std::fs::write(root.path().join(name), text).unwrap();
+    let rows: String = (0..7).map(|phase| format!("P{phase},{phase},0.3\n")).collect();
+    put("line.csv", &format!("phase,x [1],y [1]\n{rows}"));
+    put(
+        "model.json",
+        r#"{"format": "bmv-network/1", "title": "Line", "inputs": {"x": {"unit": "1", "nominal": 0}},
+ "parameters": {"a": {"unit": "1", "nominal": 0, "prior": {"uniform": [-1e-9, 1e-9]}}},
+ "quantities": {"y": {"expression": {"of": "a + 0 * x", "unit": "1"}}}}"#,
+    );
+    put(
+        "pass-1.json",
+        r#"{"format": "bmv-pass/1", "title": "t", "parent": null, "model": "model.json",
+ "measurements": {"line": {"steady": {"file": "line.csv", "sensors": {"y": {"measures": "y", "sigma": 0.1}}}}},
+ "jobs": {"fit": {"calibrate": {"draws": 100, "warmup": 50}}, "left": {"discrepancy": {}},
+   "asked": {"discrepancy": {"law": "gaussian-process"}}}}"#,
+    );
+    let pass = bmv::job::load(&root.path().join("pass-1.json")).unwrap_or_else(|e| panic!("{}", e.render(false, 9)));
+    let run = |name: &str, upstream: &[std::sync::Arc<serde_json::Value>]| {
+        use bmv::job::ready::Readiness;
+        let (_, readiness) = bmv::job::ready(&pass).into_iter().find(|(own, _)| own == name).unwrap();
+        let job = match readiness {
+            Readiness::Ready(job) => job,
+            Readiness::After(deferred) => deferred.prepare(upstream).unwrap(),
+            Readiness::NotRun(reason) => panic!("{reason}"),
+            Readiness::Refused(wrong) => panic!("{wrong:?}"),
+        };
+        crate::serial::run(job.as_ref())
+    };
+    let fit = std::sync::Arc::new(run("fit", &[]).unwrap());
+    let left: discrepancy::Output = serde_json::from_value(run("left", std::slice::from_ref(&fit)).unwrap()).unwrap();
+    assert_eq!(left.sensors[0].law, Law::Constant);
+    let refused = run("asked", &[fit]).unwrap_err().to_string();
+    for part in ["sensor `y`: the law `Gaussian process`, which `law` asks for", "all values are 0.3", "without `law`"]
+    {
+        assert!(refused.contains(part), "{part}\n{refused}");
+    }
+}

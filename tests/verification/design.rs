@@ -91,8 +91,9 @@ const PAIRS: [(f64, f64, f64); 10] = [
 ];
 
 /// Three standard errors and the bias hold at every d, and the optimum is right, for all seeds but `most`: such a margin
-/// is missed by chance in 0.27 % of the cases, and the d share their random numbers.
-fn one_experiment(how: &str, seeds: u64, most: usize) {
+/// is missed by chance in 0.27 % of the cases, and the d share their random numbers. Gives the largest error, nats.
+fn one_experiment(how: &str, seeds: u64, most: usize) -> f64 {
+    let mut farthest: f64 = 0.0;
     let values: Vec<String> = LONG.iter().map(|(d, _)| d.to_string()).collect();
     let mut pass = huan(&format!(r#"{{"d": [{}]}}"#, values.join(", ")), how);
     let mut misses: Vec<(u64, f64, f64, f64)> = Vec::new();
@@ -101,6 +102,7 @@ fn one_experiment(how: &str, seeds: u64, most: usize) {
         let output = designed(&pass, settings(&pass), &pass.priors);
         for (candidate, (d, exact)) in output.candidates.iter().zip(LONG) {
             let (found, margin) = value(candidate);
+            farthest = farthest.max((found - exact).abs());
             if !((found - exact).abs() < margin) && !misses.iter().any(|(other, ..)| *other == seed) {
                 misses.push((seed, d, found - exact, margin));
             }
@@ -111,12 +113,15 @@ fn one_experiment(how: &str, seeds: u64, most: usize) {
         assert_eq!(output.convergence.last().unwrap().information_nats, best.information_nats);
     }
     assert!(misses.len() <= most, "{how}: {misses:?}");
+    farthest
 }
 
 #[test]
 fn one_experiment_is_that_of_huan_and_marzouk() {
     one_experiment(r#", "outer": 512, "inner": 256"#, 4, 0);
-    one_experiment(r#", "outer": 2048, "inner": 1024"#, 1, 0);
+    // Acceptance check 4 asks for 0.05 nats with 4000 samples.
+    let farthest = one_experiment(r#", "outer": 2048, "inner": 1024"#, 1, 0);
+    assert!(farthest < 0.05, "{farthest}");
     one_experiment(r#", "outer": 512, "inner": 256, "estimator": "importance""#, 1, 0);
 }
 

@@ -284,3 +284,44 @@ fn margins_by_rule_seek_the_warmest_deck() {
     let stacked = joints.sizes.iter().find(|s| s.requirement == "detector" && s.basis == Basis::StackedWorstCase);
     assert!((stacked.unwrap().prediction - ZERO_C + 29.3).abs() < 0.05);
 }
+
+/// Cold side of one cooler without load, its hot side at a temperature: `a i T_c = i^2 R / 2 + K (T_h - T_c)` with
+/// `i = (V - a (T_h - T_c)) / R`; constants from a data sheet's 87 K, 0.37 A and 2.9 V at 300 K.
+fn data_sheet(volt: f64, hot_k: f64) -> (f64, f64) {
+    let (most_v, most_a, most_k, at_k) = (2.9, 0.37, 87.0, 300.0);
+    let seebeck = most_v / at_k;
+    let resistance = most_v * (at_k - most_k) / (most_a * at_k);
+    let conductance = most_v * most_a * (at_k - most_k) / (2.0 * at_k * most_k);
+    let current = |cold: f64| (volt - seebeck * (hot_k - cold)) / resistance;
+    let (mut low, mut high) = (100.0, hot_k);
+    for _ in 0..100 {
+        let cold = 0.5 * (low + high);
+        let i = current(cold);
+        let excess = seebeck * i * cold - 0.5 * i * i * resistance - conductance * (hot_k - cold);
+        if excess > 0.0 { high = cold } else { low = cold }
+    }
+    (low, current(low))
+}
+
+/// The estimate beside the test's readings in both studies, to its last digit printed.
+#[test]
+fn the_data_sheets_estimate_is_that_of_its_formula() {
+    let mut seen = 0;
+    for (study, pass, figure, is_current) in [
+        ("sxm", "pass-3.json", "detector temperature against voltage", false),
+        ("sxm-surfaces", "pass-1.json", "detector temperature against voltage", false),
+        ("sxm-surfaces", "pass-1.json", "current against voltage", true),
+    ] {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies").join(study).join(pass);
+        let pass: serde_json::Value = serde_json::from_slice(&std::fs::read(file).unwrap()).unwrap();
+        let estimate = &pass["figures"][figure]["readings"]["estimates"]["data sheet, hot side at 30 degC"];
+        for point in estimate["points"].as_array().unwrap() {
+            let (volt, printed) = (point[0].as_f64().unwrap(), point[1].as_f64().unwrap());
+            let (cold_k, current) = data_sheet(volt, 303.15);
+            let (own, half) = if is_current { (current, 6e-4) } else { (cold_k - ZERO_C, 6e-2) };
+            assert!((own - printed).abs() < half, "{study}, {figure}, {volt} V: {own} {printed}");
+            seen += 1;
+        }
+    }
+    assert_eq!(seen, 24);
+}

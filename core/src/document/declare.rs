@@ -119,6 +119,7 @@ pub fn word<'a>(node: &'a Node, words: &[&str], what: &str, diagnostics: &mut Di
         return Some(text);
     }
     let near = diagnostics.nearest(text, words.iter().copied());
+    let what = what.strip_prefix("a ").or_else(|| what.strip_prefix("an ")).unwrap_or(what);
     diagnostics.push(
         Diagnostic::error(&code::UNKNOWN_KIND, &node.place, format!("unknown {what} `{text}`"))
             .expected(expected)

@@ -112,6 +112,23 @@ impl Prior {
     }
 }
 
+impl PriorForm {
+    /// Where its numbers stand.
+    pub fn place(&self) -> &Place {
+        match self {
+            Self::Uniform(Spanned { place, .. })
+            | Self::Normal(Spanned { place, .. })
+            | Self::Lognormal(Spanned { place, .. })
+            | Self::Loguniform(Spanned { place, .. })
+            | Self::Triangular(Spanned { place, .. })
+            | Self::Posterior(Spanned { place, .. })
+            | Self::Draws(Spanned { place, .. })
+            | Self::Halfnormal(Amount { place, .. })
+            | Self::Fixed(Amount { place, .. }) => place,
+        }
+    }
+}
+
 /// Smallest and largest value with a density, SI.
 pub fn support(distribution: &Distribution) -> [f64; 2] {
     match *distribution {

@@ -121,7 +121,7 @@ impl Round {
         }
         let study = ArchivedStudy { folder: study, passes };
         let rendered = |page| RenderedPage::new(&page).map_err(|error| BatchError::job(error.to_string()));
-        let of_study = rendered(study_page::page(&study))?.html;
+        let of_study = rendered(study_page::page(&study, std::slice::from_ref(&study)))?.html;
         self.pages.insert(format!("/{}/{INDEX}.html", study.folder), Served::new("index.html", &of_study));
         let over_all = rendered(index_page::page(&[study]))?.html;
         self.pages.insert(format!("/{INDEX}.html"), Served::new("index.html", &over_all));

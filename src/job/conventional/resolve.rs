@@ -2,7 +2,7 @@
 
 use super::form::ConventionalForm;
 use super::output::{Knowledge, Spec};
-use crate::document::{Spanned, code};
+use crate::document::{Diagnostic, Place, Spanned, code};
 use crate::expression::Dimension;
 use crate::study::job::{Asked, Entry, Forms};
 use crate::study::model::Scale;
@@ -68,7 +68,10 @@ fn applicable(
                 let unit_of =
                     |own: &Requirement| dimensions.get(own.quantity).copied().unwrap_or(Dimension::TEMPERATURE);
                 let is_other = |own: &&Requirement| unit_of(own) != Dimension::TEMPERATURE;
-                let Some(other) = requirements.iter().find(is_other) else { continue };
+                let Some(other) = requirements.iter().find(is_other) else {
+                    narrow_bands(scope, place, &rule.name, margin, requirements);
+                    continue;
+                };
                 let unit = unit_of(other);
                 let message = format!(
                     "the rule `{}` is a margin of temperature, and the requirement `{}` is about a quantity in {unit}",
@@ -84,6 +87,23 @@ fn applicable(
                 scope.error(&code::JOB_REFERENCE, place, message, expected);
             }
             Margin::TemperatureK(_) | Margin::HeatLoad(_) => {}
+        }
+    }
+}
+
+/// Warns of requirements on both sides whose limits lie too near one another for a margin at each: no design passes.
+fn narrow_bands(scope: &mut Scope, place: &Place, rule: &str, margin: f64, requirements: &[Requirement]) {
+    for own in requirements {
+        let Some((below, above)) = own.below.zip(own.above) else { continue };
+        let width = below - above;
+        if width < 2.0 * margin {
+            let message = format!(
+                "no design passes the rule `{rule}` for the requirement `{}`: its limits lie {width:.4} K apart, and {margin} K are \
+                 asked for at each",
+                own.name
+            );
+            let help = "size for the side that governs: a requirement with `below` alone, or with `above` alone";
+            scope.diagnostics.push(Diagnostic::warning(&code::JOB_REFERENCE, place, message).help(help));
         }
     }
 }

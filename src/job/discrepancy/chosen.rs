@@ -72,7 +72,11 @@ impl Question<'_> {
             Some(law) => {
                 let refused = scores.iter().find(|own| own.law == law).and_then(|own| own.refused.clone());
                 if let Some(reason) = refused {
-                    return Err(format!("the law `{}` cannot be fitted: {reason}", law.words()));
+                    return Err(format!(
+                        "the law `{}`, which `law` asks for, cannot be fitted to the residuals: {reason}; without `law` the \
+                         simplest one that describes them is taken",
+                        law.words()
+                    ));
                 }
                 (law, "the study asks for it".to_owned())
             }

@@ -24,7 +24,7 @@ written_struct! {
         optional law: Spanned<LawForm>,
         /// Whether hyperparameters are drawn from their posterior or those of the highest marginal likelihood, `sampled` where
         /// it is left out.
-        optional hyperparameters: HyperparametersForm,
+        optional hyperparameters: Spanned<HyperparametersForm>,
         /// What is known of the discrepancy beforehand; wide priors by the size of the residuals where it is left out.
         optional priors: Spanned<BeforehandForm>,
         /// Draws of the calibration over which residuals are taken (in the mode `joint` draws that are kept), 200 where it is left

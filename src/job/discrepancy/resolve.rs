@@ -6,7 +6,7 @@ use super::form::{
 };
 use super::output::{Law, Spec};
 use crate::document::prior::{LognormalForm, PosteriorForm, PriorForm};
-use crate::document::{Diagnostic, NameOr, Place, Sense, Spanned, code, counted};
+use crate::document::{Diagnostic, NameOr, Place, Sense, Spanned, code, counted, suggest};
 use crate::expression::{Dimension, Unit};
 use crate::inference::gaussian_process::hyperparameters::Beforehand;
 use crate::inference::gaussian_process::{FEWEST_POINTS, Kernel, Trend};
@@ -17,6 +17,7 @@ use crate::random::Distribution;
 use crate::study::blocked::blocked;
 use crate::study::job::{Asked, CALIBRATION, Entry, JobSpec};
 use crate::study::resolve::chosen::data;
+use crate::study::resolve::plausible::in_own_unit;
 use crate::study::resolve::posterior_prior;
 use crate::study::resolve::scope::{Scope, unit_of};
 use crate::study::resolve::settings::{number, push_new};
@@ -31,10 +32,11 @@ const DRAWS: u64 = 200;
 pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, asked: &mut Asked) -> Option<JobSpec> {
     let (before, offered) = (scope.diagnostics.errors(), asked.offered);
     let joint = form.mode.as_ref().filter(|mode| mode.value == ModeForm::Joint).map(|mode| &mode.place);
-    if let Some(place) = joint {
-        settings_of_joint(scope, form, place);
+    if joint.is_some() {
+        settings_of_joint(scope, form);
     }
-    if let Some(priors) = form.priors.as_ref().filter(|_| form.hyperparameters == Some(HyperparametersForm::Maximum)) {
+    let maximum = form.hyperparameters.as_ref().filter(|own| own.value == HyperparametersForm::Maximum);
+    if let Some(priors) = form.priors.as_ref().filter(|_| maximum.is_some()) {
         let message = "`priors` do nothing where hyperparameters are those of the highest marginal likelihood";
         scope.error(&code::DISCREPANCY, &priors.place, message, "`\"hyperparameters\": \"sampled\"`, or no `priors`");
     }
@@ -100,7 +102,7 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, 
             Some(TrendForm::Constant) | None => Trend::Constant,
         },
         law,
-        sampled: form.hyperparameters != Some(HyperparametersForm::Maximum),
+        sampled: maximum.is_none(),
         beforehand,
         is_joint: joint.is_some(),
         draws,
@@ -109,14 +111,14 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, 
 }
 
 /// Refuses what the mode `joint` does not take.
-fn settings_of_joint(scope: &mut Scope, form: &DiscrepancyForm, place: &Place) {
+fn settings_of_joint(scope: &mut Scope, form: &DiscrepancyForm) {
     if let Some(NameOr::Other(from)) = &form.from {
         let message = "the mode `joint` infers the parameters of its calibration anew, and this one is of another pass";
         scope.error(&code::DISCREPANCY, &from.place, message, "a `calibrate` job of this pass");
     }
-    if form.hyperparameters == Some(HyperparametersForm::Maximum) {
+    if let Some(own) = form.hyperparameters.as_ref().filter(|own| own.value == HyperparametersForm::Maximum) {
         let message = "the mode `joint` draws hyperparameters together with the parameters";
-        scope.error(&code::DISCREPANCY, place, message, "no `hyperparameters`, or `\"sampled\"`");
+        scope.error(&code::DISCREPANCY, &own.place, message, "no `hyperparameters`, or `\"sampled\"`");
     }
     if let Some(law) = form.law.as_ref().filter(|law| law.value == LawForm::None) {
         let message = "without a discrepancy there is nothing to infer together with the parameters";
@@ -139,14 +141,29 @@ fn beforehand(
 ) -> Beforehand {
     let BeforehandForm { standard_deviation, lengths, scatter } = &written.value;
     let of_sensors = measurements.iter().flat_map(|measurement| &measurement.sensors);
-    let quantities = of_sensors.filter(|sensor| sensors.contains(&sensor.name)).map(|sensor| sensor.quantity);
-    let mut units: Vec<Unit> =
-        quantities.map(|quantity| unit_of(&scope.resolved.model.quantities[quantity].unit)).collect();
-    units.dedup_by_key(|unit| unit.dimension);
-    let Some(unit) = units.first().filter(|_| units.len() == 1) else {
-        let message = "the sensors measure quantities of different units, which have no prior in common";
-        scope.error(&code::DISCREPANCY, &written.place, message, "`sensors` of one unit, in a job each");
-        return Beforehand::default();
+    // A sensor a unit, in the order of the sensors.
+    let mut units: Vec<(&str, Unit)> = Vec::new();
+    for sensor in of_sensors.filter(|sensor| sensors.contains(&sensor.name)) {
+        let unit = unit_of(&scope.resolved.model.quantities[sensor.quantity].unit);
+        if units.iter().all(|(_, other)| other.dimension != unit.dimension) {
+            units.push((&sensor.name, unit));
+        }
+    }
+    let unit = match units.as_slice() {
+        [(_, unit)] => unit,
+        // Without sensors something else is wrong, which has been reported.
+        [] => return Beforehand::default(),
+        [(first, unit), (second, other), ..] => {
+            let message = format!(
+                "`{first}` is measured in {} and `{second}` in {}: they have no prior of a discrepancy in common",
+                unit.text, other.text
+            );
+            let diagnostic = Diagnostic::error(&code::DISCREPANCY, &written.place, message)
+                .expected("sensors of one unit")
+                .help(format!("name those of one unit under `sensors`, such as [\"{first}\"], and the others in a job of their own"));
+            scope.diagnostics.push(diagnostic);
+            return Beforehand::default();
+        }
     };
     // Of the variance: twice that of the standard deviation.
     let dimension = unit.dimension;
@@ -159,8 +176,13 @@ fn beforehand(
     for length in lengths.iter().flatten() {
         let Some(input) = scope.known_input(&length.name, &length.name_place) else { continue };
         let Some(place) = inputs.iter().position(|own| *own == input) else {
-            let message = format!("the discrepancy does not depend on `{}`", length.name);
-            scope.error(&code::DISCREPANCY, &length.name_place, message, "an input that the phases vary");
+            let message = format!(
+                "the discrepancy does not depend on `{}`: {}",
+                length.name,
+                why_not(scope, input, measurements)
+            );
+            let expected = one_that_varies(scope, inputs);
+            scope.error(&code::DISCREPANCY, &length.name_place, message, &expected);
             continue;
         };
         let unit = unit_of(&scope.resolved.model.inputs[input].unit);
@@ -173,6 +195,27 @@ fn beforehand(
         known.lengths[place] = own.map(|[mean, sd]| [mean - ln(high - low), sd]);
     }
     known
+}
+
+/// Why a discrepancy does not depend on an input: it has one value in all fitted phases, or `inputs` does not name it.
+fn why_not(scope: &Scope, input: usize, measurements: &[&Measurement]) -> String {
+    let mut values =
+        measurements.iter().flat_map(|measurement| fitted_phases(measurement)).map(|(_, inputs)| inputs[input]);
+    match values.next() {
+        Some(first) if values.all(|value| value == first) => {
+            format!("it is {} in all phases that are fitted", in_own_unit(scope, input, first))
+        }
+        _ => "it is not among its `inputs`".to_owned(),
+    }
+}
+
+/// The inputs that a discrepancy can depend on.
+fn one_that_varies(scope: &Scope, inputs: &[usize]) -> String {
+    let names: Vec<&str> = inputs.iter().map(|&input| scope.resolved.model.inputs[input].name.as_str()).collect();
+    match names.as_slice() {
+        [] => "an input that the phases vary; none does".to_owned(),
+        names => format!("one that the phases vary: {}", suggest::listed(names.iter().copied(), 12)),
+    }
 }
 
 /// Mean and standard deviation of the logarithm, SI.
@@ -304,17 +347,36 @@ fn inputs(scope: &mut Scope, form: &DiscrepancyForm, measurements: &[&Measuremen
         let date = scope.resolved.model.date;
         return (0..scope.resolved.model.inputs.len()).filter(|&input| Some(input) != date && varies(input)).collect();
     };
+    let varying: Vec<usize> = (0..scope.resolved.model.inputs.len()).filter(|&input| varies(input)).collect();
     let mut chosen = Vec::new();
     for name in names {
         let Some(input) = scope.known_input(&name.value, &name.place) else { continue };
-        if varies(input) {
+        if varying.contains(&input) {
             push_new(&mut chosen, input);
         } else {
-            let message = format!("`{}` has the same value in all phases that are fitted", name.value);
-            scope.error(&code::DISCREPANCY, &name.place, message, "an input that the phases vary");
+            let message =
+                format!("`{}` cannot explain a discrepancy: {}", name.value, why_not(scope, input, measurements));
+            let expected = one_that_varies(scope, &varying);
+            scope.error(&code::DISCREPANCY, &name.place, message, &expected);
         }
     }
     chosen
+}
+
+/// That no input varies, with the value of each.
+fn nothing_varies(scope: &Scope, measurements: &[&Measurement]) -> String {
+    let names: Vec<&str> = measurements.iter().map(|measurement| measurement.name.as_str()).collect();
+    let mut phases = measurements.iter().flat_map(|measurement| fitted_phases(measurement));
+    let first = phases.next().map(|(_, inputs)| inputs).unwrap_or_default();
+    let values: Vec<String> = (first.iter().zip(&scope.resolved.model.inputs).enumerate())
+        .map(|(input, (value, own))| format!("`{}` is {}", own.name, in_own_unit(scope, input, *value)))
+        .collect();
+    let several = if phases.next().is_some() { "every phase" } else { "the only phase" };
+    format!(
+        "no input varies over the phases of {} that are fitted: in {several} {}",
+        suggest::listed(names.iter().copied(), 4),
+        values.join(", ")
+    )
 }
 
 /// Says where phases coincide, and refuses a Gaussian process that is asked for and has too few places.
@@ -346,15 +408,17 @@ fn points(
     };
     if let Some(place) = asked_for.filter(|_| places.len() < FEWEST_POINTS || inputs.is_empty()) {
         let message = match same {
-            _ if inputs.is_empty() => "no input varies over the phases that are fitted".to_owned(),
+            _ if inputs.is_empty() => nothing_varies(scope, measurements),
             Some([first, second]) => format!(
                 "the phases have {} of the inputs: `{first}` and `{second}` have the same",
                 counted(places.len(), "different set")
             ),
             None => format!("the fit has {}", counted(places.len(), "phase")),
         };
-        let expected = format!("{FEWEST_POINTS} different ones or more for a Gaussian process");
-        scope.error(&code::DISCREPANCY, place, message, &expected);
+        let diagnostic = Diagnostic::error(&code::DISCREPANCY, place, message)
+            .expected(format!("{FEWEST_POINTS} different ones or more for a Gaussian process"))
+            .help("with fewer write \"law\": \"residual-law\", scatter that no input explains, or \"constant\"");
+        scope.diagnostics.push(diagnostic);
     } else if let Some([first, second]) = same.filter(|_| !inputs.is_empty()) {
         let message =
             format!("the phases `{first}` and `{second}` have the same values of the inputs of the discrepancy");

@@ -2,11 +2,13 @@
 //! the page over all studies, the description of a study's reports as a research object. All are pure functions of the
 //! records and manifests that lie there, so that they do not depend on which reports a command renders.
 
+mod counterparts;
 pub mod index_page;
 pub mod record;
 pub mod ro_crate;
 pub mod study_page;
 mod study_tables;
+mod timeline;
 
 use std::path::{Path, PathBuf};
 

@@ -7,6 +7,7 @@ use crate::report::history::PassErrors;
 use crate::report::known::{self, Known};
 use crate::report::page::{Status, Text};
 use crate::report::section::compliance::{Judged, judged};
+use crate::report::section::design_values::{self, DesignValue};
 use crate::report::section::{self};
 use crate::report::view::PassReport;
 use crate::study::StudyDocument;
@@ -85,6 +86,9 @@ pub struct Record {
     pub adopted: Vec<Change>,
     /// What predictions take of calibrations.
     pub flight: Vec<Flight>,
+    /// Design values to which its approaches lead.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub design_values: Vec<DesignValue>,
 }
 
 impl Record {
@@ -133,6 +137,7 @@ impl Record {
                 })
                 .collect(),
             flight: flight.collect(),
+            design_values: design_values::of(report),
         }
     }
 

@@ -10,10 +10,10 @@ use crate::report::section::{compliance, document, error_by_pass};
 use crate::report::title_block;
 
 use super::study_tables::{changes, flight, parameters, requirements, statements};
-use super::{ArchivedPass, ArchivedStudy};
+use super::{ArchivedPass, ArchivedStudy, counterparts, timeline};
 
-/// The page.
-pub fn page(study: &ArchivedStudy) -> Page {
+/// The page; `all` are the studies whose reports lie beside it, itself among them.
+pub fn page(study: &ArchivedStudy, all: &[ArchivedStudy]) -> Page {
     let document = study.document();
     let mut subtitle = Text::new("Study ").code(&study.folder);
     if document.is_some() {
@@ -22,11 +22,13 @@ pub fn page(study: &ArchivedStudy) -> Page {
     let sections = [
         Some(passes(study)),
         error(study),
+        timeline::section(study),
         requirements(study),
         statements(study),
         parameters(study),
         changes(study),
         flight(study),
+        counterparts::section(study, all),
         document_section(study),
         Some(verification(study)),
     ];

@@ -83,6 +83,11 @@ impl Scale {
         value >= self.low - slack && value <= self.high + slack
     }
 
+    /// Decimals that show the ticks in full.
+    pub fn decimals(&self) -> usize {
+        decimals_of(self.step)
+    }
+
     /// Ticks and their labels.
     pub fn ticks(&self) -> Vec<(f64, String)> {
         let first = (self.low / self.step - 1e-6).ceil();

@@ -2,7 +2,7 @@
 
 use super::axis::{Axis, Scale, range_of, widened};
 use super::canvas::{Anchor, Canvas, Drawing, Lettering, SMALL, TEXT, WIDTH, draw, fitted, text_width};
-use super::palette::{Colour, GRID, INK, MUTED, PAPER, SHADE, between};
+use super::palette::{Colour, GRID, INK, MUTED, PAPER, SHADE, between, diverging};
 use super::sheet::Entry;
 
 /// Dots of a layer that are drawn, an even choice.
@@ -94,6 +94,43 @@ pub enum Layer {
         /// Label.
         label: String,
     },
+    /// Filled areas, each of its colour.
+    Patches {
+        /// Areas.
+        patches: Vec<Patch>,
+        /// Colour in the key.
+        colour: Colour,
+        /// Label.
+        label: String,
+    },
+    /// Thin straight pieces, each by its ends.
+    Segments {
+        /// Pieces.
+        pieces: Vec<[(f64, f64); 2]>,
+        /// Colour.
+        colour: Colour,
+    },
+    /// Texts at places: x, y, text.
+    Labels {
+        /// Texts.
+        labels: Vec<(f64, f64, String)>,
+    },
+    /// Points coloured by a deviation, blue below zero and orange above: x, y, deviation.
+    Deviations {
+        /// Points.
+        points: Vec<(f64, f64, f64)>,
+        /// Label; the largest deviation stands behind it.
+        label: String,
+    },
+}
+
+/// A filled area.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Patch {
+    /// Its corners.
+    pub outline: Vec<(f64, f64)>,
+    /// Its colour.
+    pub colour: Colour,
 }
 
 impl Layer {
@@ -106,6 +143,10 @@ impl Layer {
             Self::Intervals { colour, .. } => (*colour, "", "intervals"),
             Self::Bars { colour, label, .. } => (*colour, label, "bars"),
             Self::Cells { colour, label, .. } => (*colour, label, "cells"),
+            Self::Patches { colour, label, .. } => (*colour, label, "surface"),
+            Self::Segments { colour, .. } => (*colour, "", "lines"),
+            Self::Labels { .. } => (INK, "", "level"),
+            Self::Deviations { label, .. } => (INK, label, "deviations"),
         }
     }
 }
@@ -241,6 +282,23 @@ impl Chart {
                         }
                     }
                 }
+                Layer::Deviations { points, .. } => {
+                    points.iter().for_each(|&(x, y, deviation)| add([x, NONE, y, NONE, NONE, NONE, deviation], (x, y)));
+                }
+                // Their labels say what lines of a surface are.
+                Layer::Labels { labels } => {
+                    for (x, y, text) in labels {
+                        let row = canvas.record([
+                            panel.clone(),
+                            text.as_str().into(),
+                            at_name(*x),
+                            Entry::Empty,
+                            (*y).into(),
+                        ]);
+                        canvas.seen(row, frame.at((*x, *y)));
+                    }
+                }
+                Layer::Patches { .. } | Layer::Segments { .. } => {}
             }
         }
         for limit in self.limits.iter().filter(|limit| !limit.label.is_empty()) {
@@ -297,7 +355,10 @@ impl Chart {
         let inner_right = area.right - 36.0;
         let x_range = self.x.range.unwrap_or_else(|| {
             let extent = self.extent(Along::X).unwrap_or((0.0, 1.0));
-            let is_filled = self.layers.iter().any(|l| matches!(l, Layer::Bars { .. } | Layer::Cells { .. }));
+            let is_filled = self
+                .layers
+                .iter()
+                .any(|l| matches!(l, Layer::Bars { .. } | Layer::Cells { .. } | Layer::Patches { .. }));
             if is_filled { extent } else { widened(extent, 0.02) }
         });
         let x = Scale::new(x_range, (inner_left, inner_right), 8);
@@ -364,6 +425,14 @@ impl Chart {
                     }
                 }
                 Layer::Cells { x_edges, y_edges, .. } => values.extend(if x { x_edges } else { y_edges }),
+                Layer::Patches { patches, .. } => {
+                    values.extend(patches.iter().flat_map(|own| &own.outline).map(|p| if x { p.0 } else { p.1 }));
+                }
+                Layer::Segments { pieces, .. } => {
+                    values.extend(pieces.iter().flatten().map(|p| if x { p.0 } else { p.1 }));
+                }
+                Layer::Deviations { points, .. } => values.extend(points.iter().map(|p| if x { p.0 } else { p.1 })),
+                Layer::Labels { .. } => {}
             }
         }
         values.extend(self.limits.iter().filter(|l| l.along == along).map(|l| l.value));
@@ -405,7 +474,9 @@ impl Chart {
                 Layer::Cells { colour, label, .. } => (KeyMark::Patch(*colour, 0.6), label),
                 Layer::Line { colour, label, stroke, .. } => (KeyMark::Line(*colour, *stroke == Stroke::Dashed), label),
                 Layer::Dots { colour, label, mark, .. } => (KeyMark::Dot(*colour, *mark), label),
-                Layer::Intervals { .. } => continue,
+                Layer::Patches { colour, label, .. } => (KeyMark::Patch(*colour, 0.4), label),
+                Layer::Deviations { label, .. } => (KeyMark::Deviations, label),
+                Layer::Intervals { .. } | Layer::Segments { .. } | Layer::Labels { .. } => continue,
             };
             if !label.is_empty() {
                 entries.push((mark, label.clone()));
@@ -444,6 +515,11 @@ impl Chart {
                     KeyMark::Line(colour, true) => canvas.dashed(&[(x, y), (x + 52.0, y)], colour, 6, 14.0, 8.0),
                     KeyMark::Line(colour, false) => canvas.path(&[(x, y), (x + 52.0, y)], colour, 6),
                     KeyMark::Dot(colour, mark) => paint_mark(canvas, (x + 26.0, y), colour, mark, 9),
+                    KeyMark::Deviations => {
+                        for (at, share) in [(6.0, -1.0), (26.0, 0.0), (46.0, 1.0)] {
+                            paint_deviation(canvas, (x + at, y), share, 9);
+                        }
+                    }
                 }
                 canvas.text(label, (x + 64.0, y), Lettering::new(SMALL, INK));
                 x += 110.0 + text_width(label, SMALL);
@@ -457,6 +533,13 @@ enum KeyMark {
     Patch(Colour, f64),
     Line(Colour, bool),
     Dot(Colour, Mark),
+    Deviations,
+}
+
+/// A point whose colour tells its deviation as a share of the largest.
+fn paint_deviation(canvas: &mut Canvas<'_>, at: (f64, f64), share: f64, radius: u32) {
+    canvas.disc(at, radius, diverging(share), 1.0);
+    canvas.circle(at, radius, INK, 3);
 }
 
 fn paint_mark(canvas: &mut Canvas<'_>, at: (f64, f64), colour: Colour, mark: Mark, radius: u32) {
@@ -537,6 +620,29 @@ impl Frame {
                         let right = if right - left > 4.0 { right - 2.0 } else { right.max(left + 2.0) };
                         canvas.fill((left, self.y.at(0.0)), (right, self.y.at(height)), *colour, 0.75);
                     }
+                }
+            }
+            Layer::Patches { patches, .. } => {
+                for patch in patches {
+                    let outline: Vec<(f64, f64)> = patch.outline.iter().map(|&p| self.at(p)).collect();
+                    canvas.polygon(&outline, patch.colour, 1.0);
+                }
+            }
+            Layer::Segments { pieces, colour } => {
+                for [a, b] in pieces {
+                    canvas.path(&[self.at(*a), self.at(*b)], *colour, 2);
+                }
+            }
+            Layer::Labels { labels } => {
+                for (x, y, text) in labels {
+                    let (x, y) = self.at((*x, *y));
+                    canvas.text_on_paper(text, (x - 0.5 * text_width(text, SMALL), y), Lettering::new(SMALL, INK));
+                }
+            }
+            Layer::Deviations { points, .. } => {
+                let largest = points.iter().map(|p| p.2.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
+                for &(x, y, deviation) in points.iter().filter(|p| p.0.is_finite() && p.1.is_finite()) {
+                    paint_deviation(canvas, self.at((x, y)), deviation / largest.max(1e-300), 11);
                 }
             }
             Layer::Cells { x_edges, y_edges, values, colour, .. } => {

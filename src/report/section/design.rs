@@ -1,6 +1,7 @@
 //! The experiment that teaches most: candidates, the best, limits, sensors.
 
 mod brief;
+mod spread;
 
 use crate::job::design::{Candidate, Kind, Output, Pick};
 use crate::math::functions::exp;
@@ -31,6 +32,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         }
         blocks.extend(verdict(output));
         blocks.extend(figure(name, output).map(Block::Figure));
+        blocks.extend(spread::blocks(name, output));
         blocks.extend(candidates(output));
         blocks.extend(picks(output));
         blocks.extend(sensors(output));

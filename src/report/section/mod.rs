@@ -3,6 +3,7 @@
 //! file here with a `SECTION`, and a line in the list below.
 
 pub mod brief;
+pub mod design_values;
 mod validation;
 
 use brief::ErasedBrief;
@@ -119,6 +120,7 @@ sections! {
     discrepancy,
     history,
     prediction,
+    figures,
     margins,
     record,
     pub document,

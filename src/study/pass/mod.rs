@@ -1,6 +1,7 @@
 //! A pass as written: `pass-N.json`, format `bmv-pass/1`.
 
 pub mod adopt;
+pub mod figure;
 pub mod measurement;
 pub mod uncertain;
 pub mod variable;
@@ -8,6 +9,7 @@ pub mod variable;
 use crate::document::{Amount, Map, Spanned, written_struct};
 
 use adopt::Adopted;
+use figure::FigureForm;
 use measurement::MeasurementForm;
 use variable::RangeForm;
 
@@ -53,6 +55,8 @@ written_struct! {
         default(Map::default()) design: Map<RangeForm>,
         /// The pass closes the validation: its report ends with the record of the whole. Not inherited.
         optional closing: ClosingForm,
+        /// Figures of the study's own, for the report; no job depends on them. Not inherited.
+        default(Map::default()) figures: Map<FigureForm>,
     }
 }
 

@@ -8,6 +8,7 @@ pub mod chosen;
 pub mod data;
 pub mod design_variable;
 mod drift;
+mod figure;
 mod gaps;
 mod influence;
 mod initial;
@@ -17,7 +18,7 @@ mod outside;
 mod parts;
 pub use parts::belongs_to;
 mod physical;
-mod plausible;
+pub mod plausible;
 pub mod posterior_prior;
 pub mod requirement;
 pub mod scope;
@@ -309,6 +310,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     let measured = form.measurements.iter().next().map(|entry| &entry.name_place);
     kinds.complete(&mut jobs, &forms, &offered, measured);
     physical::check(&mut scope, form, &priors, &environments, &measurements);
+    let figures = figure::figures(&mut scope, &form.figures, &offered, &forms);
     if !scope.diagnostics.has_errors() {
         // What is wrong comes first.
         drift::doubts(&mut scope, form, &jobs, &mut measurements);
@@ -337,6 +339,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
             dispositions: closing.dispositions.iter().map(|own| (own.name.clone(), own.value.clone())).collect(),
             left: closing.left.clone(),
         }),
+        figures,
         files: folder.files(),
         definition_sha256,
         seed,

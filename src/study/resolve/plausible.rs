@@ -34,7 +34,7 @@ fn beyond(scope: &Scope, input: usize, value: f64) -> f64 {
 }
 
 /// A value of an input in its own unit.
-fn in_own_unit(scope: &Scope, input: usize, value: f64) -> String {
+pub fn in_own_unit(scope: &Scope, input: usize, value: f64) -> String {
     match &scope.resolved.input_scales[input].unit {
         Some(unit) => format!("{} {}", short(unit.from_si(value)), unit.text),
         None => short(value),

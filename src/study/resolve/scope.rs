@@ -1,14 +1,19 @@
 //! What names mean while a pass is resolved.
 
+use crate::document::prior::support;
 use crate::document::quantity::report_dimension;
 use crate::document::{Amount, Diagnostic, Diagnostics, Place, Sense, Spanned, WrittenUnit, code, suggest};
 use crate::expression::{Dimension, Symbol, Unit};
 use crate::measurement::Uncertain;
+use crate::random::Distribution;
 use crate::study::folder::Folder;
 use crate::study::model::{Prior, ResolvedModel, Scale};
 use crate::study::pass::uncertain::UncertainForm;
 use crate::study::variable::Variable;
 use crate::thermal::{Quantity, QuantityValue};
+
+/// Share of a temperature's prior that may lie below absolute zero: tails of normal priors reach there.
+const COLDEST: f64 = 0.001;
 
 /// The model that is being completed, the folder, and where findings go.
 pub struct Scope<'a> {
@@ -134,7 +139,33 @@ impl Scope<'_> {
         amount.si(Dimension::TIME, None, Sense::Difference, self.diagnostics)
     }
 
-    /// A known or inferred number in SI. `above_zero` refuses known values that are not.
+    /// Whether the prior of what must lie above 0 does; reported where it does not.
+    fn is_above_zero(&mut self, prior: &Distribution, place: &Place, dimension: Dimension, sense: Sense) -> bool {
+        if dimension == Dimension::TEMPERATURE && sense == Sense::Absolute {
+            let low = prior.quantile(COLDEST);
+            if low > 0.0 {
+                return true;
+            }
+            let message = format!("a share of the prior lies below absolute zero: {COLDEST} of it below {low:.4} K");
+            let diagnostic = Diagnostic::error(&code::OUT_OF_RANGE, place, message)
+                .expected("a prior above 0 K; bare numbers are in K")
+                .help("temperatures in degC need their unit: {\"prior\": {\"normal\": {\"mean\": 20, \"sd\": 5}}, \"unit\": \"degC\"}");
+            self.diagnostics.push(diagnostic);
+            return false;
+        }
+        let [lower, _] = support(prior);
+        let is_above = prior.quantile(0.5) > 0.0 && !(lower.is_finite() && lower < 0.0);
+        if !is_above {
+            let help = "such as {\"lognormal\": {\"median\": 0.2, \"factor\": 1.5}}";
+            let diagnostic = Diagnostic::error(&code::OUT_OF_RANGE, place, "the prior is not above 0")
+                .expected("a prior of values above 0")
+                .help(help);
+            self.diagnostics.push(diagnostic);
+        }
+        is_above
+    }
+
+    /// A known or inferred number in SI. `above_zero` refuses what is not, known or by its prior.
     pub fn uncertain(
         &mut self,
         form: &UncertainForm,
@@ -162,6 +193,11 @@ impl Scope<'_> {
                     None => Unit::si(dimension),
                 };
                 match form.prior.resolve(Some(&written_unit), dimension, sense, self.diagnostics)? {
+                    Prior::Distribution(prior)
+                        if above_zero && !self.is_above_zero(&prior, form.prior.place(), dimension, sense) =>
+                    {
+                        None
+                    }
                     Prior::Distribution(prior) => match &form.nominal {
                         None => Some(Uncertain::Inferred(prior)),
                         Some(amount) => {

@@ -108,6 +108,9 @@ codes! { PASS_CODES:
     DOCUMENT_FILE = "document-file", "a title block that is not complete",
         "A study's document.json has a title, a number, an issue and the day of issue, written year, month, day. Passes under `not_archived` are files of the study.",
         "wrong: \"date\": \"30.06.2026\"\nright: \"date\": \"2026-06-30\"";
+    FIGURE = "figure", "a figure that cannot be drawn",
+        "Figures of a study's own draw what is there: `readings` a sensor of a measurement of steady phases, against an input or another sensor; `contours` a quantity of a `propagate` or `predict` job over the design variable that it sweeps, inputs in which its environments differ, or other quantities of the job. An estimate of others names its source.",
+        "wrong: {\"readings\": {\"data\": \"balance\", \"of\": \"plate\", \"against\": \"colour\"}}\nright: {\"readings\": {\"data\": \"balance\", \"of\": \"plate\", \"against\": \"T_sink\"}}";
     NOTHING_TO_REMOVE = "nothing-to-remove", "a removal of what no parent has",
         "In a pass, `null` in place of a named entry removes the entry that a parent pass has under this name. Where no parent has it, the name is probably misspelt, and the entry that was meant would stay.",
         "wrong: \"requirements\": {\"detektor\": null}\nright: \"requirements\": {\"detector\": null}";
