@@ -444,7 +444,7 @@ mod tests {
             (
                 "\"2026-06-30\"",
                 "\"2026-06-30\", \"counterparts\": {\"of\": \"T\", \"items\": [{\"item\": \"1\", \"title\": \"t\", \"pass\": \"pass-1.json\"}]}",
-                "document.json:1:142",
+                "document.json:1:139",
                 "where `1` has its counterpart is not clear",
                 "`pass` with either `figure` or `section`",
             ),

@@ -190,8 +190,14 @@ fn verify_holds_the_files_of_a_report_against_one_another() {
         (other_input, "the seal of report.md is that of other inputs, jobs or results"),
         (no_files, "manifest.json lists no report.html"),
         (html, "the seal of report.html is that of another text"),
-        (results, "the seal of report.md is that of other figures, another results.json or record.json"),
-        (plot, "the seal of report.html is that of other figures, another results.json or record.json"),
+        (
+            results,
+            "the seal of report.md is that of other figures or numbers behind them, another results.json or record.json",
+        ),
+        (
+            plot,
+            "the seal of report.html is that of other figures or numbers behind them, another results.json or record.json",
+        ),
         (unsealed, "report.md has no seal"),
     ];
     for (alter, part) in cases {

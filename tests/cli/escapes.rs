@@ -70,7 +70,10 @@ fn no_verb_passes_on_what_steers_a_terminal() {
         assert!(!files.is_empty(), "{extension}: {written:?}");
         for path in files {
             let bytes = std::fs::read(path).expect("readable");
-            assert!(steering(&bytes).is_empty(), "{}", path.display());
+            // Tabs part the values that a page tells.
+            let steering: Vec<char> =
+                steering(&bytes).into_iter().filter(|c| extension != "html" || *c != '\t').collect();
+            assert!(steering.is_empty(), "{}: {steering:?}", path.display());
         }
     }
 }

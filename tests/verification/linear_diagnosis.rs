@@ -221,7 +221,7 @@ fn what_predicts_the_same_is_not_told_apart() {
     assert_eq!(output.verdict, Verdict::Ambiguous, "{:?}", output.words);
     let group = |id: &str| output.effects.iter().find(|effect| effect.id == id).and_then(|effect| effect.group);
     assert_eq!(group("heat-load:A"), Some(1), "{:?}", output.words);
-    assert!(output.effects[0].probability > 0.91);
+    assert!(output.effects[0].probability > 0.91, "{:?}", output.effects);
 }
 
 /// Data sets of the baseline model itself, parameter drawn from its prior, at a level of 0.1: the number found is within

@@ -33,6 +33,8 @@ const MOST_OTHERS: usize = 300;
 const SIZES: usize = 40;
 const SMALLEST: f64 = 1e-1;
 const LARGEST: f64 = 1e8;
+/// Effective dimensions of the random sum below which it is no sum of many: what few directions hold may be one effect.
+const LEAST_DIMENSIONS: f64 = 4.0;
 /// A column whose remainder is shorter than this share of it depends on the others.
 const DEPENDENT: f64 = 1e-9;
 /// Share of the largest eigenvalue below which one is 0.
@@ -78,6 +80,13 @@ impl Everywhere {
             vectors.extend(vector);
         }
         Self { values, vectors }
+    }
+
+    /// Effective number of dimensions: as many equal eigenvalues have the same mean square for their sum.
+    fn dimensions(&self) -> f64 {
+        let sum: f64 = self.values.iter().sum();
+        let squares: f64 = self.values.iter().map(|value| value * value).sum();
+        if squares > 0.0 { sum * sum / squares } else { 0.0 }
     }
 
     fn seen(&self, column: &[f64]) -> Seen {
@@ -136,6 +145,9 @@ impl Diagnosis {
         while before.len() < chosen.len() {
             let Some(without) = refits.iter().find(|refit| refit.effects == before) else { break };
             let Ok(beside) = self.beside(findings, without, &others) else { break };
+            if beside.everywhere.dimensions() < LEAST_DIMENSIONS {
+                break;
+            }
             let with = |effect: usize| {
                 let mut effects = before.clone();
                 effects.push(effect);
