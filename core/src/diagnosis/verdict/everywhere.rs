@@ -16,6 +16,7 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::diagnosis::engine::Diagnosis;
+use crate::diagnosis::linearisation::linear::Linear;
 use crate::diagnosis::linearisation::scalar_products::{add_scaled, orthonormal, project_out};
 use crate::diagnosis::linearisation::signature;
 use crate::diagnosis::odds::prior_odds::PriorOdds;
@@ -24,6 +25,8 @@ use crate::diagnosis::verdict::conclude::Findings;
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::diagnosis::{FitError, PRIOR_OF, Refit};
 use crate::effect::Effect;
+use crate::inference::estimate::natural::NaturalObjective;
+use crate::inference::likelihood::Likelihood;
 use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::{exp, ln, sqrt};
 
@@ -141,7 +144,9 @@ impl Diagnosis {
         let odds = PriorOdds::new(findings.problem);
         let mut probabilities = BTreeMap::new();
         let Ok(others) = self.others(findings) else { return probabilities };
-        let mut before: Vec<usize> = Vec::new();
+        // A prior that is too narrow is no error of the model's parts.
+        let is_prior = |effect: &&usize| findings.problem.candidates[**effect].effect == PRIOR_OF;
+        let mut before: Vec<usize> = chosen.iter().filter(is_prior).copied().collect();
         while before.len() < chosen.len() {
             let Some(without) = refits.iter().find(|refit| refit.effects == before) else { break };
             let Ok(beside) = self.beside(findings, without, &others) else { break };
@@ -155,7 +160,7 @@ impl Diagnosis {
                 refits.iter().find(|refit| refit.effects == effects)
             };
             let next = chosen.iter().filter(|effect| !before.contains(effect));
-            let weighed = next.filter_map(|&effect| Some((effect, beside.log_bayes_factor(without, with(effect)?))));
+            let weighed = next.filter_map(|&effect| Some((effect, beside.log_bayes_factor(with(effect)?))));
             let Some((effect, log)) = weighed.reduce(|a, b| if b.1 > a.1 { b } else { a }) else { break };
             let log_odds = log + odds.of(findings.problem, &[effect]);
             probabilities.insert(effect, (1.0 / (1.0 + exp(log_odds))).min(IS_MODEL_ERROR));
@@ -168,16 +173,18 @@ impl Diagnosis {
     /// Errors everywhere beside a fitted set.
     fn beside(&self, findings: &Findings, without: &Refit, others: &[Vec<f64>]) -> Result<Beside, FitError> {
         let problem = findings.problem.with(without)?;
-        let linear = signature::linearise(&self.likelihood(&problem)?, &without.unknowns)?;
-        let (readings, parameters) = (linear.readings, linear.parameters());
+        let likelihood = self.likelihood(&problem)?;
+        let linear = signature::linearise(&likelihood, &without.unknowns)?;
+        let parameters = linear.parameters();
         // What is pressed against a bound is not free.
         let is_free = |k: &usize| linear.lower[*k] < 0.0 && linear.upper[*k] > 0.0;
-        let of_parameter = |k: usize| (0..readings).map(|row| linear.jacobian[row * parameters + k]).collect();
+        let of_parameter = |k: usize| (0..linear.rows).map(|row| linear.jacobian[row * parameters + k]).collect();
         let free: Vec<Vec<f64>> = (0..parameters).filter(is_free).map(of_parameter).collect();
         let columns: Vec<&[f64]> = free.iter().map(Vec::as_slice).collect();
         let (basis, _) = orthonormal(&columns, Vec::new(), DEPENDENT);
         let remaining = |other: &Vec<f64>| {
             let mut column = other.clone();
+            column.resize(linear.rows, 0.0);
             let whole = dot(&column, &column);
             project_out(&mut column, &basis);
             let square = dot(&column, &column);
@@ -186,7 +193,8 @@ impl Diagnosis {
             is_seen.then_some(column)
         };
         let others: Vec<Vec<f64>> = others.iter().filter_map(remaining).collect();
-        Ok(Beside { everywhere: Everywhere::new(&others, readings), basis })
+        let everywhere = Everywhere::new(&others, linear.rows);
+        Ok(Beside { everywhere, basis, linear, likelihood, unknowns: without.unknowns.clone() })
     }
 
     /// Directions of the effects of which the random sum is made, at the baseline fit: laws at single places, evenly over the
@@ -221,13 +229,29 @@ struct Beside {
     everywhere: Everywhere,
     /// Orthonormal columns of these.
     basis: Vec<f64>,
+    /// The set at its fit.
+    linear: Linear,
+    likelihood: Likelihood,
+    unknowns: Vec<f64>,
 }
 
 impl Beside {
-    /// Log Bayes factor of the effect by which one set differs from another.
-    fn log_bayes_factor(&self, without: &Refit, with: &Refit) -> f64 {
-        let mut y = without.residuals.clone();
+    /// Log Bayes factor of the effect by which a fitted set is larger. Its refit moved the parameters, which costs in the rows of
+    /// their priors what it gains in those of the readings.
+    fn log_bayes_factor(&self, with: &Refit) -> f64 {
+        let (linear, parameters) = (&self.linear, self.linear.parameters());
+        let Ok(objective) = NaturalObjective::new(&self.likelihood) else { return 0.0 };
+        let known = with.by_name();
+        let names = self.likelihood.unknowns().names.iter().zip(&self.unknowns);
+        let moved: Vec<f64> = names.map(|(name, own)| known.get(name).copied().unwrap_or(*own)).collect();
+        let (from, to) = (objective.coordinates(&self.unknowns), objective.coordinates(&moved));
+        let mut y = linear.residuals.clone();
         let mut g: Vec<f64> = y.iter().zip(&with.residuals).map(|(before, after)| before - after).collect();
+        g.truncate(linear.readings);
+        g.extend((linear.readings..linear.rows).map(|row| {
+            let slopes = &linear.jacobian[row * parameters..(row + 1) * parameters];
+            slopes.iter().zip(from.iter().zip(&to)).map(|(slope, (from, to))| slope * (to - from)).sum::<f64>()
+        }));
         project_out(&mut y, &self.basis);
         project_out(&mut g, &self.basis);
         self.everywhere.log_bayes_factor(&y, &g)
