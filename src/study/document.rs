@@ -451,7 +451,7 @@ mod tests {
             (
                 "\"2026-06-30\"",
                 "\"2026-06-30\", \"counterparts\": {\"of\": \"T\", \"items\": [{\"item\": \"1\", \"title\": \"t\", \"pass\": \"pass-7.json\", \"figure\": \"network\"}]}",
-                "document.json:1:180",
+                "document.json:1:175",
                 "the study has no pass `pass-7.json`",
                 "\"study\": \"NAME\"",
             ),
