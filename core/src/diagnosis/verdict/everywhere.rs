@@ -61,6 +61,10 @@ impl Everywhere {
     /// Of directions of one length, column by column, that are orthogonal to the free parameters.
     fn new(columns: &[Vec<f64>], rows: usize) -> Self {
         let count = columns.len();
+        if count == 0 {
+            // A study may name curves alone; the decomposition knows no empty matrix.
+            return Self { values: Vec::new(), vectors: Vec::new() };
+        }
         let mut gram = DMatrix::zeros(count, count);
         for i in 0..count {
             for k in 0..=i {
@@ -304,6 +308,11 @@ mod tests {
             let most = ratios.fold(f64::NEG_INFINITY, f64::max);
             assert!(most < 8.0 && most < large - 12.0, "{most}, {large}");
         }
+    }
+
+    #[test]
+    fn without_other_effects_nothing_is_everywhere() {
+        assert_eq!(Everywhere::new(&[], ROWS).dimensions(), 0.0);
     }
 
     /// With the covariance of the rows, inverted.
