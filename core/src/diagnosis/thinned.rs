@@ -10,7 +10,7 @@ use std::ops::Range;
 use crate::diagnosis::problem::Problem;
 use crate::effect::{Candidate, Site};
 use crate::expression::Unit;
-use crate::inference::likelihood::InputError;
+use crate::inference::likelihood::{FewerRows, InputError};
 use crate::measurement::{InputColumn, InputTable, Measurement, Rows};
 
 /// Rows of a transient up to which every row is kept.
@@ -79,6 +79,18 @@ impl Thinned {
                 .any(|parameter| parameter.amplitude && Some(parameter.unit.dimension) == seconds)
         };
         !(self.is_quick(candidate) || matches!(candidate.site, Site::Sensors(_)) && is_timed())
+    }
+
+    /// By measurement the rows on which derivatives of a fit with these measurements, of this problem, are found; `None` where
+    /// on all: of short records, and of those with an input that its means do not follow.
+    pub fn slopes_on(&self, measurements: &[Measurement]) -> Vec<Option<FewerRows>> {
+        let of = |(measurement, kept): (&Measurement, &Option<Vec<usize>>)| {
+            let Rows::Transient { inputs, .. } = &measurement.rows else { return None };
+            let is_quick = inputs.columns.iter().any(|column| self.is_quick.get(column.input) == Some(&true));
+            let rows = kept.clone().filter(|_| !is_quick)?;
+            Some(FewerRows { inputs: inputs.clone(), rows, tolerance: self.problem.tolerance })
+        };
+        measurements.iter().zip(&self.kept).map(of).collect()
     }
 
     fn is_quick(&self, candidate: &Candidate) -> bool {

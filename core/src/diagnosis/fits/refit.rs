@@ -207,7 +207,14 @@ impl Problem {
         let odds: f64 =
             effects.iter().zip(places).map(|(effect, &place)| WIDTHS[place].log_odds(of_sensors(effect))).sum();
         let hypothesis = self.hypothesis_of_widths(effects, &widths)?;
-        let likelihood = hypothesis.likelihood(self)?;
+        let thinned = self.thinned(TOLERANCE_ON_FEWER_ROWS);
+        let fewer = thinned.as_ref().filter(|thinned| effects.iter().all(|&effect| thinned.leads_to(effect)));
+        let fewer = fewer.map(|thinned| (thinned, thinned.problem.hypothesis_of_widths(effects, &widths)));
+        let fewer = fewer.and_then(|(thinned, on_fewer)| Some((thinned, on_fewer.ok()?)));
+        let mut likelihood = hypothesis.likelihood(self)?;
+        if let Some((thinned, on_fewer)) = &fewer {
+            likelihood = likelihood.with_slopes_on(&thinned.slopes_on(&on_fewer.measurements));
+        }
         let mut settings = PointSettings {
             starts: begin.from_prior,
             most_iterations: MOST_STEPS,
@@ -219,7 +226,8 @@ impl Problem {
         };
         let mut starts: Vec<Vec<f64>> = begin.starts.iter().map(|start| place(&likelihood, start)).collect();
         if !begin.is_near
-            && let Some(point) = self.on_fewer_rows(effects, &widths, &settings, key, begin)
+            && let Some((thinned, on_fewer)) = &fewer
+            && let Some(point) = point_on_fewer_rows(&thinned.problem, on_fewer, &settings, key, begin)
         {
             starts = vec![place(&likelihood, &point)];
             settings.starts = 0;
@@ -254,28 +262,6 @@ impl Problem {
         Ok((refit, widths_at))
     }
 
-    /// Where the fit of a set on fewer rows leads, by name of the unknown, SI. `None` where no transient is long, where an effect
-    /// would not be seen well, or where there is no fit.
-    fn on_fewer_rows(
-        &self,
-        effects: &[usize],
-        widths: &[f64],
-        settings: &PointSettings,
-        key: &StreamKey,
-        begin: &Begin,
-    ) -> Option<BTreeMap<String, f64>> {
-        let thinned = self.thinned(TOLERANCE_ON_FEWER_ROWS)?;
-        if !effects.iter().all(|&effect| thinned.leads_to(effect)) {
-            return None;
-        }
-        let problem = &thinned.problem;
-        let likelihood = problem.hypothesis_of_widths(effects, widths).and_then(|own| own.likelihood(problem)).ok()?;
-        let settings = PointSettings { least_log_likelihood: None, moments: false, ..settings.clone() };
-        let starts: Vec<Vec<f64>> = begin.starts.iter().map(|start| place(&likelihood, start)).collect();
-        let found = estimate(&likelihood, &settings, key, &starts).ok()?;
-        Some(likelihood.names().iter().cloned().zip(found.parameters).collect())
-    }
-
     /// The problem whose baseline model has the effects of a fit, with priors as wide as the fit took them. The candidates
     /// are the same.
     ///
@@ -302,6 +288,21 @@ impl Problem {
         };
         effects.iter().map(of).collect()
     }
+}
+
+/// Where the fit of a hypothesis on fewer rows leads, by name of the unknown, SI. `None` where there is no fit.
+fn point_on_fewer_rows(
+    problem: &Problem,
+    hypothesis: &Hypothesis,
+    settings: &PointSettings,
+    key: &StreamKey,
+    begin: &Begin,
+) -> Option<BTreeMap<String, f64>> {
+    let likelihood = hypothesis.likelihood(problem).ok()?;
+    let settings = PointSettings { least_log_likelihood: None, moments: false, ..settings.clone() };
+    let starts: Vec<Vec<f64>> = begin.starts.iter().map(|start| place(&likelihood, start)).collect();
+    let found = estimate(&likelihood, &settings, key, &starts).ok()?;
+    Some(likelihood.names().iter().cloned().zip(found.parameters).collect())
 }
 
 /// A start's unknowns, SI: within the priors' support, at their medians where it says nothing.

@@ -9,6 +9,7 @@
 //! stand in their place among the unknowns, under their names, in everything that is asked of the likelihood.
 
 mod build;
+mod fewer_rows;
 mod input_error;
 pub mod noise;
 pub mod rows;
@@ -34,6 +35,7 @@ use noise::Noise;
 use steady::{SteadyLanes, SteadyPart};
 use transient::TransientPart;
 
+pub use fewer_rows::FewerRows;
 pub use input_error::covariance_by_inputs;
 pub use whitening::Whitening;
 
@@ -238,6 +240,17 @@ impl Likelihood {
             return Cow::Borrowed(coordinates);
         }
         Cow::Owned(unknowns_at(&self.joint, coordinates).0)
+    }
+
+    /// The same with derivatives of transients from fewer rows, by measurement, `None` where they are found on all: residuals are
+    /// as before, the Jacobian nearly so.
+    pub fn with_slopes_on(mut self, fewer: &[Option<FewerRows>]) -> Self {
+        for part in &mut self.parts {
+            if let Part::Transient(part) = part {
+                part.find_slopes_on(fewer);
+            }
+        }
+        self
     }
 
     /// Attempted steps of each measurement's transient, 0 for steady phases.

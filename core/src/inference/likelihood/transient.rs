@@ -2,6 +2,7 @@
 //! whitens them, `mod` sums the density.
 
 use super::build::is_used;
+use super::fewer_rows::{Drawn, FewerRows};
 use super::whitening::Block;
 use super::{Datum, Likelihood, Memory, SensorPart};
 use crate::inference::likelihood::noise::Series;
@@ -25,6 +26,18 @@ pub(super) struct TransientPart {
     readings: Vec<Readings>,
     /// Rows from the first to the last that is used.
     rows: usize,
+    /// Where derivatives are found on fewer rows.
+    drawn: Option<Drawn>,
+}
+
+/// What is integrated.
+struct Course<'a> {
+    inputs: &'a InputTable,
+    /// Rows of the inputs to which it goes.
+    rows: usize,
+    /// Times the usual local error that a step may have.
+    tolerance: f64,
+    slopes: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -82,7 +95,13 @@ impl TransientPart {
             }
             readings.push(sensor_readings);
         }
-        Self { name: measurement.name.clone(), index, inputs, start, sensors, readings, rows }
+        Self { name: measurement.name.clone(), index, inputs, start, sensors, readings, rows, drawn: None }
+    }
+
+    /// Finds derivatives on fewer rows, if they are those of this measurement.
+    pub fn find_slopes_on(&mut self, fewer: &[Option<FewerRows>]) {
+        let own = fewer.get(self.index).cloned().flatten();
+        self.drawn = own.and_then(|own| Drawn::new(own, &self.inputs.times_s[..self.rows]));
     }
 
     /// Positions of its residuals.
@@ -101,7 +120,15 @@ impl TransientPart {
         if self.rows == 0 {
             return Ok(());
         }
-        let solution = self.solve(likelihood, unknowns, &memory.parameters, slopes)?;
+        let drawn = self.drawn.as_ref().filter(|_| slopes);
+        let whole = self.whole(likelihood, slopes && drawn.is_none());
+        let mut solution = self.solve(likelihood, unknowns, &memory.parameters, &whole)?;
+        if let Some(Drawn { fewer, .. }) = drawn {
+            let tolerance = likelihood.tolerance * fewer.tolerance;
+            let course = Course { inputs: &fewer.inputs, rows: fewer.rows.len(), tolerance, slopes };
+            let on_fewer = self.solve(likelihood, unknowns, &memory.parameters, &course)?;
+            solution.quantity_tangent = on_fewer.quantity_tangent;
+        }
         let fitted: &[usize] = match &self.start {
             Begin::Temperatures { fitted, .. } => fitted,
             Begin::Steady | Begin::Periodic => &[],
@@ -130,8 +157,12 @@ impl TransientPart {
                 if slopes { &mut memory.jacobian[range.start * n..range.end * n] } else { &mut [] };
             if slopes {
                 for (column, &place) in likelihood.columns.iter().chain(fitted).enumerate() {
-                    for (row, value) in column_values.iter_mut().enumerate() {
-                        *value = solution.quantity_tangent[(row * quantities + sensor.quantity) * width + column];
+                    let slope = |row: usize| {
+                        solution.quantity_tangent[(row * quantities + sensor.quantity) * width + column]
+                    };
+                    match drawn {
+                        Some(drawn) => drawn.draw(slope, &mut column_values),
+                        None => column_values.iter_mut().enumerate().for_each(|(row, value)| *value = slope(row)),
                     }
                     lag::apply(&self.inputs.times_s, &mut column_values, lag_s, None);
                     for (position, &row) in readings.rows.iter().enumerate() {
@@ -171,27 +202,31 @@ impl TransientPart {
         if self.rows == 0 {
             return Ok(0);
         }
-        Ok(self.solve(likelihood, unknowns, parameters, false)?.stats.attempts())
+        Ok(self.solve(likelihood, unknowns, parameters, &self.whole(likelihood, false))?.stats.attempts())
     }
 
-    /// Integrates to the last row that is used.
+    /// The course over all rows to the last that is used.
+    fn whole(&self, likelihood: &Likelihood, slopes: bool) -> Course<'_> {
+        Course { inputs: &self.inputs, rows: self.rows, tolerance: likelihood.tolerance, slopes }
+    }
+
     fn solve(
         &self,
         likelihood: &Likelihood,
         unknowns: &[f64],
         parameters: &[f64],
-        slopes: bool,
+        course: &Course<'_>,
     ) -> Result<Transient, Rejected> {
         let network = &likelihood.network;
         let moved: InputTable;
         let inputs = if likelihood.biases.is_empty() {
-            &self.inputs
+            course.inputs
         } else {
             let mut shifts = vec![0.0; network.nominal_inputs().len()];
             for &(input, place) in &likelihood.biases {
                 shifts[input] = unknowns[place];
             }
-            moved = shifted(&self.inputs, &shifts);
+            moved = shifted(course.inputs, &shifts);
             &moved
         };
         let temperatures: Vec<f64>;
@@ -203,13 +238,13 @@ impl TransientPart {
             Begin::Steady => (InitialState::Steady, &[], &[]),
             Begin::Periodic => (InitialState::Periodic, &[], &[]),
         };
-        let mut request = TransientRequest::new(parameters, inputs, initial, &self.inputs.times_s[..self.rows]);
+        let mut request = TransientRequest::new(parameters, inputs, initial, &inputs.times_s[..course.rows]);
         request.seeds = seeds;
         request.balanced = balanced;
-        request.sensitivities = slopes;
+        request.sensitivities = course.slopes;
         request.temperatures = false;
-        request.options.relative_tolerance *= likelihood.tolerance;
-        request.options.absolute_tolerance_k *= likelihood.tolerance;
+        request.options.relative_tolerance *= course.tolerance;
+        request.options.absolute_tolerance_k *= course.tolerance;
         let limit = likelihood.most_steps.get(self.index).copied();
         request.options.most_steps = limit.unwrap_or(request.options.most_steps);
         network.solve_transient(&request).map_err(|error| match (&error, limit) {
