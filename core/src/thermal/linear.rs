@@ -199,6 +199,15 @@ impl<V: Lanes> Linear<V> {
 }
 
 impl Linear<f64> {
+    /// As [`Linear::solve_columns`] with factors that are shared; sparse ones are copied, since they hold room of their own.
+    pub fn solve_columns_shared(&self, rhs: &mut [f64], columns: usize) {
+        match self {
+            Self::Dense { lu, .. } => lu.solve_columns(rhs, columns),
+            Self::Listed(lu) => lu.solve_columns(rhs, columns),
+            Self::Sparse(_) => self.clone().solve_columns(rhs, columns),
+        }
+    }
+
     /// Replaces each of several right-hand sides, `unknowns x columns`, by its solution.
     pub fn solve_columns(&mut self, rhs: &mut [f64], columns: usize) {
         match self {

@@ -9,6 +9,7 @@
 //! stand in their place among the unknowns, under their names, in everything that is asked of the likelihood.
 
 mod build;
+mod course;
 mod fewer_rows;
 mod input_error;
 pub mod noise;
@@ -35,6 +36,7 @@ use noise::Noise;
 use steady::{SteadyLanes, SteadyPart};
 use transient::TransientPart;
 
+pub use course::{Course, CourseSensor};
 pub use fewer_rows::FewerRows;
 pub use input_error::covariance_by_inputs;
 pub use whitening::Whitening;

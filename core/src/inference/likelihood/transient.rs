@@ -2,6 +2,7 @@
 //! whitens them, `mod` sums the density.
 
 use super::build::is_used;
+use super::course::CourseSensor;
 use super::fewer_rows::{Drawn, FewerRows};
 use super::whitening::Block;
 use super::{Datum, Likelihood, Memory, SensorPart};
@@ -30,14 +31,25 @@ pub(super) struct TransientPart {
     drawn: Option<Drawn>,
 }
 
+/// A transient that was integrated.
+pub(super) struct Known {
+    pub inputs: InputTable,
+    pub rows: usize,
+    pub from_steady: bool,
+    /// `rows x nodes`, K.
+    pub temperatures: Vec<f64>,
+}
+
 /// What is integrated.
-struct Course<'a> {
+struct Wanted<'a> {
     inputs: &'a InputTable,
     /// Rows of the inputs to which it goes.
     rows: usize,
     /// Times the usual local error that a step may have.
     tolerance: f64,
     slopes: bool,
+    /// Whether the temperatures of all nodes are wanted.
+    temperatures: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -125,7 +137,7 @@ impl TransientPart {
         let mut solution = self.solve(likelihood, unknowns, &memory.parameters, &whole)?;
         if let Some(Drawn { fewer, .. }) = drawn {
             let tolerance = likelihood.tolerance * fewer.tolerance;
-            let course = Course { inputs: &fewer.inputs, rows: fewer.rows.len(), tolerance, slopes };
+            let course = Wanted { temperatures: false, inputs: &fewer.inputs, rows: fewer.rows.len(), tolerance, slopes };
             let on_fewer = self.solve(likelihood, unknowns, &memory.parameters, &course)?;
             solution.quantity_tangent = on_fewer.quantity_tangent;
         }
@@ -206,8 +218,8 @@ impl TransientPart {
     }
 
     /// The course over all rows to the last that is used.
-    fn whole(&self, likelihood: &Likelihood, slopes: bool) -> Course<'_> {
-        Course { inputs: &self.inputs, rows: self.rows, tolerance: likelihood.tolerance, slopes }
+    fn whole(&self, likelihood: &Likelihood, slopes: bool) -> Wanted<'_> {
+        Wanted { temperatures: false, inputs: &self.inputs, rows: self.rows, tolerance: likelihood.tolerance, slopes }
     }
 
     fn solve(
@@ -215,20 +227,11 @@ impl TransientPart {
         likelihood: &Likelihood,
         unknowns: &[f64],
         parameters: &[f64],
-        course: &Course<'_>,
+        course: &Wanted<'_>,
     ) -> Result<Transient, Rejected> {
         let network = &likelihood.network;
-        let moved: InputTable;
-        let inputs = if likelihood.biases.is_empty() {
-            course.inputs
-        } else {
-            let mut shifts = vec![0.0; network.nominal_inputs().len()];
-            for &(input, place) in &likelihood.biases {
-                shifts[input] = unknowns[place];
-            }
-            moved = shifted(course.inputs, &shifts);
-            &moved
-        };
+        let moved = moved(likelihood, unknowns, course.inputs);
+        let inputs = moved.as_ref().unwrap_or(course.inputs);
         let temperatures: Vec<f64>;
         let (initial, seeds, balanced): (_, &[Vec<f64>], &[usize]) = match &self.start {
             Begin::Temperatures { values, seeds, balanced, .. } => {
@@ -242,7 +245,7 @@ impl TransientPart {
         request.seeds = seeds;
         request.balanced = balanced;
         request.sensitivities = course.slopes;
-        request.temperatures = false;
+        request.temperatures = course.temperatures;
         request.options.relative_tolerance *= course.tolerance;
         request.options.absolute_tolerance_k *= course.tolerance;
         let limit = likelihood.most_steps.get(self.index).copied();
@@ -255,6 +258,45 @@ impl TransientPart {
             },
             _ => self.rejected(&error),
         })
+    }
+
+    /// Position of the measurement.
+    pub fn measurement(&self) -> usize {
+        self.index
+    }
+
+    /// Whether no reading is used.
+    pub fn is_empty(&self) -> bool {
+        self.rows == 0
+    }
+
+    /// Its course; `None` where it begins in a periodic state, or with nodes in balance.
+    pub fn known(
+        &self,
+        likelihood: &Likelihood,
+        unknowns: &[f64],
+        parameters: &[f64],
+    ) -> Result<Option<Known>, Rejected> {
+        let from_steady = match &self.start {
+            Begin::Temperatures { balanced, .. } if balanced.is_empty() => false,
+            Begin::Steady => true,
+            Begin::Temperatures { .. } | Begin::Periodic => return Ok(None),
+        };
+        let wanted = Wanted { temperatures: true, ..self.whole(likelihood, false) };
+        let temperatures = self.solve(likelihood, unknowns, parameters, &wanted)?.temperatures;
+        let inputs = moved(likelihood, unknowns, &self.inputs).unwrap_or_else(|| self.inputs.clone());
+        Ok(Some(Known { inputs, rows: self.rows, from_steady, temperatures }))
+    }
+
+    /// Its sensors at given unknowns.
+    pub fn course_sensors(&self, unknowns: &[f64]) -> Vec<CourseSensor> {
+        let of = |(sensor, readings): (&SensorPart, &Readings)| CourseSensor {
+            quantity: sensor.quantity,
+            lag_s: sensor.lag_s.map_or(0.0, |lag| lag.at(unknowns)),
+            first: readings.first,
+            rows: readings.rows.clone(),
+        };
+        self.sensors.iter().zip(&self.readings).map(of).collect()
     }
 
     /// Appends the whitening of each sensor.
@@ -282,6 +324,18 @@ impl TransientPart {
         };
         Rejected::new(format!("the transient `{}` {why}", self.name))
     }
+}
+
+/// Inputs with the constant errors that are inferred; `None` where none are.
+fn moved(likelihood: &Likelihood, unknowns: &[f64], inputs: &InputTable) -> Option<InputTable> {
+    if likelihood.biases.is_empty() {
+        return None;
+    }
+    let mut shifts = vec![0.0; likelihood.network.nominal_inputs().len()];
+    for &(input, place) in &likelihood.biases {
+        shifts[input] = unknowns[place];
+    }
+    Some(shifted(inputs, &shifts))
 }
 
 fn begin(model: &Model, measurement: &str, initial: &Initial, unknowns: &mut Unknowns) -> Begin {

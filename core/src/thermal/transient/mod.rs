@@ -7,6 +7,7 @@ mod consistent;
 mod events;
 pub mod inputs;
 mod integrator;
+pub mod linearised;
 mod output;
 mod periodic;
 mod sensitivity;

@@ -74,6 +74,11 @@ impl Coarse {
         Ok((places.len() == data.len()).then_some(Self { thinned, likelihood, unknowns, places }))
     }
 
+    /// By measurement the rows that are left; `None` where all are.
+    pub fn kept(&self) -> &[Option<Vec<usize>>] {
+        &self.thinned.kept
+    }
+
     /// Whether a candidate is to be found on fewer rows.
     pub fn takes(&self, position: usize) -> bool {
         self.thinned.shows(position)

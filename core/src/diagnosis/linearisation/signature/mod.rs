@@ -7,12 +7,14 @@
 //! reason (`form`: which of these an effect is, and why not).
 
 mod adjoint;
+mod along;
 mod blank;
 mod coarse;
 mod extended;
 mod form;
 mod parameter;
 mod probe;
+mod slopes;
 mod swap;
 mod variant;
 
@@ -29,6 +31,7 @@ use crate::inference::likelihood::{Likelihood, Whitening};
 use crate::inference::target::{LeastSquares, Rejected, Target};
 use crate::measurement::Rows;
 use adjoint::Phases;
+use along::Courses;
 use coarse::Coarse;
 use form::{Form, Forms};
 use variant::Variant;
@@ -139,6 +142,7 @@ pub fn for_each_direction(
     // Where the means have no solution, every row is kept.
     let coarse = Coarse::new(&base).ok().flatten();
     let coarse_base = coarse.as_ref().and_then(|coarse| coarse.base().ok());
+    let courses = coarse.as_ref().and_then(|coarse| Courses::new(&base, coarse.kept()));
     let fewer_rows = coarse.as_ref().zip(coarse_base.as_ref());
     let forms = Forms::new(problem);
     // Transients have no adjoints here.
@@ -152,7 +156,7 @@ pub fn for_each_direction(
         let smooth: Vec<(usize, &Form<'_>)> =
             block.iter().copied().zip(&forms).filter(|(_, form)| matches!(form, Form::Smooth { .. })).collect();
         let exact = || match fewer_rows {
-            Some(fewer_rows) => exact_on_fewer_rows(&base, fewer_rows, &smooth),
+            Some(fewer_rows) => exact_on_fewer_rows(&base, fewer_rows, courses.as_ref(), &smooth),
             None => exact(&base, phases.as_ref(), &smooth),
         };
         let probe = |(&position, form): (&usize, &Form<'_>)| match (form, fewer_rows) {
@@ -199,6 +203,7 @@ fn exact(base: &Base<'_>, phases: Option<&Phases>, asked: &[(usize, &Form<'_>)])
 fn exact_on_fewer_rows(
     base: &Base<'_>,
     (coarse, coarse_base): (&Coarse, &Base<'_>),
+    courses: Option<&Courses>,
     asked: &[(usize, &Form<'_>)],
 ) -> Vec<Found> {
     let is_coarse = |variant: &Variant<'_>| coarse.takes(variant.candidate);
@@ -207,6 +212,10 @@ fn exact_on_fewer_rows(
     let none = || -> Vec<Found> { asked.iter().map(|_| Ok(Vec::new())).collect() };
     let drawn = || {
         let mut directions = none();
+        if let Some(courses) = courses {
+            courses.directions(base, &on_fewer, &mut directions);
+            return directions;
+        }
         extended::solve(coarse_base, &on_fewer, &mut directions);
         let on_all_rows = |(found, (position, _)): (Found, &(usize, &Form<'_>))| {
             if coarse.takes(*position) { coarse.on_all_rows(base, found) } else { found }

@@ -1,0 +1,311 @@
+//! Directions of smooth effects on nodes over long records: responses of the network linearised along its course.
+//!
+//! At fixed temperatures a unit of an amplitude is a heat `q` into some nodes, which is known along the course of the baseline
+//! model ([`slopes`](super::slopes)); `C dT' = J dT + q` tells what it does to the temperatures. Of each step between kept rows
+//! `q` is the line with the mean and the first moment that it has over all rows in between. So effects share every
+//! factorisation, and cost two solves a step.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use super::adjoint::Phases;
+use super::slopes::{Bench, Outputs, Room, Slopes};
+use super::variant::{self, Variant};
+use super::{Base, Found};
+use crate::diagnosis::FitError;
+use crate::inference::likelihood::Course;
+use crate::measurement::{InputTable, lag};
+use crate::thermal::transient::linearised::EARLY;
+
+/// Amplitudes that respond together.
+const TOGETHER: usize = 64;
+
+/// Variants whose outputs are one program: what they are along the courses is held for all of them.
+const PROGRAM: usize = 512;
+
+/// The courses of all transients at the fit, and the steady phases.
+pub(super) struct Courses {
+    courses: Vec<Course>,
+    phases: Phases,
+    parameters: Vec<f64>,
+}
+
+/// What the outputs of a program are along a course.
+struct Forcing {
+    /// At the start, by output.
+    start: Vec<f64>,
+    /// At the first stage of each step, `steps x outputs`.
+    early: Vec<f64>,
+    /// At the end of each step.
+    late: Vec<f64>,
+    /// Values of those that change readings at fixed temperatures, in all rows.
+    direct: BTreeMap<usize, Vec<f64>>,
+}
+
+impl Courses {
+    /// `None` where a transient cannot be linearised, or its course cannot be had.
+    pub fn new(base: &Base<'_>, kept: &[Option<Vec<usize>>]) -> Option<Self> {
+        let courses = base.likelihood.courses(base.unknowns, kept).ok().flatten()?;
+        let phases = Phases::new(base.likelihood, base.unknowns).ok()?;
+        Some(Self { courses, phases, parameters: base.likelihood.full_parameters(base.unknowns) })
+    }
+
+    /// Adds the directions of variants to what was found of their candidates.
+    pub fn directions(&self, base: &Base<'_>, variants: &[Variant<'_>], directions: &mut [Found]) {
+        for block in variants.chunks(PROGRAM) {
+            self.directions_of(base, block, directions);
+        }
+    }
+
+    fn directions_of(&self, base: &Base<'_>, variants: &[Variant<'_>], directions: &mut [Found]) {
+        let mut bench = Bench::new(&base.problem.model);
+        let slopes: Vec<Result<Vec<Slopes>, FitError>> =
+            variants.iter().map(|variant| bench.slopes(base, variant)).collect();
+        let outputs = bench.outputs();
+        let program = bench.into_outputs(&self.parameters);
+        let all: Vec<&Slopes> = slopes.iter().flatten().flatten().collect();
+        let stored: BTreeMap<usize, usize> =
+            all.iter().flat_map(|own| own.capacities.iter().map(|&(node, output)| (output, node))).collect();
+        let direct: Vec<usize> = (all.iter())
+            .flat_map(|own| own.quantities.iter().map(|one| one.1).chain(own.readings.iter().map(|one| one.1)))
+            .collect();
+        let forcings: Vec<Forcing> =
+            self.courses.iter().map(|course| forcing(course, &program, outputs, &stored, &direct)).collect();
+        let steady = self.phases.values(&program, outputs);
+        let columns: Vec<Result<Vec<f64>, FitError>> =
+            all.par_chunks(TOGETHER).flat_map_iter(|some| self.columns(base, some, &forcings, &steady)).collect();
+        let mut columns = columns.into_iter();
+        for (variant, slopes) in variants.iter().zip(&slopes) {
+            let own = match slopes {
+                Ok(slopes) => columns.by_ref().take(slopes.len()).collect::<Result<Vec<Vec<f64>>, FitError>>(),
+                Err(why) => Err(why.clone()),
+            };
+            let direction = own.and_then(|own| variant.direction(base, own.into_iter()));
+            variant::put(&mut directions[variant.asked], direction);
+        }
+    }
+
+    /// Whitened changes of the readings a unit of some amplitudes.
+    fn columns(
+        &self,
+        base: &Base<'_>,
+        some: &[&Slopes],
+        forcings: &[Forcing],
+        steady: &[Vec<f64>],
+    ) -> Vec<Result<Vec<f64>, FitError>> {
+        let mut columns: Vec<Vec<f64>> = (some.iter())
+            .map(|slopes| {
+                let mut column = vec![0.0; base.residuals.len()];
+                self.phases.column(base, slopes, steady, &mut column);
+                column
+            })
+            .collect();
+        for (course, forcing) in self.courses.iter().zip(forcings) {
+            respond(base, course, forcing, some, &mut columns);
+        }
+        (columns.into_iter())
+            .map(|mut column| {
+                base.whitening.apply(&mut column)?;
+                Ok(column)
+            })
+            .collect()
+    }
+}
+
+/// Writes what some amplitudes do to the readings of a transient.
+fn respond(base: &Base<'_>, course: &Course, forcing: &Forcing, some: &[&Slopes], columns: &mut [Vec<f64>]) {
+    let (count, linearised) = (some.len(), &course.linearised);
+    let outputs = forcing.start.len();
+    let add = |field: &mut [f64], values: &[f64]| {
+        for (column, slopes) in some.iter().enumerate() {
+            for &(node, output) in slopes.heats.iter().chain(&slopes.capacities) {
+                if let Some(unknown) = linearised.unknown(node) {
+                    field[unknown * count + column] += values[output];
+                }
+            }
+        }
+    };
+    let kept = course.kept.len();
+    let mut changes = vec![0.0; course.sensors.len() * kept * count];
+    linearised.respond(
+        count,
+        &mut |field| add(field, &forcing.start),
+        &mut |step, early, late| {
+            let own = step * outputs..(step + 1) * outputs;
+            add(early, &forcing.early[own.clone()]);
+            add(late, &forcing.late[own]);
+        },
+        &mut |place, field| {
+            for (sensor, own) in course.sensors.iter().enumerate() {
+                let first = (sensor * kept + place) * count;
+                linearised.observe(place, own.quantity, count, field, &mut changes[first..first + count]);
+            }
+        },
+    );
+    let times_s = &course.inputs.times_s[..course.rows];
+    let mut values = vec![0.0; course.rows];
+    for (sensor, own) in course.sensors.iter().enumerate() {
+        let name = &base.problem.measurements[course.measurement].sensors[sensor].name;
+        for (column, slopes) in some.iter().enumerate() {
+            let change = |place: usize| changes[(sensor * kept + place) * count + column];
+            for (place, ends) in course.kept.windows(2).enumerate() {
+                let (from, to) = (change(place), change(place + 1));
+                let span = times_s[ends[1]] - times_s[ends[0]];
+                for row in ends[0]..=ends[1] {
+                    values[row] = from + (to - from) * ((times_s[row] - times_s[ends[0]]) / span);
+                }
+            }
+            let direct = slopes.of_sensor(name, own.quantity).and_then(|output| forcing.direct.get(&output));
+            for (value, direct) in values.iter_mut().zip(direct.into_iter().flatten()) {
+                *value += direct;
+            }
+            lag::apply(times_s, &mut values, own.lag_s, None);
+            for (position, &row) in own.rows.iter().enumerate() {
+                columns[column][own.first + position] = values[row];
+            }
+        }
+    }
+}
+
+/// Inputs of a row, as they hold at the start of the interval after it, or at the end of the one before.
+fn inputs_at(table: &InputTable, row: usize, ends_interval: bool, out: &mut Vec<f64>) {
+    out.clone_from(&table.base);
+    for column in &table.columns {
+        let of = if column.hold && ends_interval { row.saturating_sub(1) } else { row };
+        if let (Some(slot), Some(&value)) = (out.get_mut(column.input), column.values.get(of)) {
+            *slot = value;
+        }
+    }
+}
+
+/// The outputs of a program along a course. Those `stored` are capacities of nodes, which take heat as the node gets warmer;
+/// those `direct` are wanted in all rows.
+fn forcing(
+    course: &Course,
+    program: &Outputs,
+    outputs: usize,
+    stored: &BTreeMap<usize, usize>,
+    direct: &[usize],
+) -> Forcing {
+    let times_s = &course.inputs.times_s;
+    let nodes = course.temperatures.len() / course.rows.max(1);
+    let temperatures = |row: usize| &course.temperatures[row * nodes..(row + 1) * nodes];
+    let value = |room: &mut Room, row: usize, ends_interval: bool, out: &mut [f64]| {
+        let mut inputs = Vec::new();
+        inputs_at(&course.inputs, row, ends_interval, &mut inputs);
+        program.evaluate(room, &inputs, times_s[row], temperatures(row), &mut |output, value| out[output] = value);
+    };
+    let of_step = |room: &mut Room, ends: &[usize]| {
+        let (from, to) = (ends[0], ends[1]);
+        let (length, middle) = (times_s[to] - times_s[from], 0.5 * (times_s[to] + times_s[from]));
+        let (mut mean, mut moment) = (vec![0.0; outputs], vec![0.0; outputs]);
+        let (mut left, mut right) = (vec![0.0; outputs], vec![0.0; outputs]);
+        for row in from..to {
+            value(room, row, false, &mut left);
+            value(room, row + 1, true, &mut right);
+            let span = times_s[row + 1] - times_s[row];
+            for (&output, &node) in stored {
+                let rate = (temperatures(row + 1)[node] - temperatures(row)[node]) / span;
+                left[output] *= -rate;
+                right[output] *= -rate;
+            }
+            let (before, after) = (times_s[row] - middle, times_s[row + 1] - middle);
+            for output in 0..outputs {
+                let (left, right) = (left[output], right[output]);
+                mean[output] += 0.5 * span * (left + right);
+                moment[output] +=
+                    span * ((before * left + after * right) / 3.0 + (before * right + after * left) / 6.0);
+            }
+        }
+        let (mut early, mut late) = (mean, moment);
+        for (mean, moment) in early.iter_mut().zip(&mut late) {
+            // The line with this mean and this moment about the middle rises by so much over the step.
+            let (level, rise) = (*mean / length, 12.0 * *moment / (length * length));
+            (*mean, *moment) = (level + (EARLY - 0.5) * rise, level + 0.5 * rise);
+        }
+        (early, late)
+    };
+    let steps: Vec<(Vec<f64>, Vec<f64>)> = course
+        .kept
+        .windows(2)
+        .collect::<Vec<&[usize]>>()
+        .into_par_iter()
+        .map_init(|| program.room(), |room, ends| of_step(room, ends))
+        .collect();
+    let mut room = program.room();
+    let mut start = vec![0.0; outputs];
+    value(&mut room, 0, false, &mut start);
+    stored.keys().for_each(|&output| start[output] = 0.0);
+    let mut rows: BTreeMap<usize, Vec<f64>> =
+        direct.iter().map(|&output| (output, vec![0.0; course.rows])).collect();
+    if !rows.is_empty() {
+        let mut at = vec![0.0; outputs];
+        for row in 0..course.rows {
+            value(&mut room, row, false, &mut at);
+            rows.iter_mut().for_each(|(&output, values)| values[row] = at[output]);
+        }
+    }
+    let (early, late): (Vec<Vec<f64>>, Vec<Vec<f64>>) = steps.into_iter().unzip();
+    Forcing { start, early: early.concat(), late: late.concat(), direct: rows }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::super::form::{Form, Forms};
+    use super::super::{Base, extended};
+    use super::*;
+    use crate::document::Diagnostics;
+    use crate::effect::{Catalogue, Site};
+    use crate::inference::target::Target;
+    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
+
+    /// Steps at the rows jump between two of them; the others are within 0.3 %.
+    const MOST_OFF: f64 = 0.03;
+
+    /// The responses along the course are those of a model that holds the effects: steps of the rows' length tell them to a few
+    /// per cent.
+    #[test]
+    fn responses_are_the_sensitivities_of_a_model_with_the_effects() {
+        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+        let recipe = Recipe::of(Topology::Star, TestKind::Orbit, InjectionRequest::default());
+        let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+        let likelihood = problem.hypothesis(&[], 1.0).unwrap().likelihood(&problem).unwrap();
+        let unknowns: Vec<f64> = likelihood.priors().iter().map(|prior| prior.quantile(0.5)).collect();
+        let base = Base::new(&problem, &likelihood, &unknowns).unwrap();
+        let forms = Forms::new(&problem);
+        let forms: Vec<(usize, Form<'_>)> = (0..problem.candidates.len())
+            .filter(|&position| {
+                matches!(problem.candidates[position].site, Site::Nodes(_) | Site::Pair(_) | Site::Elements(_))
+            })
+            .map(|position| (position, forms.of(&problem, position)))
+            .filter(|(_, form)| matches!(form, Form::Smooth { .. }))
+            .collect();
+        let asked: Vec<(usize, &Form<'_>)> = forms.iter().map(|(position, form)| (*position, form)).collect();
+        let variants = variant::variants(&base, &asked);
+        let none = || -> Vec<Found> { asked.iter().map(|_| Ok(Vec::new())).collect() };
+        let (mut along, mut exact) = (none(), none());
+        Courses::new(&base, &[]).unwrap().directions(&base, &variants, &mut along);
+        extended::solve(&base, &variants, &mut exact);
+        let mut compared = 0;
+        for ((along, exact), (position, _)) in along.iter().zip(&exact).zip(&asked) {
+            let id = &problem.candidates[*position].id;
+            let (Ok(along), Ok(exact)) = (along, exact) else {
+                assert_eq!(along.is_ok(), exact.is_ok(), "{id}");
+                continue;
+            };
+            assert_eq!(along.len(), exact.len(), "{id}");
+            for (along, exact) in along.iter().zip(exact) {
+                assert_eq!(along.parameters, exact.parameters, "{id}");
+                let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
+                let size = norm(&mut exact.columns.iter().copied());
+                let off = norm(&mut along.columns.iter().zip(&exact.columns).map(|(a, b)| a - b));
+                assert!(off < MOST_OFF * size, "{id} {:?}: {off} of {size}", along.shape);
+                compared += 1;
+            }
+        }
+        assert!(compared > 1000, "{compared}");
+    }
+}
