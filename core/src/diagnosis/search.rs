@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use rayon::prelude::*;
-
 use crate::diagnosis::engine::{Diagnosis, Remainder, SINGLES, State};
 use crate::diagnosis::fits::exchange::exchanges;
 use crate::diagnosis::misspecified::is_unstated;
@@ -171,8 +169,8 @@ impl Diagnosis {
                 places.extend(state.refits.iter().position(|refit| refit.effects == rest));
             }
         }
-        let screen = |&place: &usize| (place, self.screen_beside(problem, &state.refits[place]));
-        places.par_iter().map(screen).collect()
+        // Each has work for all threads; side by side they would only take more memory.
+        places.into_iter().map(|place| (place, self.screen_beside(problem, &state.refits[place]))).collect()
     }
 
     /// Tests what a set leaves, and orders those with one or two effects more where that is something.
