@@ -115,7 +115,7 @@ const MOST_STEPS: u64 = 60;
 const LEAST_GAIN: f64 = 1e-5;
 const LEAST_GAIN_OF_TRANSIENTS: f64 = 1e-3;
 /// Times the usual local error of a step where a fit only begins: some millikelvins.
-const TOLERANCE_ON_FEWER_ROWS: f64 = 10.0;
+pub(crate) const TOLERANCE_ON_FEWER_ROWS: f64 = 10.0;
 
 impl Problem {
     /// Fits the model with effects.

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use crate::diagnosis::fits::refit::TOLERANCE_ON_FEWER_ROWS;
 use crate::diagnosis::linearisation::signature::linearise;
 use crate::diagnosis::{Linear, Problem, Refit};
 use crate::expression::{Names, Scope, Symbol, parse};
 use crate::inference::estimate::natural::NaturalObjective;
-use crate::inference::likelihood::{Definition, Likelihood};
+use crate::inference::likelihood::{Definition, FewerRows, Likelihood};
 use crate::inference::target::Target;
 use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::ln;
@@ -83,8 +84,11 @@ impl Sources {
     pub fn new(problem: &Problem) -> Option<Self> {
         let likelihood = problem.hypothesis(&[], 1.0).ok()?.likelihood(problem).ok()?;
         let mut all = Self { likelihood, fields: Vec::new(), list: Vec::new(), biases: Vec::new() };
+        // What heat over a stretch of time does is seen well enough on fewer rows.
+        let thinned = problem.thinned(TOLERANCE_ON_FEWER_ROWS);
+        let fewer = thinned.map_or_else(Vec::new, |thinned| thinned.slopes_on(&thinned.problem.measurements));
         for index in 0..problem.measurements.len() {
-            all.add_measurement(problem, index)?;
+            all.add_measurement(problem, index, fewer.get(index..=index).unwrap_or_default())?;
         }
         for (index, measurement) in problem.measurements.iter().enumerate() {
             for sensor in 0..measurement.sensors.len() {
@@ -108,7 +112,7 @@ impl Sources {
         &self.list
     }
 
-    fn add_measurement(&mut self, problem: &Problem, index: usize) -> Option<()> {
+    fn add_measurement(&mut self, problem: &Problem, index: usize, fewer: &[Option<FewerRows>]) -> Option<()> {
         let measurement = &problem.measurements[index];
         let mut model = (*problem.model).clone();
         let nodes: Vec<usize> = (0..model.nodes.len())
@@ -145,7 +149,7 @@ impl Sources {
                             *reading = None;
                         }
                     }
-                    self.add_field(problem, &model, (index, &alone), rows, &names, first)?;
+                    self.add_field(problem, &model, (index, &alone, &[]), rows, &names, first)?;
                 }
             }
             Rows::Transient { inputs, .. } => {
@@ -166,7 +170,7 @@ impl Sources {
                     }
                 }
                 let rows = data.into_iter().map(|(position, _)| position).collect();
-                self.add_field(problem, &model, (index, measurement), rows, &names, first)?;
+                self.add_field(problem, &model, (index, measurement, fewer), rows, &names, first)?;
             }
         }
         (self.list.len() <= MOST_SOURCES).then_some(())
@@ -176,7 +180,7 @@ impl Sources {
         &mut self,
         problem: &Problem,
         model: &Model,
-        (index, measurement): (usize, &Measurement),
+        (index, measurement, fewer): (usize, &Measurement, &[Option<FewerRows>]),
         rows: Vec<usize>,
         names: &[String],
         first: usize,
@@ -195,7 +199,7 @@ impl Sources {
             input_errors: &problem.input_errors,
         })
         .ok()?;
-        let likelihood = problem.informed(likelihood, problem.most_steps.get(index..=index).unwrap_or_default());
+        let likelihood = problem.informed(likelihood, problem.most_steps.get(index..=index).unwrap_or_default()).with_slopes_on(fewer);
         let of_believed: BTreeMap<&str, usize> =
             self.likelihood.names().iter().enumerate().map(|(place, name)| (name.as_str(), place)).collect();
         let unknown_names = likelihood.names().iter();
