@@ -57,6 +57,23 @@ impl Candidate {
     pub fn is_group(&self) -> bool {
         self.where_kind == GROUP
     }
+
+    /// Whether this is the same effect on a group of which the other's place is a part.
+    pub fn is_whole_of(&self, other: &Self) -> bool {
+        let is_part = match (&self.site, &other.site) {
+            (Site::Nodes(whole), Site::Nodes(part)) => {
+                part.iter().all(|(node, _)| whole.iter().any(|(own, _)| own == node)) && part.len() < whole.len()
+            }
+            (Site::Elements(whole), Site::Elements(part)) => {
+                part.iter().all(|element| whole.contains(element)) && part.len() < whole.len()
+            }
+            (Site::Sensors(whole), Site::Sensors(part)) => {
+                part.iter().all(|sensor| whole.contains(sensor)) && part.len() < whole.len()
+            }
+            _ => false,
+        };
+        self.is_group() && is_part && self.effect == other.effect && self.input == other.input
+    }
 }
 
 /// A place before what its inputs stand for is chosen.

@@ -12,6 +12,7 @@
 use crate::measurement::total_sd;
 use serde::{Deserialize, Serialize};
 
+use crate::diagnosis::noise::like_sensors::{Errors, sizes};
 use crate::diagnosis::noise::restricted_likelihood::Taken;
 use crate::inference::likelihood::noise::{Noise, Series};
 use crate::math::functions::{exp, ln};
@@ -186,6 +187,11 @@ impl Sought<'_> {
         self.errors.len().max(1) as f64
     }
 
+    /// Its errors, as if the fit took none.
+    fn total_errors(&self) -> Errors {
+        Errors { count: self.count(), square: self.errors.iter().map(|e| e * e).sum::<f64>() / self.freedom }
+    }
+
     /// Noise of which a share of the variance is correlated, of its most likely size.
     fn at(&self, share: f64, time_s: f64) -> Weighed {
         let unit = split(1.0, share, time_s);
@@ -271,8 +277,29 @@ pub fn most_likely(
         for (place, noise) in together(&sought, &alone, &members, correction) {
             noises[place] = noise;
         }
+        if matches!(measurement.rows, Rows::Steady(_)) {
+            for (place, sigma) in alike(measurement, &sought, &members) {
+                noises[place] = EstimatedNoise::white(sigma);
+            }
+        }
     }
     noises
+}
+
+/// The noise of like sensors of steady phases whose size is open: those of one unit with one prior, or without any.
+fn alike(measurement: &Measurement, sought: &[Sought<'_>], members: &[usize]) -> Vec<(usize, f64)> {
+    let sensor = |place: usize| &measurement.sensors[sought[place].series.sensor];
+    let prior = |place: usize| sensor(place).sigma.as_ref().and_then(|sigma| sigma.prior().copied());
+    let kind = |place: usize| (sensor(place).unit.as_str(), prior(place));
+    let mut open: Vec<usize> = members.iter().copied().filter(|&place| sought[place].known.total.is_none()).collect();
+    let mut found = Vec::new();
+    while let Some(&first) = open.first() {
+        let (like, others): (Vec<usize>, Vec<usize>) = open.iter().partition(|&&place| kind(place) == kind(first));
+        let errors: Vec<Errors> = like.iter().map(|&place| sought[place].total_errors()).collect();
+        found.extend(like.into_iter().zip(sizes(&errors, prior(first).as_ref())));
+        open = others;
+    }
+    found
 }
 
 /// The noise of sensors of which, in their measurement, so many readings are fitted: where none is, as in one that is

@@ -138,13 +138,21 @@ impl Findings<'_> {
         story.steps.iter().map(result).collect()
     }
 
-    /// Effects of the selected set, in the order of the story.
+    /// Effects of the selected set: in the order of the story or, without one, that first without which most is lost.
     fn in_order(&self) -> Vec<usize> {
-        let own = &self.state.refits[self.selected].effects;
-        match &self.story {
-            Some(_) if self.selected > 0 => self.groups.iter().filter_map(|group| group.first()).copied().collect(),
-            _ => own.clone(),
+        let refits = &self.state.refits;
+        let own = &refits[self.selected].effects;
+        if self.story.is_some() && self.selected > 0 {
+            return self.groups.iter().filter_map(|group| group.first()).copied().collect();
         }
+        let without = |effect: usize| {
+            let rest: Vec<usize> = own.iter().copied().filter(|&other| other != effect).collect();
+            let rest = refits.iter().find(|refit| refit.effects == rest);
+            rest.map_or(f64::NEG_INFINITY, |rest| rest.log_evidence)
+        };
+        let mut order: Vec<(f64, usize)> = own.iter().map(|&effect| (without(effect), effect)).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        order.into_iter().map(|(_, effect)| effect).collect()
     }
 
     /// Probability that an effect is missing.
@@ -591,6 +599,20 @@ impl Findings<'_> {
             self.selected = first;
             self.fewest_parameters = false;
             (self.groups, self.rivals) = groups(refits, &weights, first, within);
+        }
+        // A whole group goes before one of its members that explains no more.
+        let is_whole = |other: usize| {
+            let candidates = &self.problem.candidates;
+            let (own, whole) = (&refits[self.selected].effects, &refits[other].effects);
+            let gone = own.iter().filter(|effect| !whole.contains(effect));
+            gone.clone().any(|&member| whole.iter().any(|&group| candidates[group].is_whole_of(&candidates[member])))
+        };
+        let alike = |other: &&usize| refits[**other].effects.len() == refits[self.selected].effects.len();
+        let near = |other: &&usize| weights.sets[**other] * RIVALS_WITHIN >= weights.sets[self.selected];
+        let whole = self.rivals.iter().filter(alike).filter(near).copied().find(|&other| is_whole(other));
+        if let Some(whole) = whole {
+            self.selected = whole;
+            (self.groups, self.rivals) = groups(refits, &weights, whole, within);
         }
     }
 
