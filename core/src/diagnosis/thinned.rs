@@ -186,7 +186,14 @@ fn mean_of(rows: Range<usize>, values: &[f64], weight: impl Fn(usize) -> f64) ->
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::document::Diagnostics;
+    use crate::effect::Catalogue;
+    use crate::inference::likelihood::Likelihood;
+    use crate::inference::target::{LeastSquares, Target};
+    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 
     /// A ramp over ten rows in blocks of two: it strays little; a switch strays wholly.
     #[test]
@@ -218,6 +225,43 @@ mod tests {
         let expected = [1.4, 52.0 / 11.0, 40.0 / 3.0, 32.0];
         for (value, expected) in linear.columns[0].values.iter().zip(expected) {
             assert!((value - expected).abs() < 1e-12, "{value} for {expected}");
+        }
+    }
+
+    /// Of an orbit: derivatives drawn between every third row are those on all rows to a few per cent of each column, residuals are
+    /// the same.
+    #[test]
+    fn derivatives_on_fewer_rows_are_near_those_on_all() {
+        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+        let recipe = Recipe::of(Topology::Star, TestKind::Orbit, InjectionRequest::default());
+        let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+        let likelihood = problem.hypothesis(&[], 1.0).unwrap().likelihood(&problem).unwrap();
+        let fewer = |measurement: &Measurement| {
+            let Rows::Transient { inputs, .. } = &measurement.rows else { return None };
+            let last = likelihood.data().iter().map(|datum| datum.row).max()?;
+            let rows: Vec<usize> = (0..last).step_by(3).chain([last]).collect();
+            Some(FewerRows { inputs: means(inputs, &rows), rows, tolerance: 1.0 })
+        };
+        let fewer: Vec<Option<FewerRows>> = problem.measurements.iter().map(fewer).collect();
+        let unknowns: Vec<f64> = likelihood.priors().iter().map(|prior| prior.quantile(0.5)).collect();
+        let evaluate = |likelihood: &Likelihood| {
+            let (rows, n) = (likelihood.residual_count(), likelihood.dimension());
+            let (mut residuals, mut jacobian) = (vec![0.0; rows], vec![0.0; rows * n]);
+            let mut memory = likelihood.workspace();
+            likelihood.jacobian(&unknowns, &mut memory, &mut residuals, &mut jacobian, &mut vec![0.0; n]).unwrap();
+            (residuals, jacobian)
+        };
+        let (residuals, exact) = evaluate(&likelihood);
+        let (same, drawn) = evaluate(&likelihood.clone().with_slopes_on(&fewer));
+        assert_eq!(residuals, same);
+        assert_ne!(exact, drawn);
+        let n = likelihood.dimension();
+        for (place, name) in likelihood.names().iter().enumerate() {
+            let norm = |value: &dyn Fn(usize) -> f64| {
+                (place..exact.len()).step_by(n).map(|at| value(at) * value(at)).sum::<f64>().sqrt()
+            };
+            let (off, size) = (norm(&|at| drawn[at] - exact[at]), norm(&|at| exact[at]));
+            assert!(off < 0.05 * size, "{name}: {off} of {size}");
         }
     }
 }

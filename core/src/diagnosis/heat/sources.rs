@@ -199,7 +199,9 @@ impl Sources {
             input_errors: &problem.input_errors,
         })
         .ok()?;
-        let likelihood = problem.informed(likelihood, problem.most_steps.get(index..=index).unwrap_or_default()).with_slopes_on(fewer);
+        let likelihood = problem
+            .informed(likelihood, problem.most_steps.get(index..=index).unwrap_or_default())
+            .with_slopes_on(fewer);
         let of_believed: BTreeMap<&str, usize> =
             self.likelihood.names().iter().enumerate().map(|(place, name)| (name.as_str(), place)).collect();
         let unknown_names = likelihood.names().iter();

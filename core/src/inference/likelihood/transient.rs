@@ -137,7 +137,8 @@ impl TransientPart {
         let mut solution = self.solve(likelihood, unknowns, &memory.parameters, &whole)?;
         if let Some(Drawn { fewer, .. }) = drawn {
             let tolerance = likelihood.tolerance * fewer.tolerance;
-            let course = Wanted { temperatures: false, inputs: &fewer.inputs, rows: fewer.rows.len(), tolerance, slopes };
+            let course =
+                Wanted { temperatures: false, inputs: &fewer.inputs, rows: fewer.rows.len(), tolerance, slopes };
             let on_fewer = self.solve(likelihood, unknowns, &memory.parameters, &course)?;
             solution.quantity_tangent = on_fewer.quantity_tangent;
         }
@@ -169,9 +170,8 @@ impl TransientPart {
                 if slopes { &mut memory.jacobian[range.start * n..range.end * n] } else { &mut [] };
             if slopes {
                 for (column, &place) in likelihood.columns.iter().chain(fitted).enumerate() {
-                    let slope = |row: usize| {
-                        solution.quantity_tangent[(row * quantities + sensor.quantity) * width + column]
-                    };
+                    let slope =
+                        |row: usize| solution.quantity_tangent[(row * quantities + sensor.quantity) * width + column];
                     match drawn {
                         Some(drawn) => drawn.draw(slope, &mut column_values),
                         None => column_values.iter_mut().enumerate().for_each(|(row, value)| *value = slope(row)),

@@ -237,8 +237,7 @@ fn forcing(
     let mut start = vec![0.0; outputs];
     value(&mut room, 0, false, &mut start);
     stored.keys().for_each(|&output| start[output] = 0.0);
-    let mut rows: BTreeMap<usize, Vec<f64>> =
-        direct.iter().map(|&output| (output, vec![0.0; course.rows])).collect();
+    let mut rows: BTreeMap<usize, Vec<f64>> = direct.iter().map(|&output| (output, vec![0.0; course.rows])).collect();
     if !rows.is_empty() {
         let mut at = vec![0.0; outputs];
         for row in 0..course.rows {
