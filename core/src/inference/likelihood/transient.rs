@@ -28,7 +28,7 @@ pub(super) struct TransientPart {
     /// Rows from the first to the last that is used.
     rows: usize,
     /// Where derivatives are found on fewer rows.
-    drawn: Option<Drawn>,
+    drawn: Option<Box<Drawn>>,
 }
 
 /// A transient that was integrated.
@@ -113,7 +113,7 @@ impl TransientPart {
     /// Finds derivatives on fewer rows, if they are those of this measurement.
     pub fn find_slopes_on(&mut self, fewer: &[Option<FewerRows>]) {
         let own = fewer.get(self.index).cloned().flatten();
-        self.drawn = own.and_then(|own| Drawn::new(own, &self.inputs.times_s[..self.rows]));
+        self.drawn = own.and_then(|own| Drawn::new(own, &self.inputs.times_s[..self.rows])).map(Box::new);
     }
 
     /// Positions of its residuals.
@@ -132,7 +132,7 @@ impl TransientPart {
         if self.rows == 0 {
             return Ok(());
         }
-        let drawn = self.drawn.as_ref().filter(|_| slopes);
+        let drawn = self.drawn.as_deref().filter(|_| slopes);
         let whole = self.whole(likelihood, slopes && drawn.is_none());
         let mut solution = self.solve(likelihood, unknowns, &memory.parameters, &whole)?;
         if let Some(Drawn { fewer, .. }) = drawn {

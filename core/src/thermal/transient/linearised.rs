@@ -19,6 +19,9 @@ const OF_EARLY: f64 = (1.0 - EARLY) / EARLY;
 /// Most numbers of all factors, 128 MiB.
 const MOST_ENTRIES: usize = 1 << 24;
 
+/// Adds the heats of a step, by its position, at its first stage and at its end.
+pub type HeatsOfStep<'a> = dyn FnMut(usize, &mut [f64], &mut [f64]) + 'a;
+
 /// A transient that is known.
 #[derive(Clone, Copy, Debug)]
 pub struct KnownCourse<'a> {
@@ -174,7 +177,7 @@ impl LinearisedTransient {
         &self,
         columns: usize,
         at_start: &mut dyn FnMut(&mut [f64]),
-        heat: &mut dyn FnMut(usize, &mut [f64], &mut [f64]),
+        heat: &mut HeatsOfStep<'_>,
         give: &mut dyn FnMut(usize, &[f64]),
     ) {
         let length = self.size * columns;
