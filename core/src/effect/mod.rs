@@ -12,7 +12,9 @@ pub mod place;
 mod thermometers;
 
 pub use apply::{Applied, ApplyError, Instance, SensorChange, apply};
-pub use candidate::{Candidate, GroupPlace, candidates, candidates_between, chooses_pairs};
+pub use candidate::{
+    Candidate, Chosen, GroupPlace, candidates, candidates_at, chooses_members, chooses_pairs, elements_to_choose,
+};
 pub use catalogue::Catalogue;
 pub use checked::Effect;
 pub use parameter::EffectParameter;

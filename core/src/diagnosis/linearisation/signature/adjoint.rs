@@ -49,12 +49,7 @@ impl Phases {
 
     /// Adds the directions of variants to what was found of their candidates.
     pub fn directions(&self, base: &Base<'_>, variants: &[Variant<'_>], directions: &mut [Found]) {
-        let mut bench = Bench {
-            original: &base.problem.model,
-            model: (*base.problem.model).clone(),
-            outputs: Vec::new(),
-            surroundings: Vec::new(),
-        };
+        let mut bench = Bench::new(&base.problem.model);
         let slopes: Vec<Result<Vec<Slopes>, FitError>> =
             variants.iter().map(|variant| bench.slopes(base, variant)).collect();
         let values = self.evaluate(&bench);
@@ -72,6 +67,29 @@ impl Phases {
                 columns.and_then(|columns| variant.direction(base, columns.into_iter()));
             variant::put(&mut directions[variant.asked], direction);
         }
+    }
+
+    /// Whitened columns of the heat that elements carry.
+    pub fn heats_of_elements(&self, base: &Base<'_>, elements: &[usize]) -> Result<Vec<Vec<f64>>, FitError> {
+        let mut bench = Bench::new(&base.problem.model);
+        let slopes: Vec<Slopes> = elements
+            .iter()
+            .map(|&element| {
+                let mut slopes = Slopes::default();
+                for (node, heat) in bench.heats(element) {
+                    bench.output(heat).into_iter().for_each(|output| slopes.heats.push((node, output)));
+                }
+                slopes
+            })
+            .collect();
+        let values = self.evaluate(&bench);
+        let column = |slopes: &Slopes| {
+            let mut column = vec![0.0; base.residuals.len()];
+            self.column(base, slopes, &values, &mut column);
+            base.whitening.apply(&mut column)?;
+            Ok(column)
+        };
+        slopes.iter().map(column).collect()
     }
 
     /// Values of the outputs, phase by phase.
@@ -140,7 +158,11 @@ impl Phases {
     }
 }
 
-impl Bench<'_> {
+impl<'a> Bench<'a> {
+    fn new(original: &'a Model) -> Self {
+        Self { original, model: original.clone(), outputs: Vec::new(), surroundings: Vec::new() }
+    }
+
     /// Adds a variant, takes down the slopes of its amplitudes and takes it out again.
     fn slopes(&mut self, base: &Base<'_>, variant: &Variant<'_>) -> Result<Vec<Slopes>, FitError> {
         let candidate = &base.problem.candidates[variant.candidate];
