@@ -16,7 +16,7 @@ use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::noise::estimate::{EstimatedNoise, fix};
 use crate::diagnosis::noise::model_error::ModelError;
 use crate::diagnosis::odds::posterior_odds::posterior_odds;
-use crate::diagnosis::places::Places;
+use crate::diagnosis::places::{Choice, Places};
 use crate::diagnosis::screening::screen::{FamilySummary, Lead, Screening};
 use crate::diagnosis::{Problem, Refit, Settings};
 use crate::effect::{Candidate, Effect};
@@ -53,6 +53,8 @@ pub struct Diagnosis {
     problem: Problem,
     settings: Settings,
     key: StreamKey,
+    /// Which places are tried.
+    pub(crate) choice: Choice,
     /// What was last at chosen places: every fit asks for it.
     placed: LastPlaced,
 }
@@ -236,7 +238,7 @@ impl Diagnosis {
     /// A diagnosis; all random numbers come from `key`.
     pub fn new(mut problem: Problem, settings: Settings, key: StreamKey) -> Self {
         problem.missing_probability.clone_from(&settings.missing_probability);
-        Self { problem, settings, key, placed: LastPlaced::default() }
+        Self { problem, settings, key, choice: Choice::default(), placed: LastPlaced::default() }
     }
 
     /// The same with joint priors of some of the problem's parameters, by their places in its list, which share none.

@@ -17,15 +17,11 @@ use crate::diagnosis::engine::{Diagnosis, State};
 use crate::diagnosis::linearisation::signature;
 use crate::diagnosis::screening::screen::Lead;
 use crate::diagnosis::{Problem, Refit};
-use crate::effect::{
-    Bound, Candidate, Chosen, Site, candidates_at, chooses_members, chooses_pairs, elements_to_choose,
-};
+use crate::effect::{Bound, Candidate, Chosen, Limits, Site, candidates_at};
 use crate::inference::likelihood::Likelihood;
 use crate::measurement::sensor_places;
 use crate::thermal::NodeKind;
 
-/// Representatives of nodes, with 2016 pairs, and of each kind of element.
-const MOST_REPRESENTATIVES: usize = 64;
 /// Neighbours of a representative in shares of all nodes: its own ones and those of the representatives around it.
 const NEIGHBOURS: usize = 4;
 /// Most neighbours of a representative.
@@ -40,6 +36,21 @@ const MOST_REFINEMENTS: usize = 6;
 const FITTED_NEAR: usize = 8;
 /// The effect whose columns tell nodes apart: heat into one.
 const HEAT: &str = "heat-load";
+
+/// Up to which size of a model all places are tried, and how many stand for the others in a larger one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Choice {
+    pub limits: Limits,
+    /// Most representatives of nodes, and of each kind of element.
+    pub representatives: usize,
+}
+
+impl Default for Choice {
+    fn default() -> Self {
+        // 2016 pairs.
+        Self { limits: Limits::default(), representatives: 64 }
+    }
+}
 
 /// Places that were chosen.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -152,7 +163,7 @@ impl Problem {
     }
 
     /// The places of a large model at a fit of it.
-    fn choose_places(&self, refit: &Refit) -> Result<Places, FitError> {
+    fn choose_places(&self, refit: &Refit, choice: &Choice) -> Result<Places, FitError> {
         let sensors = sensor_places(self.measurements.iter());
         let mut heated = self.clone();
         let nodes: Vec<Chosen> = (0..self.model.nodes.len()).map(Chosen::Node).collect();
@@ -169,11 +180,13 @@ impl Problem {
                 Some((node, direction.columns))
             }));
         })?;
-        let mut places = Places { neighbours: neighbours(&columns), ..Places::default() };
-        if chooses_members(&self.model) {
+        let most = choice.representatives;
+        let mut places = Places { neighbours: neighbours(&columns, most), ..Places::default() };
+        if choice.limits.choose_members(&self.model) {
             let first = |all: &[Vec<usize>]| all.iter().map(|members| members[0]).collect::<Vec<usize>>();
-            for (_, columns) in self.element_columns(&likelihood, refit, &columns)? {
-                places.elements.extend(neighbours(&columns));
+            let elements = choice.limits.elements_to_choose(&self.model);
+            for (_, columns) in self.element_columns(&likelihood, refit, &columns, elements)? {
+                places.elements.extend(neighbours(&columns, most));
             }
             let nodes = first(&places.neighbours);
             nodes.iter().for_each(|&node| places.add(Chosen::Node(node)));
@@ -194,15 +207,15 @@ impl Problem {
         Ok(places)
     }
 
-    /// Columns of the elements that have to be chosen, kind by kind: of what they carry at a fit; of a watt through them where
+    /// Columns of elements, kind by kind: of what they carry at a fit; of a watt through them where
     /// transients are fitted.
     fn element_columns(
         &self,
         likelihood: &Likelihood,
         refit: &Refit,
         nodes: &[(usize, Vec<f64>)],
+        elements: Vec<usize>,
     ) -> Result<BTreeMap<&str, Columns>, FitError> {
-        let elements = elements_to_choose(&self.model);
         let columns = if self.has_transients() {
             let by_node: BTreeMap<usize, &[f64]> = nodes.iter().map(|(node, own)| (*node, own.as_slice())).collect();
             let rows = nodes.first().map_or(0, |(_, own)| own.len());
@@ -228,15 +241,15 @@ impl Problem {
 
 /// Representatives of nodes, or elements, with their columns by farthest-first traversal, beginning with the longest column, each
 /// with its neighbours: where these would be too many, all the nearest and ever fewer of those farther away.
-fn neighbours(columns: &[(usize, Vec<f64>)]) -> Vec<Vec<usize>> {
+fn neighbours(columns: &[(usize, Vec<f64>)], most: usize) -> Vec<Vec<usize>> {
     let square = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>();
     let mut nearest: Vec<f64> = columns.iter().map(|(_, column)| column.iter().map(|x| x * x).sum()).collect();
-    let wide = NEIGHBOURS * columns.len().div_ceil(MOST_REPRESENTATIVES) + NEIGHBOURS;
+    let wide = NEIGHBOURS * columns.len().div_ceil(most) + NEIGHBOURS;
     let count = wide.min(MOST_NEIGHBOURS);
     let rank = |k: usize| k + (wide - count) * k * k / (count * count);
     let mut chosen: Vec<usize> = Vec::new();
     let mut all = Vec::new();
-    while chosen.len() < MOST_REPRESENTATIVES {
+    while chosen.len() < most {
         let farther = |a: usize, b: usize| if nearest[b] > nearest[a] { b } else { a };
         let Some(next) = (0..columns.len()).filter(|place| !chosen.contains(place)).reduce(farther) else { break };
         let is_first = chosen.is_empty();
@@ -259,10 +272,10 @@ fn neighbours(columns: &[(usize, Vec<f64>)]) -> Vec<Vec<usize>> {
 impl Diagnosis {
     /// The same with effects at chosen places, at the baseline model's fit; where all places are candidates, this.
     pub(crate) fn at_chosen_places(&self, baseline: &Refit) -> Result<Self, FitError> {
-        if !chooses_pairs(&self.problem().model) {
+        if !self.choice.limits.choose_pairs(&self.problem().model) {
             return Ok(self.clone());
         }
-        Ok(self.with_places(self.problem().choose_places(baseline)?))
+        Ok(self.with_places(self.problem().choose_places(baseline, &self.choice)?))
     }
 
     /// The same with effects at more places.
@@ -335,6 +348,11 @@ impl Diagnosis {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::Settings;
+    use crate::document::Diagnostics;
+    use crate::effect::{Catalogue, candidates_within};
+    use crate::random::StreamKey;
+    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 
     #[test]
     fn representatives_are_far_apart_and_have_their_neighbours() {
@@ -346,8 +364,8 @@ mod tests {
                 _ => (node, vec![0.0, 100.0 - 1e-3 * node as f64]),
             })
             .collect();
-        let all = neighbours(&columns);
-        assert_eq!(all.len(), MOST_REPRESENTATIVES);
+        let all = neighbours(&columns, 64);
+        assert_eq!(all.len(), 64);
         assert!(all[..3].iter().any(|nodes| nodes[0] == 129), "what lies apart comes early");
         // 130 nodes are 3 a representative: four times that and four more.
         assert!(all.iter().all(|nodes| nodes.len() == 1 + 16));
@@ -362,5 +380,34 @@ mod tests {
         assert_eq!(places.near_pair([1, 2]), [[1, 3], [1, 4], [2, 4], [3, 4]]);
         assert_eq!(places.near_pair([9, 2]), [[3, 9], [4, 9]]);
         assert!(places.near_pair([1, 3]).is_empty(), "3 stands for itself");
+    }
+
+    /// What of the twin is found among all places is found by representatives and their neighbours, with the same size.
+    #[test]
+    fn few_representatives_lead_to_what_all_places_show() {
+        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+        for effect in ["conductive-path", "heat-load"] {
+            let request =
+                InjectionRequest { only: Some(effect.to_owned()), size: Some(5.0), ..InjectionRequest::default() };
+            let problem =
+                case(&catalogue, &Recipe::of(Topology::Star, TestKind::Steady, request), 1, 0).unwrap().problem;
+            let key = StreamKey::new(1, "test", "places");
+            let whole = Diagnosis::new(problem.clone(), Settings::default(), key).run().unwrap();
+            let limits = Limits { nodes_in_pairs: 0, nodes_one_by_one: 0, elements_of_a_kind: 0 };
+            let sensors = sensor_places(problem.measurements.iter());
+            let mut few = problem.clone();
+            few.candidates = Arc::new(candidates_within(&limits, &problem.model, &[], &sensors, &catalogue));
+            let mut by_few = Diagnosis::new(few, Settings::default(), key);
+            by_few.choice = Choice { limits, representatives: 3 };
+            let refined = by_few.run().unwrap();
+            let [found] = whole.selected.as_slice() else { panic!("{effect}: {:?}", whole.selected) };
+            assert!(found.starts_with(effect), "{found}");
+            assert_eq!(refined.selected, whole.selected);
+            // Descents from other starts end within a small share of a standard deviation.
+            for (name, size) in &whole.effect(found).unwrap().amplitudes {
+                let own = &refined.effect(found).unwrap().amplitudes[name];
+                assert!((own.value - size.value).abs() < 0.01 * size.sd, "{found}: {own:?} and {size:?}");
+            }
+        }
     }
 }

@@ -72,38 +72,49 @@ struct Spot {
     nodes: Vec<usize>,
 }
 
-/// Nodes of a model between any two of which effects are tried. In a larger one the diagnosis chooses pairs that its sensors can
-/// tell apart.
-pub const MOST_NODES_IN_ALL_PAIRS: usize = 64;
-/// Nodes of a model at each of which, and at each of whose elements, effects are tried. In a larger one the diagnosis chooses
-/// nodes and elements as well.
-pub const MOST_NODES_ONE_BY_ONE: usize = 160;
-/// Elements of one kind that are places one by one in a model of any size.
-const MOST_ELEMENTS_OF_LARGE: usize = 64;
-
-/// Whether pairs of nodes are to be chosen, since they are too many.
-pub fn chooses_pairs(model: &Model) -> bool {
-    model.nodes.len() > MOST_NODES_IN_ALL_PAIRS
+/// Sizes of models up to which effects are tried at all places. In a larger model the diagnosis chooses places that its sensors
+/// can tell apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Nodes of a model between any two of which effects are tried.
+    pub nodes_in_pairs: usize,
+    /// Nodes of a model at each of which, and at each of whose elements, effects are tried.
+    pub nodes_one_by_one: usize,
+    /// Elements of one kind that are places one by one in a model of any size.
+    pub elements_of_a_kind: usize,
 }
 
-/// Whether nodes and elements are to be chosen too.
-pub fn chooses_members(model: &Model) -> bool {
-    model.nodes.len() > MOST_NODES_ONE_BY_ONE
+impl Default for Limits {
+    fn default() -> Self {
+        Self { nodes_in_pairs: 64, nodes_one_by_one: 160, elements_of_a_kind: 64 }
+    }
 }
 
-/// The elements among which places are to be chosen, ascending: those of kinds of which a large model has many.
-pub fn elements_to_choose(model: &Model) -> Vec<usize> {
-    if !chooses_members(model) {
-        return Vec::new();
+impl Limits {
+    /// Whether pairs of nodes are to be chosen, since they are too many.
+    pub fn choose_pairs(&self, model: &Model) -> bool {
+        model.nodes.len() > self.nodes_in_pairs
     }
-    let mut by_kind: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
-    for (index, element) in model.elements.iter().enumerate() {
-        by_kind.entry(element.physics().kind()).or_default().push(index);
+
+    /// Whether nodes and elements are to be chosen too.
+    pub fn choose_members(&self, model: &Model) -> bool {
+        model.nodes.len() > self.nodes_one_by_one
     }
-    let many = by_kind.into_values().filter(|own| own.len() > MOST_ELEMENTS_OF_LARGE);
-    let mut chosen: Vec<usize> = many.flatten().collect();
-    chosen.sort_unstable();
-    chosen
+
+    /// The elements among which places are to be chosen, ascending: those of kinds of which a large model has many.
+    pub fn elements_to_choose(&self, model: &Model) -> Vec<usize> {
+        if !self.choose_members(model) {
+            return Vec::new();
+        }
+        let mut by_kind: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+        for (index, element) in model.elements.iter().enumerate() {
+            by_kind.entry(element.physics().kind()).or_default().push(index);
+        }
+        let many = by_kind.into_values().filter(|own| own.len() > self.elements_of_a_kind);
+        let mut chosen: Vec<usize> = many.flatten().collect();
+        chosen.sort_unstable();
+        chosen
+    }
 }
 
 /// A place of a large model that is chosen.
@@ -131,14 +142,14 @@ struct Among {
 
 impl Among {
     /// Everything that is a place without being chosen.
-    fn of(model: &Model) -> Self {
-        let count = if chooses_pairs(model) { 0 } else { model.nodes.len() };
+    fn of(model: &Model, limits: &Limits) -> Self {
+        let count = if limits.choose_pairs(model) { 0 } else { model.nodes.len() };
         let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b])).collect();
         let mut nodes: Vec<usize> = (0..model.nodes.len()).collect();
-        if chooses_members(model) {
+        if limits.choose_members(model) {
             nodes.retain(|&node| matches!(model.nodes[node].kind, NodeKind::Boundary { .. }));
         }
-        let chosen = elements_to_choose(model);
+        let chosen = limits.elements_to_choose(model);
         let elements = (0..model.elements.len()).filter(|element| chosen.binary_search(element).is_err()).collect();
         Self { pairs, surroundings: nodes.clone(), nodes, elements }
     }
@@ -155,16 +166,26 @@ impl From<Chosen> for Among {
     }
 }
 
-/// All candidates, in the order of the catalogue, then of the model; of a model that [chooses its pairs](chooses_pairs) those
-/// between two nodes are not among them, of one that [chooses nodes and elements](chooses_members) only those at groups,
-/// boundaries, sensors, and elements of kinds of which it has few.
+/// All candidates, in the order of the catalogue, then of the model, within the usual [limits](Limits).
 pub fn candidates(
     model: &Model,
     groups: &[GroupPlace],
     sensors: &[SensorPlace],
     catalogue: &Catalogue,
 ) -> Vec<Candidate> {
-    let among = Among::of(model);
+    candidates_within(&Limits::default(), model, groups, sensors, catalogue)
+}
+
+/// The same; where pairs are to be chosen those between two nodes are not among them, where nodes and elements are to be chosen too
+/// only those at groups, boundaries, sensors, and elements of kinds of which the model has few.
+pub fn candidates_within(
+    limits: &Limits,
+    model: &Model,
+    groups: &[GroupPlace],
+    sensors: &[SensorPlace],
+    catalogue: &Catalogue,
+) -> Vec<Candidate> {
+    let among = Among::of(model, limits);
     let mut candidates = Vec::new();
     for effect in catalogue.effects() {
         for spot in spots(effect, model, groups, sensors, &among) {

@@ -12,9 +12,7 @@ pub mod place;
 mod thermometers;
 
 pub use apply::{Applied, ApplyError, Instance, SensorChange, apply};
-pub use candidate::{
-    Candidate, Chosen, GroupPlace, candidates, candidates_at, chooses_members, chooses_pairs, elements_to_choose,
-};
+pub use candidate::{Candidate, Chosen, GroupPlace, Limits, candidates, candidates_at, candidates_within};
 pub use catalogue::Catalogue;
 pub use checked::Effect;
 pub use parameter::EffectParameter;
