@@ -37,7 +37,9 @@ pub(crate) fn exchanges(problem: &Problem, baseline: &Refit, count: usize) -> Re
         return Ok(Exchanges::default());
     }
     let without = left(problem, baseline, &[])?;
-    if all.len() > MOST_ONE_BY_ONE && !problem.has_transients() {
+    // Known errors of inputs would be those of the exchanged sensors.
+    let are_inputs_exact = problem.input_errors.iter().all(|error| error.sigma.is_none());
+    if all.len() > MOST_ONE_BY_ONE && !problem.has_transients() && are_inputs_exact {
         all = likeliest_by_predictions(problem, baseline, &all, MORE_THAN_WANTED * count)?;
     }
     for position in all {
