@@ -3,7 +3,7 @@
 usage: grid.py FOLDER NODES SENSORS PHASES [ROWS [SWING]]
 
 Steady phases; with ROWS each phase is that many rows of one transient, two minutes apart. Its inputs are constant, but with
-SWING the sink steps in every row, by so many kelvin (one standard deviation) about the phase's. Above 3000 nodes nothing is
+SWING the sink steps in every row, by so many kelvin (one standard deviation) about the phase's. Above 5000 nodes nothing is
 solved here, and the readings are noise about one temperature: enough for `plan` and `compare`.
 
 Ten parameters: contacts, emittances and powers shared by many elements, so groups follow from the model. The readings are of
@@ -20,7 +20,7 @@ SIGMA = 5.670374419e-8
 STRAP_W_K = 0.25
 START_K = 293.15
 CAPACITY_J_K = 200.0
-MOST_SOLVED = 3000
+MOST_SOLVED = 5000
 
 
 def network(nodes):

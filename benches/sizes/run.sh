@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Times the verbs on grids of several numbers of nodes: seconds, CPU seconds and memory; and the exponents of the CPU seconds.
-# usage: [ROWS=N [SWING=K] [SENSORS=M]] [SAMPLER=NAME] [VERBS="plan compare ..."] run.sh BMV NODES...
-# With ROWS one transient of ten phases of N rows and M sensors (6), whose sink steps by K in every row; SAMPLER calibrates
-# another way than by default. Above 3000 nodes only `plan` and `compare` are asked.
+# usage: [SENSORS=M] [PHASES=P] [ROWS=N [SWING=K]] [SAMPLER=NAME] [VERBS="plan compare ..."] run.sh BMV NODES...
+# Ten steady phases of 20 sensors. With ROWS one transient of so many phases of N rows (6 sensors), whose sink steps by K in every
+# row; SAMPLER calibrates another way than by default. Above 5000 nodes only `plan` and `compare` are asked.
 set -euo pipefail
 bmv="$(realpath "$1")"
 here="$(cd "$(dirname "$0")" && pwd)"
@@ -12,15 +12,15 @@ trap 'rm -rf "$work"' EXIT
 printf '%-6s %-12s %8s %8s %8s\n' nodes verb wall_s cpu_s MiB
 for nodes in "$@"; do
   if [ -n "${ROWS:-}" ]; then
-    python3 "$here/grid.py" "$work/$nodes" "$nodes" "${SENSORS:-6}" 10 "$ROWS" "${SWING:-0}"
+    python3 "$here/grid.py" "$work/$nodes" "$nodes" "${SENSORS:-6}" "${PHASES:-10}" "$ROWS" "${SWING:-0}"
   else
-    python3 "$here/grid.py" "$work/$nodes" "$nodes" 20 10
+    python3 "$here/grid.py" "$work/$nodes" "$nodes" "${SENSORS:-20}" "${PHASES:-10}"
   fi
   if [ -n "${SAMPLER:-}" ]; then
     sed -i "s/\"calibrate\": {/&\"sampler\": \"$SAMPLER\", /" "$work/$nodes/pass-1.json"
   fi
   verbs="${VERBS:-plan compare propagate sensitivity calibrate diagnose}"
-  if [ "$nodes" -gt 3000 ]; then verbs="plan compare"; fi
+  if [ "$nodes" -gt 5000 ]; then verbs="plan compare"; fi
   for verb in $verbs; do
     case "$verb" in
       propagate | sensitivity | calibrate) command="run --job $verb" ;;

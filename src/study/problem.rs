@@ -22,7 +22,7 @@ pub fn problem_with(pass: &Pass, measurements: Vec<Measurement>, parameters: Vec
     let (model, measurements) = dated(pass, measurements);
     let sensors = sensor_places(measurements.iter());
     Problem {
-        candidates: candidates(&model, &pass.groups, &sensors, &pass.catalogue),
+        candidates: Arc::new(candidates(&model, &pass.groups, &sensors, &pass.catalogue)),
         model: Arc::new(Model { keeps_signs: false, ..model }),
         priors: pass.priors.clone(),
         parameters,

@@ -120,7 +120,7 @@ fn problem_of(folder: &Path, readings_k: &DVector<f64>, kinds: &[&str]) -> Probl
     }
     let pass = bmv::job::load(&folder.join("pass-1.json"));
     let mut problem = bmv::study::problem(&pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20))));
-    problem.candidates.retain(|own| kinds.contains(&own.effect.as_str()));
+    Arc::make_mut(&mut problem.candidates).retain(|own| kinds.contains(&own.effect.as_str()));
     problem
 }
 

@@ -110,7 +110,7 @@ fn problem(mut measurements: Vec<Measurement>, input_errors: Vec<InputError>) ->
         measurements,
         input_errors,
         catalogue,
-        candidates,
+        candidates: Arc::new(candidates),
         joint: Vec::new(),
         most_steps: Vec::new(),
         noise_freedom: None,
@@ -305,7 +305,7 @@ fn probes_are_finite_differences() {
 fn transient_directions_are_the_slopes_of_each_effects_likelihood() {
     let mut problem = problem(vec![steady(&model()), transient(&model())], vec![]);
     let mut seen: Vec<String> = Vec::new();
-    problem.candidates.retain(|candidate| {
+    Arc::make_mut(&mut problem.candidates).retain(|candidate| {
         let new =
             !seen.contains(&candidate.effect) || candidate.where_kind == "sensor" || candidate.where_kind == "group";
         seen.push(candidate.effect.clone());

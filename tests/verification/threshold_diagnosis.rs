@@ -2,6 +2,7 @@
 //! nodes may have. Steady phases: by hand, with a reading that puts the threshold into the wrong gap between two levels.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use bmv::diagnosis::{Diagnosis, Problem, Settings};
 use bmv::math::functions::{exp, ln};
@@ -42,7 +43,7 @@ fn problem(folder: &Path, table: &str, pass: &str) -> Problem {
     let mut problem = bmv::study::problem(&pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20))));
     let rivals =
         ["conductance-step", "temperature-dependent-conductance", "heat-load", "heater-efficiency", "thermal-mass"];
-    problem.candidates.retain(|own| rivals.contains(&own.effect.as_str()));
+    Arc::make_mut(&mut problem.candidates).retain(|own| rivals.contains(&own.effect.as_str()));
     problem
 }
 
@@ -91,7 +92,7 @@ fn steady(folder: &Path, off: f64) -> Problem {
         "jobs": {"missing": {"diagnose": {}}}}"#;
     let mut problem = problem(folder, &table, pass);
     // What bends little by little, and the plate that gets warmer with the power, would do nearly as well.
-    problem.candidates.retain(|own| own.id == "conductance-step:joint:Q");
+    Arc::make_mut(&mut problem.candidates).retain(|own| own.id == "conductance-step:joint:Q");
     problem
 }
 

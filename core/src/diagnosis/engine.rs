@@ -7,6 +7,7 @@ use crate::diagnosis::left_out::LeftOut;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt::Display;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
@@ -15,10 +16,10 @@ use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::noise::estimate::{EstimatedNoise, fix};
 use crate::diagnosis::noise::model_error::ModelError;
 use crate::diagnosis::odds::posterior_odds::posterior_odds;
-use crate::diagnosis::places::Places;
+use crate::diagnosis::places::{Choice, Places};
 use crate::diagnosis::screening::screen::{FamilySummary, Lead, Screening};
 use crate::diagnosis::{Problem, Refit, Settings};
-use crate::effect::Effect;
+use crate::effect::{Candidate, Effect};
 use crate::inference::prior::joint_prior::JointPrior;
 use crate::inference::target::Target;
 use crate::random::StreamKey;
@@ -52,7 +53,14 @@ pub struct Diagnosis {
     problem: Problem,
     settings: Settings,
     key: StreamKey,
+    /// Which places are tried.
+    pub(crate) choice: Choice,
+    /// What was last at chosen places: every fit asks for it.
+    placed: LastPlaced,
 }
+
+/// Places with the candidates at them.
+type LastPlaced = Arc<Mutex<Option<(Places, Arc<Vec<Candidate>>)>>>;
 
 /// A set of effects to be fitted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -230,7 +238,7 @@ impl Diagnosis {
     /// A diagnosis; all random numbers come from `key`.
     pub fn new(mut problem: Problem, settings: Settings, key: StreamKey) -> Self {
         problem.missing_probability.clone_from(&settings.missing_probability);
-        Self { problem, settings, key }
+        Self { problem, settings, key, choice: Choice::default(), placed: LastPlaced::default() }
     }
 
     /// The same with joint priors of some of the problem's parameters, by their places in its list, which share none.
@@ -259,12 +267,28 @@ impl Diagnosis {
         if state.left_out.is_empty() && state.places == self.problem.places {
             return Cow::Borrowed(self);
         }
-        let remaining = self.without(&state.left_out);
-        Cow::Owned(if state.places == self.problem.places {
-            remaining
-        } else {
-            remaining.with_places(state.places.clone())
-        })
+        let mut remaining = self.without(&state.left_out);
+        if state.places != self.problem.places {
+            remaining = remaining.at_places_of(state);
+        }
+        Cow::Owned(remaining)
+    }
+
+    /// The same at the places of a state, with the candidates of the last time where these are the same places.
+    fn at_places_of(&self, state: &State) -> Self {
+        if self.problem.places != Places::default() {
+            return self.with_places(state.places.clone());
+        }
+        // A fit that ended in a panic left what was there.
+        let mut last = self.placed.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((places, candidates)) = last.as_ref().filter(|(places, _)| *places == state.places) {
+            let problem =
+                Problem { candidates: Arc::clone(candidates), places: places.clone(), ..self.problem.clone() };
+            return self.with_problem(problem);
+        }
+        let placed = self.with_places(state.places.clone());
+        *last = Some((state.places.clone(), Arc::clone(&placed.problem.candidates)));
+        placed
     }
 
     /// The same of another problem.

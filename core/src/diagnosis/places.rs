@@ -1,10 +1,14 @@
-//! Pairs of nodes of a large model between which effects are sought: first those that the sensors can tell apart, then those near
-//! what was found.
+//! Places of a large model at which effects are sought: first those that the sensors can tell apart, then those near what was
+//! found. Pairs of nodes are chosen first, in a still larger model nodes and elements too.
 //!
 //! A watt into a node moves the whitened predictions by a column. Nodes whose columns lie close together are one to the sensors. A
 //! path between two nodes moves the predictions by its heat times the difference of their columns, so that a pair which stands for
-//! another errs by no more than its heat times the distances of the columns. Representatives are the points of a farthest-first
+//! another errs by no more than its heat times the distances of the columns. What an element carries moves them by its heat times
+//! the difference of the columns at its ends. Representatives are the points of a farthest-first
 //! traversal (Gonzalez 1985), whose largest distance is at most twice the best possible one.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -13,45 +17,123 @@ use crate::diagnosis::engine::{Diagnosis, State};
 use crate::diagnosis::linearisation::signature;
 use crate::diagnosis::screening::screen::Lead;
 use crate::diagnosis::{Problem, Refit};
-use crate::effect::{Candidate, Site, candidates, candidates_between, chooses_pairs};
+use crate::effect::{Bound, Candidate, Chosen, Limits, Site, candidates_at};
+use crate::inference::likelihood::Likelihood;
 use crate::measurement::sensor_places;
 use crate::thermal::NodeKind;
 
-/// Representatives: 2016 pairs.
-const MOST_REPRESENTATIVES: usize = 64;
 /// Neighbours of a representative in shares of all nodes: its own ones and those of the representatives around it.
 const NEIGHBOURS: usize = 4;
 /// Most neighbours of a representative.
 const MOST_NEIGHBOURS: usize = 60;
 /// Boundaries that are ends of their own.
 const MOST_BOUNDARIES: usize = 8;
-/// Pairs near one that was found which become places.
+/// Places near one that was found which are added.
 const MOST_NEAR: usize = 40;
-/// Times that pairs near one that was found are added.
+/// Times that places near one that was found are added.
 const MOST_REFINEMENTS: usize = 6;
 /// Those that are fitted at once.
 const FITTED_NEAR: usize = 8;
 /// The effect whose columns tell nodes apart: heat into one.
 const HEAT: &str = "heat-load";
 
-/// Pairs of nodes that are places.
+/// Up to which size of a model all places are tried, and how many stand for the others in a larger one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Choice {
+    pub limits: Limits,
+    /// Most representatives of nodes, and of each kind of element.
+    pub representatives: usize,
+}
+
+impl Default for Choice {
+    fn default() -> Self {
+        // 2016 pairs.
+        Self { limits: Limits::default(), representatives: 64 }
+    }
+}
+
+/// Places that were chosen.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Places {
     /// Representatives, each with the nodes that the sensors see most like it, itself first.
     pub neighbours: Vec<Vec<usize>>,
     /// Pairs between which effects are sought.
     pub pairs: Vec<[usize; 2]>,
-    /// How often pairs near one that was found were added.
+    /// How often places near one that was found were added.
     pub refinements: usize,
+    /// The same as `neighbours` of elements.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub elements: Vec<Vec<usize>>,
+    /// Nodes and elements that are places, each with the number of pairs before it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub members: Vec<(usize, Chosen)>,
 }
 
 impl Places {
-    /// Pairs near that of two representatives which are no places yet.
-    fn near(&self, ends: [usize; 2]) -> Vec<[usize; 2]> {
-        let of = |node: usize| self.neighbours.iter().find(|neighbours| neighbours[0] == node);
-        let (true, Some(first), Some(second)) = (self.refinements < MOST_REFINEMENTS, of(ends[0]), of(ends[1])) else {
+    /// All, in the order in which they were chosen.
+    fn all(&self) -> Vec<Chosen> {
+        let mut members = self.members.iter().peekable();
+        let mut all = Vec::with_capacity(self.pairs.len() + self.members.len());
+        for (before, pair) in self.pairs.iter().enumerate() {
+            while let Some((_, member)) = members.next_if(|(own, _)| *own <= before) {
+                all.push(*member);
+            }
+            all.push(Chosen::Pair(*pair));
+        }
+        all.extend(members.map(|(_, member)| *member));
+        all
+    }
+
+    fn contains(&self, place: Chosen) -> bool {
+        match place {
+            Chosen::Pair(pair) => self.pairs.contains(&pair),
+            member => self.members.iter().any(|(_, own)| *own == member),
+        }
+    }
+
+    /// Adds a place behind the others, unless it is there.
+    fn add(&mut self, place: Chosen) {
+        match place {
+            _ if self.contains(place) => {}
+            Chosen::Pair(pair) => self.pairs.push(pair),
+            member => self.members.push((self.pairs.len(), member)),
+        }
+    }
+
+    /// Places near that of a candidate at a representative, or at two, which are no places yet.
+    fn near(&self, candidate: &Candidate) -> Vec<Chosen> {
+        if self.refinements >= MOST_REFINEMENTS {
             return Vec::new();
+        }
+        let nodes = |node: usize| self.neighbours.iter().find(|neighbours| neighbours[0] == node);
+        let each = |representative: Option<&Vec<usize>>, place: fn(usize) -> Chosen| -> Vec<Chosen> {
+            let own = representative.filter(|_| !self.members.is_empty());
+            own.into_iter().flatten().map(|&member| place(member)).filter(|&place| !self.contains(place)).collect()
         };
+        match &candidate.site {
+            Site::Pair(ends) => self.near_pair(*ends).into_iter().map(Chosen::Pair).collect(),
+            Site::Nodes(own) if !candidate.is_group() => {
+                each(own.first().and_then(|&(node, _)| nodes(node)), Chosen::Node)
+            }
+            Site::Elements(own) if !candidate.is_group() => {
+                let of = |element: &usize| self.elements.iter().find(|neighbours| neighbours[0] == *element);
+                each(own.first().and_then(of), Chosen::Element)
+            }
+            Site::Sensors(_) => {
+                let surroundings = candidate.bound.iter().find_map(|bound| match bound {
+                    Bound::Node(node) => nodes(*node),
+                    Bound::Input(_) => None,
+                });
+                each(surroundings, Chosen::Surroundings)
+            }
+            Site::Nodes(_) | Site::Elements(_) | Site::Parameter(_) => Vec::new(),
+        }
+    }
+
+    /// Pairs near that of two representatives which are no places yet.
+    fn near_pair(&self, ends: [usize; 2]) -> Vec<[usize; 2]> {
+        let of = |node: usize| self.neighbours.iter().find(|neighbours| neighbours[0] == node);
+        let (Some(first), Some(second)) = (of(ends[0]), of(ends[1])) else { return Vec::new() };
         let all = first.iter().flat_map(|&a| second.iter().map(move |&b| [a.min(b), a.max(b)]));
         let mut near: Vec<[usize; 2]> = all.filter(|pair| pair[0] < pair[1] && !self.pairs.contains(pair)).collect();
         near.sort_unstable();
@@ -60,29 +142,37 @@ impl Places {
     }
 }
 
+/// Whitened columns of nodes or elements.
+type Columns = Vec<(usize, Vec<f64>)>;
+
 impl Problem {
-    /// The same with candidates between the nodes of more pairs, behind those that it has.
-    fn between(&self, places: Places) -> Self {
+    /// The same with candidates at more places, behind those that it has; with those of one effect, where it is named.
+    fn at_places(&self, places: Places, only: Option<&str>) -> Self {
         let sensors = sensor_places(self.measurements.iter());
-        let new = places.pairs.get(self.places.pairs.len()..).unwrap_or_default();
-        let mut more = candidates_between(&self.model, &sensors, &self.catalogue, new);
-        more.retain(|candidate| self.considered.is_empty() || self.considered.contains(&candidate.effect));
+        let before = self.places.pairs.len() + self.places.members.len();
+        let new: Vec<Chosen> = places.all().into_iter().skip(before).collect();
+        let is_wanted = |effect: &str| {
+            only.is_none_or(|only| only == effect)
+                && (self.considered.is_empty() || self.considered.iter().any(|own| own == effect))
+        };
+        let more = candidates_at(&self.model, &sensors, &self.catalogue, &new, is_wanted);
         let mut problem = self.clone();
-        problem.candidates.extend(more);
+        Arc::make_mut(&mut problem.candidates).extend(more);
         problem.places = places;
         problem
     }
 
     /// The places of a large model at a fit of it.
-    fn choose_places(&self, refit: &Refit) -> Result<Places, FitError> {
+    fn choose_places(&self, refit: &Refit, choice: &Choice) -> Result<Places, FitError> {
         let sensors = sensor_places(self.measurements.iter());
-        let is_heat = |candidate: &Candidate| candidate.effect == HEAT && matches!(candidate.site, Site::Nodes(_));
         let mut heated = self.clone();
-        heated.candidates = candidates(&self.model, &[], &sensors, &self.catalogue);
-        heated.candidates.retain(is_heat);
+        let nodes: Vec<Chosen> = (0..self.model.nodes.len()).map(Chosen::Node).collect();
+        let mut heat = candidates_at(&self.model, &sensors, &self.catalogue, &nodes, |effect| effect == HEAT);
+        heat.retain(|candidate| matches!(candidate.site, Site::Nodes(_)));
+        heated.candidates = Arc::new(heat);
         let likelihood = heated.hypothesis(&[], 1.0)?.likelihood(&heated)?;
         let positions: Vec<usize> = (0..heated.candidates.len()).collect();
-        let mut columns: Vec<(usize, Vec<f64>)> = Vec::new();
+        let mut columns: Columns = Vec::new();
         signature::for_each_direction(&heated, &likelihood, &refit.unknowns, &positions, &mut |directions| {
             columns.extend(directions.into_iter().filter_map(|direction| {
                 let Site::Nodes(nodes) = &heated.candidates[direction.candidate].site else { return None };
@@ -90,32 +180,76 @@ impl Problem {
                 Some((node, direction.columns))
             }));
         })?;
-        let mut neighbours = neighbours(&columns);
+        let most = choice.representatives;
+        let mut places = Places { neighbours: neighbours(&columns, most), ..Places::default() };
+        if choice.limits.choose_members(&self.model) {
+            let first = |all: &[Vec<usize>]| all.iter().map(|members| members[0]).collect::<Vec<usize>>();
+            let elements = choice.limits.elements_to_choose(&self.model);
+            for (_, columns) in self.element_columns(&likelihood, refit, &columns, elements)? {
+                places.elements.extend(neighbours(&columns, most));
+            }
+            let nodes = first(&places.neighbours);
+            nodes.iter().for_each(|&node| places.add(Chosen::Node(node)));
+            nodes.iter().for_each(|&node| places.add(Chosen::Surroundings(node)));
+            first(&places.elements).into_iter().for_each(|element| places.add(Chosen::Element(element)));
+        }
         let is_boundary = |node: &usize| matches!(self.model.nodes[*node].kind, NodeKind::Boundary { .. });
         let boundaries = (0..self.model.nodes.len()).filter(is_boundary).take(MOST_BOUNDARIES);
-        neighbours.extend(boundaries.map(|node| vec![node]));
-        let first: Vec<usize> = neighbours.iter().map(|nodes| nodes[0]).collect();
-        let mut pairs = Vec::new();
+        places.neighbours.extend(boundaries.map(|node| vec![node]));
+        let first: Vec<usize> = places.neighbours.iter().map(|nodes| nodes[0]).collect();
         for (place, &a) in first.iter().enumerate() {
             for &b in &first[place + 1..] {
                 if !(is_boundary(&a) && is_boundary(&b)) {
-                    pairs.push([a.min(b), a.max(b)]);
+                    places.pairs.push([a.min(b), a.max(b)]);
                 }
             }
         }
-        Ok(Places { neighbours, pairs, refinements: 0 })
+        Ok(places)
+    }
+
+    /// Columns of elements, kind by kind: of what they carry at a fit; of a watt through them where
+    /// transients are fitted.
+    fn element_columns(
+        &self,
+        likelihood: &Likelihood,
+        refit: &Refit,
+        nodes: &[(usize, Vec<f64>)],
+        elements: Vec<usize>,
+    ) -> Result<BTreeMap<&str, Columns>, FitError> {
+        let columns = if self.has_transients() {
+            let by_node: BTreeMap<usize, &[f64]> = nodes.iter().map(|(node, own)| (*node, own.as_slice())).collect();
+            let rows = nodes.first().map_or(0, |(_, own)| own.len());
+            let through = |&element: &usize| {
+                let mut column = vec![0.0; rows];
+                for (node, sign) in self.model.elements[element].nodes().iter().zip([1.0, -1.0]) {
+                    let own = by_node.get(node).copied().unwrap_or_default();
+                    column.iter_mut().zip(own).for_each(|(sum, value)| *sum += sign * value);
+                }
+                column
+            };
+            elements.iter().map(through).collect()
+        } else {
+            signature::columns_of_elements(self, likelihood, &refit.unknowns, &elements)?
+        };
+        let mut by_kind: BTreeMap<&str, Columns> = BTreeMap::new();
+        for (element, column) in elements.into_iter().zip(columns) {
+            by_kind.entry(self.model.elements[element].physics().kind()).or_default().push((element, column));
+        }
+        Ok(by_kind)
     }
 }
 
-/// Representatives of nodes with their columns by farthest-first traversal, beginning with the longest column, each with its
-/// neighbours.
-fn neighbours(columns: &[(usize, Vec<f64>)]) -> Vec<Vec<usize>> {
+/// Representatives of nodes, or elements, with their columns by farthest-first traversal, beginning with the longest column, each
+/// with its neighbours: where these would be too many, all the nearest and ever fewer of those farther away.
+fn neighbours(columns: &[(usize, Vec<f64>)], most: usize) -> Vec<Vec<usize>> {
     let square = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>();
     let mut nearest: Vec<f64> = columns.iter().map(|(_, column)| column.iter().map(|x| x * x).sum()).collect();
-    let count = (NEIGHBOURS * columns.len().div_ceil(MOST_REPRESENTATIVES) + NEIGHBOURS).min(MOST_NEIGHBOURS);
+    let wide = NEIGHBOURS * columns.len().div_ceil(most) + NEIGHBOURS;
+    let count = wide.min(MOST_NEIGHBOURS);
+    let rank = |k: usize| k + (wide - count) * k * k / (count * count);
     let mut chosen: Vec<usize> = Vec::new();
     let mut all = Vec::new();
-    while chosen.len() < MOST_REPRESENTATIVES {
+    while chosen.len() < most {
         let farther = |a: usize, b: usize| if nearest[b] > nearest[a] { b } else { a };
         let Some(next) = (0..columns.len()).filter(|place| !chosen.contains(place)).reduce(farther) else { break };
         let is_first = chosen.is_empty();
@@ -128,7 +262,7 @@ fn neighbours(columns: &[(usize, Vec<f64>)]) -> Vec<Vec<usize>> {
             }
         }
         by_distance.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let near = by_distance.iter().take(count).map(|&(_, place)| columns[place].0);
+        let near = (0..count).filter_map(|k| by_distance.get(rank(k))).map(|&(_, place)| columns[place].0);
         all.push(std::iter::once(columns[next].0).chain(near).collect());
         chosen.push(next);
     }
@@ -136,25 +270,24 @@ fn neighbours(columns: &[(usize, Vec<f64>)]) -> Vec<Vec<usize>> {
 }
 
 impl Diagnosis {
-    /// The same with effects between pairs of nodes, at the baseline model's fit; where all pairs are candidates, this.
+    /// The same with effects at chosen places, at the baseline model's fit; where all places are candidates, this.
     pub(crate) fn at_chosen_places(&self, baseline: &Refit) -> Result<Self, FitError> {
-        if !chooses_pairs(&self.problem().model) {
+        if !self.choice.limits.choose_pairs(&self.problem().model) {
             return Ok(self.clone());
         }
-        Ok(self.with_places(self.problem().choose_places(baseline)?))
+        Ok(self.with_places(self.problem().choose_places(baseline, &self.choice)?))
     }
 
-    /// The same with effects between the nodes of more pairs.
+    /// The same with effects at more places.
     pub(crate) fn with_places(&self, places: Places) -> Self {
-        self.with_problem(self.problem().between(places))
+        self.with_problem(self.problem().at_places(places, None))
     }
 
-    /// Orders effects between nodes near those of a set, where these stand for others. `None` if they stand for themselves.
+    /// Orders effects at places near those of a set, where these stand for others. `None` if they stand for themselves.
     pub(crate) fn refine(&self, problem: &Problem, state: &State, place: usize) -> Result<Option<State>, FitError> {
         let set = &state.refits[place].effects;
         for &effect in set {
-            let Site::Pair(ends) = problem.candidates[effect].site else { continue };
-            let near = problem.places.near(ends);
+            let near = problem.places.near(&problem.candidates[effect]);
             let rest: Vec<usize> = set.iter().copied().filter(|&other| other != effect).collect();
             let Some(from) = state.refits.iter().position(|refit| refit.effects == rest) else { continue };
             if near.is_empty() {
@@ -163,16 +296,11 @@ impl Diagnosis {
             let mut leads = self.leads_near(state, &near, effect, from)?;
             leads.truncate(MOST_NEAR);
             let mut next = state.clone();
-            next.places.pairs.extend(leads.iter().map(|(pair, _)| *pair));
+            leads.iter().for_each(|(place, _, _)| next.places.add(*place));
             next.places.refinements += 1;
             let refined = self.with_places(next.places.clone());
-            let name = &problem.candidates[effect].effect;
-            for (pair, lead) in leads.iter().take(FITTED_NEAR) {
-                let is_there = |candidate: &Candidate| {
-                    candidate.effect == *name
-                        && matches!(candidate.site, Site::Pair([a, b]) if [a.min(b), a.max(b)] == *pair)
-                };
-                if let Some(candidate) = refined.problem().candidates.iter().rposition(is_there) {
+            for (_, id, lead) in leads.iter().take(FITTED_NEAR) {
+                if let Some(candidate) = refined.problem().candidates.iter().rposition(|own| own.id == *id) {
                     next.order(&[&Lead { candidate, ..lead.clone() }], &rest, from);
                 }
             }
@@ -184,27 +312,34 @@ impl Diagnosis {
         Ok(None)
     }
 
-    /// What an effect between each of some pairs would explain beside a fit, the most first.
+    /// What an effect at each of some places would explain beside a fit, the most first, each with the id of its candidate.
     fn leads_near(
         &self,
         state: &State,
-        pairs: &[[usize; 2]],
+        near: &[Chosen],
         effect: usize,
         from: usize,
-    ) -> Result<Vec<([usize; 2], Lead)>, FitError> {
+    ) -> Result<Vec<(Chosen, String, Lead)>, FitError> {
         let mut places = self.problem().places.clone();
-        places.pairs.extend_from_slice(pairs);
-        let wide = self.with_places(places);
+        near.iter().for_each(|&place| places.add(place));
+        let name = &self.problem().candidates[effect].effect;
+        let wide = self.with_problem(self.problem().at_places(places, Some(name)));
         let problem = wide.with_noise(&state.noise, &state.most_steps).with(&state.refits[from])?;
-        let name = &problem.candidates[effect].effect;
-        let begin = self.problem().candidates.len();
-        let positions: Vec<usize> = (begin..problem.candidates.len())
-            .filter(|&position| problem.candidates[position].effect == *name)
-            .collect();
+        let positions: Vec<usize> = (self.problem().candidates.len()..problem.candidates.len()).collect();
         let leads = wide.leads_among(&problem, &state.refits[from], &positions)?;
-        let of = |lead: Lead| match problem.candidates[lead.candidate].site {
-            Site::Pair([a, b]) => Some(([a.min(b), a.max(b)], lead)),
-            _ => None,
+        let of = |lead: Lead| {
+            let candidate = &problem.candidates[lead.candidate];
+            let place = match &candidate.site {
+                Site::Pair([a, b]) => Chosen::Pair([*a.min(b), *a.max(b)]),
+                Site::Nodes(nodes) => Chosen::Node(nodes.first()?.0),
+                Site::Elements(elements) => Chosen::Element(*elements.first()?),
+                Site::Sensors(_) => candidate.bound.iter().find_map(|bound| match bound {
+                    Bound::Node(node) => Some(Chosen::Surroundings(*node)),
+                    Bound::Input(_) => None,
+                })?,
+                Site::Parameter(_) => return None,
+            };
+            Some((place, candidate.id.clone(), lead))
         };
         Ok(leads.into_iter().filter_map(of).collect())
     }
@@ -213,6 +348,11 @@ impl Diagnosis {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::Settings;
+    use crate::document::Diagnostics;
+    use crate::effect::{Catalogue, candidates_within};
+    use crate::random::StreamKey;
+    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 
     #[test]
     fn representatives_are_far_apart_and_have_their_neighbours() {
@@ -224,8 +364,8 @@ mod tests {
                 _ => (node, vec![0.0, 100.0 - 1e-3 * node as f64]),
             })
             .collect();
-        let all = neighbours(&columns);
-        assert_eq!(all.len(), MOST_REPRESENTATIVES);
+        let all = neighbours(&columns, 64);
+        assert_eq!(all.len(), 64);
         assert!(all[..3].iter().any(|nodes| nodes[0] == 129), "what lies apart comes early");
         // 130 nodes are 3 a representative: four times that and four more.
         assert!(all.iter().all(|nodes| nodes.len() == 1 + 16));
@@ -235,11 +375,40 @@ mod tests {
         let places = Places {
             neighbours: vec![vec![1, 4], vec![2, 3, 4], vec![9]],
             pairs: vec![[1, 2], [1, 9], [2, 9]],
-            refinements: 0,
+            ..Places::default()
         };
-        assert_eq!(places.near([1, 2]), [[1, 3], [1, 4], [2, 4], [3, 4]]);
-        assert_eq!(places.near([9, 2]), [[3, 9], [4, 9]]);
-        assert!(places.near([1, 3]).is_empty(), "3 stands for itself");
-        assert!(Places { refinements: MOST_REFINEMENTS, ..places }.near([1, 2]).is_empty());
+        assert_eq!(places.near_pair([1, 2]), [[1, 3], [1, 4], [2, 4], [3, 4]]);
+        assert_eq!(places.near_pair([9, 2]), [[3, 9], [4, 9]]);
+        assert!(places.near_pair([1, 3]).is_empty(), "3 stands for itself");
+    }
+
+    /// A path of the twin that is found among all places is found by representatives and their neighbours, with the same size.
+    #[test]
+    fn few_representatives_lead_to_what_all_places_show() {
+        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+        let request = InjectionRequest {
+            only: Some("conductive-path".to_owned()),
+            size: Some(5.0),
+            ..InjectionRequest::default()
+        };
+        let problem = case(&catalogue, &Recipe::of(Topology::Star, TestKind::Steady, request), 1, 0).unwrap().problem;
+        let key = StreamKey::new(1, "test", "places");
+        let whole = Diagnosis::new(problem.clone(), Settings::default(), key).run().unwrap();
+        let limits = Limits { nodes_in_pairs: 0, nodes_one_by_one: 0, elements_of_a_kind: 0 };
+        let sensors = sensor_places(problem.measurements.iter());
+        let mut few = problem.clone();
+        few.candidates = Arc::new(candidates_within(&limits, &problem.model, &[], &sensors, &catalogue));
+        let mut by_few = Diagnosis::new(few, Settings::default(), key);
+        // Nodes of so small a model are unlike one another: one stands for another.
+        by_few.choice = Choice { limits, representatives: 6 };
+        let refined = by_few.run().unwrap();
+        let [found] = whole.selected.as_slice() else { panic!("{:?}", whole.selected) };
+        assert!(found.starts_with("conductive-path"), "{found}");
+        assert_eq!(refined.selected, whole.selected);
+        // Descents from other starts end within a small share of a standard deviation.
+        for (name, size) in &whole.effect(found).unwrap().amplitudes {
+            let own = &refined.effect(found).unwrap().amplitudes[name];
+            assert!((own.value - size.value).abs() < 0.01 * size.sd, "{found}: {own:?} and {size:?}");
+        }
     }
 }

@@ -31,7 +31,7 @@ pub struct Problem {
     /// The effects.
     pub catalogue: Arc<Catalogue>,
     /// Effects at places, of [`crate::effect::candidates`].
-    pub candidates: Vec<Candidate>,
+    pub candidates: Arc<Vec<Candidate>>,
     /// Joint priors of some of `parameters`, by their places there; whitened coordinates stand for these in every fit.
     pub joint: Vec<JointPrior>,
     /// Attempted steps after which a measurement's transient is given up, by measurement; empty: never.

@@ -1,5 +1,9 @@
 //! Every effect of a catalogue at every place of a model where it could be.
 
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
 use crate::expression::{Graph, Names, Scope, Symbol, parse};
 use crate::thermal::{Model, NodeKind};
 
@@ -85,28 +89,123 @@ struct Spot {
     nodes: Vec<usize>,
 }
 
-/// Nodes of a model between any two of which effects are tried. In a larger one the diagnosis chooses pairs that its sensors can
-/// tell apart.
-pub const MOST_NODES_IN_ALL_PAIRS: usize = 64;
-
-/// Whether pairs of nodes are to be chosen, since they are too many.
-pub fn chooses_pairs(model: &Model) -> bool {
-    model.nodes.len() > MOST_NODES_IN_ALL_PAIRS
+/// Sizes of models up to which effects are tried at all places. In a larger model the diagnosis chooses places that its sensors
+/// can tell apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Nodes of a model between any two of which effects are tried.
+    pub nodes_in_pairs: usize,
+    /// Nodes of a model at each of which, and at each of whose elements, effects are tried.
+    pub nodes_one_by_one: usize,
+    /// Elements of one kind that are places one by one in a model of any size.
+    pub elements_of_a_kind: usize,
 }
 
-/// All candidates, in the order of the catalogue, then of the model; of a model that [chooses its pairs](chooses_pairs) those
-/// between two nodes are not among them.
+impl Default for Limits {
+    fn default() -> Self {
+        Self { nodes_in_pairs: 64, nodes_one_by_one: 160, elements_of_a_kind: 64 }
+    }
+}
+
+impl Limits {
+    /// Whether pairs of nodes are to be chosen, since they are too many.
+    pub fn choose_pairs(&self, model: &Model) -> bool {
+        model.nodes.len() > self.nodes_in_pairs
+    }
+
+    /// Whether nodes and elements are to be chosen too.
+    pub fn choose_members(&self, model: &Model) -> bool {
+        model.nodes.len() > self.nodes_one_by_one
+    }
+
+    /// The elements among which places are to be chosen, ascending: those of kinds of which a large model has many.
+    pub fn elements_to_choose(&self, model: &Model) -> Vec<usize> {
+        if !self.choose_members(model) {
+            return Vec::new();
+        }
+        let mut by_kind: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+        for (index, element) in model.elements.iter().enumerate() {
+            by_kind.entry(element.physics().kind()).or_default().push(index);
+        }
+        let many = by_kind.into_values().filter(|own| own.len() > self.elements_of_a_kind);
+        let mut chosen: Vec<usize> = many.flatten().collect();
+        chosen.sort_unstable();
+        chosen
+    }
+}
+
+/// A place of a large model that is chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Chosen {
+    /// Effects between two nodes.
+    Pair([usize; 2]),
+    /// Effects on a node.
+    Node(usize),
+    /// Effects on an element.
+    Element(usize),
+    /// Effects of a node's temperature on sensors.
+    Surroundings(usize),
+}
+
+/// What of a model is a place.
+#[derive(Default)]
+struct Among {
+    pairs: Vec<[usize; 2]>,
+    nodes: Vec<usize>,
+    elements: Vec<usize>,
+    /// Nodes whose temperatures effects on sensors know.
+    surroundings: Vec<usize>,
+}
+
+impl Among {
+    /// Everything that is a place without being chosen.
+    fn of(model: &Model, limits: &Limits) -> Self {
+        let count = if limits.choose_pairs(model) { 0 } else { model.nodes.len() };
+        let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b])).collect();
+        let mut nodes: Vec<usize> = (0..model.nodes.len()).collect();
+        if limits.choose_members(model) {
+            nodes.retain(|&node| matches!(model.nodes[node].kind, NodeKind::Boundary { .. }));
+        }
+        let chosen = limits.elements_to_choose(model);
+        let elements = (0..model.elements.len()).filter(|element| chosen.binary_search(element).is_err()).collect();
+        Self { pairs, surroundings: nodes.clone(), nodes, elements }
+    }
+}
+
+impl From<Chosen> for Among {
+    fn from(chosen: Chosen) -> Self {
+        match chosen {
+            Chosen::Pair(pair) => Self { pairs: vec![pair], ..Self::default() },
+            Chosen::Node(node) => Self { nodes: vec![node], ..Self::default() },
+            Chosen::Element(element) => Self { elements: vec![element], ..Self::default() },
+            Chosen::Surroundings(node) => Self { surroundings: vec![node], ..Self::default() },
+        }
+    }
+}
+
+/// All candidates, in the order of the catalogue, then of the model, within the usual [limits](Limits).
 pub fn candidates(
     model: &Model,
     groups: &[GroupPlace],
     sensors: &[SensorPlace],
     catalogue: &Catalogue,
 ) -> Vec<Candidate> {
-    let count = if chooses_pairs(model) { 0 } else { model.nodes.len() };
-    let pairs: Vec<[usize; 2]> = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b])).collect();
+    candidates_within(&Limits::default(), model, groups, sensors, catalogue)
+}
+
+/// The same; where pairs are to be chosen those between two nodes are not among them, where nodes and elements are to be chosen too
+/// only those at groups, boundaries, sensors, and elements of kinds of which the model has few.
+pub fn candidates_within(
+    limits: &Limits,
+    model: &Model,
+    groups: &[GroupPlace],
+    sensors: &[SensorPlace],
+    catalogue: &Catalogue,
+) -> Vec<Candidate> {
+    let among = Among::of(model, limits);
     let mut candidates = Vec::new();
     for effect in catalogue.effects() {
-        for spot in spots(effect, model, groups, sensors, &pairs) {
+        for spot in spots(effect, model, groups, sensors, &among) {
             for bound in bindings(effect, model, &spot.nodes) {
                 candidates.push(candidate(effect, model, &spot, bound, sensors));
             }
@@ -115,19 +214,33 @@ pub fn candidates(
     candidates
 }
 
-/// The candidates between the nodes of some pairs, in their order, then that of the catalogue.
-pub fn candidates_between(
+/// The candidates at chosen places, in their order, then that of the catalogue, with effects that are wanted.
+pub fn candidates_at(
     model: &Model,
     sensors: &[SensorPlace],
     catalogue: &Catalogue,
-    pairs: &[[usize; 2]],
+    chosen: &[Chosen],
+    wanted: impl Fn(&str) -> bool,
 ) -> Vec<Candidate> {
     let mut candidates = Vec::new();
-    for pair in pairs {
-        for effect in catalogue.effects().iter().filter(|effect| effect.places.contains(&PlaceKind::Pair)) {
-            for spot in spots(effect, model, &[], sensors, std::slice::from_ref(pair)) {
-                if matches!(spot.site, Site::Pair(_)) {
-                    for bound in bindings(effect, model, &spot.nodes) {
+    for &place in chosen {
+        let among = Among::from(place);
+        let (acts, own): (fn(PlaceKind) -> bool, &[SensorPlace]) = match place {
+            Chosen::Pair(_) => (|kind| kind == PlaceKind::Pair, &[]),
+            Chosen::Node(_) => (|kind| matches!(kind, PlaceKind::Node | PlaceKind::Capacity), &[]),
+            Chosen::Element(_) => (PlaceKind::is_of_elements, &[]),
+            Chosen::Surroundings(_) => (|kind| kind == PlaceKind::Sensor, sensors),
+        };
+        let fits = |effect: &&Effect| wanted(&effect.name) && effect.places.iter().any(|&kind| acts(kind));
+        for effect in catalogue.effects().iter().filter(fits) {
+            for spot in spots(effect, model, &[], own, &among) {
+                for bound in bindings(effect, model, &spot.nodes) {
+                    // What does not know the node's temperature is a candidate without it.
+                    let is_new = match place {
+                        Chosen::Surroundings(node) => bound.contains(&Bound::Node(node)),
+                        _ => true,
+                    };
+                    if is_new {
                         candidates.push(candidate(effect, model, &spot, bound, sensors));
                     }
                 }
@@ -174,13 +287,7 @@ fn candidate(effect: &Effect, model: &Model, spot: &Spot, bound: Vec<Bound>, sen
     }
 }
 
-fn spots(
-    effect: &Effect,
-    model: &Model,
-    groups: &[GroupPlace],
-    sensors: &[SensorPlace],
-    pairs: &[[usize; 2]],
-) -> Vec<Spot> {
+fn spots(effect: &Effect, model: &Model, groups: &[GroupPlace], sensors: &[SensorPlace], among: &Among) -> Vec<Spot> {
     let mut spots = Vec::new();
     let name = |node: usize| model.nodes[node].name.clone();
     for &kind in &effect.places {
@@ -189,7 +296,7 @@ fn spots(
         };
         match kind {
             PlaceKind::Pair => {
-                for &[a, b] in pairs {
+                for &[a, b] in &among.pairs {
                     let given = |node: usize| matches!(model.nodes[node].kind, NodeKind::Boundary { .. });
                     if given(a) && given(b) {
                         continue;
@@ -199,13 +306,13 @@ fn spots(
                 }
             }
             PlaceKind::Node | PlaceKind::Boundary | PlaceKind::Capacity => {
-                for (node, entry) in model.nodes.iter().enumerate().filter(|(_, node)| kind.is_node(&node.kind)) {
-                    put(vec![entry.name.clone()], Site::Nodes(vec![(node, 1.0)]), vec![node]);
+                for &node in among.nodes.iter().filter(|node| kind.is_node(&model.nodes[**node].kind)) {
+                    put(vec![name(node)], Site::Nodes(vec![(node, 1.0)]), vec![node]);
                 }
             }
             PlaceKind::Sensor => {
                 for sensor in sensors.iter().filter(|sensor| effect.fits_sensor(model, sensor)) {
-                    let all = 0..model.nodes.len();
+                    let all = among.surroundings.iter().copied();
                     let others = all.filter(|&node| !is_temperature_of(model, sensor, node)).collect();
                     put(vec![sensor.name.clone()], Site::Sensors(vec![sensor.clone()]), others);
                 }
@@ -223,7 +330,8 @@ fn spots(
                 }
             }
             _ => {
-                for (index, element) in model.elements.iter().enumerate().filter(|(_, e)| kind.is_element(e)) {
+                for &index in among.elements.iter().filter(|index| kind.is_element(&model.elements[**index])) {
+                    let element = &model.elements[index];
                     put(vec![element.name.clone()], Site::Elements(vec![index]), element.nodes());
                 }
             }

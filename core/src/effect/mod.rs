@@ -12,7 +12,7 @@ pub mod place;
 mod thermometers;
 
 pub use apply::{Applied, ApplyError, Instance, SensorChange, apply};
-pub use candidate::{Candidate, GroupPlace, candidates, candidates_between, chooses_pairs};
+pub use candidate::{Candidate, Chosen, GroupPlace, Limits, candidates, candidates_at, candidates_within};
 pub use catalogue::Catalogue;
 pub use checked::Effect;
 pub use parameter::EffectParameter;

@@ -83,6 +83,11 @@ impl PlaceKind {
         matches!(self, Self::Pair | Self::Conductor | Self::Radiation | Self::Cooler)
     }
 
+    /// Whether its places are elements.
+    pub fn is_of_elements(self) -> bool {
+        matches!(self, Self::Conductor | Self::Radiation | Self::Load | Self::Heater | Self::Cooler)
+    }
+
     /// Whether an element is a place of this kind.
     pub fn is_element(self, element: &Element) -> bool {
         self.word() == element.physics().kind()

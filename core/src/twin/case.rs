@@ -169,7 +169,7 @@ fn baseline(
         measurements,
         input_errors: Vec::new(),
         catalogue: Arc::clone(catalogue),
-        candidates,
+        candidates: Arc::new(candidates),
         joint: Vec::new(),
         most_steps: Vec::new(),
         noise_freedom: None,

@@ -100,7 +100,7 @@ impl study::job::Spec for Spec {
 fn problem(spec: &Spec, shared: &Shared) -> Problem {
     let measurements = spec.data.iter().map(|&index| shared.measurements[index].clone()).collect();
     let mut problem = problem_with(shared.pass, measurements, spec.parameters.clone());
-    problem.candidates.retain(|candidate| spec.effects.contains(&candidate.effect));
+    Arc::make_mut(&mut problem.candidates).retain(|candidate| spec.effects.contains(&candidate.effect));
     problem.considered.clone_from(&spec.effects);
     if !spec.effects.iter().any(|name| name == PRIOR_OF) {
         return problem;

@@ -1,10 +1,18 @@
 //! Exchanged channels that no linearisation shows: a large exchange bends the fit of the baseline model so far that its
 //! predictions there say nothing of what the sensors would read.
 
+use std::collections::BTreeMap;
+
 use crate::diagnosis::FitError;
+use crate::diagnosis::linearisation::signature;
 use crate::diagnosis::{Problem, Refit};
 use crate::effect::Effect;
 use crate::inference::target::{LeastSquares, Target};
+
+/// Exchanges that are tried one by one: all those of twenty sensors.
+const MOST_ONE_BY_ONE: usize = 200;
+/// Of more, so many times those wanted are chosen by predictions and then tried.
+const MORE_THAN_WANTED: usize = 4;
 
 /// Candidates that exchange channels.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,13 +30,18 @@ pub(crate) struct Exchanges {
 /// Why nothing can be predicted without any of them.
 pub(crate) fn exchanges(problem: &Problem, baseline: &Refit, count: usize) -> Result<Exchanges, FitError> {
     let is_one = |effect: &str| problem.catalogue.get(effect).is_some_and(Effect::exchanges_channels);
-    let mut all =
-        (0..problem.candidates.len()).filter(|&candidate| is_one(&problem.candidates[candidate].effect)).peekable();
+    let mut all: Vec<usize> =
+        (0..problem.candidates.len()).filter(|&candidate| is_one(&problem.candidates[candidate].effect)).collect();
     let (mut improving, mut impossible) = (Vec::new(), Vec::new());
-    if all.peek().is_none() {
+    if all.is_empty() {
         return Ok(Exchanges::default());
     }
     let without = left(problem, baseline, &[])?;
+    // Known errors of inputs would be those of the exchanged sensors.
+    let are_inputs_exact = problem.input_errors.iter().all(|error| error.sigma.is_none());
+    if all.len() > MOST_ONE_BY_ONE && !problem.has_transients() && are_inputs_exact {
+        all = likeliest_by_predictions(problem, baseline, &all, MORE_THAN_WANTED * count)?;
+    }
     for position in all {
         match left(problem, baseline, &[position]) {
             Ok(with) if with[0] < without[0] || with[1] < without[1] => {
@@ -41,6 +54,44 @@ pub(crate) fn exchanges(problem: &Problem, baseline: &Refit, count: usize) -> Re
     improving.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     improving.truncate(count);
     Ok(Exchanges { likeliest: improving.into_iter().map(|(_, position)| position).collect(), impossible })
+}
+
+/// Of many candidates those that leave least if predictions are exchanged where they stand, ascending: a model for each would
+/// take minutes. Predictions at the medians of all priors are left out where the model has no solution there.
+///
+/// # Errors
+/// Why nothing can be predicted at the fit.
+fn likeliest_by_predictions(
+    problem: &Problem,
+    baseline: &Refit,
+    all: &[usize],
+    count: usize,
+) -> Result<Vec<usize>, FitError> {
+    let likelihood = problem.hypothesis(&[], 1.0)?.likelihood(problem)?;
+    let medians: Vec<f64> = likelihood.priors().iter().map(|prior| prior.quantile(0.5)).collect();
+    let mut least: BTreeMap<usize, f64> = BTreeMap::new();
+    for (unknowns, is_fit) in [(&baseline.unknowns, true), (&medians, false)] {
+        let mut residuals = vec![0.0; likelihood.residual_count()];
+        if let Err(why) = likelihood.residuals(unknowns, &mut likelihood.workspace(), &mut residuals) {
+            if is_fit {
+                return Err(why.into());
+            }
+            continue;
+        }
+        signature::for_each_direction(problem, &likelihood, unknowns, all, &mut |directions| {
+            for direction in directions {
+                let errors = residuals.iter().zip(direction.column(0)).map(|(own, change)| own - change);
+                let square = errors.map(|error| error * error).sum::<f64>();
+                let before = least.entry(direction.candidate).or_insert(f64::INFINITY);
+                *before = before.min(square);
+            }
+        })?;
+    }
+    let mut order: Vec<(f64, usize)> = least.into_iter().map(|(candidate, square)| (square, candidate)).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut likeliest: Vec<usize> = order.into_iter().take(count).map(|(_, candidate)| candidate).collect();
+    likeliest.sort_unstable();
+    Ok(likeliest)
 }
 
 /// Sums of squares with effects at the baseline model's fit and at the medians of all priors; infinite where the model has
@@ -84,7 +135,7 @@ mod tests {
         let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
         let is_swap = |candidate: &crate::effect::Candidate| candidate.effect == "swapped-channels";
         let broken = problem.candidates.iter().position(is_swap).unwrap();
-        problem.candidates[broken].site = Site::Nodes(vec![(0, 1.0)]);
+        Arc::make_mut(&mut problem.candidates)[broken].site = Site::Nodes(vec![(0, 1.0)]);
         let diagnosis = Diagnosis::new(problem.clone(), Settings::default(), StreamKey::new(1, "test", "exchange"));
         let state = diagnosis.screen().unwrap();
         let exchange_search = exchanges(&problem, &state.refits[0], usize::MAX).unwrap();

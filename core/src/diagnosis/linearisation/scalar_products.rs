@@ -90,6 +90,11 @@ pub(crate) fn coordinates(columns: &[&[f64]], largest: usize) -> Option<(Vec<f64
         rows.push(row);
     }
     let dimensions = pivots.len();
-    rows.iter_mut().for_each(|row| row.resize(dimensions, 0.0));
-    Some((rows.concat(), dimensions))
+    let mut all = Vec::with_capacity(rows.len() * dimensions);
+    // Row by row, so that they are not held twice.
+    for (before, row) in rows.into_iter().enumerate() {
+        all.extend_from_slice(&row);
+        all.resize((before + 1) * dimensions, 0.0);
+    }
+    Some((all, dimensions))
 }

@@ -5,6 +5,8 @@
 //! of the parameter's own, and so pays for the freedom in its evidence as any effect does. Where it explains what an
 //! effect would explain, nothing new has to be invented.
 
+use std::sync::Arc;
+
 use crate::diagnosis::Problem;
 use crate::diagnosis::problem::is_idle;
 use crate::effect::{Candidate, Site};
@@ -77,7 +79,7 @@ impl Problem {
             }
         };
         let own: Vec<Candidate> = self.parameters.iter().filter(is_asked).map(one).collect();
-        self.candidates.extend(own);
+        Arc::make_mut(&mut self.candidates).extend(own);
         self
     }
 

@@ -40,7 +40,7 @@ impl PriorOdds {
     /// Counts the places of each kind.
     pub fn new(problem: &Problem) -> Self {
         let mut counts: BTreeMap<String, usize> = BTreeMap::new();
-        for candidate in &problem.candidates {
+        for candidate in problem.candidates.iter() {
             *counts.entry(candidate.effect.clone()).or_default() += 1;
         }
         let changes = log_share_of_changes(&problem.measurements);

@@ -262,15 +262,19 @@ impl Parts {
         let sides = singles.iter().map(|(_, side)| *side).collect();
         let mut null = Null { dimensions: rows, freedom, omnibus, degrees, sides, ..Null::default() };
         match span {
-            Some((found, dimensions)) => {
-                let mut found = found.as_slice();
+            Some((mut units, dimensions)) => {
+                // The columns themselves are needed no more.
+                let count = singles.len() * dimensions;
+                drop(singles);
+                let others = units.split_off(count);
+                let mut found = others.as_slice();
                 let mut next = |count: usize| {
                     let (these, rest) = found.split_at(count * dimensions);
                     found = rest;
                     these.to_vec()
                 };
                 null.dimensions = dimensions;
-                null.units = next(singles.len());
+                null.units = units;
                 null.several = several
                     .into_iter()
                     .map(|s| Several { columns: next(s.weights.len()), weights: s.weights })

@@ -84,7 +84,8 @@ impl Diagnosis {
             catalogue.read(&law.name, &law.name, law.text.as_bytes(), &mut Diagnostics::new())?;
             let id = candidate.id.replacen(&candidate.effect, &law.name, 1);
             let mut with_law = Problem { catalogue: Arc::new(catalogue), ..problem.clone() };
-            with_law.candidates.push(Candidate { id: id.clone(), effect: law.name.clone(), ..candidate.clone() });
+            let of_law = Candidate { id: id.clone(), effect: law.name.clone(), ..candidate.clone() };
+            Arc::make_mut(&mut with_law.candidates).push(of_law);
             let position = problem.candidates.len();
             let effects: Vec<usize> =
                 curve_refit.effects.iter().map(|&own| if own == curve { position } else { own }).collect();

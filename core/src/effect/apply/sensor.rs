@@ -4,9 +4,10 @@
 //! derivatives follow without more.
 
 use crate::expression::{ExprId, Symbol, Term};
-use crate::thermal::{NodeKind, Quantity, QuantityValue};
+use crate::thermal::{Model, NodeKind, Quantity, QuantityValue};
 
 use super::{ApplyError, Work};
+use crate::effect::candidate::Limits;
 use crate::effect::place::{SensorPlace, Site};
 
 /// What becomes of a sensor.
@@ -79,10 +80,13 @@ impl Work<'_, '_> {
         let truth = measured.value.expression();
         let zero = self.model.graph.number(if measured.is_temperature { CELSIUS_ZERO_K } else { 0.0 });
         let mut locals = vec![("T", truth), ("zero", zero)];
-        match self.rate(truth) {
-            Some(rate) => locals.push(("rate", rate)),
-            None if self.names_rate(text) => return Err(ApplyError::NoRate { sensor: sensor.name.clone() }),
-            None => {}
+        // In a large model the balance costs more than everything else here, and most laws name no rate.
+        if !Limits::default().choose_members(self.model) || self.names_rate(text) {
+            match self.rate(truth) {
+                Some(rate) => locals.push(("rate", rate)),
+                None if self.names_rate(text) => return Err(ApplyError::NoRate { sensor: sensor.name.clone() }),
+                None => {}
+            }
         }
         let value = self.expression(text, &locals)?;
         self.model.quantities.push(Quantity {
@@ -108,8 +112,9 @@ impl Work<'_, '_> {
         let node = node as usize;
         let NodeKind::Diffusion { capacity } = self.model.nodes.get(node)?.kind else { return None };
         let mut heats = Vec::new();
-        for element in self.model.elements.clone() {
-            let contribution = element.contribution(&mut self.model.graph, &mut Vec::new(), false);
+        let Model { graph, elements, .. } = &mut *self.model;
+        for element in elements.iter() {
+            let contribution = element.contribution(graph, &mut Vec::new(), false);
             heats.extend(contribution.heat.into_iter().filter(|(into, _)| *into == node).map(|(_, heat)| heat));
         }
         let balance = self.model.graph.sum(&heats);

@@ -47,6 +47,21 @@ impl Phases {
         }
     }
 
+    /// Whitened columns of the heat that elements carry.
+    pub fn heats_of_elements(&self, base: &Base<'_>, elements: &[usize]) -> Result<Vec<Vec<f64>>, FitError> {
+        let mut bench = Bench::new(&base.problem.model);
+        let slopes: Vec<Slopes> = elements.iter().map(|&element| bench.heats_of(element)).collect();
+        let outputs = bench.outputs();
+        let values = self.values(&bench.into_outputs(&self.parameters), outputs);
+        let column = |slopes: &Slopes| {
+            let mut column = vec![0.0; base.residuals.len()];
+            self.column(base, slopes, &values, &mut column);
+            base.whitening.apply(&mut column)?;
+            Ok(column)
+        };
+        slopes.iter().map(column).collect()
+    }
+
     /// Values of the outputs of a program, phase by phase.
     pub fn values(&self, program: &Outputs, outputs: usize) -> Vec<Vec<f64>> {
         let mut room = program.room();

@@ -116,6 +116,21 @@ pub fn directions(
     Ok((all, unseen))
 }
 
+/// Columns, one a reading, of what some elements of the problem's model carry in steady phases at its fit: what a change of an
+/// element in proportion to itself would do.
+///
+/// # Errors
+/// [`FitError`] where the fit cannot be evaluated.
+pub fn columns_of_elements(
+    problem: &Problem,
+    likelihood: &Likelihood,
+    unknowns: &[f64],
+    elements: &[usize],
+) -> Result<Vec<Vec<f64>>, FitError> {
+    let base = Base::new(problem, likelihood, unknowns)?;
+    Phases::new(likelihood, unknowns)?.heats_of_elements(&base, elements)
+}
+
 /// Candidates between two nodes that are tried at finite values, each of which takes some transients of its own.
 pub fn probed_pairs(problem: &Problem) -> Vec<usize> {
     let forms = Forms::new(problem);

@@ -219,6 +219,15 @@ impl<'a> Bench<'a> {
         }
     }
 
+    /// The heats of an element as they are.
+    pub fn heats_of(&mut self, element: usize) -> Slopes {
+        let mut slopes = Slopes::default();
+        for (node, heat) in self.heats(element) {
+            self.output(heat).into_iter().for_each(|output| slopes.heats.push((node, output)));
+        }
+        slopes
+    }
+
     fn heats(&mut self, element: usize) -> Vec<(usize, ExprId)> {
         let Model { graph, elements, .. } = &mut self.model;
         elements[element].contribution(graph, &mut Vec::new(), false).heat
