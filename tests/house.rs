@@ -174,6 +174,27 @@ fn nalgebra_stays_without_its_cpu_dependent_kernels() {
     assert!(!dependencies.contains("matrixmultiply"), "nalgebra's `std` feature picks kernels by CPU");
 }
 
+#[test]
+fn the_upper_crate_is_compiled_once() {
+    // Its own tests are switched off in `Cargo.toml`: one in a source file would never run.
+    let is_upper = |path: &Path| path.starts_with("src");
+    let (upper, lower): (Vec<_>, Vec<_>) = sources().into_iter().partition(|(path, ..)| is_upper(path));
+    let has_tests = |text: &str| text.contains("#[test]") || text.contains("#[cfg(test)]");
+    let wrong: Vec<_> = upper.iter().filter(|(_, _, text)| has_tests(text)).map(|(path, ..)| path).collect();
+    assert!(wrong.is_empty(), "tests of these belong below tests/rooms: {wrong:?}");
+    assert!(lower.iter().any(|(_, _, text)| has_tests(text)), "the test knows a test when it reads one");
+    // A test below `tests/rooms` lies at the path of the file that it names.
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let rooms = root.join("tests/rooms");
+    for entry in walkdir::WalkDir::new(&rooms).into_iter().flatten().filter(|entry| entry.file_type().is_file()) {
+        let text = std::fs::read_to_string(entry.path()).expect("readable");
+        let Some(named) = text.strip_prefix("//! Tests of `").and_then(|rest| rest.split('`').next()) else { continue };
+        let module = |path: &str| path.trim_end_matches(".rs").trim_end_matches("/mod").to_owned();
+        let own = entry.path().strip_prefix(&rooms).expect("below").to_string_lossy();
+        assert_eq!(module(named.trim_start_matches("src/")), module(&own), "{}", entry.path().display());
+    }
+}
+
 /// The text before a file's tests.
 fn program(text: &str) -> &str {
     text.split("#[cfg(test)]\nmod ").next().unwrap_or(text)

@@ -1,4 +1,4 @@
-//! All integration tests in one binary.
+//! All tests of the crate `bmv` in one binary: by area, and in `rooms` those of one source file each.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod cli;
@@ -7,6 +7,7 @@ mod house;
 mod reference;
 mod reports;
 mod reproducibility;
+mod rooms;
 mod serial;
 mod statistics;
 mod verification;

@@ -17,7 +17,11 @@ pub fn check(needed: &[Preview]) -> Result<(), BatchError> {
     refused(needed, machine_bytes())
 }
 
-fn refused(needed: &[Preview], there_bytes: u64) -> Result<(), BatchError> {
+/// Refuses what needs more memory than so many bytes.
+///
+/// # Errors
+/// A job needs more; all of them are named.
+pub fn refused(needed: &[Preview], there_bytes: u64) -> Result<(), BatchError> {
     let too_large = needed.iter().filter(|job| job.memory_bytes > there_bytes);
     let refusals: Vec<String> = too_large
         .map(|job| {
@@ -48,34 +52,5 @@ pub fn bytes_text(bytes: u64) -> String {
         b if b < 1e11 => format!("{:.1} GB", b / 1e9),
         b if b < 1e12 => format!("{:.0} GB", b / 1e9),
         b => format!("{:.1} TB", b / 1e12),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::runner::Key;
-
-    #[test]
-    fn what_does_not_fit_is_refused_with_what_to_change() {
-        let job = |job: &str, memory_bytes| Preview {
-            job: job.into(),
-            kind: "propagate".into(),
-            key: Key::of(b"key"),
-            cached: false,
-            work_s: None,
-            is_same_work: false,
-            memory_bytes,
-        };
-        let needed = [job("small", 1 << 20), job("large", 34 << 30), job("none", 0)];
-        assert!(refused(&needed, 40 << 30).is_ok());
-        let message = refused(&needed, 16 << 30).unwrap_err().to_string();
-        assert_eq!(
-            message,
-            "`large` needs about 36.5 GB of memory, this machine has 17.2 GB: give it fewer `samples` (or `draws`), or a sweep \
-             of fewer `steps`"
-        );
-        let texts = [300_000_000, 2_100_000_000, 250_000_000_000, 8_600_000_000_000].map(bytes_text);
-        assert_eq!(texts, ["300 MB", "2.1 GB", "250 GB", "8.6 TB"]);
     }
 }

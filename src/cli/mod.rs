@@ -24,14 +24,14 @@ mod init;
 mod lab;
 
 mod options;
-mod output;
+pub mod output;
 mod pinned;
 mod plan;
 mod report;
 mod run;
 mod schema;
 mod select;
-mod serve_model;
+pub mod serve_model;
 mod shard;
 mod show;
 pub mod status;
@@ -71,7 +71,7 @@ const NARROWEST: usize = 40;
                   130 interrupted; what was finished is kept\n\n\
                   Words of other tools (GL, GR, QI, MLI, D, A and B nodes): bmv explain WORD."
 )]
-struct Program {
+pub struct Program {
     /// Colours in messages
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
     color: Color,
@@ -260,15 +260,5 @@ fn said(message: &clap::Error) -> ExitCode {
             output::tell(&format!("error: {}", failure.message));
             failure.status.into()
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use clap::CommandFactory;
-
-    #[test]
-    fn the_arguments_are_consistent() {
-        super::Program::command().debug_assert();
     }
 }

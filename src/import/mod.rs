@@ -11,11 +11,11 @@ pub mod closure;
 mod coupling;
 pub mod logger;
 mod model;
-mod name;
+pub mod name;
 pub mod parts;
 pub mod reader;
 mod record;
-mod resolution;
+pub mod resolution;
 pub mod study;
 pub mod summary;
 

@@ -11,13 +11,13 @@ const LONGEST: usize = 90;
 
 /// Names of one kind that were given so far.
 #[derive(Debug, Default)]
-pub(super) struct Names {
+pub struct Names {
     given: HashSet<String>,
 }
 
 impl Names {
     /// A name of a node, element or group: without control characters, `:` and `/`, not blank at its ends, unique.
-    pub(super) fn label(&mut self, name: &str) -> String {
+    pub fn label(&mut self, name: &str) -> String {
         let tame = if is_label(name) {
             name.to_owned()
         } else {
@@ -30,7 +30,7 @@ impl Names {
     }
 
     /// A name of a parameter, input or table: letters, digits and underscores, a letter first, not reserved, unique.
-    pub(super) fn symbol(&mut self, name: &str) -> String {
+    pub fn symbol(&mut self, name: &str) -> String {
         let mut tame: String =
             name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).take(LONGEST).collect();
         if !tame.starts_with(|c: char| c.is_ascii_alphabetic()) {
@@ -54,7 +54,7 @@ impl Names {
 }
 
 /// Whether a parameter or input may have this name.
-fn is_symbol(name: &str) -> bool {
+pub fn is_symbol(name: &str) -> bool {
     let nowhere = Place::in_text(&Source::new("", ""), Span::default());
     check_symbol(name, &nowhere, &mut Diagnostics::new())
 }
@@ -90,12 +90,12 @@ fn parts(expression: &str) -> (Vec<(&str, &str)>, &str) {
 }
 
 /// The identifiers of an expression.
-pub(super) fn identifiers(expression: &str) -> Vec<&str> {
+pub fn identifiers(expression: &str) -> Vec<&str> {
     parts(expression).0.into_iter().map(|(_, identifier)| identifier).collect()
 }
 
 /// An expression in which identifiers have other names.
-pub(super) fn renamed(expression: &str, names: &HashMap<String, String>) -> String {
+pub fn renamed(expression: &str, names: &HashMap<String, String>) -> String {
     let (parts, rest) = parts(expression);
     let mut text = String::with_capacity(expression.len());
     for (before, identifier) in parts {
@@ -104,31 +104,4 @@ pub(super) fn renamed(expression: &str, names: &HashMap<String, String>) -> Stri
     }
     text.push_str(rest);
     text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_that_are_allowed_stay_and_others_change_little() {
-        let mut names = Names::default();
-        let labels = ["SUB.12", "a/b", " a_b ", "GL(3,7)", "", "\u{7}", "x\ty"].map(|name| names.label(name));
-        assert_eq!(labels, ["SUB.12", "a_b", "a_b 2", "GL(3,7)", "unnamed", "_", "x_y"]);
-        assert!(labels.iter().all(|label| is_label(label)));
-        assert!(is_label(&names.label(&"long ".repeat(40))));
-        let mut names = Names::default();
-        let symbols = ["G_bi", "T", "_x", "12", "eps-mli", "eps_mli"].map(|name| names.symbol(name));
-        assert_eq!(symbols, ["G_bi", "T_0", "p_x", "p12", "eps_mli", "eps_mli_2"]);
-        assert!(symbols.iter().all(|symbol| is_symbol(symbol)));
-    }
-
-    #[test]
-    fn identifiers_are_renamed_and_numbers_are_not() {
-        let names = HashMap::from([("e".to_owned(), "e_0".to_owned()), ("T".to_owned(), "T_0".to_owned())]);
-        let text = "1e5*e + 2.5E-3 * (T_x - T) / .5e+2";
-        assert_eq!(identifiers(text), ["e", "T_x", "T"]);
-        assert_eq!(renamed(text, &names), "1e5*e_0 + 2.5E-3 * (T_x - T_0) / .5e+2");
-        assert_eq!(renamed("\u{3a9} + \u{e9}e", &names), "\u{3a9} + \u{e9}e_0");
-    }
 }

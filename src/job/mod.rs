@@ -3,11 +3,11 @@
 //! threads or files.
 
 pub mod dataset;
-mod fault;
+pub mod fault;
 pub mod key_number;
 pub mod kind;
 pub mod lab;
-mod prior_ends;
+pub mod prior_ends;
 pub mod ready;
 pub mod runnable;
 pub mod steady_model;

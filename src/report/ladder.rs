@@ -80,7 +80,7 @@ fn standing(
 }
 
 /// Mean square, mean and largest magnitude over the readings for fitting and those held out together.
-fn over_all(parts: [&Deviation; 2]) -> Option<[f64; 3]> {
+pub fn over_all(parts: [&Deviation; 2]) -> Option<[f64; 3]> {
     let count: u64 = parts.iter().map(|part| part.count).sum();
     let mean = |pick: fn(&Deviation) -> f64| {
         let sum: f64 = parts.iter().filter(|part| part.count > 0).map(|part| part.count as f64 * pick(part)).sum();
@@ -88,20 +88,4 @@ fn over_all(parts: [&Deviation; 2]) -> Option<[f64; 3]> {
     };
     let largest = parts.iter().filter(|part| part.count > 0).map(|part| part.max).fold(0.0, f64::max);
     (count > 0).then(|| [mean(|part| part.rmse * part.rmse), mean(|part| part.mean), largest])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_sensor_counts_all_its_readings_by_their_number() {
-        let part = |count, mean, rmse, max| Deviation { count, mean, rmse, max, ..Deviation::default() };
-        let [square, mean, largest] =
-            over_all([&part(3, 1.0, 2.0, 3.0), &part(1, -1.0, 4.0, 4.0)]).expect("four readings");
-        // (3 * 4 + 16) / 4 and (3 - 1) / 4, exact in binary.
-        assert_eq!([square, mean, largest], [7.0, 0.5, 4.0]);
-        assert_eq!(over_all([&part(0, f64::NAN, f64::NAN, 0.0), &part(0, 0.0, 0.0, 0.0)]), None);
-        assert!(Standing { kept: Some([1, 2]), ..Standing::default() }.fails());
-    }
 }

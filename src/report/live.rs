@@ -12,7 +12,8 @@ use super::script;
 const PANEL: &str = include_str!("../../templates/live/panel.html");
 const BAR: &str = include_str!("../../templates/live/bar.html");
 const STYLE: &str = include_str!("../../templates/live/watch.css");
-const SCRIPT: &str = include_str!("../../templates/live/watch.js");
+/// What runs in a live page.
+pub const SCRIPT: &str = include_str!("../../templates/live/watch.js");
 
 /// Effects that the page offers to adopt.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -99,7 +100,7 @@ struct Context<'a> {
 }
 
 /// What a served page may do: its own style and scripts, and asking and posting where it comes from.
-fn policy_of_page() -> String {
+pub fn policy_of_page() -> String {
     let scripts = script::policy(&[script::OF_PAGES, SCRIPT]);
     format!("{scripts}; connect-src 'self'; form-action 'self'; base-uri 'none'")
 }
@@ -107,40 +108,4 @@ fn policy_of_page() -> String {
 /// The same as a field of an answer, which can also keep others from showing the page within theirs.
 pub fn policy() -> String {
     format!("{}; frame-ancestors 'none'", policy_of_page())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_served_page_has_everything_once_and_no_markup_of_the_study() {
-        let hostile = "</main></style><script>alert(1)</script>\"'";
-        let page = html::render(&Page { title: hostile.into(), ..Page::default() }, Beside::Nothing).expect("rendered");
-        let offer = Offered {
-            pass: hostile,
-            job: hostile,
-            effects: &[hostile.to_owned()],
-            title: hostile,
-            probability: hostile,
-            command: hostile,
-        };
-        let around = Around {
-            version: 3,
-            state: "ready",
-            lines: &[hostile.to_owned()],
-            messages: hostile,
-            offers: &[offer],
-            notice: hostile,
-        };
-        let served = served(&page, &around).expect("served");
-        for (part, count) in
-            [("<script>", 2), ("<script", 2), ("</style>", 1), (html::MAIN, 1), ("</main>", 1), ("id=\"live\"", 1)]
-        {
-            assert_eq!(served.matches(part).count(), count, "{part}: {served}");
-        }
-        assert!(served.contains("data-version=\"3\"") && served.contains(&policy_of_page()));
-        assert!(served.contains("<button type=\"submit\">Adopt</button>"));
-        assert!(!page.contains(SCRIPT) && !page.contains("connect-src"), "a report has none of it");
-    }
 }

@@ -174,7 +174,7 @@ fn wrap(out: &mut String, mark: &str, text: &str) {
 }
 
 /// A code span; its fence is longer than any run of backticks inside. A pipe needs its backslash in a table even here.
-fn code(text: &str, in_table: bool) -> String {
+pub fn code(text: &str, in_table: bool) -> String {
     let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     if text.trim().is_empty() {
         return String::new();
@@ -190,7 +190,7 @@ fn code(text: &str, in_table: bool) -> String {
 }
 
 /// Escapes every character that Markdown or HTML could take for markup; line ends become blanks.
-fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -211,37 +211,10 @@ fn escape(text: &str) -> String {
 }
 
 /// Escapes what is markup only at the beginning of a line: lists and rules.
-fn at_line_start(text: &str) -> String {
+pub fn at_line_start(text: &str) -> String {
     let digits = text.bytes().take_while(u8::is_ascii_digit).count();
     if digits > 0 && matches!(text.as_bytes().get(digits), Some(b'.' | b')')) {
         return format!("{}\\{}", &text[..digits], &text[digits..]);
     }
     if text.starts_with(['-', '+', '=']) { format!("\\{text}") } else { text.to_owned() }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn hostile_text_is_no_markup() {
-        assert_eq!(escape("<img src=x>|`a`"), "&lt;img src=x&gt;\\|\\`a\\`");
-        assert_eq!(escape("[a](https://example.org)\n# b"), "\\[a\\](https&#58;//example.org) \\# b");
-        assert_eq!(at_line_start("1. no list"), "1\\. no list");
-        assert_eq!(at_line_start("- no list"), "\\- no list");
-    }
-
-    #[test]
-    fn a_title_cannot_turn_the_line() {
-        let text = render(&Page { title: "a\u{1b}[2J\u{202e}b".into(), ..Page::default() });
-        assert!(text.starts_with("# a \\[2J\\u{202e}b\n"), "{text:?}");
-    }
-
-    #[test]
-    fn code_spans_hold_backticks_and_tables_hold_pipes() {
-        assert_eq!(code("a`b", false), "``a`b``");
-        assert_eq!(code("`", false), "`` ` ``");
-        assert_eq!(code("a|b", true), "a\\|b");
-        assert_eq!(code("", false), "");
-    }
 }

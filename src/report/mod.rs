@@ -18,7 +18,7 @@ pub mod number;
 pub mod page;
 pub mod plot;
 pub mod required;
-mod script;
+pub mod script;
 pub mod seal;
 pub mod section;
 pub mod terminal;

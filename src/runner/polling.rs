@@ -31,15 +31,3 @@ pub fn stopped_when<T>(every: Duration, is_so: impl Fn() -> bool + Sync, work: i
         worked
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn work_is_stopped_when_it_is_so_and_else_ends_by_itself() {
-        let every = Duration::from_millis(1);
-        assert!(!stopped_when(every, || false, StopFlag::is_stopped));
-        stopped_when(every, || true, |stop| wait_until(every, || stop.is_stopped()));
-    }
-}

@@ -16,7 +16,7 @@ pub mod inherit;
 pub mod job;
 pub mod ledger;
 pub mod model;
-mod origin;
+pub mod origin;
 pub mod pass;
 pub mod pinned;
 pub mod posterior_prior;

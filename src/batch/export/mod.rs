@@ -1,9 +1,9 @@
 //! The draws of a calibration for other programs: read back from the cache, completed by what they predict, written as
 //! netCDF, NPY or CSV. Which job is exported and where to is the caller's.
 
-mod csv;
+pub mod csv;
 mod netcdf;
-mod npy;
+pub mod npy;
 
 use std::path::Path;
 use std::sync::Arc;

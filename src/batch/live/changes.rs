@@ -28,11 +28,11 @@ fn about(path: &Path) -> About {
 
 /// What is looked at.
 #[derive(Clone, Debug, Default)]
-struct Looked {
+pub struct Looked {
     /// Files that were read, or would be if they were there, wherever they lie below the folder.
-    read: BTreeSet<PathBuf>,
+    pub read: BTreeSet<PathBuf>,
     /// Whether all other files count too, but hidden ones and those below `target`: it is not known what would be read.
-    all: bool,
+    pub all: bool,
 }
 
 impl Looked {
@@ -63,14 +63,14 @@ impl Looked {
 }
 
 /// The files of a study that is followed, and how they were when its round began.
-pub(super) struct Watched {
+pub struct Watched {
     folder: PathBuf,
     seen: Mutex<(Looked, Stamp)>,
 }
 
 impl Watched {
     /// The files below a folder, before it is known which of them are read.
-    pub(super) fn new(folder: &Path) -> Self {
+    pub fn new(folder: &Path) -> Self {
         let looked = Looked { read: BTreeSet::new(), all: true };
         let stamp = looked.stamp(folder);
         Self { folder: folder.to_owned(), seen: Mutex::new((looked, stamp)) }
@@ -88,13 +88,13 @@ impl Watched {
     }
 
     /// Looks at all files again: what is wrong may be cured by one that nobody read.
-    pub(super) fn widen(&self) {
+    pub fn widen(&self) {
         let read = self.with(|(looked, _)| looked.read.clone());
         self.look(Looked { read, all: true });
     }
 
     /// What was looked at before stays as it was seen, so that no change is lost.
-    fn look(&self, looked: Looked) {
+    pub fn look(&self, looked: Looked) {
         let now = looked.stamp(&self.folder);
         self.with(|(own, stamp)| {
             let kept = now.into_iter().map(|(path, about)| {
@@ -107,12 +107,12 @@ impl Watched {
     }
 
     /// Whether a file is another than when the round began.
-    pub(super) fn has_changed(&self) -> bool {
+    pub fn has_changed(&self) -> bool {
         self.with(|(looked, stamp)| looked.stamp(&self.folder) != *stamp)
     }
 
     /// The files that are others now, which begins the next round.
-    pub(super) fn renew(&self) -> Vec<String> {
+    pub fn renew(&self) -> Vec<String> {
         self.with(|(looked, stamp)| {
             let now = looked.stamp(&self.folder);
             let before = std::mem::replace(stamp, now);
@@ -133,61 +133,4 @@ fn note(pass: &Pass, read: &mut BTreeSet<PathBuf>) {
     read.extend(pass.files.keys().map(PathBuf::from));
     read.extend(pass.missing.iter().map(|pinned| PathBuf::from(&pinned.file)));
     pass.upstream.iter().for_each(|upstream| note(upstream, read));
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A study's folder with a model, a pass, data in folders that are hidden or of a build, and notes that nothing reads.
-    fn study() -> tempfile::TempDir {
-        let root = tempfile::tempdir().expect("a folder");
-        for folder in ["target", ".logger", "effects"] {
-            std::fs::create_dir(root.path().join(folder)).expect("made");
-        }
-        for name in ["model.json", "pass-1.json", "target/a.csv", ".logger/b.csv", "notes.txt"] {
-            std::fs::write(root.path().join(name), "1").expect("written");
-        }
-        root
-    }
-
-    #[test]
-    fn what_is_read_is_seen_wherever_it_lies_and_nothing_else() {
-        let root = study();
-        let write = |name: &str, text: &str| std::fs::write(root.path().join(name), text).expect("written");
-        let watched = Watched::new(root.path());
-        assert!(!watched.has_changed());
-        write("target/a.csv", "12");
-        assert!(!watched.has_changed(), "before anything is read");
-        let read = ["model.json", "pass-1.json", "target/a.csv", ".logger/b.csv", "data/late.csv"];
-        watched.look(Looked { read: read.map(PathBuf::from).into(), all: false });
-        assert!(!watched.has_changed());
-        for unread in ["notes.txt", "other.json", "target/other.csv", "effects/notes.md", "pass-1.json~"] {
-            write(unread, "changed");
-            assert!(!watched.has_changed(), "{unread} is not read");
-        }
-        std::fs::create_dir(root.path().join("data")).expect("made");
-        for seen in ["target/a.csv", ".logger/b.csv", "data/late.csv", "pass-2.json", "effects/own.json", "model.json"]
-        {
-            write(seen, "changed");
-            assert_eq!(watched.renew(), [seen]);
-            assert!(!watched.has_changed());
-        }
-        std::fs::remove_file(root.path().join("target/a.csv")).expect("removed");
-        assert_eq!(watched.renew(), ["target/a.csv"]);
-    }
-
-    #[test]
-    fn a_change_while_the_files_are_read_is_not_lost() {
-        let root = study();
-        let watched = Watched::new(root.path());
-        std::fs::write(root.path().join("model.json"), "changed").expect("written");
-        watched.look(Looked { read: [PathBuf::from("model.json")].into(), all: false });
-        assert_eq!(watched.renew(), ["model.json"]);
-        std::fs::write(root.path().join("notes.txt"), "changed").expect("written");
-        watched.widen();
-        assert!(!watched.has_changed());
-        std::fs::write(root.path().join("notes.txt"), "changed again").expect("written");
-        assert_eq!(watched.renew(), ["notes.txt"], "what is wrong may be cured by any file");
-    }
 }

@@ -4,14 +4,14 @@
 //! request can name a file: nothing is read for it, and the one thing that it can write is the next pass, as `bmv adopt`
 //! does.
 
-mod changes;
+pub mod changes;
 mod follow;
-mod page;
+pub mod page;
 mod progress;
 mod round;
-mod session;
-mod site;
-mod state;
+pub mod session;
+pub mod site;
+pub mod state;
 
 pub use follow::{Followed, follow};
 pub use site::Site;

@@ -4,7 +4,7 @@ use crate::batch::next_pass::Offer;
 
 /// What a file is to a browser.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub enum Kind {
     /// HTML, to which the state and the offers are added.
     Page,
     /// Anything else, as it is.

@@ -131,19 +131,8 @@ impl Shared {
 }
 
 /// A rendered text without its colours; all else that could steer a terminal was shown by its code before.
-fn uncoloured(text: &str) -> String {
+pub fn uncoloured(text: &str) -> String {
     let mut parts = text.split("\u{1b}[");
     let first = parts.next().unwrap_or_default().to_owned();
     parts.fold(first, |plain, part| plain + part.split_once('m').map_or(part, |(_, rest)| rest))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::uncoloured;
-
-    #[test]
-    fn colours_are_taken_off() {
-        assert_eq!(uncoloured("\u{1b}[1;31merror\u{1b}[0m: a [m"), "error: a [m");
-        assert_eq!(uncoloured("plain"), "plain");
-    }
 }

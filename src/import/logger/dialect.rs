@@ -38,7 +38,7 @@ const OVERFLOW: f64 = 9.8e37;
 
 /// How a log is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Dialect {
+pub struct Dialect {
     /// What stands between cells.
     pub separator: u8,
     /// Line of the header, from 0.
@@ -66,7 +66,7 @@ pub(super) fn cells(line: &str, separator: u8) -> Vec<String> {
 }
 
 /// The dialect of a text; `None` where no separator makes several columns of two lines.
-pub(super) fn dialect(text: &str) -> Option<Dialect> {
+pub fn dialect(text: &str) -> Option<Dialect> {
     let lines: Vec<&str> = text.trim_start_matches('\u{feff}').lines().take(LOOKED_AT).collect();
     let mut best: Option<(usize, usize, u8)> = None;
     for separator in SEPARATORS {
@@ -97,7 +97,7 @@ pub(super) fn dialect(text: &str) -> Option<Dialect> {
 
 /// What a cell says.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Reading {
+pub enum Reading {
     /// A number.
     Number(f64),
     /// Nothing was read.
@@ -107,7 +107,7 @@ pub(super) enum Reading {
 }
 
 /// The reading of a cell.
-pub(super) fn reading(cell: &str, has_comma: bool) -> Reading {
+pub fn reading(cell: &str, has_comma: bool) -> Reading {
     if MISSING.contains(&cell.to_ascii_lowercase().as_str()) {
         return Reading::Missing;
     }
@@ -121,7 +121,7 @@ pub(super) fn reading(cell: &str, has_comma: bool) -> Reading {
 }
 
 /// Name and unit of a header: `T1 [degC]`, `T1 (°C)`, `T1`.
-pub(super) fn name_and_unit(header: &str) -> (String, Option<String>) {
+pub fn name_and_unit(header: &str) -> (String, Option<String>) {
     for (open, close) in [('[', ']'), ('(', ')')] {
         if let Some((name, unit)) = header.strip_suffix(close).and_then(|rest| rest.rsplit_once(open))
             && let Some(unit) = unit_of(unit).filter(|_| !name.trim().is_empty())
@@ -148,29 +148,4 @@ pub(super) fn unit_of(text: &str) -> Option<String> {
         other => other,
     };
     crate::expression::Unit::parse(unit).is_ok().then(|| unit.to_owned())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_separator_is_the_one_that_makes_columns_of_most_lines() {
-        let german = "Logger 7\nSerie;A12\n\nZeit;T1;T2\n;\u{B0}C;\u{B0}C\n0;1,5;2,25\n10;1,6;2,5\n";
-        assert_eq!(dialect(german), Some(Dialect { separator: b';', header: 3, has_comma: true }));
-        let plain = "time,T1\n0,1.5\n1,2.5\n";
-        assert_eq!(dialect(plain), Some(Dialect { separator: b',', header: 0, has_comma: false }));
-        assert_eq!(dialect("one\ntwo\n"), None);
-    }
-
-    #[test]
-    fn cells_are_numbers_or_nothing_or_text() {
-        assert_eq!(reading("1.234,5", true), Reading::Number(1234.5));
-        assert_eq!(reading("-2,5e-3", true), Reading::Number(-2.5e-3));
-        assert_eq!(reading("9.9E37", false), Reading::Missing);
-        assert_eq!(reading("OVER", false), Reading::Missing);
-        assert_eq!(reading("1,5", false), Reading::Text);
-        assert_eq!(name_and_unit("TC 1 (\u{B0}C)"), ("TC 1".to_owned(), Some("degC".to_owned())));
-        assert_eq!(name_and_unit("plate (left)"), ("plate (left)".to_owned(), None));
-    }
 }

@@ -5,9 +5,9 @@
 //! files as one record. `proposal`: that record as a measurement of a study. Text in, text out: no file is touched.
 
 mod channels;
-mod dialect;
-mod instant;
-mod proposal;
+pub mod dialect;
+pub mod instant;
+pub mod proposal;
 mod record;
 
 pub use proposal::{Known, Proposal, propose};

@@ -26,13 +26,26 @@ pub enum Task {
     /// The most probable point.
     Estimate,
     /// A chain from a start.
-    Chain { index: u64, start: Vec<f64> },
+    Chain {
+        /// Which chain.
+        index: u64,
+        /// Where it starts, in inner parameters.
+        start: Vec<f64>,
+    },
     /// An island of particles.
-    Island { index: u64 },
+    Island {
+        /// Which island.
+        index: u64,
+    },
     /// The evidence by importance sampling.
     Evidence,
     /// What draws of the posterior or of the prior predict, SI.
-    Predict { prior: bool, draws: Vec<Vec<f64>> },
+    Predict {
+        /// Whether the draws are of the prior.
+        prior: bool,
+        /// The draws: values by unknown.
+        draws: Vec<Vec<f64>>,
+    },
 }
 
 /// What it gives.
@@ -120,35 +133,4 @@ pub struct Predicted {
     pub pointwise: Vec<f64>,
     /// Sum of squares of the whitened residuals, a draw each.
     pub squares: Vec<f64>,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::job::stored::Block;
-
-    #[test]
-    fn chains_come_back_from_bytes_and_damage_is_seen() {
-        let chain = Chain {
-            dimension: 2,
-            draws: vec![1.0, f64::MIN_POSITIVE, 0.1, -0.0],
-            log_likelihoods: vec![0.3, 1e300],
-            ..Chain::default()
-        };
-        comes_back(&Partial::Chain(chain));
-    }
-
-    #[test]
-    fn predictions_come_back_from_bytes_and_damage_is_seen() {
-        let predicted = Predicted { readings: vec![1.5, -0.0], pointwise: vec![2.5], squares: vec![300.0, 1.0] };
-        comes_back(&Partial::Predicted(predicted));
-    }
-
-    fn comes_back(partial: &Partial) {
-        let bytes = partial.clone().into_bytes().expect("bytes");
-        assert_eq!(Partial::from_bytes(&bytes, "s").as_ref(), Ok(partial));
-        for cut in 0..bytes.len() {
-            assert!(Partial::from_bytes(&bytes[..cut], "s").is_err(), "cut at {cut}");
-        }
-    }
 }

@@ -5,21 +5,21 @@
 //! posterior and prior). Chains start round the modes that the estimate found, spread by three halves of Laplace's
 //! standard deviations.
 
-mod block;
+pub mod block;
 mod checks;
 mod drawn;
 mod form;
 mod inference_data;
-mod monte_carlo;
-mod output;
-mod predictive;
+pub mod monte_carlo;
+pub mod output;
+pub mod predictive;
 mod resolve;
 mod result;
 mod run;
 mod sampler;
 mod sampling;
 mod scores;
-mod summary;
+pub mod summary;
 mod words;
 
 pub use drawn::{Drawn, POSTERIOR, PRIOR, Replicates};

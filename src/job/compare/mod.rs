@@ -1,14 +1,14 @@
 //! Model against measurements at given parameters: by sensor, by phase, against criteria, and in words.
 
-mod deviation;
+pub mod deviation;
 mod form;
-mod output;
+pub mod output;
 mod resolve;
 mod run;
-mod stretch;
+pub mod stretch;
 mod trend;
-mod tuned;
-mod view;
+pub mod tuned;
+pub mod view;
 mod words;
 
 pub use deviation::{KELVIN, deviation};

@@ -20,11 +20,14 @@ const FAR: f64 = 12.0;
 /// The most probable state of a calibration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tuned {
-    job: String,
-    values: Vec<(String, f64)>,
+    /// Name of the calibration.
+    pub job: String,
+    /// Parameters with their most probable values, SI.
+    pub values: Vec<(String, f64)>,
     /// Number of unknowns that were inferred.
-    unknowns: usize,
-    converged: bool,
+    pub unknowns: usize,
+    /// Whether its search converged.
+    pub converged: bool,
 }
 
 /// The part of a calibration's result that is used.
@@ -58,7 +61,8 @@ impl Tuned {
         self.converged
     }
 
-    fn find(&self, name: &str) -> Option<f64> {
+    /// The value of a parameter, SI; `None` if it was not inferred.
+    pub fn find(&self, name: &str) -> Option<f64> {
         self.values.iter().find(|(parameter_name, _)| parameter_name == name).map(|(_, value)| *value)
     }
 
@@ -113,7 +117,7 @@ impl Tuned {
     }
 
     /// The tuned state as a whole; `rows` are those of one unit, as its statistics are over several sensors.
-    pub(super) fn state(&self, model: &Model, delivered: &[f64], rows: &[&Row], limit: Option<f64>) -> TunedState {
+    pub fn state(&self, model: &Model, delivered: &[f64], rows: &[&Row], limit: Option<f64>) -> TunedState {
         let parameters = self.parameters(model, delivered);
         TunedState {
             job: self.job.clone(),
@@ -167,38 +171,4 @@ fn noise_rmse(measurement: &Measurement, sensor: &Sensor, rows: &[Row]) -> Optio
     let freedom = count * count / squares;
     (count > 0.0 && total > 0.0)
         .then(|| [0.025, 0.975].map(|share| (total * chi_square_quantile(share, freedom) / freedom).sqrt()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_result_without_a_tuned_state_is_refused() {
-        let good = serde_json::json!({"tuned": [["G", 0.5], ["m.s.sigma", 0.1]], "converged": true});
-        assert_eq!(Tuned::from_result("fit", &good).unwrap().find("G"), Some(0.5));
-        let error = Tuned::from_result("fit", &serde_json::json!({})).unwrap_err().to_string();
-        assert!(error.starts_with("the result of `fit` has no tuned state"), "{error}");
-    }
-
-    #[test]
-    fn kelvins_and_amperes_have_no_mean() {
-        let row = |unit: &str, measured: f64| Row {
-            measurement: "m".into(),
-            phase: Some("P".into()),
-            time_s: None,
-            sensor: unit.into(),
-            unit: unit.into(),
-            measured,
-            predicted: 0.0,
-            predicted_tuned: Some(0.0),
-            held_out: false,
-        };
-        let rows = [row("A", 100.0), row("K", 3.0), row("K", -4.0)];
-        let (unit, judged) = crate::job::compare::deviation::of_one_unit(&rows);
-        let tuned = Tuned { job: "fit".into(), values: vec![], unknowns: 0, converged: true };
-        let state = tuned.state(&Model::default(), &[], &judged, None);
-        // By hand: the root of (9 + 16) / 2.
-        assert_eq!((unit, state.train.count, state.train.rmse), ("K", 2, 12.5f64.sqrt()));
-    }
 }

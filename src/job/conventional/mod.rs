@@ -8,7 +8,7 @@
 mod form;
 mod output;
 mod resolve;
-mod run;
+pub mod run;
 
 pub use output::{Basis, Correlation, Output, Size, Spec, WorstEnd};
 pub use run::Conventional;

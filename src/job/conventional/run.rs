@@ -26,21 +26,24 @@ pub(super) const ROOT_ITERATIONS: usize = 100;
 /// A conventional analysis, ready to run.
 #[derive(Debug)]
 pub struct Conventional {
-    pub(super) spec: Spec,
+    spec: Spec,
     pub(super) model: Arc<Model>,
     pub(super) priors: Vec<Distribution>,
-    pub(super) network: Network,
+    /// The network, compiled.
+    pub network: Network,
     /// The correlation whose values stand, and these by parameter.
-    pub(super) correlation: Option<(Correlation, Vec<Option<f64>>)>,
+    correlation: Option<(Correlation, Vec<Option<f64>>)>,
     /// Whether ends of priors are those of draws.
     pub(super) from_draws: bool,
 }
 
 /// Parameters and inputs at which the model is asked.
 #[derive(Clone, Debug)]
-pub(super) struct Point {
-    parameters: Vec<f64>,
-    inputs: Vec<f64>,
+pub struct Point {
+    /// Values of the parameters, SI.
+    pub parameters: Vec<f64>,
+    /// Values of the inputs, SI.
+    pub inputs: Vec<f64>,
 }
 
 impl Point {
@@ -152,7 +155,7 @@ impl Conventional {
     }
 
     /// The worse end of each uncertain parameter, and the point where all are at it.
-    pub(super) fn stack(
+    pub fn stack(
         &self,
         workspace: &mut Workspace,
         nominal: &Point,
@@ -196,7 +199,7 @@ impl Conventional {
 
     /// A point with its heat loads changed by a share, up or down, whichever is worse for the requirement: more heat
     /// is no margin for a limit against cold.
-    pub(super) fn loaded(
+    pub fn loaded(
         &self,
         workspace: &mut Workspace,
         point: &Point,
@@ -355,89 +358,5 @@ impl Job for Conventional {
     fn reduce(&self, (): (), blocks: Done<Self>) -> Result<Step<Self>, JobError> {
         let finished = blocks.into_iter().next().map(|(_, output)| Step::Done(Box::new(output)));
         finished.ok_or_else(|| JobError::Failed("there are no sizes".to_owned()))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::expression::{Binary, Graph, Symbol};
-    use crate::study::variable::Sweep;
-    use crate::thermal::{Parameter, Quantity, QuantityValue};
-
-    /// An algebraic model of one quantity over parameters `load` (nominal 10) and `bend` (nominal 0), and a size.
-    fn job(quantity: impl Fn(&mut Graph, [crate::expression::ExprId; 3]) -> crate::expression::ExprId) -> Conventional {
-        let mut model = Model::default();
-        let symbols = [0, 1, 2].map(|i| model.graph.symbol(Symbol::Parameter(i)));
-        let value = quantity(&mut model.graph, symbols);
-        for (name, nominal) in [("load", 10.0), ("bend", 0.0), ("size", 1.0)] {
-            model.parameters.push(Parameter {
-                name: name.into(),
-                unit: "1".into(),
-                nominal,
-                description: String::new(),
-                source: String::new(),
-            });
-        }
-        model.quantities.push(Quantity {
-            name: "q".into(),
-            unit: "K".into(),
-            is_temperature: false,
-            value: QuantityValue::Instant(value),
-        });
-        let spec = Spec {
-            rules: Vec::new(),
-            environments: Vec::new(),
-            requirements: Vec::new(),
-            design: Sweep {
-                name: "size".into(),
-                unit: "1".into(),
-                variable: Variable::Parameter(2),
-                values: vec![0.1, 10.0],
-            },
-            heat_loads: vec![Variable::Parameter(0)],
-            correlation: None,
-            knowledge: None,
-        };
-        let priors = vec![
-            Distribution::Uniform { lower: 9.0, upper: 11.0 },
-            Distribution::Uniform { lower: -1.0, upper: 1.0 },
-            Distribution::Fixed(1.0),
-        ];
-        Conventional::new(spec, Arc::new(model), priors).expect("a job")
-    }
-
-    fn requirement(below: Option<f64>, above: Option<f64>) -> Requirement {
-        Requirement { name: "r".into(), quantity: 0, below, above, probability: 0.99 }
-    }
-
-    fn nominal() -> Point {
-        Point { parameters: vec![10.0, 0.0, 1.0], inputs: Vec::new() }
-    }
-
-    #[test]
-    fn a_heat_load_margin_is_less_heat_for_a_limit_against_cold() {
-        let job = job(|graph, [load, _, size]| graph.divide(load, size));
-        let mut workspace = job.network.workspace();
-        let mut at = |r: Requirement| job.loaded(&mut workspace, &nominal(), &r, 0.25).expect("a point").parameters[0];
-        assert_eq!(at(requirement(Some(20.0), None)), 12.5);
-        assert_eq!(at(requirement(None, Some(5.0))), 7.5);
-    }
-
-    #[test]
-    fn nominal_is_the_worst_where_both_ends_are_milder() {
-        // q = load - 4 bend^2: either end of `bend` lowers it.
-        let job = job(|graph, [load, bend, _]| {
-            let (two, four) = (graph.number(2.0), graph.number(4.0));
-            let square = graph.binary(Binary::Power, bend, two);
-            let drop = graph.multiply(four, square);
-            graph.subtract(load, drop)
-        });
-        let mut workspace = job.network.workspace();
-        let (hot, _) = job.stack(&mut workspace, &nominal(), &requirement(Some(20.0), None)).expect("a stack");
-        assert_eq!(hot.parameters, [11.0, 0.0, 1.0]);
-        let (cold, ends) = job.stack(&mut workspace, &nominal(), &requirement(None, Some(5.0))).expect("a stack");
-        assert_eq!(cold.parameters[0], 9.0);
-        assert_eq!(ends[0].effect, -4.0);
     }
 }

@@ -6,7 +6,7 @@ mod form;
 mod output;
 mod resolve;
 mod run;
-mod search;
+pub mod search;
 
 pub use output::{Change, Correlated, Ended, Free, Method, Output, Spec};
 pub use run::Correlate;

@@ -381,21 +381,8 @@ pub(super) fn whitened_rows(changes: &[f64], unknowns: usize, whitening: &Whiten
 }
 
 /// A probability moved by `step / steps` round the unit interval.
-fn shifted(u: f64, step: u32, steps: u32) -> f64 {
+pub fn shifted(u: f64, step: u32, steps: u32) -> f64 {
     let moved = u + f64::from(step % steps) / f64::from(steps);
     // Where rounding lands on an end, the quantile would be infinite.
     (if moved >= 1.0 { moved - 1.0 } else { moved }).clamp(0.5 * f64::EPSILON, 1.0 - 0.5 * f64::EPSILON)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shifts_stay_inside_and_one_of_them_is_none() {
-        assert_eq!((shifted(0.3, 0, 1), shifted(0.3, 8, 8)), (0.3, 0.3));
-        assert!((shifted(0.3, 5, 8) - 0.925).abs() < 1e-15 && (shifted(0.3, 7, 8) - 0.175).abs() < 1e-15);
-        let ends = [shifted(0.125, 7, 8), shifted(1.0 - f64::EPSILON / 2.0, 0, 8)];
-        assert!(ends.iter().all(|u| normal_quantile(*u).is_finite()), "{ends:?}");
-    }
 }

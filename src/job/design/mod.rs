@@ -11,7 +11,7 @@ mod block;
 mod choice;
 mod form;
 mod forward_model;
-mod information;
+pub mod information;
 mod output;
 mod resolve;
 mod run;

@@ -16,7 +16,7 @@ mod form;
 mod joint;
 mod laws;
 mod output;
-mod residuals;
+pub mod residuals;
 mod resolve;
 mod run;
 

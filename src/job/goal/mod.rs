@@ -8,7 +8,7 @@
 mod advice;
 mod cell;
 mod form;
-mod knowledge;
+pub mod knowledge;
 mod output;
 mod prior;
 mod resolve;

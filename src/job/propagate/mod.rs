@@ -9,16 +9,16 @@
 //! the posterior, and blur its bounds and bends, to hide a coarseness that the parameters propagated beside it blur
 //! anyway; what the number of draws leaves open stands in the intervals instead (`statistics::clusters`).
 
-mod block;
+pub mod block;
 mod form;
 mod key_numbers;
 mod main_effects;
-mod output;
-pub(super) mod reached;
+pub mod output;
+pub mod reached;
 mod resolve;
 mod run;
 mod summary;
-mod view;
+pub mod view;
 
 pub use block::{BlockInput, BlockOutput};
 pub use form::{PropagateForm, SamplingForm};

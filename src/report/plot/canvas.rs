@@ -333,7 +333,7 @@ const COARSE: i32 = 5;
 
 /// Points in whole pixels; of a run in the same column only the first, lowest, highest and last are kept, which
 /// draws the same line. Of a very long line the lowest and highest of each column are kept, where they come.
-fn thinned(points: &[(f64, f64)]) -> Vec<(i32, i32)> {
+pub fn thinned(points: &[(f64, f64)]) -> Vec<(i32, i32)> {
     let is_dense = points.len() > DENSE;
     let column_of = |point: &(i32, i32)| if is_dense { point.0.div_euclid(COARSE) } else { point.0 };
     let mut out: Vec<(i32, i32)> = Vec::new();
@@ -359,44 +359,4 @@ fn thinned(points: &[(f64, f64)]) -> Vec<(i32, i32)> {
     }
     flush(&mut column);
     out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::report::plot::palette::INK;
-
-    #[test]
-    fn hostile_text_is_escaped_in_body_title_and_description() {
-        let hostile = "<img src=x onerror=alert(1)> & \"quoted\"\u{0}";
-        let drawing = draw(100, |canvas| canvas.text(hostile, (10.0, 10.0), Lettering::new(TEXT, INK)));
-        let svg = drawing.svg("a", hostile, hostile, true);
-        assert!(!svg.contains("<img"), "{svg}");
-        assert!(!svg.contains('\u{0}'));
-        assert_eq!(svg.matches("&lt;img").count(), 3);
-        assert!(svg.contains("font-size=\"34\""), "the size is written without rounding residue: {svg}");
-    }
-
-    #[test]
-    fn a_point_that_is_no_number_breaks_a_line() {
-        let points = [(0.0, 0.0), (10.0, 0.0), (f64::NAN, 1.0), (20.0, 0.0), (30.0, 0.0)];
-        let drawing = draw(100, |canvas| canvas.path(&points, INK, 2));
-        assert_eq!(drawing.svg("a", "", "", false).matches("<polyline").count(), 2);
-    }
-
-    #[test]
-    fn thousands_of_points_in_a_column_draw_its_ends() {
-        let points: Vec<(f64, f64)> = (0..1500).map(|i| (3.0, f64::from(i % 97))).collect();
-        assert_eq!(thinned(&points), [(3, 0), (3, 0), (3, 96), (3, 44)]);
-        let long: Vec<(f64, f64)> = (0..9000).map(|i| (f64::from(i) / 1000.0, f64::from((i + 50) % 97))).collect();
-        let drawn = thinned(&long);
-        assert!(drawn.len() <= 8, "two for each five pixels: {drawn:?}");
-        assert!(drawn.iter().any(|p| p.1 == 0) && drawn.iter().any(|p| p.1 == 96), "the ends are kept");
-    }
-
-    #[test]
-    fn dashes_cover_their_share_of_the_line() {
-        let drawing = draw(100, |canvas| canvas.dashed(&[(0.0, 0.0), (100.0, 0.0)], INK, 1, 6.0, 4.0));
-        assert_eq!(drawing.svg("a", "", "", false).matches("<polyline").count(), 10);
-    }
 }

@@ -31,15 +31,15 @@ const MANY_ROWS: usize = 24;
 /// Smallest numbers that can be read where the picture has the width of a page.
 const SMALLEST: f64 = 21.0;
 /// Free on both sides of a number together.
-const AROUND: f64 = 14.0;
+pub const AROUND: f64 = 14.0;
 
 /// Texts of a map's numbers.
-fn text_of(map: &HeatMap, value: f64, decimals: usize) -> String {
+pub fn text_of(map: &HeatMap, value: f64, decimals: usize) -> String {
     if map.is_unsigned { fixed(value, decimals) } else { signed(value, decimals) }
 }
 
 /// Decimals and size with which no number touches its neighbour; `None` where the cells are too small for any.
-fn lettering(map: &HeatMap, width: f64, height: f64) -> Option<(usize, f64)> {
+pub fn lettering(map: &HeatMap, width: f64, height: f64) -> Option<(usize, f64)> {
     (0..=map.decimals).rev().find_map(|decimals| {
         let numbers = map.rows.iter().flat_map(|row| &row.2).flatten();
         let widest = numbers.map(|&value| text_width(&text_of(map, value, decimals), 1.0)).fold(0.1, f64::max);
@@ -172,43 +172,5 @@ fn paint_scale(canvas: &mut Canvas<'_>, map: &HeatMap, full: f64, left: f64, y: 
     if map.limit.is_some() {
         canvas.outline((x, middle - 14.0), (x + 44.0, middle + 14.0), INK, 2);
         canvas.text("beyond the criterion", (x + 58.0, middle), Lettering::new(SMALL, MUTED));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn map(columns: usize, value: f64) -> HeatMap {
-        HeatMap {
-            columns: (0..columns).map(|at| format!("TC {}", 1000 + at)).collect(),
-            rows: (0..40).map(|at| (format!("P{at:02}"), at % 5 == 0, vec![Some(value); columns])).collect(),
-            full_scale: 20.0,
-            limit: Some(3.0),
-            decimals: 2,
-            mark_label: "held out".into(),
-            ..HeatMap::default()
-        }
-    }
-
-    #[test]
-    fn numbers_lose_decimals_and_then_go_before_they_touch() {
-        let fits = |columns: usize, value: f64| {
-            let map = map(columns, value);
-            let width = (f64::from(WIDTH) - 150.0) / columns as f64;
-            let chosen = lettering(&map, width, 38.0);
-            if let Some((decimals, size)) = chosen {
-                assert!(text_width(&text_of(&map, value, decimals), size) <= width - AROUND + 1e-9);
-            }
-            chosen.map(|(decimals, _)| decimals)
-        };
-        assert_eq!([fits(5, -18.8), fits(20, -18.8), fits(40, -18.8)], [Some(2), Some(1), None]);
-    }
-
-    #[test]
-    fn what_is_beyond_the_limit_has_a_frame_and_the_scale_marks_it() {
-        let outlines = |value: f64| heat_map(&map(2, value)).svg("a", "", "", false).matches("<polyline").count();
-        assert_eq!(outlines(3.5) - outlines(2.5), 80, "a frame a cell");
-        assert!(heat_map(&map(2, 1.0)).svg("a", "", "", false).contains("+3.0"));
     }
 }

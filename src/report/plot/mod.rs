@@ -4,19 +4,19 @@
 //! the same bytes everywhere. No system font is read: widths of texts are estimated. What is drawn is recorded in the same
 //! pass, so that the numbers behind a drawing are those that it shows.
 
-mod axis;
+pub mod axis;
 mod bars;
-mod canvas;
+pub mod canvas;
 mod chart;
-mod contours;
-mod heat_map;
+pub mod contours;
+pub mod heat_map;
 mod history;
-mod layout;
+pub mod layout;
 mod network;
 mod pairs;
 pub mod palette;
 mod passes;
-mod sheet;
+pub mod sheet;
 mod strip;
 
 pub use axis::Axis;

@@ -6,11 +6,11 @@ use crate::report::csv;
 use crate::report::number::as_given;
 
 /// Most bytes of the values that a page tells; of more places an even choice is told.
-const MOST_BYTES: usize = 24 << 10;
+pub const MOST_BYTES: usize = 24 << 10;
 
 /// What stands in a cell.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Entry {
+pub enum Entry {
     /// Nothing.
     Empty,
     /// A name.
@@ -56,7 +56,7 @@ impl Entry {
 
 /// The numbers of a drawing under way.
 #[derive(Debug, Default)]
-pub(super) struct Sheet {
+pub struct Sheet {
     columns: Vec<String>,
     rows: Vec<Vec<Entry>>,
     /// Where on the canvas a row is seen; a row may be seen at several places, or at none.
@@ -65,18 +65,18 @@ pub(super) struct Sheet {
 
 impl Sheet {
     /// Names the columns.
-    pub(super) fn name<T: Into<String>>(&mut self, columns: impl IntoIterator<Item = T>) {
+    pub fn name<T: Into<String>>(&mut self, columns: impl IntoIterator<Item = T>) {
         self.columns = columns.into_iter().map(Into::into).collect();
     }
 
     /// Adds a row; gives its number.
-    pub(super) fn row(&mut self, cells: impl IntoIterator<Item = Entry>) -> usize {
+    pub fn row(&mut self, cells: impl IntoIterator<Item = Entry>) -> usize {
         self.rows.push(cells.into_iter().collect());
         self.rows.len() - 1
     }
 
     /// Says where a row is seen.
-    pub(super) fn place(&mut self, at: (i32, i32), row: usize) {
+    pub fn place(&mut self, at: (i32, i32), row: usize) {
         self.places.push((at, row));
     }
 
@@ -88,7 +88,7 @@ impl Sheet {
     }
 
     /// The numbers as they are kept.
-    pub(super) fn finish(self) -> Numbers {
+    pub fn finish(self) -> Numbers {
         let used = self.used();
         let line = |cells: Vec<String>| cells.join(",") + "\n";
         let cell = |row: &[Entry], column: usize| row.get(column).map(Entry::csv).unwrap_or_default();
@@ -128,34 +128,4 @@ pub struct Numbers {
     /// What is told where: a line of headings between tabs, then lines of `x y` in pixels of the canvas and the values, in up to six
     /// digits. Empty where nothing has a place.
     pub values: String,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn columns_without_values_are_left_out_and_numbers_are_in_full() {
-        let mut sheet = Sheet::default();
-        sheet.name(["sensor", "time [s]", "none", "T [\u{b0}C]"]);
-        let row = sheet.row(["=TC\t1".into(), 0.1.into(), Entry::Empty, (-1.0 / 3.0).into()]);
-        sheet.place((4, 5), row);
-        sheet.row(["b".into(), 1.0.into(), f64::NAN.into(), f64::INFINITY.into()]);
-        let numbers = sheet.finish();
-        assert_eq!(numbers.csv, "sensor,time [s],T [\u{b0}C]\n'=TC\\t1,0.1,-0.3333333333333333\nb,1,\n");
-        assert_eq!(numbers.values, "sensor\ttime [s]\tT [\u{b0}C]\n4 5\t=TC 1\t0.1\t\u{2212}0.333333");
-    }
-
-    #[test]
-    fn of_very_many_places_an_even_choice_is_told() {
-        let mut sheet = Sheet::default();
-        sheet.name(["x"]);
-        for at in 0..10_000 {
-            let row = sheet.row([f64::from(at).into()]);
-            sheet.place((at, 0), row);
-        }
-        let numbers = sheet.finish();
-        assert_eq!(numbers.csv.lines().count(), 10_001);
-        assert!(numbers.values.len() < MOST_BYTES + 10 && numbers.values.lines().count() > 1000);
-    }
 }

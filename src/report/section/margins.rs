@@ -1,7 +1,7 @@
 //! Margins before and after calibration side by side: what a deterministic correlation leads to, the size or limit by every
 //! rule, the probability that each buys, and what it costs.
 
-mod bought;
+pub mod bought;
 mod brief;
 
 use crate::document::counted;

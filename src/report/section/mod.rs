@@ -102,12 +102,12 @@ macro_rules! sections {
 }
 
 sections! {
-    summary,
+    pub summary,
     pub compliance,
     pub problem,
     adopted,
     network,
-    propagation,
+    pub propagation,
     sensitivity,
     goal,
     sizing,
@@ -121,7 +121,7 @@ sections! {
     history,
     prediction,
     figures,
-    margins,
+    pub margins,
     record,
     pub document,
     data,

@@ -2,7 +2,7 @@
 //! and sizes that leaves, what is missing and where, and the picture that shows it.
 
 pub(super) mod claims;
-mod ladder;
+pub mod ladder;
 mod missing;
 mod outcome;
 

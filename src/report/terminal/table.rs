@@ -10,7 +10,7 @@ const NARROWEST: usize = 12;
 
 /// A cell.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Entry {
+pub struct Entry {
     /// Its text, in one line.
     pub text: String,
     /// How it stands.
@@ -65,7 +65,7 @@ pub(super) fn coloured(line: &str, status: Option<Status>) -> String {
 
 /// Rows below headings (none: no heading), in columns. Numbers stand to the right; those that are marked carry `!` or
 /// `*`, because not every terminal has colours. Where the columns do not fit, the rows become lists.
-pub(super) fn lay_out(headings: &[String], rows: &[Vec<Entry>], numeric: &[bool], layout: Layout) -> String {
+pub fn lay_out(headings: &[String], rows: &[Vec<Entry>], numeric: &[bool], layout: Layout) -> String {
     let marked: Vec<bool> = (0..numeric.len())
         .map(|column| {
             let has_mark = |row: &Vec<Entry>| row.get(column).is_some_and(|cell| !mark(cell.status).is_empty());
@@ -243,28 +243,5 @@ fn push_row(
         }
         out.push_str(&line);
         out.push('\n');
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn wrapping_breaks_at_blanks_and_within_words_that_are_too_long() {
-        assert_eq!(wrapped("aa bb ccccc d", 5), ["aa bb", "ccccc", "d"]);
-        assert_eq!(wrapped("abcdefgh", 3), ["abc", "def", "gh"]);
-        assert_eq!(wrapped("conductive-path:a:b", 14), ["conductive-", "path:a:b"]);
-        assert_eq!(wrapped("1.5\u{A0}K x", 5), ["1.5 K", "x"]);
-        assert_eq!(wrapped("", 5), [""]);
-    }
-
-    #[test]
-    fn marks_colour_a_cell_and_not_the_blanks_around_it() {
-        let cell = |text: &str, status| Entry { text: text.into(), status };
-        let rows = [vec![cell("a", None), cell("1.0", Some(Status::Fail))], vec![cell("b", None), cell("10.0", None)]];
-        let layout = Layout { width: 40, is_coloured: true };
-        let text = lay_out(&["n".into(), "v".into()], &rows, &[false, true], layout);
-        assert_eq!(text, "n     v\n-  -----\na   \u{1b}[31m1.0!\u{1b}[0m\nb  10.0\n(! not kept)\n");
     }
 }

@@ -39,7 +39,8 @@ impl Kind {
 
 /// The last line of an object, read.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Trailer {
+pub struct Trailer {
+    /// What the object is.
     pub kind: Kind,
     /// Key of the job to which the object belongs.
     pub owner: Key,
@@ -48,13 +49,13 @@ pub(super) struct Trailer {
 }
 
 /// The end of an object's file: what is written after the payload.
-pub(super) fn trailer(kind: Kind, name: &Key, owner: &Key, payload: &[u8]) -> String {
+pub fn trailer(kind: Kind, name: &Key, owner: &Key, payload: &[u8]) -> String {
     let hash = hash(kind, name, owner, payload);
     format!("\n{FORMAT} {} {owner} {} {hash}\n", kind.word(), payload.len())
 }
 
 /// Cuts the trailer off a file's bytes. `None` if the object called `name` is damaged.
-pub(super) fn open(name: &Key, mut bytes: Vec<u8>) -> Option<(Trailer, Vec<u8>)> {
+pub fn open(name: &Key, mut bytes: Vec<u8>) -> Option<(Trailer, Vec<u8>)> {
     let tail_start = bytes.len().saturating_sub(LONGEST_TRAILER as usize);
     let (line_start, trailer) = parse(bytes.get(tail_start..)?)?;
     bytes.truncate(tail_start + line_start);
@@ -95,42 +96,4 @@ fn hash(kind: Kind, name: &Key, owner: &Key, payload: &[u8]) -> Key {
     hash.update(format!("{FORMAT} {} {name} {owner} {}\n", kind.word(), payload.len()));
     hash.update(payload);
     Key::from_digest(&hash.finalize())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn stored(payload: &[u8]) -> Vec<u8> {
-        let mut bytes = payload.to_vec();
-        bytes.extend(trailer(Kind::Block, &Key::of(b"name"), &Key::of(b"owner"), payload).bytes());
-        bytes
-    }
-
-    #[test]
-    fn payloads_of_any_bytes_come_back() {
-        for payload in [&b""[..], b"{}", b"\n\n", b"bmv-object/1 block\n", &[0, 255, 10], &[10; 1000]] {
-            let (trailer, read) = open(&Key::of(b"name"), stored(payload)).expect("sound");
-            assert_eq!(read, payload);
-            assert_eq!((trailer.kind, trailer.owner), (Kind::Block, Key::of(b"owner")));
-        }
-    }
-
-    #[test]
-    fn every_cut_and_every_flipped_bit_is_seen() {
-        let bytes = stored(b"some payload");
-        for length in 0..bytes.len() {
-            assert!(open(&Key::of(b"name"), bytes[..length].to_vec()).is_none(), "cut to {length}");
-        }
-        for place in 0..bytes.len() {
-            let mut altered = bytes.clone();
-            altered[place] ^= 1;
-            assert!(open(&Key::of(b"name"), altered).is_none(), "bit flipped at {place}");
-        }
-    }
-
-    #[test]
-    fn an_object_under_another_name_is_damaged() {
-        assert!(open(&Key::of(b"other"), stored(b"x")).is_none());
-    }
 }

@@ -12,9 +12,9 @@ use crate::runner::key::Key;
 use crate::study::file;
 
 /// How names of files that are being written begin.
-pub(super) const TEMPORARY: &str = ".tmp-";
+pub const TEMPORARY: &str = ".tmp-";
 /// A leftover from another machine, and the content of the trash, goes after this time.
-const KEPT_FOR: Duration = Duration::from_secs(24 * 3600);
+pub const KEPT_FOR: Duration = Duration::from_secs(24 * 3600);
 
 /// What a cache holds.
 #[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -182,13 +182,13 @@ impl Cache {
 }
 
 /// Host and process, for temporary names, so that others can tell whether the writer is alive.
-pub(super) fn writer_prefix() -> String {
+pub fn writer_prefix() -> String {
     format!("{}-{}", host(), std::process::id())
 }
 
 /// Removes files that killed writers left in a folder: those of a process of this host that is gone, and those of other
 /// hosts after a day. Gives how many.
-pub(super) fn remove_leftovers(folder: &Path) -> u64 {
+pub fn remove_leftovers(folder: &Path) -> u64 {
     let own_host = host();
     let mut removed = 0;
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -210,13 +210,14 @@ pub(super) fn remove_leftovers(folder: &Path) -> u64 {
 }
 
 /// Name of this machine in letters, digits and dots, or `unknown`.
-pub(in crate::runner) fn host() -> String {
+pub fn host() -> String {
     let name = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
     let name: String = name.trim().chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '.' }).collect();
     if name.is_empty() { "unknown".to_owned() } else { name }
 }
 
-fn seconds_since_1970() -> u64 {
+/// Whole seconds since 1970 by the clock of this machine.
+pub fn seconds_since_1970() -> u64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |elapsed| elapsed.as_secs())
 }
 
@@ -239,76 +240,4 @@ fn entries(folder: &Path) -> Result<Vec<DirEntry>, RunnerError> {
     let mut entries: Vec<_> = listing.collect::<Result<_, _>>().map_err(RunnerError::file("list", folder))?;
     entries.sort_by_key(DirEntry::file_name);
     Ok(entries)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn filled() -> (tempfile::TempDir, Cache, Key, Key) {
-        let folder = tempfile::tempdir().unwrap();
-        let cache = Cache::new(folder.path());
-        let (finished, running) = (Key::of(b"finished"), Key::of(b"running"));
-        cache.put(Kind::Result, &finished, &finished, b"{}").unwrap();
-        cache.put(Kind::Block, &finished, &Key::of(b"block 1"), b"1").unwrap();
-        cache.put(Kind::Block, &running, &Key::of(b"block 2"), b"2").unwrap();
-        (folder, cache, finished, running)
-    }
-
-    #[test]
-    fn statistics_count_by_kind() {
-        let (_folder, cache, ..) = filled();
-        let statistics = cache.statistics().unwrap();
-        assert_eq!((statistics.results, statistics.blocks, statistics.leftovers), (1, 2, 0));
-        assert!(statistics.block_bytes > statistics.result_bytes);
-        assert_eq!(Cache::new("/nonexistent/cache").statistics().unwrap(), Statistics::default());
-    }
-
-    #[test]
-    fn verification_sets_damaged_objects_aside() {
-        let (_folder, cache, finished, _) = filled();
-        assert_eq!(cache.verify().unwrap(), Verified { sound: 3, damaged: Vec::new() });
-        fs::write(cache.path(&finished), b"{]").unwrap();
-        assert_eq!(cache.verify().unwrap(), Verified { sound: 2, damaged: vec![finished.to_string()] });
-        assert_eq!(cache.statistics().unwrap().quarantined, 1);
-        assert_eq!(cache.verify().unwrap().sound, 2);
-    }
-
-    #[test]
-    fn pruning_keeps_results_and_blocks_of_unfinished_jobs_that_are_asked_for() {
-        let (_folder, cache, finished, running) = filled();
-        let pruned = cache.prune(&[finished.clone(), running.clone()].into()).unwrap();
-        assert_eq!((pruned.kept, pruned.moved), (2, 1), "the finished job's block goes");
-        assert_eq!(cache.get(Kind::Result, &finished), Lookup::Found(b"{}".to_vec()));
-        assert_eq!(cache.get(Kind::Block, &Key::of(b"block 2")), Lookup::Found(b"2".to_vec()));
-        let pruned = cache.prune(&BTreeSet::new()).unwrap();
-        assert_eq!((pruned.kept, pruned.moved, pruned.deleted), (0, 2, 0));
-        assert_eq!(cache.statistics().unwrap().trashed, 3);
-    }
-
-    #[test]
-    fn the_trash_is_emptied_after_a_day() {
-        let (_folder, cache, ..) = filled();
-        let yesterday = seconds_since_1970() - KEPT_FOR.as_secs() - 1;
-        let old = cache.root().join("trash").join(yesterday.to_string());
-        fs::create_dir_all(&old).unwrap();
-        fs::write(old.join("object"), b"x").unwrap();
-        assert_eq!(cache.prune(&BTreeSet::new()).unwrap().deleted, 1);
-        assert!(!old.exists());
-    }
-
-    #[test]
-    fn leftovers_of_dead_processes_go_and_those_of_live_ones_stay() {
-        let folder = tempfile::tempdir().unwrap();
-        let host = host();
-        // Process numbers on Linux are below 2^22.
-        let dead = folder.path().join(format!("{TEMPORARY}{host}-4194305-0-0"));
-        let alive = folder.path().join(format!("{TEMPORARY}{}-0-0", writer_prefix()));
-        let elsewhere = folder.path().join(format!("{TEMPORARY}another-4194305-0-0"));
-        for path in [&dead, &alive, &elsewhere] {
-            fs::write(path, b"half").unwrap();
-        }
-        assert_eq!(remove_leftovers(folder.path()), 1);
-        assert!(!dead.exists() && alive.exists() && elsewhere.exists());
-    }
 }

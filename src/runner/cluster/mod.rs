@@ -10,7 +10,7 @@ pub mod folder;
 pub mod options;
 pub mod overview;
 pub mod scheduler;
-mod shards;
+pub mod shards;
 pub mod slurm;
 mod tracking;
 pub mod worker;

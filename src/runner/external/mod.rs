@@ -6,7 +6,7 @@
 mod access;
 mod call;
 mod command;
-mod output;
+pub mod output;
 pub mod process;
 mod umbridge;
 

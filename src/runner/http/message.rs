@@ -9,7 +9,7 @@ pub(super) const BODY_BYTES: usize = 16 << 20;
 
 /// How long a body is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Length {
+pub enum Length {
     /// The head does not say it.
     Unsaid,
     /// Bytes.

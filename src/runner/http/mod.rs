@@ -2,7 +2,7 @@
 //! connections. A thread a connection, which may carry many requests. What is asked and answered is the caller's.
 
 pub mod client;
-mod message;
+pub mod message;
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{IpAddr, TcpListener, TcpStream};

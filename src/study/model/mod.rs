@@ -2,7 +2,7 @@
 
 pub mod form;
 pub mod group;
-mod implied_groups;
+pub mod implied_groups;
 mod outside;
 pub mod quantity;
 pub mod resolve;

@@ -40,7 +40,7 @@ pub(super) fn doubts(scope: &mut Scope, measurement: &mut Measurement, place: &P
 }
 
 /// The gaps between ascending instants, each with its ends.
-fn gaps(times_s: &[f64]) -> Vec<[f64; 2]> {
+pub fn gaps(times_s: &[f64]) -> Vec<[f64; 2]> {
     let mut steps: Vec<f64> = times_s.windows(2).map(|two| two[1] - two[0]).collect();
     steps.sort_by(f64::total_cmp);
     let (Some(&usual), Some(first), Some(last)) = (steps.get(steps.len() / 2), times_s.first(), times_s.last()) else {
@@ -48,20 +48,4 @@ fn gaps(times_s: &[f64]) -> Vec<[f64; 2]> {
     };
     let least = (LONGER * usual).max(LEAST_SHARE * (last - first));
     times_s.windows(2).filter(|two| two[1] - two[0] > least).map(|two| [two[0], two[1]]).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::gaps;
-
-    #[test]
-    fn a_gap_is_far_longer_than_the_usual_distance() {
-        let mut times: Vec<f64> = (0..100).map(|row| 60.0 * f64::from(row)).collect();
-        assert!(gaps(&times).is_empty());
-        // One lost row, and six hours.
-        times.remove(50);
-        times.iter_mut().skip(80).for_each(|time| *time += 21_600.0);
-        assert_eq!(gaps(&times), [[4800.0, 26_460.0]]);
-        assert!(gaps(&[]).is_empty() && gaps(&[1.0]).is_empty() && gaps(&[0.0, 5.0]).is_empty());
-    }
 }

@@ -72,7 +72,7 @@ pub(super) fn blocks(report: &PassReport<'_>) -> Vec<Block> {
 }
 
 /// Straight on the probit scale between the values of a sweep; `None` outside it.
-fn between(points: &[(f64, f64)], at: f64, samples: u64) -> Option<f64> {
+pub fn between(points: &[(f64, f64)], at: f64, samples: u64) -> Option<f64> {
     let half = 0.5 / samples.max(1) as f64;
     let pair = points.windows(2).find(|pair| pair[0].0 <= at && at <= pair[1].0)?;
     let [(x0, p0), (x1, p1)] = [pair[0], pair[1]];
@@ -368,18 +368,4 @@ fn table(report: &PassReport<'_>, question: &Question<'_>) -> Block {
         columns,
         rows: rows.collect(),
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn probabilities_between_points_of_a_sweep_are_those_of_a_normal_curve() {
-        let points: Vec<(f64, f64)> = (0..5).map(|x| (f64::from(x), normal_cdf(f64::from(x) - 2.0))).collect();
-        let at = between(&points, 2.5, 1_000_000_000).expect("within");
-        assert!((at - normal_cdf(0.5)).abs() < 1e-9, "{at}");
-        assert_eq!(between(&points, 4.5, 100), None);
-        assert_eq!(between(&[(0.0, 1.0), (1.0, 1.0)], 0.5, 100), Some(1.0));
-    }
 }

@@ -14,11 +14,13 @@ const MOST_BEFORE: usize = 5;
 
 /// A state and what is said of it.
 #[derive(Default)]
-struct Rung {
-    state: Text,
-    standing: Standing,
+pub struct Rung {
+    /// Its name.
+    pub state: Text,
+    /// What its errors are.
+    pub standing: Standing,
     /// Error on rows that its fit did not see, but by which its effects were chosen.
-    unseen: Option<f64>,
+    pub unseen: Option<f64>,
 }
 
 /// The ladder; none where nothing was measured.
@@ -137,7 +139,7 @@ fn proposed(report: &PassReport<'_>, output: &Diagnosis, is_tuned: bool) -> Vec<
 }
 
 /// The rungs as a table; a column of which no rung knows anything is left out.
-fn laid_out(rungs: &[Rung], unit: &str, noise: Option<[f64; 2]>) -> Table {
+pub fn laid_out(rungs: &[Rung], unit: &str, noise: Option<[f64; 2]>) -> Table {
     let digits = if unit == "K" { 2 } else { 4 };
     let number = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), |value| fixed(value, digits));
     let has = |known: fn(&Standing) -> bool| rungs.iter().any(|rung| known(&rung.standing));
@@ -212,26 +214,4 @@ fn laid_out(rungs: &[Rung], unit: &str, noise: Option<[f64; 2]>) -> Table {
          worst sensor.{noise}{not_held}"
     );
     Table { caption: caption.into(), columns, rows }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_that_chose_the_effects_have_a_column_of_their_own() {
-        let standing = |held_out| Standing { fitted: Some(0.5), held_out, ..Standing::default() };
-        let delivered = Rung { state: "As delivered".into(), standing: standing(Some(2.0)), unseen: None };
-        let proposed = Rung { state: "Tuned with".into(), standing: standing(None), unseen: Some(0.25) };
-        let texts = |table: &Table, row: usize| -> Vec<String> {
-            table.rows[row].iter().map(|cell| cell.text.in_plain_words()).collect()
-        };
-        let table = laid_out(&[delivered, proposed], "K", None);
-        assert_eq!(table.columns[2].title, "Error, unseen");
-        assert_eq!(texts(&table, 0)[1..4], ["0.50", NONE, "2.00"]);
-        assert_eq!(texts(&table, 1)[1..4], ["0.50", "0.25", NONE]);
-        assert!(table.caption.in_plain_words().contains("rows that no fit saw"));
-        let plain = laid_out(&[Rung { standing: standing(None), ..Rung::default() }], "K", None);
-        assert!(plain.columns.iter().all(|column| column.title != "Error, unseen"));
-    }
 }

@@ -1,0 +1,4 @@
+mod changes;
+mod session;
+mod site;
+mod state;

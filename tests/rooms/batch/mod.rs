@@ -1,0 +1,5 @@
+mod export;
+mod live;
+mod memory;
+mod next_pass;
+mod print;

@@ -1,0 +1,3 @@
+mod dialect;
+mod instant;
+mod proposal;

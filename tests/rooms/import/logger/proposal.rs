@@ -1,0 +1,56 @@
+//! Tests of `src/import/logger/proposal.rs`.
+
+use bmv::import::logger::proposal::*;
+use bmv::import::logger::{Settings, read};
+
+fn known() -> Known {
+    Known { measured: vec!["box".into(), "panel".into()], inputs: vec!["Q_box".into()] }
+}
+
+#[test]
+fn two_files_of_a_german_logger_become_one_clean_table() {
+    let first = "Logger 34970A\n\nZeit;Kanal 1;Kanal 2;Kanal 3;Q box;Bemerkung\n;\u{B0}C;\u{B0}C;\u{B0}C;W;\n\
+                 17.05.2024 12:00:00;20,5;9,9E+37;21;5;ein\n17.05.2024 12:00:10;20,75;;21,5;5,5;\n";
+    let second = "Zeit;Kanal 1\n;\u{B0}C\n17.05.2024 12:00:20;---\n17.05.2024 12:00:30;-300\n";
+    let map = "channel,name,measures\nKanal 1,TC1,box\nKanal 3,Panel,\n";
+    let files = [("a.csv".to_owned(), first.to_owned()), ("b.csv".to_owned(), second.to_owned())];
+    let settings = Settings { time: None, channels: Some(("map.csv".into(), map.into())) };
+    let record = read(&files, &settings).expect("understood");
+    let proposal = propose(&record, &known(), "data/log.csv");
+    assert_eq!(proposal.csv, "time [s],TC1 [degC],Panel [degC],Q_box [W]\n0,20.5,21,5\n10,20.75,21.5,5.5\n30,,,\n");
+    assert_eq!((proposal.sensors.len(), proposal.inputs.as_slice()), (2, &["Q_box".to_owned()][..]));
+    assert_eq!(proposal.measurement["transient"]["sensors"]["TC1"]["measures"], "box");
+    assert_eq!(proposal.measurement["transient"]["sensors"]["Panel"]["measures"], "panel");
+    let notes = proposal.notes.join("\n");
+    for part in ["`Kanal 2` has no reading", "`Bemerkung` holds text", "1 reading of `TC1` at or below absolute zero"] {
+        assert!(notes.contains(part), "{part} in {notes}");
+    }
+}
+
+#[test]
+fn what_is_not_understood_is_said_at_its_place() {
+    let said = |text: &str, map: Option<&str>| {
+        let files = [("log.csv".to_owned(), text.to_owned())];
+        let channels = map.map(|map| ("map.csv".to_owned(), map.to_owned()));
+        let wrong = read(&files, &Settings { time: None, channels }).expect_err("not understood");
+        wrong.render(false, 9)
+    };
+    let cell = said("time;T1 [K]\n0;300\n1;30O\n2;301\n", None);
+    assert!(cell.contains("log.csv:3:3") && cell.contains("`30O` is no reading"), "{cell}");
+    let time = said("time;T1 [K]\n03/04/2024 10:00;300\n03/04/2024 10:01;301\n", None);
+    assert!(time.contains("log.csv:2:1") && time.contains("is no time"), "{time}");
+    let map = said("time;T1 [K]\n0;300\n1;301\n", Some("channel,name\nT2,box\n"));
+    assert!(map.contains("map.csv:2:1") && map.contains("no file has a channel `T2`"), "{map}");
+}
+
+#[test]
+fn scatter_is_that_of_the_noise_and_not_of_the_ramp() {
+    // A ramp with a deviation of 0.1 K up and down in turn: second differences are 0.4 K, 1.4826 * 0.4 / sqrt(6) is
+    // 0.242. A display in steps of 0.5 K, whose standard deviation is 0.144 K.
+    let ramp: Vec<Option<f64>> =
+        (0..40).map(|at| Some(f64::from(at) * 3.0 + if at % 2 == 0 { 0.1 } else { -0.1 })).collect();
+    assert_eq!(scatter(&ramp), Some(0.24));
+    let display: Vec<Option<f64>> = (0..40).map(|at| Some(f64::from(at / 10) * 0.5)).collect();
+    assert_eq!(scatter(&display), Some(0.14));
+    assert_eq!(scatter(&ramp[..5]), None);
+}

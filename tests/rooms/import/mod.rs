@@ -1,0 +1,5 @@
+mod logger;
+mod name;
+mod parts;
+mod reader;
+mod resolution;

@@ -1,0 +1,4 @@
+mod block;
+mod monte_carlo;
+mod predictive;
+mod summary;

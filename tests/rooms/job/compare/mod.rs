@@ -1,0 +1,4 @@
+mod deviation;
+mod stretch;
+mod tuned;
+mod view;

@@ -1,0 +1,43 @@
+//! Tests of `src/job/compare/stretch.rs`.
+
+use bmv::job::compare::stretch::*;
+use bmv::measurement::{Initial, InputColumn, InputTable, Measurement, Rows};
+
+fn transient(hold: bool, values: Vec<f64>, held_out: Vec<bool>) -> Measurement {
+    let rows = values.len();
+    Measurement {
+        name: "test".into(),
+        rows: Rows::Transient {
+            inputs: InputTable {
+                times_s: (0..rows).map(|i| i as f64 * 10.0).collect(),
+                columns: vec![InputColumn { input: 0, values, hold }],
+                base: vec![0.0],
+            },
+            initial: Initial::Steady,
+            ignored: vec![None; rows],
+            held_out,
+        },
+        sensors: vec![],
+        readings: vec![],
+        file: String::new(),
+        sha256: String::new(),
+        unused_columns: vec![],
+        doubts: vec![],
+    }
+}
+
+#[test]
+fn steps_and_held_out_rows_cut() {
+    let m = transient(true, vec![0.0, 0.0, 1.0, 1.0, 1.0], vec![false, false, false, false, true]);
+    let cut: Vec<_> = stretches(&m).iter().map(|s| (s.from, s.to, s.held_out)).collect();
+    assert_eq!(cut, [(0, 2, false), (2, 4, false), (4, 5, true)]);
+}
+
+#[test]
+fn linear_inputs_give_equal_parts_that_cover_every_row_once() {
+    let m = transient(false, (0..37).map(f64::from).collect(), vec![false; 37]);
+    let cut = stretches(&m);
+    assert_eq!(cut.len(), 10);
+    assert_eq!((cut[0].from, cut[9].to), (0, 37));
+    assert!(cut.windows(2).all(|pair| pair[0].to == pair[1].from));
+}

@@ -1,0 +1,12 @@
+mod calibrate;
+mod compare;
+mod conventional;
+mod correlate;
+mod dataset;
+mod design;
+mod discrepancy;
+mod fault;
+mod goal;
+mod kind;
+mod propagate;
+mod stored;

@@ -1,0 +1,11 @@
+mod csv;
+mod html;
+mod ladder;
+mod live;
+mod markdown;
+mod number;
+mod page;
+mod plot;
+mod script;
+mod section;
+mod terminal;

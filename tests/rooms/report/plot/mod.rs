@@ -1,0 +1,6 @@
+mod axis;
+mod canvas;
+mod contours;
+mod heat_map;
+mod layout;
+mod sheet;

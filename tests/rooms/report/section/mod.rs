@@ -1,0 +1,3 @@
+mod margins;
+mod propagation;
+mod summary;

@@ -1,0 +1,3 @@
+mod shards;
+mod slurm;
+mod worker;

@@ -1,0 +1,14 @@
+mod baseline;
+mod cache;
+mod cluster;
+mod difference;
+mod error;
+mod event_log;
+mod external;
+mod forecast;
+mod http;
+mod key;
+mod manifest;
+mod plan;
+mod polling;
+mod progress;

@@ -1,0 +1,2 @@
+mod implied_groups;
+mod resolve;
