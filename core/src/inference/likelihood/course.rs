@@ -28,7 +28,7 @@ pub struct Course {
 /// A sensor of a transient.
 #[derive(Clone, Debug)]
 pub struct CourseSensor {
-    /// Position of its quantity.
+    /// Position of its quantity in the network.
     pub quantity: usize,
     /// Its lag, s.
     pub lag_s: f64,

@@ -146,7 +146,8 @@ fn respond(base: &Base<'_>, course: &Course, forcing: &Forcing, some: &[&Slopes]
     let times_s = &course.inputs.times_s[..course.rows];
     let mut values = vec![0.0; course.rows];
     for (sensor, own) in course.sensors.iter().enumerate() {
-        let name = &base.problem.measurements[course.measurement].sensors[sensor].name;
+        // The course knows the quantities of its network alone, the slopes those of the model.
+        let of_model = &base.problem.measurements[course.measurement].sensors[sensor];
         for (column, slopes) in some.iter().enumerate() {
             let change = |place: usize| changes[(sensor * kept + place) * count + column];
             for (place, ends) in course.kept.windows(2).enumerate() {
@@ -156,7 +157,7 @@ fn respond(base: &Base<'_>, course: &Course, forcing: &Forcing, some: &[&Slopes]
                     values[row] = from + (to - from) * ((times_s[row] - times_s[ends[0]]) / span);
                 }
             }
-            let direct = slopes.of_sensor(name, own.quantity).and_then(|output| forcing.direct.get(&output));
+            let direct = slopes.of_sensor(&of_model.name, of_model.quantity).and_then(|output| forcing.direct.get(&output));
             for (value, direct) in values.iter_mut().zip(direct.into_iter().flatten()) {
                 *value += direct;
             }
