@@ -157,7 +157,8 @@ fn respond(base: &Base<'_>, course: &Course, forcing: &Forcing, some: &[&Slopes]
                     values[row] = from + (to - from) * ((times_s[row] - times_s[ends[0]]) / span);
                 }
             }
-            let direct = slopes.of_sensor(&of_model.name, of_model.quantity).and_then(|output| forcing.direct.get(&output));
+            let direct =
+                slopes.of_sensor(&of_model.name, of_model.quantity).and_then(|output| forcing.direct.get(&output));
             for (value, direct) in values.iter_mut().zip(direct.into_iter().flatten()) {
                 *value += direct;
             }
