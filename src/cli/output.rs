@@ -70,7 +70,7 @@ pub fn or_no_reader(written: io::Result<()>) -> io::Result<()> {
 /// Prints one JSON document.
 ///
 /// # Errors
-/// As [`print`].
+/// As [`print()`].
 pub fn print_json(value: &impl Serialize) -> io::Result<()> {
     let text = serde_json::to_string_pretty(value).map_err(io::Error::other)?;
     print(&format!("{}\n", escaped_json(&text)))
