@@ -14,6 +14,7 @@ use super::slopes::{Bench, Outputs, Room, Slopes};
 use super::variant::{self, Variant};
 use super::{Base, Found};
 use crate::diagnosis::FitError;
+use crate::diagnosis::linearisation::linear::Direction;
 use crate::inference::likelihood::Course;
 use crate::measurement::{InputTable, lag};
 use crate::thermal::transient::linearised::EARLY;
@@ -73,48 +74,45 @@ impl Courses {
         let forcings: Vec<Forcing> =
             self.courses.iter().map(|course| forcing(course, &program, outputs, &stored, &direct)).collect();
         let steady = self.phases.values(&program, outputs);
-        let columns: Vec<Result<Vec<f64>, FitError>> =
-            all.par_chunks(TOGETHER).flat_map_iter(|some| self.columns(base, some, &forcings, &steady)).collect();
-        let mut columns = columns.into_iter();
-        for (variant, slopes) in variants.iter().zip(&slopes) {
-            let own = match slopes {
-                Ok(slopes) => columns.by_ref().take(slopes.len()).collect::<Result<Vec<Vec<f64>>, FitError>>(),
-                Err(why) => Err(why.clone()),
-            };
-            let direction = own.and_then(|own| variant.direction(base, own.into_iter()));
+        // On kept rows alone: all rows of all amplitudes at once would be many times what is kept of them.
+        let changes: Vec<Vec<Vec<f64>>> = (self.courses.iter().zip(&forcings))
+            .map(|(course, forcing)| all.par_chunks(TOGETHER).map(|some| changes(course, forcing, some)).collect())
+            .collect();
+        let column = |position: usize| {
+            let mut column = Vec::with_capacity(base.rows);
+            column.resize(base.residuals.len(), 0.0);
+            self.phases.column(base, all[position], &steady, &mut column);
+            for ((course, forcing), changes) in self.courses.iter().zip(&forcings).zip(&changes) {
+                let count = TOGETHER.min(all.len() - position / TOGETHER * TOGETHER);
+                let own = (changes[position / TOGETHER].as_slice(), count, position % TOGETHER);
+                draw(base, course, forcing, all[position], own, &mut column);
+            }
+            base.whitening.apply(&mut column)?;
+            Ok(column)
+        };
+        let mut first = 0;
+        let firsts: Vec<usize> = (slopes.iter())
+            .map(|own| {
+                let own_first = first;
+                first += own.as_ref().map_or(0, Vec::len);
+                own_first
+            })
+            .collect();
+        let found: Vec<Result<Option<Direction>, FitError>> = (variants.par_iter().zip(&slopes).zip(&firsts))
+            .map(|((variant, own), &first)| {
+                let own = own.as_ref().map_err(Clone::clone)?;
+                let columns = (first..first + own.len()).map(&column).collect::<Result<Vec<Vec<f64>>, FitError>>();
+                variant.direction(base, columns?.into_iter())
+            })
+            .collect();
+        for (variant, direction) in variants.iter().zip(found) {
             variant::put(&mut directions[variant.asked], direction);
         }
     }
-
-    /// Whitened changes of the readings a unit of some amplitudes.
-    fn columns(
-        &self,
-        base: &Base<'_>,
-        some: &[&Slopes],
-        forcings: &[Forcing],
-        steady: &[Vec<f64>],
-    ) -> Vec<Result<Vec<f64>, FitError>> {
-        let mut columns: Vec<Vec<f64>> = (some.iter())
-            .map(|slopes| {
-                let mut column = vec![0.0; base.residuals.len()];
-                self.phases.column(base, slopes, steady, &mut column);
-                column
-            })
-            .collect();
-        for (course, forcing) in self.courses.iter().zip(forcings) {
-            respond(base, course, forcing, some, &mut columns);
-        }
-        (columns.into_iter())
-            .map(|mut column| {
-                base.whitening.apply(&mut column)?;
-                Ok(column)
-            })
-            .collect()
-    }
 }
 
-/// Writes what some amplitudes do to the readings of a transient.
-fn respond(base: &Base<'_>, course: &Course, forcing: &Forcing, some: &[&Slopes], columns: &mut [Vec<f64>]) {
+/// What some amplitudes do to the quantities of the sensors of a transient, `sensors x kept rows x amplitudes`, SI.
+fn changes(course: &Course, forcing: &Forcing, some: &[&Slopes]) -> Vec<f64> {
     let (count, linearised) = (some.len(), &course.linearised);
     let outputs = forcing.start.len();
     let add = |field: &mut [f64], values: &[f64]| {
@@ -143,29 +141,39 @@ fn respond(base: &Base<'_>, course: &Course, forcing: &Forcing, some: &[&Slopes]
             }
         },
     );
+    changes
+}
+
+/// Draws what an amplitude does to the readings of a transient, from its changes: those of `count` amplitudes, its position.
+fn draw(
+    base: &Base<'_>,
+    course: &Course,
+    forcing: &Forcing,
+    slopes: &Slopes,
+    (changes, count, position): (&[f64], usize, usize),
+    column: &mut [f64],
+) {
     let times_s = &course.inputs.times_s[..course.rows];
+    let kept = course.kept.len();
     let mut values = vec![0.0; course.rows];
     for (sensor, own) in course.sensors.iter().enumerate() {
         // The course knows the quantities of its network alone, the slopes those of the model.
         let of_model = &base.problem.measurements[course.measurement].sensors[sensor];
-        for (column, slopes) in some.iter().enumerate() {
-            let change = |place: usize| changes[(sensor * kept + place) * count + column];
-            for (place, ends) in course.kept.windows(2).enumerate() {
-                let (from, to) = (change(place), change(place + 1));
-                let span = times_s[ends[1]] - times_s[ends[0]];
-                for row in ends[0]..=ends[1] {
-                    values[row] = from + (to - from) * ((times_s[row] - times_s[ends[0]]) / span);
-                }
+        let change = |place: usize| changes[(sensor * kept + place) * count + position];
+        for (place, ends) in course.kept.windows(2).enumerate() {
+            let (from, to) = (change(place), change(place + 1));
+            let span = times_s[ends[1]] - times_s[ends[0]];
+            for row in ends[0]..=ends[1] {
+                values[row] = from + (to - from) * ((times_s[row] - times_s[ends[0]]) / span);
             }
-            let direct =
-                slopes.of_sensor(&of_model.name, of_model.quantity).and_then(|output| forcing.direct.get(&output));
-            for (value, direct) in values.iter_mut().zip(direct.into_iter().flatten()) {
-                *value += direct;
-            }
-            lag::apply(times_s, &mut values, own.lag_s, None);
-            for (position, &row) in own.rows.iter().enumerate() {
-                columns[column][own.first + position] = values[row];
-            }
+        }
+        let direct = slopes.of_sensor(&of_model.name, of_model.quantity).and_then(|output| forcing.direct.get(&output));
+        for (value, direct) in values.iter_mut().zip(direct.into_iter().flatten()) {
+            *value += direct;
+        }
+        lag::apply(times_s, &mut values, own.lag_s, None);
+        for (place, &row) in own.rows.iter().enumerate() {
+            column[own.first + place] = values[row];
         }
     }
 }
