@@ -1,8 +1,9 @@
 //! What each candidate would do to the whitened predictions at a fit: its signature.
 //!
 //! `linearise`: the baseline model at its fit. `directions`: every candidate. An effect that is smooth at amplitude 0
-//! has exact derivatives, with steady phases alone by adjoints (`adjoint`), with transients as sensitivities of a model
-//! that holds many effects with amplitude 0 (`extended`), of long ones on fewer rows (`coarse`); one that is not, such as a hidden node, is tried at finite
+//! has derivatives: with steady phases alone exact ones by adjoints (`adjoint`), with transients as sensitivities of a model
+//! that holds many effects with amplitude 0 (`extended`), over long ones as responses of the network linearised along its course
+//! (`along`) or, where that cannot be had, on fewer rows (`coarse`); what an amplitude does at fixed temperatures is `slopes`. One that is not smooth, such as a hidden node, is tried at finite
 //! values (`probe`); exchanged channels are exchanged predictions (`swap`), a prior that is too narrow is its parameter (`parameter`). What no reading can see is stated with its
 //! reason (`form`: which of these an effect is, and why not).
 
