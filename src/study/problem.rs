@@ -33,6 +33,7 @@ pub fn problem_with(pass: &Pass, measurements: Vec<Measurement>, parameters: Vec
         most_steps: Vec::new(),
         noise_freedom: None,
         is_misspecified: false,
+        independent_readings: 0.0,
         considered: Vec::new(),
         places: Default::default(),
         missing_probability: Default::default(),

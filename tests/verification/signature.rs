@@ -115,6 +115,7 @@ fn problem(mut measurements: Vec<Measurement>, input_errors: Vec<InputError>) ->
         most_steps: Vec::new(),
         noise_freedom: None,
         is_misspecified: false,
+        independent_readings: 0.0,
         considered: Vec::new(),
         places: Default::default(),
         missing_probability: Default::default(),

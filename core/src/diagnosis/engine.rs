@@ -17,11 +17,13 @@ use crate::diagnosis::noise::estimate::{EstimatedNoise, fix};
 use crate::diagnosis::noise::model_error::ModelError;
 use crate::diagnosis::odds::posterior_odds::posterior_odds;
 use crate::diagnosis::places::{Choice, Places};
+use crate::diagnosis::problem::FittedReading;
 use crate::diagnosis::screening::screen::{FamilySummary, Lead, Screening};
 use crate::diagnosis::{Problem, Refit, Settings};
 use crate::effect::{Candidate, Effect};
 use crate::inference::prior::joint_prior::JointPrior;
 use crate::inference::target::Target;
+use crate::measurement::total_sd;
 use crate::random::StreamKey;
 
 /// Single effects that are fitted at first.
@@ -91,6 +93,12 @@ impl SensorNoise {
     /// The noise that stands for both in the likelihood: white, and larger by what the correlation takes from the readings.
     pub fn weighed(&self) -> EstimatedNoise {
         self.model_error.map_or(self.noise, |error| EstimatedNoise::white(error.counts_as))
+    }
+
+    /// Independent readings that one is worth beside the model error that is allowed for; 0 where none is.
+    pub fn independent_readings(&self) -> f64 {
+        let share = |error: ModelError| total_sd(self.noise.total(), error.sd) / error.counts_as;
+        self.model_error.map_or(0.0, |error| share(error) * share(error))
     }
 }
 
@@ -311,6 +319,11 @@ impl Diagnosis {
         }
         problem.noise_freedom = self.noise_freedom(noise);
         problem.is_misspecified = noise.iter().any(|one| one.model_error.is_some() || self.is_at_first(one));
+        let of = |reading: &FittedReading| {
+            let same = |one: &&SensorNoise| one.measurement == reading.measurement && one.sensor == reading.sensor;
+            noise.iter().find(same).map(SensorNoise::independent_readings)
+        };
+        problem.independent_readings = problem.fitted_readings().iter().filter_map(of).sum();
         problem
     }
 

@@ -203,9 +203,7 @@ impl Diagnosis {
             let same = |sensor_noise: &&SensorNoise| {
                 sensor_noise.measurement == one.measurement && sensor_noise.sensor == one.sensor
             };
-            let sensor_noise = state.noise.iter().find(same)?;
-            let alone = total_sd(sensor_noise.noise.total(), sensor_noise.model_error?.sd);
-            Some(alone * alone / (sensor_noise.weighed().total() * sensor_noise.weighed().total()))
+            state.noise.iter().find(same).map(SensorNoise::independent_readings)
         };
         state.refits.first().map_or(0.0, |refit| refit.held_out.iter().filter_map(of).sum())
     }

@@ -42,6 +42,8 @@ pub struct Problem {
     pub noise_freedom: Option<f64>,
     /// Whether the model is taken to be a little wrong everywhere.
     pub is_misspecified: bool,
+    /// Independent readings that the fitted ones are worth beside the model error that is allowed for; 0 where none is.
+    pub independent_readings: f64,
     /// Names of the effects that are considered; empty: all.
     pub considered: Vec<String>,
     /// Pairs of nodes between which effects are sought, where the model is too large for all.

@@ -12,7 +12,7 @@ use crate::math::sum::log_sum_exp;
 /// effects explain as much as one another.
 const CLEARLY: f64 = 10.0;
 /// Log odds by which a single place stands behind a whole surface that explains as much.
-const SINGLE_PLACE: f64 = 3.0;
+pub(crate) const SINGLE_PLACE: f64 = 3.0;
 /// Share of the gain of a step in log odds within which effects explain as much as one another.
 const ALIKE_SHARE: f64 = 0.1;
 /// Share of what an effect of a hundred times the plausible size explains, in squares of errors, that one of plausible size

@@ -102,6 +102,11 @@ impl Effect {
         self.form.medium == Some(Medium::Gas)
     }
 
+    /// Whether a gradient within a node reads the same.
+    pub fn is_like_gradient(&self) -> bool {
+        self.form.like_gradient
+    }
+
     /// Whether it depends on when readings were taken.
     pub fn depends_on_date(&self) -> bool {
         self.form.inputs.iter().any(|entry| entry.value.date)

@@ -174,6 +174,7 @@ fn baseline(
         most_steps: Vec::new(),
         noise_freedom: None,
         is_misspecified: false,
+        independent_readings: 0.0,
         considered: Vec::new(),
         places: Default::default(),
         missing_probability: Default::default(),

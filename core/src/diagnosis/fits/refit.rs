@@ -6,17 +6,18 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::diagnosis::fits::other_noise::{Direction, directions};
+use crate::diagnosis::fits::other_noise::{self, Direction, directions};
 use crate::diagnosis::fits::threshold_gaps::{Flat, together};
 use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::prior_scale::{Amplitudes, WIDTHS};
 use crate::diagnosis::{Hypothesis, Problem};
-use crate::effect::Site;
+use crate::effect::{Effect, Site};
 use crate::expression::Unit;
 use crate::inference::estimate::point_estimate::{PointEstimate, PointSettings, estimate};
 use crate::inference::estimate::truncated_moments::Moments;
 use crate::inference::likelihood::Likelihood;
 use crate::inference::target::{LeastSquares, Target};
+use crate::math::functions::ln;
 use crate::measurement::prediction::Predictor;
 use crate::measurement::unknown::with_unknowns;
 use crate::random::StreamKey;
@@ -114,6 +115,9 @@ const MOST_STEPS: u64 = 60;
 /// standard deviation; of transients, whose steps take a thousand times as long, by a twentieth.
 const LEAST_GAIN: f64 = 1e-5;
 const LEAST_GAIN_OF_TRANSIENTS: f64 = 1e-3;
+/// Log evidence that a curve with a wider prior may lack beside the model error that is allowed for. Where it halves the errors, the
+/// model error that is left adds `n (ln 2 - 3/8)`: 10 where a record is worth 30 readings.
+const MAY_LACK: f64 = 6.0;
 /// Times the usual local error of a step where a fit only begins: some millikelvins.
 pub(crate) const TOLERANCE_ON_FEWER_ROWS: f64 = 10.0;
 
@@ -157,8 +161,13 @@ impl Problem {
                 (best, amplitudes, places) = (refit_from_far.0, refit_from_far.1, far);
             }
         }
+        let is_curve = |effect: &usize| {
+            self.catalogue.get(&self.candidates[*effect].effect).is_some_and(Effect::is_unknown_function)
+        };
+        // Five values cost more evidence beside a large model error than beside the smaller one that they leave.
+        let may_lack = if self.independent_readings > 0.0 && effects.iter().any(is_curve) { MAY_LACK } else { 0.0 };
         loop {
-            let wider = amplitudes.wider(&places);
+            let wider = amplitudes.wider(&places, -may_lack);
             if wider == places {
                 break;
             }
@@ -170,7 +179,9 @@ impl Problem {
                 ..Begin::default()
             };
             match self.refit_of_widths(effects, &wider, &begin, key, moments) {
-                Ok(next) if next.0.log_evidence > best.log_evidence => (best, amplitudes) = next,
+                Ok(next) if self.log_evidence_of_own_noise(&next.0) > self.log_evidence_of_own_noise(&best) => {
+                    (best, amplitudes) = next;
+                }
                 _ => break,
             }
             places = wider;
@@ -181,6 +192,19 @@ impl Problem {
         best.log_evidence +=
             amplitudes.narrower(&effects.iter().zip(&places).map(place_at_least_written).collect::<Vec<usize>>());
         Ok(best)
+    }
+
+    /// Log evidence of a fit with the size of the model error that is most likely beside it in place of the one that is allowed for:
+    /// all variances `chi^2 / n` times as large, with `n` independent readings. The evidence itself where none is allowed for.
+    pub(crate) fn log_evidence_of_own_noise(&self, refit: &Refit) -> f64 {
+        let readings = self.independent_readings;
+        let times = refit.chi_square / readings;
+        if !(times > 0.0 && times.is_finite()) {
+            return refit.log_evidence;
+        }
+        refit.log_evidence
+            + 0.5 * (refit.chi_square - readings * (1.0 + ln(times)))
+            + other_noise::gain(&refit.directions, times)
     }
 
     /// Of each effect whether a start has an amplitude beyond its written prior.

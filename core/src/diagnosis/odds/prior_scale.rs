@@ -97,10 +97,11 @@ impl Amplitudes {
         -own.iter().map(|factor| ln(*factor)).sum::<f64>() - 0.5 * (cholesky::log_determinant(&inner, n) + square)
     }
 
-    /// The next widths, as positions in [`WIDTHS`], of those effects for which a wider prior pays.
-    pub fn wider(&self, places: &[usize]) -> Vec<usize> {
+    /// The next widths, as positions in [`WIDTHS`], of those effects for which a wider prior raises the log evidence by more than
+    /// `least`.
+    pub fn wider(&self, places: &[usize], least: f64) -> Vec<usize> {
         let mut factors = vec![1.0; places.len()];
-        let (mut next, mut known) = (places.to_vec(), 0.0);
+        let (mut next, mut known) = (places.to_vec(), least);
         for (effect, &place) in places.iter().enumerate() {
             let Some(to) = WIDTHS.get(place + 1).filter(|_| self.effects.contains(&effect)) else { continue };
             let from = WIDTHS[place];
@@ -181,8 +182,8 @@ mod tests {
     fn what_no_data_see_has_no_width() {
         let unseen = Amplitudes { effects: vec![0], away: vec![0.0], factor: Some(vec![1.0]) };
         assert!(unseen.gain(&[10.0]).abs() < 1e-12 && unseen.gain(&[0.1]).abs() < 1e-12);
-        assert_eq!((unseen.wider(&[0]), unseen.narrower(&[0])), (vec![0], 0.0));
+        assert_eq!((unseen.wider(&[0], 0.0), unseen.narrower(&[0])), (vec![0], 0.0));
         let none = Amplitudes { effects: Vec::new(), away: Vec::new(), factor: Some(Vec::new()) };
-        assert_eq!((none.wider(&[0]), none.narrower(&[0])), (vec![0], 0.0));
+        assert_eq!((none.wider(&[0], 0.0), none.narrower(&[0])), (vec![0], 0.0));
     }
 }

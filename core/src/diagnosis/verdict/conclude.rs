@@ -10,9 +10,9 @@ use crate::diagnosis::heat;
 use crate::diagnosis::heat::effect_heat_flow::effect_heat_flow;
 use crate::diagnosis::hypothesis::InferredStart;
 use crate::diagnosis::noise::overstated;
-use crate::diagnosis::odds::narrow_prior::{SEPARATE, TITLE, is_prior};
+use crate::diagnosis::odds::narrow_prior::{SEPARATE, TITLE};
 use crate::diagnosis::odds::posterior_odds::{
-    LEAST_RIVAL, MOST_RIVALS, RIVALS_WITHIN, STANDS, SURE, SetProbabilities, best, groups, held, nothing_stands,
+    LEAST_RIVAL, MOST_RIVALS, RIVALS_WITHIN, STANDS, SURE, SetProbabilities, best, held, nothing_stands,
     posterior_odds, veto,
 };
 use crate::diagnosis::output::{
@@ -27,8 +27,8 @@ use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::diagnosis::verdict::{few_readings, still, trend, words};
 use crate::diagnosis::{Problem, Refit};
 use crate::document::counted;
-use crate::math::functions::{ln, pow};
-use crate::math::special::{chi_square_sf, normal_quantile};
+use crate::math::functions::ln;
+use crate::math::special::chi_square_sf;
 use crate::measurement::unknown::start_name;
 use crate::measurement::{Doubt, Rows};
 use crate::random::Distribution;
@@ -88,6 +88,8 @@ pub(crate) struct Findings<'a> {
     pub fewest_parameters: bool,
     /// Probabilities that errors of the model itself are what effects explain, where they are not 0.
     pub model_errors: BTreeMap<usize, f64>,
+    /// Probability that lumped nodes are what an effect explains.
+    pub lumped_nodes: BTreeMap<usize, f64>,
     /// Probabilities of effects beside which others explain nearly as much.
     pub shared: BTreeMap<usize, f64>,
 }
@@ -163,7 +165,13 @@ impl Findings<'_> {
 
     /// A probability of an effect, less what it has of being none.
     fn unless_model_error(&self, effect: usize, probability: f64) -> f64 {
-        (1.0 - self.model_errors.get(&effect).copied().unwrap_or(0.0)) * probability
+        (1.0 - self.model_error(effect)) * probability
+    }
+
+    /// Probability that errors of the model are what an effect explains.
+    fn model_error(&self, effect: usize) -> f64 {
+        let of = |probabilities: &BTreeMap<usize, f64>| probabilities.get(&effect).copied().unwrap_or(0.0);
+        of(&self.model_errors).max(of(&self.lumped_nodes))
     }
 
     /// Whether an effect is so small that errors of the model may well be what it explains.
@@ -226,6 +234,7 @@ impl Diagnosis {
             vetoed: false,
             fewest_parameters: false,
             model_errors: BTreeMap::new(),
+            lumped_nodes: BTreeMap::new(),
             shared: BTreeMap::new(),
         };
         let nothing = match findings.story.as_ref().and_then(|story| story.steps.first()) {
@@ -274,6 +283,7 @@ impl Diagnosis {
                     *known = known.max(probability);
                 }
             }
+            findings.lumped_nodes = findings.lumped_nodes();
             let chosen = &state.refits[findings.selected];
             let explains = !chosen.effects.is_empty() && !self.leaves_too_much(&findings);
             if explains {
@@ -286,6 +296,7 @@ impl Diagnosis {
                 findings.groups.clear();
                 findings.rivals.clear();
                 findings.model_errors.clear();
+                findings.lumped_nodes.clear();
             }
         }
         if state.is_misspecified() && findings.selected == 0 {
@@ -479,7 +490,7 @@ impl Diagnosis {
             where_kind: candidate.where_kind.to_owned(),
             input: candidate.input.clone(),
             probability,
-            model_error: findings.model_errors.get(&effect).copied().unwrap_or(0.0),
+            model_error: findings.model_error(effect),
             log_bayes_factor,
             log_bayes_factor_scales: scales,
             changes_nothing: changes_nothing(before, refit),
@@ -512,14 +523,6 @@ impl Diagnosis {
     }
 }
 
-/// By how much odds are too sure beside which tests still find something: the ratio of the squares of the normal deviates
-/// of what they find and of their level; 1 where they find nothing.
-fn doubt(p: f64, false_alarm: f64) -> f64 {
-    const MOST: f64 = 10.0;
-    let square = |p: f64| normal_quantile(0.5 * p.clamp(1e-300, 1.0)) * normal_quantile(0.5 * p.clamp(1e-300, 1.0));
-    (square(p) / square(false_alarm)).clamp(1.0, MOST)
-}
-
 /// Number of parameters that are not held at a bound.
 fn free(refit: &Refit) -> usize {
     refit.held.iter().zip(&refit.names).filter(|(held, name)| !**held && !is_idle(name)).count()
@@ -531,91 +534,6 @@ fn named(findings: &Findings<'_>, effects: &[usize]) -> String {
 }
 
 impl Findings<'_> {
-    /// Selects the set to which the steps of a story lead; the group of a member is what could be added in its stead.
-    fn follow(&mut self, story: &Story) {
-        self.selected = story.end();
-        for step in &story.steps {
-            let Some(chosen) = step.chosen else { continue };
-            let chance = |place: usize| step.additions.iter().find(|one| one.place == place);
-            let Some(own) = chance(chosen) else { continue };
-            let (mut group, mut held) = (vec![own.effect], own.probability);
-            for other in step.additions.iter().filter(|one| one.place != chosen) {
-                let near = other.probability * RIVALS_WITHIN >= own.probability;
-                let unsure = held < SURE && other.probability >= LEAST_RIVAL;
-                if (near || unsure) && group.len() <= MOST_RIVALS {
-                    group.push(other.effect);
-                    held += other.probability;
-                }
-            }
-            self.rivals =
-                step.additions.iter().filter(|one| group.contains(&one.effect)).map(|one| one.place).collect();
-            self.rivals.sort_by_key(|place| *place != chosen);
-            self.groups.push(group);
-        }
-    }
-
-    /// Selects the most probable set, its rivals and its groups.
-    /// While something is still found beside the most probable set, the likelihood is known to be wrong, and odds made with
-    /// it are too sure: their logarithms are divided by how far beyond the level of the tests that is (a likelihood raised
-    /// to a power below 1; Miller & Dunson 2019, J. Am. Stat. Assoc. 114, 1113), and of the sets that are rivals then the one
-    /// with the fewest parameters goes first.
-    fn select(&mut self, false_alarm: f64) {
-        if let Some(story) = self.story.clone() {
-            return self.follow(&story);
-        }
-        let place = best(&self.weights).unwrap_or(0);
-        self.selected = place;
-        if place == 0 {
-            return;
-        }
-        let refits = &self.state.refits;
-        let doubt = self.remaining(place).map_or(1.0, |p| doubt(p, false_alarm));
-        let within = pow(RIVALS_WITHIN, doubt);
-        // What takes more parameters has no claim on doubt.
-        let mut weights = self.weights.clone();
-        for (refit, weight) in refits.iter().zip(&mut weights.sets) {
-            let near = *weight * RIVALS_WITHIN >= self.weights.sets[place];
-            if doubt > 1.0 && !near && refit.unknowns.len() > refits[place].unknowns.len() {
-                *weight = 0.0;
-            }
-        }
-        (self.groups, self.rivals) = groups(refits, &weights, place, within);
-        if doubt > 1.0 {
-            let alike = |other: &&usize| refits[**other].effects.len() == refits[place].effects.len();
-            let plainer = |a: usize, b: usize| if refits[b].unknowns.len() < refits[a].unknowns.len() { b } else { a };
-            self.selected = self.rivals.iter().filter(alike).copied().reduce(plainer).unwrap_or(place);
-            self.fewest_parameters = self.selected != place;
-            (self.groups, self.rivals) = groups(refits, &weights, self.selected, within);
-        }
-        // Of rivals the one goes first that has to invent least: a prior may simply be wrong.
-        let invented = |other: usize| {
-            let effects = refits[other].effects.iter();
-            effects.filter(|&&effect| !is_prior(&self.problem.candidates[effect])).count()
-        };
-        let alike = |other: &&usize| refits[**other].effects.len() == refits[self.selected].effects.len();
-        let first = self.rivals.iter().filter(alike).copied();
-        let first = first.reduce(|a, b| if invented(b) < invented(a) { b } else { a }).unwrap_or(self.selected);
-        if invented(first) < invented(self.selected) {
-            self.selected = first;
-            self.fewest_parameters = false;
-            (self.groups, self.rivals) = groups(refits, &weights, first, within);
-        }
-        // A whole group goes before one of its members that explains no more.
-        let is_whole = |other: usize| {
-            let candidates = &self.problem.candidates;
-            let (own, whole) = (&refits[self.selected].effects, &refits[other].effects);
-            let gone = own.iter().filter(|effect| !whole.contains(effect));
-            gone.clone().any(|&member| whole.iter().any(|&group| candidates[group].is_whole_of(&candidates[member])))
-        };
-        let alike = |other: &&usize| refits[**other].effects.len() == refits[self.selected].effects.len();
-        let near = |other: &&usize| weights.sets[**other] * RIVALS_WITHIN >= weights.sets[self.selected];
-        let whole = self.rivals.iter().filter(alike).filter(near).copied().find(|&other| is_whole(other));
-        if let Some(whole) = whole {
-            self.selected = whole;
-            (self.groups, self.rivals) = groups(refits, &weights, whole, within);
-        }
-    }
-
     /// Log Bayes factor of a fit over another; where a model error is allowed for, each with the one that is most likely beside
     /// it: with that of the best set the baseline model would seem far less probable than it is, and later steps hardly more.
     fn log_bayes_factor(&self, before: usize, after: usize) -> f64 {
@@ -633,7 +551,7 @@ impl Findings<'_> {
     }
 
     /// The family-wise p of what a set leaves, where that was tested.
-    fn remaining(&self, place: usize) -> Option<f64> {
+    pub(super) fn remaining(&self, place: usize) -> Option<f64> {
         let effects = &self.state.refits[place].effects;
         let mut known = self.state.remainders.iter().chain(&self.late);
         known.find(|remainder| remainder.effects == *effects).map(|remainder| remainder.p)
@@ -654,7 +572,8 @@ impl Findings<'_> {
         }
         let alone = self.rivals.len() == 1;
         let sure = held(&self.state.refits, &self.weights, &self.groups) >= SURE;
-        let all_large = !self.state.refits[self.selected].effects.iter().any(|&effect| self.is_small(effect));
+        let own = &self.state.refits[self.selected].effects;
+        let all_large = own.iter().all(|&effect| self.model_error(effect) < IS_MODEL_ERROR);
         if alone && sure && all_large { Verdict::Identified } else { Verdict::Ambiguous }
     }
 }

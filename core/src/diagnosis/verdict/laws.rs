@@ -38,9 +38,10 @@ impl Diagnosis {
         let one = |&effect: &usize| {
             let curve = results.iter().find(|result| result.id == findings.id(effect))?;
             let tried = self.fitted_laws(findings.problem, refit, effect);
-            let better = |a: Fitted, b: Fitted| if b.refit.log_evidence > a.refit.log_evidence { b } else { a };
+            let evidence = |refit: &Refit| findings.problem.log_evidence_of_own_noise(refit);
+            let better = |a: Fitted, b: Fitted| if evidence(&b.refit) > evidence(&a.refit) { b } else { a };
             let best = tried.into_iter().reduce(better)?;
-            let describes = best.refit.log_evidence + CURVE_COST >= refit.log_evidence;
+            let describes = evidence(&best.refit) + CURVE_COST >= evidence(refit);
             describes.then(|| {
                 let needless = self.needless(findings, &best);
                 result(&best, curve, refit, needless)

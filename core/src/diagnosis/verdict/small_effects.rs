@@ -23,7 +23,7 @@ use crate::diagnosis::verdict::conclude::Findings;
 const LEAST_SHARE: f64 = 0.2;
 /// Multiple of what the model error makes, in squares, that an effect explains which is as likely one as not: with it the error
 /// is half of that before.
-const AS_LIKELY: f64 = 3.0;
+pub(super) const AS_LIKELY: f64 = 3.0;
 /// Probability that a small effect is none: nothing beforehand speaks for either.
 pub(super) const IS_MODEL_ERROR: f64 = 0.5;
 
@@ -33,11 +33,7 @@ impl Findings<'_> {
     pub(super) fn model_errors(&self, is_left: bool) -> BTreeMap<usize, f64> {
         let refits = &self.state.refits;
         let chosen = &refits[self.selected];
-        let gain = |effect: usize| {
-            let (before, after) = self.step_of(effect).or_else(|| self.best_with(effect))?;
-            Some(refits[before].chi_square - refits[after].chi_square)
-        };
-        let strongest = chosen.effects.iter().filter_map(|&effect| gain(effect)).fold(0.0, f64::max);
+        let strongest = chosen.effects.iter().filter_map(|&effect| self.gain(effect)).fold(0.0, f64::max);
         let left = Left {
             strongest,
             squares: self.left_by_model_error(chosen),
@@ -49,9 +45,15 @@ impl Findings<'_> {
         effects.dedup();
         let one = |effect: usize| {
             let by_size = if self.is_implausible(effect) { IS_MODEL_ERROR } else { 0.0 };
-            Some((effect, left.is_model_error(gain(effect)?).max(by_size)))
+            Some((effect, left.is_model_error(self.gain(effect)?).max(by_size)))
         };
         effects.into_iter().filter_map(one).filter(|(_, probability)| *probability > 0.0).collect()
+    }
+
+    /// What an effect explains, in squares of the noise: in its step, or beside the rest of its best set.
+    pub(super) fn gain(&self, effect: usize) -> Option<f64> {
+        let (before, after) = self.step_of(effect).or_else(|| self.best_with(effect))?;
+        Some(self.state.refits[before].chi_square - self.state.refits[after].chi_square)
     }
 
     /// Whether an effect has to be larger than the catalogue's plausible sizes by the widest factor that is tried, in its step or
@@ -79,8 +81,8 @@ impl Findings<'_> {
         without(&self.selected).or_else(|| (0..refits.len()).filter_map(|after| without(&after)).reduce(better))
     }
 
-    /// Sum of squares that the model error makes: of the one that is allowed for, or what the selected set leaves beyond the
-    /// noise.
+    /// Sum of squares that the model error makes: of the one that is allowed for, as far as the selected set leaves it, or what the
+    /// set leaves beyond the noise.
     fn left_by_model_error(&self, chosen: &Refit) -> f64 {
         if !self.state.is_misspecified() {
             return (chosen.chi_square - chosen.residuals.len() as f64).max(0.0);
@@ -90,7 +92,8 @@ impl Findings<'_> {
             let error = self.state.noise.iter().find(same)?.model_error?;
             Some((error.sd / error.counts_as) * (error.sd / error.counts_as))
         };
-        self.problem.fitted_readings().into_iter().filter_map(of).sum()
+        // What it was before the effects were found is no measure of what they leave.
+        self.problem.fitted_readings().into_iter().filter_map(of).sum::<f64>().min(chosen.chi_square)
     }
 }
 

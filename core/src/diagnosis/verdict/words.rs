@@ -108,18 +108,19 @@ fn lower(sentence: &str) -> String {
 /// Probability below which it is not said that errors of the model may be what an effect explains.
 const LEAST_MODEL_ERROR: f64 = 0.05;
 
-/// That errors of the model itself may be what an effect explains.
-fn or_model_error(effect: &EffectResult) -> String {
+/// That errors of the model itself may be what an effect explains; where it `is_like_gradient`, which.
+fn or_model_error(effect: &EffectResult, is_like_gradient: bool) -> String {
     if effect.model_error >= IS_MODEL_ERROR {
         // What is said of its size is why, where it is implausible.
         let is_implausible = effect.prior_width >= WIDTHS.iter().map(|width| width.factor).fold(1.0, f64::max);
-        return match is_implausible {
-            true => " Errors of the model itself may be all that it stands for.".to_owned(),
-            false => {
-                " It explains less than what else is missing: errors of the model itself may be all that it stands for."
-                    .to_owned()
+        let words = match (is_like_gradient, is_implausible) {
+            (true, _) => "A gradient within the node would read the same: divide the node to see.",
+            (false, true) => "Errors of the model itself may be all that it stands for.",
+            (false, false) => {
+                "It explains less than what else is missing: errors of the model itself may be all that it stands for."
             }
         };
+        return format!(" {words}");
     }
     if effect.model_error < LEAST_MODEL_ERROR {
         return String::new();
@@ -420,6 +421,9 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
         Verdict::Identified | Verdict::Ambiguous => {
             // What invents nothing goes first.
             let is_prior = |effect: &&&EffectResult| effect.effect == PRIOR_OF;
+            let is_like_gradient = |effect: &EffectResult| {
+                findings.problem.catalogue.get(&effect.effect).is_some_and(Effect::is_like_gradient)
+            };
             for effect in selected.iter().filter(is_prior) {
                 words.push(too_narrow(effect, findings.problem));
             }
@@ -441,7 +445,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     percent(effect.probability),
                     effect.log_bayes_factor,
                     surprising(effect),
-                    or_model_error(effect)
+                    or_model_error(effect, is_like_gradient(effect))
                 ));
             }
             words.extend(output.steps.last().and_then(ends));
@@ -544,12 +548,14 @@ mod tests {
     #[test]
     fn why_errors_of_the_model_may_be_it_is_said_where_it_is_so() {
         let of = |model_error: f64, prior_width: f64| {
-            or_model_error(&EffectResult { model_error, prior_width, ..effect(0.03) })
+            or_model_error(&EffectResult { model_error, prior_width, ..effect(0.03) }, false)
         };
         assert!(of(0.04, 1.0).is_empty());
         assert_eq!(of(0.13, 1.0), " Errors of the model itself explain as much with probability 13.0 %.");
         assert!(of(0.5, 10.0).starts_with(" It explains less than what else is missing"));
         assert_eq!(of(0.5, 100.0), " Errors of the model itself may be all that it stands for.");
+        let pulled = or_model_error(&EffectResult { model_error: 0.5, ..effect(0.03) }, true);
+        assert!(pulled.starts_with(" A gradient within the node would read the same"), "{pulled}");
     }
 
     #[test]

@@ -1,0 +1,140 @@
+//! What lumped nodes explain: errors that every thermal network has, whatever noise is stated.
+//!
+//! A node has one temperature where the hardware has a gradient, exchange areas are estimates, and edges lose heat. What remains of
+//! lumped models of spacecraft at their best is some 0.1 to 0.5 K, in proportion to what the temperatures vary by. An effect that
+//! explains `g` times the squares that such errors make is one itself with the probability `1 / (1 + g / 3)`, at most a half, as
+//! beside a model error that is allowed for ([`crate::diagnosis::verdict::small_effects`]).
+//!
+//! A sensor that is pulled towards another temperature reads what one off the middle of a node with a gradient reads. No data tell
+//! the two apart.
+
+use std::collections::BTreeMap;
+
+use crate::diagnosis::Problem;
+use crate::diagnosis::engine::SensorNoise;
+use crate::diagnosis::problem::FittedReading;
+use crate::diagnosis::verdict::conclude::Findings;
+use crate::diagnosis::verdict::small_effects::{AS_LIKELY, IS_MODEL_ERROR};
+use crate::effect::Effect;
+use crate::math::functions::sqrt;
+
+/// Standard deviation of the errors of lumped nodes, as a share of that of a thermometer's readings: 0.06 K where these vary by 20 K.
+/// A convention.
+const LUMPED: f64 = 0.003;
+
+impl Findings<'_> {
+    /// Probability that lumped nodes are what an effect explains, of each effect that was fitted.
+    pub(super) fn lumped_nodes(&self) -> BTreeMap<usize, f64> {
+        let as_likely = AS_LIKELY * self.squares_of_lumped_nodes();
+        let mut effects: Vec<usize> =
+            self.state.refits.iter().flat_map(|refit| refit.effects.iter().copied()).collect();
+        effects.sort_unstable();
+        effects.dedup();
+        let one = |effect: usize| {
+            if is_like_gradient(self.problem, effect) {
+                return Some((effect, IS_MODEL_ERROR));
+            }
+            Some((effect, probability(as_likely, self.gain(effect)?)))
+        };
+        effects.into_iter().filter_map(one).filter(|(_, probability)| *probability > 0.0).collect()
+    }
+
+    /// Sum of squares, in those of the noise, that lumped nodes make in the fitted readings of thermometers.
+    fn squares_of_lumped_nodes(&self) -> f64 {
+        let readings = self.problem.fitted_readings();
+        let lumped_k = LUMPED * typical_variation_k(self.problem, &readings);
+        let of = |reading: &FittedReading| {
+            let sensor = &self.problem.measurements[reading.measurement].sensors[reading.sensor];
+            if !self.problem.model.quantities[sensor.quantity].is_temperature {
+                return 0.0;
+            }
+            let same = |own: &&SensorNoise| own.measurement == reading.measurement && own.sensor == reading.sensor;
+            let sd = self.state.noise.iter().find(same).map_or(sensor.total_sd(), |own| own.weighed().total());
+            if sd > 0.0 { (lumped_k / sd) * (lumped_k / sd) } else { 0.0 }
+        };
+        readings.iter().map(of).sum()
+    }
+}
+
+/// Whether a gradient within a node reads the same as an effect.
+fn is_like_gradient(problem: &Problem, effect: usize) -> bool {
+    problem.catalogue.get(&problem.candidates[effect].effect).is_some_and(Effect::is_like_gradient)
+}
+
+/// Probability of an effect with a gain in squares of being none, where one with the gain `as_likely` is as likely one as not.
+fn probability(as_likely: f64, gain: f64) -> f64 {
+    if gain < as_likely { IS_MODEL_ERROR } else { as_likely / (as_likely + gain).max(f64::MIN_POSITIVE) }
+}
+
+/// Standard deviation of a thermometer's fitted readings in all measurements together, median over the thermometers, K.
+fn typical_variation_k(problem: &Problem, readings: &[FittedReading]) -> f64 {
+    let mut thermometers: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    for reading in readings {
+        let measurement = &problem.measurements[reading.measurement];
+        let quantity = measurement.sensors[reading.sensor].quantity;
+        if problem.model.quantities[quantity].is_temperature {
+            thermometers.entry(quantity).or_default().extend(measurement.reading(reading.row, reading.sensor));
+        }
+    }
+    let deviation = |values: &Vec<f64>| {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        sqrt(values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / values.len() as f64)
+    };
+    let mut deviations: Vec<f64> = thermometers.values().filter(|values| !values.is_empty()).map(deviation).collect();
+    deviations.sort_by(f64::total_cmp);
+    deviations.get(deviations.len() / 2).copied().unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::document::Diagnostics;
+    use crate::effect::Catalogue;
+    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
+
+    #[test]
+    fn half_of_a_sensor_that_is_pulled_is_a_gradient() {
+        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+        let recipe = Recipe::of(Topology::Star, TestKind::Steady, InjectionRequest::default());
+        let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+        let of = |name: &str| problem.candidates.iter().position(|own| own.effect == name).unwrap();
+        assert!(is_like_gradient(&problem, of("sensor-conduction")));
+        assert!(!is_like_gradient(&problem, of("sensor-bias")) && !is_like_gradient(&problem, of("conductive-path")));
+    }
+
+    #[test]
+    fn what_explains_three_times_the_errors_of_lumped_nodes_is_one_of_them_as_likely_as_not() {
+        for (gain, expected) in [(-5.0, 0.5), (0.0, 0.5), (30.0, 0.5), (90.0, 0.25), (270.0, 0.1)] {
+            assert!((probability(30.0, gain) - expected).abs() < 1e-12, "{gain}");
+        }
+        assert_eq!(probability(0.0, 0.0), 0.0, "where nothing varies");
+    }
+
+    /// Two thermometers of which one varies between 290 and 310 K and the other is at rest; a constant added changes nothing.
+    #[test]
+    fn the_variation_is_that_of_the_middle_thermometer() {
+        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+        let recipe = Recipe::of(Topology::Star, TestKind::Steady, InjectionRequest::default());
+        let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+        let mut over = |swing_k: f64, of: fn(usize) -> f64| {
+            for measurement in &mut problem.measurements {
+                let sensors = measurement.sensors.len();
+                for (place, reading) in measurement.readings.iter_mut().enumerate() {
+                    let up = if place / sensors % 2 == 0 { swing_k } else { -swing_k };
+                    *reading = Some(300.0 + of(place % sensors) * up);
+                }
+            }
+            let readings = problem.fitted_readings();
+            typical_variation_k(&problem, &readings)
+        };
+        let all = over(10.0, |_| 1.0);
+        assert!((all - 10.0).abs() < 0.5, "{all}: rows are nearly as often up as down");
+        assert!(
+            over(10.0, |sensor| if sensor == 0 { 100.0 } else { 1.0 }) < 10.5,
+            "one that swings far is not the middle"
+        );
+        assert_eq!(over(0.0, |_| 1.0), 0.0);
+    }
+}

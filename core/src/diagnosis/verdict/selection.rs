@@ -1,0 +1,160 @@
+//! Which set of effects goes first, its rivals and its groups.
+
+use crate::diagnosis::odds::narrow_prior::is_prior;
+use crate::diagnosis::odds::posterior_odds::{
+    LEAST_RIVAL, MOST_RIVALS, RIVALS_WITHIN, SURE, SetProbabilities, best, groups,
+};
+use crate::diagnosis::story::{SINGLE_PLACE, Story};
+use crate::diagnosis::verdict::conclude::Findings;
+use crate::math::functions::{exp, pow};
+use crate::math::special::normal_quantile;
+
+impl Findings<'_> {
+    /// Selects the set to which the steps of a story lead; the group of a member is what could be added in its stead.
+    fn follow(&mut self, story: &Story) {
+        self.selected = story.end();
+        for step in &story.steps {
+            let Some(chosen) = step.chosen else { continue };
+            let chance = |place: usize| step.additions.iter().find(|one| one.place == place);
+            let Some(own) = chance(chosen) else { continue };
+            let (mut group, mut held) = (vec![own.effect], own.probability);
+            for other in step.additions.iter().filter(|one| one.place != chosen) {
+                let near = other.probability * RIVALS_WITHIN >= own.probability;
+                let unsure = held < SURE && other.probability >= LEAST_RIVAL;
+                if (near || unsure) && group.len() <= MOST_RIVALS {
+                    group.push(other.effect);
+                    held += other.probability;
+                }
+            }
+            self.rivals =
+                step.additions.iter().filter(|one| group.contains(&one.effect)).map(|one| one.place).collect();
+            self.rivals.sort_by_key(|place| *place != chosen);
+            self.groups.push(group);
+        }
+    }
+
+    /// Selects the most probable set, its rivals and its groups.
+    ///
+    /// While something is still found beside the most probable set, the likelihood is known to be wrong, and odds made with
+    /// it are too sure: their logarithms are divided by how far beyond the level of the tests that is (a likelihood raised
+    /// to a power below 1; Miller & Dunson 2019, J. Am. Stat. Assoc. 114, 1113), and of the sets that are rivals then the one
+    /// with the fewest parameters goes first. Of these the one that has to invent least does, as a prior may simply be wrong; and
+    /// a whole group goes before one of its members.
+    pub(super) fn select(&mut self, false_alarm: f64) {
+        if let Some(story) = self.story.clone() {
+            return self.follow(&story);
+        }
+        let place = best(&self.weights).unwrap_or(0);
+        self.selected = place;
+        if place == 0 {
+            return;
+        }
+        let refits = &self.state.refits;
+        let doubt = self.remaining(place).map_or(1.0, |p| doubt(p, false_alarm));
+        let within = pow(RIVALS_WITHIN, doubt);
+        // What takes more parameters has no claim on doubt.
+        let mut weights = self.weights.clone();
+        for (refit, weight) in refits.iter().zip(&mut weights.sets) {
+            let near = *weight * RIVALS_WITHIN >= self.weights.sets[place];
+            if doubt > 1.0 && !near && refit.unknowns.len() > refits[place].unknowns.len() {
+                *weight = 0.0;
+            }
+        }
+        self.go_on_with(place, &weights, within);
+        if doubt > 1.0 {
+            let plainer = |a: usize, b: usize| if refits[b].unknowns.len() < refits[a].unknowns.len() { b } else { a };
+            let plainest = self.rivals_of_its_size().into_iter().reduce(plainer).unwrap_or(place);
+            self.fewest_parameters = plainest != place;
+            self.go_on_with(plainest, &weights, within);
+        }
+        let invented = |other: usize| {
+            let effects = refits[other].effects.iter();
+            effects.filter(|&&effect| !is_prior(&self.problem.candidates[effect])).count()
+        };
+        let less = |a: usize, b: usize| if invented(b) < invented(a) { b } else { a };
+        let first = self.rivals_of_its_size().into_iter().reduce(less).unwrap_or(self.selected);
+        if invented(first) < invented(self.selected) {
+            self.fewest_parameters = false;
+            self.go_on_with(first, &weights, within);
+        }
+        let near = |other: &usize| weights.sets[*other] * RIVALS_WITHIN >= weights.sets[self.selected];
+        let is_whole = |other: &usize| self.is_of_whole_group(*other, self.selected);
+        let whole = self.rivals_of_its_size().into_iter().filter(near).find(is_whole);
+        if let Some(whole) = whole {
+            let of_members: Vec<usize> =
+                self.rivals_of_its_size().into_iter().filter(|&other| self.is_of_whole_group(whole, other)).collect();
+            give_to_whole(&mut weights, whole, &of_members);
+            give_to_whole(&mut self.weights, whole, &of_members);
+            self.go_on_with(whole, &weights, within);
+        }
+    }
+
+    /// Selects a set, with its rivals and its groups.
+    fn go_on_with(&mut self, place: usize, weights: &SetProbabilities, within: f64) {
+        self.selected = place;
+        (self.groups, self.rivals) = groups(&self.state.refits, weights, place, within);
+    }
+
+    /// The selected set and its rivals of as many effects.
+    fn rivals_of_its_size(&self) -> Vec<usize> {
+        let size = |place: usize| self.state.refits[place].effects.len();
+        self.rivals.iter().copied().filter(|&other| size(other) == size(self.selected)).collect()
+    }
+
+    /// Whether a set has a whole group where another one has a member of it.
+    fn is_of_whole_group(&self, whole: usize, other: usize) -> bool {
+        let candidates = &self.problem.candidates;
+        let effects = |place: usize| &self.state.refits[place].effects;
+        let mut gone = effects(other).iter().filter(|effect| !effects(whole).contains(effect));
+        let is_whole_of =
+            |member: usize| effects(whole).iter().any(|&group| candidates[group].is_whole_of(&candidates[member]));
+        gone.any(|&member| is_whole_of(member))
+    }
+}
+
+/// Gives a set with a whole group what sets with one of its members have, but for the share of a single place.
+fn give_to_whole(weights: &mut SetProbabilities, whole: usize, of_members: &[usize]) {
+    let theirs: f64 = of_members.iter().map(|&place| weights.sets[place]).sum();
+    let all = theirs + weights.sets[whole];
+    let left = all * exp(-SINGLE_PLACE) / (1.0 + exp(-SINGLE_PLACE));
+    if theirs > left {
+        of_members.iter().for_each(|&place| weights.sets[place] *= left / theirs);
+        weights.sets[whole] = all - left;
+    }
+}
+
+/// By how much odds are too sure beside which tests still find something: the ratio of the squares of the normal deviates
+/// of what they find and of their level; 1 where they find nothing.
+fn doubt(p: f64, false_alarm: f64) -> f64 {
+    const MOST: f64 = 10.0;
+    let square = |p: f64| normal_quantile(0.5 * p.clamp(1e-300, 1.0)) * normal_quantile(0.5 * p.clamp(1e-300, 1.0));
+    (square(p) / square(false_alarm)).clamp(1.0, MOST)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_whole_group_has_what_its_members_had() {
+        let mut weights = SetProbabilities { sets: vec![0.05, 0.3, 0.5, 0.1], unexplained: 0.05 };
+        give_to_whole(&mut weights, 1, &[2, 3]);
+        // A single place keeps exp(-3) of what the group has.
+        assert!((weights.sets[1] / (weights.sets[2] + weights.sets[3]) - exp(3.0)).abs() < 1e-9, "{weights:?}");
+        assert!((weights.sets[2] / weights.sets[3] - 5.0).abs() < 1e-9);
+        assert!((weights.sets.iter().sum::<f64>() + weights.unexplained - 1.0).abs() < 1e-12);
+        let sure = SetProbabilities { sets: vec![0.0, 0.99, 0.01], unexplained: 0.0 };
+        let mut same = sure.clone();
+        give_to_whole(&mut same, 1, &[2]);
+        assert_eq!(same, sure, "it has more already");
+    }
+
+    #[test]
+    fn odds_are_doubted_as_far_as_something_is_found() {
+        assert_eq!(doubt(0.5, 0.01), 1.0);
+        assert_eq!(doubt(0.01, 0.01), 1.0);
+        // Two-sided deviates of 4.89 and 2.58.
+        assert!((doubt(1e-6, 0.01) - 3.605).abs() < 0.01, "{}", doubt(1e-6, 0.01));
+        assert_eq!(doubt(0.0, 0.01), 10.0);
+    }
+}
