@@ -116,8 +116,9 @@ impl Diagnosis {
         }
         if problem.is_misspecified {
             // Step by step: what a larger set gains there is as likely to be model error.
-            let place = self.story(&state).end();
-            if place == 0 {
+            let story = self.story(&state);
+            let place = story.end();
+            if story.finds_no_plausible_law(&state) {
                 let curves = state.screening.leads.clone();
                 let curves = curves.iter().filter(|lead| self.is_last_resort(lead.candidate));
                 curves.take(BESIDE).for_each(|lead| state.order(&[lead], &[], 0));

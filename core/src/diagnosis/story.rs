@@ -65,6 +65,11 @@ impl Story {
     pub fn end(&self) -> usize {
         self.sets.last().copied().unwrap_or(0)
     }
+
+    /// Whether it finds no law, or begins with one that has to be a hundred times as large as is plausible.
+    pub fn finds_no_plausible_law(&self, state: &State) -> bool {
+        self.sets.get(1).is_none_or(|&first| is_implausible(state, 0, first))
+    }
 }
 
 /// Log likelihood that a set gains over another on unseen rows which are worth so many independent readings, each set with
@@ -101,6 +106,11 @@ fn is_implausible(state: &State, at: usize, place: usize) -> bool {
     let widest = WIDTHS[WIDTHS.len() - 1].factor;
     added(state, at, place)
         .is_some_and(|effect| state.refits[place].widths().get(&effect).is_some_and(|&w| w >= widest))
+}
+
+/// Whether the prior of an effect of a set is as wide as the catalogue's.
+fn is_as_written(state: &State, effect: usize, place: usize) -> bool {
+    state.refits[place].widths().get(&effect).is_some_and(|&width| width <= 1.0)
 }
 
 /// Whether an effect of plausible size goes before one of a hundred times that, each by a set that adds it to another: it
@@ -236,7 +246,14 @@ impl Diagnosis {
         let law = additions.iter().filter(pays).find(|one| !is_curve(one));
         let of_one_input = |one: &&Addition| is_curve(one) && self.problem().candidates[one.effect].bound.len() == 1;
         let curve = additions.iter().filter(pays).find(of_one_input);
+        // A law that has to be a hundred times as large as is plausible is no better than a curve of plausible size.
+        let is_plausible = |one: &&Addition| is_curve(one) && is_as_written(state, one.effect, one.place);
+        let plausible = law.filter(|law| is_implausible(state, at, law.place));
+        let plausible = plausible.and_then(|law| {
+            additions.iter().filter(pays).find(is_plausible).filter(|curve| logs[curve.place] > logs[law.place])
+        });
         let chosen = match (law, curve) {
+            _ if plausible.is_some() => plausible,
             (Some(_), Some(curve)) if largest_law.is_some_and(|law| logs[curve.place] > law + CLEARLY) => Some(curve),
             (Some(law), _) => {
                 // A law of a whole surface goes before what explains as much at single places.
@@ -330,7 +347,7 @@ impl Diagnosis {
         Some(Step { chosen: Some(end), ..self.step(state, logs, before) })
     }
 
-    /// Whether an effect is an unknown function in which several inputs meet, which is asked where no law is found.
+    /// Whether an effect is an unknown function in which several inputs meet, which is asked where no law of plausible size is found.
     pub(crate) fn is_last_resort(&self, effect: usize) -> bool {
         self.is_unknown_function(effect) && self.problem().candidates[effect].bound.len() > 1
     }

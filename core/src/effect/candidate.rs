@@ -64,6 +64,16 @@ impl Candidate {
 
     /// Whether this is the same effect on a group of which the other's place is a part.
     pub fn is_whole_of(&self, other: &Self) -> bool {
+        self.holds_place_of(other) && self.effect == other.effect && self.input == other.input
+    }
+
+    /// Whether it acts on a whole group of nodes or elements, by whatever law, of which the other acts on a part; or is the whole of it.
+    pub fn goes_before_member(&self, other: &Self) -> bool {
+        self.is_whole_of(other) || !matches!(self.site, Site::Sensors(_)) && self.holds_place_of(other)
+    }
+
+    /// Whether its place is a group of which the other's is a part.
+    fn holds_place_of(&self, other: &Self) -> bool {
         let is_part = match (&self.site, &other.site) {
             (Site::Nodes(whole), Site::Nodes(part)) => {
                 part.iter().all(|(node, _)| whole.iter().any(|(own, _)| own == node)) && part.len() < whole.len()
@@ -76,7 +86,7 @@ impl Candidate {
             }
             _ => false,
         };
-        self.is_group() && is_part && self.effect == other.effect && self.input == other.input
+        self.is_group() && is_part
     }
 }
 

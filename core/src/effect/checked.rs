@@ -102,6 +102,11 @@ impl Effect {
         self.form.medium == Some(Medium::Gas)
     }
 
+    /// Whether it needs what few articles have.
+    pub fn is_rare(&self) -> bool {
+        self.form.rare
+    }
+
     /// Whether a gradient within a node reads the same.
     pub fn is_like_gradient(&self) -> bool {
         self.form.like_gradient

@@ -29,6 +29,8 @@ written_struct! {
         required adds: Spanned<AddsForm>,
         /// What must surround the hardware.
         optional medium: Medium,
+        /// Whether it needs what few articles have, such as a wet surface.
+        default(false) rare: bool,
         /// Whether a gradient within a node, which a lumped node has none of, reads the same.
         default(false) like_gradient: bool,
         /// Data that can see it.

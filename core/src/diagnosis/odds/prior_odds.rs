@@ -2,7 +2,7 @@
 //!
 //! Each kind of effect is missing with probability 0.05 if the study does not say otherwise, at any of its places in this
 //! network alike, and so is physics that no kind describes: so the number of places is paid for. What is out of place, such
-//! as convection in vacuum, is less probable. A hidden node between two nodes that the model does not join is two things at
+//! as convection in vacuum, is less probable, and so is what needs something rare, such as a wet surface. A hidden node between two nodes that the model does not join is two things at
 //! once, a path and a part. What changes at a date is the less probable the shorter the record is: hardware changes over weeks, not
 //! within the minutes of a bench test.
 
@@ -48,7 +48,10 @@ impl PriorOdds {
             let is = |of: fn(&Effect) -> bool| problem.catalogue.get(effect).is_some_and(of);
             let behind = if is(Effect::is_unknown_function) { CURVE_COST } else { 0.0 };
             let behind = if is(Effect::depends_on_date) { behind - changes } else { behind };
-            let missing = problem.missing_probability.get(effect).copied().unwrap_or(MISSING);
+            // A study that says how probable a kind is has thought of where it is rare.
+            let said = problem.missing_probability.get(effect).copied();
+            let behind = if said.is_none() && is(Effect::is_rare) { behind + OUT_OF_PLACE } else { behind };
+            let missing = said.unwrap_or(MISSING);
             ln(missing / (1.0 - missing)) - ln(count.max(1) as f64) - behind
         };
         let kinds = counts.into_iter().map(|(effect, count)| (effect.clone(), odds(&effect, count))).collect();

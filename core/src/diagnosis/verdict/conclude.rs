@@ -64,6 +64,8 @@ const LEAST_STATED: f64 = 1e-3;
 const MOVES_NOTHING: f64 = 0.01;
 /// p-value of the remaining sum of squares below which a set does not bring the model near the noise.
 const FAR_FROM_NOISE: f64 = 1e-3;
+/// Reduced chi-square, beside the model error that is allowed for, above which a set does not bring the model near it.
+const FAR_FROM_MODEL_ERROR: f64 = 2.0;
 
 /// The sets, weighed, and which of them is said.
 pub(crate) struct Findings<'a> {
@@ -417,7 +419,10 @@ impl Diagnosis {
         let chosen = &findings.state.refits[findings.selected];
         let found = findings.remaining_now().is_some_and(|p| p <= self.settings().false_alarm);
         let freedom = chosen.residuals.len() as f64 - free(chosen) as f64;
-        let far = chi_square_sf(chosen.chi_square, freedom.max(1.0)) < FAR_FROM_NOISE;
+        let far = match findings.state.is_misspecified() {
+            true => chosen.chi_square > FAR_FROM_MODEL_ERROR * freedom.max(1.0),
+            false => chi_square_sf(chosen.chi_square, freedom.max(1.0)) < FAR_FROM_NOISE,
+        };
         let rather_else = findings.weights.unexplained > 0.5;
         (found && far) || rather_else
     }

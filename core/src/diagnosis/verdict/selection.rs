@@ -106,8 +106,9 @@ impl Findings<'_> {
         let candidates = &self.problem.candidates;
         let effects = |place: usize| &self.state.refits[place].effects;
         let mut gone = effects(other).iter().filter(|effect| !effects(whole).contains(effect));
-        let is_whole_of =
-            |member: usize| effects(whole).iter().any(|&group| candidates[group].is_whole_of(&candidates[member]));
+        let is_whole_of = |member: usize| {
+            effects(whole).iter().any(|&group| candidates[group].goes_before_member(&candidates[member]))
+        };
         gone.any(|&member| is_whole_of(member))
     }
 }
