@@ -5,13 +5,13 @@
 //! `small_effects`: what errors of the model may be. `words`: the sentences.
 
 pub(crate) mod conclude;
-pub(crate) mod discriminating_experiment;
-mod everywhere;
-pub(crate) mod few_readings;
+pub mod discriminating_experiment;
+pub mod everywhere;
+pub mod few_readings;
 pub(crate) mod hints;
 mod laws;
 mod nearly_as_good;
-mod small_effects;
-pub(crate) mod still;
-pub(crate) mod trend;
-pub(crate) mod words;
+pub mod small_effects;
+pub mod still;
+pub mod trend;
+pub mod words;
