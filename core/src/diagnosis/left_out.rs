@@ -164,7 +164,7 @@ pub fn frozen(errors: &[f64], readings: &[f64]) -> Vec<usize> {
 }
 
 /// Positions of readings of steady phases in a stretch of one value that noise of `sd` about any temperature would show by
-/// chance in fewer than one of [`STUCK`] campaigns, while the model moves: `step` is the resolution. Of each stretch the
+/// chance in fewer than one of `STUCK` campaigns, while the model moves: `step` is the resolution. Of each stretch the
 /// first reading may be right.
 pub fn stuck(errors: &[f64], readings: &[f64], sd: f64, step: f64) -> Vec<usize> {
     // A node that is held shows a coarse channel one value whatever the stated accuracy.

@@ -1,7 +1,7 @@
 //! Priors that may be too narrow: beside the catalogue's effects, every inferred parameter may have a value that its prior
 //! makes improbable or rules out.
 //!
-//! Such a candidate adds no element. It puts a prior that is [`TIMES`] times as wide, without the written bounds, in the place
+//! Such a candidate adds no element. It puts a prior that is `TIMES` times as wide, without the written bounds, in the place
 //! of the parameter's own, and so pays for the freedom in its evidence as any effect does. Where it explains what an
 //! effect would explain, nothing new has to be invented.
 

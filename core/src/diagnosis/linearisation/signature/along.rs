@@ -1,7 +1,7 @@
 //! Directions of smooth effects on nodes over long records: responses of the network linearised along its course.
 //!
 //! At fixed temperatures a unit of an amplitude is a heat `q` into some nodes, which is known along the course of the baseline
-//! model ([`slopes`](super::slopes)); `C dT' = J dT + q` tells what it does to the temperatures. Of each step between kept rows
+//! model (`slopes`); `C dT' = J dT + q` tells what it does to the temperatures. Of each step between kept rows
 //! `q` is the line with the mean and the first moment that it has over all rows in between. So effects share every
 //! factorisation, and cost two solves a step.
 
