@@ -297,10 +297,9 @@ fn a_hundred_nights_raise_at_most_four_alarms() {
     assert!(found <= 4, "{found}");
 }
 
-/// The goal of the nightly regression: of the X-ray monitor a change by 1 % of the joint that its data were made with, under
-/// their own noise, is found with another seed, at about 4000 effective draws.
-#[test]
-fn a_hundredth_of_the_monitors_joint_is_found_in_its_data() {
+/// Of the X-ray monitor's campaign, with data whose joint Gh has these factors of the one that its baselines were made with, under
+/// their own noise: the exit code of a check with another seed, and what it says of the mean of Gh.
+fn checks_of_the_monitor<const N: usize>(factors: [f64; N]) -> [(i32, Value); N] {
     use crate::verification::monitor_campaign::{TRUTH, campaign, study};
     let root = tempfile::tempdir().unwrap();
     let (from, to) = (Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/sxm"), root.path().join("sxm"));
@@ -319,7 +318,7 @@ fn a_hundredth_of_the_monitors_joint_is_found_in_its_data() {
     pass["jobs"].as_object_mut().unwrap().retain(|name, _| name != "flight");
     fs::write(to.join("pass-3.json"), pass.to_string()).unwrap();
     fs::create_dir_all(to.join("data")).unwrap();
-    let moved = |factor: f64| -> (i32, Value) {
+    factors.map(|factor| {
         let truth = TRUTH.map(|(name, value)| (name, if name == "Gh" { factor * value } else { value }));
         fs::write(to.join("data/thermal-vacuum.csv"), campaign(&study("pass-1.json"), &truth)).unwrap();
         let output = bmv(root.path(), &["check", "sxm/pass-3.json", "--other-seed=7", "--json"]);
@@ -327,15 +326,24 @@ fn a_hundredth_of_the_monitors_joint_is_found_in_its_data() {
         let numbers = document["jobs"][0]["numbers"].as_array().unwrap();
         let is_it = |number: &&Value| number["of"] == "Gh" && number["statistic"] == "mean";
         (code(&output), numbers.iter().find(is_it).unwrap().clone())
-    };
-    let (status, same) = moved(1.0);
+    })
+}
+
+/// The goal of the nightly regression: a change by 1 % of a joint is found with another seed, at about 4000 effective draws.
+#[test]
+fn a_hundredth_of_the_monitors_joint_is_found_in_its_data() {
+    let [(status, same), (status_of_less, less)] = checks_of_the_monitor([1.0, 0.99]);
     assert_eq!((status, &same["differs"]), (0, &json!(false)), "{same}");
     let percent = same["detectable_percent"].as_f64().unwrap();
     assert!(percent < 0.5, "{same}");
-    for factor in [0.99, 1.01] {
-        let (status, found) = moved(factor);
-        assert_eq!((status, &found["differs"]), (1, &json!(true)), "{found}");
-    }
+    assert_eq!((status_of_less, &less["differs"]), (1, &json!(true)), "{less}");
+}
+
+#[test]
+#[ignore = "nightly: what a hundredth less shows by day, for a hundredth more"]
+fn a_hundredth_more_of_the_monitors_joint_is_found_too() {
+    let [(status, more)] = checks_of_the_monitor([1.01]);
+    assert_eq!((status, &more["differs"]), (1, &json!(true)), "{more}");
 }
 
 /// The files of a study's baselines.

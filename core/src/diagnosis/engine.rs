@@ -56,7 +56,7 @@ pub struct Diagnosis {
     settings: Settings,
     key: StreamKey,
     /// Which places are tried.
-    pub(crate) choice: Choice,
+    pub choice: Choice,
     /// What was last at chosen places: every fit asks for it.
     placed: LastPlaced,
 }

@@ -3,26 +3,26 @@
 //! In the order of a diagnosis: `problem` (what is diagnosed), `thinned` (the same on fewer rows), `hypothesis` (its model with a set of effects), `linearisation`, `screening`, `fits`, `noise`, `heat` (what is missing
 //! whatever its name, and what heat a fitted effect carries), `odds`, `verdict`, `output`. `engine` is the course, `search` which sets are fitted next, `left_out` which readings are faults, `misspecified` what changes where the model is a little wrong everywhere, `story` how effects are added there. docs/diagnosis.md says what is computed, and after whom.
 
-mod engine;
+pub mod engine;
 pub mod error;
 pub mod fits;
-mod heat;
+pub mod heat;
 pub mod hypothesis;
-mod left_out;
+pub mod left_out;
 pub mod linearisation;
 mod misspecified;
-mod noise;
+pub mod noise;
 pub mod odds;
 pub mod output;
-mod places;
+pub mod places;
 pub mod problem;
 mod query;
 pub mod screening;
-mod search;
+pub mod search;
 mod settings;
-mod story;
-mod thinned;
-mod verdict;
+pub mod story;
+pub mod thinned;
+pub mod verdict;
 
 pub use engine::{Diagnosis, FitRequest, State};
 pub use error::{FitError, Unfitted};

@@ -10,7 +10,7 @@ pub mod hash;
 pub mod json;
 pub mod map;
 pub mod name;
-mod number;
+pub mod number;
 pub mod other_tools;
 pub mod prior;
 pub mod quantity;
@@ -18,7 +18,7 @@ pub mod schema;
 pub mod source;
 pub mod suggest;
 pub mod visible;
-mod words;
+pub mod words;
 pub mod written;
 
 pub use declare::Empty;

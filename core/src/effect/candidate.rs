@@ -22,7 +22,7 @@ pub struct GroupPlace {
 }
 
 /// `where_kind` of a group.
-const GROUP: &str = "group";
+pub const GROUP: &str = "group";
 
 /// An effect at a place.
 #[derive(Clone, Debug, PartialEq)]
@@ -477,34 +477,5 @@ impl Effect {
                 }
                 Site::Pair(_) | Site::Parameter(_) => false,
             })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn on(where_kind: &'static str, effect: &str, elements: &[usize]) -> Candidate {
-        Candidate {
-            id: String::new(),
-            effect: effect.to_owned(),
-            where_kind,
-            place: Vec::new(),
-            input: None,
-            site: Site::Elements(elements.to_vec()),
-            bound: Vec::new(),
-            steady: true,
-            transient: true,
-        }
-    }
-
-    #[test]
-    fn a_group_is_the_whole_of_its_members_with_the_same_effect() {
-        let wall = on(GROUP, "input-dependent-conductance", &[2, 3, 4]);
-        assert!(wall.is_whole_of(&on("conductor", "input-dependent-conductance", &[3])));
-        assert!(!wall.is_whole_of(&on("conductor", "input-dependent-conductance", &[5])));
-        assert!(!wall.is_whole_of(&on("conductor", "conductance-step", &[3])));
-        assert!(!wall.is_whole_of(&wall), "a group is no part of itself");
-        assert!(!on("conductor", "conductance-step", &[3, 4]).is_whole_of(&on("conductor", "conductance-step", &[3])));
     }
 }

@@ -19,7 +19,7 @@ pub struct LawFile {
 }
 
 /// A law of one variable.
-struct Law {
+pub struct Law {
     name: &'static str,
     words: &'static str,
     /// With `x` for the input, and `x_lower` and `x_upper` for its range.
@@ -38,7 +38,7 @@ pub const SCALE: &str = "scale";
 const CONSTANT: (&str, usize, &str) = ("constant", 0, "the part that does not vary");
 
 /// In the order in which they are tried.
-const LAWS: &[Law] = &[
+pub const LAWS: &[Law] = &[
     Law {
         name: "linear",
         words: "straight line",
@@ -109,7 +109,7 @@ const LAWS: &[Law] = &[
 ];
 
 /// The heat with the effect's own name of its input in the place of `x`.
-fn with_input(heat: &str, input: &str) -> String {
+pub fn with_input(heat: &str, input: &str) -> String {
     let mut text = String::new();
     let mut word = String::new();
     let put = |word: &mut String, text: &mut String| {
@@ -189,37 +189,4 @@ pub fn laws(effect: &Effect, of_angle: bool, of: &str) -> Vec<LawFile> {
         LawFile { name, law: law.words, text: format!("{{\n{}\n}}\n", lines.join(",\n")), has_scale }
     };
     fitting.map(file).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::document::Diagnostics;
-    use crate::effect::Catalogue;
-
-    /// Every law of every unknown function of the catalogue is an effect file without a fault.
-    #[test]
-    fn all_laws_are_effect_files() {
-        let embedded = Catalogue::embedded(&mut Diagnostics::new());
-        let curves: Vec<&Effect> = embedded.effects().iter().filter(|effect| effect.is_unknown_function()).collect();
-        assert_eq!(curves.len(), 2);
-        for effect in curves {
-            let files = laws(effect, true, "a curve");
-            assert_eq!(files.len(), LAWS.len());
-            for file in files {
-                let (mut catalogue, mut diagnostics) = (embedded.clone(), Diagnostics::new());
-                catalogue.read(&file.name, &file.name, file.text.as_bytes(), &mut diagnostics);
-                catalogue.check(&mut diagnostics);
-                assert!(diagnostics.is_empty(), "{}\n{}", file.text, diagnostics.render(false, 10));
-                assert!(embedded.get(&file.name).is_none(), "{} has a name of its own", file.name);
-            }
-        }
-        assert!(laws(embedded.get("heat-load").expect("there"), true, "a load").is_empty());
-    }
-
-    #[test]
-    fn the_input_has_the_name_that_the_effect_gives_it() {
-        let heat = "constant + size * exp((x - x_upper) / x)";
-        assert_eq!(with_input(heat, "flux"), "constant + size * exp((flux - flux_upper) / flux)");
-    }
 }

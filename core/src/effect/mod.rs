@@ -4,7 +4,7 @@
 pub mod apply;
 pub mod candidate;
 pub mod catalogue;
-mod checked;
+pub mod checked;
 pub mod form;
 pub mod law;
 pub mod parameter;

@@ -73,7 +73,7 @@ pub fn widened(distribution: Distribution, factor: f64) -> Distribution {
 }
 
 /// The SI unit of a dimension over others as people read it: `W/Pa`, not `m3/s`.
-fn si_per(above: Dimension, below: &[Dimension]) -> Unit {
+pub fn si_per(above: Dimension, below: &[Dimension]) -> Unit {
     let plain = Unit::si(below.iter().fold(above, |dimension, divisor| dimension.over(*divisor)));
     let mut above = above.to_string();
     let mut powers: Vec<(String, usize)> = Vec::new();
@@ -208,67 +208,4 @@ fn enlarged(dimension: Dimension, model: &Model) -> f64 {
 /// A scale of a prior: half the distance between its 16 % and 84 % quantiles.
 fn spread(prior: &Distribution) -> f64 {
     0.5 * (prior.quantile(0.84) - prior.quantile(0.16))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::Catalogue;
-    use super::*;
-    use crate::thermal::element::{Conductor, Element, ElementKind};
-    use crate::thermal::{Limits, Node, NodeKind};
-
-    /// A node that stores and exchanges so much, beside a boundary.
-    fn hardware(capacity: f64, conductance: f64) -> Model {
-        let mut model = Model::default();
-        let [capacity, cold, conductance] = [capacity, 290.0, conductance].map(|value| model.graph.number(value));
-        let node =
-            |name: &str, kind| Node { name: name.to_owned(), kind, area: None, alias: None, limits: Limits::default() };
-        model.nodes = vec![
-            node("inside", NodeKind::Diffusion { capacity }),
-            node("outside", NodeKind::Boundary { temperature: cold }),
-        ];
-        let kind = ElementKind::Conductor(Conductor { between: [0, 1], conductance });
-        model.elements = vec![Element { name: "wall".to_owned(), kind }];
-        model
-    }
-
-    /// A house of 10 MJ/K that loses 120 W/K may hide parts of 2 MJ/K behind 10 W/K; an instrument those of the catalogue.
-    #[test]
-    fn sizes_are_plausible_for_the_hardware() {
-        let catalogue = Catalogue::embedded(&mut Diagnostics::new());
-        let plausible = |effect: &str, model: &Model| -> Vec<f64> {
-            catalogue.get(effect).unwrap().parameters(model, &[]).iter().map(|parameter| parameter.plausible).collect()
-        };
-        let (house, head) = (hardware(1e7, 120.0), hardware(700.0, 2.0));
-        assert_eq!(plausible("hidden-node", &head), [200.0, 0.1]);
-        assert_eq!(plausible("hidden-node", &house), [2e6, 10.0]);
-        assert_eq!(plausible("sensor-bias", &house), plausible("sensor-bias", &head));
-        let mut study_effect = catalogue.get("hidden-node").unwrap().clone();
-        study_effect.embedded = false;
-        assert_eq!(
-            study_effect.parameters(&house, &[])[0].plausible,
-            200.0,
-            "a study's own effect is meant for its hardware"
-        );
-    }
-
-    /// Heat over powers, fluxes and pressures is written as an engineer would; the same dimension cancels.
-    #[test]
-    fn a_unit_over_others_is_one_that_people_read() {
-        let dimension = |text: &str| Unit::parse(text).unwrap().dimension;
-        let cases: [(&[&str], &str); 6] = [
-            (&["Pa"], "W/Pa"),
-            (&["W"], "1"),
-            (&["K", "K"], "W/K2"),
-            (&["W/m2", "W"], "1/(W/m2)"),
-            (&["W/m2", "A"], "W/((W/m2) A)"),
-            (&["W/m2", "W/m2"], "W/((W/m2) (W/m2))"),
-        ];
-        for (below, expected) in cases {
-            let below: Vec<Dimension> = below.iter().map(|text| dimension(text)).collect();
-            let unit = si_per(dimension("W"), &below);
-            assert_eq!(unit.text, expected);
-            assert_eq!(unit.dimension, below.iter().fold(dimension("W"), |above, divisor| above.over(*divisor)));
-        }
-    }
 }

@@ -6,7 +6,7 @@ mod hasher;
 pub mod infer;
 pub mod parse;
 pub mod program;
-mod schedule;
+pub mod schedule;
 pub mod scope;
 pub mod unit;
 

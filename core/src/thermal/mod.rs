@@ -9,7 +9,7 @@ mod equations;
 pub mod external;
 mod fault;
 pub mod identity;
-mod lanes_lu;
+pub mod lanes_lu;
 mod linear;
 pub mod model;
 pub mod network;

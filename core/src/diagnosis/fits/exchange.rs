@@ -16,7 +16,7 @@ const MORE_THAN_WANTED: usize = 4;
 
 /// Candidates that exchange channels.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Exchanges {
+pub struct Exchanges {
     /// Those that, nothing being refitted, leave less than the baseline model does: at its fit or at the priors' medians.
     /// Positions, those that leave least first.
     pub likeliest: Vec<usize>,
@@ -28,7 +28,7 @@ pub(crate) struct Exchanges {
 ///
 /// # Errors
 /// Why nothing can be predicted without any of them.
-pub(crate) fn exchanges(problem: &Problem, baseline: &Refit, count: usize) -> Result<Exchanges, FitError> {
+pub fn exchanges(problem: &Problem, baseline: &Refit, count: usize) -> Result<Exchanges, FitError> {
     let is_one = |effect: &str| problem.catalogue.get(effect).is_some_and(Effect::exchanges_channels);
     let mut all: Vec<usize> =
         (0..problem.candidates.len()).filter(|&candidate| is_one(&problem.candidates[candidate].effect)).collect();
@@ -113,37 +113,4 @@ fn left(problem: &Problem, baseline: &Refit, effects: &[usize]) -> Result<[f64; 
         Ok(_) => residuals.iter().map(|r| r * r).sum(),
         Err(_) => f64::INFINITY,
     }))
-}
-
-#[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-
-    use super::*;
-    use crate::diagnosis::{Diagnosis, Settings};
-    use crate::document::Diagnostics;
-    use crate::effect::{Catalogue, Site};
-    use crate::random::StreamKey;
-    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
-
-    #[test]
-    fn an_exchange_of_which_no_model_can_be_made_is_told_with_its_reason() {
-        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
-        let request =
-            InjectionRequest { only: Some("heat-load".to_owned()), size: Some(5.0), ..InjectionRequest::default() };
-        let recipe = Recipe::of(Topology::Star, TestKind::Steady, request);
-        let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
-        let is_swap = |candidate: &crate::effect::Candidate| candidate.effect == "swapped-channels";
-        let broken = problem.candidates.iter().position(is_swap).unwrap();
-        Arc::make_mut(&mut problem.candidates)[broken].site = Site::Nodes(vec![(0, 1.0)]);
-        let diagnosis = Diagnosis::new(problem.clone(), Settings::default(), StreamKey::new(1, "test", "exchange"));
-        let state = diagnosis.screen().unwrap();
-        let exchange_search = exchanges(&problem, &state.refits[0], usize::MAX).unwrap();
-        assert!(!exchange_search.likeliest.contains(&broken));
-        let [(position, why)] = exchange_search.impossible.as_slice() else {
-            panic!("{:?}", exchange_search.impossible)
-        };
-        assert!(*position == broken && matches!(why, FitError::Apply(_)), "{why}");
-        assert!(state.failed.contains(&(broken, why.to_string())), "{:?}", state.failed);
-    }
 }

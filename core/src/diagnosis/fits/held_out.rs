@@ -68,7 +68,7 @@ pub(crate) fn test(problem: &Problem, baseline: &Refit, chosen: &Refit, stated: 
 
 /// Mean of the blocks' gains and its standard error, which one block does not have; `None` without a block, or where they are
 /// no numbers.
-fn mean_gain(gains: &[f64]) -> Option<(f64, Option<f64>)> {
+pub fn mean_gain(gains: &[f64]) -> Option<(f64, Option<f64>)> {
     let count = gains.len();
     let mean = gains.iter().sum::<f64>() / count as f64;
     let square = gains.iter().map(|gain| (gain - mean) * (gain - mean)).sum::<f64>();
@@ -78,7 +78,7 @@ fn mean_gain(gains: &[f64]) -> Option<(f64, Option<f64>)> {
 
 /// Whether the errors are beyond what noise and fit allow (`p`), and either `judged` by that alone or twice as large as before;
 /// from the sums of their squares before and after.
-fn is_bad(p: Option<f64>, judged: bool, [before, after]: [f64; 2]) -> bool {
+pub fn is_bad(p: Option<f64>, judged: bool, [before, after]: [f64; 2]) -> bool {
     p.is_some_and(|p| p < FAR) && (judged || after > FAR_WORSE * before)
 }
 
@@ -191,27 +191,5 @@ fn block(problem: &Problem, measurement: usize, row: usize) -> usize {
             let length = (TIMES_OF_BLOCK * longest).max(0.02 * span).max(f64::MIN_POSITIVE);
             ((inputs.times_s[row] - inputs.times_s.first().unwrap_or(&0.0)) / length) as usize
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn gains_without_a_number_are_no_test() {
-        assert_eq!(mean_gain(&[1.0, 3.0]), Some((2.0, Some(1.0))));
-        assert_eq!(mean_gain(&[5.0]), Some((5.0, None)), "one block has no standard error");
-        // Errors of 10 K by a noise of 1e-154 K.
-        assert_eq!((mean_gain(&[]), mean_gain(&[f64::INFINITY, 1.0]), mean_gain(&[1e200, -1e200])), (None, None, None));
-    }
-
-    #[test]
-    fn errors_that_double_beyond_the_noise_are_bad() {
-        // 1.2 to 7.2 K; 1.3 to 2.4 K is less than twice.
-        let (doubled, risen) = ([1.2 * 1.2, 7.2 * 7.2], [1.3 * 1.3, 2.4 * 2.4]);
-        assert!(is_bad(Some(1e-9), false, doubled) && !is_bad(Some(1e-9), false, risen));
-        assert!(!is_bad(Some(0.01), false, doubled), "what the fitted rows leave open is no fault");
-        assert!(!is_bad(None, true, doubled) && is_bad(Some(1e-9), true, risen));
     }
 }

@@ -4,8 +4,8 @@
 //! are tried. `other_noise`: what the evidence is with another noise. `exchange`: exchanged channels. `held_out`: what the held-out rows say.
 
 pub mod evidence;
-pub(crate) mod exchange;
-pub(crate) mod held_out;
+pub mod exchange;
+pub mod held_out;
 pub mod other_noise;
 pub mod refit;
 pub(crate) mod threshold_gaps;

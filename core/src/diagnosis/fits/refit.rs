@@ -17,7 +17,6 @@ use crate::inference::estimate::point_estimate::{PointEstimate, PointSettings, e
 use crate::inference::estimate::truncated_moments::Moments;
 use crate::inference::likelihood::Likelihood;
 use crate::inference::target::{LeastSquares, Target};
-use crate::math::functions::ln;
 use crate::measurement::prediction::Predictor;
 use crate::measurement::unknown::with_unknowns;
 use crate::random::StreamKey;
@@ -194,17 +193,9 @@ impl Problem {
         Ok(best)
     }
 
-    /// Log evidence of a fit with the size of the model error that is most likely beside it in place of the one that is allowed for:
-    /// all variances `chi^2 / n` times as large, with `n` independent readings. The evidence itself where none is allowed for.
+    /// Log evidence of a fit with the size of the model error that is most likely beside it in place of the one that is allowed for.
     pub(crate) fn log_evidence_of_own_noise(&self, refit: &Refit) -> f64 {
-        let readings = self.independent_readings;
-        let times = refit.chi_square / readings;
-        if !(times > 0.0 && times.is_finite()) {
-            return refit.log_evidence;
-        }
-        refit.log_evidence
-            + 0.5 * (refit.chi_square - readings * (1.0 + ln(times)))
-            + other_noise::gain(&refit.directions, times)
+        other_noise::with_own_noise(refit.log_evidence, refit.chi_square, self.independent_readings, &refit.directions)
     }
 
     /// Of each effect whether a start has an amplitude beyond its written prior.

@@ -9,7 +9,7 @@
 
 pub(crate) mod effect_heat_flow;
 mod relations;
-mod sources;
+pub mod sources;
 
 use crate::diagnosis::fits::evidence::{Amplitude, Evidence};
 use crate::diagnosis::output::{GoesWith, Heat};
@@ -34,7 +34,7 @@ const STAYS: f64 = 0.02;
 
 /// The heat that is missing.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct MissingHeat {
+pub struct MissingHeat {
     /// Log evidence of a model with such sources.
     pub log_evidence: f64,
     /// The heat of each node and phase or stretch.
@@ -169,7 +169,7 @@ fn settle(sources: &Sources, mut state: State, chosen: &Needed) -> State {
 }
 
 /// The heat that a fit of the baseline model lacks. `None` for networks that are too large or that cannot be solved so.
-pub(crate) fn missing_heat(problem: &Problem, baseline: &Refit) -> Option<MissingHeat> {
+pub fn missing_heat(problem: &Problem, baseline: &Refit) -> Option<MissingHeat> {
     let sources = Sources::new(problem)?;
     let list = sources.list();
     let state = sources.at(&baseline.unknowns, &vec![0.0; list.len()])?;
@@ -193,58 +193,4 @@ pub(crate) fn missing_heat(problem: &Problem, baseline: &Refit) -> Option<Missin
     let watts: Vec<(&Source, f64)> =
         chosen.iter().zip(&amplitudes).map(|(&(place, _), watts)| (&list[place], *watts)).collect();
     Some(MissingHeat { log_evidence, heat, goes_with: relations(problem, &watts) })
-}
-
-#[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-
-    use super::*;
-    use crate::diagnosis::fits::refit::Begin;
-    use crate::document::Diagnostics;
-    use crate::effect::Catalogue;
-    use crate::random::StreamKey;
-    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
-
-    /// Where the baseline fit is bent, it need not have come to its end: what heat explains does not depend on it. With a
-    /// difference to the baseline fit's evidence the two would differ by what that is wrong by.
-    #[test]
-    fn the_evidence_does_not_depend_on_where_the_believed_fit_stopped() {
-        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
-        let request =
-            InjectionRequest { only: Some("heat-load".to_owned()), size: Some(5.0), ..InjectionRequest::default() };
-        let recipe = Recipe::of(Topology::Star, TestKind::Steady, request);
-        let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
-        let begin = Begin { from_prior: 2, scale: 1.0, ..Begin::default() };
-        let fitted = problem.refit(&[], &begin, &StreamKey::new(1, "test", "heat")).unwrap();
-        let best = missing_heat(&problem, &fitted).unwrap();
-        assert!(best.log_evidence > fitted.log_evidence + 10.0, "{} {}", best.log_evidence, fitted.log_evidence);
-        let mut stopped = fitted.clone();
-        for (value, held) in stopped.unknowns.iter_mut().zip(&fitted.held) {
-            *value *= if *held { 1.0 } else { 1.001 };
-        }
-        stopped.log_evidence -= 1e6;
-        let missing = missing_heat(&problem, &stopped).unwrap();
-        // Both settle until half the sum of squares falls by less than 0.02, and the model is nearly linear.
-        assert!(
-            (missing.log_evidence - best.log_evidence).abs() < 0.5,
-            "{} {}",
-            missing.log_evidence,
-            best.log_evidence
-        );
-        assert_eq!(missing.heat.len(), best.heat.len());
-        for (one, other) in missing.heat.iter().zip(&best.heat) {
-            assert!((one.watts - other.watts).abs() < 0.1 * one.sd, "{one:?} {other:?}");
-        }
-        // Where all is nearly linear and the fit is at its end, it is the difference that it was.
-        let sources = Sources::new(&problem).unwrap();
-        let state = sources.at(&fitted.unknowns, &vec![0.0; sources.list().len()]).unwrap();
-        let without = Evidence::new(&state.linear).log_evidence(&[]).unwrap();
-        let constant = sources.constant(&state, &fitted).unwrap();
-        assert!(
-            (without + constant - fitted.log_evidence).abs() < 0.05,
-            "{without} {constant} {}",
-            fitted.log_evidence
-        );
-    }
 }

@@ -27,7 +27,7 @@ const UNBOUNDED_W: f64 = 1e12;
 
 /// What sources are of one kind: their sizes are alike.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub enum Kind {
     /// Heat of a node.
     Node(usize),
     /// The bias of a sensor, by measurement and sensor.
@@ -35,9 +35,12 @@ pub(super) enum Kind {
 }
 
 /// A source and where it acts.
-pub(super) struct Source {
+pub struct Source {
+    /// What it is a source of.
     pub kind: Kind,
+    /// The steady phase.
     pub phase: Option<String>,
+    /// The instant in a record, s.
     pub time_s: Option<f64>,
     /// Inputs there, SI.
     pub inputs: Vec<f64>,
@@ -55,7 +58,7 @@ struct Field {
 }
 
 /// All sources of a problem.
-pub(super) struct Sources {
+pub struct Sources {
     likelihood: Likelihood,
     fields: Vec<Field>,
     list: Vec<Source>,
@@ -66,7 +69,7 @@ pub(super) struct Sources {
 /// The problem linearised with sources in it. Its residuals are those without sources as far as their slopes tell, so that
 /// amplitudes count from 0.
 #[derive(Clone)]
-pub(super) struct State {
+pub struct State {
     /// Unknowns of the baseline model, SI.
     pub unknowns: Vec<f64>,
     /// Amplitudes of the sources, W (of biases in standard deviations).

@@ -1,7 +1,7 @@
 //! Priors that may be too narrow: beside the catalogue's effects, every inferred parameter may have a value that its prior
 //! makes improbable or rules out.
 //!
-//! Such a candidate adds no element. It puts a prior that is [`TIMES`] times as wide, without the written bounds, in the place
+//! Such a candidate adds no element. It puts a prior that is `TIMES` times as wide, without the written bounds, in the place
 //! of the parameter's own, and so pays for the freedom in its evidence as any effect does. Where it explains what an
 //! effect would explain, nothing new has to be invented.
 
@@ -26,7 +26,7 @@ const TIMES: f64 = 3.0;
 /// Shares of a prior beyond which it says that a value is not possible.
 const HARDLY: f64 = 1e-6;
 /// Lower bound of what cannot be below 0, in its median: a conductance of exactly 0 takes nodes apart.
-const LEAST: f64 = 1e-6;
+pub const LEAST: f64 = 1e-6;
 
 /// A prior `factor` times as wide as the one that stands for a prior that is too narrow. What the prior itself holds above 0 stays
 /// there, and a share stays below 1. `None` for what is known.
@@ -86,36 +86,5 @@ impl Problem {
     /// The wider prior of a parameter, `factor` times as wide as usual.
     pub(crate) fn wider_prior(&self, parameter: usize, factor: f64) -> Option<Distribution> {
         wider(self.priors.get(parameter)?, &self.model.parameters.get(parameter)?.unit, factor)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::math::functions::ln;
-
-    #[test]
-    fn a_wider_prior_keeps_what_cannot_be_otherwise() {
-        let uniform = |lower, upper| Distribution::Uniform { lower, upper };
-        // The quantiles at 0.16 and 0.84 lie 0.68 of the width apart, and a standard deviation is 1.5 times that.
-        let Some(Distribution::Normal { mean, sd, lower, upper }) = wider(&uniform(0.84, 0.88), "1", 1.0) else {
-            panic!("normal")
-        };
-        assert!((mean - 0.86).abs() < 1e-12 && (sd - 1.5 * 0.68 * 0.04).abs() < 1e-12, "{mean} {sd}");
-        assert_eq!((lower, upper), (Some(LEAST * mean), Some(1.0)), "an emittance");
-        let of = |prior: &Distribution, unit: &str| match wider(prior, unit, 2.0) {
-            Some(Distribution::Normal { lower, upper, .. }) => (lower.is_some(), upper.is_some()),
-            other => panic!("{other:?}"),
-        };
-        assert_eq!(of(&uniform(0.2, 0.5), "W/K"), (true, false), "a conductance may be above 1 W/K");
-        assert_eq!(of(&uniform(-3.0, 3.0), "K"), (false, false));
-        let normal = Distribution::Normal { mean: 1.0, sd: 0.02, lower: None, upper: None };
-        assert_eq!(of(&normal, "1"), (true, false), "a factor near 1 may be above it");
-        assert_eq!(wider(&Distribution::Fixed(2.0), "1", 1.0), None);
-        let logarithmic = wider(&Distribution::LogUniform { lower: 1.0, upper: 100.0 }, "W/K", 1.0);
-        let Some(Distribution::LogNormal { median, factor }) = logarithmic else { panic!("lognormal") };
-        assert!((median - 10.0).abs() < 1e-9 && (ln(factor) - 3.0 * 0.34 * ln(100.0)).abs() < 1e-9, "{factor}");
-        let half = wider(&Distribution::HalfNormal { scale: 0.1 }, "W/K", 1.0);
-        assert!(matches!(half, Some(Distribution::HalfNormal { scale }) if (scale - 0.3).abs() < 1e-12));
     }
 }

@@ -90,7 +90,7 @@ impl PriorOdds {
 
 /// Logarithm of the share of the probability of a change at a date that the measured time leaves; 0 where phases are steady, which
 /// take hours each.
-fn log_share_of_changes(measurements: &[Measurement]) -> f64 {
+pub fn log_share_of_changes(measurements: &[Measurement]) -> f64 {
     let mut measured_s = 0.0;
     for measurement in measurements {
         let Rows::Transient { inputs, .. } = &measurement.rows else { return 0.0 };
@@ -108,55 +108,4 @@ fn is_path_and_part(problem: &Problem, effect: usize) -> bool {
     let joins =
         |element: &Element| element.physics().between().is_some_and(|between| between == [a, b] || between == [b, a]);
     has_node && !problem.model.elements.iter().any(joins)
-}
-
-#[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-
-    use super::*;
-    use crate::document::Diagnostics;
-    use crate::effect::Catalogue;
-    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
-
-    /// Half a day halves the odds of what changes at a date, of a record of minutes a hundredth is left; steady phases keep them.
-    #[test]
-    fn a_change_at_a_date_is_less_probable_in_a_short_record() {
-        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
-        let recipe = |kind| Recipe::of(Topology::Star, kind, InjectionRequest::default());
-        let mut problem = case(&catalogue, &recipe(TestKind::Steps), 1, 0).unwrap().problem;
-        let mut over = |seconds: f64| {
-            let count = problem.measurements.len() as f64;
-            for measurement in &mut problem.measurements {
-                let Rows::Transient { inputs, .. } = &mut measurement.rows else { panic!("a transient") };
-                let rows = inputs.times_s.len() as f64 - 1.0;
-                let time = |row: usize| row as f64 * seconds / count / rows;
-                inputs.times_s.iter_mut().enumerate().for_each(|(row, own)| *own = time(row));
-            }
-            log_share_of_changes(&problem.measurements)
-        };
-        assert!((over(43_200.0) - ln(0.5)).abs() < 1e-9);
-        assert!((over(60.0) - ln(0.01)).abs() < 1e-9);
-        assert_eq!(over(1e6), 0.0);
-        let steady = case(&catalogue, &recipe(TestKind::Steady), 1, 0).unwrap().problem;
-        assert_eq!(log_share_of_changes(&steady.measurements), 0.0);
-    }
-
-    /// A kind that is held for likely gains the ratio of its odds to the conventional 1/19 at each of its places, others nothing.
-    #[test]
-    fn the_study_may_say_how_probable_a_kind_of_effect_is() {
-        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
-        let mut problem =
-            case(&catalogue, &Recipe::of(Topology::Star, TestKind::Steady, InjectionRequest::default()), 1, 0)
-                .unwrap()
-                .problem;
-        let of = |effect: &str| problem.candidates.iter().position(|own| own.effect == effect).unwrap();
-        let (load, path) = (of("heat-load"), of("conductive-path"));
-        let before = PriorOdds::new(&problem);
-        problem.missing_probability.insert("heat-load".to_owned(), 0.5);
-        let after = PriorOdds::new(&problem);
-        let gain = |effects: &[usize]| after.of(&problem, effects) - before.of(&problem, effects);
-        assert!((gain(&[load]) - ln(19.0)).abs() < 1e-12 && gain(&[path]) == 0.0);
-        assert!((gain(&[load, path]) - ln(19.0)).abs() < 1e-12);
-    }
 }

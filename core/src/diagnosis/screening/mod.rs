@@ -5,14 +5,8 @@
 
 pub mod detectable;
 pub mod family;
-#[cfg(test)]
-mod family_tests;
-#[cfg(test)]
-pub(crate) mod fixture;
 pub(crate) mod multi_column;
 pub mod null_maximum;
 pub mod pairs;
 pub mod score;
-#[cfg(test)]
-mod score_tests;
 pub(crate) mod screen;

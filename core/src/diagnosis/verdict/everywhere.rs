@@ -44,7 +44,7 @@ const DEPENDENT: f64 = 1e-9;
 const NO_EIGENVALUE: f64 = 1e-10;
 
 /// Errors of the kinds of the catalogue, everywhere and small.
-struct Everywhere {
+pub struct Everywhere {
     /// Eigenvalues of `K`.
     values: Vec<f64>,
     /// Its eigenvectors, one after the other.
@@ -59,7 +59,7 @@ struct Seen {
 
 impl Everywhere {
     /// Of directions of one length, column by column, that are orthogonal to the free parameters.
-    fn new(columns: &[Vec<f64>], rows: usize) -> Self {
+    pub fn new(columns: &[Vec<f64>], rows: usize) -> Self {
         let count = columns.len();
         if count == 0 {
             // A study may name curves alone; the decomposition knows no empty matrix.
@@ -90,7 +90,7 @@ impl Everywhere {
     }
 
     /// Effective number of dimensions: as many equal eigenvalues have the same mean square for their sum.
-    fn dimensions(&self) -> f64 {
+    pub fn dimensions(&self) -> f64 {
         let sum: f64 = self.values.iter().sum();
         let squares: f64 = self.values.iter().map(|value| value * value).sum();
         if squares > 0.0 { sum * sum / squares } else { 0.0 }
@@ -111,7 +111,7 @@ impl Everywhere {
 
     /// Log likelihoods of the residuals `y` with small effects everywhere of a size `t` alone, and with the change `g` beside
     /// them (determinant and inverse of a change of rank 1); the same constant is left out of both.
-    fn log_likelihoods(&self, y: &[f64], g: &[f64]) -> impl Fn(f64) -> (f64, f64) {
+    pub fn log_likelihoods(&self, y: &[f64], g: &[f64]) -> impl Fn(f64) -> (f64, f64) {
         let (seen_y, seen_g) = (self.seen(y), self.seen(g));
         let crossed = dot(y, g) - dot(&seen_y.along, &seen_g.along);
         move |size: f64| {
@@ -126,7 +126,7 @@ impl Everywhere {
 
     /// By how much the most likely sum of both raises the log likelihood of the residuals over that of small effects
     /// everywhere alone.
-    fn log_bayes_factor(&self, y: &[f64], g: &[f64]) -> f64 {
+    pub fn log_bayes_factor(&self, y: &[f64], g: &[f64]) -> f64 {
         let ratio = ln(LARGEST / SMALLEST) / (SIZES - 1) as f64;
         let sizes = std::iter::once(0.0).chain((0..SIZES).map(|k| SMALLEST * exp(ratio * k as f64)));
         let [mut without, mut with] = [f64::NEG_INFINITY; 2];
@@ -259,80 +259,5 @@ impl Beside {
         project_out(&mut y, &self.basis);
         project_out(&mut g, &self.basis);
         self.everywhere.log_bayes_factor(&y, &g)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Everywhere;
-    use crate::random::StreamKey;
-
-    const ROWS: usize = 60;
-
-    /// Forty directions of length 1, and noise of standard deviation 1.
-    fn drawn(seed: u64) -> (Vec<Vec<f64>>, Vec<f64>) {
-        let mut stream = StreamKey::new(seed, "everywhere", "test").stream(0);
-        let mut direction = || {
-            let column: Vec<f64> = (0..ROWS).map(|_| stream.normal()).collect();
-            let length = column.iter().map(|value| value * value).sum::<f64>().sqrt();
-            column.into_iter().map(|value| value / length).collect::<Vec<f64>>()
-        };
-        let columns: Vec<Vec<f64>> = (0..40).map(|_| direction()).collect();
-        let mut noise = StreamKey::new(seed, "everywhere", "noise").stream(0);
-        (columns, (0..ROWS).map(|_| noise.normal()).collect())
-    }
-
-    /// The fit of one direction to residuals.
-    fn fitted(column: &[f64], y: &[f64]) -> Vec<f64> {
-        let amplitude: f64 = column.iter().zip(y).map(|(a, b)| a * b).sum();
-        column.iter().map(|value| amplitude * value).collect()
-    }
-
-    #[test]
-    fn one_large_effect_is_told_from_small_ones_everywhere() {
-        for seed in 0..10 {
-            let (columns, noise) = drawn(seed);
-            let mut amplitudes = StreamKey::new(seed, "everywhere", "amplitudes").stream(0);
-            let everywhere = Everywhere::new(&columns, ROWS);
-            let one: Vec<f64> = noise.iter().zip(&columns[3]).map(|(noise, value)| noise + 30.0 * value).collect();
-            let large = everywhere.log_bayes_factor(&one, &fitted(&columns[3], &one));
-            // The random sum of the same square costs the volume of forty directions.
-            assert!(large > 20.0, "{large}");
-            let mut sum = noise.clone();
-            for column in &columns {
-                let amplitude = 30.0 / 40.0_f64.sqrt() * amplitudes.normal();
-                sum.iter_mut().zip(column).for_each(|(sum, value)| *sum += amplitude * value);
-            }
-            // The best of forty.
-            let ratios = columns.iter().map(|column| everywhere.log_bayes_factor(&sum, &fitted(column, &sum)));
-            let most = ratios.fold(f64::NEG_INFINITY, f64::max);
-            assert!(most < 8.0 && most < large - 12.0, "{most}, {large}");
-        }
-    }
-
-    #[test]
-    fn without_other_effects_nothing_is_everywhere() {
-        assert_eq!(Everywhere::new(&[], ROWS).dimensions(), 0.0);
-    }
-
-    /// With the covariance of the rows, inverted.
-    #[test]
-    fn the_likelihood_is_that_of_the_covariance() {
-        let (columns, y) = drawn(5);
-        let g = fitted(&columns[0], &y).iter().map(|value| 3.0 * value).collect::<Vec<f64>>();
-        let everywhere = Everywhere::new(&columns, ROWS);
-        let log = |size: f64, with: f64| {
-            let covariance = nalgebra::DMatrix::from_fn(ROWS, ROWS, |i, k| {
-                let of_others: f64 = columns.iter().map(|column| column[i] * column[k]).sum::<f64>() / 40.0;
-                size * of_others + with * g[i] * g[k] + if i == k { 1.0 } else { 0.0 }
-            });
-            let decomposition = covariance.cholesky().unwrap();
-            let rows = nalgebra::DVector::from_column_slice(&y);
-            -0.5 * (decomposition.ln_determinant() + rows.dot(&decomposition.solve(&rows)))
-        };
-        for size in [0.0, 3.0, 200.0] {
-            let (alone, both) = everywhere.log_likelihoods(&y, &g)(size);
-            assert!((alone - log(size, 0.0)).abs() < 1e-9 && (both - log(size, 1.0)).abs() < 1e-9, "{size}");
-        }
     }
 }

@@ -7,7 +7,7 @@ use crate::diagnosis::problem::FittedReading;
 use crate::measurement::Rows;
 
 /// What is said of the readings that are fitted with so many free parameters.
-pub(crate) fn warnings(problem: &Problem, free: usize) -> Vec<String> {
+pub fn warnings(problem: &Problem, free: usize) -> Vec<String> {
     let readings = problem.fitted_readings();
     let mut said = Vec::new();
     if readings.len() <= free {
@@ -58,52 +58,4 @@ fn still_inputs(problem: &Problem, readings: &[FittedReading]) -> Option<String>
             named.join(", ")
         )
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-
-    use super::*;
-    use crate::document::Diagnostics;
-    use crate::effect::Catalogue;
-    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
-
-    fn problem() -> Problem {
-        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
-        let request =
-            InjectionRequest { only: Some("heat-load".to_owned()), size: Some(5.0), ..InjectionRequest::default() };
-        case(&catalogue, &Recipe::of(Topology::Star, TestKind::Steady, request), 1, 0).unwrap().problem
-    }
-
-    fn phases(problem: &mut Problem) -> &mut Vec<crate::measurement::Phase> {
-        match &mut problem.measurements[0].rows {
-            Rows::Steady(phases) => phases,
-            Rows::Transient { .. } => unreachable!("the recipe is steady"),
-        }
-    }
-
-    #[test]
-    fn data_that_test_little_are_said_to() {
-        let whole = problem();
-        assert_eq!(warnings(&whole, 5), Vec::<String>::new());
-        let count = whole.fitted_readings().len();
-        assert!(warnings(&whole, count)[0].starts_with(&format!("{count} readings are fitted with {count} free")));
-
-        let mut one_phase = problem();
-        let fitted = one_phase.fitted_readings()[0].row;
-        for (row, phase) in phases(&mut one_phase).iter_mut().enumerate() {
-            phase.held_out = row != fitted;
-        }
-        let said = warnings(&one_phase, 0);
-        assert!(said.len() == 1 && said[0].starts_with("only one phase is fitted"), "{said:?}");
-
-        let mut still = problem();
-        let input = still.model.inputs.iter().position(|input| input.name.starts_with('Q')).unwrap();
-        let name = still.model.inputs[input].name.clone();
-        let level = phases(&mut still)[0].inputs[input];
-        phases(&mut still).iter_mut().for_each(|phase| phase.inputs[input] = level);
-        let said = warnings(&still, 0);
-        assert!(said.len() == 1 && said[0].contains(&format!("`{name}`")), "{said:?}");
-    }
 }

@@ -5,15 +5,15 @@
 //! network has. `nearly_as_good`: rivals within the model error. `selection`: which set goes first. `small_effects`: what errors of the model may be. `words`: the sentences.
 
 pub(crate) mod conclude;
-pub(crate) mod discriminating_experiment;
-mod everywhere;
-pub(crate) mod few_readings;
+pub mod discriminating_experiment;
+pub mod everywhere;
+pub mod few_readings;
 pub(crate) mod hints;
 mod laws;
-mod lumped_nodes;
+pub mod lumped_nodes;
 mod nearly_as_good;
-mod selection;
-mod small_effects;
-pub(crate) mod still;
-pub(crate) mod trend;
-pub(crate) mod words;
+pub mod selection;
+pub mod small_effects;
+pub mod still;
+pub mod trend;
+pub mod words;

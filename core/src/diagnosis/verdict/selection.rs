@@ -114,7 +114,7 @@ impl Findings<'_> {
 }
 
 /// Gives a set with a whole group what sets with one of its members have, but for the share of a single place.
-fn give_to_whole(weights: &mut SetProbabilities, whole: usize, of_members: &[usize]) {
+pub fn give_to_whole(weights: &mut SetProbabilities, whole: usize, of_members: &[usize]) {
     let theirs: f64 = of_members.iter().map(|&place| weights.sets[place]).sum();
     let all = theirs + weights.sets[whole];
     let left = all * exp(-SINGLE_PLACE) / (1.0 + exp(-SINGLE_PLACE));
@@ -126,36 +126,8 @@ fn give_to_whole(weights: &mut SetProbabilities, whole: usize, of_members: &[usi
 
 /// By how much odds are too sure beside which tests still find something: the ratio of the squares of the normal deviates
 /// of what they find and of their level; 1 where they find nothing.
-fn doubt(p: f64, false_alarm: f64) -> f64 {
+pub fn doubt(p: f64, false_alarm: f64) -> f64 {
     const MOST: f64 = 10.0;
     let square = |p: f64| normal_quantile(0.5 * p.clamp(1e-300, 1.0)) * normal_quantile(0.5 * p.clamp(1e-300, 1.0));
     (square(p) / square(false_alarm)).clamp(1.0, MOST)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_whole_group_has_what_its_members_had() {
-        let mut weights = SetProbabilities { sets: vec![0.05, 0.3, 0.5, 0.1], unexplained: 0.05 };
-        give_to_whole(&mut weights, 1, &[2, 3]);
-        // A single place keeps exp(-3) of what the group has.
-        assert!((weights.sets[1] / (weights.sets[2] + weights.sets[3]) - exp(3.0)).abs() < 1e-9, "{weights:?}");
-        assert!((weights.sets[2] / weights.sets[3] - 5.0).abs() < 1e-9);
-        assert!((weights.sets.iter().sum::<f64>() + weights.unexplained - 1.0).abs() < 1e-12);
-        let sure = SetProbabilities { sets: vec![0.0, 0.99, 0.01], unexplained: 0.0 };
-        let mut same = sure.clone();
-        give_to_whole(&mut same, 1, &[2]);
-        assert_eq!(same, sure, "it has more already");
-    }
-
-    #[test]
-    fn odds_are_doubted_as_far_as_something_is_found() {
-        assert_eq!(doubt(0.5, 0.01), 1.0);
-        assert_eq!(doubt(0.01, 0.01), 1.0);
-        // Two-sided deviates of 4.89 and 2.58.
-        assert!((doubt(1e-6, 0.01) - 3.605).abs() < 0.01, "{}", doubt(1e-6, 0.01));
-        assert_eq!(doubt(0.0, 0.01), 10.0);
-    }
 }

@@ -13,13 +13,13 @@ const MOVES: f64 = 5.0;
 
 /// A stretch of readings that are the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Still {
+pub struct Still {
     /// First and last row.
-    rows: [usize; 2],
+    pub rows: [usize; 2],
     /// The reading, SI.
-    reading: f64,
+    pub reading: f64,
     /// By how much the prediction moves meanwhile, SI.
-    moves: f64,
+    pub moves: f64,
 }
 
 /// What is said of channels of transients that stand still at a fit of the baseline model.
@@ -66,7 +66,7 @@ pub(crate) fn warnings(problem: &Problem, baseline: &Refit) -> Vec<String> {
 
 /// The longest stretch that stands still. Coarse steps make readings that are the same too, but not while the temperature goes
 /// through several of them.
-fn still(readings: &[Option<f64>], predicted: &[f64], sigma: f64) -> Option<Still> {
+pub fn still(readings: &[Option<f64>], predicted: &[f64], sigma: f64) -> Option<Still> {
     let present: Vec<(usize, f64)> = (0..).zip(readings).filter_map(|(row, own)| Some((row, (*own)?))).collect();
     let differences = present.windows(2).map(|two| (two[1].1 - two[0].1).abs()).filter(|by| *by > 0.0);
     let step = differences.fold(f64::INFINITY, f64::min);
@@ -80,23 +80,4 @@ fn still(readings: &[Option<f64>], predicted: &[f64], sigma: f64) -> Option<Stil
         (moves > MOVES * (sigma + step)).then_some((stretch.len(), Still { rows, reading: stretch[0].1, moves }))
     });
     moving.reduce(|a, b| if b.0 > a.0 { b } else { a }).map(|(_, still)| still)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_channel_at_the_end_of_its_range_stands_still_and_coarse_steps_do_not() {
-        let model: Vec<f64> = (0..100).map(|row| 300.0 + 0.2 * f64::from(row)).collect();
-        let clipped: Vec<Option<f64>> = model.iter().map(|value| Some(value.min(310.0))).collect();
-        let found = still(&clipped, &model, 0.1).expect("it stands still");
-        assert_eq!((found.rows, found.reading), ([50, 99], 310.0));
-        assert!((found.moves - 9.8).abs() < 1e-9);
-        // Steps of 2 K: ten readings each.
-        let coarse: Vec<Option<f64>> = model.iter().map(|value| Some((value / 2.0).round() * 2.0)).collect();
-        assert_eq!(still(&coarse, &model, 0.1), None);
-        let gaps: Vec<Option<f64>> = clipped.iter().enumerate().map(|(row, own)| own.filter(|_| row < 55)).collect();
-        assert_eq!(still(&gaps, &model, 0.1), None, "five readings are too few");
-    }
 }

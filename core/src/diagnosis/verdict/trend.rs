@@ -39,7 +39,7 @@ fn follows_time(problem: &Problem, input: usize) -> bool {
 }
 
 /// Ranks from 0; equal values share the mean of theirs.
-fn ranks(values: &[f64]) -> Vec<f64> {
+pub fn ranks(values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
     let mut ranks = vec![0.0; values.len()];
@@ -53,7 +53,7 @@ fn ranks(values: &[f64]) -> Vec<f64> {
 }
 
 /// 0 where either does not vary.
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
+pub fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
     let (of_a, of_b) = (mean(a), mean(b));
     let product = |x: &[f64], of_x: f64, y: &[f64], of_y: f64| -> f64 {
@@ -61,20 +61,4 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
     };
     let scale = sqrt(product(a, of_a, a, of_a) * product(b, of_b, b, of_b));
     if scale > 0.0 { product(a, of_a, b, of_b) / scale } else { 0.0 }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ranks_of_equal_values_are_shared_and_a_ramp_follows_time() {
-        assert_eq!(ranks(&[3.0, 1.0, 3.0, 2.0]), [2.5, 0.0, 2.5, 1.0]);
-        let times: Vec<f64> = (0..40).map(f64::from).collect();
-        let decaying: Vec<f64> = times.iter().map(|t| 100.0 / (1.0 + t)).collect();
-        assert!((correlation(&ranks(&decaying), &ranks(&times)) + 1.0).abs() < 1e-12);
-        let cycles: Vec<f64> = times.iter().map(|t| f64::from(u8::from(t % 10.0 < 4.0))).collect();
-        assert!(correlation(&ranks(&cycles), &ranks(&times)).abs() < 0.3);
-        assert_eq!(correlation(&ranks(&[1.0; 9]), &ranks(&times[..9])), 0.0);
-    }
 }

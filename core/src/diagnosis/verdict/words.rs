@@ -30,7 +30,7 @@ const CLEARLY: f64 = 1e-6;
 
 /// The size of an effect, after a comma: its first parameter. Nothing for one that has none, and for a curve, of which the
 /// first knot says nothing. The most probable value, which `bmv adopt` writes, stands beside a mean that lies elsewhere.
-fn size(effect: &EffectResult) -> String {
+pub fn size(effect: &EffectResult) -> String {
     let first = effect.amplitudes.iter().next().filter(|(name, _)| *name != FIRST_KNOT);
     first.map_or_else(String::new, |(name, amount)| {
         let unit = if amount.unit == "1" { String::new() } else { format!(" {}", amount.unit) };
@@ -109,7 +109,7 @@ fn lower(sentence: &str) -> String {
 const LEAST_MODEL_ERROR: f64 = 0.05;
 
 /// That errors of the model itself may be what an effect explains; where it `is_like_gradient`, which.
-fn or_model_error(effect: &EffectResult, is_like_gradient: bool) -> String {
+pub fn or_model_error(effect: &EffectResult, is_like_gradient: bool) -> String {
     if effect.model_error >= IS_MODEL_ERROR {
         // What is said of its size is why, where it is implausible.
         let is_implausible = effect.prior_width >= WIDTHS.iter().map(|width| width.factor).fold(1.0, f64::max);
@@ -172,7 +172,7 @@ fn started(effect: &EffectResult) -> String {
 }
 
 /// A value and its spread, to two digits of the spread.
-fn with_error(value: f64, sd: f64) -> String {
+pub fn with_error(value: f64, sd: f64) -> String {
     let decimals = 1.0 - (crate::math::functions::ln(sd) / core::f64::consts::LN_10).floor();
     if sd > 0.0 && (0.0..=8.0).contains(&decimals) {
         let decimals = decimals as usize;
@@ -190,7 +190,7 @@ fn with_error(value: f64, sd: f64) -> String {
 }
 
 /// A number to some significant digits.
-fn short(value: f64, digits: usize) -> String {
+pub fn short(value: f64, digits: usize) -> String {
     let magnitude = value.abs();
     if magnitude == 0.0 || !magnitude.is_finite() {
         // Not "-0".
@@ -204,7 +204,7 @@ fn short(value: f64, digits: usize) -> String {
 }
 
 /// How clear a misfit is, from the p-value of all tests together.
-fn clearness(p: f64, false_alarm: f64) -> String {
+pub fn clearness(p: f64, false_alarm: f64) -> String {
     if p > false_alarm {
         return format!("the tests find no misfit in that ({})", p_stated(p));
     }
@@ -521,60 +521,4 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
         }
     }
     words
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_misfit_is_called_clear_only_where_the_tests_find_one() {
-        assert_eq!(clearness(0.96, 0.01), "the tests find no misfit in that (p = 0.96)");
-        let found = clearness(0.0, 0.01);
-        assert!(found.starts_with("that is a misfit (p < 1e-6, "), "{found}");
-    }
-
-    /// An effect with this most probable conductance, W/K.
-    fn effect(most_probable: f64) -> EffectResult {
-        let amount = serde_json::json!({"value": 0.0307, "sd": 0.0131, "most_probable": most_probable, "unit": "W/K", "at_bound": false});
-        serde_json::from_value(serde_json::json!({
-            "id": "a:x", "effect": "a", "title": "A", "where": ["x"], "where_kind": "node", "input": null, "probability": 0.9,
-            "log_bayes_factor": 9.0, "log_bayes_factor_scales": null, "group": null, "amplitudes": {"conductance": amount},
-            "rmse_k": {"train": [null, null], "held_out": [null, null]}, "watts": null, "confused_with": [], "separate": ""
-        }))
-        .expect("an effect")
-    }
-
-    #[test]
-    fn why_errors_of_the_model_may_be_it_is_said_where_it_is_so() {
-        let of = |model_error: f64, prior_width: f64| {
-            or_model_error(&EffectResult { model_error, prior_width, ..effect(0.03) }, false)
-        };
-        assert!(of(0.04, 1.0).is_empty());
-        assert_eq!(of(0.13, 1.0), " Errors of the model itself explain as much with probability 13.0 %.");
-        assert!(of(0.5, 10.0).starts_with(" It explains less than what else is missing"));
-        assert_eq!(of(0.5, 100.0), " Errors of the model itself may be all that it stands for.");
-        let pulled = or_model_error(&EffectResult { model_error: 0.5, ..effect(0.03) }, true);
-        assert!(pulled.starts_with(" A gradient within the node would read the same"), "{pulled}");
-    }
-
-    #[test]
-    fn the_value_that_is_adopted_stands_beside_a_mean_that_lies_elsewhere() {
-        assert_eq!(size(&effect(0.0308)), ", conductance 0.031 ± 0.013 W/K");
-        assert_eq!(
-            size(&effect(0.0347)),
-            ", conductance 0.031 ± 0.013 W/K (most probable with all others 0.03470 W/K)"
-        );
-    }
-
-    #[test]
-    fn sizes_are_read_with_their_errors() {
-        assert_eq!(with_error(0.05143, 0.00273), "0.0514 ± 0.0027");
-        assert_eq!(with_error(8_680_000.0, 449_161.0), "(8.68 ± 0.45)e6");
-        assert_eq!(with_error(-1234.0, 250.0), "(-1.23 ± 0.25)e3");
-        assert_eq!(with_error(1.0, 0.0), "1.00 ± 0");
-        assert_eq!(with_error(1.0, 1e-8), "1.00 ± 1.0e-8");
-        assert_eq!(with_error(f64::NAN, 1.0), "NaN ± 1.0");
-        assert_eq!(short(-0.0, 2), "0");
-    }
 }

@@ -19,7 +19,8 @@ pub struct FewerRows {
 
 /// The same with the place of each row among those.
 #[derive(Clone, Debug)]
-pub(super) struct Drawn {
+pub struct Drawn {
+    /// The kept rows.
     pub fewer: FewerRows,
     /// Of each row the position of the last kept one up to it, and the share of the next one.
     places: Vec<(usize, f64)>,
@@ -50,31 +51,5 @@ impl Drawn {
                 *value += share * (kept(before + 1) - *value);
             }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn fewer(rows: &[usize], times_s: &[f64]) -> FewerRows {
-        let inputs = InputTable { times_s: rows.iter().map(|&row| times_s[row]).collect(), ..InputTable::default() };
-        FewerRows { inputs, rows: rows.to_vec(), tolerance: 1.0 }
-    }
-
-    #[test]
-    fn columns_are_drawn_straight_between_kept_rows() {
-        let times_s = [0.0, 1.0, 4.0, 5.0, 6.0];
-        let drawn = Drawn::new(fewer(&[0, 2, 4], &times_s), &times_s).unwrap();
-        let mut column = [0.0; 5];
-        drawn.draw(|place| [8.0, 0.0, 3.0][place], &mut column);
-        assert_eq!(column, [8.0, 6.0, 0.0, 1.5, 3.0]);
-    }
-
-    #[test]
-    fn kept_rows_that_end_early_are_refused() {
-        let times_s = [0.0, 1.0, 4.0, 5.0, 6.0];
-        assert!(Drawn::new(fewer(&[0, 2], &times_s), &times_s).is_none());
-        assert!(Drawn::new(fewer(&[2, 4], &times_s), &times_s).is_none());
     }
 }

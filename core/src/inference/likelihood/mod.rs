@@ -10,7 +10,7 @@
 
 mod build;
 mod course;
-mod fewer_rows;
+pub mod fewer_rows;
 mod input_error;
 pub mod noise;
 pub mod rows;

@@ -14,4 +14,4 @@ pub mod parts;
 mod proposal;
 pub mod psis;
 pub mod smc;
-mod student;
+pub mod student;

@@ -1,9 +1,9 @@
 //! Special functions of statistics: normal, gamma and beta families.
 
-mod beta;
-mod gamma;
-mod normal;
-mod weighted_chi_square;
+pub mod beta;
+pub mod gamma;
+pub mod normal;
+pub mod weighted_chi_square;
 
 pub use beta::{beta_quantile, beta_regularised, fisher_f_cdf, fisher_f_sf, student_t_cdf, student_t_quantile};
 pub use gamma::{chi_square_cdf, chi_square_quantile, chi_square_sf, gamma_p, gamma_q};

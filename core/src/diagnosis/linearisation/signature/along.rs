@@ -1,7 +1,7 @@
 //! Directions of smooth effects on nodes over long records: responses of the network linearised along its course.
 //!
 //! At fixed temperatures a unit of an amplitude is a heat `q` into some nodes, which is known along the course of the baseline
-//! model ([`slopes`](super::slopes)); `C dT' = J dT + q` tells what it does to the temperatures. Of each step between kept rows
+//! model (`slopes`); `C dT' = J dT + q` tells what it does to the temperatures. Of each step between kept rows
 //! `q` is the line with the mean and the first moment that it has over all rows in between. So effects share every
 //! factorisation, and cost two solves a step.
 
@@ -26,7 +26,7 @@ const TOGETHER: usize = 64;
 const PROGRAM: usize = 512;
 
 /// The courses of all transients at the fit, and the steady phases.
-pub(super) struct Courses {
+pub struct Courses {
     courses: Vec<Course>,
     phases: Phases,
     parameters: Vec<f64>,
@@ -257,64 +257,4 @@ fn forcing(
     }
     let (early, late): (Vec<Vec<f64>>, Vec<Vec<f64>>) = steps.into_iter().unzip();
     Forcing { start, early: early.concat(), late: late.concat(), direct: rows }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-
-    use super::super::form::{Form, Forms};
-    use super::super::{Base, extended};
-    use super::*;
-    use crate::document::Diagnostics;
-    use crate::effect::{Catalogue, Site};
-    use crate::inference::target::Target;
-    use crate::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
-
-    /// Steps at the rows jump between two of them; the others are within 0.3 %.
-    const MOST_OFF: f64 = 0.03;
-
-    /// The responses along the course are those of a model that holds the effects: steps of the rows' length tell them to a few
-    /// per cent.
-    #[test]
-    fn responses_are_the_sensitivities_of_a_model_with_the_effects() {
-        let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
-        let recipe = Recipe::of(Topology::Star, TestKind::Orbit, InjectionRequest::default());
-        let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
-        let likelihood = problem.hypothesis(&[], 1.0).unwrap().likelihood(&problem).unwrap();
-        let unknowns: Vec<f64> = likelihood.priors().iter().map(|prior| prior.quantile(0.5)).collect();
-        let base = Base::new(&problem, &likelihood, &unknowns).unwrap();
-        let forms = Forms::new(&problem);
-        let forms: Vec<(usize, Form<'_>)> = (0..problem.candidates.len())
-            .filter(|&position| {
-                matches!(problem.candidates[position].site, Site::Nodes(_) | Site::Pair(_) | Site::Elements(_))
-            })
-            .map(|position| (position, forms.of(&problem, position)))
-            .filter(|(_, form)| matches!(form, Form::Smooth { .. }))
-            .collect();
-        let asked: Vec<(usize, &Form<'_>)> = forms.iter().map(|(position, form)| (*position, form)).collect();
-        let variants = variant::variants(&base, &asked);
-        let none = || -> Vec<Found> { asked.iter().map(|_| Ok(Vec::new())).collect() };
-        let (mut along, mut exact) = (none(), none());
-        Courses::new(&base, &[]).unwrap().directions(&base, &variants, &mut along);
-        extended::solve(&base, &variants, &mut exact);
-        let mut compared = 0;
-        for ((along, exact), (position, _)) in along.iter().zip(&exact).zip(&asked) {
-            let id = &problem.candidates[*position].id;
-            let (Ok(along), Ok(exact)) = (along, exact) else {
-                assert_eq!(along.is_ok(), exact.is_ok(), "{id}");
-                continue;
-            };
-            assert_eq!(along.len(), exact.len(), "{id}");
-            for (along, exact) in along.iter().zip(exact) {
-                assert_eq!(along.parameters, exact.parameters, "{id}");
-                let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
-                let size = norm(&mut exact.columns.iter().copied());
-                let off = norm(&mut along.columns.iter().zip(&exact.columns).map(|(a, b)| a - b));
-                assert!(off < MOST_OFF * size, "{id} {:?}: {off} of {size}", along.shape);
-                compared += 1;
-            }
-        }
-        assert!(compared > 1000, "{compared}");
-    }
 }

@@ -15,7 +15,7 @@ use crate::inference::target::{LeastSquares, Target};
 const TOGETHER: usize = 96;
 
 /// Solves variants together; where they do not go together, in halves, so that one that fails spoils no other.
-pub(super) fn solve(base: &Base<'_>, variants: &[Variant<'_>], directions: &mut [Found]) {
+pub fn solve(base: &Base<'_>, variants: &[Variant<'_>], directions: &mut [Found]) {
     let blocks: Vec<Vec<Solved>> = variants.par_chunks(TOGETHER).map(|block| solved(base, block)).collect();
     for (variant, direction) in variants.iter().zip(blocks.into_iter().flatten()) {
         variant::put(&mut directions[variant.asked], direction);

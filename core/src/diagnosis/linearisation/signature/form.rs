@@ -12,7 +12,7 @@ use crate::expression::{ExprId, Graph, Names, Scope, Symbol, parse};
 use crate::thermal::NodeKind;
 
 /// How a candidate's directions are found.
-pub(super) enum Form<'a> {
+pub enum Form<'a> {
     /// It cannot be seen, for a reason.
     Unseen(NoDirection),
     /// By derivatives at amplitude 0, at each of these values of its parameters (amplitudes: 0).
@@ -32,7 +32,7 @@ pub(super) enum Form<'a> {
 }
 
 /// What is known of every effect of the catalogue.
-pub(super) struct Forms {
+pub struct Forms {
     steady: bool,
     transient: bool,
     smooth: HashMap<String, bool>,
@@ -41,6 +41,7 @@ pub(super) struct Forms {
 }
 
 impl Forms {
+    /// Of a problem's candidates.
     pub fn new(problem: &Problem) -> Self {
         let (steady, transient) = kinds(problem);
         let mut forms = Self { steady, transient, smooth: HashMap::new(), at_rest: HashMap::new() };

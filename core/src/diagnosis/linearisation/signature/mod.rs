@@ -8,16 +8,16 @@
 //! reason (`form`: which of these an effect is, and why not).
 
 mod adjoint;
-mod along;
+pub mod along;
 mod blank;
 mod coarse;
-mod extended;
-mod form;
+pub mod extended;
+pub mod form;
 mod parameter;
 mod probe;
 mod slopes;
 mod swap;
-mod variant;
+pub mod variant;
 
 use rayon::prelude::*;
 
@@ -257,10 +257,10 @@ fn without_reading(mut exact_directions: Vec<Found>) -> Vec<Found> {
 }
 
 /// The directions of a candidate, or why there is none.
-type Found = Result<Vec<Direction>, FitError>;
+pub type Found = Result<Vec<Direction>, FitError>;
 
 /// The model without effects at its fit.
-struct Base<'a> {
+pub struct Base<'a> {
     problem: &'a Problem,
     likelihood: &'a Likelihood,
     unknowns: &'a [f64],
@@ -272,7 +272,11 @@ struct Base<'a> {
 }
 
 impl<'a> Base<'a> {
-    fn new(problem: &'a Problem, likelihood: &'a Likelihood, unknowns: &'a [f64]) -> Result<Self, FitError> {
+    /// The model at values of its unknowns.
+    ///
+    /// # Errors
+    /// Why nothing can be predicted there.
+    pub fn new(problem: &'a Problem, likelihood: &'a Likelihood, unknowns: &'a [f64]) -> Result<Self, FitError> {
         let mut residuals = vec![0.0; likelihood.residual_count()];
         likelihood.residuals(unknowns, &mut likelihood.workspace(), &mut residuals)?;
         let rows = NaturalObjective::new(likelihood)?.rows();

@@ -10,7 +10,7 @@ use crate::effect::{Effect, EffectParameter};
 use crate::random::Distribution;
 
 /// An effect with one value of its shape.
-pub(super) struct Variant<'a> {
+pub struct Variant<'a> {
     /// Position in the list asked for.
     pub asked: usize,
     /// Position of the candidate.
@@ -26,7 +26,7 @@ pub(super) struct Variant<'a> {
 }
 
 /// The variants of each candidate asked for.
-pub(super) fn variants<'a>(base: &Base<'_>, asked: &[(usize, &Form<'a>)]) -> Vec<Variant<'a>> {
+pub fn variants<'a>(base: &Base<'_>, asked: &[(usize, &Form<'a>)]) -> Vec<Variant<'a>> {
     let mut variants = Vec::new();
     for (place, &(candidate, form)) in asked.iter().enumerate() {
         let &Form::Smooth { effect } = form else { continue };

@@ -1,13 +1,15 @@
 //! Values of other programs, finite differences and coverage.
 
-use super::fit::{Search, fit};
-use super::hyperparameters::Beforehand;
-use super::marginal::{Factored, with_gradient};
-use super::process::Process;
-use super::{Form, GaussianProcessError, Kernel, Training, Trend, cross_validation, hyperparameters};
-use crate::math::functions::{cos, exp, ln, sin};
-use crate::random::{Stream, StreamKey};
-use crate::statistics::interval::Interval;
+use bmv::inference::gaussian_process::fit::{Search, fit};
+use bmv::inference::gaussian_process::hyperparameters::Beforehand;
+use bmv::inference::gaussian_process::marginal::{Factored, with_gradient};
+use bmv::inference::gaussian_process::process::Process;
+use bmv::inference::gaussian_process::{
+    Form, GaussianProcessError, Kernel, Training, Trend, cross_validation, hyperparameters,
+};
+use bmv::math::functions::{cos, exp, ln, sin};
+use bmv::random::{Stream, StreamKey};
+use bmv::statistics::interval::Interval;
 
 fn key() -> StreamKey {
     StreamKey::new(7, "gaussian process", "test")
@@ -278,7 +280,7 @@ fn covered(truths: u64, is_sampled: bool) -> (u64, u64) {
         let mut below = 0.0;
         for draw in &draws {
             let expected = Process::new(training.clone(), form, draw).expect("a process").at(&points[n as usize]);
-            below += crate::math::special::normal_cdf((discrepancy[n as usize] - expected.mean) / expected.sd())
+            below += bmv::math::special::normal_cdf((discrepancy[n as usize] - expected.mean) / expected.sd())
                 / draws.len() as f64;
         }
         inside += u64::from((0.025..=0.975).contains(&below));

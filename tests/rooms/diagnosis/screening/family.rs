@@ -1,14 +1,14 @@
 //! The family's probability where it is known: independent, equal, and correlated members, bounds, unknown scale.
 
-use crate::diagnosis::screening::detectable::detectable;
-use crate::diagnosis::screening::fixture::{direction, problem, random_direction, stream};
-use crate::diagnosis::{Direction, Extras, Family, Linear, MemberKind, Prepared, Sampling, Score};
-use crate::math::dense::dot_of_columns as dot;
-use crate::math::functions::{pow, sqrt};
-use crate::math::quadrature::gauss_legendre;
-use crate::math::special::{chi_square_quantile, chi_square_sf, normal_cdf, normal_density, student_t_cdf};
-use crate::random::StreamKey;
-use crate::statistics::kolmogorov;
+use super::fixture::{direction, problem, random_direction, stream};
+use bmv::diagnosis::screening::detectable::detectable;
+use bmv::diagnosis::{Direction, Extras, Family, Linear, MemberKind, Prepared, Sampling, Score};
+use bmv::math::dense::dot_of_columns as dot;
+use bmv::math::functions::{pow, sqrt};
+use bmv::math::quadrature::gauss_legendre;
+use bmv::math::special::{chi_square_quantile, chi_square_sf, normal_cdf, normal_density, student_t_cdf};
+use bmv::random::StreamKey;
+use bmv::statistics::kolmogorov;
 
 fn sampling(draws: usize) -> Sampling {
     Sampling { key: StreamKey::new(3, "diagnosis", "family"), draws }
@@ -100,7 +100,7 @@ fn two_correlated_members_have_the_probability_of_the_bivariate_normal() {
                 directions.iter_mut().for_each(|g| g.lower[0] = 0.0);
             }
             for p1 in [0.02, 1e-4] {
-                let c = -crate::math::special::normal_quantile(if one_sided { p1 } else { 0.5 * p1 });
+                let c = -bmv::math::special::normal_quantile(if one_sided { p1 } else { 0.5 * p1 });
                 // Neither: the integral over x inside of the probability that y is inside given x.
                 let from = if one_sided { -10.0 } else { -c };
                 let s = sqrt(1.0 - rho * rho);
@@ -146,7 +146,7 @@ fn an_unknown_scale_gives_student_tails_that_depend() {
     let directions: Vec<Direction> = (0..m).map(|k| direction(k, unit(40, k), 1)).collect();
     let mut family = family(&bare(vec![0.0; 40]), &directions, &nothing(), Some(d));
     for p1 in [0.01, 1e-4] {
-        let c = -crate::math::special::student_t_quantile(0.5 * p1, d);
+        let c = -bmv::math::special::student_t_quantile(0.5 * p1, d);
         assert!((2.0 * student_t_cdf(-c, d) - p1).abs() < 1e-9);
         let n = 20_000;
         let expected: f64 = (0..n)
@@ -180,7 +180,7 @@ fn parameters_at_bounds_are_a_condition() {
         g.lower[0] = 0.0;
         let mut family = family(&prepared, &[g], &nothing(), None);
         for p1 in [0.05, 1e-3] {
-            let c = -crate::math::special::normal_quantile(p1);
+            let c = -bmv::math::special::normal_quantile(p1);
             // P(z > c, x < 0) / P(x < 0).
             let s = sqrt(1.0 - rho * rho);
             let expected = 2.0 * rule.integrate(-10.0, 0.0, |x| normal_density(x) * normal_cdf(-(c - rho * x) / s));
@@ -258,7 +258,7 @@ fn many_random_members_agree_with_counting() {
         .collect();
     let mut family = family(&bare(vec![0.0; rows]), &directions, &nothing(), None);
     let p1 = 1e-4;
-    let c = -crate::math::special::normal_quantile(0.5 * p1);
+    let c = -bmv::math::special::normal_quantile(0.5 * p1);
     let (p, se) = family.probability(p1, &sampling(2000));
     let n = 200_000;
     let mut found = 0.0;
@@ -306,7 +306,7 @@ fn critical_probabilities_and_detectable_amplitudes() {
     // Independent members: 1 - 0.995^(1/40), to the standard error and the half per cent of the search.
     let expected = 1.0 - pow(0.995, 1.0 / 40.0);
     assert!((critical_p / expected - 1.0).abs() < 0.02, "{}", critical_p);
-    let c = -crate::math::special::normal_quantile(0.5 * expected);
+    let c = -bmv::math::special::normal_quantile(0.5 * expected);
     let amplitude = detectable(&prepared, &directions[3], critical_p, 0.9, None).unwrap();
     assert!((amplitude - (c + 1.281_551_6) / 3.0).abs() < 5e-3, "{amplitude}");
     // With that amplitude nine scores of ten are beyond.

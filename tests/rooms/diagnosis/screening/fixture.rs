@@ -1,8 +1,8 @@
 //! Small linear problems with known answers, for the tests of this room.
 
-use crate::diagnosis::{Direction, Linear};
-use crate::math::dense::dot_of_columns as dot;
-use crate::random::{Stream, StreamKey};
+use bmv::diagnosis::{Direction, Linear};
+use bmv::math::dense::dot_of_columns as dot;
+use bmv::random::{Stream, StreamKey};
 
 /// A stream of random numbers of its own.
 pub(crate) fn stream(purpose: &str, index: u64) -> Stream {

@@ -2,14 +2,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::diagnosis::screening::fixture::{
-    columns, direction, enumerated, problem, products, random_direction, stream,
-};
-use crate::diagnosis::screening::pairs::{best_pairs, screen};
-use crate::diagnosis::screening::score::Side;
-use crate::diagnosis::{Direction, Linear, Prepared, Score};
-use crate::math::dense::dot_of_columns as dot;
-use crate::math::special::normal_cdf;
+use super::fixture::{columns, direction, enumerated, problem, products, random_direction, stream};
+use bmv::diagnosis::screening::pairs::{best_pairs, screen};
+use bmv::diagnosis::screening::score::Side;
+use bmv::diagnosis::{Direction, Linear, Prepared, Score};
+use bmv::math::dense::dot_of_columns as dot;
+use bmv::math::special::normal_cdf;
 
 /// Sum of squares of the free fit on some columns.
 fn left(columns: &[Vec<f64>], r: &[f64]) -> f64 {
@@ -46,7 +44,7 @@ fn a_free_score_is_the_fall_of_dense_least_squares() {
     }
 }
 
-fn bounds(linear: &mut Linear, g: &mut Direction, stream: &mut crate::random::Stream) {
+fn bounds(linear: &mut Linear, g: &mut Direction, stream: &mut bmv::random::Stream) {
     for k in 0..linear.parameters() {
         let mut bound = || {
             let (u, v) = (stream.uniform(), stream.uniform());

@@ -1,0 +1,4 @@
+mod evidence;
+mod exchange;
+mod held_out;
+mod other_noise;

@@ -1,0 +1,44 @@
+//! Tests of `core/src/diagnosis/heat/mod.rs`.
+
+use bmv::diagnosis::fits::evidence::Evidence;
+use bmv::diagnosis::fits::refit::Begin;
+use bmv::diagnosis::heat::sources::Sources;
+use bmv::diagnosis::heat::*;
+use bmv::document::Diagnostics;
+use bmv::effect::Catalogue;
+use bmv::random::StreamKey;
+use bmv::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
+use std::sync::Arc;
+
+/// Where the baseline fit is bent, it need not have come to its end: what heat explains does not depend on it. With a
+/// difference to the baseline fit's evidence the two would differ by what that is wrong by.
+#[test]
+fn the_evidence_does_not_depend_on_where_the_believed_fit_stopped() {
+    let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+    let request =
+        InjectionRequest { only: Some("heat-load".to_owned()), size: Some(5.0), ..InjectionRequest::default() };
+    let recipe = Recipe::of(Topology::Star, TestKind::Steady, request);
+    let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+    let begin = Begin { from_prior: 2, scale: 1.0, ..Begin::default() };
+    let fitted = problem.refit(&[], &begin, &StreamKey::new(1, "test", "heat")).unwrap();
+    let best = missing_heat(&problem, &fitted).unwrap();
+    assert!(best.log_evidence > fitted.log_evidence + 10.0, "{} {}", best.log_evidence, fitted.log_evidence);
+    let mut stopped = fitted.clone();
+    for (value, held) in stopped.unknowns.iter_mut().zip(&fitted.held) {
+        *value *= if *held { 1.0 } else { 1.001 };
+    }
+    stopped.log_evidence -= 1e6;
+    let missing = missing_heat(&problem, &stopped).unwrap();
+    // Both settle until half the sum of squares falls by less than 0.02, and the model is nearly linear.
+    assert!((missing.log_evidence - best.log_evidence).abs() < 0.5, "{} {}", missing.log_evidence, best.log_evidence);
+    assert_eq!(missing.heat.len(), best.heat.len());
+    for (one, other) in missing.heat.iter().zip(&best.heat) {
+        assert!((one.watts - other.watts).abs() < 0.1 * one.sd, "{one:?} {other:?}");
+    }
+    // Where all is nearly linear and the fit is at its end, it is the difference that it was.
+    let sources = Sources::new(&problem).unwrap();
+    let state = sources.at(&fitted.unknowns, &vec![0.0; sources.list().len()]).unwrap();
+    let without = Evidence::new(&state.linear).log_evidence(&[]).unwrap();
+    let constant = sources.constant(&state, &fitted).unwrap();
+    assert!((without + constant - fitted.log_evidence).abs() < 0.05, "{without} {constant} {}", fitted.log_evidence);
+}

@@ -1,0 +1,50 @@
+//! Tests of `core/src/diagnosis/hypothesis.rs`.
+
+use bmv::document::Diagnostics;
+use bmv::effect::Catalogue;
+use bmv::measurement::{Initial, Rows, Uncertain};
+use bmv::random::Distribution;
+use bmv::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
+use std::sync::Arc;
+
+/// The start of a node that is added to a record whose host begins at 300 K, alone or with all others, and what the record shows.
+fn start_of_hidden_node(with_all: bool) -> (Uncertain, Vec<f64>) {
+    let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+    let recipe = Recipe::of(Topology::Star, TestKind::Steps, InjectionRequest::default());
+    let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+    problem.is_misspecified = true;
+    let position = problem.candidates.iter().position(|own| own.effect == "hidden-node").unwrap();
+    let count = problem.model.nodes.len();
+    for measurement in &mut problem.measurements {
+        let Rows::Transient { initial, .. } = &mut measurement.rows else { panic!("a transient") };
+        let shared = if with_all { (0..count).collect() } else { Vec::new() };
+        *initial = Initial::Temperatures { values: vec![Uncertain::Known(300.0); count], shared, balanced: Vec::new() };
+    }
+    let mut shown: Vec<f64> = problem.measurements[0].readings.iter().flatten().copied().collect();
+    let Rows::Transient { inputs, .. } = &problem.measurements[0].rows else { panic!("a transient") };
+    let is_temperature = |input: usize| problem.model.inputs[input].unit == "K";
+    let columns = inputs.columns.iter().filter(|column| is_temperature(column.input));
+    shown.extend(columns.flat_map(|column| column.values.iter().copied()));
+    let hypothesis = problem.hypothesis(&[position], 1.0).unwrap();
+    let Rows::Transient { initial: Initial::Temperatures { values, .. }, .. } = &hypothesis.measurements[0].rows else {
+        panic!("temperatures")
+    };
+    let listed = hypothesis.starts.iter().filter(|start| start.measurement == 0 && start.node == count);
+    let listed: Vec<Uncertain> = listed.map(|start| Uncertain::Inferred(start.prior)).collect();
+    assert_eq!(listed, if with_all { Vec::new() } else { vec![values[count].clone()] });
+    (values[count].clone(), shown)
+}
+
+#[test]
+fn a_node_that_is_added_starts_with_all_or_near_what_the_record_shows() {
+    assert_eq!(start_of_hidden_node(true).0, Uncertain::Known(300.0));
+    let (free, shown) = start_of_hidden_node(false);
+    let Uncertain::Inferred(Distribution::Normal { mean, lower: Some(lower), upper: Some(upper), .. }) = free else {
+        panic!("{free:?}")
+    };
+    let least = shown.iter().copied().fold(300.0, f64::min);
+    let most = shown.iter().copied().fold(300.0, f64::max);
+    assert_eq!(mean, 300.0);
+    assert!((lower - (least - 1.0)).abs() < 1e-9, "{lower}");
+    assert!((upper - (most + 1.0)).abs() < 1e-9, "{upper}");
+}

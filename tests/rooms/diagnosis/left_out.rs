@@ -1,0 +1,90 @@
+//! Tests of `core/src/diagnosis/left_out.rs`.
+
+use bmv::diagnosis::left_out::{frozen, spikes, stuck};
+use bmv::math::functions::{exp, sin};
+use bmv::random::StreamKey;
+
+/// A slow error of 3 K, noise of 0.1 K.
+fn errors(n: usize) -> Vec<f64> {
+    let mut stream = StreamKey::new(4, "test", "spikes").stream(0);
+    (0..n).map(|k| 3.0 * sin(k as f64 / 40.0) + 0.1 * stream.normal()).collect()
+}
+
+#[test]
+fn spikes_and_drop_outs_are_found_and_nothing_else() {
+    let clean = errors(600);
+    let readings: Vec<f64> = clean.iter().map(|error| 300.0 + error).collect();
+    assert!(spikes(&clean, &readings).is_empty());
+    let (mut bad, mut shown) = (clean.clone(), readings.clone());
+    for (row, off) in [(50, 5.0), (200, -4.0), (201, -3.0)] {
+        bad[row] += off;
+        shown[row] += off;
+    }
+    // Ten rows of exact zeros.
+    for row in 400..410 {
+        bad[row] -= shown[row];
+        shown[row] = 0.0;
+    }
+    let expected: Vec<usize> = [50, 200, 201].into_iter().chain(400..410).collect();
+    assert_eq!(spikes(&bad, &shown), expected);
+    // The same errors of a model that jumps: the channel is right.
+    assert!(spikes(&bad, &readings).is_empty());
+}
+
+#[test]
+fn a_channel_that_freezes_is_found_and_a_coarse_one_at_rest_is_not() {
+    let mut stream = StreamKey::new(5, "test", "frozen").stream(0);
+    let truth: Vec<f64> = (0..400).map(|k| 300.0 + 10.0 * sin(f64::from(k) / 40.0)).collect();
+    let readings: Vec<f64> = truth.iter().map(|temperature| temperature + 0.1 * stream.normal()).collect();
+    let against =
+        |shown: &[f64]| -> Vec<f64> { shown.iter().zip(&truth).map(|(reading, truth)| reading - truth).collect() };
+    assert!(frozen(&against(&readings), &readings).is_empty());
+    let mut stuck = readings.clone();
+    (301..400).for_each(|row| stuck[row] = stuck[300]);
+    assert_eq!(frozen(&against(&stuck), &stuck), (301..400).collect::<Vec<_>>());
+    // Steps of 2 K: long stretches at the turns, where the model rests as well.
+    let coarse: Vec<f64> = truth.iter().map(|temperature| (temperature / 2.0).round() * 2.0).collect();
+    assert!(frozen(&against(&coarse), &coarse).is_empty());
+    // Means over forty readings in whole steps of half a kelvin, of a node that comes to rest: it stays at them.
+    let rest = |row: f64| -> f64 { 300.0 + 40.0 * (1.0 - exp(-row / 60.0)) };
+    let mean = |row: u32| {
+        let parts = (0..40).map(|part| (rest(f64::from(row) + f64::from(part) / 40.0) / 0.5).round() * 0.5);
+        parts.sum::<f64>() / 40.0
+    };
+    let averaged: Vec<f64> = (0..400).map(mean).collect();
+    let errors: Vec<f64> = (0..400).map(|row| mean(row) - rest(f64::from(row) + 0.5)).collect();
+    assert!(frozen(&errors, &averaged).is_empty());
+    assert!(frozen(&[], &[]).is_empty() && frozen(&[0.0], &[300.0]).is_empty());
+}
+
+#[test]
+fn a_channel_that_sticks_in_steady_phases_is_found_and_one_that_is_held_is_not() {
+    let mut stream = StreamKey::new(6, "test", "stuck").stream(0);
+    let truth: Vec<f64> = (0..16).map(|k| 280.0 + 20.0 * f64::from(k * 7 % 16) / 16.0).collect();
+    let mut shown = |truth: f64| ((truth + 0.2 * stream.normal()) * 100.0).round() / 100.0;
+    let right: Vec<f64> = truth.iter().map(|&truth| shown(truth)).collect();
+    // A thermostat that the model lacks holds the node, and the noise goes on.
+    let held: Vec<f64> = truth.iter().map(|_| shown(300.0)).collect();
+    let mut broken = right.clone();
+    (9..16).for_each(|phase| broken[phase] = broken[8]);
+    let against = |shown: &[f64]| -> Vec<f64> { shown.iter().zip(&truth).map(|(a, b)| a - b).collect() };
+    for readings in [&right, &held] {
+        assert!(stuck(&against(readings), readings, 0.2, 0.01).is_empty());
+    }
+    assert_eq!(stuck(&against(&broken), &broken, 0.2, 0.01), (9..16).collect::<Vec<_>>());
+    // Whole kelvins are often the same.
+    let coarse: Vec<f64> = held.iter().map(|reading| reading.round()).collect();
+    assert!(stuck(&against(&coarse), &coarse, 0.2, 1.0).is_empty());
+    assert!(stuck(&[], &[], 0.2, 0.01).is_empty() && stuck(&[1.0; 8], &[300.0; 8], 0.0, f64::INFINITY).is_empty());
+}
+
+#[test]
+fn a_step_that_stays_is_no_spike() {
+    let mut bad = errors(300);
+    bad.iter_mut().skip(150).for_each(|error| *error += 4.0);
+    let shown: Vec<f64> = bad.iter().map(|error| 300.0 + error).collect();
+    assert!(spikes(&bad, &shown).is_empty());
+    // Nor are whole steps of a coarse channel.
+    let coarse: Vec<f64> = (0..300).map(|k| f64::from(k / 50) * 0.5 + if k % 17 == 0 { 0.5 } else { 0.0 }).collect();
+    assert!(spikes(&coarse, &coarse).is_empty());
+}

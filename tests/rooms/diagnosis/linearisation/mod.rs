@@ -1,0 +1,2 @@
+mod bounded;
+mod signature;

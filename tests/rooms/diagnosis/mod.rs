@@ -1,0 +1,13 @@
+mod fits;
+mod heat;
+mod hypothesis;
+mod left_out;
+mod linearisation;
+mod noise;
+mod odds;
+mod places;
+pub mod screening;
+mod search;
+mod story;
+mod thinned;
+mod verdict;

@@ -1,0 +1,5 @@
+mod medium;
+mod narrow_prior;
+mod posterior_odds;
+mod prior_odds;
+mod prior_scale;

@@ -1,0 +1,3 @@
+mod family;
+pub mod fixture;
+mod score;

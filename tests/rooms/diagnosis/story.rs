@@ -1,0 +1,24 @@
+//! Tests of `core/src/diagnosis/story.rs`.
+
+use bmv::diagnosis::story::{falls, rises, serves_as_well};
+
+/// 95 % of what the other explains, and no larger error on unseen rows.
+#[test]
+fn an_effect_of_plausible_size_has_to_explain_nearly_as_much_and_to_predict_no_worse() {
+    assert!(serves_as_well([100.0, 5.9, 1.0], [Some(0.6), Some(0.5)]));
+    assert!(!serves_as_well([100.0, 6.0, 1.0], [Some(0.6), Some(0.5)]), "94 of 99");
+    assert!(!serves_as_well([100.0, 5.9, 1.0], [Some(0.5), Some(0.6)]), "it predicts worse");
+    assert!(serves_as_well([100.0, 5.9, 1.0], [None, None]), "nothing is held out");
+}
+
+/// By more than 5 % either way; without unseen rows nothing rises, and every step may be taken.
+#[test]
+fn errors_on_unseen_rows_rise_and_fall_by_more_than_a_twentieth() {
+    let of = |after: f64| [Some(1.0), Some(after)];
+    assert!(rises(of(1.06)) && !rises(of(1.04)) && !rises(of(0.5)));
+    assert!(falls(of(0.95)) && !falls(of(0.96)) && !falls(of(1.2)));
+    for none in [[None, Some(1.0)], [Some(1.0), None], [None, None]] {
+        assert!(!rises(none) && falls(none), "{none:?}");
+    }
+    assert!(!falls(of(f64::NAN)));
+}

@@ -1,0 +1,9 @@
+mod discriminating_experiment;
+mod everywhere;
+mod few_readings;
+mod lumped_nodes;
+mod selection;
+mod small_effects;
+mod still;
+mod trend;
+mod words;

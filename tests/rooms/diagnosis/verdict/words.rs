@@ -1,0 +1,52 @@
+//! Tests of `core/src/diagnosis/verdict/words.rs`.
+
+use bmv::diagnosis::output::EffectResult;
+use bmv::diagnosis::verdict::words::*;
+
+#[test]
+fn a_misfit_is_called_clear_only_where_the_tests_find_one() {
+    assert_eq!(clearness(0.96, 0.01), "the tests find no misfit in that (p = 0.96)");
+    let found = clearness(0.0, 0.01);
+    assert!(found.starts_with("that is a misfit (p < 1e-6, "), "{found}");
+}
+
+/// An effect with this most probable conductance, W/K.
+fn effect(most_probable: f64) -> EffectResult {
+    let amount = serde_json::json!({"value": 0.0307, "sd": 0.0131, "most_probable": most_probable, "unit": "W/K", "at_bound": false});
+    serde_json::from_value(serde_json::json!({
+        "id": "a:x", "effect": "a", "title": "A", "where": ["x"], "where_kind": "node", "input": null, "probability": 0.9,
+        "log_bayes_factor": 9.0, "log_bayes_factor_scales": null, "group": null, "amplitudes": {"conductance": amount},
+        "rmse_k": {"train": [null, null], "held_out": [null, null]}, "watts": null, "confused_with": [], "separate": ""
+    }))
+    .expect("an effect")
+}
+
+#[test]
+fn why_errors_of_the_model_may_be_it_is_said_where_it_is_so() {
+    let of = |model_error: f64, prior_width: f64| {
+        or_model_error(&EffectResult { model_error, prior_width, ..effect(0.03) }, false)
+    };
+    assert!(of(0.04, 1.0).is_empty());
+    assert_eq!(of(0.13, 1.0), " Errors of the model itself explain as much with probability 13.0 %.");
+    assert!(of(0.5, 10.0).starts_with(" It explains less than what else is missing"));
+    assert_eq!(of(0.5, 100.0), " Errors of the model itself may be all that it stands for.");
+    let pulled = or_model_error(&EffectResult { model_error: 0.5, ..effect(0.03) }, true);
+    assert!(pulled.starts_with(" A gradient within the node would read the same"), "{pulled}");
+}
+
+#[test]
+fn the_value_that_is_adopted_stands_beside_a_mean_that_lies_elsewhere() {
+    assert_eq!(size(&effect(0.0308)), ", conductance 0.031 ± 0.013 W/K");
+    assert_eq!(size(&effect(0.0347)), ", conductance 0.031 ± 0.013 W/K (most probable with all others 0.03470 W/K)");
+}
+
+#[test]
+fn sizes_are_read_with_their_errors() {
+    assert_eq!(with_error(0.05143, 0.00273), "0.0514 ± 0.0027");
+    assert_eq!(with_error(8_680_000.0, 449_161.0), "(8.68 ± 0.45)e6");
+    assert_eq!(with_error(-1234.0, 250.0), "(-1.23 ± 0.25)e3");
+    assert_eq!(with_error(1.0, 0.0), "1.00 ± 0");
+    assert_eq!(with_error(1.0, 1e-8), "1.00 ± 1.0e-8");
+    assert_eq!(with_error(f64::NAN, 1.0), "NaN ± 1.0");
+    assert_eq!(short(-0.0, 2), "0");
+}

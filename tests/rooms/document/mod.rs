@@ -1,0 +1,12 @@
+mod canonical;
+mod code;
+mod declare;
+mod diagnostic;
+mod hash;
+mod json;
+mod number;
+mod other_tools;
+mod source;
+mod suggest;
+mod visible;
+mod words;

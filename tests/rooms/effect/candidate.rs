@@ -1,0 +1,31 @@
+//! Tests of `core/src/effect/candidate.rs`.
+
+use bmv::effect::candidate::*;
+use bmv::effect::place::Site;
+
+fn on(where_kind: &'static str, effect: &str, elements: &[usize]) -> Candidate {
+    Candidate {
+        id: String::new(),
+        effect: effect.to_owned(),
+        where_kind,
+        place: Vec::new(),
+        input: None,
+        site: Site::Elements(elements.to_vec()),
+        bound: Vec::new(),
+        steady: true,
+        transient: true,
+    }
+}
+
+#[test]
+fn a_group_is_the_whole_of_its_members_with_the_same_effect() {
+    let wall = on(GROUP, "input-dependent-conductance", &[2, 3, 4]);
+    assert!(wall.is_whole_of(&on("conductor", "input-dependent-conductance", &[3])));
+    assert!(!wall.is_whole_of(&on("conductor", "input-dependent-conductance", &[5])));
+    assert!(!wall.is_whole_of(&on("conductor", "conductance-step", &[3])));
+    assert!(!wall.is_whole_of(&wall), "a group is no part of itself");
+    // By another law a group goes before a member all the same; sensors have no such surface.
+    assert!(wall.goes_before_member(&on("conductor", "conductance-step", &[3])));
+    assert!(!wall.goes_before_member(&on("conductor", "conductance-step", &[5])) && !wall.goes_before_member(&wall));
+    assert!(!on("conductor", "conductance-step", &[3, 4]).is_whole_of(&on("conductor", "conductance-step", &[3])));
+}

@@ -1,0 +1,28 @@
+//! Tests of `core/src/effect/catalogue.rs`.
+
+use bmv::document::Diagnostics;
+use bmv::effect::catalogue::*;
+
+#[test]
+fn every_file_is_listed_and_right() {
+    let mut diagnostics = Diagnostics::new();
+    let catalogue = Catalogue::embedded(&mut diagnostics);
+    catalogue.check(&mut diagnostics);
+    assert!(diagnostics.is_empty(), "{}", diagnostics.render(false, 10));
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/core/src/effect/catalogue");
+    let mut files: Vec<String> = std::fs::read_dir(folder)
+        .expect("the folder")
+        .map(|file| file.expect("a file").file_name().to_string_lossy().trim_end_matches(".json").to_owned())
+        .collect();
+    files.sort();
+    let mut names: Vec<&str> = catalogue.names().collect();
+    names.sort_unstable();
+    assert_eq!(files, names);
+    for effect in catalogue.effects() {
+        let form = &effect.form;
+        for text in [&form.equation, &form.signature, &form.separate] {
+            assert!(text.as_ref().is_some_and(|text| text.len() > 4), "{} is described", effect.name);
+        }
+        assert!(form.evidence.is_some() && form.source.len() > 10, "{} has a source", effect.name);
+    }
+}

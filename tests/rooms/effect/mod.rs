@@ -1,0 +1,4 @@
+mod candidate;
+mod catalogue;
+mod law;
+mod parameter;

@@ -1,0 +1,6 @@
+mod graph;
+mod infer;
+mod parse;
+mod program;
+mod schedule;
+mod unit;

@@ -1,0 +1,4 @@
+mod box_probability;
+mod laplace;
+mod optimise;
+mod truncated_moments;

@@ -1,0 +1,2 @@
+mod fewer_rows;
+mod noise;

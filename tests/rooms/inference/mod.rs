@@ -1,0 +1,9 @@
+mod estimate;
+mod gaussian_process;
+mod information;
+mod joint_discrepancy;
+mod likelihood;
+mod posterior;
+mod prior;
+mod sampler;
+mod target;

@@ -1,0 +1,4 @@
+mod joint_prior;
+mod score;
+mod transform;
+mod triangular_transport;

@@ -1,0 +1,3 @@
+mod adaptation;
+mod metric;
+mod student;

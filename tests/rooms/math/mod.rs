@@ -1,0 +1,10 @@
+mod cholesky;
+mod dense;
+mod listed_lu;
+mod ordering;
+mod quadrature;
+mod root;
+mod sparse;
+mod sparse_lu;
+mod special;
+mod sum;

@@ -1,0 +1,4 @@
+mod beta;
+mod gamma;
+mod normal;
+mod weighted_chi_square;

@@ -1,0 +1,2 @@
+mod lag;
+mod scatter;

@@ -1,0 +1,4 @@
+mod distribution;
+mod points;
+mod sobol;
+mod stream;

@@ -1,0 +1,14 @@
+mod autocorrelation;
+mod clusters;
+mod elementary_effects;
+mod given_data;
+mod histogram;
+mod interval;
+mod kolmogorov;
+mod moments;
+mod monte_carlo;
+mod poincare;
+mod quantile;
+mod regression;
+mod sobol_indices;
+mod tolerance;

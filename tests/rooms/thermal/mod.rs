@@ -1,0 +1,3 @@
+mod external;
+mod lanes_lu;
+mod transient;

@@ -1,0 +1,2 @@
+mod share;
+mod stop;
