@@ -291,6 +291,10 @@ fn what_lies_outside_or_needs_a_network_is_refused_at_its_place() {
         (r#""x": {"diagnose": {}}"#, "pass-1.json:5:11"),
         (r#""x": {"diagnose": {}}"#, "`diagnose` works on the equations of a network, and this model is asked outside"),
         (r#""x": {"calibrate": {"sampler": "nuts"}}"#, "`adaptive-metropolis` and `smc` are offered for it"),
+        (
+            r#""x": {"design": {"conditions": {"Q": [10, 20]}, "sensors": ["plate"], "estimator": "linear"}}"#,
+            "the estimator `linear` needs derivatives",
+        ),
         (r#""x": {"sensitivity": {"methods": ["local"]}}"#, "state `steps` of all uncertain parameters in the model"),
     ] {
         let found = said(COMMAND, jobs);
@@ -328,7 +332,11 @@ impl Drop for Server {
 fn a_served_network_is_a_model_of_another_pass() {
     const CALIBRATION: &str =
         r#", "fit": {"calibrate": {"parameters": ["eps"], "sampler": "smc", "chains": 2, "draws": 64}}"#;
-    let network = study(NODES, &format!("{JOBS}{CALIBRATION}"));
+    const CHOICES: &str = r#", "phases": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "learn": ["eps"], "nuisance": [],
+        "estimator": "nested", "outer": 256, "inner": 64}},
+      "linear": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "estimator": "linear", "outer": 256, "inner": 64}},
+      "goal": {"goal": {"samples": 1024}}"#;
+    let network = study(NODES, &format!("{JOBS}{CALIBRATION}{CHOICES}"));
     let server = Server::start(network.path(), "0");
     let served = |url: &str| {
         format!(
@@ -336,7 +344,7 @@ fn a_served_network_is_a_model_of_another_pass() {
    "retries": 0, "steps": {{"eps": 1e-4, "A": 1e-5}}}}"#
         )
     };
-    let client = study(&served(&server.1), &format!("{JOBS}{CALIBRATION}"));
+    let client = study(&served(&server.1), &format!("{JOBS}{CALIBRATION}{CHOICES}"));
     // Prior and delivered state: the same solves, only where they start differs. The comparison also shows the tuned state, for
     // which the search climbs by differences.
     for (job, tolerance) in [("prior", 1e-9), ("delivered", 1e-6)] {
@@ -345,6 +353,11 @@ fn a_served_network_is_a_model_of_another_pass() {
             document.as_object_mut().expect("an object").remove("heat");
         }
         assert!(apart(&a, &b) < tolerance, "{job}: {}", apart(&a, &b));
+    }
+    // The choice of an experiment: nested Monte Carlo reads values alone, the linear estimate central differences.
+    for (job, tolerance) in [("phases", 1e-7), ("linear", 1e-5), ("goal", 1e-9)] {
+        let (a, b) = (result(&network, job, &[]), result(&client, job, &[]));
+        assert!(apart(&a, &b) < tolerance, "{job}: {}\n{a}\n{b}", apart(&a, &b));
     }
     // With stated steps all methods run; central differences of 1e-4 of 0.8 have an error of their square, and of the
     // solution over the step.
