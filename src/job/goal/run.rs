@@ -134,7 +134,11 @@ impl Goal {
     pub(super) fn sharpened(&self, prior: &Prior) -> Vec<usize> {
         if self.spec.parameters.is_empty() {
             // What has no main effect beyond its error would only cost an experiment.
-            let matters = |(_, leading): &&(usize, output::Leading)| leading.main.is_some_and(|main| main.lower > 0.0);
+            // Nor is a surrogate's error anything that an experiment could teach.
+            let errors = self.network.external().map_or(0..0, |external| external.errors.clone());
+            let matters = |(index, leading): &&(usize, output::Leading)| {
+                leading.main.is_some_and(|main| main.lower > 0.0) && !errors.contains(index)
+            };
             prior.leading.iter().filter(matters).map(|(index, _)| *index).take(MOST_TOGETHER).collect()
         } else {
             let asked_for = self.spec.parameters.iter().copied().filter(|index| self.uncertain.contains(index));
