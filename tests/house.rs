@@ -231,6 +231,7 @@ const KINDS: &[(&str, &str)] = &[
     ("test_plan", "test_plan"),
     ("correlate", "margins"),
     ("margins_from_history", "margins_from_history"),
+    ("surrogate", "surrogate"),
 ];
 
 /// Files that name a kind's module without being its section, with the reason.

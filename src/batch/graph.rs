@@ -90,15 +90,20 @@ pub(super) fn add_upstream(
     needed: Vec<(String, String)>,
 ) {
     for other in &pass.upstream {
-        let wanted: Vec<&String> = needed.iter().filter(|(file, _)| *file == other.file).map(|(_, job)| job).collect();
+        let mut wanted: Vec<String> =
+            needed.iter().filter(|(file, _)| *file == other.file).map(|(_, job)| job.clone()).collect();
         let shown_pass = shown(&other.folder, &other.file);
         let is_there = |nodes: &[Node], job: &str| nodes.iter().any(|node| node.id == id(&shown_pass, job));
         if wanted.iter().all(|job| is_there(nodes, job)) {
             continue;
         }
         let mut further = Vec::new();
-        for (name, readiness) in job::ready(other) {
-            if !wanted.contains(&&name) || is_there(nodes, &name) {
+        let mut others = job::ready(other);
+        // What they build on in their own pass comes with them.
+        while let Some(name) = wanted.pop() {
+            let Some(place) = others.iter().position(|(own, _)| *own == name) else { continue };
+            let (_, readiness) = others.swap_remove(place);
+            if is_there(nodes, &name) {
                 continue;
             }
             if let Readiness::Refused(refusals) = &readiness {
@@ -107,6 +112,8 @@ pub(super) fn add_upstream(
             }
             if let Some((node, needed)) = node(&shown_pass, other, name, readiness) {
                 nodes.push(node);
+                let own = needed.iter().filter(|(file, _)| *file == other.file);
+                wanted.extend(own.map(|(_, job)| job.clone()));
                 further.extend(needed);
             }
         }

@@ -66,6 +66,11 @@ impl Show {
             let sections = summary.into_iter().chain(results()).chain([CALIBRATION]);
             let sections: Vec<_> = sections.filter_map(|build| build(&report)).collect();
             print(&terminal::render(&sections, context.layout))?;
+            if let Some(surrogate) = pass.pass.surrogate.as_ref().filter(|_| self.job.is_some()) {
+                // With all jobs the summary says so.
+                let (model, shown) = (escaped(&surrogate.truth.description), escaped(&pass.shown));
+                tell(&format!("results rest on a surrogate of {model}; how good it is: bmv show {shown} surrogate"));
+            }
             if !report.results.is_empty() {
                 tell(&format!("figures and all numbers: bmv report {}", escaped(&pass.shown)));
             }

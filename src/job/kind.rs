@@ -40,8 +40,8 @@ pub trait JobKind: Sync + 'static {
     /// steps of differences. `None` where it runs.
     fn refuses_external(_spec: &Self::Spec, _states_steps: bool) -> Option<String> {
         Some(format!(
-            "`{}` works on the equations of a network, and this model is asked outside; `propagate`, `sensitivity`, `compare`, \
-             `calibrate` and `predict` work with it",
+            "`{}` works on the equations of a network, and this model is asked outside; `propagate`, `sensitivity`, `goal`, \
+             `design`, `compare`, `calibrate` and `predict` work with it",
             Self::NAME
         ))
     }

@@ -48,6 +48,7 @@ kinds! {
     correlate,
     conventional,
     margins_from_history,
+    surrogate,
 }
 
 /// What a job does next.

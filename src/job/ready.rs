@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::propagate::{self, Propagate};
-use super::{JobError, Runnable, compare, kind};
+use super::{JobError, Runnable, compare, kind, surrogate};
 use crate::document::{Diagnostic, code};
 use crate::measurement::Measurement;
 use crate::random::Distribution;
@@ -93,6 +93,34 @@ impl Readiness {
     /// A job that waits for the results of these calibrations; `known` is it as far as it is known before.
     pub fn after(from: Vec<Upstream>, known: Arc<dyn Runnable>, prepare: Prepare) -> Self {
         Self::After(Box::new(Deferred { from, known, beside: None, prepare }))
+    }
+
+    /// The same, but waiting for one more result first, which `take` puts to use.
+    pub(super) fn behind(
+        self,
+        upstream: Upstream,
+        take: impl Fn(&Value) -> Result<(), JobError> + Send + Sync + 'static,
+    ) -> Self {
+        let taken = move |results: &[Arc<Value>]| -> Result<(), JobError> {
+            take(results.first().ok_or_else(|| JobError::Failed("a result is not there".to_owned()))?)
+        };
+        match self {
+            Self::Ready(job) => {
+                let known = Arc::clone(&job);
+                let prepare = move |results: &[Arc<Value>]| taken(results).map(|()| Arc::clone(&job));
+                Self::after(vec![upstream], known, Box::new(prepare))
+            }
+            Self::After(deferred) => {
+                let Deferred { from, known, beside, prepare } = *deferred;
+                let from = std::iter::once(upstream).chain(from).collect();
+                let prepare: Prepare = Box::new(move |results| {
+                    taken(results)?;
+                    prepare(results.get(1..).unwrap_or_default())
+                });
+                Self::After(Box::new(Deferred { from, known, beside, prepare }))
+            }
+            Self::NotRun(_) | Self::Refused(_) => self,
+        }
     }
 
     /// The same with what decides the result beside the job's own identity and the calibrations.
@@ -195,7 +223,8 @@ impl<'p> Shared<'p> {
     fn made(&self, named: &NamedJob) -> Result<Readiness, JobError> {
         let made = kind::find(named.spec.kind()).map(|kind| kind.ready(&named.spec, self, &named.name)).transpose()?;
         // What waits for something is blocked, with the reason.
-        Ok(made.flatten().unwrap_or_else(|| Readiness::NotRun(String::new())))
+        let made = made.flatten().unwrap_or_else(|| Readiness::NotRun(String::new()));
+        Ok(if named.spec.get::<surrogate::Spec>().is_some() { made } else { surrogate::behind(self, made) })
     }
 
     /// A propagation with these priors, draws not yet in their place.

@@ -160,7 +160,8 @@ impl<J: Job + 'static> Runnable for J {
 
     fn reduce(&self, stage: &Stage, outputs: Vec<Vec<u8>>) -> Result<Next, JobError> {
         let state: &J::State = stage.state.get(&stage.name)?;
-        next(self, Job::reduce(self, state.clone(), blocks::<J>(stage, outputs)?)?)
+        let reduced = Job::reduce(self, state.clone(), blocks::<J>(stage, outputs)?);
+        next(self, unbroken(Job::external(self), reduced)?)
     }
 
     fn as_any(&self) -> &dyn Any {

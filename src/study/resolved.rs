@@ -17,6 +17,7 @@ use super::figure::Figure;
 use super::job::NamedJob;
 use super::ledger::Content;
 use super::model::InputError;
+use super::model::surrogate::Surrogate;
 use super::pinned::Pinned;
 use super::posterior_prior::PosteriorPrior;
 use super::requirement::{Environment, Requirement, Statement};
@@ -54,6 +55,8 @@ pub struct Pass {
     pub model: Model,
     /// What answers for the model in place of nodes and elements.
     pub external: Option<Arc<External>>,
+    /// The surrogate in place of that.
+    pub surrogate: Option<Arc<Surrogate>>,
     /// The parameters' priors, SI, in the model's order; where draws stand in for one, the original one.
     pub priors: Vec<Distribution>,
     /// Draws that stand in for priors.

@@ -291,6 +291,10 @@ fn what_lies_outside_or_needs_a_network_is_refused_at_its_place() {
         (r#""x": {"diagnose": {}}"#, "pass-1.json:5:11"),
         (r#""x": {"diagnose": {}}"#, "`diagnose` works on the equations of a network, and this model is asked outside"),
         (r#""x": {"calibrate": {"sampler": "nuts"}}"#, "`adaptive-metropolis` and `smc` are offered for it"),
+        (
+            r#""x": {"design": {"conditions": {"Q": [10, 20]}, "sensors": ["plate"], "estimator": "linear"}}"#,
+            "the estimator `linear` needs derivatives",
+        ),
         (r#""x": {"sensitivity": {"methods": ["local"]}}"#, "state `steps` of all uncertain parameters in the model"),
     ] {
         let found = said(COMMAND, jobs);
@@ -328,7 +332,11 @@ impl Drop for Server {
 fn a_served_network_is_a_model_of_another_pass() {
     const CALIBRATION: &str =
         r#", "fit": {"calibrate": {"parameters": ["eps"], "sampler": "smc", "chains": 2, "draws": 64}}"#;
-    let network = study(NODES, &format!("{JOBS}{CALIBRATION}"));
+    const CHOICES: &str = r#", "phases": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "learn": ["eps"], "nuisance": [],
+        "estimator": "nested", "outer": 256, "inner": 64}},
+      "linear": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "estimator": "linear", "outer": 256, "inner": 64}},
+      "goal": {"goal": {"samples": 1024}}"#;
+    let network = study(NODES, &format!("{JOBS}{CALIBRATION}{CHOICES}"));
     let server = Server::start(network.path(), "0");
     let served = |url: &str| {
         format!(
@@ -336,7 +344,7 @@ fn a_served_network_is_a_model_of_another_pass() {
    "retries": 0, "steps": {{"eps": 1e-4, "A": 1e-5}}}}"#
         )
     };
-    let client = study(&served(&server.1), &format!("{JOBS}{CALIBRATION}"));
+    let client = study(&served(&server.1), &format!("{JOBS}{CALIBRATION}{CHOICES}"));
     // Prior and delivered state: the same solves, only where they start differs. The comparison also shows the tuned state, for
     // which the search climbs by differences.
     for (job, tolerance) in [("prior", 1e-9), ("delivered", 1e-6)] {
@@ -345,6 +353,11 @@ fn a_served_network_is_a_model_of_another_pass() {
             document.as_object_mut().expect("an object").remove("heat");
         }
         assert!(apart(&a, &b) < tolerance, "{job}: {}", apart(&a, &b));
+    }
+    // The choice of an experiment: nested Monte Carlo reads values alone, the linear estimate central differences.
+    for (job, tolerance) in [("phases", 1e-7), ("linear", 1e-5), ("goal", 1e-9)] {
+        let (a, b) = (result(&network, job, &[]), result(&client, job, &[]));
+        assert!(apart(&a, &b) < tolerance, "{job}: {}\n{a}\n{b}", apart(&a, &b));
     }
     // With stated steps all methods run; central differences of 1e-4 of 0.8 have an error of their square, and of the
     // solution over the step.
@@ -359,6 +372,76 @@ fn a_served_network_is_a_model_of_another_pass() {
     let sd = of(&a, "sd");
     assert!((of(&a, "map") - of(&b, "map")).abs() < 1e-3 * sd, "{} {}", of(&a, "map"), of(&b, "map"));
     assert!((of(&a, "mean") - of(&b, "mean")).abs() < 0.3 * sd, "{} {}", of(&a, "mean"), of(&b, "mean"));
+}
+
+#[test]
+fn a_surrogate_gives_the_posterior_of_the_model_within_the_error_that_it_states() {
+    const FIT: &str = r#""fit": {"calibrate": {"parameters": ["eps"], "sampler": "smc", "chains": 4, "draws": 128}}"#;
+    const PRIOR: &str = r#""prior": {"propagate": {"samples": 1024}}"#;
+    let network = study(NODES, &format!("{FIT}, {PRIOR}"));
+    let server = Server::start(network.path(), "0");
+    let served = |surrogate: &str| {
+        format!(
+            r#""umbridge": {{"url": "{}", "name": "forward", "version": "plate 1", "outputs": {{"plate": {{"unit": "K"}}}},
+   "retries": 0}}, "surrogate": {surrogate}"#,
+            server.1
+        )
+    };
+    let client = study(&served(r#"{"runs": 24, "rounds": 2, "more": 6}"#), &format!("{FIT}, {PRIOR}"));
+    let surrogate = result(&client, "surrogate", &[]);
+    let plate = &surrogate["outputs"][0];
+    let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{surrogate}"));
+    let error = number(&plate["error"]);
+    // A smooth function of four coordinates: below half of the noise of 0.5 K, of a spread of some 20 K.
+    assert!(error > 0.0 && error < 0.25 && number(&plate["share"]) < 0.01, "{plate}");
+    let reading = &surrogate["readings"][0];
+    assert!(number(&reading["error"]) < 0.2 * number(&reading["noise"]), "{reading}");
+    assert_eq!(
+        (surrogate["failed"].clone(), surrogate["coordinates"].clone()),
+        (json!(0), json!(["eps", "A", "T_sink", "Q"]))
+    );
+    // The same numbers are drawn: what is apart is the surrogate's error, and by it the particles' ways.
+    let of = |document: &Value, field: &str| number(&document["parameters"]["eps"][field]);
+    let (a, b) = (result(&network, "fit", &[]), result(&client, "fit", &[]));
+    let sd = of(&a, "sd");
+    assert!((of(&a, "mean") - of(&b, "mean")).abs() < 0.3 * sd, "{} {}", of(&a, "mean"), of(&b, "mean"));
+    assert!((of(&b, "sd") / sd - 1.0).abs() < 0.3, "{sd} {}", of(&b, "sd"));
+    assert!(b["parameters"]["plate.surrogate_error"]["sd"].is_number(), "its error is among what is inferred: {b}");
+    // The prior's mean is that of the model but for the surrogate's error and that of 1024 Sobol points.
+    let mean = |document: &Value| number(&document["quantities"]["plate"]["mean"]);
+    let (a, b) = (result(&network, "prior", &[]), result(&client, "prior", &[]));
+    assert!((mean(&a) - mean(&b)).abs() < error + 0.02, "{} {}", mean(&a), mean(&b));
+    // Its runs are kept: with the server gone other jobs ask it all the same.
+    drop(server);
+    fs::write(client.path().join("m/pass-1.json"), pass(r#""more": {"propagate": {"samples": 64}}"#)).expect("written");
+    assert_eq!(result(&client, "more", &[])["failed"], json!(0));
+}
+
+#[test]
+fn a_surrogate_that_is_worse_than_the_readings_is_told_and_one_that_cannot_be_is_refused() {
+    let with = |surrogate: &str| format!(r#"{COMMAND}, "surrogate": {surrogate}"#);
+    let root = study(&with(r#"{"runs": 12, "rounds": 0}"#), r#""prior": {"propagate": {"samples": 64}}"#);
+    let precise = pass(r#""prior": {"propagate": {"samples": 64}}"#).replace(r#"{"value": 0.5,"#, r#"{"value": 0.02,"#);
+    fs::write(root.path().join("m/pass-1.json"), precise).expect("written");
+    let surrogate = result(&root, "surrogate", &[ALLOWED]);
+    let findings = surrogate["findings"].to_string();
+    assert!(findings.contains("exceeds the noise of `plate` of `balance`"), "{findings}");
+    let shown = text(&at(&root, &["show", "m/pass-1.json"]).stdout);
+    let shown = shown.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(shown.contains("All results rest on a surrogate") && shown.contains("exceeds the noise"), "{shown}");
+    for (answer, reason) in [
+        (with(r#"{"runs": 5}"#), "5 runs"),
+        (
+            with(r#"{"runs": 11}"#),
+            "11 runs are too few for a surrogate over 4 parameters and inputs: `runs` from 12 on",
+        ),
+        (with(r#"{"runs": 900, "rounds": 20, "more": 50}"#), "at most 1000 runs in all"),
+        (format!(r#"{NODES}, "surrogate": {{"runs": 40}}"#), "a surrogate stands for a model that is asked outside"),
+    ] {
+        fs::write(root.path().join("m/model.json"), model(&answer)).expect("written");
+        let said = failure(&root, &["run", "m", ALLOWED]);
+        assert!(said.contains(reason), "{answer}\n{said}");
+    }
 }
 
 #[test]

@@ -1,4 +1,5 @@
-"""Serves a model of five lines with the reference package of UM-Bridge in Python and asks it from a study.
+"""Serves a model of five lines with the reference package of UM-Bridge in Python and asks it from a study: propagation,
+sensitivity, the choice of an experiment, calibration, and the last again through a surrogate.
 
 usage: umbridge_server.py BMV
 
@@ -6,7 +7,9 @@ Skipped, and said so, where the package `umbridge` is not installed.
 """
 
 import json
+import math
 import pathlib
+import shutil
 import socket
 import subprocess
 import sys
@@ -41,15 +44,34 @@ def main(bmv):
         study.mkdir()
         model = {
             "format": "bmv-network/1",
-            "inputs": {"Q": {"unit": "W", "nominal": 10}},
+            "inputs": {"Q": {"unit": "W", "nominal": 10, "range": [5, 10]}},
             "parameters": {"G": {"unit": "W/K", "nominal": 0.5, "prior": {"uniform": [0.4, 0.6]}}},
             "umbridge": {"url": f"http://127.0.0.1:{port}", "name": "plate", "version": "1",
-                         "outputs": {"plate": {"unit": "degC"}}},
+                         "outputs": {"plate": {"unit": "degC"}}, "steps": {"G": 1e-4}},
         }
         (study / "model.json").write_text(json.dumps(model))
-        jobs = {"prior": {"propagate": {"samples": 1024}}}
+        (study / "balance.csv").write_text("phase,Q [W],plate [degC]\nP1,10,40.0\nP2,5,30.0\n")
+        sensor = {"measures": "plate", "sigma": {"value": 0.2, "unit": "K"}}
+        jobs = {
+            "prior": {"propagate": {"samples": 1024}},
+            "effects": {"sensitivity": {"methods": ["local"]}},
+            "phases": {"design": {"conditions": {"Q": [5, 10]}, "estimator": "nested", "outer": 1024, "inner": 512}},
+            "fit": {"calibrate": {"sampler": "smc", "chains": 4, "draws": 64}},
+        }
         (study / "pass-1.json").write_text(json.dumps(
-            {"format": "bmv-pass/1", "title": "Plate", "parent": None, "model": "model.json", "seed": 1, "jobs": jobs}))
+            {"format": "bmv-pass/1", "title": "Plate", "parent": None, "model": "model.json", "seed": 1,
+             "measurements": {"balance": {"steady": {"file": "balance.csv", "sensors": {"plate": sensor}}}}, "jobs": jobs}))
+        quick = root / "quick"
+        shutil.copytree(study, quick)
+        (quick / "model.json").write_text(json.dumps({**model, "surrogate": {"runs": 16}}))
+
+        def result(folder, job):
+            shown = subprocess.run([bmv, "show", folder / "pass-1.json", job, "--json", "--run"], capture_output=True,
+                                   text=True)
+            # Short chains need not have converged.
+            assert shown.returncode in (0, 4), shown.stderr
+            return json.loads(shown.stdout)
+
         server = subprocess.Popen([sys.executable, root / "serve.py", str(port)], stdout=subprocess.DEVNULL,
                                   stderr=subprocess.DEVNULL)
         try:
@@ -59,19 +81,31 @@ def main(bmv):
                         break
                 time.sleep(0.1)
             begun = time.monotonic()
-            shown = subprocess.run([bmv, "show", study / "pass-1.json", "prior", "--json", "--run"], capture_output=True,
-                                   text=True)
+            prior = result(study, "prior")
             seconds = time.monotonic() - begun
+            effects, phases = result(study, "effects"), result(study, "phases")
+            fits = [result(study, "fit"), result(quick, "fit")]
+            surrogate = result(quick, "surrogate")
         finally:
             server.kill()
             server.wait()
-        assert shown.returncode == 0, shown.stderr
-        plate = json.loads(shown.stdout)["quantities"]["plate"]
-        assert json.loads(shown.stdout)["failed"] == 0
+        plate = prior["quantities"]["plate"]
+        assert prior["failed"] == 0
         # Mean of 10 W / G with G uniform from 0.4 to 0.6, above 20 degC; a scrambled Sobol set of 1024 is within 1e-3.
-        import math
         expected = 293.15 + 10 * math.log(0.6 / 0.4) / 0.2
         assert abs(plate["mean"] - expected) < 1e-2, (plate, expected)
+        assert "local" in effects, effects
+        # Where the prior is wide against the noise, the phases' information differs by the logarithm of their slopes' ratio, ln 2.
+        low, high = [candidate["information_nats"] for candidate in phases["candidates"]]
+        assert abs(high - low - math.log(2)) < 0.1, (low, high)
+        # The slopes -Q / G^2 are -40 and -20 K per W/K: a standard deviation of 0.2 / sqrt(40^2 + 20^2).
+        sd = 0.2 / math.hypot(40, 20)
+        for fit in fits:
+            found = fit["parameters"]["G"]
+            assert abs(found["mean"] - 0.5) < 0.3 * sd and abs(found["sd"] / sd - 1) < 0.3, found
+        [error] = [output["error"] for output in surrogate["outputs"]]
+        assert error < 0.02, surrogate
+        print(f"{surrogate['runs']} runs give a surrogate with an error of {error:.1e} K, and the posterior of the model")
         print(f"a model of five lines answered 1024 samples in {seconds:.1f} s ({1e3 * seconds / 1024:.2f} ms a sample)")
 
 

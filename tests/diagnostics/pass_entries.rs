@@ -231,7 +231,7 @@ fn an_unknown_kind_of_job() {
      --> study/pass-1.json:9:65
       |
     9 |  "jobs": {"spread": {"propagate": {"samples": 1024}}, "match": {"comprae": {}}, "size": {"conventional": {}},
-      |                                                                 ^^^^^^^^^ one of `propagate`, `sensitivity`, `goal`, `design`, `calibrate`, `compare`, `diagnose`, `discrepancy`, `predict`, `test-plan`, `correlate`, `conventional` and `margins-from-history`
+      |                                                                 ^^^^^^^^^ one of `propagate`, `sensitivity`, `goal`, `design`, `calibrate`, `compare`, `diagnose`, `discrepancy`, `predict`, `test-plan`, `correlate`, `conventional`, `margins-from-history` and `surrogate`
       |
       = note: at $.jobs.match.comprae
       = help: did you mean `compare`?

@@ -1,7 +1,8 @@
 //! Inference: `target` (what a posterior is), `prior` (densities and their coordinates), `likelihood` (of measurements, given
 //! parameters), `posterior` (both together, unconstrained), `sampler` (chains, importance, tempering), `estimate` (point
 //! estimates, evidence, moments between bounds, identifiability), `information` (what a measurement would tell),
-//! `gaussian_process` (regression of what a model leaves unexplained), `joint_discrepancy` (that and the parameters together).
+//! `gaussian_process` (regression of what a model leaves unexplained), `joint_discrepancy` (that and the parameters together),
+//! `surrogate` (a process in the place of a model that takes long to answer).
 
 pub mod estimate;
 pub mod gaussian_process;
@@ -11,4 +12,5 @@ pub mod likelihood;
 pub mod posterior;
 pub mod prior;
 pub mod sampler;
+pub mod surrogate;
 pub mod target;

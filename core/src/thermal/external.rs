@@ -5,6 +5,7 @@
 //! where one side has no answer.
 
 use std::fmt::Debug;
+use std::ops::Range;
 use std::sync::Arc;
 
 use thiserror::Error;
@@ -63,6 +64,8 @@ pub struct External {
     pub steps: Vec<f64>,
     /// Whether the model states the steps of all its parameters.
     pub states_steps: bool,
+    /// Parameters that are errors of a surrogate in their standard deviations, one an output; none without a surrogate.
+    pub errors: Range<usize>,
     /// Who asks it; `None` where nobody was lent.
     pub evaluator: Option<Arc<dyn Evaluator>>,
 }
@@ -84,7 +87,8 @@ impl External {
         self.evaluator.as_ref()?.broken()
     }
 
-    fn evaluate(&self, points: &[Point]) -> Vec<Result<Vec<f64>, Fault>> {
+    /// As [`Evaluator::evaluate`].
+    pub fn evaluate(&self, points: &[Point]) -> Vec<Result<Vec<f64>, Fault>> {
         match &self.evaluator {
             Some(evaluator) => evaluator.evaluate(points),
             None => {

@@ -1,5 +1,7 @@
 //! The model of a design: readings and their derivatives at samples of the unknowns.
 
+use serde::{Deserialize, Serialize};
+
 use super::output::{DesignSensor, Phase, Spec};
 use super::samples::{Kind, Unknown};
 use crate::expression::Symbol;
@@ -8,7 +10,7 @@ use crate::inference::likelihood::covariance_by_inputs;
 use crate::job::JobError;
 use crate::math::cholesky;
 use crate::random::Distribution;
-use crate::thermal::{LANES, Model, Network, SampleBatch, Start, Workspace};
+use crate::thermal::{External, LANES, Model, Network, SampleBatch, Start, Workspace};
 
 /// Networks with the sensors' quantities alone.
 #[derive(Debug)]
@@ -32,7 +34,7 @@ pub(super) struct ForwardModel {
 #[derive(Clone, Debug)]
 pub(super) struct Place {
     inputs: Vec<f64>,
-    /// Where its solves start; `None` where its nominal state has no solution.
+    /// Where its solves start; `None` where its nominal state has no solution, or is asked outside.
     start: Option<Vec<f64>>,
     /// Covariance of the readings by the errors of the inputs, `F S F'`; empty without any.
     covariance: Vec<f64>,
@@ -95,7 +97,7 @@ pub(super) struct Room {
 }
 
 /// How often limits were left.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Outside {
     pub failed: u64,
     pub outside: [u64; 2],
@@ -156,8 +158,17 @@ impl ForwardModel {
         })
     }
 
+    /// What is asked outside, where that answers for the model.
+    pub fn external(&self) -> Option<&External> {
+        self.plain.external()
+    }
+
     /// Solves a phase at nominal parameters.
     pub fn place(&self, phase: &Phase) -> Place {
+        if self.external().is_some() && self.noisy.is_none() {
+            // What is asked outside starts nowhere, and takes its time.
+            return Place { inputs: phase.inputs.clone(), start: None, covariance: Vec::new() };
+        }
         let mut workspace = self.plain.workspace();
         self.plain.set_parameters(&mut workspace, &self.base);
         self.plain.set_inputs(&mut workspace, &phase.inputs);
@@ -240,6 +251,9 @@ impl ForwardModel {
                     self.shift(&rows[lane.min(lanes - 1) * width..], &mut inputs);
                     batch.set_inputs(&self.plain, lane, &inputs);
                 }
+            }
+            if self.external().is_some() {
+                batch.use_lanes(lanes);
             }
             self.plain.solve_samples(batch, at.start());
             room.solutions += lanes as u64;

@@ -67,6 +67,17 @@ impl JobKind for Kind {
         of_grid.filter_map(number).collect()
     }
 
+    fn refuses_external(spec: &Spec, states_steps: bool) -> Option<String> {
+        let is_by_slopes = matches!(spec.estimator, Estimator::Laplace | Estimator::Linear);
+        (is_by_slopes && !states_steps).then(|| {
+            format!(
+                "the estimator `{}` needs derivatives, which a model that is asked outside has by differences alone: state `steps` \
+                 of all uncertain parameters in the model, or take the estimator `nested`",
+                spec.estimator.name()
+            )
+        })
+    }
+
     fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {
         let (model, priors) = (Arc::clone(&shared.model), shared.pass.priors.clone());
         Ok(Readiness::Ready(Arc::new(Design::new(spec.clone(), model, priors, shared.pass.seed, name)?)))

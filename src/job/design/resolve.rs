@@ -9,7 +9,7 @@ use crate::random::Distribution;
 use crate::study::job::Entry;
 use crate::study::pass::measurement::SensorForm;
 use crate::study::pass::variable::SweepForm;
-use crate::study::resolve::chosen::{parameters, uncertain};
+use crate::study::resolve::chosen::{errors, parameters, uncertain, with_errors};
 use crate::study::resolve::design_variable::spaced;
 use crate::study::resolve::scope::Scope;
 use crate::study::resolve::settings::{Offered, environments, push_new};
@@ -38,11 +38,16 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DesignForm, offer
         None => {
             let named = form.nuisance.iter().flatten().filter_map(|name| scope.resolved.parameter(&name.value));
             let named: Vec<usize> = named.collect();
-            all.clone().filter(|index| !named.contains(index)).collect()
+            // A surrogate's error is no parameter that an experiment could teach.
+            let errors = errors(scope);
+            all.clone().filter(|index| !named.contains(index) && !errors.contains(index)).collect()
         }
     };
     let nuisance = match &form.nuisance {
-        Some(names) => parameters(scope, names, offered.priors),
+        Some(names) => {
+            let chosen = parameters(scope, names, offered.priors);
+            with_errors(scope, chosen, offered.priors)
+        }
         None => all.filter(|index| !learn.contains(index)).collect(),
     };
     for name in form.nuisance.iter().flatten() {

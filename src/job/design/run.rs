@@ -1,7 +1,7 @@
 //! The choice of an experiment as a job: what it is asked, and its stages.
 
 use super::{Estimator, Output, Phase, Spec, samples};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use serde_json::{Value, json};
 
@@ -11,9 +11,10 @@ use super::forward_model::{ForwardModel, Outside, Place};
 use super::information::Question;
 use super::samples::{REPLICATES, Samples};
 use crate::inference::information::estimate::Replicate;
+use crate::job::stored::{split_numbers, with_numbers};
 use crate::job::{Done, Job, JobError, Parts, Step};
 use crate::random::{Distribution, StreamKey};
-use crate::thermal::Model;
+use crate::thermal::{External, Model};
 
 pub(super) const PREDICT: &str = "predict";
 pub(super) const INFORMATION: &str = "information";
@@ -31,8 +32,8 @@ pub struct Design {
     pub(super) model: Arc<Model>,
     pub(super) priors: Vec<Distribution>,
     pub(super) forward_model: ForwardModel,
-    /// Of the settings' candidates.
-    pub(super) places: Vec<Place>,
+    /// Of the settings' candidates, from when they are needed on.
+    places: OnceLock<Vec<Place>>,
     pub(super) samples: Samples,
     /// Of the points at which a search looks.
     pub(super) key: StreamKey,
@@ -72,24 +73,45 @@ impl Design {
         let unknowns = samples::unknowns(&spec, &model, &priors);
         let samples = Samples::new(&spec, unknowns.len(), seed, name)?;
         let forward_model = ForwardModel::new(&spec, &model, &priors, unknowns)?;
-        let places = spec.candidates.iter().map(|phase| forward_model.place(phase)).collect();
         let key = StreamKey::new(seed, name, "design search");
-        Ok(Self { spec, model, priors, forward_model, places, samples, key })
+        Ok(Self { spec, model, priors, forward_model, places: OnceLock::new(), samples, key })
+    }
+
+    /// The phases of the settings' candidates, solved when they are first asked for.
+    pub(super) fn places(&self) -> &[Place] {
+        let solved = || self.spec.candidates.iter().map(|phase| self.forward_model.place(phase)).collect();
+        self.places.get_or_init(solved)
     }
 
     pub(super) fn all_samples(&self) -> usize {
         REPLICATES * self.samples.size
     }
 
-    /// Noise-free readings of all samples of a phase.
-    pub(super) fn predict(&self, at: &Place) -> (PredictHead, Vec<f64>) {
+    /// Noise-free readings of all samples of a phase; each replicate is a part that a kill does not lose.
+    pub(super) fn predict(&self, at: &Place, parts: &dyn Parts) -> (PredictHead, Vec<f64>) {
         let (unknowns, sensors, size) = (self.samples.unknowns, self.forward_model.sensors(), self.samples.size);
         let mut room = self.forward_model.room();
         let mut outside = Outside { nodes: vec![0; self.model.nodes.len()], ..Outside::default() };
         let mut readings = vec![f64::NAN; self.all_samples() * sensors];
+        let mut done = 0;
+        for kept in (1..REPLICATES).rev() {
+            let part = parts.find(kept as u64).and_then(|bytes| split_numbers::<Outside>(&bytes, PREDICT).ok());
+            if let Some((kept_outside, solved)) = part.filter(|(_, solved)| solved.len() == kept * size * sensors) {
+                readings[..solved.len()].copy_from_slice(&solved);
+                (outside, done) = (kept_outside, kept);
+                break;
+            }
+        }
         let mut values = vec![0.0; DRAWN * unknowns];
         let mut column = Vec::with_capacity(DRAWN);
-        for (replicate, readings) in readings.chunks_exact_mut(size * sensors).enumerate() {
+        for replicate in done..REPLICATES {
+            if replicate > done && parts.is_due() {
+                let solved = &readings[..replicate * size * sensors];
+                if let Ok(bytes) = with_numbers(&outside, solved) {
+                    parts.keep(replicate as u64, &bytes);
+                }
+            }
+            let readings = &mut readings[replicate * size * sensors..(replicate + 1) * size * sensors];
             let (rows, dimensions) = self.samples.outer(replicate);
             for (rows, readings) in rows.chunks(DRAWN * dimensions).zip(readings.chunks_mut(DRAWN * sensors)) {
                 let count = rows.len() / dimensions;
@@ -232,8 +254,9 @@ impl Design {
 
     /// A candidate of the settings, or of those that were found.
     pub(super) fn place(&self, candidate: usize, found: &[Phase]) -> Option<Place> {
-        let from_settings = self.places.get(candidate).cloned();
-        from_settings.or_else(|| Some(self.forward_model.place(found.get(candidate.checked_sub(self.places.len())?)?)))
+        let from_settings = self.places().get(candidate).cloned();
+        from_settings
+            .or_else(|| Some(self.forward_model.place(found.get(candidate.checked_sub(self.places().len())?)?)))
     }
 
     /// The next greedy stage, or the result.
@@ -299,16 +322,20 @@ impl Job for Design {
         Ok(Step::Blocks { stage: PREDICT.to_owned(), state: Known::default(), inputs })
     }
 
-    fn block(&self, known: &Known, task: Task, _parts: &dyn Parts) -> Result<Found, JobError> {
+    fn external(&self) -> Option<&External> {
+        self.forward_model.external()
+    }
+
+    fn block(&self, known: &Known, task: Task, parts: &dyn Parts) -> Result<Found, JobError> {
         let wrong = |reason: &str| JobError::Failed(reason.to_owned());
         match task {
             Task::Predict { candidate } => {
-                let place = self.places.get(candidate).ok_or_else(|| wrong("there is no such candidate"))?;
-                let (head, readings) = self.predict(place);
+                let place = self.places().get(candidate).ok_or_else(|| wrong("there is no such candidate"))?;
+                let (head, readings) = self.predict(place, parts);
                 let information = Information { replicates: Vec::new(), solutions: self.all_samples() as u64 };
                 Ok(Found { head: Some(head), information, readings })
             }
-            Task::Search { phase } => Ok(self.look(known.state.estimator, &self.forward_model.place(&phase))),
+            Task::Search { phase } => Ok(self.look(known.state.estimator, &self.forward_model.place(&phase), parts)),
             Task::Inform { set, replicates: [first, count] } => {
                 let places: Option<Vec<Place>> =
                     set.phases.iter().map(|&phase| self.place(phase, &known.state.found)).collect();

@@ -8,6 +8,7 @@ use super::output::{Estimator, Phase};
 use super::samples::REPLICATES;
 use super::summary::FAILURE_LIMIT;
 use crate::inference::information::search::{self, next};
+use crate::job::Parts;
 
 /// Phases that are looked at side by side.
 const AT_ONCE: u64 = 4;
@@ -72,8 +73,8 @@ impl Design {
     }
 
     /// Solves a phase of the search and estimates its information.
-    pub(super) fn look(&self, estimator: Estimator, place: &Place) -> Found {
-        let (head, readings) = self.predict(place);
+    pub(super) fn look(&self, estimator: Estimator, place: &Place, parts: &dyn Parts) -> Found {
+        let (head, readings) = self.predict(place, parts);
         let read = self.all_sensors();
         let has_solutions = head.failed as f64 <= FAILURE_LIMIT * self.all_samples() as f64;
         let places = [place.clone()];

@@ -30,7 +30,7 @@ impl Design {
     /// Everything known before information: candidates with their limits and linear estimates.
     pub(super) fn begun(&self, heads: &[PredictHead]) -> Output {
         let spec = &self.spec;
-        let candidates = spec.candidates.iter().zip(&self.places).zip(heads);
+        let candidates = spec.candidates.iter().zip(self.places()).zip(heads);
         let candidates = candidates.map(|((phase, place), head)| self.candidate(phase, place, head));
         let names = |range: std::ops::Range<usize>| -> Vec<String> {
             self.forward_model.unknowns()[range].iter().map(|unknown| unknown.name.clone()).collect()

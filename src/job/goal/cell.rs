@@ -1,16 +1,22 @@
 //! A cell: some knowledge, a design value, and the probability that all requirements are met.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use super::Goal;
 use super::knowledge::{Known, Sharpened};
+use crate::job::Parts;
 use crate::job::fault::listed;
 use crate::job::propagate::Probability;
+use crate::job::stored::{split_numbers, with_numbers};
 use crate::math::special::normal_cdf;
 use crate::statistics::Interval;
 use crate::study::variable::Variable;
 use crate::thermal::{LANES, SampleBatch, Start};
 
+/// Samples of the prior between parts that are kept; a multiple of the lanes.
+const PART: usize = 128;
 /// Confidence of intervals.
 const CONFIDENCE: f64 = 0.95;
 
@@ -94,17 +100,16 @@ pub fn probability(met: f64, samples: u64) -> Probability {
 }
 
 impl Goal {
-    /// Values of the requirements' quantities at samples `0..samples`: calls `take` with environment, sample and the values of a
+    /// Values of the requirements' quantities at a range of samples: calls `take` with environment, sample and the values of a
     /// sample by requirement, all NaN where the solution failed or one of them is no finite number. Returns what failed.
     pub(super) fn solve(
         &self,
         known: &[Known],
         design: Option<f64>,
-        samples: u64,
+        samples: Range<usize>,
         mut take: impl FnMut(usize, usize, &[f64]),
     ) -> Failed {
         let mut failed = Failed::default();
-        let samples = usize::try_from(samples).unwrap_or(usize::MAX);
         let width = self.uncertain.len();
         let sharpened: Vec<Option<Sharpened>> = self
             .uncertain
@@ -119,9 +124,9 @@ impl Goal {
         let mut batch: SampleBatch = self.network.sample_batch();
         let mut values = vec![0.0; self.spec.requirements.len()];
         let mut columns = vec![[0.0; LANES]; width];
-        let mut done = 0;
-        while done < samples {
-            let lanes = LANES.min(samples - done);
+        let mut done = samples.start;
+        while done < samples.end {
+            let lanes = LANES.min(samples.end - done);
             self.points.fill_rows(done, &mut rows[..width * lanes]);
             for (position, &parameter) in self.uncertain.iter().enumerate() {
                 let mut column: [f64; LANES] = std::array::from_fn(|lane| rows[lane * width + position]);
@@ -147,6 +152,9 @@ impl Goal {
                         (0..LANES).for_each(|lane| batch.set_inputs(&self.network, lane, &inputs));
                     }
                     None => {}
+                }
+                if self.network.external().is_some() {
+                    batch.use_lanes(lanes);
                 }
                 self.network.solve_samples(&mut batch, Start::Temperatures(&self.starts[case]));
                 for lane in 0..lanes {
@@ -235,21 +243,49 @@ impl Goal {
         let samples = usize::try_from(cell.samples).unwrap_or(0);
         // A sample must meet the requirements in every environment.
         let mut met = vec![1.0; samples];
-        let failed = self.solve(&cell.known, cell.design, cell.samples, |_, sample, values| {
+        let failed = self.solve(&cell.known, cell.design, 0..samples, |_, sample, values| {
             met[sample] *= self.meets_all(values, None);
         });
         Outcome { cell: cell.clone(), met: met.iter().sum(), failed }
     }
 
-    /// Values of the given design with prior knowledge, by environment, requirement, sample; and what failed.
-    pub(super) fn prior_values(&self) -> (Vec<Vec<Vec<f64>>>, Failed) {
-        let requirements = self.spec.requirements.len();
-        let mut all = vec![vec![Vec::new(); requirements]; self.spec.environments.len()];
-        let failed = self.solve(&[], None, self.spec.samples, |case, _, values| {
-            for (column, &value) in all[case].iter_mut().zip(values) {
-                column.push(value);
+    /// Values of the given design with prior knowledge, by environment, requirement, sample; and what failed. So many samples
+    /// are a part that a kill does not lose.
+    pub(super) fn prior_values(&self, parts: &dyn Parts) -> (Vec<Vec<Vec<f64>>>, Failed) {
+        let samples = usize::try_from(self.spec.samples).unwrap_or(0);
+        let columns = self.spec.environments.len() * self.spec.requirements.len();
+        let mut done = 0;
+        // Sample after sample, each by environment, then requirement.
+        let mut rows: Vec<f64> = Vec::new();
+        let mut failed = Failed::default();
+        for end in (PART..samples).step_by(PART).rev() {
+            let part = parts.find(end as u64).and_then(|bytes| split_numbers::<Failed>(&bytes, "prior").ok());
+            if let Some((kept, solved)) = part.filter(|(_, solved)| solved.len() == end * columns) {
+                (done, rows, failed) = (end, solved, kept);
+                break;
             }
-        });
-        (all, failed)
+        }
+        while done < samples {
+            let end = samples.min(done + PART);
+            let first = rows.len();
+            rows.resize(end * columns, f64::NAN);
+            let more = self.solve(&[], None, done..end, |case, sample, values| {
+                let at = first + (sample - done) * columns + case * values.len();
+                rows[at..at + values.len()].copy_from_slice(values);
+            });
+            failed.count += more.count;
+            failed.first = failed.first.or(more.first);
+            done = end;
+            if done < samples
+                && parts.is_due()
+                && let Ok(bytes) = with_numbers(&failed, &rows)
+            {
+                parts.keep(done as u64, &bytes);
+            }
+        }
+        let requirements = self.spec.requirements.len();
+        let column = |place: usize| rows.iter().skip(place).step_by(columns).copied().collect();
+        let case = |case: usize| (0..requirements).map(|place| column(case * requirements + place)).collect();
+        ((0..self.spec.environments.len()).map(case).collect(), failed)
     }
 }

@@ -59,6 +59,10 @@ impl JobKind for Kind {
         std::iter::once(of_all).chain(of_each).map(number).collect()
     }
 
+    fn refuses_external(_spec: &Spec, _states_steps: bool) -> Option<String> {
+        None
+    }
+
     fn ready(spec: &Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError> {
         let (model, priors) = (Arc::clone(&shared.model), shared.pass.priors.clone());
         Ok(Readiness::Ready(Arc::new(Goal::new(spec.clone(), model, priors, shared.pass.seed, name)?)))

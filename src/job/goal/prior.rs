@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Goal;
 use super::cell::{Failed, probability};
 use super::output::{Driving, Leading, Met};
+use crate::job::Parts;
 use crate::job::propagate::Probability;
 use crate::statistics::Moments;
 use crate::statistics::given_data::main_effect;
@@ -31,8 +32,8 @@ pub struct Prior {
 
 impl Goal {
     /// Solves the prior's samples and looks at them.
-    pub(super) fn prior(&self) -> Prior {
-        let (values, failed) = self.prior_values();
+    pub(super) fn prior(&self, parts: &dyn Parts) -> Prior {
+        let (values, failed) = self.prior_values(parts);
         let samples = usize::try_from(self.spec.samples).unwrap_or(0);
         let at =
             |case: usize, sample: usize| -> Vec<f64> { values[case].iter().map(|column| column[sample]).collect() };

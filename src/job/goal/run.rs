@@ -7,14 +7,17 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::random::{Distribution, PointKind, Points, StreamKey};
-use crate::thermal::{Model, Network, Start};
+use crate::thermal::{External, Model, Network, Start};
 
 use super::cell::{Cell, Outcome, Role};
 use super::knowledge::{Known, error_for};
 use super::prior::Prior;
+use crate::job::stored::Block;
 use crate::job::{Done, Job, JobError, Parts, Step};
 use crate::study::variable::Variable;
 
+/// Names of the parts that are kept on the way.
+const CELLS: &str = "cells";
 /// Most leading parameters that are sharpened together.
 pub(super) const MOST_TOGETHER: usize = 3;
 /// Shares of the prior standard deviations that are tried with the given design.
@@ -113,6 +116,11 @@ impl Goal {
         let mut workspace = network.workspace();
         network.set_parameters(&mut workspace, &nominal);
         for environment in &spec.environments {
+            if network.external().is_some() {
+                // What is asked outside is asked when the job runs; there is nothing to start from.
+                starts.push(Vec::new());
+                continue;
+            }
             network.set_inputs(&mut workspace, &environment.inputs);
             network
                 .solve_steady(&mut workspace, Start::Default)
@@ -126,7 +134,11 @@ impl Goal {
     pub(super) fn sharpened(&self, prior: &Prior) -> Vec<usize> {
         if self.spec.parameters.is_empty() {
             // What has no main effect beyond its error would only cost an experiment.
-            let matters = |(_, leading): &&(usize, output::Leading)| leading.main.is_some_and(|main| main.lower > 0.0);
+            // Nor is a surrogate's error anything that an experiment could teach.
+            let errors = self.network.external().map_or(0..0, |external| external.errors.clone());
+            let matters = |(index, leading): &&(usize, output::Leading)| {
+                leading.main.is_some_and(|main| main.lower > 0.0) && !errors.contains(index)
+            };
             prior.leading.iter().filter(matters).map(|(index, _)| *index).take(MOST_TOGETHER).collect()
         } else {
             let asked_for = self.spec.parameters.iter().copied().filter(|index| self.uncertain.contains(index));
@@ -180,12 +192,31 @@ impl Goal {
         cells
     }
 
-    /// Runs the cells of a block; those between the two design values of its curve between which the probability is reached
-    /// come last.
-    pub(super) fn run_all(&self, cells: &[Cell]) -> Vec<Outcome> {
-        let mut outcomes: Vec<Outcome> = cells.iter().map(|cell| self.run(cell)).collect();
-        let finer = self.finer(&outcomes);
-        outcomes.extend(finer.iter().map(|cell| self.run(cell)));
+    /// Runs the cells of a block, each a part that a kill does not lose; those between the two design values of its curve
+    /// between which the probability is reached come last.
+    pub(super) fn run_all(&self, cells: &[Cell], parts: &dyn Parts) -> Vec<Outcome> {
+        let most = cells.len() + DESIGN_FINER;
+        let kept = (1..=most).rev().find_map(|count| {
+            let outcomes = Vec::<Outcome>::from_bytes(&parts.find(count as u64)?, CELLS).ok()?;
+            (outcomes.len() == count).then_some(outcomes)
+        });
+        let mut outcomes = kept.unwrap_or_default();
+        let run = |outcomes: &mut Vec<Outcome>, cells: &[Cell]| {
+            for cell in cells {
+                outcomes.push(self.run(cell));
+                if parts.is_due()
+                    && let Ok(bytes) = outcomes.clone().into_bytes()
+                {
+                    parts.keep(outcomes.len() as u64, &bytes);
+                }
+            }
+        };
+        let first = cells.get(outcomes.len()..).unwrap_or_default();
+        run(&mut outcomes, first);
+        // Which design values come closer follows from the first ones alone.
+        let finer = self.finer(&outcomes[..cells.len()]);
+        let done = outcomes.len() - cells.len();
+        run(&mut outcomes, finer.get(done..).unwrap_or_default());
         outcomes
     }
 
@@ -360,10 +391,14 @@ impl Job for Goal {
         Ok(Step::Blocks { stage: "prior".to_owned(), state: None, inputs: vec![Vec::new()] })
     }
 
-    fn block(&self, state: &Option<State>, cells: Vec<Cell>, _parts: &dyn Parts) -> Result<Partial, JobError> {
+    fn external(&self) -> Option<&External> {
+        self.network.external()
+    }
+
+    fn block(&self, state: &Option<State>, cells: Vec<Cell>, parts: &dyn Parts) -> Result<Partial, JobError> {
         Ok(match state {
-            None => Partial::Prior(Box::new(self.prior())),
-            Some(_) => Partial::Cells(self.run_all(&cells)),
+            None => Partial::Prior(Box::new(self.prior(parts))),
+            Some(_) => Partial::Cells(self.run_all(&cells, parts)),
         })
     }
 

@@ -107,6 +107,7 @@ sections! {
     pub problem,
     adopted,
     network,
+    surrogate,
     pub propagation,
     sensitivity,
     goal,

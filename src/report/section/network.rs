@@ -23,11 +23,13 @@ pub(super) const SECTION: Entry = Entry::plain(build);
 fn build(report: &PassReport<'_>) -> Option<Section> {
     let model = report.model;
     if let Some(external) = &model.external {
+        // A surrogate gives the error of each output beside it.
+        let outputs = if external.errors.is_empty() { external.outputs } else { external.errors.len() };
         let words = format!(
             "This model is no network: {} gives {} for its parameters and inputs, in a steady state. The keys of the jobs hold what \
              it is.",
             external.description,
-            counted(external.outputs, "output")
+            counted(outputs, "output")
         );
         let blocks = vec![Block::paragraph(Text::with_names(&words))];
         return Some(Section { id: "model", title: "Thermal model".into(), blocks });

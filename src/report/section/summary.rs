@@ -10,7 +10,7 @@ use crate::job::{calibrate, compare, conventional, diagnose, predict, propagate}
 use crate::report::page::{Block, Figure, Section, Statement, Text, Tone};
 use crate::report::view::PassReport;
 
-use super::{Entry, comparison, network, prediction, propagation, sizing};
+use super::{Entry, comparison, network, prediction, propagation, sizing, surrogate};
 
 /// Statements on the first screen.
 const MOST_STATEMENTS: usize = 6;
@@ -31,6 +31,7 @@ pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
     if let Some(note) = &report.reconstructed {
         blocks.push(Block::callout(Tone::Reconstructed, note.clone()));
     }
+    blocks.extend(surrogate::notes(report));
     for (name, _) in report.outputs::<calibrate::Kind>().filter(|(_, output)| !output.converged) {
         let text = Text::new("The calibration ")
             .code(name)

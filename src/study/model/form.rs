@@ -6,6 +6,7 @@ use crate::thermal::element::*;
 use super::group::GroupForm;
 use super::quantity::QuantityOrName;
 use super::resolve::ResolvedModel;
+use super::surrogate::SurrogateForm;
 use super::tabulated::TabulatedForm;
 use crate::study::external::{CommandForm, UmBridgeForm};
 
@@ -44,6 +45,8 @@ macro_rules! model_form {
                 optional command: Spanned<CommandForm>,
                 /// A server of the UM-Bridge protocol that answers for the model, in place of nodes and elements.
                 optional umbridge: Spanned<UmBridgeForm>,
+                /// A Gaussian process in place of that program or server, where it takes long to answer.
+                optional surrogate: Spanned<SurrogateForm>,
                 /// Members that share physics.
                 default(Map::default()) groups: Map<GroupForm>,
                 /// What is asked of the model.

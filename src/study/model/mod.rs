@@ -6,6 +6,7 @@ pub mod implied_groups;
 mod outside;
 pub mod quantity;
 pub mod resolve;
+pub mod surrogate;
 pub mod tabulated;
 
 pub use form::{FORMAT, InputForm, ModelForm, ParameterForm};

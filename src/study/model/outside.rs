@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::document::prior::Prior;
 use crate::document::{Diagnostic, Diagnostics, code, name};
-use crate::expression::{Dimension, Symbol};
+use crate::expression::{Dimension, ExprId, Symbol};
 use crate::random::Distribution;
 use crate::study::external::{self, Asked, External, Given, Output, Sources};
 use crate::study::folder::Folder;
@@ -12,6 +12,7 @@ use crate::thermal::{self, Quantity, QuantityValue};
 
 use super::form::ModelForm;
 use super::resolve::ResolvedModel;
+use super::surrogate;
 
 /// Share of a prior's standard deviation, as its middle two thirds have it, that is the step of differences.
 const STEP: f64 = 1e-3;
@@ -24,7 +25,13 @@ pub(super) fn resolve(
     diagnostics: &mut Diagnostics,
 ) -> Option<()> {
     let place = match (&form.command, &form.umbridge) {
-        (None, None) => return Some(()),
+        (None, None) => {
+            let Some(surrogate) = &form.surrogate else { return Some(()) };
+            let message = "a surrogate stands for a model that is asked outside, and this one is not";
+            let diagnostic = Diagnostic::error(&code::EXTERNAL_MODEL, &surrogate.place, message);
+            diagnostics.push(diagnostic.expected("beside it \"command\" or \"umbridge\""));
+            return None;
+        }
         (Some(_), Some(server)) => {
             let message = "a model has `command` or `umbridge`, not both";
             diagnostics.push(Diagnostic::error(&code::EXTERNAL_MODEL, &server.place, message).expected("one of them"));
@@ -64,31 +71,42 @@ pub(super) fn resolve(
         refuse("the model gives no outputs", "at least one under `outputs`", diagnostics);
         return None;
     }
-    for (number, output) in (0_u32..).zip(&external.outputs) {
-        put_quantity(model, number, output);
-    }
-    model.model.external = Some(thermal::External {
+    let asked = thermal::External {
         outputs: external.outputs.len(),
         description: external.description(),
         identity: external.identity(),
         steps: external.steps.clone(),
         states_steps: external.states_steps,
+        errors: 0..0,
         evaluator: None,
-    });
+    };
+    let values: Vec<ExprId> = match &form.surrogate {
+        None => {
+            model.model.external = Some(asked);
+            let symbols = (0_u32..).zip(&external.outputs).map(|(number, _)| Symbol::Output(number));
+            symbols.map(|symbol| model.model.graph.symbol(symbol)).collect()
+        }
+        Some(form) => {
+            let outputs: Vec<(String, String)> =
+                external.outputs.iter().map(|output| (output.name.clone(), output.si_unit())).collect();
+            surrogate::resolve(form, asked, &outputs, model, diagnostics)?
+        }
+    };
+    for ((number, output), value) in (0_u32..).zip(&external.outputs).zip(values) {
+        put_quantity(model, Symbol::Output(number), output, value);
+    }
     model.external = Some(Arc::<External>::new(external));
     Some(())
 }
 
-/// The output as a quantity of its name.
-fn put_quantity(model: &mut ResolvedModel, number: u32, output: &Output) {
-    let symbol = Symbol::Output(number);
-    let value = QuantityValue::Instant(model.model.graph.symbol(symbol));
+/// The output as a quantity of its name, of this value.
+fn put_quantity(model: &mut ResolvedModel, symbol: Symbol, output: &Output, value: ExprId) {
     model.names.dimensions.insert(symbol, output.unit.dimension);
     model.model.quantities.push(Quantity {
         name: output.name.clone(),
         unit: output.si_unit(),
         is_temperature: output.unit.has_offset() || output.unit.dimension == Dimension::TEMPERATURE,
-        value,
+        value: QuantityValue::Instant(value),
     });
     model.quantity_dimensions.push(output.unit.dimension);
 }

@@ -22,6 +22,7 @@ use super::implied_groups;
 use super::name;
 use super::outside;
 use super::quantity;
+use super::surrogate::Surrogate;
 
 /// The unit in which a parameter or input is written and shown.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,6 +113,8 @@ pub struct ResolvedModel {
     pub quantity_dimensions: Vec<Dimension>,
     /// What answers for the model in place of nodes and elements.
     pub external: Option<Arc<External>>,
+    /// The surrogate in place of that.
+    pub surrogate: Option<Arc<Surrogate>>,
     /// Where nodes and elements stand.
     pub places: Places,
     nodes: BTreeMap<String, usize>,

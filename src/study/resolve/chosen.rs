@@ -1,5 +1,7 @@
 //! What jobs choose by name: uncertain parameters, measurements.
 
+use std::ops::Range;
+
 use crate::document::{Diagnostic, Spanned, code};
 use crate::random::Distribution;
 use crate::study::job::Entry;
@@ -41,9 +43,25 @@ pub fn parameters_or_all(
     priors: &[Distribution],
 ) -> Vec<usize> {
     match names {
-        Some(names) => parameters(scope, names, priors),
+        Some(names) => {
+            let chosen = parameters(scope, names, priors);
+            with_errors(scope, chosen, priors)
+        }
         None => uncertain(priors),
     }
+}
+
+/// The chosen parameters with those that are errors of a surrogate: nobody may leave these out by not naming them.
+pub fn with_errors(scope: &Scope, mut chosen: Vec<usize>, priors: &[Distribution]) -> Vec<usize> {
+    for index in errors(scope).filter(|&index| !priors[index].is_fixed()) {
+        push_new(&mut chosen, index);
+    }
+    chosen
+}
+
+/// Positions of the parameters that are errors of a surrogate.
+pub fn errors(scope: &Scope) -> Range<usize> {
+    scope.resolved.model.external.as_ref().map_or(0..0, |external| external.errors.clone())
 }
 
 /// Positions of the named measurements, all of the pass where none are named, and names of those whose data are missing.

@@ -37,12 +37,13 @@ use crate::document::{
 };
 use crate::effect::{Catalogue, GroupPlace, SensorPlace, thermometers};
 use crate::measurement::sensor_places;
-use crate::thermal::Quantity;
+use crate::thermal::{self, Quantity};
 
 use super::folder::{Folder, FolderError};
 use super::inherit::{Lineage, folder_diagnostic_at, lineage};
 use super::job::Kinds;
 use super::model::name::check_label;
+use super::model::surrogate::Surrogate;
 use super::model::{self, Group, QuantityForm, QuantityOrName, ResolvedModel};
 use super::pass::measurement::MeasurementForm;
 use super::pass::{self, PassForm};
@@ -285,6 +286,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     own_files.extend(
         profiles.iter().filter_map(|(profile, json)| Some((format!("criteria/{}", profile.name), json.clone()?))),
     );
+    let surrogate = scope.resolved.surrogate.clone();
     let offered = Offered {
         file: &lineage.files[0].name,
         priors: &priors,
@@ -297,6 +299,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
         rules: &rules.into_iter().map(|(rule, _)| rule).collect::<Vec<_>>(),
         profiles: &profiles.into_iter().map(|(profile, _)| profile).collect::<Vec<_>>(),
         design: &form.design,
+        surrogate: surrogate.as_ref().map(|surrogate| &surrogate.place),
         named_quantities,
         catalogue: &catalogue,
         command: command(folder.shown()),
@@ -322,9 +325,20 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     let groups = group_places(&scope.resolved, &sensor_places(measurements.iter()));
     let ResolvedModel { mut model, reconstructed, input_errors, external, .. } = scope.resolved;
     model.keeps_signs = true;
-    if let (Some(asked), Some(external), Some(lender)) = (&mut model.external, &external, &files.reader.lender) {
-        asked.evaluator = Some(lender.lend(external));
-    }
+    let evaluator = external.as_ref().zip(files.reader.lender.as_ref()).map(|(external, lender)| lender.lend(external));
+    let surrogate = match surrogate {
+        // The model itself is asked for the runs behind the surrogate alone.
+        Some(surrogate) => {
+            let truth = thermal::External { evaluator, ..surrogate.truth.clone() };
+            Some(Arc::new(Surrogate { truth, ..surrogate.as_ref().clone() }))
+        }
+        None => {
+            if let (Some(asked), Some(evaluator)) = (&mut model.external, evaluator) {
+                asked.evaluator = Some(evaluator);
+            }
+            None
+        }
+    };
     Some(Pass {
         folder: folder.shown().to_owned(),
         file: lineage.files[0].name.clone(),
@@ -345,6 +359,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
         seed,
         model,
         external,
+        surrogate,
         priors,
         posterior_priors,
         handed_on_depth: upstreams.depth(),

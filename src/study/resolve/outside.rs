@@ -12,7 +12,8 @@ pub(super) fn refused(scope: &Scope, kinds: &Kinds, jobs: &[NamedJob]) -> Vec<Re
     let noisy = scope.resolved.input_errors.iter().position(|error| error.sigma.is_some());
     let noisy = noisy.and_then(|input| scope.resolved.model.inputs.get(input));
     let reason = |job: &NamedJob| {
-        let refused = kinds.refuses_external(&job.spec, external.states_steps);
+        let states_steps = external.states_steps || scope.resolved.surrogate.is_some();
+        let refused = kinds.refuses_external(&job.spec, states_steps);
         refused.or_else(|| {
             job.spec.inference()?;
             Some(format!(

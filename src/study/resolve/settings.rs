@@ -45,6 +45,8 @@ pub struct Offered<'a> {
     pub profiles: &'a [Criteria],
     /// Ranges of design variables.
     pub design: &'a Map<RangeForm>,
+    /// Where the model asks for a surrogate, where it does.
+    pub surrogate: Option<&'a Place>,
     /// Number of quantities that have names of their own.
     pub named_quantities: usize,
     /// Physical effects.

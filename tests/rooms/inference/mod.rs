@@ -6,4 +6,5 @@ mod likelihood;
 mod posterior;
 mod prior;
 mod sampler;
+mod surrogate;
 mod target;

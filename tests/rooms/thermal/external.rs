@@ -62,6 +62,7 @@ fn network() -> Network {
         identity: serde_json::json!("formula"),
         steps: vec![1e-3, 1e-3],
         states_steps: true,
+        errors: 0..0,
         evaluator: Some(Arc::new(Formula)),
     });
     Network::compile(&model, &[Symbol::Parameter(0), Symbol::Input(0)]).expect("compiled")
