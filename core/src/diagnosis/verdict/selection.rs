@@ -6,6 +6,7 @@ use crate::diagnosis::odds::posterior_odds::{
 };
 use crate::diagnosis::story::{SINGLE_PLACE, Story};
 use crate::diagnosis::verdict::conclude::Findings;
+use crate::effect::Effect;
 use crate::math::functions::{exp, pow};
 use crate::math::special::normal_quantile;
 
@@ -77,10 +78,11 @@ impl Findings<'_> {
             self.fewest_parameters = false;
             self.go_on_with(first, &weights, within);
         }
-        let near = |other: &usize| weights.sets[*other] * RIVALS_WITHIN >= weights.sets[self.selected];
-        let is_whole = |other: &usize| self.is_of_whole_group(*other, self.selected);
-        let whole = self.rivals_of_its_size().into_iter().filter(near).find(is_whole);
-        if let Some(whole) = whole {
+        // Once for each member at most.
+        for _ in 0..refits[self.selected].effects.len() {
+            let near = |other: &usize| weights.sets[*other] * RIVALS_WITHIN >= weights.sets[self.selected];
+            let is_whole = |other: &usize| self.is_of_whole_group(*other, self.selected);
+            let Some(whole) = self.rivals_of_its_size().into_iter().filter(near).find(is_whole) else { return };
             let of_members: Vec<usize> =
                 self.rivals_of_its_size().into_iter().filter(|&other| self.is_of_whole_group(whole, other)).collect();
             give_to_whole(&mut weights, whole, &of_members);
@@ -101,15 +103,20 @@ impl Findings<'_> {
         self.rivals.iter().copied().filter(|&other| size(other) == size(self.selected)).collect()
     }
 
-    /// Whether a set has a whole group where another one has a member of it.
+    /// Whether a set has a whole group where another one has a member of it; by another law too, but by no curve.
     fn is_of_whole_group(&self, whole: usize, other: usize) -> bool {
         let candidates = &self.problem.candidates;
         let effects = |place: usize| &self.state.refits[place].effects;
-        let mut gone = effects(other).iter().filter(|effect| !effects(whole).contains(effect));
-        let is_whole_of = |member: usize| {
-            effects(whole).iter().any(|&group| candidates[group].goes_before_member(&candidates[member]))
+        let is_curve = |effect: usize| {
+            let effect = self.problem.catalogue.get(&candidates[effect].effect);
+            effect.is_some_and(Effect::is_unknown_function)
         };
-        gone.any(|&member| is_whole_of(member))
+        let goes_before = |group: usize, member: usize| {
+            candidates[group].is_whole_of(&candidates[member])
+                || !is_curve(group) && candidates[group].goes_before_member(&candidates[member])
+        };
+        let mut gone = effects(other).iter().filter(|effect| !effects(whole).contains(effect));
+        gone.any(|&member| effects(whole).iter().any(|&group| goes_before(group, member)))
     }
 }
 
