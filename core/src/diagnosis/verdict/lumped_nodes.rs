@@ -10,11 +10,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnosis::Problem;
 use crate::diagnosis::engine::SensorNoise;
 use crate::diagnosis::problem::FittedReading;
 use crate::diagnosis::verdict::conclude::Findings;
 use crate::diagnosis::verdict::small_effects::{AS_LIKELY, IS_MODEL_ERROR};
+use crate::diagnosis::{PRIOR_OF, Problem};
 use crate::effect::Effect;
 use crate::math::functions::sqrt;
 
@@ -30,6 +30,8 @@ impl Findings<'_> {
             self.state.refits.iter().flat_map(|refit| refit.effects.iter().copied()).collect();
         effects.sort_unstable();
         effects.dedup();
+        // A prior that is too narrow is no error of the model's parts.
+        effects.retain(|&effect| self.problem.candidates[effect].effect != PRIOR_OF);
         let one = |effect: usize| {
             if is_like_gradient(self.problem, effect) {
                 return Some((effect, IS_MODEL_ERROR));
