@@ -333,8 +333,8 @@ fn a_served_network_is_a_model_of_another_pass() {
     const CALIBRATION: &str =
         r#", "fit": {"calibrate": {"parameters": ["eps"], "sampler": "smc", "chains": 2, "draws": 64}}"#;
     const CHOICES: &str = r#", "phases": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "learn": ["eps"], "nuisance": [],
-        "estimator": "nested", "outer": 256, "inner": 64}},
-      "linear": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "estimator": "linear", "outer": 256, "inner": 64}},
+        "estimator": "nested", "outer": 256, "inner": 16}},
+      "linear": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "estimator": "linear", "outer": 256, "inner": 16}},
       "goal": {"goal": {"samples": 1024}}"#;
     let network = study(NODES, &format!("{JOBS}{CALIBRATION}{CHOICES}"));
     let server = Server::start(network.path(), "0");

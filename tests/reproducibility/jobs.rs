@@ -46,7 +46,7 @@ fn same(blocks: usize, job: &dyn Fn() -> Result<Arc<dyn Runnable>, JobError>) {
 fn a_design_with_its_search_and_its_greedy_choice() {
     let pass = radiator();
     let spec = pass.jobs.iter().find_map(|job| job.spec.get::<bmv::job::design::Spec>().cloned());
-    let spec = design::Spec { outer: 256, inner: 64, draws: 16, search: 5, pick: 2, ..spec.unwrap() };
+    let spec = design::Spec { outer: 256, inner: 16, draws: 16, search: 5, pick: 2, ..spec.unwrap() };
     // 20 candidates twice, 5 phases of the search, 25 pairs.
     same(65, &|| {
         let job = Design::new(spec.clone(), Arc::new(pass.model.clone()), pass.priors.clone(), 7, "design")?;
@@ -58,8 +58,8 @@ fn a_design_with_its_search_and_its_greedy_choice() {
 fn a_goal() {
     let pass = radiator();
     let spec = pass.jobs.iter().find_map(|job| job.spec.get::<bmv::job::goal::Spec>().cloned());
-    let spec = goal::Spec { samples: 1024, ..spec.unwrap() };
-    same(64, &|| Ok(Arc::new(Goal::new(spec.clone(), Arc::new(pass.model.clone()), pass.priors.clone(), 7, "goal")?)));
+    let spec = goal::Spec { samples: 256, ..spec.unwrap() };
+    same(16, &|| Ok(Arc::new(Goal::new(spec.clone(), Arc::new(pass.model.clone()), pass.priors.clone(), 7, "goal")?)));
 }
 
 /// After a calibration of the solar monitor whose draws are made up.

@@ -298,7 +298,7 @@ fn is_covered((inside, count): (u64, u64)) -> bool {
 
 #[test]
 fn intervals_cover_new_values_of_drawn_processes() {
-    assert!(is_covered(covered(60, true)));
+    assert!(is_covered(covered(40, true)));
 }
 
 /// Hyperparameters of the highest likelihood leave out what is not known of them: their coverage is low, that of drawn ones
