@@ -20,7 +20,7 @@ use crate::diagnosis::places::{Choice, Places};
 use crate::diagnosis::problem::FittedReading;
 use crate::diagnosis::screening::screen::{FamilySummary, Lead, Screening};
 use crate::diagnosis::{Problem, Refit, Settings};
-use crate::effect::{Candidate, Effect};
+use crate::effect::Candidate;
 use crate::inference::prior::joint_prior::JointPrior;
 use crate::inference::target::Target;
 use crate::measurement::total_sd;
@@ -534,8 +534,7 @@ impl Diagnosis {
     }
 
     pub(crate) fn is_unknown_function(&self, effect: usize) -> bool {
-        let effect = self.problem.catalogue.get(&self.problem.candidates[effect].effect);
-        effect.is_some_and(Effect::is_unknown_function)
+        self.problem.is_unknown_function(effect)
     }
 
     /// Estimates the noise anew beside the best fitted effect or pair; before, it was estimated beside a linearised one. Where it

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::diagnosis::FitError;
 use crate::diagnosis::places::Places;
-use crate::effect::{Candidate, Catalogue};
+use crate::effect::{Candidate, Catalogue, Effect};
 use crate::inference::likelihood::{InputError, Likelihood, LikelihoodError};
 use crate::inference::prior::joint_prior::JointPrior;
 use crate::measurement::{Measurement, Rows};
@@ -74,6 +74,12 @@ impl Problem {
             }
         }
         list
+    }
+
+    /// Whether a candidate is an unknown function, whose curve is learnt.
+    pub fn is_unknown_function(&self, candidate: usize) -> bool {
+        let effect = self.catalogue.get(&self.candidates[candidate].effect);
+        effect.is_some_and(Effect::is_unknown_function)
     }
 
     /// Whether a measurement is a transient.

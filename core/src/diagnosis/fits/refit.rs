@@ -11,7 +11,7 @@ use crate::diagnosis::fits::threshold_gaps::{Flat, together};
 use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::prior_scale::{Amplitudes, WIDTHS};
 use crate::diagnosis::{Hypothesis, Problem};
-use crate::effect::{Effect, Site};
+use crate::effect::Site;
 use crate::expression::Unit;
 use crate::inference::estimate::point_estimate::{PointEstimate, PointSettings, estimate};
 use crate::inference::estimate::truncated_moments::Moments;
@@ -160,9 +160,7 @@ impl Problem {
                 (best, amplitudes, places) = (refit_from_far.0, refit_from_far.1, far);
             }
         }
-        let is_curve = |effect: &usize| {
-            self.catalogue.get(&self.candidates[*effect].effect).is_some_and(Effect::is_unknown_function)
-        };
+        let is_curve = |effect: &usize| self.is_unknown_function(*effect);
         // Five values cost more evidence beside a large model error than beside the smaller one that they leave.
         let may_lack = if self.independent_readings > 0.0 && effects.iter().any(is_curve) { MAY_LACK } else { 0.0 };
         loop {

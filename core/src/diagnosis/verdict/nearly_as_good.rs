@@ -85,10 +85,7 @@ impl Findings<'_> {
             let place = refits.iter().position(|refit| refit.effects == [effect]);
             place.map_or(f64::NEG_INFINITY, |place| logs[place])
         };
-        let is_unknown = |effect: usize| {
-            let name = &self.problem.candidates[effect].effect;
-            self.problem.catalogue.get(name).is_some_and(crate::effect::Effect::is_unknown_function)
-        };
+        let is_unknown = |effect: usize| self.problem.is_unknown_function(effect);
         let is_of_group = |effect: usize| self.problem.candidates[effect].is_group();
         let mut found: Vec<Alternative> = Vec::new();
         let mut best = f64::NEG_INFINITY;

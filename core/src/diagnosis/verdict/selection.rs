@@ -6,7 +6,6 @@ use crate::diagnosis::odds::posterior_odds::{
 };
 use crate::diagnosis::story::{SINGLE_PLACE, Story};
 use crate::diagnosis::verdict::conclude::Findings;
-use crate::effect::Effect;
 use crate::math::functions::{exp, pow};
 use crate::math::special::normal_quantile;
 
@@ -107,13 +106,9 @@ impl Findings<'_> {
     fn is_of_whole_group(&self, whole: usize, other: usize) -> bool {
         let candidates = &self.problem.candidates;
         let effects = |place: usize| &self.state.refits[place].effects;
-        let is_curve = |effect: usize| {
-            let effect = self.problem.catalogue.get(&candidates[effect].effect);
-            effect.is_some_and(Effect::is_unknown_function)
-        };
         let goes_before = |group: usize, member: usize| {
             candidates[group].is_whole_of(&candidates[member])
-                || !is_curve(group) && candidates[group].goes_before_member(&candidates[member])
+                || !self.problem.is_unknown_function(group) && candidates[group].goes_before_member(&candidates[member])
         };
         let mut gone = effects(other).iter().filter(|effect| !effects(whole).contains(effect));
         gone.any(|&member| effects(whole).iter().any(|&group| goes_before(group, member)))

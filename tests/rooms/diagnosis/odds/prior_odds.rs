@@ -48,3 +48,22 @@ fn the_study_may_say_how_probable_a_kind_of_effect_is() {
     assert!((gain(&[load]) - ln(19.0)).abs() < 1e-12 && gain(&[path]) == 0.0);
     assert!((gain(&[load, path]) - ln(19.0)).abs() < 1e-12);
 }
+
+/// A twentieth of the odds of another kind with as many places; a study that says 0.05 itself has what that says.
+#[test]
+fn what_needs_something_rare_is_a_twentieth_as_probable() {
+    let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+    let recipe = Recipe::of(Topology::Star, TestKind::Steady, InjectionRequest::default());
+    let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+    let places = |effect: &str| problem.candidates.iter().filter(|own| own.effect == effect).count() as f64;
+    let fewer = ln(places("evaporation") / places("heat-load"));
+    let of = |effect: &str| problem.candidates.iter().position(|own| own.effect == effect).unwrap();
+    let (load, evaporation) = (of("heat-load"), of("evaporation"));
+    let odds = PriorOdds::new(&problem);
+    let behind = odds.of(&problem, &[load]) - odds.of(&problem, &[evaporation]) - fewer;
+    assert!((behind - 3.0).abs() < 1e-12, "{behind}");
+    problem.missing_probability.insert("evaporation".to_owned(), 0.05);
+    let odds = PriorOdds::new(&problem);
+    let behind = odds.of(&problem, &[load]) - odds.of(&problem, &[evaporation]) - fewer;
+    assert!(behind.abs() < 1e-12, "{behind}");
+}
