@@ -176,6 +176,9 @@ pub struct EffectResult {
     /// How many times as wide as the catalogue's the priors of its amplitudes had to be.
     #[serde(default = "one")]
     pub prior_width: f64,
+    /// Whether it carries no more heat than the model moves; asked where its priors had to be wider.
+    #[serde(default)]
+    pub within_model: bool,
     /// Heat that it gives each node, by phase or stretch of time; empty for effects that are less probable than 0.001.
     #[serde(default)]
     pub carries: Vec<EffectHeat>,

@@ -3,7 +3,6 @@
 
 use crate::diagnosis::engine::{Diagnosis, State};
 use crate::diagnosis::odds::posterior_odds::RIVALS_WITHIN;
-use crate::diagnosis::odds::prior_scale::WIDTHS;
 use crate::diagnosis::{RISES, Refit};
 use crate::math::functions::{exp, ln};
 use crate::math::sum::log_sum_exp;
@@ -74,7 +73,7 @@ impl Story {
 
 /// Log likelihood that a set gains over another on unseen rows which are worth so many independent readings, each set with
 /// the model error that it shows there.
-fn gains_unseen(before: &Refit, after: &Refit, independent: f64) -> f64 {
+pub(crate) fn gains_unseen(before: &Refit, after: &Refit, independent: f64) -> f64 {
     let ratio = before.rmse_held_out_k.zip(after.rmse_held_out_k).map(|(before, after)| before / after);
     ratio.filter(|ratio| ratio.is_finite() && *ratio > 0.0).map_or(0.0, |ratio| independent * ln(ratio))
 }
@@ -101,11 +100,9 @@ fn added(state: &State, at: usize, place: usize) -> Option<usize> {
     effects.iter().find(|effect| is_next && !own.contains(effect)).copied()
 }
 
-/// Whether the effect that a set adds to another has to be as large as the widest prior.
+/// Whether the effect that a set adds to another is larger than plausible.
 fn is_implausible(state: &State, at: usize, place: usize) -> bool {
-    let widest = WIDTHS[WIDTHS.len() - 1].factor;
-    added(state, at, place)
-        .is_some_and(|effect| state.refits[place].widths().get(&effect).is_some_and(|&w| w >= widest))
+    added(state, at, place).is_some_and(|effect| state.refits[place].is_implausible(effect))
 }
 
 /// Whether the prior of an effect of a set is as wide as the catalogue's.
@@ -263,7 +260,10 @@ impl Diagnosis {
             (None, curve) => curve.or_else(|| additions.iter().find(pays)),
         };
         let before_others = law.zip(chosen).is_some_and(|(law, chosen)| is_of_group(chosen) && !is_of_group(law));
-        let chosen = chosen.cloned();
+        // What the fitted rows want far more fails on the unseen ones: a further effect would follow errors of the model.
+        let is_rival = |one: &&Addition| !(before_others && !is_of_group(one)) && (!is_curve(one) || law.is_none());
+        let most_wanted = additions.iter().filter(is_rival).map(|one| one.probability).fold(0.0, f64::max);
+        let chosen = chosen.filter(|one| is_first || one.probability * RIVALS_WITHIN >= most_wanted).cloned();
         let mut stays = exp(logs[at] - total);
         if chosen.as_ref().is_some_and(|chosen| !self.is_unknown_function(chosen.effect)) {
             // Curves are asked only after the laws. Single places stand behind the surface that goes before them, whatever they

@@ -84,6 +84,11 @@ impl Dimension {
         self
     }
 
+    /// The power of mass in it: 1 in every unit of heat.
+    pub fn mass_power(self) -> f64 {
+        self.0[0]
+    }
+
     /// Whether there is no unit.
     pub fn is_none(self) -> bool {
         self == Self::NONE

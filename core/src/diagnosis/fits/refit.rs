@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::diagnosis::fits::other_noise::{self, Direction, directions};
 use crate::diagnosis::fits::threshold_gaps::{Flat, together};
+use crate::diagnosis::heat::size::is_within_model;
 use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::prior_scale::{Amplitudes, WIDTHS};
 use crate::diagnosis::{Hypothesis, Problem};
@@ -60,6 +61,8 @@ pub struct Refit {
     pub effects: Vec<usize>,
     /// How many times as wide as the catalogue's each effect's priors are.
     pub widths: Vec<f64>,
+    /// Of each effect whether it carries heat, and no more than the model moves; asked where its prior is wider than the catalogue's.
+    pub within_model: Vec<bool>,
     /// Laplace log evidence, bounds considered; with the odds of the widths beforehand.
     pub log_evidence: f64,
     /// Log likelihood.
@@ -216,9 +219,6 @@ impl Problem {
         moments: bool,
     ) -> Result<(Refit, Amplitudes), FitError> {
         let widths: Vec<f64> = places.iter().map(|&place| begin.scale * WIDTHS[place].factor).collect();
-        let of_sensors = |effect: &usize| matches!(self.candidates[*effect].site, Site::Sensors(_));
-        let odds: f64 =
-            effects.iter().zip(places).map(|(effect, &place)| WIDTHS[place].log_odds(of_sensors(effect))).sum();
         let hypothesis = self.hypothesis_of_widths(effects, &widths)?;
         let thinned = self.thinned(TOLERANCE_ON_FEWER_ROWS);
         let fewer = thinned.as_ref().filter(|thinned| effects.iter().all(|&effect| thinned.leads_to(effect)));
@@ -256,7 +256,8 @@ impl Problem {
         let mut refit = Refit {
             effects: effects.to_vec(),
             widths,
-            log_evidence: log_evidence + odds + flat.iter().map(|flat| flat.log_share).sum::<f64>(),
+            within_model: vec![false; effects.len()],
+            log_evidence: log_evidence + flat.iter().map(|flat| flat.log_share).sum::<f64>(),
             log_likelihood: point_estimate.log_likelihood,
             chi_square: point_estimate.chi_square,
             held: point_estimate.held.iter().map(Option::is_some).collect(),
@@ -272,7 +273,23 @@ impl Problem {
             held_out: Vec::new(),
         };
         refit.score(&hypothesis, &likelihood)?;
+        self.weigh_sizes(&mut refit, places);
         Ok((refit, widths_at))
+    }
+
+    /// Adds the odds of the widths of a fit's priors. A size that carries no more heat than the model moves is as probable as another.
+    fn weigh_sizes(&self, refit: &mut Refit, places: &[usize]) {
+        let are_amplitudes = self.which_are_amplitudes(&refit.effects);
+        for (position, &place) in places.iter().enumerate().filter(|(_, place)| **place > 0) {
+            let effect = refit.effects[position];
+            let flagged = refit.amplitudes[position].iter().zip(&are_amplitudes[position]);
+            let amplitudes: Vec<&Amplitude> = flagged.filter(|(_, flag)| **flag).map(|(own, _)| own).collect();
+            refit.within_model[position] = is_within_model(self, refit, effect, &amplitudes);
+            if !refit.within_model[position] {
+                let of_sensors = matches!(self.candidates[effect].site, Site::Sensors(_));
+                refit.log_evidence += WIDTHS[place].log_odds(of_sensors);
+            }
+        }
     }
 
     /// The problem whose baseline model has the effects of a fit, with priors as wide as the fit took them. The candidates
@@ -367,6 +384,13 @@ impl Refit {
     /// The widths of its effects' priors.
     pub fn widths(&self) -> BTreeMap<usize, f64> {
         self.effects.iter().copied().zip(self.widths.iter().copied()).collect()
+    }
+
+    /// Whether an effect of the set is larger than plausible: as large as the widest prior, and its heat speaks for no such size.
+    pub fn is_implausible(&self, effect: usize) -> bool {
+        let widest = WIDTHS[WIDTHS.len() - 1].factor;
+        let position = self.effects.iter().position(|&own| own == effect);
+        position.is_some_and(|position| self.widths[position] >= widest && !self.within_model[position])
     }
 
     /// Its unknowns by name, SI.

@@ -33,18 +33,8 @@ struct Row {
 /// The heat that an effect of a fitted set carries into nodes over the fitted rows, the nodes with most first. Empty for
 /// effects on sensors and where the model cannot be solved.
 pub(crate) fn effect_heat_flow(problem: &Problem, refit: &Refit, effect: usize) -> Vec<EffectHeat> {
-    let rest: Vec<usize> = refit.effects.iter().copied().filter(|&other| other != effect).collect();
-    let (Ok(with), Ok(without)) = (problem.hypothesis(&refit.effects, 1.0), problem.hypothesis(&rest, 1.0)) else {
-        return Vec::new();
-    };
-    let Some(rows) = rows(problem, refit, &with, &without) else { return Vec::new() };
-    let mut largest: BTreeMap<&str, f64> = BTreeMap::new();
-    for row in &rows {
-        for (node, watts) in &row.watts {
-            let most = largest.entry(node).or_default();
-            *most = most.max(watts.abs());
-        }
-    }
+    let Some((with, rows)) = of_effect(problem, refit, effect) else { return Vec::new() };
+    let largest = largest(&rows);
     let most = largest.values().copied().fold(0.0, f64::max);
     if !(most > LEAST_W) {
         return Vec::new();
@@ -53,6 +43,32 @@ pub(crate) fn effect_heat_flow(problem: &Problem, refit: &Refit, effect: usize) 
     hosts.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(b.0)));
     hosts.truncate(MOST_NODES);
     hosts.iter().flat_map(|(node, _)| of_node(node, &rows, &with.measurements)).collect()
+}
+
+/// The most heat that an effect of a fitted set carries into a node, W; 0 where it carries none.
+pub(crate) fn largest_heat(problem: &Problem, refit: &Refit, effect: usize) -> f64 {
+    let rows = of_effect(problem, refit, effect).map(|(_, rows)| rows).unwrap_or_default();
+    largest(&rows).into_values().fold(0.0, f64::max)
+}
+
+/// The set, and the heat of an effect of it in every fitted row.
+fn of_effect(problem: &Problem, refit: &Refit, effect: usize) -> Option<(Hypothesis, Vec<Row>)> {
+    let rest: Vec<usize> = refit.effects.iter().copied().filter(|&other| other != effect).collect();
+    let (with, without) = (problem.hypothesis(&refit.effects, 1.0).ok()?, problem.hypothesis(&rest, 1.0).ok()?);
+    let rows = rows(problem, refit, &with, &without)?;
+    Some((with, rows))
+}
+
+/// The largest heat of each node.
+fn largest(rows: &[Row]) -> BTreeMap<&str, f64> {
+    let mut largest: BTreeMap<&str, f64> = BTreeMap::new();
+    for row in rows {
+        for (node, watts) in &row.watts {
+            let most = largest.entry(node).or_default();
+            *most = most.max(watts.abs());
+        }
+    }
+    largest
 }
 
 /// A node's heat by phase, or its mean over stretches of time.

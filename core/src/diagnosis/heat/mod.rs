@@ -9,6 +9,7 @@
 
 pub(crate) mod effect_heat_flow;
 mod relations;
+pub mod size;
 pub mod sources;
 
 use crate::diagnosis::fits::evidence::{Amplitude, Evidence};

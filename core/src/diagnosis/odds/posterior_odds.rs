@@ -3,6 +3,7 @@
 //! They sum to one over "nothing", the refitted sets and "something else".
 
 use crate::diagnosis::odds::prior_odds::PriorOdds;
+use crate::diagnosis::story::gains_unseen;
 use crate::diagnosis::{Problem, Refit};
 use crate::math::functions::{exp, ln};
 use crate::math::sum::log_sum_exp;
@@ -39,7 +40,20 @@ pub fn log_posterior_weights(problem: &Problem, refits: &[Refit]) -> Vec<f64> {
 
 /// Weighs sets by evidence and prior; `unexplained` is the log evidence of something else, where it is known.
 pub fn posterior_odds(problem: &Problem, refits: &[Refit], unexplained: Option<f64>) -> SetProbabilities {
+    normalised(log_posterior_weights(problem, refits), unexplained)
+}
+
+/// The same with what the held-out readings say, each set with the noise that it shows there.
+pub(crate) fn odds_with_held_out(problem: &Problem, refits: &[Refit]) -> SetProbabilities {
     let mut logs = log_posterior_weights(problem, refits);
+    for (log, refit) in logs.iter_mut().zip(refits) {
+        *log += gains_unseen(&refits[0], refit, refit.held_out.len() as f64);
+    }
+    normalised(logs, None)
+}
+
+/// Probabilities from the logarithms of weights.
+fn normalised(mut logs: Vec<f64>, unexplained: Option<f64>) -> SetProbabilities {
     logs.push(unexplained.map_or(f64::NEG_INFINITY, |evidence| evidence + PriorOdds::unexplained()));
     let total = log_sum_exp(&logs);
     let mut sets: Vec<f64> =

@@ -13,7 +13,7 @@ use crate::diagnosis::noise::overstated;
 use crate::diagnosis::odds::narrow_prior::{SEPARATE, TITLE};
 use crate::diagnosis::odds::posterior_odds::{
     LEAST_RIVAL, MOST_RIVALS, RIVALS_WITHIN, STANDS, SURE, SetProbabilities, best, held, nothing_stands,
-    posterior_odds, veto,
+    odds_with_held_out, posterior_odds, veto,
 };
 use crate::diagnosis::output::{
     Amount, Detectable, EffectHeat, EffectResult, HeldOutTest, Misfit, ModelResult, NoiseResult, Output, Rmse,
@@ -67,6 +67,10 @@ const FAR_FROM_NOISE: f64 = 1e-3;
 /// Reduced chi-square, beside the model error that is allowed for, above which a set does not bring the model near it.
 const FAR_FROM_MODEL_ERROR: f64 = 2.0;
 
+/// Probability of nothing, with what the held-out rows say, below which these show what tests of the fitted rows do not find: one in
+/// twenty, as a test has it.
+const SHOWN_BY_HELD_OUT: f64 = 0.05;
+
 /// The sets, weighed, and which of them is said.
 pub(crate) struct Findings<'a> {
     pub problem: &'a Problem,
@@ -86,6 +90,8 @@ pub(crate) struct Findings<'a> {
     pub doubted: bool,
     /// Whether the held-out rows speak against a set that fits the others.
     pub vetoed: bool,
+    /// Whether the held-out rows show what the tests of the fitted rows do not.
+    pub shown_by_held_out: bool,
     /// Whether the selected set goes before a more probable one since odds are doubted.
     pub fewest_parameters: bool,
     /// Probabilities that errors of the model itself are what effects explain, where they are not 0.
@@ -204,13 +210,18 @@ impl Diagnosis {
         let family = state.stated_family.as_ref().unwrap_or(&state.screening.family);
         let finds = family.p <= self.settings().false_alarm || state.is_misspecified();
         let stated = problem.noise_freedom.is_none();
+        // Where noise is estimated, tests of few fitted rows take part of what is missing for noise.
+        let by_held_out = (!finds && !stated).then(|| odds_with_held_out(&problem, &state.refits));
+        let by_held_out = by_held_out.filter(|weights| weights.sets[0] < SHOWN_BY_HELD_OUT);
+        let finds = finds || by_held_out.is_some();
         let moved = finds.then(|| self.moved(state, &problem, stated));
         let state = moved.as_ref().unwrap_or(state);
         let baseline = &state.refits[0];
         let missing = finds.then(|| heat::missing_heat(&problem, baseline)).flatten();
         // A model error that is allowed for is what something else would be.
         let something_else = missing.as_ref().filter(|_| !state.is_misspecified()).map(|missing| missing.log_evidence);
-        let weights = posterior_odds(&problem, &state.refits, something_else);
+        let shown_by_held_out = by_held_out.is_some();
+        let weights = by_held_out.unwrap_or_else(|| posterior_odds(&problem, &state.refits, something_else));
         let mut warnings = state.warnings.clone();
         warnings.extend(few_readings::warnings(&problem, free(baseline)));
         warnings.extend(given_up(state));
@@ -234,6 +245,7 @@ impl Diagnosis {
             late: Vec::new(),
             doubted: false,
             vetoed: false,
+            shown_by_held_out,
             fewest_parameters: false,
             model_errors: BTreeMap::new(),
             lumped_nodes: BTreeMap::new(),
@@ -440,8 +452,8 @@ impl Diagnosis {
                 (findings.probability(effect), alone.map_or(f64::NEG_INFINITY, |refit| refit.log_evidence), effect)
             })
             .collect();
-        // The steps of a story in their order, then what else is probable.
-        let steps = if findings.story.is_some() { findings.in_order() } else { Vec::new() };
+        // What is selected in its order, then what else is probable.
+        let steps = findings.in_order();
         let step = |effect: usize| steps.iter().position(|&one| one == effect).unwrap_or(steps.len());
         ranked.sort_by(|a, b| {
             step(a.2).cmp(&step(b.2)).then(b.0.total_cmp(&a.0)).then(b.1.total_cmp(&a.1)).then(a.2.cmp(&b.2))
@@ -507,6 +519,7 @@ impl Diagnosis {
             },
             watts,
             prior_width: position.map_or(1.0, |position| refit.widths[position]),
+            within_model: position.is_some_and(|position| refit.within_model[position]),
             carries,
             confused_with: file
                 .map(|file| file.form.confused_with.iter().map(|name| name.value.clone()).collect())
@@ -663,7 +676,10 @@ fn misfit(problem: &Problem, state: &State) -> Misfit {
     }
 }
 
+/// The most probable sets; whatever their number, nothing and those that lead to the selected one are among them.
 fn models(findings: &Findings<'_>) -> Vec<ModelResult> {
+    let story = findings.story.iter().flat_map(|story| story.sets.iter().copied());
+    let always: Vec<usize> = [0, findings.selected].into_iter().chain(story).collect();
     let refits = &findings.state.refits;
     let mut order: Vec<usize> = (0..refits.len()).collect();
     order.sort_by(|&a, &b| findings.weights.sets[b].total_cmp(&findings.weights.sets[a]).then(a.cmp(&b)));
@@ -677,7 +693,9 @@ fn models(findings: &Findings<'_>) -> Vec<ModelResult> {
             rmse_k: Rmse { train: refit.rmse_train_k, held_out: refit.rmse_held_out_k },
         }
     };
-    order.into_iter().take(MOST_WRITTEN).map(result).collect()
+    let ranked = order.into_iter().enumerate();
+    let written = ranked.filter(|(rank, place)| *rank < MOST_WRITTEN || always.contains(place));
+    written.map(|(_, place)| result(place)).collect()
 }
 
 fn unseen(findings: &Findings<'_>) -> Vec<Unseen> {

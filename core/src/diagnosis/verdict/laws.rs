@@ -127,6 +127,7 @@ fn result(best: &Fitted, curve: &EffectResult, curve_refit: &Refit, needless: Ve
         },
         watts: watts(&carries),
         prior_width: position.map_or(1.0, |position| refit.widths[position]),
+        within_model: position.is_some_and(|position| refit.within_model[position]),
         carries,
         confused_with: vec![curve.effect.clone()],
         hints: Vec::new(),

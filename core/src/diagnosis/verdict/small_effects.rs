@@ -15,7 +15,6 @@ use std::collections::BTreeMap;
 
 use crate::diagnosis::Refit;
 use crate::diagnosis::engine::SensorNoise;
-use crate::diagnosis::odds::prior_scale::WIDTHS;
 use crate::diagnosis::problem::FittedReading;
 use crate::diagnosis::verdict::conclude::Findings;
 
@@ -60,10 +59,7 @@ impl Findings<'_> {
     /// its best set.
     fn is_implausible(&self, effect: usize) -> bool {
         let Some((_, place)) = self.step_of(effect).or_else(|| self.best_with(effect)) else { return false };
-        let refit = &self.state.refits[place];
-        let width = |own: (&usize, &f64)| (*own.0 == effect).then_some(*own.1);
-        let widest = WIDTHS.iter().map(|width| width.factor).fold(1.0, f64::max);
-        refit.effects.iter().zip(&refit.widths).find_map(width).is_some_and(|width| width >= widest)
+        self.state.refits[place].is_implausible(effect)
     }
 
     /// The selected set where it has an effect, else the most probable one with it, after the same set without it. `None` where no

@@ -112,7 +112,8 @@ const LEAST_MODEL_ERROR: f64 = 0.05;
 pub fn or_model_error(effect: &EffectResult, is_like_gradient: bool) -> String {
     if effect.model_error >= IS_MODEL_ERROR {
         // What is said of its size is why, where it is implausible.
-        let is_implausible = effect.prior_width >= WIDTHS.iter().map(|width| width.factor).fold(1.0, f64::max);
+        let widest = WIDTHS[WIDTHS.len() - 1].factor;
+        let is_implausible = effect.prior_width >= widest && !effect.within_model;
         let words = match (is_like_gradient, is_implausible) {
             (true, _) => "A gradient within the node would read the same: divide the node to see.",
             (false, true) => "Errors of the model itself may be all that it stands for.",
@@ -132,6 +133,10 @@ pub fn or_model_error(effect: &EffectResult, is_like_gradient: bool) -> String {
 fn surprising(effect: &EffectResult) -> String {
     if effect.prior_width <= 1.0 {
         return String::new();
+    }
+    if effect.within_model {
+        return " It is larger than the catalogue's usual sizes, but carries no more heat than the model moves."
+            .to_owned();
     }
     format!(
         " It is larger than what the catalogue takes for plausible, whose prior had to be {} times as wide: can it be so large here?",
@@ -377,6 +382,12 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
     }
     error.push_str(&format!("; {}.", clearness(misfit.family_wise_p, false_alarm)));
     words.push(error);
+    if findings.shown_by_held_out && !output.selected.is_empty() {
+        words.push(
+            "The held-out rows show that something is missing: they are predicted far better with what follows."
+                .to_owned(),
+        );
+    }
     if !findings.state.noise.is_empty() {
         words.push(
             "A calibration, `bmv compare` and `bmv history` take the noise as the pass states it or infer it beside the model as it is: their chi-square and RMSE are others."
