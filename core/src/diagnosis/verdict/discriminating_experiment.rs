@@ -11,7 +11,7 @@ use nalgebra::DMatrix;
 
 use crate::diagnosis::linearisation::signature::linearise;
 use crate::diagnosis::output::{DiscriminatingExperiment, OneThing, Setting};
-use crate::diagnosis::verdict::conclude::Findings;
+use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::{Problem, Refit};
 use crate::inference::information::separation;
 use crate::inference::likelihood::{Definition, Likelihood};

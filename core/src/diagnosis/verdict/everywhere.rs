@@ -21,7 +21,7 @@ use crate::diagnosis::linearisation::scalar_products::{add_scaled, orthonormal, 
 use crate::diagnosis::linearisation::signature;
 use crate::diagnosis::odds::prior_odds::PriorOdds;
 use crate::diagnosis::screening::score::SMALLEST_SHARE;
-use crate::diagnosis::verdict::conclude::Findings;
+use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::diagnosis::{FitError, PRIOR_OF, Refit};
 use crate::effect::Effect;

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 use crate::diagnosis::engine::SensorNoise;
 use crate::diagnosis::problem::FittedReading;
-use crate::diagnosis::verdict::conclude::Findings;
+use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::small_effects::{AS_LIKELY, IS_MODEL_ERROR};
 use crate::diagnosis::{PRIOR_OF, Problem};
 use crate::effect::Effect;

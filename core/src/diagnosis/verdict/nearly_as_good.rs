@@ -5,7 +5,7 @@
 //! wrong effect may gain on the right one.
 
 use crate::diagnosis::odds::posterior_odds::{MOST_RIVALS, RIVALS_WITHIN};
-use crate::diagnosis::verdict::conclude::Findings;
+use crate::diagnosis::verdict::findings::Findings;
 use crate::math::functions::{exp, ln};
 
 /// Log odds by which the small effect that gains most stands before another one, in squares of a standard normal deviate: the largest

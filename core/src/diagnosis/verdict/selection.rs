@@ -5,7 +5,7 @@ use crate::diagnosis::odds::posterior_odds::{
     LEAST_RIVAL, MOST_RIVALS, RIVALS_WITHIN, SURE, SetProbabilities, best, groups,
 };
 use crate::diagnosis::story::{SINGLE_PLACE, Story};
-use crate::diagnosis::verdict::conclude::Findings;
+use crate::diagnosis::verdict::findings::Findings;
 use crate::math::functions::{exp, pow};
 use crate::math::special::normal_quantile;
 

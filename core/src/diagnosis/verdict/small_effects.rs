@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use crate::diagnosis::Refit;
 use crate::diagnosis::engine::SensorNoise;
 use crate::diagnosis::problem::FittedReading;
-use crate::diagnosis::verdict::conclude::Findings;
+use crate::diagnosis::verdict::findings::Findings;
 
 /// Least share that an effect explains of what the strongest one explains, in squares.
 const LEAST_SHARE: f64 = 0.2;

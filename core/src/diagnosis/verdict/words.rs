@@ -5,7 +5,7 @@ use crate::diagnosis::output::{
     Amount, DiscriminatingExperiment, EffectResult, OneThing, Output, RISES, StoryStep, Verdict,
 };
 use crate::diagnosis::screening::screen::AT_BOUNDS;
-use crate::diagnosis::verdict::conclude::Findings;
+use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::diagnosis::{PRIOR_OF, Problem, Refit};
 use crate::document::{counted, p_stated, percent, upper};

@@ -1,0 +1,155 @@
+//! The sets, weighed, and which of them is said.
+
+use crate::diagnosis::Problem;
+use crate::diagnosis::engine::{Remainder, State};
+use crate::diagnosis::odds::posterior_odds::{SURE, SetProbabilities, best, held};
+use crate::diagnosis::output::Verdict;
+use crate::diagnosis::story::{Step, Story};
+use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
+use std::collections::BTreeMap;
+
+/// The sets, weighed, and which of them is said.
+pub(crate) struct Findings<'a> {
+    pub problem: &'a Problem,
+    pub state: &'a State,
+    pub weights: SetProbabilities,
+    /// The steps that lead to the selected set, where the model is taken to be a little wrong everywhere.
+    pub story: Option<Story>,
+    /// Position of the selected fit; that of the baseline model where nothing is selected.
+    pub selected: usize,
+    /// Members of each group: positions of effects, the selected one first.
+    pub groups: Vec<Vec<usize>>,
+    /// Fits that are rivals of the selected one, itself first.
+    pub rivals: Vec<usize>,
+    /// What sets leave that were not screened before.
+    pub late: Vec<Remainder>,
+    /// Whether nothing stands although tests find something.
+    pub doubted: bool,
+    /// Whether the held-out rows speak against a set that fits the others.
+    pub vetoed: bool,
+    /// Whether the held-out rows show what the tests of the fitted rows do not.
+    pub shown_by_held_out: bool,
+    /// Whether the selected set goes before a more probable one since odds are doubted.
+    pub fewest_parameters: bool,
+    /// Probabilities that errors of the model itself are what effects explain, where they are not 0.
+    pub model_errors: BTreeMap<usize, f64>,
+    /// Probability that lumped nodes are what an effect explains.
+    pub lumped_nodes: BTreeMap<usize, f64>,
+    /// Probabilities of effects beside which others explain nearly as much.
+    pub shared: BTreeMap<usize, f64>,
+}
+
+impl Findings<'_> {
+    pub fn id(&self, effect: usize) -> &str {
+        &self.problem.candidates[effect].id
+    }
+
+    /// The sets before and after the step of a story at which an effect was added, or was most probable.
+    pub(super) fn step_of(&self, effect: usize) -> Option<(usize, usize)> {
+        let steps = &self.story.as_ref()?.steps;
+        let of = |step: &Step| {
+            let chance = step.additions.iter().find(|one| one.effect == effect)?;
+            Some((step.chosen == Some(chance.place), chance.probability, (step.before, chance.place)))
+        };
+        let best = steps.iter().filter_map(of).reduce(|a, b| if (b.0, b.1) > (a.0, a.1) { b } else { a });
+        best.map(|(_, _, places)| places)
+    }
+
+    /// Effects of the selected set: in the order of the story or, without one, that first without which most is lost.
+    pub(super) fn in_order(&self) -> Vec<usize> {
+        let refits = &self.state.refits;
+        let own = &refits[self.selected].effects;
+        if self.story.is_some() && self.selected > 0 {
+            return self.groups.iter().filter_map(|group| group.first()).copied().collect();
+        }
+        let without = |effect: usize| {
+            let rest: Vec<usize> = own.iter().copied().filter(|&other| other != effect).collect();
+            let rest = refits.iter().find(|refit| refit.effects == rest);
+            rest.map_or(f64::NEG_INFINITY, |rest| rest.log_evidence)
+        };
+        let mut order: Vec<(f64, usize)> = own.iter().map(|&effect| (without(effect), effect)).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        order.into_iter().map(|(_, effect)| effect).collect()
+    }
+
+    /// Probability that an effect is missing.
+    pub fn probability(&self, effect: usize) -> f64 {
+        let shared = self.shared.get(&effect).copied();
+        self.unless_model_error(effect, shared.unwrap_or_else(|| self.probability_as_weighed(effect)))
+    }
+
+    /// A probability of an effect, less what it has of being none.
+    pub(super) fn unless_model_error(&self, effect: usize, probability: f64) -> f64 {
+        (1.0 - self.model_error(effect)) * probability
+    }
+
+    /// Probability that errors of the model are what an effect explains.
+    pub(super) fn model_error(&self, effect: usize) -> f64 {
+        let of = |probabilities: &BTreeMap<usize, f64>| probabilities.get(&effect).copied().unwrap_or(0.0);
+        of(&self.model_errors).max(of(&self.lumped_nodes))
+    }
+
+    /// Whether an effect is so small that errors of the model may well be what it explains.
+    pub(super) fn is_small(&self, effect: usize) -> bool {
+        self.model_errors.get(&effect).is_some_and(|probability| *probability >= IS_MODEL_ERROR)
+    }
+
+    /// The same as if models had no errors of their own.
+    pub(super) fn probability_as_weighed(&self, effect: usize) -> f64 {
+        if let Some(story) = &self.story {
+            let chances = story.steps.iter().flat_map(|step| &step.additions).filter(|one| one.effect == effect);
+            return chances.map(|one| one.probability).fold(0.0, f64::max);
+        }
+        let with =
+            self.state.refits.iter().zip(&self.weights.sets).filter(|(refit, _)| refit.effects.contains(&effect));
+        with.map(|(_, weight)| weight).sum()
+    }
+
+    /// Log Bayes factor of a fit over another; where a model error is allowed for, each with the one that is most likely beside
+    /// it: with that of the best set the baseline model would seem far less probable than it is, and later steps hardly more.
+    pub(super) fn log_bayes_factor(&self, before: usize, after: usize) -> f64 {
+        let own = |place: usize| self.story.as_ref()?.log_evidences.get(place).copied().filter(|log| log.is_finite());
+        let refits = &self.state.refits;
+        match (own(before), own(after)) {
+            (Some(before), Some(after)) => after - before,
+            _ => refits[after].log_evidence - refits[before].log_evidence,
+        }
+    }
+
+    /// Whether the selected set goes before a more probable one.
+    pub fn goes_first(&self) -> bool {
+        self.story.is_none() && best(&self.weights).is_some_and(|place| self.selected != 0 && place != self.selected)
+    }
+
+    /// The family-wise p of what a set leaves, where that was tested.
+    pub(super) fn remaining(&self, place: usize) -> Option<f64> {
+        let effects = &self.state.refits[place].effects;
+        let mut known = self.state.remainders.iter().chain(&self.late);
+        known.find(|remainder| remainder.effects == *effects).map(|remainder| remainder.p)
+    }
+
+    /// The same of the selected set, or of the most probable one where the selected one goes before it.
+    pub fn remaining_now(&self) -> Option<f64> {
+        self.remaining(self.selected).or_else(|| self.remaining(best(&self.weights)?))
+    }
+
+    pub(super) fn judge(&self) -> Verdict {
+        if self.story.is_some() {
+            let first = self.groups.iter().filter_map(|group| group.first());
+            let sure = self.groups.iter().all(|group| group.len() == 1)
+                && first.into_iter().all(|&effect| self.probability(effect) >= SURE);
+            // A model that is wrong by more than the noise may be so in the steps as well.
+            return if sure && is_small_error(self.state) { Verdict::Identified } else { Verdict::Ambiguous };
+        }
+        let alone = self.rivals.len() == 1;
+        let sure = held(&self.state.refits, &self.weights, &self.groups) >= SURE;
+        let own = &self.state.refits[self.selected].effects;
+        let all_large = own.iter().all(|&effect| self.model_error(effect) < IS_MODEL_ERROR);
+        if alone && sure && all_large { Verdict::Identified } else { Verdict::Ambiguous }
+    }
+}
+
+/// Whether the model errors that are allowed for are smaller than the noise of their sensors.
+pub(super) fn is_small_error(state: &State) -> bool {
+    state.noise.iter().all(|one| one.model_error.is_none_or(|error| error.sd <= one.noise.total()))
+}
