@@ -44,7 +44,7 @@ pub fn posterior_odds(problem: &Problem, refits: &[Refit], unexplained: Option<f
 }
 
 /// The same with what the held-out readings say, each set with the noise that it shows there.
-pub(crate) fn odds_with_held_out(problem: &Problem, refits: &[Refit]) -> SetProbabilities {
+pub fn odds_with_held_out(problem: &Problem, refits: &[Refit]) -> SetProbabilities {
     let mut logs = log_posterior_weights(problem, refits);
     for (log, refit) in logs.iter_mut().zip(refits) {
         *log += gains_unseen(&refits[0], refit, refit.held_out.len() as f64);

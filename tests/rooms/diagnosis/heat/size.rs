@@ -46,7 +46,6 @@ fn refitted(watts: f64) -> Refit {
 #[test]
 fn a_heat_far_beyond_the_catalogue_is_plausible_only_where_the_model_moves_as_much() {
     let [small, large] = [8.0, 300.0].map(refitted);
-    println!("{:?} {:?} {:?} {:?} {:?} {:?}", small.widths, small.within_model, small.amplitudes, large.widths, large.within_model, large.amplitudes);
     assert!(small.within_model[0] && !small.is_implausible(small.effects[0]));
     assert!(!large.within_model[0] && large.is_implausible(large.effects[0]));
 }

@@ -1,6 +1,12 @@
 //! Tests of `core/src/diagnosis/odds/posterior_odds.rs`.
 
+use bmv::diagnosis::fits::refit::{Begin, HeldOut};
 use bmv::diagnosis::odds::posterior_odds::*;
+use bmv::document::Diagnostics;
+use bmv::effect::Catalogue;
+use bmv::random::StreamKey;
+use bmv::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
+use std::sync::Arc;
 
 #[test]
 fn nothing_stands_while_no_test_is_clear_and_no_set_takes_its_probability() {
@@ -22,4 +28,25 @@ fn vetoed_sets_go_to_something_else_or_out_of_the_question() {
     assert!((found.without.unexplained - 0.0099 / 0.0999).abs() < 1e-12);
     let nothing = veto(&weights, 1e-3, |_| false);
     assert_eq!((nothing.with, nothing.without), (weights.clone(), weights));
+}
+
+/// Four held-out readings, predicted with half the error, are worth `4 ln 2`.
+#[test]
+fn held_out_readings_join_the_odds() {
+    let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+    let request =
+        InjectionRequest { only: Some("heat-load".to_owned()), size: Some(5.0), ..InjectionRequest::default() };
+    let problem =
+        case(&catalogue, &Recipe::of(Topology::Star, TestKind::Steady, request), 1, 0).expect("a case").problem;
+    let begin = Begin { from_prior: 2, scale: 1.0, ..Begin::default() };
+    let refit = |effects: &[usize], rmse_held_out_k: f64| {
+        let mut refit = problem.refit(effects, &begin, &StreamKey::new(1, "test", "odds")).expect("a fit");
+        refit.held_out = vec![HeldOut { measurement: 0, row: 0, sensor: 0, error: 0.0, sigma: 1.0 }; 4];
+        refit.rmse_held_out_k = Some(rmse_held_out_k);
+        refit
+    };
+    let refits = [refit(&[], 0.8), refit(&[0], 0.4)];
+    let log_odds = |weights: SetProbabilities| (weights.sets[1] / weights.sets[0]).ln();
+    let gain = log_odds(odds_with_held_out(&problem, &refits)) - log_odds(posterior_odds(&problem, &refits, None));
+    assert!((gain - 4.0 * 2.0_f64.ln()).abs() < 1e-9, "{gain}");
 }
